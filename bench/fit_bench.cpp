@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "fit/fits.h"
-#include "floating_point.h"
+#include "base/floating_point.h"
+#include "models/lobe_fits.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 

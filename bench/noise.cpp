@@ -10,7 +10,7 @@
 #include <ctime>
 #include <filesystem>
 
-#include "fit/fits.h"
+#include "models/lobe_fits.h"
 #include "render/path.h"
 #include "srbf/measured.h"
 

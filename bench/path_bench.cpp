@@ -6,7 +6,7 @@
 
 #include <ctime>
 
-#include "fit/fits.h"
+#include "models/lobe_fits.h"
 #include "one_target.h"
 #include "render/path.h"
 #include "srbf/convert.h"

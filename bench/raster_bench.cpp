@@ -22,7 +22,7 @@
 #include <thread>
 #include <vector>
 
-#include "fit/fits.h"
+#include "models/lobe_fits.h"
 #include "render/frames.h"
 #include "srbf/metrics.h"
 

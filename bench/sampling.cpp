@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "fit/fits.h"
+#include "models/lobe_fits.h"
 #include "srbf/directions.h"
 #include "srbf/load.h"
 #include "srbf/measured.h"

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "fit/fits.h"
+#include "models/lobe_fits.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "background.h"
-#include "parallel.h"
+#include "base/parallel.h"
 #include "srbf/colour.h"
 #include "srbf/printable.h"
 #include "srbf/result.h"

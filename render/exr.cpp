@@ -14,9 +14,9 @@
 #include <optional>
 #include <stdexcept>
 
+#include "src/base/floating_point.h"
 #include "srbf/file.h"
 #include "srbf/text.h"
-#include "src/floating_point.h"
 
 namespace srbf {
 namespace {

@@ -8,9 +8,9 @@
 #include <limits>
 #include <map>
 
+#include "src/base/floating_point.h"
 #include "render/mesh.h"
 #include "srbf/text.h"
-#include "src/floating_point.h"
 
 namespace srbf {
 namespace {

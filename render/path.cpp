@@ -6,9 +6,9 @@
 #include <cmath>
 #include <mutex>
 
+#include "src/base/parallel.h"
 #include "render/rays.h"
 #include "render/shading.h"
-#include "src/parallel.h"
 
 namespace srbf {
 namespace {

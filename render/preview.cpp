@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "src/parallel.h"
+#include "src/base/parallel.h"
 
 namespace srbf {
 

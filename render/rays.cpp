@@ -10,7 +10,7 @@
 #include <embree3/rtcore.h>
 #endif
 
-#include "src/parallel.h"
+#include "src/base/parallel.h"
 
 namespace srbf {
 namespace {

@@ -1,7 +1,7 @@
 // Selection of a model by bytes or error.
 #include "srbf/choose.h"
 
-#include "fitting/choose.h"
+#include "fit/choose.h"
 #include "models.h"
 #include "srbf/metrics.h"
 

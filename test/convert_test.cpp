@@ -1,7 +1,7 @@
 // Conversion of BRDFs to tables, and the files of the formats.
 #include "srbf/convert.h"
 
-#include "measured/warp.h"
+#include "measured/formats/warp.h"
 #include "measured_files.h"
 #include "models.h"
 #include "srbf/colour.h"

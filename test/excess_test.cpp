@@ -1,9 +1,9 @@
 // Fits that exceed the measurement between the rows that they have seen.
-#include "fit/objective/bound.h"
+#include "observe/bound.h"
 
-#include "fit/data/observations.h"
-#include "fit/data/pairs.h"
-#include "fit/search/subsets.h"
+#include "models/pm/search/subsets.h"
+#include "observe/observations.h"
+#include "observe/pairs.h"
 #include "properties.h"
 #include "srbf/directions.h"
 

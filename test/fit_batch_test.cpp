@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "observe/observe_samples.h"
 #include "program.h"
 #include "properties.h"
-#include "samples/observe_samples.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/fit_samples.h"

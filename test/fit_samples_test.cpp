@@ -4,10 +4,10 @@
 #include <functional>
 #include <set>
 
+#include "observe/folds.h"
+#include "observe/near_samples.h"
+#include "observe/observe_samples.h"
 #include "properties.h"
-#include "samples/folds.h"
-#include "samples/near_samples.h"
-#include "samples/observe_samples.h"
 #include "srbf/directions.h"
 #include "srbf/fitting.h"
 

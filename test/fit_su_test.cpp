@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 
-#include "fit/fits.h"
+#include "models/lobe_fits.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"

@@ -1,5 +1,5 @@
 // The fit: recovery of synthetic input, documented properties, errors.
-#include "fit/fits.h"
+#include "models/lobe_fits.h"
 
 #include <map>
 

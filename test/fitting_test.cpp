@@ -5,10 +5,10 @@
 #include <set>
 #include <thread>
 
-#include "fit/data/pairs.h"
-#include "fit/objective/bound.h"
 #include "measured_files.h"
 #include "models.h"
+#include "observe/bound.h"
+#include "observe/pairs.h"
 #include "properties.h"
 #include "srbf/directions.h"
 

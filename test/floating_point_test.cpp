@@ -1,5 +1,5 @@
 // Few subnormal numbers in the inner loops of the fit, and no dependence of results on the caller's floating-point mode.
-#include "floating_point.h"
+#include "base/floating_point.h"
 
 #include <atomic>
 #include <bit>
@@ -10,14 +10,14 @@
 #include <thread>
 
 #include "../python/archive.h"
-#include "fit/views/view_lobes.h"
 #include "measured/isotropy.h"
-#include "microfacets/fits.h"
 #include "models.h"
+#include "models/facet_fits.h"
+#include "models/su/view_lobes.h"
+#include "observe/observe_samples.h"
 #include "properties.h"
 #include "render/environment.h"
 #include "render/mesh.h"
-#include "samples/observe_samples.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/fit_samples.h"

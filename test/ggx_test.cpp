@@ -1,5 +1,5 @@
 // Lambert and GGX: the formula, its file, its fit.
-#include "microfacets/fits.h"
+#include "models/facet_fits.h"
 #include "properties.h"
 #include "srbf/directions.h"
 #include "srbf/metrics.h"

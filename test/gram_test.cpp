@@ -1,9 +1,9 @@
 // The inner loops of the fit compared with plain ones, for each instruction set of this machine.
-#include "fit/model/row_features.h"
-#include "fit/solve/columns.h"
-#include "fit/solve/rows.h"
+#include "models/pm/solve/columns.h"
+#include "models/pm/solve/row_features.h"
+#include "models/pm/solve/rows.h"
 
-#include "fit/data/observations.h"
+#include "observe/observations.h"
 #include "one_target.h"
 #include "properties.h"
 #include "srbf/kernel.h"

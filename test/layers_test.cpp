@@ -13,29 +13,21 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path k_root = SRBF_SOURCE_DIR;
 
-// Groups of files in increasing level, by prefixes of their paths; a file may include its own group and those before
+// Folders and public headers in increasing level, by prefixes of their paths; a file may include its own level and those before
 // it.
 const std::vector<std::vector<std::string>> k_groups{
-    {"include/srbf/elementary", "src/elementary", "include/srbf/vec", "include/srbf/half", "src/half",
-     "include/srbf/colour", "src/colour", "include/srbf/printable", "src/printable", "include/srbf/result",
-     "src/result", "include/srbf/picture.h", "include/srbf/progress", "src/progress", "src/reporter"},
-    {"src/aligned", "src/floating_point", "src/parallel", "src/r_sequence", "src/k_d_tree", "src/elevation_nodes",
-     "src/weighted_quantile", "src/errors", "src/least_squares", "src/step_bounds", "src/levenberg_marquardt",
-     "include/srbf/file", "src/file", "src/npy", "include/srbf/npy", "include/srbf/text"},
-    {"include/srbf/kernel", "src/batch-inl", "src/fused"},
-    {"include/srbf/directions", "src/directions"},
-    {"include/srbf/brdf", "include/srbf/bsdf", "src/values"},
-    {"include/srbf/likeness", "src/pictures/likeness", "src/pictures/itp"},
-    {"include/srbf/pictures", "src/pictures/"},
-    {"include/srbf/metrics", "src/metrics"},
-    {"include/srbf/measured", "include/srbf/convert", "src/measured/"},
-    {"include/srbf/peak", "src/peak"},
-    {"include/srbf/su", "include/srbf/ggx", "include/srbf/pbr"},
-    {"include/srbf/model", "include/srbf/exponent_terms", "include/srbf/library", "src/model/"},
-    {"include/srbf/sampling", "src/sampling"},
-    {"include/srbf/prepared", "src/prepared", "include/srbf/load", "src/load", "include/srbf/extended_light",
-     "src/extended_light"},
-    {"include/srbf/shader", "include/srbf/shading_code", "src/shader/"},
+    {"include/srbf/kernel", "src/base/", "include/srbf/elementary", "include/srbf/vec", "include/srbf/half",
+     "include/srbf/printable", "include/srbf/result", "include/srbf/progress", "include/srbf/file", "include/srbf/npy",
+     "include/srbf/text"},
+    {"src/brdf/", "include/srbf/colour", "include/srbf/directions", "include/srbf/brdf", "include/srbf/bsdf"},
+    {"src/errors/", "include/srbf/picture", "include/srbf/likeness", "include/srbf/metrics"},
+    {"src/measured/", "include/srbf/measured", "include/srbf/convert", "include/srbf/peak"},
+    {"src/observe/", "src/models/", "include/srbf/su", "include/srbf/ggx", "include/srbf/pbr", "include/srbf/model",
+     "include/srbf/exponent_terms", "include/srbf/library", "include/srbf/fit.h", "include/srbf/fit_samples"},
+    {"src/sampling/", "include/srbf/sampling"},
+    {"src/prepared/", "include/srbf/prepared", "include/srbf/load"},
+    {"extras/environment/", "include/srbf/extended_light"},
+    {"src/code/", "include/srbf/shader", "include/srbf/shading_code"},
     {"render/shading"},
     {"render/image", "render/tone", "render/mesh", "render/exr", "render/environment", "render/filtered_environment",
      "render/map_layers", "render/studio"},
@@ -49,19 +41,8 @@ const std::vector<std::vector<std::string>> k_groups{
     {"render/html", "render/drawing"},
     {"render/slices", "render/chart", "render/material"},
     {"render/page"},
-    {"include/srbf/fit", "include/srbf/fit_samples", "include/srbf/choose", "include/srbf/basis"},
-    {"src/fit/solve/block", "src/fit/solve/columns"},
-    {"src/fit/fits", "src/fit/data/", "src/fit/objective/"},
-    {"src/fit/solve/rows"},
-    {"src/fit/model/"},
-    {"src/fit/solve/"},
-    {"src/fit/options", "src/fit/search/random_lobes"},
-    {"src/fit/views/"},
-    {"src/fit/search/"},
-    {"src/microfacets/"},
-    {"src/samples/"},
-    {"src/fitting/"},
-    {"src/basis/"},
+    {"src/fit/", "include/srbf/fit", "include/srbf/choose"},
+    {"extras/maps/", "include/srbf/basis"},
     {"app/"},
 };
 
@@ -81,7 +62,7 @@ struct Source {
 std::vector<Source> sources() {
     std::vector<Source> all;
     const std::regex include(R"(^\s*#include\s+([<"])([^>"]+)[>"])");
-    for (const char* folder : {"include", "src", "render", "app"})
+    for (const char* folder : {"include", "src", "extras", "render", "app"})
         for (const auto& entry : fs::recursive_directory_iterator(k_root / folder)) {
             if (!entry.is_regular_file()) continue;
             Source source{fs::relative(entry.path(), k_root), {}, {}};
@@ -115,6 +96,10 @@ TEST(Layers, OnlyEarlierOnesAreIncluded) {
     for (const Source& source : sources())
         for (const fs::path& included : source.included)
             EXPECT_LE(place_of(included), place_of(source.path)) << source.path << " includes " << included;
+}
+
+TEST(Layers, FoldersOfSourcesHoldNoLooseFile) {
+    for (const auto& entry : fs::directory_iterator(k_root / "src")) EXPECT_TRUE(entry.is_directory()) << entry.path();
 }
 
 TEST(Layers, MeasurementsAndModelsDoNotSeeEachOther) {

@@ -1,7 +1,7 @@
 // Bounded linear least squares, checked by optimality conditions and by enumeration of active sets; Levenberg-Marquardt
 // on problems with known solutions.
-#include "least_squares.h"
-#include "levenberg_marquardt.h"
+#include "base/least_squares.h"
+#include "base/levenberg_marquardt.h"
 
 #include "properties.h"
 

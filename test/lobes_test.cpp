@@ -1,10 +1,10 @@
 // Lobes as a least-squares problem: derivatives, the linear part, and the steps of the search.
-#include "fit/solve/lobe_problem.h"
+#include "models/pm/solve/lobe_problem.h"
 
-#include "fit/data/observations.h"
-#include "fit/solve/rounding.h"
-#include "least_squares.h"
-#include "levenberg_marquardt.h"
+#include "base/least_squares.h"
+#include "base/levenberg_marquardt.h"
+#include "models/pm/solve/rounding.h"
+#include "observe/observations.h"
 #include "properties.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "measured/tensor_file.h"
+#include "measured/formats/tensor_file.h"
 #include "properties.h"
 #include "srbf/measured.h"
 

@@ -2,8 +2,8 @@
 #include <cstring>
 #include <random>
 
-#include "fitting/clamped_noise.h"
-#include "fitting/noise.h"
+#include "fit/clamped_noise.h"
+#include "fit/noise.h"
 #include "measured_files.h"
 #include "properties.h"
 #include "srbf/convert.h"

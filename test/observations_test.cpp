@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <map>
 
-#include "fit/data/observations.h"
+#include "observe/observations.h"
 #include "properties.h"
 #include "srbf/kernel.h"
 #include "srbf/pictures.h"

@@ -9,8 +9,8 @@
 #include <regex>
 #include <unordered_set>
 
-#include "fit/fits.h"
 #include "models.h"
+#include "models/lobe_fits.h"
 #include "render/chart.h"
 #include "render/html.h"
 #include "render/scene.h"

@@ -35,11 +35,11 @@ for page in PAGES:
             problems.append(f"{page}: no {link}")
         elif anchor and target.endswith(".md") and anchor not in anchors(target):
             problems.append(f"{page}: no heading {link}")
-# Files of the sources, by their paths from here, from src/fit or from src; NAME stands for any.
+# Files of the sources, by their paths from here or from src; NAME stands for any.
 NAMED = re.compile(r"`((?:[a-z_.]+/)+[a-z_0-9]+\.(?:cpp|h|glsl))`")
 for page in (page for page in PAGES if page != "CHANGELOG.md" and not page.startswith("docs/notes/")):
     for name in NAMED.findall(text(page)):
-        if not any(os.path.exists(os.path.join(folder, root, name)) for root in ("", "src/fit", "src", "include")):
+        if not any(os.path.exists(os.path.join(folder, root, name)) for root in ("", "src", "include")):
             problems.append(f"{page}: no file {name}")
 print("\n".join(problems) or f"{len(PAGES)} pages: links resolve")
 sys.exit(bool(problems))

@@ -1,6 +1,6 @@
 // Surfaces by the parameters of renderers: the formula, its file, its fit.
-#include "microfacets/fits.h"
-#include "model/pbr_kernel.h"
+#include "models/facet_fits.h"
+#include "models/openpbr/pbr_kernel.h"
 #include "properties.h"
 #include "srbf/directions.h"
 #include "srbf/metrics.h"

@@ -1,8 +1,8 @@
 // Weights of radiance in pictures by one light.
-#include "fit/objective/point_lights.h"
+#include "observe/point_lights.h"
 
-#include "fit/data/observations.h"
-#include "fit/objective/pair_weights.h"
+#include "observe/observations.h"
+#include "observe/pair_weights.h"
 #include "properties.h"
 #include "srbf/directions.h"
 

@@ -1,7 +1,7 @@
 // Errors of pixels against the measure of pictures and their own differences.
-#include "fit/objective/pixels.h"
+#include "observe/pixels.h"
 
-#include "pictures/itp.h"
+#include "errors/itp.h"
 #include "properties.h"
 #include "srbf/pictures.h"
 

@@ -3,8 +3,8 @@
 #include <map>
 
 #include "dialects.h"
-#include "fit/fits.h"
 #include "models.h"
+#include "models/lobe_fits.h"
 #include "program.h"
 #include "render/path.h"
 #include "render/raster.h"

@@ -5,8 +5,8 @@
 
 #include <map>
 
-#include "fit/fits.h"
 #include "models.h"
+#include "models/lobe_fits.h"
 #include "program.h"
 #include "render/exr.h"
 #include "render/shading.h"

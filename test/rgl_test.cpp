@@ -1,7 +1,7 @@
 // RGL measurements: agreement with the authors' loader, the formula, the warp.
 #include <map>
 
-#include "measured/warp.h"
+#include "measured/formats/warp.h"
 #include "measured_files.h"
 #include "srbf/colour.h"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <map>
 
-#include "fit/fits.h"
 #include "models.h"
+#include "models/lobe_fits.h"
 #include "srbf/kernel.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"

@@ -1,8 +1,8 @@
 // The search for lobes: growth and perturbations.
-#include "fit/search/search.h"
+#include "models/pm/search/search.h"
 
-#include "fit/data/observations.h"
 #include "models.h"
+#include "observe/observations.h"
 #include "properties.h"
 
 namespace srbf::search_test {

@@ -14,7 +14,7 @@
 #include "su_models.h"
 #ifdef SRBF_RASTER
 #include "compute.h"
-#include "fit/data/observations.h"
+#include "observe/observations.h"
 #include "render/offscreen.h"
 #endif
 

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "fit/fits.h"
 #include "models.h"
+#include "models/lobe_fits.h"
 #include "render/html.h"
 #include "render/map_layers.h"
 #include "render/offscreen.h"

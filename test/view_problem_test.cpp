@@ -1,7 +1,7 @@
 // The lobes of one view as a least-squares problem: its loss and derivatives.
-#include "fit/views/view_problem.h"
+#include "models/su/view_problem.h"
 
-#include "levenberg_marquardt.h"
+#include "base/levenberg_marquardt.h"
 #include "properties.h"
 
 namespace srbf::view_problem_test {

@@ -1,5 +1,5 @@
 // The choice among tracks of lobes: the cheapest path, and the fading of its edges.
-#include "fit/views/view_tracks.h"
+#include "models/su/view_tracks.h"
 
 #include "properties.h"
 

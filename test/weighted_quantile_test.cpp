@@ -1,5 +1,5 @@
 // Quantiles against the definition, and where numbers coincide.
-#include "weighted_quantile.h"
+#include "base/weighted_quantile.h"
 
 #include "properties.h"
 

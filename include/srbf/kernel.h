@@ -32,7 +32,7 @@ template <Number Real> inline Real max(Real a, Real b) { return std::max(a, b); 
 template <Number Real> inline Real select(bool condition, Real a, Real b) { return condition ? a : b; }
 
 template <typename Real> using Triple = srbf::Vec3<Real>;
-#include "srbf/kernel_host.inl"
+#include "srbf/kernel/host.inl"
 
 }  // namespace kernel
 

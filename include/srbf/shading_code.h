@@ -103,7 +103,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 /// `argument`: a sparse library; sampling.
 Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options = {});
 
-/// The functions of a model as Python for a library of arrays, see src/shader/print_python.h: brdf(wl, wv),
+/// The functions of a model as Python for a library of arrays, see src/code/print_python.h: brdf(wl, wv),
 /// chosen_lobe(wv, selector), sample_of_lobe(k, wv, u1, u2) for each of its 16 lobes k, light_pdf(wl, wv). The model's
 /// numbers are tables: `lobes`, a row for each (coefficient, log scale, for each variate centre, unless the model is
 /// axial, and bandwidth, negative if the centre is -z, then the exponents) and `variates`; or `facets` (diffuse, and of

@@ -7,7 +7,7 @@
 #include <optional>
 #include <pugixml.hpp>
 
-#include "floating_point.h"
+#include "base/floating_point.h"
 #include "measured/klems.h"
 #include "measured/samples.h"
 #include "measured/tensor_tree.h"

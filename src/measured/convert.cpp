@@ -5,14 +5,14 @@
 
 #include <algorithm>
 
+#include "base/parallel.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/formats/mbsdf.h"
+#include "measured/formats/merl.h"
+#include "measured/formats/tensor_file.h"
+#include "measured/formats/warp.h"
 #include "measured/limits.h"
-#include "measured/mbsdf.h"
-#include "measured/merl.h"
-#include "measured/tensor_file.h"
-#include "measured/warp.h"
-#include "parallel.h"
 #include "srbf/colour.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <random>
 
-#include "floating_point.h"
-#include "k_d_tree.h"
+#include "base/floating_point.h"
+#include "base/k_d_tree.h"
+#include "brdf/values.h"
 #include "measured/angles.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 #include "srbf/measured.h"
-#include "values.h"
 
 namespace srbf {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "floating_point.h"
+#include "base/floating_point.h"
 #include "measured/formats.h"
 #include "measured/samples.h"
 #include "srbf/file.h"

@@ -7,7 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "floating_point.h"
+#include "base/floating_point.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
 #include "measured/spectral_rows.h"

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "measured/angles.h"
 #include "measured/limits.h"
-#include "parallel.h"
 #include "srbf/colour.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"

@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "floating_point.h"
-#include "k_d_tree.h"
+#include "base/floating_point.h"
+#include "base/k_d_tree.h"
 #include "measured/angles.h"
 #include "measured/limits.h"
 #include "measured/samples.h"

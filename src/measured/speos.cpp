@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "floating_point.h"
+#include "base/floating_point.h"
 #include "measured/limits.h"
 #include "measured/scatter.h"
 #include "srbf/colour.h"

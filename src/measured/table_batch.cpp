@@ -6,8 +6,8 @@
 #define HWY_TARGET_INCLUDE "measured/table_batch.cpp"
 #include <hwy/foreach_target.h>
 
-#include "batch-inl.h"
-#include "floating_point.h"
+#include "base/floating_point.h"
+#include "brdf/batch-inl.h"
 #include "measured/angles.h"
 #include "measured/limits.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/r_sequence.h"
 #include "measured/klems.h"
-#include "r_sequence.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
+#include "base/r_sequence.h"
 #include "measured/klems.h"
-#include "parallel.h"
-#include "r_sequence.h"
 #include "srbf/convert.h"
 #include "srbf/elementary.h"
 #include "srbf/printable.h"

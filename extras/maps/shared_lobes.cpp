@@ -1,0 +1,123 @@
+#include "extras/maps/shared_lobes.h"
+
+#include <algorithm>
+
+#include "base/levenberg_marquardt.h"
+#include "base/parallel.h"
+#include "extras/maps/material_coefficients.h"
+#include "models/pm/search/random_lobes.h"
+#include "models/pm/search/subsets.h"
+#include "models/pm/solve/rounding.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+namespace {
+
+/// Groups in which lobes are added, steps after each, and after the last.
+constexpr int k_basis_groups = 16, k_group_steps = 4, k_last_basis_steps = 16;
+/// Rounds in which active lobes are chosen and all lobes follow, and steps of each.
+constexpr int k_refinements = 3, k_refinement_steps = 6;
+
+constexpr Stage k_basis_stage{.name = "basis", .pairs = Pairs::few, .albedos = true};
+
+void optimise(SharedProblem& problem, Eigen::VectorXd& x, int steps) {
+    levenberg_marquardt(problem, x, {.max_iterations = steps, .adapts_to_bounds = true});
+}
+
+/// The lobes that materials with these rows share.
+Lobes shared_lobes(std::span<SharedRows> materials, const BasisOptions& of, Reporter& reporter) {
+    const LobeShape shape = shape_of(lobe_options(of));
+    std::mt19937_64 random = generator(of.seed, 0, 0);
+    Lobes lobes = initial_parameterizations(shape, 0, random);
+    SharedProblem problem(materials, shape, k_log_peak_limit);
+    const int group = std::max(1, of.lobes / k_basis_groups);
+    while (lobes.count() < of.lobes && !reporter.cancelled()) {
+        const int until = std::min(lobes.count() + group, of.lobes), before = lobes.count();
+        while (lobes.count() < until) {
+            problem.loss(pack(lobes));
+            if (lobes.count() == before) problem.weigh();
+            const auto additions = random_candidates(random, lobes);
+            lobes = with_lobe(std::move(lobes), problem.best_addition(additions));
+            if (of.active > 0) problem.offer(std::size_t(lobes.count()) - 1);
+        }
+        Eigen::VectorXd x = pack(lobes);
+        if (of.active > 0 && lobes.count() > of.active) {
+            problem.loss(x);
+            problem.activate(std::size_t(of.active));
+        }
+        optimise(problem, x, until < of.lobes ? k_group_steps : k_last_basis_steps);
+        lobes = unpack(x, shape);
+        reporter.advance("searching for shared lobes", double(until - before));
+    }
+    return lobes;
+}
+
+/// Lets lobes follow all terms of the objectives of materials, each of which is a sum of its active ones.
+Lobes refined(Lobes lobes, std::size_t count, const ObservationsOf& observations, const BasisOptions& of,
+              Reporter& reporter) {
+    for (int round = 0; round < k_refinements && !reporter.cancelled(); ++round) {
+        std::vector<SharedRows> materials(count);
+        parallel_for(count, [&](std::size_t t) {
+            if (const auto seen = observations(t)) materials[t] = material_of(*seen, lobes, of);
+        });
+        std::erase_if(materials, [](const SharedRows& material) { return !material.rows; });
+        if (materials.empty()) break;
+        SharedProblem problem(materials, lobes.shape, k_log_peak_limit);
+        Eigen::VectorXd x = pack(lobes);
+        problem.loss(x);
+        problem.weigh();
+        optimise(problem, x, k_refinement_steps);
+        lobes = unpack(x, lobes.shape);
+        reporter.advance("refining the shared lobes", double(count) / k_refinements);
+    }
+    return lobes;
+}
+
+/// The lobes as they are stored.
+Lobes rounded(const Lobes& lobes, const Rows& of_any) {
+    LobeProblem problem(of_any, lobes.shape, false, k_log_peak_limit);
+    problem.loss(pack(lobes));
+    return to_lobes(to_halves(to_model(problem, lobes, true), lobes), lobes.shape);
+}
+
+/// The lobes as a model with coefficients and scales 1.
+PmModel basis_model(const Lobes& lobes) {
+    const auto N = std::size_t(lobes.shape.variates), J = std::size_t(lobes.count()),
+               C = std::size_t(lobes.shape.components());
+    PmModel model;
+    model.form = lobes.shape.form, model.axial = lobes.shape.axial, model.lobes = int(J), model.variates = int(N);
+    model.coefficient.assign(J, {1, 1, 1}), model.log_scale.assign(J, 0);
+    for (std::size_t j = 0; j < J; ++j) {
+        const auto of = lobes.of(int(j));
+        for (std::size_t n = 0; n < N; ++n) {
+            const Vec3d p = vector_of(of, lobes.shape, int(n));
+            const double bandwidth = elementary::hypot(p.x, p.y, p.z);
+            model.bandwidth.push_back(float(bandwidth));
+            model.centre.push_back(bandwidth > 0
+                                       ? Vec3f{float(p.x / bandwidth), float(p.y / bandwidth), float(p.z / bandwidth)}
+                                       : Vec3f{0, 0, 1});
+        }
+        for (std::size_t k = N * C; k < of.size(); ++k) model.exponent.push_back(float(of[k]));
+    }
+    for (const double angle : lobes.angle) model.parameterization.push_back(rounded_direction(angle));
+    return rounded(model);
+}
+
+}  // namespace
+
+SharedRows rows_for_search(const Observations& observations) {
+    return {std::make_unique<Rows>(Subsets(observations).rows(k_basis_stage, 0))};
+}
+
+PmModel find_shared_lobes(std::span<SharedRows> rows, const ObservationsOf& observations, const BasisOptions& of,
+                          Reporter& reporter) {
+    Lobes lobes;
+    on_threads(of.threads, [&] {
+        lobes = shared_lobes(rows, of, reporter);
+        if (observations) lobes = refined(std::move(lobes), rows.size(), observations, of, reporter);
+        lobes = rounded(lobes, *rows[0].rows);
+    });
+    return basis_model(lobes);
+}
+
+}  // namespace srbf

@@ -1,0 +1,100 @@
+#include "extras/maps/shared_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "extras/maps/active_lobes.h"
+
+namespace srbf {
+namespace {
+
+/// Of the largest √L_t, as R_k of the point lights (docs/fitting.md): a material that the lobes match perfectly does not
+/// outweigh others.
+constexpr double k_least_root = 0.1;
+/// So many materials' Hessians are in memory at a time.
+constexpr std::size_t k_hessians = 8;
+
+}  // namespace
+
+SharedProblem::SharedProblem(std::span<SharedRows> materials, const LobeShape& shape, double log_peak_limit)
+    : shape_(shape), materials_(materials) {
+    for (const SharedRows& of : materials)
+        problems_.push_back(std::make_unique<LobeProblem>(*of.rows, shape, false, log_peak_limit));
+    factor_.assign(materials.size(), 1.0), loss_.assign(materials.size(), 0.0);
+}
+
+std::vector<Eigen::Index> SharedProblem::variables(std::size_t t, Eigen::Index size) const {
+    const std::vector<std::size_t>& lobes = materials_[t].lobes;
+    std::vector<Eigen::Index> of;
+    for (Eigen::Index i = 0; i < (lobes.empty() ? size : shape_.variates); ++i) of.push_back(i);
+    for (const std::size_t j : lobes)
+        for (int k = 0; k < shape_.width(); ++k) of.push_back(shape_.variates + Eigen::Index(j) * shape_.width() + k);
+    return of;
+}
+
+Eigen::VectorXd SharedProblem::lower(const Eigen::VectorXd& x) const {
+    return problems_[0]->lower(x).cwiseMax(x - problems_[0]->longest_step(x));
+}
+
+Eigen::VectorXd SharedProblem::upper(const Eigen::VectorXd& x) const {
+    return problems_[0]->upper(x).cwiseMin(x + problems_[0]->longest_step(x));
+}
+
+Eigen::VectorXd SharedProblem::longest_step(const Eigen::VectorXd& x) const {
+    return Eigen::VectorXd::Constant(x.size(), std::numeric_limits<double>::infinity());
+}
+
+double SharedProblem::loss(const Eigen::VectorXd& x) {
+    parallel_for(problems_.size(), [&](std::size_t t) { loss_[t] = problems_[t]->loss(x(variables(t, x.size()))); });
+    double sum = 0;
+    for (std::size_t t = 0; t < loss_.size(); ++t) sum += factor_[t] * loss_[t];
+    return sum;
+}
+
+void SharedProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+    H = Eigen::MatrixXd::Zero(x.size(), x.size()), g = Eigen::VectorXd::Zero(x.size());
+    std::vector<Eigen::MatrixXd> of_each(k_hessians);
+    std::vector<Eigen::VectorXd> gradient(k_hessians);
+    for (std::size_t first = 0; first < problems_.size(); first += k_hessians) {
+        const std::size_t count = std::min(k_hessians, problems_.size() - first);
+        parallel_for(count, [&](std::size_t i) {
+            problems_[first + i]->linearise(x(variables(first + i, x.size())), of_each[i], gradient[i]);
+        });
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto where = variables(first + i, x.size());
+            H(where, where) += factor_[first + i] * of_each[i], g(where) += factor_[first + i] * gradient[i];
+        }
+    }
+}
+
+void SharedProblem::weigh() {
+    const double largest = std::sqrt(std::max(*std::ranges::max_element(loss_), 1e-12));
+    for (std::size_t t = 0; t < loss_.size(); ++t)
+        factor_[t] = 1 / std::max(std::sqrt(std::max(loss_[t], 0.0)), k_least_root * largest);
+}
+
+void SharedProblem::activate(std::size_t most) {
+    parallel_for(problems_.size(), [&](std::size_t t) {
+        std::vector<std::size_t> active = active_lobes(*problems_[t], most);
+        if (const auto& before = materials_[t].lobes; !before.empty())
+            for (std::size_t& j : active) j = before[j];
+        materials_[t].lobes = std::move(active);
+    });
+}
+
+void SharedProblem::offer(std::size_t j) {
+    for (SharedRows& of : materials_) of.lobes.push_back(j);
+}
+
+std::vector<double> SharedProblem::best_addition(const std::vector<std::vector<double>>& candidates) {
+    std::vector<Eigen::VectorXd> gains(problems_.size());
+    parallel_for(problems_.size(), [&](std::size_t t) { gains[t] = problems_[t]->gains(candidates); });
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(Eigen::Index(candidates.size()));
+    for (std::size_t t = 0; t < gains.size(); ++t) sum += factor_[t] * gains[t].cwiseMax(0.0);
+    Eigen::Index best = 0;
+    return sum.size() > 0 && sum.maxCoeff(&best) > 0 ? candidates[std::size_t(best)] : std::vector<double>();
+}
+
+}  // namespace srbf

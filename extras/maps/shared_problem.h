@@ -1,0 +1,52 @@
+// Lobes that several materials share, as one separable least-squares problem.
+#pragma once
+#include <Eigen/Dense>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "models/pm/solve/lobe_problem.h"
+
+namespace srbf {
+
+/// A material of a shared problem.
+struct SharedRows {
+    std::unique_ptr<Rows> rows;
+    std::vector<std::size_t> lobes = {};  ///< those that it is a sum of; empty: all
+};
+
+/// Σ_t L_t(x) / r_t over the problems of materials t, each with coefficients of its own. The variables x are those of
+/// `LobeProblem` for all lobes. Materials are computed side by side on the threads of the caller's `on_threads`.
+class SharedProblem {
+  public:
+    /// The materials must outlive it.
+    SharedProblem(std::span<SharedRows> materials, const LobeShape& shape, double log_peak_limit);
+
+    double loss(const Eigen::VectorXd& x);
+    void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
+    /// Those of `LobeProblem`, and of the length of a step: a lobe that would change more ends there. Shortened as a whole,
+    /// steps of so many lobes would be short.
+    Eigen::VectorXd lower(const Eigen::VectorXd& x) const;
+    Eigen::VectorXd upper(const Eigen::VectorXd& x) const;
+    Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
+
+    /// Sets r_t by the losses of the last call of `loss`: √L_t, at least k_least_root of the largest.
+    void weigh();
+    /// Limits each material to its active lobes, so many at most; valid after `loss`.
+    void activate(std::size_t most);
+    /// Adds lobe j to those of each material.
+    void offer(std::size_t j);
+    /// The one of `candidates` that would lower the loss most if added; valid after `loss`.
+    std::vector<double> best_addition(const std::vector<std::vector<double>>& candidates);
+
+  private:
+    /// Where the variables of a material's lobes are among those of all; `size`: of all.
+    std::vector<Eigen::Index> variables(std::size_t t, Eigen::Index size) const;
+
+    LobeShape shape_;
+    std::span<SharedRows> materials_;
+    std::vector<std::unique_ptr<LobeProblem>> problems_;
+    std::vector<double> factor_, loss_;  ///< 1 / r_t; L_t
+};
+
+}  // namespace srbf

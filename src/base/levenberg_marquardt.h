@@ -1,0 +1,114 @@
+// Levenberg-Marquardt for separable least squares, independent of BRDFs.
+#pragma once
+#include <Eigen/Dense>
+#include <concepts>
+#include <limits>
+
+#include "base/least_squares.h"
+#include "base/step_bounds.h"
+
+namespace srbf {
+
+/// A sum of squares whose linear variables have been eliminated: a function of x only.
+template <typename P>
+concept SeparableProblem = requires(P& problem, const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+    { problem.loss(x) } -> std::convertible_to<double>;  // at x, with the optimal linear variables
+    {problem.linearise(x, H, g)};                        // JᵀJ and Jᵀr at the x of the last call of `loss`
+    { problem.lower(x) } -> std::convertible_to<Eigen::VectorXd>;  // bounds of a step from x
+    { problem.upper(x) } -> std::convertible_to<Eigen::VectorXd>;
+    {
+        problem.longest_step(x)
+        } -> std::convertible_to<Eigen::VectorXd>;  // bound on the step of each variable; longer steps are shortened
+};
+
+/// The reason why an optimiser stopped.
+enum class Stop {
+    decrease,    ///< predicted decrease ≤ `decrease_tolerance` × loss
+    step,        ///< no step with damping up to 1e10 lowers the loss
+    iterations,  ///< `max_iterations` linearisations were used
+    target,      ///< the remaining steps would not reach `target` even if each lowered the loss as much as the last one
+    cancelled,   ///< by the progress callback
+};
+
+struct LevenbergMarquardtOptions {
+    int max_iterations = 40;           ///< linearisations
+    double decrease_tolerance = 1e-7;  ///< relative
+    double damping = 1e-3;             ///< initial μ, times the diagonal of JᵀJ
+    /// What a step would take beyond its bound ends there. If so, the other variables adapt to it.
+    bool adapts_to_bounds = false;
+    /// The loss to reach. From the second step on the optimiser stops if the remaining steps would not reach it, were
+    /// each to lower the loss as much as the last one. Since the decrease of the steps usually diminishes, this rarely
+    /// stops too early.
+    double target = std::numeric_limits<double>::infinity();
+};
+
+struct LevenbergMarquardtSummary {
+    double loss = 0;  ///< at the returned x
+    int iterations = 0;
+    Stop stop = Stop::iterations;
+};
+
+/// Minimises problem.loss from x, with steps (JᵀJ + μ diag JᵀJ) δ = −Jᵀr, each within the bounds at its start. μ adapts
+/// to the ratio of actual to predicted decrease (Nielsen 1999). The last call of problem.loss is at the returned x.
+template <SeparableProblem P>
+LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
+                                              const LevenbergMarquardtOptions& options) {
+    constexpr double k_most_damping = 1e10;
+    LevenbergMarquardtSummary summary;
+    Eigen::MatrixXd H;
+    Eigen::VectorXd g;
+    double mu = options.damping, growth = 2;
+    summary.loss = problem.loss(x);
+    double decrease = 0;  // by the last step
+    bool at_x = true;     // the last call of problem.loss was at x
+    while (summary.iterations < options.max_iterations) {
+        problem.linearise(x, H, g);
+        ++summary.iterations;
+        const Eigen::VectorXd lower = problem.lower(x), upper = problem.upper(x);
+        const double floor = 1e-12 * std::max(H.diagonal().maxCoeff(), 1e-300);
+        fix_at_bounds(x, lower, upper, H, g);
+        const Eigen::VectorXd scale = H.diagonal().cwiseMax(floor);
+        bool lowered = false;
+        while (mu < k_most_damping && !lowered) {
+            Eigen::MatrixXd damped = H;
+            damped.diagonal() += mu * scale;
+            Eigen::VectorXd step = -solved(damped, g);
+            if (options.adapts_to_bounds) adapt_to_bounds(step, damped, g, lower - x, upper - x);
+            step *= std::min(1.0, 1 / step.cwiseAbs().cwiseQuotient(problem.longest_step(x)).maxCoeff());
+            const double predicted = -2 * step.dot(g) - step.dot(H * step);
+            if (options.adapts_to_bounds && predicted < 0) {  // what ends at bounds costs more than the rest gains
+                mu *= growth, growth *= 2;
+                continue;
+            }
+            if (!(predicted > options.decrease_tolerance * summary.loss)) {
+                summary.stop = Stop::decrease;
+                break;
+            }
+            const Eigen::VectorXd next = (x + step).cwiseMax(lower).cwiseMin(upper);
+            const double loss = problem.loss(next);
+            lowered = at_x = loss < summary.loss;
+            if (!lowered) {
+                mu *= growth, growth *= 2;
+                continue;
+            }
+            const double gain = 2 * (summary.loss - loss) / predicted - 1;
+            mu *= std::max(1.0 / 3, 1 - gain * gain * gain);
+            growth = 2;
+            x = next;
+            decrease = summary.loss - loss;
+            summary.loss = loss;
+        }
+        if (lowered) {
+            const int left = options.max_iterations - summary.iterations;
+            if (summary.iterations == 1 || summary.loss - left * decrease <= options.target) continue;
+            summary.stop = Stop::target;
+        } else if (mu >= k_most_damping) {
+            summary.stop = Stop::step;
+        }
+        break;
+    }
+    if (!at_x) summary.loss = problem.loss(x);
+    return summary;
+}
+
+}  // namespace srbf

@@ -1,0 +1,53 @@
+// Loops on several threads.
+#pragma once
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstddef>
+
+#include "base/floating_point.h"
+
+namespace srbf {
+
+/// Runs body() with `threads` threads; 0 or more than the machine has: as many as it has. (TBB prints a warning if it
+/// is asked for more.)
+template <typename Body> void on_threads(int threads, const Body& body) {
+    const int most = tbb::info::default_concurrency();
+    tbb::task_arena(threads > 0 ? std::min(threads, most) : most).execute([&] {
+        const StandardArithmetic mode;
+        body();
+    });
+}
+
+/// Runs body(i) for i in 0..count−1, in any order, on the threads of the caller's `on_threads`.
+template <typename Body> void parallel_for(std::size_t count, const Body& body) {
+    tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
+        const StandardArithmetic mode;
+        body(i);
+    });
+}
+
+/// The same, in order on the caller's thread unless `parallel`.
+template <typename Body> void for_each(std::size_t count, bool parallel, const Body& body) {
+    if (parallel) return parallel_for(count, body);
+    for (std::size_t i = 0; i < count; ++i) body(i);
+}
+
+/// The same on threads as in `on_threads`.
+template <typename Body> void parallel_for(std::size_t count, int threads, const Body& body) {
+    on_threads(threads, [&] { parallel_for(count, body); });
+}
+
+constexpr std::size_t part_count(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
+/// Calls body(begin, end) for each of the parts of 0..count−1 of that size, of which the last may be smaller: part
+/// begin/size of `part_count(count, size)`.
+template <typename Body> void parallel_for_parts(std::size_t count, std::size_t size, const Body& body) {
+    parallel_for(part_count(count, size), [&](std::size_t i) { body(i * size, std::min((i + 1) * size, count)); });
+}
+template <typename Body> void parallel_for_parts(std::size_t count, std::size_t size, int threads, const Body& body) {
+    on_threads(threads, [&] { parallel_for_parts(count, size, body); });
+}
+
+}  // namespace srbf

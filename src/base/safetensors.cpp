@@ -1,0 +1,235 @@
+#include "base/safetensors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "base/json.h"
+#include "srbf/half.h"
+#include "srbf/text.h"
+
+namespace srbf {
+namespace {
+
+constexpr std::uint64_t k_length_bytes = 8;
+constexpr std::size_t k_most_tensors = 64;
+/// Of a header: what may be long is a tensor.
+constexpr std::uint64_t k_most_header_bytes = std::uint64_t(1) << 20;
+constexpr int k_deepest = 3;  ///< the numbers of a shape
+
+std::uint64_t little_endian_64(std::span<const std::byte> bytes) {
+    std::uint64_t x = 0;
+    for (int i = 7; i >= 0; --i) x = x << 8 | std::to_integer<std::uint64_t>(bytes[std::size_t(i)]);
+    return x;
+}
+
+/// The extents of a JSON shape, or nothing if one is not a positive integer or their product exceeds `most`.
+std::optional<std::vector<std::uint64_t>> shape_within(const JsonValue& json, std::uint64_t most) {
+    const auto* entries = json.get<JsonList>();
+    if (!entries || entries->size() > k_most_brief) return std::nullopt;
+    std::vector<std::uint64_t> shape;
+    std::uint64_t product = 1;
+    for (const JsonValue& entry : *entries) {
+        const auto* extent = entry.get<std::uint64_t>();
+        if (!extent || *extent == 0 || *extent > most / product) return std::nullopt;
+        product *= *extent;
+        shape.push_back(*extent);
+    }
+    return shape;
+}
+
+constexpr const char* name_of(Type16 type) { return type == Type16::half ? "F16" : "U16"; }
+
+Result<JsonObject> parsed_header(std::string_view text, const std::string& file_name) {
+    auto header = parse_json(text, k_deepest);
+    if (!header)
+        return Error{file_name, k_length_bytes, "header", fmt::format("at most {} levels of JSON", k_deepest), "more"};
+    auto* object = header->get<JsonObject>();
+    if (!object) return Error{file_name, k_length_bytes, "header", "a JSON object", "something else"};
+    if (object->size() > k_most_tensors)
+        return Error{file_name, k_length_bytes, "number of tensors", fmt::format("at most {}", k_most_tensors),
+                     fmt::format("{}", object->size())};
+    return std::move(*object);
+}
+
+Result<std::map<std::string, std::string>> read_metadata(const JsonValue& entry, const std::string& file_name) {
+    const auto* object = entry.get<JsonObject>();
+    if (!object) return Error{file_name, k_length_bytes, "metadata", "an object of strings", "something else"};
+    std::map<std::string, std::string> metadata;
+    for (const auto& [name, value] : *object) {
+        const auto* text = value.get<std::string>();
+        if (!text)
+            return Error{file_name, k_length_bytes, fmt::format("metadata {:.80}", name), "a string", "something else"};
+        metadata[name] = *text;
+    }
+    return metadata;
+}
+
+/// The bytes of a tensor within the data.
+struct Range {
+    std::uint64_t begin, end;
+    friend auto operator<=>(const Range&, const Range&) = default;
+};
+
+struct Placed {
+    Range range;
+    Tensor16 tensor;
+};
+
+/// Reads from `data` the tensor `name`, which `entry` of the header describes.
+Result<Placed> read_tensor(const std::string& name, const JsonValue& entry, std::span<const std::byte> data,
+                           const std::string& file_name) {
+    const auto refused = [&](const char* part, std::string expected, std::string found) {
+        return Error{file_name, k_length_bytes, fmt::format("tensor '{:.80}'{}", name, part), std::move(expected),
+                     std::move(found)};
+    };
+    const JsonValue *dtype = entry.find("dtype"), *extents = entry.find("shape"), *offsets = entry.find("data_offsets");
+    if (!dtype || !extents || !offsets) return refused("", "dtype, shape and data_offsets", "one is missing");
+    const auto* type = dtype->get<std::string>();
+    if (!type || (*type != name_of(Type16::half) && *type != name_of(Type16::count)))
+        return refused(": dtype", "\"F16\" or \"U16\"", brief(*dtype));
+    const auto shape = shape_within(*extents, data.size() / 2);
+    if (!shape) return refused(": shape", fmt::format("counts, at most {} numbers", data.size() / 2), brief(*extents));
+    const auto* ends = offsets->get<JsonList>();
+    const auto* begin = ends && ends->size() == 2 ? (*ends)[0].get<std::uint64_t>() : nullptr;
+    const auto* end = begin ? (*ends)[1].get<std::uint64_t>() : nullptr;
+    if (!end) return refused(": data_offsets", "two counts", brief(*offsets));
+    const Range range{*begin, *end};
+    const auto size = std::accumulate(shape->begin(), shape->end(), std::uint64_t(2), std::multiplies());
+    if (range.end > data.size() || range.begin > range.end || range.end - range.begin != size)
+        return refused(": data_offsets", fmt::format("{} bytes within {}", size, data.size()),
+                       fmt::format("[{}, {}]", range.begin, range.end));
+    Tensor16 tensor{*type == name_of(Type16::count) ? Type16::count : Type16::half, *shape, {}};
+    tensor.data.reserve(std::size_t(size / 2));
+    for (std::uint64_t at = range.begin; at < range.end; at += 2)
+        tensor.data.push_back(std::uint16_t(std::to_integer<unsigned>(data[std::size_t(at)]) |
+                                            std::to_integer<unsigned>(data[std::size_t(at + 1)]) << 8));
+    return Placed{range, std::move(tensor)};
+}
+
+/// Returns an error unless the ranges cover `size` bytes of data, which begin at `data_at` of the file.
+Result<Done> check_covered(std::vector<Range> ranges, std::uint64_t size, std::uint64_t data_at,
+                           const std::string& file_name) {
+    std::sort(ranges.begin(), ranges.end());
+    std::uint64_t covered = 0;
+    for (const Range& range : ranges) {
+        if (range.begin != covered)
+            return Error{file_name, data_at + covered, "data", "tensors without gap or overlap",
+                         fmt::format("one that begins at {}", range.begin)};
+        covered = range.end;
+    }
+    if (covered == size) return Done{};
+    return Error{file_name, data_at + covered, "data", fmt::format("{} bytes", covered), fmt::format("{} bytes", size)};
+}
+
+}  // namespace
+
+Result<std::uint64_t> header_length(std::span<const std::byte> bytes, const std::string& file_name) {
+    if (bytes.size() < k_length_bytes)
+        return Error{file_name, 0, "header length", "8 bytes", fmt::format("{} bytes", bytes.size())};
+    if (as_text(bytes).starts_with("tensor_file"))
+        return Error{
+            file_name, {}, "input", "a fitted model", "a measurement (RGL tensor file)", ErrorCode::wrong_kind};
+    const std::uint64_t length = little_endian_64(bytes),
+                        most = std::min<std::uint64_t>(bytes.size() - k_length_bytes, k_most_header_bytes);
+    if (length <= most) return length;
+    return Error{file_name, 0, "header length", fmt::format("at most {}", most), fmt::format("{}", length)};
+}
+
+std::string shape_text(const std::vector<std::uint64_t>& shape) { return fmt::format("[{}]", fmt::join(shape, ", ")); }
+
+Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
+                           const std::map<std::string, TensorShape>& expected, const std::string& file_name) {
+    const auto fail = [&](std::string what, std::string wanted, std::string found) {
+        return Error{file_name, std::nullopt, std::move(what), std::move(wanted), std::move(found)};
+    };
+    for (const auto& [name, wanted] : expected) {
+        const auto at = tensors.find(name);
+        if (at == tensors.end()) return fail(fmt::format("tensor '{}'", name), "present", "none");
+        const Tensor16& tensor = at->second;
+        if (tensor.type != wanted.type)
+            return fail(fmt::format("tensor '{}': dtype", name), name_of(wanted.type), name_of(tensor.type));
+        if (tensor.shape != wanted.shape)
+            return fail(fmt::format("tensor '{}': shape", name), shape_text(wanted.shape), shape_text(tensor.shape));
+        if (tensor.type != Type16::half) continue;
+        for (const std::uint16_t half : tensor.data)
+            if (!std::isfinite(from_half(half)))
+                return fail(fmt::format("tensor '{}'", name), "finite numbers", fmt::format("{}", from_half(half)));
+    }
+    for (const auto& [name, tensor] : tensors)
+        if (!expected.contains(name)) return fail(fmt::format("tensor '{:.80}'", name), "none of that name", "one");
+    return Done{};
+}
+
+Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensors, Shape2 least, Shape2 most,
+                                   const std::string& expected, const std::string& file_name) {
+    const auto at = tensors.find("bandwidth");
+    if (at == tensors.end()) return Error{file_name, {}, "tensor 'bandwidth'", "present", "none"};
+    const auto& shape = at->second.shape;
+    if (shape.size() == 2 && shape[0] >= least[0] && shape[1] >= least[1] && shape[0] <= most[0] && shape[1] <= most[1])
+        return Shape2{shape[0], shape[1]};
+    return Error{file_name, {}, "tensor 'bandwidth': shape", expected, shape_text(shape)};
+}
+
+std::vector<std::byte> write_safetensors(const Safetensors& content) {
+    std::map<std::string, std::string> header;
+    if (!content.metadata.empty()) {
+        std::vector<std::string> entries;
+        for (const auto& [name, text] : content.metadata) entries.push_back(json_of(name) + ":" + json_of(text));
+        header["__metadata__"] = fmt::format("{{{}}}", fmt::join(entries, ","));
+    }
+    std::vector<std::byte> data;
+    for (const auto& [name, tensor] : content.tensors) {
+        const std::size_t begin = data.size();
+        for (const std::uint16_t number : tensor.data) {
+            data.push_back(std::byte(number & 0xff));
+            data.push_back(std::byte(number >> 8));
+        }
+        header[name] = fmt::format(R"({{"data_offsets":[{},{}],"dtype":"{}","shape":[{}]}})", begin, data.size(),
+                                   name_of(tensor.type), fmt::join(tensor.shape, ","));
+    }
+    std::string text = "{";
+    for (const auto& [name, entry] : header)
+        text += fmt::format("{}{}:{}", text.size() > 1 ? "," : "", json_of(name), entry);
+    text += "}";
+    text.append((8 - text.size() % 8) % 8, ' ');
+
+    std::vector<std::byte> bytes;
+    bytes.reserve(k_length_bytes + text.size() + data.size());
+    for (unsigned i = 0; i < k_length_bytes; ++i)
+        bytes.push_back(std::byte(std::uint64_t(text.size()) >> 8 * i & 0xff));
+    for (const char c : text) bytes.push_back(std::byte(c));
+    bytes.insert(bytes.end(), data.begin(), data.end());
+    return bytes;
+}
+
+Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std::string& file_name) {
+    const auto length = header_length(bytes, file_name);
+    if (!length) return length.error();
+    const auto header = parsed_header(as_text(bytes).substr(k_length_bytes, std::size_t(*length)), file_name);
+    if (!header) return header.error();
+    const std::uint64_t data_at = k_length_bytes + *length;
+    const std::span<const std::byte> data = bytes.subspan(std::size_t(data_at));
+    Safetensors content;
+    std::vector<Range> ranges;
+    for (const auto& [key, entry] : *header) {
+        if (key == "__metadata__") {
+            auto metadata = read_metadata(entry, file_name);
+            if (!metadata) return metadata.error();
+            content.metadata = *std::move(metadata);
+            continue;
+        }
+        auto placed = read_tensor(key, entry, data, file_name);
+        if (!placed) return placed.error();
+        ranges.push_back(placed->range);
+        content.tensors.emplace(key, std::move(placed->tensor));
+    }
+    if (const auto covered = check_covered(std::move(ranges), data.size(), data_at, file_name); !covered)
+        return covered.error();
+    return content;
+}
+
+}  // namespace srbf

@@ -1,0 +1,258 @@
+#include "srbf/shader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <type_traits>
+
+#include "code/bsdf_code.h"
+#include "models/openpbr/pbr_kernel.h"
+#include "code/texts.h"
+#include "srbf/half.h"
+#include "srbf/kernel.h"
+
+namespace srbf {
+namespace {
+
+/// The sizes of a material as macros for host.glsl and material.glsl.
+std::string shape(const Flat&) { return fmt::format("#define FLAT {:.9f}\n", Flat::k_value); }
+std::string shape(const MerlTable& table) {
+    const auto [h, d, p] = table.size;
+    return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h);
+}
+bool has_open_text(const PmModel& model) { return model.lobes <= k_most_open_lobes; }
+int kernel_texels(const PmModel& model) { return model.axial ? (model.variates + 3) / 4 : model.variates; }
+/// The same function in the form with the most terms, and with four or eight variates.
+PmModel widened(const PmModel& model) {
+    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
+    PmModel wide = model;
+    wide.form = k_forms.back();
+    wide.variates = model.variates <= 4 ? 4 : 8;
+    const auto W = std::size_t(wide.variates), E = std::size_t(features(wide.form));
+    wide.parameterization.resize(W);
+    wide.centre.assign(J * W, {0, 0, 1});
+    wide.bandwidth.assign(J * W, 0);
+    wide.exponent.assign(J * E, 0);
+    for (std::size_t j = 0; j < J; ++j) {
+        std::copy_n(model.centre.begin() + std::ptrdiff_t(j * N), N, wide.centre.begin() + std::ptrdiff_t(j * W));
+        std::copy_n(model.bandwidth.begin() + std::ptrdiff_t(j * N), N, wide.bandwidth.begin() + std::ptrdiff_t(j * W));
+        std::copy_n(model.exponent.begin() + std::ptrdiff_t(j * F), F, wide.exponent.begin() + std::ptrdiff_t(j * E));
+    }
+    return wide;
+}
+/// Padded with lobes that contribute 0, up to the capacity of an open text.
+PmModel filled(PmModel model) {
+    const auto J = std::size_t(k_most_open_lobes), N = std::size_t(model.variates);
+    model.lobes = k_most_open_lobes;
+    model.coefficient.resize(J);
+    model.log_scale.resize(J);
+    model.centre.resize(J * N, {0, 0, 1});
+    model.bandwidth.resize(J * N);
+    model.exponent.resize(J * std::size_t(features(model.form)));
+    return model;
+}
+
+std::string shape(const PmModel& model, bool open) {
+    if (open) {
+        const int variates = widened(model).variates;
+        return fmt::format(
+            "#define PM_LOBES {0}\n#define PM_VARIATES {1}\n#define PM_FEATURES {2}\n#define PM_AXIAL {3:d}\n"
+            "#define PM_KERNELS {4}\n#define PM_OPEN 1\n",
+            k_most_open_lobes, variates, k_terms.size(), model.axial,
+            k_most_open_lobes * (model.axial ? variates / 4 : variates));
+    }
+    std::vector<int> downs(std::size_t(model.lobes));
+    for (int j = 0; j < model.lobes; ++j)
+        for (int n = 0; n < model.variates; ++n) downs[std::size_t(j)] |= int(Kernel<float>::pm_down(model, j, n)) << n;
+    std::string text = fmt::format(
+        "#define PM_LOBES {}\n#define PM_VARIATES {}\n#define PM_FEATURES {}\n#define PM_AXIAL {:d}\n"
+        "#define PM_KERNELS {}\n#define PM_OPEN 0\n",
+        model.lobes, model.variates, features(model.form), model.axial, model.lobes * kernel_texels(model));
+    if (model.axial) text += fmt::format("#define PM_DOWNS {}\n", fmt::join(downs, ", "));
+    return text;
+}
+std::string shape(const SuModel& model) {
+    const DirectionMap map = model.index ? model.index->map : DirectionMap::cube;
+    return fmt::format(
+        "#define SU_LOBES {}\n#define SU_VIEWS {}\n#define SU_ROTATED {:d}\n#define SU_NEIGHBOURS {}\n"
+        "#define SU_CUBE {:d}\n#define SU_OF_LIGHTS {:d}\n",
+        model.lobes, model.direction.size(), model.interpolation == SuInterpolation::rotated, model.neighbours,
+        map == DirectionMap::cube, model.discretise == Discretise::light);
+}
+
+std::string shape(const GgxModel&) { return "#define GGX 1\n"; }
+
+std::string shape(const PbrModel&) { return "#define PBR 1\n"; }
+
+std::string beams_shape(const Beams& beams) {
+    return fmt::format("#define HAS_BEAM {:d}\n#define HAS_MIRROR_BEAM {:d}\n", !beams[2].empty() || !beams[3].empty(),
+                       !beams[0].empty() || !beams[1].empty());
+}
+std::string shape(const BsdfModel& model) { return beams_shape(model.beam); }
+std::string shape(const BsdfTables& tables) {
+    const auto [h, d, p] = size_of(tables);
+    return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h) + beams_shape(tables.beam);
+}
+
+/// What precedes material.glsl as code.
+template <typename M> std::string code_of(const M&) { return {}; }
+std::string code_of(const BsdfTables& tables) { return beam_code("material", tables.beam, CodeLanguage::glsl); }
+std::string code_of(const BsdfModel& bsdf) {
+    const Model model{bsdf, {}};
+    const auto code = shading_code(std::vector<NamedModel>{{"material", &model}}, "material");
+    assert(code.ok());  // parts are not view by view
+    return code.ok() ? *code : std::string();
+}
+
+}  // namespace
+
+std::string_view name(Dialect dialect) { return dialect == Dialect::gl_450 ? "OpenGL 4.5" : "OpenGL ES 3.0"; }
+
+std::string version_text(Dialect dialect) {
+    if (dialect == Dialect::gl_450) return "#version 450 core\n";
+    std::string text = "#version 300 es\n";
+    for (const char* type : {"float", "int", "sampler2D", "sampler3D", "usampler2D", "usamplerCube"})
+        text += fmt::format("precision highp {};\n", type);
+    return text;
+}
+
+std::string brdf_text(const Material& material, bool open) {
+    const std::string of_shape = std::visit(
+        [open](const auto& of) {
+            if constexpr (std::is_same_v<decltype(of), const PmModel&>)
+                return shape(of, open && has_open_text(of));
+            else
+                return shape(of);
+        },
+        material);
+    const std::string code = std::visit([](const auto& of) { return code_of(of); }, material);
+    return fmt::format("#define SIDES {}\n", is_two_sided(material) ? 2 : 1) + of_shape + k_host_text + k_kernel_text +
+           code + k_material_text;
+}
+
+std::string proposal_text(int parts) {
+    return fmt::format("#define MIXTURE_NODES {}\n#define MIXTURE_VECTORS {}\n#define MIXTURE_PARTS {}\n",
+                       MixtureProposal::k_nodes, k_node_vectors, parts) +
+           k_proposal_text + k_mixture_text;
+}
+
+Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options) {
+    std::vector<MixtureProposal> of_parts;
+    for (std::size_t p = 0; p < k_parts; ++p) of_parts.push_back(propose(part_of(bsdf, Part(p)), options));
+    return Proposals(std::move(of_parts));
+}
+
+ProposalNumbers proposal_numbers(const Proposals& proposals) {
+    ProposalNumbers all;
+    for (const MixtureProposal& of : proposals.of_part) {
+        for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
+            const auto numbers = of.numbers(node);
+            all.nodes.insert(all.nodes.end(), numbers.begin(), numbers.end());
+            all.nodes.resize(all.nodes.size() + std::size_t(4 * k_node_vectors) - numbers.size());
+        }
+        all.grains.push_back({of.cosine, of.sine});
+    }
+    return all;
+}
+
+std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
+    std::array<Float4, 4> numbers{
+        {{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
+    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
+        const GgxModel::Lobe& lobe = model.lobes[i];
+        numbers[1 + i] = {lobe.f0.r, lobe.f0.g, lobe.f0.b, lobe.roughness};
+        numbers[3 * i][3] = lobe.f90;
+    }
+    return numbers;
+}
+
+std::array<Float4, 8> pbr_numbers(const PbrModel& model) {
+    const auto of = kernel_surface(model);
+    const auto film = kernel_film(model);
+    const auto anisotropy = kernel_anisotropy(model);
+    return {{{of.base_color.x, of.base_color.y, of.base_color.z, of.metalness},
+             {of.diffuse_roughness, of.specular_weight, of.specular_color.x, of.specular_color.y},
+             {of.specular_color.z, of.specular_roughness, of.specular_ior, of.coat_weight},
+             {of.coat_color.x, of.coat_color.y, of.coat_color.z, of.coat_roughness},
+             {of.coat_ior, of.coat_darkening, of.fuzz_weight, of.fuzz_color.x},
+             {of.fuzz_color.y, of.fuzz_color.z, of.fuzz_roughness, model.is_exchanged ? 1.f : 0.f},
+             {film.weight, film.thickness, film.ior, 0},
+             {anisotropy.amount, anisotropy.cosine, anisotropy.sine, 0}}};
+}
+
+std::vector<Float4> pm_numbers(const PmModel& of, bool open) {
+    using Formulas = Kernel<float>;
+    open = open && has_open_text(of);
+    const PmModel model = open ? filled(widened(of)) : of;
+    const int J = model.lobes, N = model.variates, F = features(model.form);
+    std::vector<Float4> numbers;
+    for (int j = 0; j < J; ++j) {
+        const Vec3f beta = Formulas::pm_coefficient(model, j);
+        numbers.push_back({beta.x, beta.y, beta.z, float(Formulas::pm_log2_scale(model, j))});
+    }
+    for (int j = 0; j < J; ++j)
+        for (int k = 0; k < F; ++k) {
+            if (k % 4 == 0) numbers.emplace_back();
+            numbers.back()[std::size_t(k % 4)] = float(Formulas::pm_exponent(model, j, k));
+        }
+    for (int j = 0; j < J; ++j)
+        for (int n = 0; n < N; ++n) {
+            const float log2_falloff = float(Formulas::pm_log2_falloff(model, j, n));
+            const Vec3f centre = Formulas::pm_centre(model, j, n);
+            if (!model.axial) {
+                numbers.push_back({centre.x, centre.y, centre.z, log2_falloff});
+                continue;
+            }
+            if (n % 4 == 0) numbers.emplace_back();
+            numbers.back()[std::size_t(n % 4)] = open && Formulas::pm_down(model, j, n) ? -log2_falloff : log2_falloff;
+        }
+    for (const Parameterization& weights : model.parameterization)
+        numbers.push_back({weights.a, weights.b, open ? float(of.lobes) : 0, 0});
+    return numbers;
+}
+
+SuTexels su_texels(const SuModel& model) {
+    const auto J = std::size_t(model.lobes);
+    SuTexels texels;
+    texels.numbers.reserve(2 * model.centre.size());
+    for (std::size_t i = 0; i < model.direction.size(); ++i) {
+        const Vec3f w = model.direction[i];
+        texels.directions.push_back({w.x, w.y, w.z, 0});
+        for (std::size_t j = i * J; j < (i + 1) * J; ++j) {
+            const Rgb& beta = model.coefficient[j];
+            const Vec3f apart = model.centre[j] - mirror(w);
+            texels.numbers.push_back({to_half(beta.r), to_half(beta.g), to_half(beta.b), to_half(model.bandwidth[j])});
+            texels.numbers.push_back({to_half(apart.x), to_half(apart.y), to_half(apart.z),
+                                      model.shape.empty() ? std::uint16_t(0) : to_half(model.shape[j])});
+        }
+    }
+    return texels;
+}
+
+std::array<std::uint32_t, 3> size_of(const BsdfTables& tables) {
+    const auto any = std::ranges::find_if(tables.part, [](const auto& part) { return part != nullptr; });
+    return any == tables.part.end() ? std::array<std::uint32_t, 3>{1, 1, 1} : (*any)->size;
+}
+std::vector<Float4> merl_texels(const BsdfTables& tables) {
+    const auto [h, d, p] = size_of(tables);
+    std::vector<Float4> texels;
+    for (std::size_t part = 0; part < k_parts; ++part) {
+        // Tables take light and viewer to be exchangeable.
+        if (const MerlTable* table = answering(tables.part, Part(part)).brdf) {
+            const auto own = merl_texels(*table);
+            texels.insert(texels.end(), own.begin(), own.end());
+        } else {
+            texels.insert(texels.end(), std::size_t(h) * d * p, {0, 0, 0, 1});
+        }
+    }
+    return texels;
+}
+std::vector<Float4> merl_texels(const MerlTable& table) {
+    std::vector<Float4> texels;
+    texels.reserve(table.cells.size());
+    for (const Rgb& f : table.cells) texels.push_back(is_finite(f) ? Float4{f.r, f.g, f.b, 1} : Float4{});
+    return texels;
+}
+
+}  // namespace srbf

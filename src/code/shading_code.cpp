@@ -1,0 +1,786 @@
+#include "srbf/shading_code.h"
+#include "srbf/printable.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "code/bsdf_code.h"
+#include "code/defined_names.h"
+#include "code/print.h"
+#include "code/print_python.h"
+#include "code/syntax.h"
+#include "sampling/elevation_nodes.h"
+#include "code/texts.h"
+#include "srbf/extended_light.h"
+#include "srbf/prepared.h"
+#include "srbf/shader.h"
+
+namespace srbf {
+namespace {
+
+using syntax::Program;
+using syntax::Table;
+
+/// What kernel.glsl requires of a host, parsed as accessors: the handles but Pm, and what a model has none of.
+constexpr const char* k_handles = R"(
+struct Su { };
+struct SuNearest { };
+int su_nearest(SuNearest nearest, int k) { return 0; }
+)";
+constexpr const char* k_no_su = R"(
+int su_lobes(Su su) { return 0; }
+int su_views(Su su) { return 1; }
+Vec3 su_direction(Su su, int view) { return Vec3(0.0, 0.0, 1.0); }
+Vec3 su_centre(Su su, int view, int j) { return Vec3(0.0, 0.0, 1.0); }
+Real su_bandwidth(Su su, int view, int j) { return 0.0; }
+Vec3 su_coefficient(Su su, int view, int j) { return Vec3(0.0, 0.0, 0.0); }
+Real su_shape(Su su, int view, int j) { return 0.0; }
+)";
+
+/// Where the numbers of a program are.
+enum class Numbers {
+    constants,  ///< of lobes in a table, of microfacets in the text
+    tables,     ///< of microfacets too
+    arguments,  ///< the coefficients of lobes are members of the handle, which the functions take
+};
+
+/// The exponents of a model are to the base e, those of kernel.glsl to the base 2.
+constexpr const char* k_log2_e = "1.4426950408889634";
+constexpr const char* k_half_log2_e = "0.7213475204444817";
+
+/// The lobes of a multivariate model as rows of a table.
+struct LobeRow {
+    std::size_t scale, variates, of_variate, exponents, size;  ///< where they begin, and how many
+    LobeRow(const PmModel& model, Numbers where)
+        : scale(where == Numbers::arguments ? 0 : 3),
+          variates(scale + 1),
+          of_variate(model.axial ? 1 : 4),
+          exponents(variates + of_variate * std::size_t(model.variates)),
+          size(exponents + std::size_t(features(model.form))) {}
+};
+bool any_down(const PmModel& model) {
+    return model.axial && std::ranges::any_of(model.centre, [](const Vec3f& centre) { return centre.z < 0; });
+}
+Table lobes_of(const PmModel& model, Numbers where) {
+    const auto N = std::size_t(model.variates), F = std::size_t(features(model.form));
+    const char* const variates = !model.axial      ? "the centre and bandwidth of each variate"
+                                 : any_down(model) ? "a bandwidth for each variate, negative where its centre is -z"
+                                                   : "a bandwidth for each variate";
+    Table lobes{fmt::format("A row for each lobe: its {}log scale, {}{}.",
+                            where == Numbers::arguments ? "" : "coefficient (R, G, B) and ", variates,
+                            F > 0 ? ", exponents" : ""),
+                "lobes",
+                {},
+                LobeRow(model, where).size};
+    for (std::size_t j = 0; j < std::size_t(model.lobes); ++j) {
+        const Rgb& beta = model.coefficient[j];
+        if (where != Numbers::arguments) lobes.numbers.insert(lobes.numbers.end(), {beta.r, beta.g, beta.b});
+        lobes.numbers.push_back(model.log_scale[j]);
+        for (std::size_t n = j * N; n < (j + 1) * N; ++n) {
+            const Vec3f& xi = model.centre[n];
+            if (!model.axial) lobes.numbers.insert(lobes.numbers.end(), {xi.x, xi.y, xi.z});
+            lobes.numbers.push_back(model.axial && xi.z < 0 ? -model.bandwidth[n] : model.bandwidth[n]);
+        }
+        for (std::size_t k = 0; k < F; ++k) lobes.numbers.push_back(model.exponent[j * F + k]);
+    }
+    return lobes;
+}
+
+/// The tables and accessors of a multivariate model.
+std::string numbers_of(const PmModel& model, Numbers where, Program& program) {
+    const LobeRow row(model, where);
+    Table weights{"The weights a, b of each variate.", "variates", {}, 2};
+    for (const Parameterization& of : model.parameterization)
+        weights.numbers.insert(weights.numbers.end(), {of.a, of.b});
+    program.tables = {std::move(weights), lobes_of(model, where)};
+
+    const auto at = [&](std::size_t offset, const char* further = "") {
+        return fmt::format("lobes[{} * j + {}{}]", row.size, offset, further);
+    };
+    std::string text = fmt::format(
+        "int pm_lobes(Pm pm) {{ return {}; }}\n"
+        "int pm_variates(Pm pm) {{ return {}; }}\n"
+        "int pm_features(Pm pm) {{ return {}; }}\n"
+        "bool pm_axial(Pm pm) {{ return {}; }}\n"
+        "Real pm_weight_l(Pm pm, int n) {{ return variates[2 * n]; }}\n"
+        "Real pm_weight_v(Pm pm, int n) {{ return variates[2 * n + 1]; }}\n"
+        "Vec3 pm_coefficient(Pm pm, int j) {{ return {}; }}\n"
+        "Real pm_log2_scale(Pm pm, int j) {{ return {} * {}; }}\n"
+        "Real pm_exponent(Pm pm, int j, int k) {{ return {} * {}; }}\n",
+        model.lobes, model.variates, features(model.form), model.axial,
+        where == Numbers::arguments ? "pm.lobe[j]" : fmt::format("Vec3({}, {}, {})", at(0), at(1), at(2)), k_log2_e,
+        at(row.scale), k_log2_e, at(row.exponents, " + k"));
+    if (model.axial) {
+        const std::string bandwidth = at(row.variates, " + n");
+        text += fmt::format(
+            "Real pm_log2_falloff(Pm pm, int j, int n) {{ return {} * {}; }}\n"
+            "bool pm_down(Pm pm, int j, int n) {{ return {}; }}\n"
+            "Vec3 pm_centre(Pm pm, int j, int n) {{ return Vec3(0.0, 0.0, 1.0); }}\n",
+            k_half_log2_e, any_down(model) ? "abs(" + bandwidth + ")" : bandwidth,
+            any_down(model) ? bandwidth + " < 0.0" : "false");
+    } else {
+        text += fmt::format(
+            "Real pm_log2_falloff(Pm pm, int j, int n) {{ return {} * {}; }}\n"
+            "bool pm_down(Pm pm, int j, int n) {{ return false; }}\n"
+            "Vec3 pm_centre(Pm pm, int j, int n) {{ return Vec3({}, {}, {}); }}\n",
+            k_half_log2_e, at(row.variates + 3, " + 4 * n"), at(row.variates, " + 4 * n"),
+            at(row.variates + 1, " + 4 * n"), at(row.variates + 2, " + 4 * n"));
+    }
+    return text;
+}
+
+const std::string k_no_pm =
+    "int pm_lobes(Pm pm) { return 0; }\n"
+    "int pm_variates(Pm pm) { return 0; }\n"
+    "int pm_features(Pm pm) { return 0; }\n"
+    "bool pm_axial(Pm pm) { return true; }\n"
+    "bool pm_down(Pm pm, int j, int n) { return false; }\n"
+    "Real pm_weight_l(Pm pm, int n) { return 0.0; }\n"
+    "Real pm_weight_v(Pm pm, int n) { return 0.0; }\n"
+    "Real pm_log2_scale(Pm pm, int j) { return 0.0; }\n"
+    "Real pm_log2_falloff(Pm pm, int j, int n) { return 0.0; }\n"
+    "Real pm_exponent(Pm pm, int j, int k) { return 0.0; }\n"
+    "Vec3 pm_coefficient(Pm pm, int j) { return Vec3(0.0, 0.0, 0.0); }\n"
+    "Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, 1.0); }\n";
+
+/// The accessors of a view-by-view model, whose numbers (`shading_data`) the host supplies.
+constexpr std::size_t k_of_view = 3, k_of_view_lobe = 8;
+std::string numbers_of(const SuModel& model, Program& program) {
+    const std::size_t J = std::size_t(model.lobes), row = k_of_view + k_of_view_lobe * J;
+    program.tables.push_back(
+        {fmt::format(
+             "number i of the data, float32 in little-endian order; a function or macro of the host. {} rows of {}: "
+             "the direction of a view (x, y, z), and for each of its lobes, {}, coefficient (R, G, B), bandwidth, "
+             "centre (x, y, z), shape (tau or -alpha, 0 without).",
+             model.direction.size(), row, J),
+         "number",
+         {}});
+    const auto at = [&](std::size_t offset) {
+        return fmt::format("number[{} * view + {} * j + {}]", row, k_of_view_lobe, k_of_view + offset);
+    };
+    return fmt::format(
+        "int su_lobes(Su su) {{ return {0}; }}\n"
+        "int su_views(Su su) {{ return {1}; }}\n"
+        "Vec3 su_direction(Su su, int view) {{ return Vec3(number[{2} * view], number[{2} * view + 1], number[{2} * "
+        "view + "
+        "2]); }}\n"
+        "Vec3 su_coefficient(Su su, int view, int j) {{ return Vec3({3}, {4}, {5}); }}\n"
+        "Real su_bandwidth(Su su, int view, int j) {{ return {6}; }}\n"
+        "Vec3 su_centre(Su su, int view, int j) {{ return Vec3({7}, {8}, {9}); }}\n"
+        "Real su_shape(Su su, int view, int j) {{ return {10}; }}\n",
+        J, model.direction.size(), row, at(0), at(1), at(2), at(3), at(4), at(5), at(6),
+        model.shape.empty() ? "0.0" : at(7));
+}
+
+/// A number of the kernel's language.
+std::string real(float x) { return fmt::format("Real({})", syntax::digits(x)); }
+std::string vector(const Rgb& of) { return fmt::format("Vec3({}, {}, {})", real(of.r), real(of.g), real(of.b)); }
+
+/// The function `brdf`, of a value above the horizon that `statements` compute.
+std::string brdf_function(const std::string& statements) {
+    return "// The BRDF f_r [1/sr] in linear sRGB, without the cosine: multiply by wl.z and by the irradiance of the "
+           "light on a\n"
+           "// surface that faces it. wl points to the light and wv to the viewer: unit vectors in the local frame, "
+           "whose z is the\n"
+           "// shading normal. 0 where one of them is not above the horizon, or has a NaN.\n"
+           "Vec3 brdf(Su su, Vec3 wl, Vec3 wv, Pm pm) {\n"
+           "    if (!(Real(0.0) < wl.z && Real(0.0) < wv.z && dot(wl, wl) + dot(wv, wv) < Real(1.0e30)))\n"
+           "        return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
+           statements + "}\n";
+}
+std::string brdf_of(const SuModel& model) {
+    const char* directions = model.discretise == Discretise::view ? "wl, wv" : "wv, wl";
+    return brdf_function(fmt::format("    return su_rotated_value(su, {});\n", directions));
+}
+std::string brdf_of(const PmModel&) { return brdf_function("    return pm_value(pm, wl, wv);\n"); }
+/// `number(x)` is the text of one of its numbers, in the order of `diffuse`, and of each lobe `roughness`, `f0`, `f90`.
+template <typename Number> std::string brdf_of(const GgxModel& model, const Number& number) {
+    const auto colour = [&](const Rgb& of) {
+        const std::string r = number(of.r), g = number(of.g), b = number(of.b);
+        return fmt::format("Vec3({}, {}, {})", r, g, b);
+    };
+    constexpr std::array<const char*, k_most_ggx_lobes> names{"first", "second"};
+    std::string text, sum = "Real(2.0 / SRBF_TWO_PI) * " + colour(model.diffuse);
+    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
+        const GgxModel::Lobe& lobe = model.lobes[i];
+        const std::string roughness = number(lobe.roughness), f0 = colour(lobe.f0), f90 = number(lobe.f90);
+        text += fmt::format("    GgxLobe {0};\n    {0}.roughness = {1};\n    {0}.f0 = {2};\n    {0}.f90 = {3};\n",
+                            names[i], roughness, f0, f90);
+        sum += fmt::format(" + ggx_lobe_value({}, wl, wv)", names[i]);
+    }
+    return brdf_function(text + "    return " + sum + ";\n");
+}
+std::string brdf_of(const GgxModel& model) { return brdf_of(model, real); }
+/// The same of a surface of renderers' parameters, in the order of kernel.glsl's PbrSurface.
+template <typename Number> std::string brdf_of(const PbrModel& model, const Number& number) {
+    constexpr std::array<std::pair<const char*, bool>, 15> members{{{"base_color", true},
+                                                                    {"metalness", false},
+                                                                    {"diffuse_roughness", false},
+                                                                    {"specular_weight", false},
+                                                                    {"specular_color", true},
+                                                                    {"specular_roughness", false},
+                                                                    {"specular_ior", false},
+                                                                    {"coat_weight", false},
+                                                                    {"coat_color", true},
+                                                                    {"coat_roughness", false},
+                                                                    {"coat_ior", false},
+                                                                    {"coat_darkening", false},
+                                                                    {"fuzz_weight", false},
+                                                                    {"fuzz_color", true},
+                                                                    {"fuzz_roughness", false}}};
+    std::vector<float> numbers;
+    for (const Float4& four : pbr_numbers(model)) numbers.insert(numbers.end(), four.begin(), four.end());
+    std::string text = "    PbrSurface of;\n";
+    std::size_t at = 0;
+    for (const auto& [member, is_colour] : members) {
+        const std::string first = number(numbers[at++]);
+        if (is_colour) {
+            const std::string g = number(numbers[at++]), b = number(numbers[at++]);
+            text += fmt::format("    of.{} = Vec3({}, {}, {});\n", member, first, g, b);
+        } else {
+            text += fmt::format("    of.{} = {};\n", member, first);
+        }
+    }
+    const std::string directions = model.is_exchanged ? "wv, wl" : "wl, wv";
+    const bool is_anisotropic = model.specular_roughness_anisotropy > 0;
+    if (model.thin_film_weight == 0 && !is_anisotropic)
+        return brdf_function(text + fmt::format("    return pbr_value(of, {});\n", directions));
+    const auto add = [&](const char* type, const char* name, const std::array<const char*, 3>& of_type) {
+        ++at;  // past what fills the vector before
+        text += fmt::format("    {} {};\n", type, name);
+        for (const char* member : of_type)
+            text += fmt::format("    {}.{} = {};\n", name, member, number(numbers[at++]));
+    };
+    add("PbrFilm", "film", {"weight", "thickness", "ior"});
+    if (!is_anisotropic)
+        return brdf_function(text + fmt::format("    return pbr_film_value(of, film, {});\n", directions));
+    add("PbrAnisotropy", "anisotropy", {"amount", "cosine", "sine"});
+    return brdf_function(text +
+                         fmt::format("    return pbr_anisotropic_value(of, film, anisotropy, {});\n", directions));
+}
+std::string brdf_of(const PbrModel& model) { return brdf_of(model, real); }
+/// The same with its numbers in a table.
+template <typename M> std::string brdf_of(const M& model, Table numbers, Program& program) {
+    std::string text = brdf_of(model, [&](float x) {
+        numbers.numbers.push_back(x);
+        return fmt::format("{}[{}]", numbers.name, numbers.numbers.size() - 1);
+    });
+    program.tables.push_back(std::move(numbers));
+    return text;
+}
+std::string brdf_of(const PbrModel& model, Program& program) {
+    return brdf_of(model, {"The numbers of the surface, in the order of PbrSurface.", "surface_numbers", {}}, program);
+}
+std::string brdf_of(const GgxModel& model, Program& program) {
+    return brdf_of(model, {"Diffuse colour, and of each lobe roughness, F0 (R, G, B), F90.", "facets", {}}, program);
+}
+
+/// The albedo of a node's view; the one at the horizon is that just above it.
+Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine) { return albedo(brdf, std::max(float(cosine), 1e-30f)); }
+
+/// Directional albedos of a BRDF at the nodes. Of the model itself, whose values are the same on every processor, not of
+/// what renderers evaluate.
+std::vector<Rgb> albedos(const Model& model) {
+    const PreparedBrdf brdf = prepare<Model>(model, CosineProposal{});
+    std::vector<Rgb> reflected;
+    for (int i = 0; i < k_albedo_nodes; ++i) reflected.push_back(albedo_of_node(brdf, albedo_cosine(i)));
+    return reflected;
+}
+/// Lobe j with coefficient 1.
+Model lobe_alone(PmModel basis, std::size_t j) {
+    basis.coefficient.assign(std::size_t(basis.lobes), Rgb{}), basis.coefficient[j] = {1, 1, 1};
+    return {std::move(basis), {}};
+}
+/// What albedo.glsl requires, to be parsed before it: the sum over lobes where their coefficients are arguments.
+std::string albedo_of(const Model& model, Numbers where, const CodeOptions& options, Program& program) {
+    if (options.light_texels)
+        return "// Of lobe k > 0 at a view: (p, roughness, width) at i = 2 k - 2 and its share of the albedo at i = 2 "
+               "k - 1;\n"
+               "// then albedos, of as many nodes in a column as there are views. The host supplies them.\n"
+               "Vec3 light_texel(int i, int view);\n"
+               "Vec3 albedo_node(Pm pm, int i) {\n"
+               "    return light_texel(2 * EXTENDED_LOBES - 2 + i / EXTENDED_NODES, i % EXTENDED_NODES);\n}\n";
+    const bool is_wanted = options.albedo || options.environment || options.area;
+    Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
+    if (where != Numbers::arguments) {
+        for (const Rgb& of : is_wanted ? albedos(model) : std::vector<Rgb>())
+            nodes.numbers.insert(nodes.numbers.end(), {of.r, of.g, of.b});
+        program.tables.push_back(std::move(nodes));
+        return "Vec3 albedo_node(Pm pm, int i) { return Vec3(albedo_nodes[3 * i], albedo_nodes[3 * i + 1], "
+               "albedo_nodes[3 * i + 2]); }\n";
+    }
+    const auto& lobes = std::get<PmModel>(model.model);
+    const auto J = std::size_t(lobes.lobes);
+    nodes.comment = "Directional albedo of each lobe with coefficient 1, a row for each node.", nodes.columns = J;
+    nodes.numbers.resize(is_wanted ? k_albedo_nodes * J : 0);
+    for (std::size_t j = 0; j < J && is_wanted; ++j) {
+        const std::vector<Rgb> of_one = albedos(lobe_alone(lobes, j));
+        for (std::size_t i = 0; i < of_one.size(); ++i) nodes.numbers[i * J + j] = of_one[i].g;
+    }
+    program.tables.push_back(std::move(nodes));
+    return fmt::format(
+        "Vec3 albedo_node(Pm pm, int i) {{\n"
+        "    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));\n"
+        "    for (int j = 0; j < {0}; ++j) sum = sum + albedo_nodes[{0} * i + j] * pm.lobe[j];\n"
+        "    return sum;\n}}\n",
+        J);
+}
+
+/// What mixture.glsl requires, to be parsed before it.
+std::string mixture_of(const Model& model, const CodeOptions& options, Program& program) {
+    Table lobes{"The proposal's lobes, a row for each node: their weights, stretch and power.",
+                "mixture_numbers",
+                {},
+                MixtureProposal::k_numbers};
+    MixtureProposal mixture;
+    if (options.sampling) {
+        const int azimuths = is_isotropic(model) ? 1 : k_anisotropic_azimuths;
+        mixture = std::get<MixtureProposal>(propose(model, {azimuths, options.threads}));
+        for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
+            const auto numbers = mixture.numbers(node);
+            lobes.numbers.insert(lobes.numbers.end(), numbers.begin(), numbers.end());
+        }
+    }
+    program.tables.push_back(std::move(lobes));
+    return fmt::format(
+        "Real mixture_number(int node, int i) {{ return mixture_numbers[{} * node + i]; }}\n"
+        "Vec3 mixture_tangent(Vec3 wv) {{ return {}; }}\n",
+        MixtureProposal::k_numbers, mixture.has_grain() ? vector({mixture.cosine, mixture.sine, 0}) : "wv");
+}
+
+/// A row of `columns` numbers for each node of light_lobes, linear between nodes.
+std::string light_number(std::size_t columns) {
+    return fmt::format(
+        "Real light_number(int i, NodesAbout nodes) {{\n"
+        "    int at = {0} * nodes.below + i;\n"
+        "    return light_lobes[at] + nodes.beyond * (light_lobes[at + {0}] - light_lobes[at]);\n}}\n",
+        columns);
+}
+std::string light_width(std::size_t column) {
+    return fmt::format("Real light_width(NodesAbout nodes) {{ return light_number({}, nodes); }}\n", column);
+}
+/// Weights sum to 1 at most, but of materials of a basis to the albedo, for the sum is linear in their coefficients.
+constexpr std::string_view k_light_whole =
+    "Vec3 light_whole(Vec3 albedo) {\n"
+    "    return Vec3(min(albedo.x, Real(1.0)), min(albedo.y, Real(1.0)), min(albedo.z, Real(1.0)));\n}\n";
+constexpr std::string_view k_light_whole_of_basis = "Vec3 light_whole(Vec3 albedo) { return albedo; }\n";
+/// The same of lobes that the host has.
+constexpr std::string_view k_light_of_host =
+    "Vec3 light_between(int i, NodesAbout nodes) {\n"
+    "    Vec3 here = light_texel(i, nodes.below);\n"
+    "    return here + nodes.beyond * (light_texel(i, nodes.below + 1) - here);\n}\n"
+    "Real light_width(NodesAbout nodes) { return light_between(0, nodes).z; }\n"
+    "Vec3 light_shape(int k, NodesAbout nodes) { return light_between(2 * k - 2, nodes); }\n"
+    "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
+    "    Vec3 share = light_between(2 * k - 1, nodes);\n"
+    "    return Vec3(share.x * whole.x, share.y * whole.y, share.z * whole.z);\n}\n";
+/// What extended.glsl requires, to be parsed before it.
+std::string light_of(const Model& model, const CodeOptions& options, Program& program) {
+    if (options.light_texels) return std::string(k_light_whole).append(k_light_of_host);
+    const auto others = std::size_t(options.extended_lobes - 1);
+    Table light{
+        "A row for each node: p, roughness and share of the albedo (R, G, B) of each lobe after the first; width.",
+        "light_lobes",
+        {},
+        5 * others + 1};
+    if (options.environment || options.area) {
+        const ExtendedLight of = extended_light(prepare(model), {.lobes = options.extended_lobes,
+                                                                 .isotropic = is_isotropic(model),
+                                                                 .levels = options.map_levels,
+                                                                 .threads = options.threads});
+        for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
+            for (const auto& lobe : std::span(of.lobe).subspan((others + 1) * node + 1, others))
+                light.numbers.insert(light.numbers.end(),
+                                     {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
+            light.numbers.push_back(of.width[node]);
+        }
+    }
+    program.tables.push_back(std::move(light));
+    return light_number(5 * others + 1) + light_width(5 * others) + std::string(k_light_whole) +
+           "Vec3 light_shape(int k, NodesAbout nodes) {\n"
+           "    return Vec3(light_number(5 * k - 5, nodes), light_number(5 * k - 4, nodes), Real(0.0));\n}\n"
+           "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
+           "    return Vec3(whole.x * light_number(5 * k - 3, nodes), whole.y * light_number(5 * k - 2, nodes),\n"
+           "                whole.z * light_number(5 * k - 1, nodes));\n}\n";
+}
+/// The same where the coefficients are arguments: beside the cosine of all there is one lobe of each of the basis, lobe j + 1
+/// of j, so that the sum is linear in them.
+std::string light_of_basis(const PmModel& basis, const CodeOptions& options, Program& program) {
+    const auto J = std::size_t(basis.lobes), columns = 3 * J + 1;
+    Table light{
+        "A row for each node: p, roughness and weight by its coefficient of each lobe after the first; the least "
+        "width.",
+        "light_lobes",
+        {},
+        columns};
+    if (options.environment || options.area) light.numbers.resize(columns * ExtendedLight::k_views);
+    for (std::size_t j = 0; j < J && !light.numbers.empty(); ++j) {
+        const Model one = lobe_alone(basis, j);
+        const ExtendedLight of = extended_light(
+            prepare(one),
+            {.lobes = 2, .isotropic = is_isotropic(one), .levels = options.map_levels, .threads = options.threads});
+        for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
+            const ExtendedLight::Lobe& lobe = of.lobe[2 * node + 1];
+            const float whole = albedo_of_node(of.brdf, ExtendedLight::cosine(int(node))).g;
+            float* const row = &light.numbers[columns * node];
+            row[3 * j] = lobe.axis, row[3 * j + 1] = lobe.roughness, row[3 * j + 2] = lobe.weight.g * whole;
+            row[columns - 1] = j == 0 ? of.width[node] : std::min(row[columns - 1], of.width[node]);
+        }
+    }
+    program.tables.push_back(std::move(light));
+    return light_number(columns) + light_width(columns - 1) + std::string(k_light_whole_of_basis) +
+           "Vec3 light_shape(int k, NodesAbout nodes) {\n"
+           "    return Vec3(light_number(3 * k - 3, nodes), light_number(3 * k - 2, nodes), Real(0.0));\n}\n"
+           "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
+           "    return light_number(3 * k - 1, nodes) * pm.lobe[k - 1];\n}\n";
+}
+
+/// The entry functions, by their names in the kernel's language and in the code.
+using Names = std::map<std::string, std::string>;
+Names entries(const CodeOptions& options) {
+    Names names{{"brdf", "brdf"}};
+    if (options.sampling) names.insert({{"sample_light", "sample"}, {"light_pdf", "pdf"}});
+    if (options.albedo) names.insert({"directional_albedo", "albedo"});
+    if (options.environment || options.area) names.insert({"environment_lobe", "environment_lobe"});
+    if (options.environment_draws) names.insert({"environment_draw", "environment_draw"});
+    if (options.light_texels) names.insert({"light_texel", "light_texel"});
+    if (options.area) names.insert({"area", "area"});
+    // A function sees the host's textures.
+    if (options.environment && syntax::reads_buffers(options.language))
+        names.insert({{"radiance", "radiance"}, {"environment", "environment"}});
+    if (options.environment_draws && syntax::reads_buffers(options.language))
+        names.insert({{"radiance_over", "radiance_over"}, {"environment_sampled", "environment_sampled"}});
+    return names;
+}
+
+/// Those of a map besides, and its hook.
+Names map_entries(const CodeOptions& options) {
+    Names names = entries(options);
+    // A function sees the host's textures.
+    if (syntax::reads_buffers(options.language)) names.insert({{"layer", "layer"}, {"coefficients", "coefficients"}});
+    return names;
+}
+std::string coefficients_of(const PmModel& basis) {
+    return fmt::format(
+        "// The coefficients of a material: R, G, B of each lobe.\n"
+        "struct Pm {{ Vec3 lobe[{}]; }};\n",
+        basis.lobes);
+}
+std::string look_up(const PmModel& basis) {
+    return fmt::format(
+        "// The coefficient of lobe j at (u, v), which the host looks up in its textures: R, G, B of layer j.\n"
+        "Vec3 layer(int j, Real u, Real v);\n"
+        "// The coefficients there.\n"
+        "Pm coefficients(Real u, Real v) {{\n"
+        "    Pm pm;\n"
+        "    for (int j = 0; j < {}; ++j) pm.lobe[j] = layer(j, u, v);\n"
+        "    return pm;\n}}\n",
+        basis.lobes);
+}
+
+Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
+                   Numbers where = Numbers::constants) {
+    Program program;
+    std::string handle = "struct Pm { };\n", accessors, brdf;
+    int variates = 1, terms = 1, light_lobes = options.extended_lobes;
+    if (const auto* pm = std::get_if<PmModel>(&model.model)) {
+        accessors = numbers_of(*pm, where, program) + k_no_su;
+        brdf = brdf_of(*pm);
+        if (where == Numbers::arguments) {
+            handle = coefficients_of(*pm), brdf += look_up(*pm);
+            light_lobes = pm->lobes + 1;
+        }
+        variates = pm->variates;
+        terms = std::max(features(pm->form), 1);
+    } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
+        accessors = k_no_pm + numbers_of(*su, program);
+        brdf = brdf_of(*su);
+    } else if (const auto* pbr = std::get_if<PbrModel>(&model.model)) {
+        accessors = k_no_pm + k_no_su;
+        brdf = where == Numbers::tables ? brdf_of(*pbr, program) : brdf_of(*pbr);
+    } else {
+        accessors = k_no_pm + k_no_su;
+        const auto& ggx = std::get<GgxModel>(model.model);
+        brdf = where == Numbers::tables ? brdf_of(ggx, program) : brdf_of(ggx);
+    }
+    std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(variates)},
+                                               {"SRBF_TERMS", std::to_string(terms)},
+                                               {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
+                                               {"ALBEDO_NODES", std::to_string(k_albedo_nodes)},
+                                               {"EXTENDED_NODES", std::to_string(ExtendedLight::k_views)},
+                                               {"EXTENDED_LOBES", std::to_string(light_lobes)},
+                                               {"EXTENDED_LEVELS", std::to_string(ExtendedLight::k_levels)}};
+    const bool is_mixture = options.sampling || options.albedo || options.environment || options.area;
+    const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string(),
+                      nodes = albedo_of(model, where, options, program),
+                      light = where == Numbers::arguments
+                                  ? light_of_basis(std::get<PmModel>(model.model), options, program)
+                                  : light_of(model, options, program);
+    syntax::parse(handle + accessors + k_handles, program, defines, true);
+    syntax::parse(k_kernel_text, program, defines);
+    syntax::parse(brdf, program, defines);
+    if (is_mixture)
+        syntax::parse(mixture + k_mixture_text + nodes + k_albedo_text + light + k_extended_text, program, defines);
+    if (options.environment_draws) syntax::parse(k_sampled_text, program, defines);
+    syntax::specialise(program, roots);
+    return program;
+}
+
+/// What a model is, and what is known of it.
+std::string about(const NamedModel& of) {
+    const Model& model = *of.model;
+    std::string text = of.name + ": ";
+    if (const auto* pm = std::get_if<PmModel>(&model.model))
+        text += fmt::format("{} lobes of {} variates, form {}", pm->lobes, pm->variates, name(pm->form));
+    else if (const auto* su = std::get_if<SuModel>(&model.model))
+        text += fmt::format("view by view, {} lobes", su->lobes);
+    else if (std::holds_alternative<BsdfModel>(model.model))
+        text += "reflection and transmission";
+    else if (std::holds_alternative<PbrModel>(model.model))
+        text += "a surface by parameters of OpenPBR";
+    else
+        text += "Lambert and GGX";
+    text += fmt::format(", {} bytes.", payload_bytes(model));
+    for (const auto& [key, value] : model.provenance) text += fmt::format("\n  {}", printable(key + " " + value));
+    return text;
+}
+
+/// A program, the name of what it is of, and what is known of that.
+struct NamedProgram {
+    std::string name, about;
+    Program program;
+};
+
+/// Several programs with what they share printed once.
+class Printed {
+  public:
+    Printed(std::vector<NamedProgram> programs, std::string_view prefix, CodeLanguage language, Names entries)
+        : programs_(std::move(programs)),
+          prefix_(std::string(prefix) + "_"),
+          language_(language),
+          entries_(std::move(entries)) {
+        for (const auto& [name, printed] : entries_) own_.insert(name);
+        for (const auto& of : programs_)
+            for (const Table& table : of.program.tables) own_.insert(table.name);
+        while (separate()) {
+        }
+    }
+
+    /// Adds the names of what is defined.
+    Result<Done> add_to(DefinedNames& defined) const {
+        for (std::size_t i = 0; i < programs_.size(); ++i) {
+            const Names of_program = names(i);
+            Result<Done> added = Done{};
+            each_definition(i, [&](const auto& of) {
+                if (added && own_.contains(of.name)) added = defined.add(of_program.at(of.name), programs_[i].name);
+            });
+            if (!added) return added;
+        }
+        return Done{};
+    }
+
+    std::string text() {
+        std::string shared, of_models;
+        std::set<std::string> known;
+        for (std::size_t i = 0; i < programs_.size(); ++i) {
+            syntax::Printer printer(language_, names(i));
+            std::string own;
+            each_definition(i, [&](const auto& definition) {
+                if (own_.contains(definition.name))
+                    own += printer.text(definition) + "\n";
+                else if (known.insert(definition.name).second)
+                    shared += printer.text(definition) + "\n";
+            });
+            of_models += syntax::comment_text(programs_[i].about) + "\n" + own;
+        }
+        return shared + of_models;
+    }
+
+  private:
+    template <typename Visit> void each_definition(std::size_t i, const Visit& visit) const {
+        const Program& program = programs_[i].program;
+        for (const auto& structure : program.structures) visit(structure);
+        for (const auto& table : program.tables) visit(table);
+        for (const auto& function : program.functions) visit(function);
+    }
+
+    Names names(std::size_t i) const {
+        Names names;
+        const std::string own = programs_[i].name + "_";
+        each_definition(i,
+                        [&](const auto& of) { names[of.name] = (own_.contains(of.name) ? own : prefix_) + of.name; });
+        for (const auto& [name, printed] : entries_) names[name] = own + printed;
+        return names;
+    }
+
+    /// Lets each model have its own of what is not the same in all that have it, or needs what is a model's own;
+    /// whether there was such.
+    bool separate() {
+        Names texts;
+        const std::size_t before = own_.size();
+        for (const NamedProgram& of : programs_)
+            for (const syntax::Function& function : of.program.functions)
+                syntax::visit_expressions(function.body, [&](const syntax::Expression& part) {
+                    if (own_.contains(part.text)) own_.insert(function.name);
+                });
+        for (std::size_t i = 0; i < programs_.size(); ++i) {
+            syntax::Printer printer(language_, names(i));
+            each_definition(i, [&](const auto& of) {
+                if (own_.contains(of.name)) return;
+                const std::string text = printer.text(of);
+                if (texts.emplace(of.name, text).first->second != text) own_.insert(of.name);
+            });
+        }
+        return own_.size() != before;
+    }
+
+    std::vector<NamedProgram> programs_;
+    std::string prefix_;
+    CodeLanguage language_;
+    Names entries_;
+    std::set<std::string> own_;
+};
+
+}  // namespace
+
+LightTexels light_texels(const ExtendedLight& light) {
+    constexpr std::size_t k_views = ExtendedLight::k_views;
+    const std::size_t others = std::size_t(light.lobes) - 1,
+                      columns = 2 * others + (k_albedo_nodes + k_views - 1) / k_views;
+    LightTexels texels{columns, std::vector<float>(3 * columns * k_views)};
+    const auto set = [&](std::size_t i, std::size_t view, const Rgb& of) {
+        std::copy_n(&of.r, 3, &texels.numbers[3 * (i + view * columns)]);
+    };
+    for (std::size_t view = 0; view < k_views; ++view)
+        for (std::size_t k = 0; k < others; ++k) {
+            const auto& [axis, roughness, weight] = light.lobe[(others + 1) * view + k + 1];
+            set(2 * k, view, {axis, roughness, light.width[view]}), set(2 * k + 1, view, weight);
+        }
+    for (std::size_t i = 0; i < k_albedo_nodes; ++i)
+        set(2 * others + i / k_views, i % k_views, albedo_of_node(light.brdf, albedo_cosine(int(i))));
+    return texels;
+}
+
+std::vector<float> shading_data(const SuModel& model) {
+    std::vector<float> data;
+    const auto J = std::size_t(model.lobes);
+    for (std::size_t i = 0; i < model.direction.size(); ++i) {
+        const Vec3f w = model.direction[i];
+        data.insert(data.end(), {w.x, w.y, w.z});
+        for (std::size_t j = i * J; j < (i + 1) * J; ++j) {
+            const Rgb& beta = model.coefficient[j];
+            const Vec3f xi = model.centre[j];
+            data.insert(data.end(), {beta.r, beta.g, beta.b, model.bandwidth[j], xi.x, xi.y, xi.z,
+                                     model.shape.empty() ? 0 : model.shape[j]});
+        }
+    }
+    return data;
+}
+
+std::string identifier(std::string_view text) {
+    std::string name;
+    for (const char c : text) {
+        const bool is_letter = std::isalnum(static_cast<unsigned char>(c)) && static_cast<unsigned char>(c) < 128;
+        if (is_letter)
+            name += c;
+        else if (!name.empty() && name.back() != '_')
+            name += '_';
+    }
+    while (!name.empty() && name.back() == '_') name.pop_back();
+    std::string letters;
+    for (const char c : name)
+        if (c != '_') letters += char(std::tolower(static_cast<unsigned char>(c)));
+    const bool is_reserved = name.starts_with("gl_") || name.starts_with("webgl_") || letters == "measured" ||
+                             letters == "meshstandard";  // whose classes three.js and its module have
+    if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) || is_reserved)
+        name.insert(0, name.empty() ? "brdf" : "brdf_");
+    return name;
+}
+
+Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
+                                 const CodeOptions& asked) {
+    CodeOptions options = asked;
+    std::vector<NamedModel> brdfs;  // with the parts of BSDFs
+    std::vector<PartModels> parts;
+    std::string list, of_bsdfs;
+    DefinedNames defined;
+    const auto is_bsdf = [](const NamedModel& of) { return std::holds_alternative<BsdfModel>(of.model->model); };
+    if (options.environment_draws) options.sampling = true;
+    // Which part is drawn from follows from their albedos.
+    if (options.sampling && std::ranges::any_of(models, is_bsdf)) options.albedo = true;
+    const auto add_name = [&](const std::string& name) { list += (list.empty() ? "" : ", ") + name; };
+    for (const NamedModel& of : models) {
+        if (is_bsdf(of)) {
+            const PartModels& own = parts.emplace_back(part_models(of, options.sampling));
+            brdfs.insert(brdfs.end(), own.named.begin(), own.named.end());
+            for (const std::string& name : bsdf_functions(of, options.sampling)) add_name(name);
+            const auto code = bsdf_code(of, options, defined);
+            if (!code) return code.error();
+            of_bsdfs += syntax::comment_text(about(of)) + "\n" + *code;
+        } else {
+            brdfs.push_back(of);
+            for (const auto& [name, printed] : entries(options)) add_name(fmt::format("{}_{}", of.name, printed));
+        }
+    }
+    std::vector<NamedProgram> programs;
+    std::vector<std::string> roots;
+    for (const auto& [name, printed] : entries(options)) roots.push_back(name);
+    for (const NamedModel& of : brdfs) {
+        if (const auto* su = std::get_if<SuModel>(&of.model->model)) {
+            const auto refused = [&](const char* what, const char* expected, const char* found) {
+                return Error{of.name, {}, what, expected, found, ErrorCode::argument};
+            };
+            if (su->interpolation == SuInterpolation::plain)
+                return refused("model", "interpolation of rotated views", "plain interpolation");
+            if (options.sampling) return refused("sampling code", "a model that is not view by view", "one that is");
+            if (!syntax::reads_buffers(options.language))
+                return refused("view-by-view model", "a language with global buffers", "one without");
+        }
+        programs.push_back({of.name, about(of), program_of(*of.model, options, roots)});
+    }
+    Printed printed(std::move(programs), prefix, options.language, entries(options));
+    if (const auto distinct = printed.add_to(defined); !distinct) return distinct.error();
+    const std::string definitions = printed.text() + of_bsdfs;
+    return syntax::whole_text(options.language, list, std::string(prefix) + "_BRDF", definitions);
+}
+
+Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options) {
+    const auto refused = [&](const char* what, const char* expected, const char* found) {
+        return Error{std::string(name), {}, what, expected, found, ErrorCode::argument};
+    };
+    if (!map.dense()) return refused("library", "a coefficient for each lobe", "some lobes of each material");
+    if (options.sampling || options.environment_draws)
+        return refused("code of a map", "values, albedos and light", "sampling");
+    Names names = map_entries(options);
+    std::vector<std::string> roots;
+    std::string list;
+    for (const auto& [of, printed] : names) {
+        roots.push_back(of);
+        list += fmt::format("{}{}_{}", list.empty() ? "" : ", ", name, printed);
+    }
+    const Model basis{map.basis, {}};
+    std::string about = fmt::format("{}: {} lobes of {} variates, form {}, {} bytes, which all materials share.", name,
+                                    map.basis.lobes, map.basis.variates, srbf::name(map.basis.form), basis_bytes(map));
+    if (map.width > 0) about += fmt::format("\n  map {} x {}", map.width, map.count() / map.width);
+    for (const auto& [key, value] : map.provenance) about += fmt::format("\n  {}", printable(key + " " + value));
+    NamedProgram program{std::string(name), about, program_of(basis, options, roots, Numbers::arguments)};
+    names.insert({"Pm", "Coefficients"});
+    return syntax::whole_text(options.language, list, std::string(name) + "_BRDF",
+                              Printed({std::move(program)}, name, options.language, names).text());
+}
+
+Result<std::string> python_code(const Model& model, int threads) {
+    if (std::holds_alternative<SuModel>(model.model) || std::holds_alternative<BsdfModel>(model.model))
+        return Error{"python code", {}, "model", "multivariate, or Lambert and GGX", "another", ErrorCode::argument};
+    const Program program = program_of(model, {.sampling = true, .threads = threads},
+                                       {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, Numbers::tables);
+    std::string text;
+    for (const Table& table : program.tables) text += syntax::python_text(table);
+    for (const syntax::Function& function : program.functions) text += "\n\n" + syntax::python_text(function, program);
+    return text;
+}
+
+}  // namespace srbf

@@ -1,0 +1,29 @@
+// The colour space of ITU-R BT.2100 in which differences are seen.
+#pragma once
+#include <algorithm>
+#include <array>
+
+#include "srbf/elementary.h"
+
+namespace srbf {
+
+using Matrix3 = std::array<std::array<double, 3>, 3>;
+constexpr Matrix3 product(const Matrix3& a, const Matrix3& b, double factor) {
+    Matrix3 c{};
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+            for (std::size_t k = 0; k < 3; ++k) c[i][j] += factor * a[i][k] * b[k][j];
+    return c;
+}
+inline constexpr Matrix3 k_to_lms = product({{{1688, 2146, 262}, {683, 2951, 462}, {99, 309, 3688}}},
+                                            {{{0.627403896, 0.329283038, 0.043313066},
+                                              {0.069097289, 0.919540395, 0.011362316},
+                                              {0.016391439, 0.088013308, 0.895595253}}},
+                                            1.0 / 4096);
+inline constexpr Matrix3 k_to_itp =
+    product({{{720, 0, 0}, {0, 360, 0}, {0, 0, 720}}}, {{{2048, 2048, 0}, {6610, -13613, 7003}, {17933, -17390, -543}}},
+            1.0 / 4096);
+
+#include "errors/itp.inl"
+
+}  // namespace srbf

@@ -1,0 +1,290 @@
+#include "srbf/metrics.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "base/reporter.h"
+#include "errors/metrics_sums.h"
+#include "srbf/directions.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+namespace {
+
+/// Pairs of directions, and what they count.
+struct WeightedPairs {
+    std::vector<Vec3f> wl, wv;
+    std::vector<double> weight;  ///< where it is 0 a pair is left out
+    explicit WeightedPairs(std::size_t count) : wl(count), wv(count), weight(count) {}
+    std::size_t size() const { return wl.size(); }
+};
+
+/// The sums of one BRDF against the reference.
+struct Sums {
+    ErrorSums errors;
+    std::uint64_t pairs = 0, masked = 0;
+
+    Sums& operator+=(const Sums& s) {
+        errors += s.errors, pairs += s.pairs, masked += s.masked;
+        return *this;
+    }
+    Measures measures() const {
+        const auto ratio = [](double part, double whole) {
+            return whole > 0 ? part / whole : part == 0 ? 0 : std::numeric_limits<double>::infinity();
+        };
+        const auto of = [&](const SquareSums& squares) { return ratio(squares.apart, squares.whole); };
+        return {of(errors.plain),
+                of(errors.cosine),
+                std::sqrt(ratio(errors.logarithm.apart, errors.area)),
+                of(errors.root),
+                of(errors.sixth_root),
+                std::sqrt(ratio(errors.decades.apart, errors.decades.whole)) / elementary::log(10.0),
+                pairs,
+                masked};
+    }
+};
+
+/// Adds those of each of `others` to its sums. The channels of a pair are contiguous.
+void add(const WeightedPairs& pairs, std::span<const float> f, std::span<const std::vector<float>> others,
+         std::span<Sums> sums) {
+    if (pairs.size() == 0) return;
+    const std::size_t C = f.size() / pairs.size();
+    PairCosines cosines{};
+    SeenValues seen{}, seen_other{};
+    std::vector<PairColumn> weight(others.size());
+    for (std::size_t first = 0; first < pairs.size(); first += k_pair_block) {
+        const std::size_t count = std::min(k_pair_block, pairs.size() - first);
+        const auto measured = [&](std::span<const float> values, std::size_t i) {
+            const auto channels = values.subspan((first + i) * C, C);
+            return std::ranges::none_of(channels, [](float x) { return std::isnan(x); });
+        };
+        for (PairColumn& of : weight) of.fill(0);
+        for (std::size_t i = 0; i < count; ++i) {
+            cosines.light[i] = pairs.wl[first + i].z, cosines.viewer[i] = pairs.wv[first + i].z;
+            if (!(pairs.weight[first + i] > 0)) continue;
+            const bool in_reference = measured(f, i);
+            for (std::size_t k = 0; k < others.size(); ++k) {
+                const bool in_both = in_reference && measured(others[k], i);
+                ++(in_both ? sums[k].pairs : sums[k].masked);
+                if (in_both) weight[k][i] = float(pairs.weight[first + i]);
+            }
+        }
+        for (std::size_t c = 0; c < C; ++c) {
+            const auto see_channel = [&](std::span<const float> values, SeenValues& of) {
+                for (std::size_t i = 0; i < count; ++i) of.f[i] = values[(first + i) * C + c];
+                see(cosines, of);
+            };
+            see_channel(f, seen);
+            for (std::size_t k = 0; k < others.size(); ++k) {
+                see_channel(others[k], seen_other);
+                sums[k].errors += error_sums(cosines, weight[k], seen, seen_other);
+            }
+        }
+    }
+}
+
+/// Sums over blocks of pairs, each filled by `fill(block, pairs)`, added in the order of the blocks.
+template <typename Fill>
+std::vector<Measures> measure(const Channels& reference, std::span<const Channels> others, std::size_t blocks,
+                              std::size_t block_size, const MeasureOptions& options, const Fill& fill) {
+    std::vector<std::vector<Sums>> parts(blocks, std::vector<Sums>(others.size()));
+    Reporter reporter(options.progress, double(blocks));
+    parallel_for(blocks, options.threads, [&](std::size_t block) {
+        if (!reporter.advance("measuring the error", 1)) return;
+        WeightedPairs pairs(block_size);
+        fill(block, pairs);
+        const auto values = [&](const Channels& brdf) {
+            assert(brdf.count() == reference.count());
+            std::vector<float> f(brdf.count() * block_size);
+            brdf.evaluate(pairs.wl, pairs.wv, f);
+            return f;
+        };
+        std::vector<std::vector<float>> of_others;
+        for (const Channels& other : others) of_others.push_back(values(other));
+        add(pairs, values(reference), of_others, parts[block]);
+    });
+    std::vector<Measures> measures;
+    for (std::size_t k = 0; k < others.size(); ++k) {
+        Sums sums;
+        for (const auto& part : parts) sums += part[k];
+        measures.push_back(sums.measures());
+    }
+    return measures;
+}
+
+std::vector<Channels> rgb_channels(std::span<const Evaluate> brdfs) {
+    std::vector<Channels> all;
+    for (const Evaluate& brdf : brdfs) all.push_back(srbf::rgb_channels(brdf));
+    return all;
+}
+
+std::vector<float> flat(std::span<const Rgb> colours) {
+    std::vector<float> numbers;
+    for (const Rgb& c : colours) numbers.insert(numbers.end(), {c.r, c.g, c.b});
+    return numbers;
+}
+
+constexpr int k_compared_albedo_points = 1 << 16;
+
+/// The albedos at these angles [rad], [angle][BRDF], over the pairs at which the first BRDF was measured.
+std::vector<std::vector<Rgb>> albedos(std::span<const Evaluate> brdfs, std::span<const double> theta_v,
+                                      const MeasureOptions& options) {
+    using Sum = std::array<double, 3>;
+    constexpr std::size_t parts = MirrorMixture::k_parts;
+    const MirrorMixture mixture(options.max_theta);
+    std::vector<std::vector<Sum>> sums(theta_v.size() * parts, std::vector<Sum>(brdfs.size()));
+    parallel_for(sums.size(), options.threads, [&](std::size_t task) {
+        if (options.progress.cancelled()) return;
+        const Vec3d wv = spherical(theta_v[task / parts], 0.0);
+        const Quadrature points = mixture.quadrature_of_part(int(task % parts), wv, k_compared_albedo_points);
+        const std::vector<Vec3f> viewer(points.w.size(), to_float(wv));
+        std::vector<Rgb> f(points.w.size()), first;
+        for (std::size_t k = 0; k < brdfs.size(); ++k) {
+            brdfs[k](points.w, viewer, f);
+            if (k == 0) first = f;
+            for (std::size_t i = 0; i < f.size(); ++i)
+                for (std::size_t c = 0; c < 3; ++c)
+                    if (const float value = f[i][int(c)]; !std::isnan(value) && !std::isnan(first[i][int(c)]))
+                        sums[task][k][c] += points.weight[i] * double(points.w[i].z) * double(value);
+        }
+    });
+    std::vector<std::vector<Rgb>> all(theta_v.size(), std::vector<Rgb>(brdfs.size()));
+    for (std::size_t angle = 0; angle < theta_v.size(); ++angle)
+        for (std::size_t k = 0; k < brdfs.size(); ++k)
+            for (std::size_t c = 0; c < 3; ++c) {
+                double sum = 0;
+                for (std::size_t part = 0; part < parts; ++part) sum += sums[angle * parts + part][k][c];
+                all[angle][k][int(c)] = float(sum);
+            }
+    return all;
+}
+
+}  // namespace
+
+std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
+                                     const MeasureOptions& options, std::span<const Vec3f> directions) {
+    return measure_matrix(rgb_channels(reference), rgb_channels(others), options, directions);
+}
+
+std::vector<Measures> measure_matrix(const Channels& reference, std::span<const Channels> others,
+                                     const MeasureOptions& options, std::span<const Vec3f> directions) {
+    const StandardArithmetic mode;
+    std::vector<Vec3f> within;
+    const auto cos_max = float(elementary::cos(options.max_theta));
+    std::copy_if(directions.begin(), directions.end(), std::back_inserter(within),
+                 [&](Vec3f w) { return w.z >= cos_max; });
+    return measure(reference, others, within.size(), within.size(), options,
+                   [&](std::size_t block, WeightedPairs& pairs) {
+                       pairs.wl = within;
+                       std::ranges::fill(pairs.wv, within[block]);
+                       std::ranges::fill(pairs.weight, 1.0);
+                   });
+}
+
+std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
+                                     const MeasureOptions& options, int n) {
+    const StandardArithmetic mode;
+    return measure_matrix(reference, others, options, fibonacci_directions(n, options.max_theta));
+}
+
+std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const Evaluate> others,
+                                      const MeasureOptions& options, std::uint64_t count, std::uint64_t seed) {
+    return measure_heldout(rgb_channels(reference), rgb_channels(others), options, count, seed);
+}
+
+std::vector<Measures> measure_heldout(const Channels& reference, std::span<const Channels> others,
+                                      const MeasureOptions& options, std::uint64_t count, std::uint64_t seed) {
+    const StandardArithmetic mode;
+    constexpr std::size_t block_size = 1000;
+    const MirrorMixture mixture(options.max_theta);
+    return measure(reference, others, std::size_t((count + block_size - 1) / block_size), block_size, options,
+                   [&](std::size_t block, WeightedPairs& pairs) {
+                       std::seed_seq seeds{std::uint32_t(seed), std::uint32_t(seed >> 32), std::uint32_t(block)};
+                       std::mt19937_64 random(seeds);
+                       for (std::size_t i = 0; i < block_size;) {
+                           const double u1 = uniform(random), u2 = uniform(random);
+                           const Vec3d v = mixture.sample_cap(u1, u2);
+                           const double u3 = uniform(random), u4 = uniform(random), u5 = uniform(random);
+                           const Vec3d l = mixture.sample(v, u3, u4, u5);
+                           if (!mixture.contains(l)) continue;
+                           pairs.wl[i] = to_float(l);
+                           pairs.wv[i] = to_float(v);
+                           pairs.weight[i] = block * block_size + i < count ? 1 / mixture.pdf(l, v) : 0;
+                           ++i;
+                       }
+                   });
+}
+
+Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const float> f,
+                         std::span<const float> g, double max_theta) {
+    const StandardArithmetic mode;
+    const float cos_max = sample_cap(max_theta);
+    assert(wv.size() == wl.size() && g.size() == f.size());
+    WeightedPairs pairs(wl.size());
+    std::vector<float> clamped(f.size());
+    for (std::size_t i = 0; i < wl.size(); ++i) {
+        pairs.wl[i] = wl[i], pairs.wv[i] = wv[i];
+        pairs.weight[i] = std::min(wl[i].z, wv[i].z) < cos_max ? 0 : 1;
+    }
+    for (std::size_t i = 0; i < f.size(); ++i) clamped[i] = std::max(f[i], 0.f);
+    const std::vector<float> others[] = {{g.begin(), g.end()}};
+    Sums sums[1];
+    add(pairs, clamped, others, sums);
+    return sums[0].measures();
+}
+
+Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                         std::span<const Rgb> g, double max_theta) {
+    return measure_samples(wl, wv, flat(f), flat(g), max_theta);
+}
+
+Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                         const Evaluate& other, double max_theta) {
+    std::vector<Rgb> g(f.size());
+    other(wl, wv, g);
+    return measure_samples(wl, wv, f, g, max_theta);
+}
+
+Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta) {
+    const StandardArithmetic mode;
+    const double theta[] = {theta_v};
+    return albedos({&brdf, 1}, theta, {max_theta, 1})[0][0];
+}
+
+std::vector<double> albedo_errors(const Evaluate& reference, std::span<const Evaluate> others,
+                                  const MeasureOptions& options) {
+    const StandardArithmetic mode;
+    std::vector<Evaluate> brdfs{reference};
+    brdfs.insert(brdfs.end(), others.begin(), others.end());
+    std::vector<double> theta;
+    for (const double degrees : k_albedo_theta)
+        if (!(degrees * k_degree > options.max_theta)) theta.push_back(degrees * k_degree);
+    std::vector<double> errors(others.size());
+    for (const std::vector<Rgb>& of : albedos(brdfs, theta, options))
+        for (std::size_t k = 0; k < others.size(); ++k) {
+            const double a = luminance(of[0]), b = luminance(of[k + 1]);
+            if (a != b) errors[k] = std::max(errors[k], std::abs(b - a) / a);
+        }
+    return errors;
+}
+
+double albedo_error(const Evaluate& reference, const Evaluate& other, double max_theta) {
+    return albedo_errors(reference, {&other, 1}, {max_theta})[0];
+}
+
+std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
+                                const MeasureOptions& options, std::span<const Vec3f> directions) {
+    const auto matrix = measure_matrix(reference, others, options, directions),
+               heldout = measure_heldout(reference, others, options);
+    const auto albedo = albedo_errors(reference, others, options);
+    const auto appearance = compare_pictures(reference, others, options.threads, options.progress);
+    std::vector<Comparison> comparisons;
+    for (std::size_t k = 0; k < others.size(); ++k)
+        comparisons.push_back({matrix[k], heldout[k], albedo[k], appearance[k]});
+    return comparisons;
+}
+
+}  // namespace srbf

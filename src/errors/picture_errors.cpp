@@ -1,0 +1,119 @@
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "errors/itp.h"
+#include "srbf/elementary.h"
+#include "srbf/likeness.h"
+#include "srbf/pictures.h"
+
+namespace srbf {
+namespace {
+
+constexpr double k_most_psnr = 100;
+constexpr float k_surroundings = 0.16f;
+
+double srgb_encoded(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * elementary::pow(x, 1 / 2.4) - 0.055; }
+
+Image displayed(const Image& radiance, float exposure) {
+    Image shown = radiance;
+    for (int y = 0; y < shown.height; ++y)
+        for (int x = 0; x < shown.width; ++x) {
+            Rgb& pixel = shown.at(x, y);
+            const bool sphere = shows_sphere(shown.width, x, y);
+            for (int c = 0; c < 3; ++c) pixel[c] = sphere ? std::clamp(exposure * pixel[c], 0.f, 1.f) : k_surroundings;
+        }
+    return shown;
+}
+
+}  // namespace
+
+double delta_e_itp(const Rgb& a, const Rgb& b) {
+    const auto itp = [](const Rgb& colour) {
+        return Itp<double>({double(colour.r), double(colour.g), double(colour.b)}).value();
+    };
+    const Itp<double>::Triplet x = itp(a), y = itp(b);
+    return elementary::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
+}
+
+PictureErrors picture_errors(const Image& reference, const Image& other) {
+    assert(reference.width == other.width && reference.height == other.height && reference.width == reference.height);
+    const float exposure = exposure_to(reference, k_exposed_value);
+    const Image a = displayed(reference, exposure), b = displayed(other, exposure);
+    const std::vector<double> flip = flip_map(a, b);
+    const auto square = [](double x) { return x * x; };
+    PictureErrors errors;
+    double pixels = 0, encoded = 0, squares = 0, whole = 0;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+        if (!shows_sphere(a.width, int(i) % a.width, int(i) / a.width)) continue;
+        ++pixels;
+        errors.delta_e += delta_e_itp(a.pixels[i], b.pixels[i]);
+        errors.flip += flip[i];
+        for (int c = 0; c < 3; ++c) {
+            encoded += square(srgb_encoded(double(a.pixels[i][c])) - srgb_encoded(double(b.pixels[i][c])));
+            squares += square(double(reference.pixels[i][c]) - double(other.pixels[i][c]));
+            whole += square(double(reference.pixels[i][c]));
+        }
+    }
+    errors.delta_e /= pixels, errors.flip /= pixels;
+    errors.psnr = std::min(-10 * elementary::log10(encoded / (3 * pixels)), k_most_psnr);
+    errors.rms = squares > 0 ? std::sqrt(squares / whole) : 0;
+    return errors;
+}
+
+Verdict verdict(const PictureErrors& errors) {
+    for (std::size_t k = 0; k < k_verdict_limits.size(); ++k)
+        if (errors.delta_e <= k_verdict_limits[k].delta_e && errors.flip <= k_verdict_limits[k].flip) return Verdict(k);
+    return Verdict::other;
+}
+
+std::string_view words(Verdict verdict) {
+    constexpr std::array<std::string_view, k_verdicts> k_words{"hardly visible", "visible if looked for",
+                                                               "visible beside each other", "visible at once"};
+    return k_words[std::size_t(verdict)];
+}
+
+namespace {
+
+/// The mean and the worst of the errors under each lighting.
+Appearance summarised(std::vector<PictureErrors> lighting) {
+    Appearance of;
+    const auto n = double(lighting.size());
+    for (const PictureErrors& errors : lighting) {
+        for (const PictureErrorName& error : k_picture_errors) of.mean.*error.member += errors.*error.member / n;
+        of.worst_delta_e = std::max(of.worst_delta_e, errors.delta_e);
+    }
+    of.lighting = std::move(lighting);
+    return of;
+}
+
+}  // namespace
+
+Appearance mean_of(std::span<const Appearance> all) {
+    std::vector<PictureErrors> lighting(all.front().lighting.size());
+    for (const Appearance& one : all)
+        for (std::size_t k = 0; k < lighting.size(); ++k)
+            for (const PictureErrorName& error : k_picture_errors)
+                lighting[k].*error.member += one.lighting[k].*error.member / double(all.size());
+    return summarised(std::move(lighting));
+}
+
+std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads,
+                                         const ProgressToken& progress, int size, bool is_isotropic) {
+    std::vector<Evaluate> brdfs{reference};
+    brdfs.insert(brdfs.end(), others.begin(), others.end());
+    const auto images =
+        sphere_pictures(brdfs, standard_lightings(), size, threads, progress, k_mirror_points, is_isotropic);
+    std::vector<Appearance> all(others.size());
+    for (Appearance& of : all) of.lighting.resize(images.size());
+    parallel_for(images.size() * others.size(), threads, [&](std::size_t i) {
+        const std::size_t lighting = i / others.size(), other = i % others.size();
+        all[other].lighting[lighting] = picture_errors(images[lighting].front(), images[lighting][other + 1]);
+    });
+    for (Appearance& of : all) of = summarised(std::move(of.lighting));
+    return all;
+}
+
+}  // namespace srbf

@@ -1,0 +1,215 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "base/parallel.h"
+#include "base/reporter.h"
+#include "brdf/values.h"
+#include "srbf/directions.h"
+#include "srbf/elementary.h"
+#include "srbf/kernel.h"
+#include "srbf/pictures.h"
+
+namespace srbf {
+namespace {
+
+constexpr int k_source_points = 32, k_most_shared = 256;
+
+/// Squared distance from the sphere's centre, in units of (radius / size)²: an integer, on which θv depends alone.
+int squared_distance(int size, int x, int y) {
+    const int dx = 2 * x + 1 - size, dy = 2 * y + 1 - size;
+    return dx * dx + dy * dy;
+}
+
+/// A source with extent: points that are uniform over it.
+struct Disc {
+    std::vector<Vec3d> points;
+    Vec3d direction;
+    double edge, density;  ///< cosine of its radius; points per solid angle inside
+};
+Disc disc(const Lighting::Source& source) {
+    const double radius = source.radius * k_degree;
+    const Frame frame = frame_about(source.direction, {0, 1, 0});
+    Disc disc{
+        {}, source.direction, elementary::cos(radius), k_source_points / (2 * k_pi * (1 - elementary::cos(radius)))};
+    for (int i = 0; i < k_source_points; ++i)
+        disc.points.push_back(frame.from(fibonacci_direction(i, k_source_points, radius)));
+    return disc;
+}
+
+/// The sources with extent of a lighting.
+struct Discs {
+    explicit Discs(const Lighting& lighting) {
+        for (const Lighting::Source& source : lighting.sources)
+            if (source.radius > 0) all.push_back(disc(source));
+        for (const Disc& of : all)
+            for (const Vec3d& w : of.points) points.push_back({w, density_at(w), radiance(lighting, w)});
+    }
+    /// The density of their points [1/sr].
+    double density_at(Vec3d w) const {
+        double density = 0;
+        for (const Disc& of : all) density += dot(w, of.direction) >= of.edge ? of.density : 0;
+        return density;
+    }
+    struct Point {
+        Vec3d w;
+        double density;
+        Rgb light;
+    };
+    std::vector<Disc> all;
+    std::vector<Point> points;
+};
+
+/// What a pair contributes to a pixel under a lighting: weight × f.
+struct Term {
+    std::size_t lighting, pair;
+    Rgb weight;
+};
+Rgb operator*(double factor, const Rgb& light) {
+    return {float(factor * double(light.r)), float(factor * double(light.g)), float(factor * double(light.b))};
+}
+
+/// Shares of zenith, horizon and ground in what comes from a direction of any sky: the colour of one in which they are
+/// red, green and blue.
+Vec3d sky_shares(Vec3d w) {
+    static const Lighting separate{{}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}};
+    const Rgb shares = radiance(separate, w);
+    return {double(shares.r), double(shares.g), double(shares.b)};
+}
+/// A channel of that sky.
+double sky(const Lighting& lighting, Vec3d shares, int channel) {
+    return dot(shares, Vec3d{double(lighting.zenith[channel]), double(lighting.horizon[channel]),
+                             double(lighting.ground[channel])});
+}
+
+/// The pairs of directions whose f a pixel consists of, and how.
+struct Pixel {
+    Vec3f wv;
+    std::vector<Vec3f> wl;
+    std::vector<Vec3d> shares;  ///< of the first pairs, times cosθl dωl: by these any sky is seen
+    std::vector<Term> terms;    ///< by these the sources
+};
+/// The pixel whose normal is the frame's; `mirrored` are points of the mixture for its viewer, at azimuth 0.
+Pixel pixel_of(const Frame& frame, const Quadrature& mirrored, const MirrorMixture& mixture,
+               std::span<const Lighting> lightings, std::span<const Discs> discs) {
+    const Vec3d v = frame.to({0, 0, 1});
+    Pixel pixel{to_float(v), {}, {}, {}};
+    // Points of all sets count by their common density. Few of the mixture's are within a source: all count as if none
+    // was, and these by their differences from that.
+    const auto count = double(mirrored.w.size());
+    const double across = elementary::hypot(v.x, v.y), cosine = across > 0 ? v.x / across : 1,
+                 sine = across > 0 ? v.y / across : 0;
+    for (std::size_t i = 0; i < mirrored.w.size(); ++i) {
+        const Vec3d l = Kernel<double>::turned(to_double(mirrored.w[i]), cosine, sine), w = frame.from(l);
+        const double density = count * mirrored.pdf[i], measure = l.z / density;
+        const Vec3d share = sky_shares(w);
+        for (std::size_t k = 0; k < lightings.size(); ++k)
+            if (const double of_discs = discs[k].density_at(w); of_discs > 0) {
+                Rgb weight = l.z / (density + of_discs) * radiance(lightings[k], w);
+                for (int c = 0; c < 3; ++c) weight[c] -= float(measure * sky(lightings[k], share, c));
+                pixel.terms.push_back({k, i, weight});
+            }
+        pixel.wl.push_back(to_float(l));
+        pixel.shares.push_back(measure * share);
+    }
+    for (std::size_t k = 0; k < lightings.size(); ++k) {
+        const auto add = [&](Vec3d l, const Rgb& weight) {
+            pixel.terms.push_back({k, pixel.wl.size(), weight});
+            pixel.wl.push_back(to_float(l));
+        };
+        for (const Lighting::Source& source : lightings[k].sources)
+            if (const Vec3d l = frame.to(source.direction); source.radius == 0 && l.z > 0) add(l, l.z * source.power);
+        for (const Discs::Point& point : discs[k].points)
+            if (const Vec3d l = frame.to(point.w); l.z > 0)
+                add(l, l.z / (count * mixture.pdf(l, v) + point.density) * point.light);
+    }
+    return pixel;
+}
+
+/// The radiance of the pixel under each lighting.
+std::vector<Rgb> radiances(const Pixel& pixel, std::span<const Rgb> f, std::span<const Lighting> lightings) {
+    std::array<Vec3d, 3> sums{};  // of each channel
+    for (std::size_t i = 0; i < pixel.shares.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) sums[c] = sums[c] + double(f[i][int(c)]) * pixel.shares[i];
+    std::vector<Rgb> all(lightings.size());
+    for (std::size_t k = 0; k < lightings.size(); ++k)
+        for (int c = 0; c < 3; ++c) all[k][c] = float(sky(lightings[k], sums[std::size_t(c)], c));
+    for (const Term& term : pixel.terms)
+        for (int c = 0; c < 3; ++c) all[term.lighting][c] += term.weight[c] * f[term.pair][c];
+    return all;
+}
+
+}  // namespace
+
+bool shows_sphere(int size, int x, int y) { return squared_distance(size, x, y) < size * size; }
+
+std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs, std::span<const Lighting> lightings,
+                                                int size, int threads, const ProgressToken& progress, int mirror_points,
+                                                bool first_is_isotropic) {
+    const StandardArithmetic mode;
+    const MirrorMixture mixture(k_pi / 2);
+    const auto cos_view = [&](int squares) { return std::sqrt(1 - double(squares) / (double(size) * double(size))); };
+
+    const auto viewer = [&](int squares) {
+        const double z = cos_view(squares);
+        return Vec3d{std::sqrt(1 - z * z), 0, z};
+    };
+    const auto points_of = [&](int squares) { return mixture.quadrature(viewer(squares), mirror_points); };
+    struct Shared {
+        Quadrature points;
+        std::vector<Rgb> f;  // of an isotropic BRDF
+    };
+    std::map<int, Shared> mirrored;  // of a small picture: about eight pixels share points, which take 8 KB
+    std::vector<std::pair<const int, Shared>*> each;
+    if (size <= k_most_shared)
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x)
+                if (shows_sphere(size, x, y)) mirrored[squared_distance(size, x, y)];
+    for (auto& entry : mirrored) each.push_back(&entry);
+    parallel_for(each.size(), threads, [&](std::size_t i) {
+        if (progress.cancelled()) return;
+        auto& [squares, shared] = *each[i];
+        shared.points = points_of(squares);
+        if (first_is_isotropic) shared.f = values_towards(brdfs[0], shared.points.w, to_float(viewer(squares)));
+    });
+
+    const std::vector<Discs> discs(lightings.begin(), lightings.end());
+    std::vector<std::vector<Image>> images(lightings.size(), std::vector<Image>(brdfs.size(), Image(size, size)));
+    if (progress.cancelled()) return images;
+    Reporter reporter(progress, double(size));
+    parallel_for(std::size_t(size), threads, [&](std::size_t row) {
+        if (!reporter.advance("comparing pictures", 1)) return;
+        const int y = int(row);
+        std::vector<std::vector<Rgb>> f(brdfs.size());
+        for (int x = 0; x < size; ++x) {
+            if (!shows_sphere(size, x, y) || progress.cancelled()) continue;
+            const int squares = squared_distance(size, x, y);
+            const Vec3d normal{(2 * x + 1 - size) / double(size), (size - 2 * y - 1) / double(size), cos_view(squares)};
+            const auto shared = mirrored.find(squares);
+            const Pixel pixel = pixel_of(frame_about(normal, {0, 1, 0}),
+                                         shared != mirrored.end() ? shared->second.points : points_of(squares), mixture,
+                                         lightings, discs);
+            const std::vector<Vec3f> wv(pixel.wl.size(), pixel.wv);
+            std::vector<char> measured(wv.size(), true);
+            for (std::size_t b = 0; b < brdfs.size(); ++b) {
+                f[b].clear();
+                if (b == 0 && shared != mirrored.end()) f[b] = shared->second.f;
+                const std::size_t known = f[b].size();
+                f[b].resize(wv.size());
+                brdfs[b](std::span(pixel.wl).subspan(known), std::span(wv).subspan(known),
+                         std::span(f[b]).subspan(known));
+                for (std::size_t i = 0; i < wv.size(); ++i) measured[i] = measured[i] && is_finite(f[b][i]);
+            }
+            for (std::size_t b = 0; b < brdfs.size(); ++b) {
+                for (std::size_t i = 0; i < wv.size(); ++i)
+                    for (int c = 0; c < 3; ++c) f[b][i][c] = measured[i] ? std::max(f[b][i][c], 0.f) : 0;
+                const std::vector<Rgb> seen = radiances(pixel, f[b], lightings);
+                for (std::size_t k = 0; k < lightings.size(); ++k) images[k][b].at(x, y) = seen[k];
+            }
+        }
+    });
+    return images;
+}
+
+}  // namespace srbf

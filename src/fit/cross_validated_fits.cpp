@@ -1,0 +1,308 @@
+#include "fit/cross_validated_fits.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "fit/requests.h"
+#include "models/facet_fits.h"
+#include "observe/folds.h"
+#include "observe/observe_samples.h"
+#include "observe/pair_weights.h"
+
+namespace srbf {
+namespace {
+
+/// Number of lobes for the decision whether to fill the gaps between samples.
+constexpr int k_first_tried = 6;
+/// The smallest model whose error is at most this times the least is chosen.
+constexpr double k_as_good = 1.03;
+/// A few thousand samples need a shorter search than a table, and are searched a dozen times.
+constexpr int k_sample_starts = 6, k_sample_perturbations = 14;
+/// Of folds, whose fits only foretell the error of the fit to all samples.
+constexpr int k_fold_starts = 3;
+constexpr int k_draft_starts = 3, k_draft_perturbations = 2;
+/// Approximate share of observing in the time of the fits to a fold's samples.
+constexpr double k_observed_of_fold = 0.2;
+
+FitOptions sample_options(const ScatteredSamples& samples, const FitRequest& request, std::optional<int> lobes) {
+    FitOptions options = pm_options(request, std::get<PmRequest>(request.model).axial.value_or(samples.isotropic));
+    if (lobes) options.lobes = *lobes;
+    options.starts = k_sample_starts;
+    options.perturbations = k_sample_perturbations;
+    return options;
+}
+
+/// What distinguishes the fits of a request that are compared.
+struct Variant {
+    std::optional<int> lobes = {};
+    bool fill = false;
+};
+
+/// Fits to the samples of one measurement: to all of them, and to those of all folds but one.
+class SampleFits {
+  public:
+    SampleFits(const ScatteredSamples& samples, const SampleObservations* observed, const FitRequest& request,
+               std::vector<int> fold, const ProgressToken& progress)
+        : samples_(samples), observed_(observed), request_(request), fold_(std::move(fold)), progress_(progress) {}
+
+    Result<FitOutcome> run() {
+        const auto* pm = std::get_if<PmRequest>(&request_.model);
+        if (!pm) {
+            auto one = judged({{}});
+            if (!one) return one.error();
+            return std::move(one->front());
+        }
+        const std::vector<int> lobes = tried_lobes(*pm);
+        auto all = completes(request_)                     ? fit_completed(lobes)
+                   : traits(request_.objective).of_scatter ? fit_each(lobes, true)
+                                                           : fit_alone_or_filled(lobes, lobes_of(*pm));
+        if (!all) return all.error();
+        return chosen(*all);
+    }
+
+  private:
+    bool is_within_budget(std::size_t bytes) const {
+        const auto* budget = goal_ ? std::get_if<ByteBudget>(&*goal_) : nullptr;
+        return !budget || bytes <= budget->bytes;
+    }
+    double error(const FitOutcome& outcome) const { return error_of(outcome.errors->heldout, request_.objective); }
+    std::size_t bytes(int lobes) const {
+        const FitOptions options = sample_options(samples_, request_, lobes);
+        return payload_bytes(options.form, options.axial, options.log_scale, lobes, options.variates);
+    }
+    /// Three values of each sample outside a fold are at least twice as many as the numbers to find, of two bytes each.
+    bool enough_samples(int lobes) const { return bytes(lobes) <= 3 * samples_.wl.size() * (k_folds - 1) / k_folds; }
+
+    /// The requested number of lobes, or those to choose from.
+    std::vector<int> tried_lobes(const PmRequest& pm) const {
+        if (const auto asked = lobes_of(pm)) return {*asked};
+        std::vector<int> lobes;
+        for (const int j : k_tried_lobes)
+            if (enough_samples(j) && is_within_budget(bytes(j))) lobes.push_back(j);
+        return lobes.empty() ? std::vector{1} : lobes;
+    }
+
+    /// Completed samples constrain any number of lobes. Without a goal the most look best; held-out samples, which are
+    /// few and crowded about highlights, prefer fewer half of the time.
+    Result<std::vector<FitOutcome>> fit_completed(const std::vector<int>& lobes) {
+        return fit_each(goal_ ? lobes : std::vector{lobes.back()}, true);
+    }
+    Result<std::vector<FitOutcome>> fit_each(const std::vector<int>& lobes, bool fill) {
+        std::vector<Variant> candidates;
+        for (const int j : lobes) candidates.push_back({j, fill});
+        validations_ = double(candidates.size());
+        return judged(candidates);
+    }
+    /// Decides for one number of lobes whether to fill the gaps between samples, and fits the others alike.
+    Result<std::vector<FitOutcome>> fit_alone_or_filled(const std::vector<int>& lobes, std::optional<int> asked) {
+        validations_ = double(lobes.size()) + 1;
+        const int first = asked.value_or(std::min(lobes.back(), k_first_tried));
+        auto both = judged({{first, false}, {first, true}});
+        if (!both) return both;
+        const bool fill = error((*both)[1]) < error((*both)[0]);
+        std::vector<Variant> others;
+        for (const int j : lobes)
+            if (j != first) others.push_back({j, fill});
+        auto all = judged(others);
+        if (!all) return all;
+        const auto before = std::ranges::count_if(lobes, [&](int j) { return j < first; });
+        all->insert(all->begin() + before, std::move((*both)[fill]));
+        return all;
+    }
+
+    /// One fit of `samples`; `observed` is of these, and required for PM and GGX.
+    Result<FitOutcome> fitted(const ScatteredSamples& samples, const SampleObservations* observed,
+                              const Variant& candidate, const ProgressToken& progress) const {
+        if (std::holds_alternative<SuRequest>(request_.model)) {
+            const Measured measured{"", "", 0, samples};
+            return fit_su(signed_evaluator(measured), request_, progress);
+        }
+        FitOutcome outcome;
+        if (std::holds_alternative<GgxRequest>(request_.model)) {
+            auto ggx = fit_ggx(observed->samples, request_, progress);
+            if (!ggx) return ggx;
+            outcome = *std::move(ggx);
+        } else if (std::holds_alternative<PbrRequest>(request_.model)) {
+            auto pbr = fit_pbr(observed->samples, request_, samples_.isotropic, progress);
+            if (!pbr) return pbr;
+            outcome = *std::move(pbr);
+        } else {
+            FitOptions options = sample_options(samples_, request_, candidate.lobes);
+            if (completes(request_) && observed != observed_) options.starts = k_fold_starts;
+            auto pm = fit_pm(*observed, {options, candidate.fill}, progress);
+            if (!pm) return pm.error();
+            if (progress.cancelled()) return cancelled_error("fit");
+            outcome = outcome_of(*std::move(pm));
+            outcome.filled = candidate.fill;
+            if (observed->completion) outcome.continued = words(*observed->completion);
+        }
+        outcome.masked = observed->samples.masked;
+        outcome.clamped = observed->samples.clamped;
+        return outcome;
+    }
+
+    /// All candidates' fits of these samples.
+    Result<std::vector<FitOutcome>> fitted(const ScatteredSamples& samples, const SampleObservations* observed,
+                                           const std::vector<Variant>& candidates,
+                                           const ProgressToken& progress) const {
+        std::vector<FitOutcome> all;
+        for (const Variant& candidate : candidates) {
+            const double done = double(all.size()) / double(candidates.size());
+            auto one = fitted(samples, observed, candidate, progress.part(done, done + 1 / double(candidates.size())));
+            if (!one) return one.error();
+            all.push_back(*std::move(one));
+        }
+        return all;
+    }
+
+    /// The candidates' fits of all samples, with their errors at them and their cross-validated errors.
+    Result<std::vector<FitOutcome>> judged(const std::vector<Variant>& candidates) {
+        if (candidates.empty()) return std::vector<FitOutcome>{};
+        const double share = double(candidates.size()) / validations_;
+        const ProgressToken progress = progress_.part(done_, done_ + share);
+        done_ += share;
+        std::atomic<int> fits = 0;
+        const auto next_part = [&] {
+            const int before = fits;
+            return progress.part(double(before) / (k_folds + 1), (before + 1.0) / (k_folds + 1));
+        };
+        // Together with the folds, whose number is odd.
+        Result<std::vector<FitOutcome>> outcomes = std::vector<FitOutcome>{};
+        Result<std::vector<std::vector<float>>> predicted = std::vector<std::vector<float>>{};
+        std::array<std::vector<Model>, k_folds> of_folds;
+        parallel_for(2, request_.threads, [&](std::size_t which) {
+            if (which == 0) {
+                outcomes = fitted(samples_, observed_, candidates, next_part());
+                ++fits;
+                return;
+            }
+            predicted = cross_validate(samples_, fold_, [&](const ScatteredSamples& training, std::size_t left_out) {
+                auto models = fitted_models(training, left_out, candidates, next_part());
+                ++fits;
+                if (models) of_folds[left_out] = *models;
+                return models;
+            });
+        });
+        if (!outcomes) return outcomes;
+        if (!predicted) return predicted.error();
+        for (std::size_t k = 0; k < outcomes->size(); ++k) {
+            FitOutcome& outcome = (*outcomes)[k];
+            outcome.errors = compared(outcome.model, (*predicted)[2 * k]);
+            outcome.unrounded_errors = compared(outcome.unrounded, (*predicted)[2 * k + 1]);
+            outcome.samples = outcome.errors->matrix.pairs;
+            outcome.raw_bytes = (*predicted)[2 * k].size() * sizeof(float);
+            for (std::vector<Model>& of_fold : of_folds)
+                if (!of_fold.empty()) outcome.without_fold.push_back(std::move(of_fold[2 * k]));
+            outcome.ggx_heldout = errors_of_ggx();
+        }
+        return outcomes;
+    }
+
+    /// The candidates' models of the samples of all folds but one: of each the rounded and the unrounded one.
+    Result<std::vector<Model>> fitted_models(const ScatteredSamples& training, std::size_t left_out,
+                                             const std::vector<Variant>& candidates,
+                                             const ProgressToken& progress) const {
+        std::optional<SampleObservations> observed;
+        if (!std::holds_alternative<SuRequest>(request_.model)) {
+            ObserveSamplesOptions options = observe_options(request_);
+            if (observed_ && observed_->completion) options.completion = &observed_->without_fold[left_out];
+            auto made = observe(training, options, progress.part(0, k_observed_of_fold));
+            if (!made) return made.error();
+            observed = *std::move(made);
+        }
+        auto all = fitted(training, observed ? &*observed : nullptr, candidates, progress.part(k_observed_of_fold, 1));
+        if (!all) return all.error();
+        std::vector<Model> models;
+        for (FitOutcome& one : *all) models.push_back(std::move(one.model)), models.push_back(std::move(one.unrounded));
+        return models;
+    }
+
+    /// The errors of a model at the samples, and of what the fits to other folds predict there.
+    Comparison compared(const Model& model, std::span<const float> heldout) const {
+        std::vector<float> f(heldout.size());
+        channels(model).evaluate(samples_.wl, samples_.wv, f);
+        return {measured_against(f), measured_against(heldout), 0};
+    }
+    /// The cross-validated errors of Lambert and at most one lobe of GGX; none unless samples are completed by them.
+    std::optional<Measures> errors_of_ggx() const {
+        if (!observed_ || observed_->without_fold.empty()) return {};
+        std::vector<Rgb> f;
+        for (std::size_t i = 0; i < fold_.size(); ++i) {
+            const CompletedSamples& others = observed_->without_fold[std::size_t(fold_[i])];
+            f.push_back(value(others.priors[k_one_lobe], samples_.wl[i], samples_.wv[i]));
+        }
+        return measure_samples(samples_.wl, samples_.wv, samples_.colour, f, request_.theta());
+    }
+    Measures measured_against(std::span<const float> f) const {
+        if (request_.spectral) return measure_samples(samples_.wl, samples_.wv, samples_.spectrum, f, request_.theta());
+        std::vector<float> colours;
+        for (const Rgb& c : samples_.colour) colours.insert(colours.end(), {c.r, c.g, c.b});
+        return measure_samples(samples_.wl, samples_.wv, colours, f, request_.theta());
+    }
+
+    /// The smallest of the outcomes whose error is low enough; if there is none, the one with the least.
+    Result<FitOutcome> chosen(std::vector<FitOutcome>& all) const {
+        const auto error_of_this = [&](const FitOutcome& one) { return error(one); };
+        auto taken = std::ranges::min_element(all, {}, error_of_this);
+        const double least = error(*taken);
+        const auto* target = goal_ ? std::get_if<TargetError>(&*goal_) : nullptr;
+        const double enough = !goal_ ? k_as_good * least : target ? target->error : least;
+        const auto smallest = std::ranges::find_if(
+            all, [&](double e) { return e <= enough; }, error_of_this);
+        const bool reached = smallest != all.end();
+        if (reached) taken = smallest;
+        std::vector<Step> path;
+        if (all.size() > 1)
+            for (const FitOutcome& one : all)
+                path.push_back(step_of(std::get<PmModel>(one.model.model), error(one), true));
+        FitOutcome outcome = std::move(*taken);
+        outcome.path = std::move(path);
+        outcome.reached = reached && is_within_budget(payload_bytes(outcome.model));
+        return outcome;
+    }
+
+    const ScatteredSamples& samples_;
+    const SampleObservations* observed_;
+    const FitRequest& request_;
+    const std::optional<SizeGoal> goal_ = goal_of(request_);
+    std::vector<int> fold_;
+    ProgressToken progress_;
+    double done_ = 0, validations_ = 1;  ///< share of the work done; number of candidates
+};
+
+}  // namespace
+
+bool completes(const FitRequest& request) {
+    return std::holds_alternative<PmRequest>(request.model) && traits(request.objective).of_pictures &&
+           !request.spectral;
+}
+
+ObserveSamplesOptions observe_options(const FitRequest& request) {
+    return {request.objective, request.theta(), request.seed, request.spectral, completes(request), request.threads};
+}
+
+Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
+                                  const FitRequest& request, const ProgressToken& progress) {
+    const auto of_incidences =
+        traits(request.objective).of_scatter ? incidence_folds(samples) : std::optional<IncidenceFolds>{};
+    auto fold = of_incidences ? Result(of_incidences->of) : assign_folds(samples, request.theta(), request.seed);
+    if (!fold) return fold.error();
+    auto outcome = SampleFits(samples, observed, request, *std::move(fold), progress).run();
+    if (outcome && of_incidences) outcome->incidences = of_incidences->incidences;
+    return outcome;
+}
+
+Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
+                                    const FitRequest& request, bool in_short, const ProgressToken& progress) {
+    FitOptions options = sample_options(samples, request, {});
+    if (in_short) options = srbf::in_short(options, k_draft_starts, k_draft_perturbations);
+    auto pm = fit_pm(observed, {options, !in_short}, progress);
+    if (!pm) return pm.error();
+    FitOutcome outcome = outcome_of(*std::move(pm));
+    outcome.filled = !in_short || completes(request);
+    return outcome;
+}
+
+}  // namespace srbf

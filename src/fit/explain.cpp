@@ -1,0 +1,86 @@
+// What a multivariate fit minimises, and in which stages, as text.
+#include <fmt/format.h>
+
+#include "fit/requests.h"
+#include "models/pm/search/schedule.h"
+#include "observe/bound.h"
+#include "observe/costs.h"
+#include "observe/pair_weights.h"
+
+namespace srbf {
+namespace {
+
+/// A row of the table of terms: what is an error, and what it costs.
+struct Term {
+    std::string name, of, weight;
+};
+
+std::vector<Term> terms_of(Objective objective) {
+    std::vector<Term> terms{{"pairs", std::string(summary(objective)), "1"}};
+    const bool of_pictures = traits(objective).of_pictures;
+    for (const auto& [name, error_of, weight, importance] : traits(objective).further)
+        if (weight)
+            terms.push_back({std::string(name), std::string(error_of), fmt::format("{} of the pairs'", importance)});
+    terms.push_back({"beyond", "f cos(theta_l) cos(theta_v) beyond the largest angle",
+                     fmt::format("{} if all errors are its largest value", k_horizon_importance)});
+    terms.push_back({"bounds",
+                     fmt::format("f cos(theta_l) cos(theta_v) above {} times its largest value", k_most_excess),
+                     fmt::format("{} of the loss, rising", k_excess_weight)});
+    terms.push_back({"albedos",
+                     fmt::format("directional albedo at 9 angles{}", of_pictures ? ", and at 3 near the horizon" : ""),
+                     fmt::format("the loss, at most {}, if their errors are {:g} %", k_most_albedo_loss,
+                                 100 * (of_pictures ? k_albedo_error_with_pixels : k_albedo_error))});
+    if (!of_pictures) return terms;
+    terms.push_back({"point lights", "radiance in pictures by one light, of every phase angle",
+                     fmt::format("{} times the loss; albedos {} times more", k_point_lights.multivariate,
+                                 k_albedos_beside_point_lights)});
+    terms.push_back({"pixels", "delta E ITP in pictures under extended and single lights (robust: linear above 1)",
+                     fmt::format("{} times the loss for each of its mean", k_pixels.multivariate)});
+    return terms;
+}
+
+std::string work_of(const Stage& stage, const FitOptions& options) {
+    switch (stage.work) {
+        case Work::grow:
+            return fmt::format("{} lobes, one by one", options.lobes);
+        case Work::perturb:
+            return fmt::format("until {} lobes or variates were replaced", stage.perturbations_until(options));
+        case Work::polish:
+            return fmt::format("{} steps; useless lobes are replaced", stage.steps);
+        case Work::by_pictures:
+            return fmt::format("{} steps, ordered by delta E ITP", stage.steps);
+        case Work::finish:
+            return "steps while they pay, rounding to 16 bits; bounds begin anew";
+    }
+    return "";
+}
+
+/// `bounds`: whether this stage or one before it adds bounds, which remain rows of those after it.
+std::string rows_of(const Stage& stage, bool bounds) {
+    return fmt::format(
+        "{}, beyond{}{}{}", stage.pairs == Pairs::all ? "all pairs" : fmt::format("{} pairs", std::size_t(stage.pairs)),
+        bounds ? ", bounds" : "", stage.albedos ? ", albedos" : "", stage.pictures ? ", point lights, pixels" : "");
+}
+
+}  // namespace
+
+std::string explain(const FitRequest& request) {
+    if (!std::holds_alternative<PmRequest>(request.model)) return "";
+    const FitOptions options = pm_options(request, true);
+    std::string text =
+        fmt::format("objective {} to {:g} degrees, {} lobes of {} variates, {} starts\n\n", name(request.objective),
+                    request.theta() / k_degree, options.lobes, options.variates, starts_of(options));
+    text += fmt::format("{:<13} {:<66} {}\n", "term", "error of", "cost");
+    for (const Term& term : terms_of(request.objective))
+        text += fmt::format("{:<13} {:<66} {}\n", term.name, term.of, term.weight);
+    text += fmt::format("\n{:<13} {:<58} {:>10}  {}\n", "stage", "rows and terms", "candidates", "work");
+    bool bounds = false;
+    for (const Stage& stage : schedule(traits(request.objective).of_pictures)) {
+        bounds = bounds || stage.bounds;
+        text += fmt::format("{:<13} {:<58} {:>10}  {}\n", stage.name, rows_of(stage, bounds), stage.candidates(options),
+                            work_of(stage, options));
+    }
+    return text;
+}
+
+}  // namespace srbf

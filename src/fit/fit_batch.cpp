@@ -1,0 +1,176 @@
+#include "srbf/fit_batch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.h"
+#include "base/parallel.h"
+#include "base/reporter.h"
+#include "fit/requests.h"
+#include "observe/observe_samples.h"
+#include "srbf/fit_samples.h"
+#include "srbf/half.h"
+#include "srbf/sampling.h"
+
+namespace srbf {
+namespace {
+
+Error refused(const char* what, const char* expected, std::string found) {
+    return argument_error("fit_batch", what, expected, std::move(found));
+}
+
+/// With fewer pairs than 4096, lobes are found that the samples do not show; with more the error falls by little.
+constexpr std::size_t k_texel_pairs = 4096;
+
+/// What all texels have in common.
+struct Batch {
+    const SharedPairs& pairs;
+    FitRequest request;
+    FitOptions options;
+    bool all_above;            // the horizon
+    ScatteredSamples samples;  // if so, of a texel that was measured at all pairs, without its values
+};
+
+Result<Batch> batch_of(const SharedPairs& pairs, const BatchOptions& options) {
+    const auto* pm = std::get_if<PmRequest>(&options.request.model);
+    if (!pm || !lobes_of(*pm)) return refused("model", "multivariate lobes, a number of them", "another request");
+    if (options.request.spectral) return refused("channels", "colours", "spectra");
+    if (pairs.wl.empty() || pairs.wl.size() != pairs.wv.size())
+        return refused("pairs of directions", "as many to the light as to the viewer, at least 1",
+                       fmt::format("{} and {}", pairs.wl.size(), pairs.wv.size()));
+    Batch batch{pairs, options.request, {}, true, {}};
+    for (std::size_t i = 0; i < pairs.wl.size(); ++i)
+        batch.all_above = batch.all_above && above_horizon(pairs.wl[i], pairs.wv[i]);
+    batch.request.threads = 1;
+    batch.options = pm_options(batch.request, pm->axial.value_or(pairs.isotropic));
+    batch.options.starts = options.starts, batch.options.perturbations = options.perturbations;
+    batch.samples.isotropic = pairs.isotropic;
+    batch.samples.wl = pairs.wl, batch.samples.wv = pairs.wv;
+    if (batch.all_above) make_index(batch.samples);
+    return batch;
+}
+
+/// A model of the batch's form and size that is 0 everywhere.
+PmModel black_model(const FitOptions& of) {
+    const auto J = std::size_t(of.lobes), N = std::size_t(of.variates);
+    PmModel model;
+    model.form = of.form, model.axial = of.axial, model.lobes = of.lobes, model.variates = of.variates;
+    model.coefficient.assign(J, {});
+    model.log_scale.assign(J, 0);
+    model.centre.assign(J * N, {0, 0, 1});
+    model.bandwidth.assign(J * N, 0);
+    model.parameterization.assign(N, {});
+    model.exponent.assign(J * std::size_t(features(of.form)), 0);
+    return model;
+}
+
+ScatteredSamples samples_of(const Batch& batch, std::span<const Rgb> f) {
+    if (batch.all_above && std::ranges::all_of(f, [](const Rgb& of) { return is_finite(of); })) {
+        ScatteredSamples samples = batch.samples;  // shares the index
+        samples.colour.assign(f.begin(), f.end());
+        return samples;
+    }
+    ScatteredSamples samples;
+    samples.isotropic = batch.pairs.isotropic;
+    for (std::size_t i = 0; i < f.size(); ++i) {
+        if (!is_finite(f[i]) || !above_horizon(batch.pairs.wl[i], batch.pairs.wv[i])) {
+            ++samples.masked;
+            continue;
+        }
+        samples.wl.push_back(batch.pairs.wl[i]), samples.wv.push_back(batch.pairs.wv[i]);
+        samples.colour.push_back(f[i]);
+    }
+    if (!samples.wl.empty()) make_index(samples);
+    return samples;
+}
+
+TexelFit without(const Batch& batch, TexelState state, std::optional<Error> failure) {
+    return {black_model(batch.options), state, {}, {}, std::move(failure)};
+}
+
+/// The constant f that is nearest to the samples, as a model of the batch's form and size.
+PmModel matte_model(const FitOptions& of, const Observations& samples) {
+    PmModel model = black_model(of);
+    const auto mean = mean_value(samples);
+    for (int c = 0; c < 3; ++c) model.coefficient[0][c] = round_to_half(float(mean[std::size_t(c)]));
+    return model;
+}
+
+/// The squares of noise fall by a share of P / n in the mean where P numbers are fitted to n samples. Lobes that lower those
+/// about a constant by no more than so many times that follow noise, and may rise where nothing is measured.
+constexpr double k_noise_of_lobes = 3;
+
+bool is_matte(const PmModel& matte, const PmModel& fitted, const Observations& samples, std::size_t values) {
+    const double share = k_noise_of_lobes * double(payload_bytes(fitted)) / 2 / double(values);
+    return loss_of(samples, evaluator(matte)) <= (1 + share) * loss_of(samples, evaluator(fitted));
+}
+
+TexelFit fit_texel(const Batch& batch, std::span<const Rgb> f, const ProgressToken& progress) {
+    const ScatteredSamples samples = samples_of(batch, f);
+    if (samples.wl.empty()) return without(batch, TexelState::failed, no_data_error("texel", "values"));
+    if (std::ranges::all_of(samples.colour, [](const Rgb& of) { return !(largest_of(of) > 0); }))
+        return without(batch, TexelState::black, {});
+    ObserveSamplesOptions observing{batch.request.objective, batch.request.theta(), batch.request.seed};
+    observing.threads = 1, observing.only_completed = k_texel_pairs;
+    const auto observed = observe(samples, observing, progress);
+    if (!observed) return without(batch, TexelState::failed, observed.error());
+    auto fitted = fit_pm(*observed, {batch.options, false}, progress);
+    if (!fitted) return without(batch, TexelState::failed, fitted.error());
+    TexelFit fit{std::move(fitted->model), TexelState::fitted, {}, fitted->stop, {}};
+    PmModel matte = matte_model(batch.options, observed->samples);
+    if (is_matte(matte, fit.model, observed->samples, 3 * samples.wl.size())) fit.model = std::move(matte);
+    fit.errors = measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit.model), batch.request.theta());
+    return fit;
+}
+
+Result<std::vector<TexelFit>> fit_batch(const Batch& batch, std::span<const Rgb> f, int threads, Reporter& reporter) {
+    const StandardArithmetic mode;
+    const std::size_t M = batch.pairs.wl.size();
+    std::vector<TexelFit> fits(f.size() / M);
+    parallel_for(fits.size(), threads, [&](std::size_t i) {
+        if (reporter.cancelled()) return;
+        // Each stops when all do.
+        const ProgressToken progress([&](const Progress&) { return !reporter.cancelled(); });
+        fits[i] = fit_texel(batch, f.subspan(i * M, M), progress);
+        reporter.advance("fitting texels", 1);
+    });
+    if (reporter.cancelled()) return cancelled_error("fit_batch");
+    return fits;
+}
+
+}  // namespace
+
+Result<std::vector<TexelFit>> fit_batch(const SharedPairs& pairs, std::span<const Rgb> f, const BatchOptions& options,
+                                        const ProgressToken& progress) {
+    const auto batch = batch_of(pairs, options);
+    if (!batch) return batch.error();
+    if (f.size() % pairs.wl.size() != 0)
+        return refused("values", "as many for each texel as there are pairs", fmt::format("{}", f.size()));
+    Reporter reporter(progress, double(std::max<std::size_t>(f.size() / pairs.wl.size(), 1)));
+    return fit_batch(*batch, f, options.request.threads, reporter);
+}
+
+Result<Done> fit_batch(const SharedPairs& pairs, const TexelStream& texels, const BatchOptions& options,
+                       const ProgressToken& progress) {
+    const auto batch = batch_of(pairs, options);
+    if (!batch) return batch.error();
+    if (texels.slab == 0) return refused("texels of a slab", "at least 1", "0");
+    const std::size_t all = texels.end > texels.begin ? texels.end - texels.begin : 0;
+    Reporter reporter(progress, double(std::max<std::size_t>(all, 1)));
+    std::vector<Rgb> f;
+    for (std::size_t first = texels.begin; first < texels.end; first += texels.slab) {
+        const std::size_t count = std::min(texels.slab, texels.end - first);
+        if (texels.is_done && texels.is_done(first, count)) {
+            reporter.advance("fitting texels", double(count));
+            continue;
+        }
+        f.resize(count * pairs.wl.size());
+        if (const auto read = texels.read(first, f); !read) return read.error();
+        const auto fits = fit_batch(*batch, f, options.request.threads, reporter);
+        if (!fits) return fits.error();
+        if (const auto taken = texels.take(first, *fits); !taken) return taken.error();
+    }
+    return Done{};
+}
+
+}  // namespace srbf

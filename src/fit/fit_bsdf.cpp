@@ -1,0 +1,200 @@
+// Fits of both sides of a surface.
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.h"
+#include "base/floating_point.h"
+#include "fit/requests.h"
+#include "measured/klems.h"
+#include "measured/tree_beam.h"
+#include "srbf/directions.h"
+#include "srbf/elementary.h"
+#include "srbf/fit_bsdf.h"
+
+namespace srbf {
+namespace {
+
+/// Directions of the pairs at which parts are compared with their counterparts.
+constexpr int k_compared = 256;
+constexpr double k_compared_theta = 80 * k_degree;
+/// Angles of incidence of directional-hemispherical sums where a measurement has none [degrees].
+constexpr double k_incidences[] = {0, 10, 20, 30, 40, 50, 60, 70, 80};
+
+/// What is known of a part.
+struct Input {
+    Evaluate f;  ///< none: nothing
+    std::shared_ptr<const Measured> measured;
+    const KlemsTable* patches() const { return measured ? std::get_if<KlemsTable>(&measured->table) : nullptr; }
+};
+using Inputs = std::array<Input, k_parts>;
+
+/// Values at all pairs of some directions, [1/sr]; NaN counts as 0.
+std::vector<Rgb> sampled(const Evaluate& f, bool exchanged) {
+    const auto directions = fibonacci_directions(k_compared, k_compared_theta);
+    std::vector<Rgb> all, row(directions.size());
+    for (const Vec3f& w : directions) {
+        const std::vector<Vec3f> same(directions.size(), w);
+        exchanged ? f(same, directions, row) : f(directions, same, row);
+        for (Rgb& value : row) all.push_back(is_finite(value) ? value : Rgb{});
+    }
+    return all;
+}
+
+/// Of values at these pairs, weighted with the cosines of both.
+double energy_between(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
+    const auto directions = fibonacci_directions(k_compared, k_compared_theta);
+    double energy = 0;
+    for (std::size_t v = 0, k = 0; v < directions.size(); ++v)
+        for (std::size_t l = 0; l < directions.size(); ++l, ++k)
+            energy += cosines(directions[v], directions[l]) * squared_distance(a[k], b[k]);
+    return energy;
+}
+double energy(const std::vector<Rgb>& a) { return energy_between(a, std::vector<Rgb>(a.size())); }
+
+/// Whether the front part may answer for the back part.
+bool alike(const Input& front, const Input& back, Part part) {
+    const auto a = sampled(front.f, false), b = sampled(back.f, is_transmission(part));
+    return energy_between(a, b) <= k_same_part * energy(a);
+}
+
+/// A model of 0, where the counterpart must not answer.
+Model black() { return {GgxModel{{}, {GgxModel::Lobe{}}}, {}}; }
+
+std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fitted, const Beams& beams, Part part) {
+    if (input.patches()) return srbf::hemispherical(*input.patches(), fitted, beams, part);
+    const auto exchanged = [](const Evaluate& f) -> Evaluate {
+        return [&f](auto wl, auto wv, auto to) { f(wv, wl, to); };
+    };
+    std::vector<Hemispherical> all;
+    for (const double degrees : k_incidences) {
+        const double theta = degrees * k_degree,
+                     of_beam = double(share_at(beams, part, to_float(spherical(theta, 0.0))).g);
+        const auto sum = [&](const Evaluate& f) { return double(albedo(exchanged(f), theta, k_pi / 2).g) + of_beam; };
+        all.push_back({theta, 0, sum(input.f), sum(fitted)});
+    }
+    return all;
+}
+
+Result<FitOutcome> fit_part(const Input& input, Part part, const FitRequest& request, const ProgressToken& progress) {
+    auto fitted = input.patches()  ? fit_patches(*input.patches(), request, progress)
+                  : input.measured ? srbf::fit(*input.measured, request, progress)
+                                   : srbf::fit(input.f, request, progress);
+    if (fitted) return fitted;
+    Error error = fitted.error();
+    error.what = std::string(name(part)) + ": " + error.what;
+    return error;
+}
+
+/// Fits the parts that are neither black nor like their counterparts, and puts their models into `model`.
+Result<std::vector<PartFit>> fit_parts(const Inputs& inputs, BsdfModel& model, const FitRequest& request,
+                                       const ProgressToken& progress) {
+    std::array<bool, k_parts> is_black;
+    for (std::size_t p = 0; p < k_parts; ++p) is_black[p] = !inputs[p].f || !(energy(sampled(inputs[p].f, false)) > 0);
+    std::vector<PartFit> parts;
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        if (!inputs[p].f) continue;
+        const Part part = Part(p);
+        const auto other = std::size_t(counterpart(part));
+        PartFit& fit = parts.emplace_back();
+        fit.part = part, fit.black = is_black[p];
+        if (fit.black) {
+            if (!is_black[other]) model.part[p] = std::make_shared<const Model>(black());  // otherwise none is stored
+        } else if (is_back(part) && model.part[other] && alike(inputs[other], inputs[p], part)) {
+            fit.answered_by = counterpart(part);
+        } else {
+            auto fitted =
+                fit_part(inputs[p], part, request, progress.part(double(p) / k_parts, double(p + 1) / k_parts));
+            if (!fitted) return fitted.error();
+            fit.outcome = *std::move(fitted);
+            model.part[p] = std::make_shared<const Model>(Model{fit.outcome.model.model, {}});
+        }
+    }
+    return parts;
+}
+
+/// Compares a part with what the model answers for it.
+void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
+    const Answering<Model> of = answering(bsdf.part, fit.part);
+    const Evaluate fitted = [&](auto wl, auto wv, auto f) {
+        if (!of.brdf)
+            std::ranges::fill(f, Rgb{});
+        else
+            of.exchanged ? evaluate(*of.brdf, wv, wl, f) : evaluate(*of.brdf, wl, wv, f);
+    };
+    fit.hemispherical = hemispherical(input, fitted, bsdf.beam, fit.part);
+    if (input.patches()) {
+        fit.squared_error_ratio = sums_of(*input.patches(), k_measured_points).error_ratio(fitted);
+    } else if (!fit.black) {
+        const auto a = sampled(input.f, false);
+        fit.squared_error_ratio = energy_between(a, sampled(fitted, false)) / energy(a);
+    }
+}
+
+/// Whether sums are of several azimuths.
+bool is_turned(const std::vector<Hemispherical>& sums) {
+    return std::ranges::any_of(sums, [](const Hemispherical& sum) { return sum.phi != 0; });
+}
+
+/// The largest sums of reflection and transmission of light from one side.
+void add_largest_sums(BsdfOutcome& outcome) {
+    for (const PartFit& a : outcome.parts)
+        for (const PartFit& b : outcome.parts) {
+            if (is_transmission(a.part) || !is_transmission(b.part) || is_back(a.part) != is_back(b.part)) continue;
+            const bool one_azimuth = is_turned(a.hemispherical) != is_turned(b.hemispherical);
+            for (const Hemispherical& r : a.hemispherical)
+                for (const Hemispherical& t : b.hemispherical) {
+                    if (r.theta != t.theta || (r.phi != t.phi && !one_azimuth)) continue;
+                    outcome.most_measured = std::max(outcome.most_measured, r.measured + t.measured);
+                    outcome.most_fitted = std::max(outcome.most_fitted, r.fitted + t.fitted);
+                }
+        }
+}
+
+Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const FitRequest& request,
+                               const ProgressToken& progress) {
+    if (std::holds_alternative<PbrRequest>(request.model))
+        return argument_error("fit", "model", "pm, su or ggx, since a surface of OpenPBR scatters light to one side",
+                              "pbr");
+    const StandardArithmetic mode;
+    const auto start = std::chrono::steady_clock::now();
+    BsdfModel model;
+    model.beam = beams;
+    auto parts = fit_parts(inputs, model, request, progress);
+    if (!parts) return parts.error();
+    // Beams are rounded as they are stored.
+    auto stored = read_model(write_model({std::move(model), {}}), "fit");
+    if (!stored) return stored.error();
+    BsdfOutcome outcome{*std::move(stored), *std::move(parts), seconds_since(start), 0, 0};
+    for (PartFit& fit : outcome.parts)
+        measure(fit, inputs[std::size_t(fit.part)], std::get<BsdfModel>(outcome.model.model));
+    add_largest_sums(outcome);
+    return outcome;
+}
+
+}  // namespace
+
+Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
+    const auto* table = std::get_if<BsdfTable>(&measured.table);
+    if (!table) return argument_error("fit", "measurement", "reflection and transmission", "a BRDF");
+    Inputs inputs;
+    Beams beams = table->band().beam;
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        const auto& part = table->band().part[p];
+        if (!part) continue;
+        inputs[p] = {evaluator(*part), part};
+        const auto* tree = std::get_if<TreeTable>(&part->table);
+        if (auto separated = tree ? separated_beam(*tree) : std::nullopt)
+            inputs[p] = {std::move(separated->rest), nullptr}, beams[p] = std::move(separated->beam);
+    }
+    unite_transmissions(beams);
+    return fit_inputs(inputs, beams, request, progress);
+}
+
+Result<BsdfOutcome> fit_bsdf(const std::array<Evaluate, k_parts>& parts, const FitRequest& request,
+                             const ProgressToken& progress) {
+    Inputs inputs;
+    for (std::size_t p = 0; p < k_parts; ++p) inputs[p].f = parts[p];
+    return fit_inputs(inputs, {}, request, progress);
+}
+
+}  // namespace srbf

@@ -1,0 +1,447 @@
+// All stages of `srbf fit` between reading a measurement and writing a model.
+#include <fmt/format.h>
+
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "base/errors.h"
+#include "base/floating_point.h"
+#include "fit/choose.h"
+#include "fit/cross_validated_fits.h"
+#include "fit/noise.h"
+#include "fit/requests.h"
+#include "measured/isotropy.h"
+#include "models/facet_fits.h"
+#include "models/range.h"
+#include "observe/observe_samples.h"
+#include "observe/pair_weights.h"
+#include "srbf/directions.h"
+#include "srbf/fitting.h"
+
+namespace srbf {
+namespace {
+
+/// Number of held-out pairs for short comparisons in a choice.
+constexpr std::uint64_t k_pairs_in_short = 20000;
+constexpr int k_pixels_in_short = 16;
+
+/// Drafts use the first observations.
+struct Draft {
+    std::size_t pairs;
+    int starts, perturbations;
+};
+constexpr Draft k_draft[Fitter::k_drafts] = {{4096, 3, 0}, {16384, 4, 8}};
+
+/// Approximate shares of the time of a fit until something is observed or fitted.
+constexpr double k_smoothed = 0.5, k_observed = 0.1, k_samples_observed = 0.05, k_drafts_observed = 0.3,
+                 k_fitted = 0.75;
+/// The same of measuring the errors.
+constexpr double k_matrix_measured = 0.75, k_heldout_measured = 0.9, k_albedo_measured = 0.95;
+
+/// f(wv, wl).
+Evaluate exchanged(const Evaluate& f) {
+    return [f](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) { f(wv, wl, values); };
+}
+
+}  // namespace
+
+// ---- Stages common to tables and samples ----
+
+Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress) {
+    const SuRequest& su = std::get<SuRequest>(request.model);
+    const auto matrix = tabulate(
+        f,
+        {.directions = su.directions, .between = su.between, .discretise = su.discretise, .threads = request.threads},
+        progress.part(0, k_observed));
+    if (!matrix) return matrix.error();
+    SuFitOptions options;
+    options.lobes = su.lobes;
+    options.objective = request.objective;
+    options.max_theta = request.theta();
+    options.interpolation = su.interpolation;
+    options.neighbours = su.neighbours;
+    options.seed = request.seed;
+    options.threads = request.threads;
+    auto fitted = fit_su(*matrix, options, progress.part(k_observed, 1));
+    if (!fitted) return fitted.error();
+    if (progress.cancelled()) return cancelled_error("fit");
+    if (fitted->empty == su.directions) return no_data_error("fit", "values", "some above 0");
+    if (su.index) fitted->model.index = index_texture(fitted->model, *su.index);
+    const int empty = fitted->empty;
+    FitOutcome outcome = outcome_of(*std::move(fitted));
+    outcome.masked = matrix->masked;
+    outcome.clamped = matrix->clamped;
+    outcome.raw_bytes = raw_bytes(std::uint64_t(su.directions));
+    outcome.empty_directions = empty;
+    return outcome;
+}
+
+Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& request, const ProgressToken& progress) {
+    auto fitted = fit_ggx(observations, {std::get<GgxRequest>(request.model).lobes, request.threads}, progress);
+    if (!fitted) return fitted.error();
+    return outcome_of(*std::move(fitted));
+}
+
+Result<FitOutcome> fit_pbr(const Observations& observations, const FitRequest& request, bool is_isotropic,
+                           const ProgressToken& progress) {
+    const PbrSurfaceKind surface = std::get<PbrRequest>(request.model).surface;
+    auto fitted = fit_pbr(observations, {surface, is_isotropic, request.threads}, progress);
+    if (!fitted) return fitted.error();
+    return outcome_of(*std::move(fitted));
+}
+
+// ---- The fitter ----
+
+class Fitter::Work {
+  public:
+    explicit Work(const Measured& measured)
+        : measured_(&measured), signed_(signed_evaluator(measured)), clamped_(evaluator(measured)) {}
+    explicit Work(Evaluate f) : signed_(std::move(f)) {
+        clamped_ = [f = signed_](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+            f(wl, wv, values);
+            for (Rgb& value : values) clamp_negative(value);  // NaN is kept
+        };
+    }
+
+    Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress) {
+        const auto start = std::chrono::steady_clock::now();
+        if (const auto valid = validate(request); !valid) return valid.error();
+        auto outcome = samples() ? fit_to(*samples(), request, progress) : fit_table(request, progress);
+        return finished(std::move(outcome), request, start, progress);
+    }
+
+    Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress) {
+        const auto start = std::chrono::steady_clock::now();
+        if (const auto valid = validate(request); !valid) return valid.error();
+        if (!std::holds_alternative<PmRequest>(request.model) || draft < 0 || draft >= k_drafts)
+            return argument_error("fit", "draft", "one of a multivariate model", "another");
+        auto outcome = samples() ? draft_to(*samples(), request, draft == 0, progress)
+                                 : draft_table(request, k_draft[draft], progress);
+        return finished(std::move(outcome), request, start, progress);
+    }
+
+    Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
+        const StandardArithmetic mode;
+        Evaluate reference = clamped_;
+        if (samples()) {
+            const auto at = sample_observations_.find(key(request));
+            if (at != sample_observations_.end() && at->second.completion) {
+                reference = evaluator(*at->second.completion);
+            } else {
+                auto made = complete(*samples(), request.theta(), request.threads);
+                if (!made) return made.error();
+                reference = evaluator(*std::move(made));
+            }
+        } else {
+            measure_pairs(outcome, request, progress);
+        }
+        if (outcome.errors && !progress.cancelled()) measure_appearance(outcome, reference, request, progress);
+        if (!progress.report("measuring the error", 1)) {
+            outcome.errors.reset(), outcome.unrounded_errors.reset();
+            return cancelled_error("measure");
+        }
+        if (outcome.errors) record(*outcome.errors, outcome.model);  // a draft of a fit to samples has none
+        return Done{};
+    }
+
+  private:
+    const ScatteredSamples* samples() const {
+        return measured_ ? std::get_if<ScatteredSamples>(&measured_->table) : nullptr;
+    }
+    Result<Done> validate(const FitRequest& request) const {
+        if (measured_ && std::holds_alternative<BsdfTable>(measured_->table))
+            return argument_error("fit", "measurement", "a BRDF", "reflection and transmission, for fit_bsdf");
+        const auto refused = [](const char* expected, const char* found) {
+            return argument_error("fit", "spectral channels", expected, found);
+        };
+        if (request.spectral && (!measured_ || wavelengths(*measured_).empty()))
+            return refused("a measurement at wavelengths", "one of colours");
+        if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
+            return refused("a multivariate model", "another");
+        if (request.spectral && goal_of(request)) return refused("a number of lobes", "a budget or a target error");
+        if (samples() && is_by_pictures(request))
+            return argument_error("fit", "target delta E", "a measured table", "scattered samples");
+        return Done{};
+    }
+
+    /// The errors over pairs of directions of a fit to a table.
+    void measure_pairs(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
+        const Channels f = channels_of(request);
+        const Channels others[] = {channels(outcome.model), channels(outcome.unrounded)};
+        const auto options = [&](double begin, double end) {
+            return MeasureOptions{request.theta(), request.threads, progress.part(begin, end)};
+        };
+        const auto matrix =
+            measure_matrix(f, others, options(0, k_matrix_measured), matrix_directions(outcome.model, request.theta()));
+        const auto heldout = measure_heldout(f, others, options(k_matrix_measured, k_heldout_measured));
+        outcome.errors = {matrix[0], heldout[0], 0};
+        outcome.unrounded_errors = {matrix[1], heldout[1], 0};
+    }
+    void measure_appearance(FitOutcome& outcome, const Evaluate& reference, const FitRequest& request,
+                            const ProgressToken& progress) const {
+        std::vector<Evaluate> others{evaluator(outcome.model), evaluator(outcome.unrounded)};
+        const std::size_t models = others.size();
+        const auto albedo = albedo_errors(reference, others, {request.theta(), request.threads, progress});
+        if (!samples()) others.push_back(exchanged(reference));
+        for (const Model& of_fold : outcome.without_fold) others.push_back(evaluator(of_fold));
+        const auto appearance =
+            compare_pictures(reference, others, request.threads, progress.part(k_albedo_measured, 1), k_sphere_pixels,
+                             samples() && samples()->isotropic);
+        outcome.errors->albedo_error = albedo[0], outcome.errors->appearance = appearance[0];
+        outcome.unrounded_errors->albedo_error = albedo[1], outcome.unrounded_errors->appearance = appearance[1];
+        if (!outcome.without_fold.empty())
+            outcome.errors->heldout_appearance = mean_of(std::span(appearance).subspan(models));
+        if (!samples() && appearance[models].mean.delta_e > 0) outcome.exchanged = appearance[2];
+        if (smoothed_ && !request.spectral)
+            outcome.against_smoothed = compare_pictures(smoothed_, std::span(others).first(1), request.threads)[0];
+    }
+    /// Writes the main errors into the model's provenance.
+    static void record(const Comparison& errors, Model& model) {
+        const auto set = [&](const char* name, double value) { model.provenance[name] = fmt::format("{:.4g}", value); };
+        set("squared_error_ratio", errors.matrix.squared_error_ratio);
+        set("heldout_squared_error_ratio", errors.heldout.squared_error_ratio);
+        set("heldout_squared_error_ratio_cosine", errors.heldout.squared_error_ratio_cosine);
+        set("albedo_error", errors.albedo_error);
+        for (const PictureErrorName& error : k_picture_errors) set(error.name, errors.appearance.mean.*error.member);
+        if (errors.heldout_appearance) set("heldout_delta_e_itp", errors.heldout_appearance->mean.delta_e);
+    }
+
+    /// What is fitted, and what the errors are measured against.
+    Channels channels_of(const FitRequest& request) const {
+        return request.spectral ? spectra(*measured_) : rgb_channels(clamped_);
+    }
+
+    Result<FitOutcome> finished(Result<FitOutcome> outcome, const FitRequest& request,
+                                std::chrono::steady_clock::time_point start, const ProgressToken& progress) const {
+        if (progress.cancelled()) return cancelled_error("fit");
+        if (!outcome) return outcome;
+        outcome->fit_seconds = seconds_since(start);
+        outcome->max_theta = request.theta();
+        outcome->noise = noise_;
+        outcome->model.provenance = {{"generator", "srbf " SRBF_VERSION},
+                                     {"objective", std::string(name(request.objective))},
+                                     {"max_theta", fmt::format("{:.6g}", request.theta() / k_degree)},
+                                     {"seed", fmt::format("{}", request.seed)}};
+        if (const auto* pbr = std::get_if<PbrRequest>(&request.model))
+            outcome->model.provenance["surface"] = name(pbr->surface);
+        return outcome;
+    }
+
+    // Observations, by everything that they depend on: the objective, θmax, the seed, whether they are spectral, and
+    // whether they are of completed samples.
+    using Key = std::tuple<Objective, double, std::uint64_t, bool, bool>;
+    Key key(const FitRequest& request) const {
+        return {request.objective, request.theta(), request.seed, request.spectral, samples() && completes(request)};
+    }
+
+    /// What `make()` observes for the request, kept for the next one.
+    template <typename Kept, typename Make>
+    Result<const Kept*> observed_once(std::map<Key, Kept>& all, const FitRequest& request, const Make& make) const {
+        if (const auto at = all.find(key(request)); at != all.end()) return &at->second;
+        auto made = make();
+        if (!made) return made.error();
+        return &all.emplace(key(request), *std::move(made)).first->second;
+    }
+    Result<const Observations*> observed(const FitRequest& request, const ProgressToken& progress) {
+        return observed_once(observations_, request, [&] {
+            auto made = observe(unbiased_ && !request.spectral ? unbiased_ : signed_,
+                                {.objective = request.objective,
+                                 .max_theta = request.theta(),
+                                 .seed = request.seed,
+                                 .threads = request.threads,
+                                 .smoothed = request.spectral ? nullptr : smoothed_,
+                                 .noise = noise_ ? largest_share(*noise_) : 0},
+                                progress);
+            if (made && request.spectral) observe_spectra(*made, signed_spectra(*measured_));
+            return made;
+        });
+    }
+    Result<const SampleObservations*> observed_samples(const FitRequest& request, const ProgressToken& progress) {
+        return observed_once(sample_observations_, request,
+                             [&] { return observe(*samples(), observe_options(request), progress); });
+    }
+    /// Determines the noise of the table, and smooths it if it is noisy. Returns what is left of the progress.
+    Result<ProgressToken> smooth(const FitRequest& request, const ProgressToken& progress) {
+        if (!noise_) noise_ = measured_ ? noise_of(*measured_) : noise_of(signed_);
+        if (!is_noisy(*noise_) || smoothed_ || request.spectral) return progress;
+        auto made = smoothed(signed_, *noise_, looks_isotropic(request), request.threads, progress.part(0, k_smoothed));
+        if (!made) return made.error();
+        smoothed_ = std::move(made->smooth), unbiased_ = std::move(made->unbiased);
+        return progress.part(k_smoothed, 1);
+    }
+    bool looks_isotropic(const FitRequest& request) {
+        const auto [at, is_new] = isotropic_.try_emplace(request.theta());
+        if (is_new) at->second = is_isotropic(clamped_, request.theta());
+        return at->second;
+    }
+    bool axial(const FitRequest& request) {
+        const PmRequest& pm = std::get<PmRequest>(request.model);
+        if (pm.axial) return *pm.axial;
+        return looks_isotropic(request);
+    }
+
+    Result<FitOutcome> fit_to(const ScatteredSamples& samples, const FitRequest& request,
+                              const ProgressToken& progress) {
+        if (std::holds_alternative<SuRequest>(request.model))
+            return fit_to_samples(samples, nullptr, request, progress);
+        const auto observations = observed_samples(request, progress.part(0, k_samples_observed));
+        if (!observations) return observations.error();
+        return fit_to_samples(samples, *observations, request, progress.part(k_samples_observed, 1));
+    }
+
+    Result<FitOutcome> fit_table(const FitRequest& request, const ProgressToken& progress) {
+        const auto quiet = smooth(request, progress);
+        if (!quiet) return quiet.error();
+        if (std::holds_alternative<SuRequest>(request.model))
+            return fit_su(smoothed_ ? smoothed_ : signed_, request, *quiet);
+        const auto found = observed(request, quiet->part(0, k_observed));
+        if (!found) return found.error();
+        const Observations& observations = **found;
+        const ProgressToken fitting = quiet->part(k_observed, 1);
+        auto outcome = std::holds_alternative<GgxRequest>(request.model) ? fit_ggx(observations, request, fitting)
+                       : std::holds_alternative<PbrRequest>(request.model)
+                           ? fit_pbr(observations, request, looks_isotropic(request), fitting)
+                           : fit_pm_to_table(observations, request, fitting);
+        if (!outcome) return outcome;
+        outcome->masked = observations.masked;
+        outcome->clamped = observations.clamped;
+        outcome->raw_bytes = raw_bytes(k_matrix_directions, channels(outcome->model).count());
+        return outcome;
+    }
+
+    Result<FitOutcome> fit_pm_to_table(const Observations& observations, const FitRequest& request,
+                                       const ProgressToken& progress) {
+        const PmRequest& pm = std::get<PmRequest>(request.model);
+        const FitOptions options = pm_options(request, axial(request));
+        if (pm.size && std::holds_alternative<AutomaticLobes>(*pm.size))
+            return fit_best_size(observations, options, request, progress);
+        const auto goal = goal_of(request);
+        if (!goal) {
+            auto fitted = fit_pm(observations, options, progress);
+            if (!fitted) return fitted.error();
+            return outcome_of(*std::move(fitted));
+        }
+        const auto judge = [&](const PmModel& model, bool in_short) {
+            return error_of_model(model, request, in_short);
+        };
+        auto chosen = choose_pm(observations, options, *goal, judge, progress);
+        if (!chosen) return chosen.error();
+        FitOutcome outcome = outcome_of(std::move(chosen->fit));
+        outcome.path = std::move(chosen->path);
+        outcome.reached = chosen->reached;
+        return outcome;
+    }
+
+    /// The best compromise between bytes and error.
+    Result<FitOutcome> fit_best_size(const Observations& observations, FitOptions options, const FitRequest& request,
+                                     const ProgressToken& progress) const {
+        FitOutcome outcome;
+        std::vector<Step> path;
+        double least = std::numeric_limits<double>::infinity(), done = 0, all = 0;
+        for (const int lobes : k_tried_lobes) all += lobes;
+        for (const int lobes : k_tried_lobes) {
+            options.lobes = lobes;
+            auto fitted = fit_pm(observations, options, progress.part(done / all, (done + lobes) / all));
+            if (!fitted) return fitted.error();
+            if (progress.cancelled()) return cancelled_error("fit");
+            done += lobes;
+            path.push_back(step_of(fitted->model, error_of_model(fitted->model, request, false), true));
+            const double trade = double(path.back().bytes) * path.back().error;
+            if (trade < least) least = trade, outcome = outcome_of(*std::move(fitted));
+        }
+        outcome.path = std::move(path);
+        return outcome;
+    }
+
+    /// The held-out error by the objective's own measure, or the mean ΔE_ITP if that is the goal.
+    double error_of_model(const PmModel& model, const FitRequest& request, bool in_short) const {
+        if (is_by_pictures(request)) {
+            const Evaluate others[] = {evaluator(model)};
+            const int size = in_short ? k_pixels_in_short : k_sphere_pixels;
+            return compare_pictures(clamped_, others, request.threads, {}, size)[0].mean.delta_e;
+        }
+        const Channels others[] = {request.spectral ? spectra(model) : rgb_channels(evaluator(model))};
+        const Measures measures = measure_heldout(channels_of(request), others, {request.theta(), request.threads},
+                                                  in_short ? k_pairs_in_short : k_heldout_pairs)[0];
+        return error_of(measures, request.objective);
+    }
+
+    Result<FitOutcome> draft_to(const ScatteredSamples& samples, const FitRequest& request, bool in_short,
+                                const ProgressToken& progress) {
+        const auto observations = observed_samples(request, progress.part(0, k_drafts_observed));
+        if (!observations) return observations.error();
+        return draft_of_samples(samples, **observations, request, in_short, progress.part(k_drafts_observed, 1));
+    }
+    Result<FitOutcome> draft_table(const FitRequest& request, const Draft& draft, const ProgressToken& progress) {
+        const auto quiet = smooth(request, progress);
+        if (!quiet) return quiet.error();
+        const auto observations = observed(request, quiet->part(0, k_drafts_observed));
+        if (!observations) return observations.error();
+        FitOptions options = pm_options(request, axial(request));
+        options.starts = draft.starts, options.perturbations = draft.perturbations;
+        auto fitted = fit_pm(beginning(**observations, draft.pairs), options, quiet->part(k_drafts_observed, 1));
+        if (!fitted) return fitted.error();
+        FitOutcome outcome = outcome_of(*std::move(fitted));
+        outcome.masked = (*observations)->masked, outcome.clamped = (*observations)->clamped;
+        outcome.raw_bytes = raw_bytes(k_matrix_directions, channels_of(request).count());
+        return outcome;
+    }
+
+    const Measured* measured_ = nullptr;
+    Evaluate signed_, clamped_;
+    std::optional<Noise> noise_;                        // of a table that was fitted
+    Evaluate smoothed_ = nullptr, unbiased_ = nullptr;  // if it is noisy
+    std::map<Key, Observations> observations_;
+    std::map<Key, SampleObservations> sample_observations_;
+    std::map<double, bool> isotropic_;  // by θmax
+};
+
+Fitter::Fitter(const Measured& measured) : work_(std::make_unique<Work>(measured)) {}
+Fitter::Fitter(Evaluate f) : work_(std::make_unique<Work>(std::move(f))) {}
+Fitter::Fitter(Fitter&&) noexcept = default;
+Fitter& Fitter::operator=(Fitter&&) noexcept = default;
+Fitter::~Fitter() = default;
+
+Result<FitOutcome> Fitter::fit(const FitRequest& request, const ProgressToken& progress) {
+    return work_->fit(request, progress);
+}
+Result<FitOutcome> Fitter::draft(const FitRequest& request, int draft, const ProgressToken& progress) {
+    return work_->draft(request, draft, progress);
+}
+Result<Done> Fitter::measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
+    return work_->measure(outcome, request, progress);
+}
+
+Appearance compare_exchanged(const Evaluate& f, int threads) {
+    const StandardArithmetic mode;
+    const Evaluate other = exchanged(f);
+    return compare_pictures(f, {&other, 1}, threads)[0];
+}
+
+namespace {
+
+Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
+    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
+    if (!outcome) return outcome;
+    if (const auto within = check_range(outcome->unrounded, "fit"); !within) return within.error();
+    if (const auto measured = fitter.measure(*outcome, request, progress.part(k_fitted, 1)); !measured)
+        return measured.error();
+    return outcome;
+}
+
+}  // namespace
+
+Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
+    return fit_and_measure(Fitter(measured), request, progress);
+}
+Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress) {
+    return fit_and_measure(Fitter(std::move(f)), request, progress);
+}
+
+std::vector<Vec3f> matrix_directions(const Model& model, double theta_max) {
+    if (const auto* su = std::get_if<SuModel>(&model.model)) return su->direction;
+    return fibonacci_directions(k_matrix_directions, theta_max);
+}
+
+}  // namespace srbf

@@ -1,0 +1,245 @@
+#include "fit/noise.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/errors.h"
+#include "base/floating_point.h"
+#include "fit/clamped_noise.h"
+#include "models/lobe_fits.h"
+#include "observe/observations.h"
+#include "observe/pairs.h"
+#include "srbf/elementary.h"
+#include "srbf/model.h"
+
+namespace srbf {
+namespace {
+
+/// More than the distance of most tables' nodes, so that their noise differs.
+constexpr double k_noise_step = 3 * k_degree;
+/// Both directions of a pair, and the light's when it is turned.
+constexpr double k_noise_theta = 80 * k_degree;
+constexpr std::size_t k_noise_pairs = 8192;
+/// Of a normal distribution: the median of |x| in standard deviations; and the variance of x0 − (x1 + x2) / 2.
+constexpr double k_median_of_normal = 0.6745, k_variance_of_difference = 1.5;
+/// Noise of a tenth of dark values changes a fit less than another seed does; noise of all of them doubles its error.
+constexpr double k_noisy = 0.3;
+/// Of clean tables hardly a value is below 0 among others that are not.
+constexpr double k_negative = 0.01;
+/// A value within so many deviations of the fitted one differs by noise.
+constexpr float k_noise_limit = 3;
+/// Values of less than so many deviations get similar weights before anything is fitted.
+constexpr float k_alike = 5;
+constexpr int k_rounds = 3;
+/// Of the short fits, by pairs alone.
+constexpr int k_noise_starts = 4, k_noise_perturbations = 20;
+
+double median(std::vector<double> x) {
+    const auto middle = x.begin() + std::ptrdiff_t(x.size() / 2);
+    std::ranges::nth_element(x, middle);
+    return *middle;
+}
+
+/// The standard deviation of values, of which each has a mean, by the median of those with the darker half of the means.
+double dark_deviation(std::vector<std::pair<double, double>> means) {
+    if (means.empty()) return 0;
+    std::ranges::sort(means);
+    means.resize((means.size() + 1) / 2);
+    std::vector<double> values;
+    for (const auto& [mean, value] : means) values.push_back(std::abs(value));
+    return median(std::move(values)) / k_median_of_normal;
+}
+
+/// The direction turned by an angle towards the tangent of that azimuth.
+Vec3f turned(Vec3f w, double azimuth, double angle) {
+    const Vec3d z = to_double(w);
+    const Frame frame = frame_about(z);
+    const Vec3d across = elementary::cos(azimuth) * frame.x + elementary::sin(azimuth) * frame.y;
+    return to_float(elementary::cos(angle) * z + elementary::sin(angle) * across);
+}
+
+/// Triples of pairs: one, and those with its light turned to either side.
+std::vector<DirectionPair> triples() {
+    const MirrorMixture cap(k_noise_theta);
+    std::mt19937_64 random(0);
+    RSequence<6> points = random_sequence(random);
+    std::vector<DirectionPair> all;
+    while (all.size() < 3 * k_noise_pairs) {
+        const auto pair = pair_within(cap, points.next());
+        if (!pair) continue;
+        const double azimuth = k_golden_angle * double(all.size());
+        const Vec3f one = turned(pair->wl, azimuth, k_noise_step), other = turned(pair->wl, azimuth, -k_noise_step);
+        if (cap.contains(to_double(one)) && cap.contains(to_double(other)))
+            all.insert(all.end(), {*pair, {one, pair->wv}, {other, pair->wv}});
+    }
+    return all;
+}
+
+bool is_clamped(const Rgb& clamped) { return std::max({clamped.r, clamped.g, clamped.b}) > 0; }
+
+/// Values of at least √(f² + (k_alike σ)²), by which weights hardly depend on the noise of dark values.
+Evaluate above_noise(const Evaluate& f, const Rgb& deviation) {
+    return [f, deviation](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+        f(wl, wv, values);
+        for (Rgb& value : values)
+            for (int c = 0; c < 3; ++c) {
+                const float least = k_alike * deviation[c];
+                value[c] = std::sqrt(value[c] * value[c] + least * least);
+            }
+    };
+}
+
+/// What a fit expects at each pair. `of_clamped`: it is of values that were clamped, with this deviation before.
+Evaluate expected_by(PmModel fitted, bool of_clamped, const Rgb& clamped) {
+    return [fitted = std::move(fitted), of_clamped, clamped](std::span<const Vec3f> wl, std::span<const Vec3f> wv,
+                                                             std::span<Rgb> values) {
+        evaluator(fitted)(wl, wv, values);
+        for (Rgb& value : values)
+            for (int c = 0; c < 3 && of_clamped; ++c) value[c] = unclamped(value[c], clamped[c]);
+    };
+}
+/// `unbiased` of `Smoothed`.
+Evaluate without_excess(const Evaluate& f, const Evaluate& expected, const Rgb& clamped) {
+    if (!is_clamped(clamped)) return f;
+    return [f, expected, clamped](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+        std::vector<Rgb> means(values.size());
+        f(wl, wv, values);
+        expected(wl, wv, means);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            for (int c = 0; c < 3; ++c) values[i][c] -= clamped_excess(means[i][c], clamped[c]);
+    };
+}
+/// How much of the difference between f and what is expected is noise where it is dark: σ² / ρ², with ρ the deviation of that
+/// difference, and σ the deviation of values before they were clamped if they were, which is more than they show.
+Rgb share_of_noise(const Evaluate& f, const Evaluate& expected, const Noise& noise) {
+    const std::vector<DirectionPair> pairs = triples();
+    std::vector<Vec3f> wl, wv;
+    for (const DirectionPair& pair : pairs) wl.push_back(pair.wl), wv.push_back(pair.wv);
+    std::vector<Rgb> values(wl.size()), means(wl.size());
+    f(wl, wv, values);
+    expected(wl, wv, means);
+    Rgb share;
+    for (int c = 0; c < 3; ++c) {
+        std::vector<std::pair<double, double>> differences;
+        for (std::size_t i = 0; i < values.size(); ++i)
+            if (std::isfinite(values[i][c]))
+                differences.emplace_back(double(means[i][c]), double(values[i][c]) - double(means[i][c]));
+        const double ratio =
+            double(std::max(noise.deviation[c], noise.clamped[c])) / dark_deviation(std::move(differences));
+        share[c] = float(ratio < 1 ? ratio * ratio : 1);
+    }
+    return share;
+}
+
+/// `smooth` of `Smoothed`.
+Evaluate without_noise(const Evaluate& f, const Evaluate& expected, const Noise& noise) {
+    const Rgb share = share_of_noise(f, expected, noise);
+    return [f, expected, deviation = noise.deviation, share](std::span<const Vec3f> wl, std::span<const Vec3f> wv,
+                                                             std::span<Rgb> values) {
+        std::vector<Rgb> means(values.size());
+        f(wl, wv, values);
+        expected(wl, wv, means);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            for (int c = 0; c < 3; ++c) {
+                const float most = k_noise_limit * deviation[c];
+                values[i][c] -= share[c] * std::clamp(values[i][c] - means[i][c], -most, most);  // NaN remains
+            }
+    };
+}
+
+}  // namespace
+
+Noise noise_of(const Evaluate& f) {
+    const std::vector<DirectionPair> pairs = triples();
+    std::vector<Vec3f> wl, wv;
+    for (const DirectionPair& pair : pairs) wl.push_back(pair.wl), wv.push_back(pair.wv);
+    std::vector<Rgb> values(wl.size());
+    f(wl, wv, values);
+    Noise noise;
+    for (int c = 0; c < 3; ++c) {
+        std::vector<std::pair<double, double>> means;  // with their second differences; of noise both are independent
+        std::size_t negative = 0;
+        for (std::size_t i = 0; i < values.size(); i += 3) {
+            const double x = double(values[i][c]), beside = double(values[i + 1][c]) + double(values[i + 2][c]);
+            if (!std::isfinite(x + beside)) continue;
+            means.emplace_back((x + beside) / 3, x - beside / 2);
+            negative += x < 0 && x + beside > 0;
+        }
+        if (means.empty()) continue;
+        noise.negative = std::max(noise.negative, double(negative) / double(means.size()));
+        std::ranges::sort(means);
+        noise.level[c] = float(means[means.size() / 4].first);
+        noise.deviation[c] = float(dark_deviation(std::move(means)) / std::sqrt(k_variance_of_difference));
+    }
+    return noise;
+}
+
+void add_clamped(Noise& noise, const Measured& measured) {
+    noise.clamped = clamped_deviation(measured);
+    double median = 0, unbiased = 0;
+    for (int c = 0; c < 3; ++c)
+        median += double(noise.level[c]), unbiased += double(unclamped(noise.level[c], noise.clamped[c]));
+    noise.excess = is_clamped(noise.clamped) && unbiased > 0 ? median / unbiased - 1 : 0;
+}
+
+Noise noise_of(const Measured& measured) {
+    Noise noise = noise_of(signed_evaluator(measured));
+    add_clamped(noise, measured);
+    return noise;
+}
+
+bool is_noisy(const Noise& noise) {
+    return noise.share() > k_noisy || noise.negative > k_negative || is_clamped(noise.clamped);
+}
+
+double largest_share(const Noise& noise) {
+    constexpr double k_infinite = std::numeric_limits<double>::infinity();
+    double largest = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double deviation = double(noise.deviation[c]), level = double(noise.level[c]);
+        if (deviation > 0) largest = std::max(largest, level > 0 ? deviation / level : k_infinite);
+    }
+    return largest;
+}
+
+Result<Smoothed> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
+                          const ProgressToken& progress) {
+    Smoothed made{f, above_noise(f, noise.deviation)};
+    for (int round = 0; round < k_rounds; ++round) {
+        const auto part = [&](double begin, double end) {
+            return progress.part((round + begin) / k_rounds, (round + end) / k_rounds);
+        };
+        const auto observed = observe(made.unbiased, {.threads = threads, .smoothed = made.smooth}, part(0, 0.3));
+        if (!observed) return observed.error();
+        FitOptions options;
+        options.axial = axial, options.threads = threads;
+        options.starts = k_noise_starts, options.perturbations = k_noise_perturbations;
+        const auto fitted = fit_pm(beginning(*observed, observed->fitted()), options, part(0.3, 1));
+        if (!fitted) return fitted.error();
+        const Evaluate expected = expected_by(fitted->model, round == 0, noise.clamped);
+        made.unbiased = without_excess(f, expected, noise.clamped);
+        made.smooth = without_noise(made.unbiased, expected, noise);
+    }
+    return made;
+}
+
+Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads, const ProgressToken& progress) {
+    const StandardArithmetic mode;
+    const auto refused = [](const char* expected, std::string found) {
+        return argument_error("smoothing", "measurement", expected, std::move(found));
+    };
+    if (std::holds_alternative<ScatteredSamples>(measured.table)) return refused("a table", "scattered samples");
+    if (std::holds_alternative<BsdfTable>(measured.table))
+        return refused("a table of reflection", "reflection and transmission");
+    const Noise noise = noise_of(measured);
+    if (!is_noisy(noise))
+        return refused("a noisy table", fmt::format("noise of {:.0f} % of dark values", 100 * noise.share()));
+    auto made = smoothed(signed_evaluator(measured), noise, true, threads, progress);
+    if (!made) return made.error();
+    return std::move(made->smooth);
+}
+
+}  // namespace srbf

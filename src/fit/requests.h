@@ -1,0 +1,60 @@
+// What a request asks of the stages of a fit, and their outcomes.
+#pragma once
+#include <chrono>
+
+#include "models/lobe_fits.h"
+#include "models/pm/search/search.h"
+#include "srbf/fitting.h"
+
+namespace srbf {
+
+/// Bytes of f at all pairs of n directions in floats.
+constexpr std::uint64_t raw_bytes(std::uint64_t n, std::uint64_t channels = 3) {
+    return n * n * channels * sizeof(float);
+}
+
+inline double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The requested number of lobes; none: it is chosen by the fit.
+inline std::optional<int> lobes_of(const PmRequest& pm) {
+    const auto* count = pm.size ? std::get_if<LobeCount>(&*pm.size) : nullptr;
+    return count ? std::optional(count->lobes) : std::nullopt;
+}
+
+inline FitOptions pm_options(const FitRequest& request, bool axial) {
+    const PmRequest& pm = std::get<PmRequest>(request.model);
+    FitOptions options;
+    options.form = pm.form;
+    options.axial = axial;
+    options.reciprocal = pm.reciprocal;
+    options.lobes = lobes_of(pm).value_or(LobeCount{}.lobes);
+    options.variates = pm.variates;
+    options.log_scale = pm.log_scale;
+    options.seed = request.seed;
+    options.threads = request.threads;
+    return options;
+}
+
+/// The model of a fit, before and after rounding, and why its search stopped.
+template <typename Fit> FitOutcome outcome_of(Fit fit) {
+    FitOutcome outcome;
+    outcome.model.model = std::move(fit.model);
+    outcome.unrounded.model = std::move(fit.unrounded);
+    if constexpr (requires { fit.stop; }) outcome.stop = fit.stop;
+    return outcome;
+}
+
+/// A model that was tried, with this error.
+inline Step step_of(const PmModel& model, double error, bool whole) {
+    return {model.form, model.axial, model.lobes, model.variates, payload_bytes(model), error, whole};
+}
+
+// What is the same for tables and samples.
+Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress);
+Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& request, const ProgressToken& progress);
+Result<FitOutcome> fit_pbr(const Observations& observations, const FitRequest& request, bool is_isotropic,
+                           const ProgressToken& progress);
+
+}  // namespace srbf

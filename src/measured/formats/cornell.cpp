@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include "base/floating_point.h"
+#include "measured/samples.h"
+
+namespace srbf {
+
+namespace {
+
+/// The words of a text without its comments, across line ends.
+class Words {
+  public:
+    explicit Words(std::string_view text) : lines_(text) {}
+    /// The next word; empty at the end of the text.
+    std::string_view next() {
+        for (;;) {
+            if (const auto word = next_word(line_); !word.empty()) return word;
+            const auto line = lines_.next();
+            if (!line) return {};
+            line_ = line->substr(0, line->find('#'));
+        }
+    }
+    std::uint64_t line() const { return lines_.number(); }
+
+  private:
+    Lines lines_;
+    std::string_view line_;
+};
+
+/// The first comment line: a description of the measurement.
+std::string description_of(std::string_view text) {
+    std::string description;
+    for (Lines lines(text); auto line = lines.next();) {
+        if (!line->starts_with('#')) break;
+        line->remove_prefix(1);
+        const std::string_view comment = trimmed(*line);
+        if (comment == "num wls") break;
+        if (!comment.empty()) description += (description.empty() ? "" : ", ") + std::string(comment);
+    }
+    return description.substr(0, 1000);
+}
+
+}  // namespace
+
+bool is_cornell(std::string_view text) {
+    for (Lines lines(text); auto line = lines.next();) {
+        std::string_view rest = trimmed(line->substr(0, line->find('#')));
+        if (rest.empty()) continue;
+        return to_number<int>(next_word(rest)) && trimmed(rest).empty();
+    }
+    return false;
+}
+
+Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, const std::string& file_name) {
+    const std::string_view text = as_text(bytes);
+    Words words(text);
+    std::string_view word = words.next();
+    const auto count = to_number<std::uint32_t>(word);
+    if (!count || *count < 1 || *count > k_most_columns)
+        return at_line(file_name, words.line(), "number of wavelengths",
+                       fmt::format("between 1 and {}", k_most_columns), quoted(word));
+    std::vector<float> wavelengths;
+    for (std::uint32_t i = 0; i < *count; ++i) {
+        word = words.next();
+        const auto nm = to_number<float>(word);
+        if (!nm)
+            return at_line(file_name, words.line(), fmt::format("wavelength {} of {}", i + 1, *count), "a number",
+                           word.empty() ? "the end of the file" : quoted(word));
+        wavelengths.push_back(*nm);
+    }
+    if (!are_wavelengths(wavelengths))
+        return at_line(file_name, words.line(), "wavelengths", "increasing ones in nm, from 100 up",
+                       fmt::format("{} to {}", wavelengths.front(), wavelengths.back()));
+
+    std::vector<float> row(4 + wavelengths.size());
+    // A row may span several lines, and a line may hold several rows; a word takes at least two bytes.
+    SampleBuilder builder(Values::spectrum, std::move(wavelengths), bytes.size(), bytes.size() / (2 * row.size()) + 1);
+    LightAzimuths azimuths;
+    for (;;) {
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            word = words.next();
+            if (word.empty() && i == 0)
+                return std::move(builder).finish(file_name, description_of(text), azimuths.are_one());
+            const auto number = to_number<float>(word);
+            if (!number)
+                return at_line(file_name, words.line(), fmt::format("number {} of a sample of {}", i + 1, row.size()),
+                               "a number", word.empty() ? "the end of the file" : quoted(word));
+            row[i] = *number;
+        }
+        for (std::size_t i = 0; i < 4; ++i)
+            if (auto expected = expected_angle(k_angle_kinds[i], double(row[i]), k_in_radians); !expected.empty())
+                return at_line(file_name, words.line(), fmt::format("number {} of a sample of {}", i + 1, row.size()),
+                               std::move(expected), fmt::format("{:g}", row[i]));
+        const Vec3d wl = spherical(double(row[0]), double(row[1]));
+        azimuths.add(wl);
+        builder.add(wl, spherical(double(row[2]), double(row[3])), std::span(row).subspan(4));
+    }
+}
+
+Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
+    return indexed(read_cornell_samples(bytes, file_name));
+}
+
+}  // namespace srbf

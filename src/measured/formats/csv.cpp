@@ -1,0 +1,359 @@
+// Rows of numbers whose columns have names: CSV, what spreadsheets and instruments write, and the option --columns.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/floating_point.h"
+#include "measured/formats/columns.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+
+namespace {
+
+constexpr std::string_view k_both_sides = "# both sides",
+                           k_isotropic = "isotropic";  ///< comments; the second without #
+
+/// In the order in which they are tried.
+constexpr char k_separators[] = {';', '\t', ',', ' ', k_any_separator};
+
+/// The separator with which a line has names of columns.
+std::optional<char> header_separator(std::string_view line) {
+    constexpr std::size_t longest = 100000;
+    std::vector<std::string_view> fields;
+    for (const char separator : k_separators) {
+        if (line.find(separator) == line.npos) continue;
+        split_row(line.substr(0, longest), separator, fields);
+        if (are_names_of_columns(fields)) return separator;
+    }
+    return {};
+}
+
+/// True if a line begins with two numbers.
+bool is_row(std::string_view line) {
+    for (int i = 0; i < 2; ++i)
+        if (!number_in<double>(next_word(line, " \t,;"))) return false;
+    return true;
+}
+
+/// The text of a comment; none of a line that is no comment.
+std::optional<std::string_view> comment_in(std::string_view line) {
+    if (!line.starts_with('#')) return {};
+    line.remove_prefix(std::min(line.find_first_not_of('#'), line.size()));
+    return trimmed(line);
+}
+
+/// A text up to its first row.
+struct Opening {
+    std::string_view header;           ///< names of columns; empty: none
+    char separator = k_any_separator;  ///< in the header
+    std::uint64_t line = 0;            ///< of the header
+    Lines rows;
+    std::string description;  ///< comments, and what else stands before the header
+    bool both_sides = false, isotropic = false;
+};
+
+/// True if a row may belong to a header in a comment.
+bool has_as_many_fields(std::string_view row, const Opening& opening) {
+    std::vector<std::string_view> names, fields;
+    split_row(opening.header, opening.separator, names);
+    return std::ranges::any_of(k_separators, [&](char separator) {
+        split_row(row, separator, fields);
+        return fields.size() == names.size();
+    });
+}
+
+/// `has_names`: names are given elsewhere, and no line is a header.
+Opening opening_of(std::string_view text, bool has_names) {
+    constexpr int most_metadata = 200;
+    constexpr std::size_t longest_description = 300;
+    Lines lines(text);
+    Opening opening{{}, k_any_separator, 0, lines, {}};
+    const auto take = [&](std::string_view header, char separator) {
+        opening.header = header, opening.separator = separator, opening.line = lines.number();
+    };
+    int metadata = 0;
+    for (auto line = lines.next(); line; opening.rows = lines, line = lines.next()) {
+        const auto comment = comment_in(*line);
+        const std::string_view content = comment.value_or(*line);
+        const bool both_sides = comment && same(content, k_both_sides.substr(2)),
+                   isotropic = comment && same(content, k_isotropic);
+        opening.both_sides |= both_sides, opening.isotropic |= isotropic;
+        if (both_sides || isotropic) continue;
+        if (!comment && (has_names || !opening.header.empty()) && is_row(*line)) {
+            if (!has_names && !has_as_many_fields(*line, opening)) opening.header = {};
+            break;
+        }
+        if (const auto separator = has_names ? std::nullopt : header_separator(content)) {
+            take(content, *separator);
+            if (comment) continue;
+            opening.rows = lines;
+            break;
+        }
+        if (!comment && (is_row(*line) || ++metadata > most_metadata)) break;
+        if (!content.empty() && opening.description.size() < longest_description)
+            opening.description += fmt::format("{}{}", opening.description.empty() ? "" : " ", content);
+    }
+    opening.description.resize(std::min(opening.description.size(), longest_description));
+    return opening;
+}
+
+/// The separator with which the first row has as many fields as columns, numbers in those that are read.
+char row_separator(Lines rows, const Columns& columns, char of_header) {
+    auto line = rows.next();
+    while (line && comment_in(*line)) line = rows.next();
+    std::vector<std::string_view> fields;
+    std::vector<char> separators{of_header};
+    separators.insert(separators.end(), std::begin(k_separators), std::end(k_separators));
+    for (const char separator : separators) {
+        split_row(line.value_or(std::string_view()), separator, fields);
+        const auto is_number = [&](std::size_t column) {
+            return column == k_absent || number_in<double>(fields[column]).has_value();
+        };
+        const auto is_value = [&](std::size_t column) { return fields[column].empty() || is_number(column); };
+        if (fields.size() == columns.count && std::ranges::all_of(columns.value, is_value) &&
+            (columns.has_vectors ? std::ranges::all_of(columns.vector, is_number)
+                                 : std::ranges::all_of(columns.angle, is_number, &AngleColumn::column)))
+            return separator;
+    }
+    return of_header;
+}
+
+/// Rows and what their columns are.
+struct Table {
+    Columns columns;
+    Lines rows;
+    char separator;
+    std::string description;
+    bool isotropic;
+};
+
+/// The ranges of the angles of rows, as they are written: those of θ_l, |θ_l|, |φ_l| and all |θ|.
+struct PolarAngles {
+    double least_light = 0, most_light = 0, nearest_light = 1e300, largest_phi = 0, largest = 0;
+};
+PolarAngles polar_angles(const Table& table, const std::string& file_name) {
+    PolarAngles all;
+    NumberRow row(table.columns.count, file_name);
+    for (Lines rows = table.rows; auto line = rows.next();) {
+        if (comment_in(*line)) continue;
+        row.read(*line, rows.number(), table.separator);
+        for (const std::size_t a : {std::size_t(0), std::size_t(2)}) {
+            const AngleColumn& angle = table.columns.angle[a];
+            const double theta = angle.column == k_absent ? angle.constant : row.number<double>(angle.column);
+            if (row.error()) return all;
+            if (a == 0)
+                all.least_light = std::min(all.least_light, theta), all.most_light = std::max(all.most_light, theta);
+            all.largest = std::max(all.largest, std::abs(theta));
+            if (a == 0) all.nearest_light = std::min(all.nearest_light, std::abs(theta));
+        }
+        if (const std::size_t phi = table.columns.angle[1].column; phi != k_absent)
+            all.largest_phi = std::max(all.largest_phi, std::abs(row.number<double>(phi)));
+    }
+    return all;
+}
+
+/// Decides what names leave open by what the rows hold: the unit of angles, and azimuths of a scan in the plane of
+/// incidence.
+std::optional<Error> settle(Table& table, const std::string& file_name, std::uint64_t line) {
+    Columns& columns = table.columns;
+    auto& angle = columns.angle;
+    const auto lacks_unit = [](const AngleColumn& of) { return of.given() && !of.unit; };
+    columns.in_plane = !columns.has_vectors && !angle[1].given() && !angle[3].given();
+    const bool guesses_unit = !columns.has_vectors && std::ranges::any_of(angle, lacks_unit);
+    if (!guesses_unit && !columns.in_plane) return {};
+    const PolarAngles polar = polar_angles(table, file_name);
+    if (guesses_unit) {
+        const auto stated = std::ranges::find_if(angle, [](const auto& of) { return of.unit.has_value(); });
+        constexpr double least_radians = 0.5, rounding = 1e-3;
+        std::optional<AngleUnit> unit;
+        if (stated != angle.end())
+            unit = stated->unit;
+        else if (polar.largest > k_pi + rounding)
+            unit = k_in_degrees;
+        else if (polar.largest >= least_radians && polar.largest <= k_pi / 2 + rounding)
+            unit = k_in_radians;
+        if (!unit)
+            return at_line(file_name, line, "header",
+                           "angles with their unit, as theta_l_deg or theta_l_rad, here or in --columns",
+                           fmt::format("{} without one, and polar angles up to {:g}",
+                                       srbf::quoted(std::ranges::find_if(angle, lacks_unit)->name), polar.largest));
+        for (AngleColumn& of : angle)
+            if (lacks_unit(of)) of.unit = unit;
+        columns.notes.push_back(fmt::format("angles are in {}, which their names do not state", unit->name));
+        // Where theta is the azimuth no light is above the horizon.
+        const double horizon = k_pi / 2 / unit->radians;
+        if (angle[1].given() && polar.nearest_light > horizon && polar.largest_phi <= horizon) {
+            std::swap(angle[0], angle[1]), std::swap(angle[2], angle[3]);
+            columns.notes.push_back(fmt::format("{} and {} are polar angles, {} and {} azimuths", angle[0].name,
+                                                angle[2].name, angle[1].name, angle[3].name));
+        }
+    }
+    if (columns.in_plane) {
+        if (polar.least_light < 0 && polar.most_light > 0)
+            return at_line(file_name, line, "header", "azimuths, as columns or as phi_l_deg=0,phi_v_deg=0 in --columns",
+                           fmt::format("none, and lights on either side of the normal, from {:g} to {:g}",
+                                       polar.least_light, polar.most_light));
+        columns.notes.push_back(fmt::format(
+            "a scan in the plane of incidence, {} > 0 on the mirror side; if it is on the side of the light, "
+            "say --columns with phi_l_deg=0,phi_v_deg=0",
+            angle[2].name));
+    }
+    return {};
+}
+
+/// Errors: those of `columns_of` and of `settle`.
+Result<Table> open_table(std::string_view text, const std::string& file_name, const std::string& option) {
+    std::vector<std::string_view> names, constants;
+    for (std::string_view rest = option, name = next_word(rest, " ,"); !name.empty(); name = next_word(rest, " ,"))
+        (name.find('=') == name.npos ? names : constants).push_back(name);
+    const bool has_names = !names.empty();
+    Opening opening = opening_of(text, has_names);
+    if (!has_names && opening.header.empty()) {
+        const auto found = opening.rows.next();
+        return at_line(file_name, std::max<std::uint64_t>(opening.rows.number(), 1), "header", "names of columns",
+                       found ? quoted(*found) : "an empty file");
+    }
+    if (!has_names) split_row(opening.header, opening.separator, names);
+    auto columns = columns_of(names, constants, file_name, opening.line);
+    if (!columns) {
+        Error error = columns.error();
+        if (!option.empty()) error.what = "--columns", error.code = ErrorCode::argument;
+        return error;
+    }
+    Table table{*std::move(columns), opening.rows, k_any_separator, std::move(opening.description), opening.isotropic};
+    table.separator = row_separator(table.rows, table.columns, opening.separator);
+    if (auto error = settle(table, file_name, opening.line)) return *std::move(error);
+    return table;
+}
+
+/// The directions of a sample.
+struct Directions {
+    Vec3d wl, wv;
+};
+
+/// Tolerance of the length of a direction: it may be printed with two digits.
+constexpr double k_length_rounding = 0.01;
+
+Directions directions_in(NumberRow& row, const Columns& columns) {
+    if (!columns.has_vectors) {
+        std::array<double, 4> angle{};
+        for (std::size_t a = 0; a < angle.size(); ++a) {
+            const AngleColumn& of = columns.angle[a];
+            angle[a] = of.column == k_absent ? of.constant * of.in().radians
+                                             : row.angle(of.column, of.name, k_angle_kinds[a], of.in());
+        }
+        if (columns.in_plane) angle[0] = std::abs(angle[0]), angle[1] = k_pi;
+        return {spherical(angle[0], angle[1]), spherical(angle[2], angle[3])};
+    }
+    std::array<double, 6> x{};
+    for (std::size_t c = 0; c < x.size(); ++c) x[c] = row.number<double>(columns.vector[c]);
+    const auto unit = [&](const char* what, const Vec3d& w) {
+        const double length = std::sqrt(dot(w, w));
+        if (!(std::abs(length - 1) <= k_length_rounding)) row.fail(what, "length 1", fmt::format("{:.6g}", length));
+        return normalize(w);
+    };
+    const Vec3d wl = unit("direction wl", {x[0], x[1], x[2]}), wv = unit("direction wv", {x[3], x[4], x[5]});
+    return {wl, wv};
+}
+
+/// Samples as they are read; of both sides for each part, in its frame.
+struct Collected {
+    std::array<std::optional<SampleBuilder>, k_parts> part;
+    bool isotropic = false;
+    Quantity quantity = Quantity::bsdf;
+    std::string description, note;
+};
+
+Result<Collected> collect(std::span<const std::byte> bytes, const std::string& file_name, const std::string& option,
+                          bool both_sides) {
+    auto table = open_table(as_text(bytes), file_name, option);
+    if (!table) return table.error();
+    const Columns& columns = table->columns;
+    NumberRow row(columns.count, file_name);
+    Collected collected;
+    for (auto& builder : std::span(collected.part).first(both_sides ? k_parts : 1))
+        builder.emplace(columns.values, columns.wavelengths, bytes.size(), lines_of(bytes));
+    std::vector<float> f(collected.part[0]->width());
+    std::optional<double> wavelength;
+    LightAzimuths azimuths;
+    collected.isotropic = table->isotropic;
+    for (Lines& lines = table->rows; const auto line = lines.next();) {
+        if (const auto comment = comment_in(*line)) {
+            collected.isotropic |= same(*comment, k_isotropic);
+            continue;
+        }
+        row.read(*line, lines.number(), table->separator);
+        const auto [wl, wv] = directions_in(row, columns);
+        for (std::size_t v = 0; v < f.size(); ++v) f[v] = float(row.value(columns.value[v]));
+        if (columns.wavelength != k_absent && columns.values != Values::spectrum) {
+            const double nm = row.number<double>(columns.wavelength);
+            if (wavelength && *wavelength != nm)
+                row.fail("wavelength", "one in all rows, or a column for each as 532nm",
+                         fmt::format("{:g} and {:g}", *wavelength, nm));
+            wavelength = nm;
+        }
+        if (row.error()) return *row.error();
+        azimuths.add(wl);
+        const auto part = both_sides ? folded(to_float(wl), to_float(wv)) : std::nullopt;
+        if (part)
+            collected.part[std::size_t(part->part)]->add({wl.x, wl.y, std::abs(wl.z)}, {wv.x, wv.y, std::abs(wv.z)}, f);
+        else
+            collected.part[0]->add(wl, wv, f);  // where it is masked, if it is not above the horizon
+    }
+    collected.isotropic |= azimuths.are_one();
+    collected.quantity = columns.quantity;
+    collected.description = std::move(table->description);
+    if (row.has_decimal_commas()) table->columns.notes.push_back("numbers have a decimal comma");
+    collected.note = fmt::format("{}", fmt::join(columns.notes, "; "));
+    return collected;
+}
+
+/// `stated`: what the values are, where it is not what names say.
+Result<ScatteredSamples> finished(SampleBuilder&& builder, const Collected& of, const std::string& file_name,
+                                  Quantity stated) {
+    auto samples = std::move(builder).finish(file_name, of.description, of.isotropic);
+    if (!samples) return samples;
+    if (stated == Quantity::stated) to_bsdf(*samples, of.quantity);
+    if (!of.note.empty()) samples->notes.insert(samples->notes.begin(), of.note);
+    return samples;
+}
+
+}  // namespace
+
+bool is_csv(std::string_view text) {
+    return !text.starts_with('{') && !text.starts_with('<') && !opening_of(text, false).header.empty();
+}
+
+bool is_csv_of_both_sides(std::string_view text) { return opening_of(text, false).both_sides; }
+
+Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name,
+                                          const ReadOptions& options) {
+    auto collected = collect(bytes, file_name, options.columns, false);
+    if (!collected) return collected.error();
+    return finished(*std::move(collected->part[0]), *collected, file_name, options.quantity);
+}
+
+Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
+    auto collected = collect(bytes, file_name, {}, true);
+    if (!collected) return collected.error();
+    BsdfTable table{{{}}, 0, {}};
+    bool any = false;
+    for (std::size_t p = 0; p < k_parts; ++p) any = any || !collected->part[p]->empty();
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        if (any && collected->part[p]->empty()) continue;
+        auto samples = indexed(finished(*std::move(collected->part[p]), *collected, file_name, {}));
+        if (!samples) return samples.error();
+        Measured part{file_name, "CSV", 0, *std::move(samples)};
+        table.bands[0].part[p] = std::make_shared<const Measured>(std::move(part));
+    }
+    return table;
+}
+
+Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
+    return indexed(read_csv_samples(bytes, file_name, {}));
+}
+
+}  // namespace srbf

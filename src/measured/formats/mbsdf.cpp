@@ -1,0 +1,240 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/floating_point.h"
+#include "measured/angles.h"
+#include "measured/bytes.h"
+#include "measured/formats/mbsdf.h"
+#include "measured/limits.h"
+#include "srbf/measured.h"
+#include "srbf/text.h"
+
+namespace srbf {
+
+namespace {
+
+constexpr std::string_view k_family = "NVIDIA ARC MBSDF V";  // of any version
+
+constexpr std::size_t k_most_entries = 1024;  // of the header
+
+/// A position in a file.
+struct Cursor {
+    std::string_view text;
+    std::string file_name;
+    std::size_t at = 0;
+
+    bool at_end() const { return at == text.size(); }
+    Error error(std::size_t offset, std::string what, std::string expected, std::string found) const {
+        return {file_name, offset, std::move(what), std::move(expected), std::move(found)};
+    }
+    /// The line from here on, without its end; none if the file ends first.
+    std::optional<std::string_view> line() {
+        const std::size_t end = text.find('\n', at);
+        if (end == text.npos) return {};
+        const std::string_view line = text.substr(at, end - at);
+        at = end + 1;
+        return line;
+    }
+};
+
+/// A line key="value" that begins at `begin`.
+Result<MbsdfTable::Entry> parse_entry(const Cursor& file, std::string_view line, std::size_t begin) {
+    constexpr const char *what = "MBSDF header", *form = "a line key=\"value\" or the head of a block";
+    const std::size_t sign = line.find('=');
+    if (sign == line.npos || sign == 0 || line.substr(sign + 1, 1) != "\"")
+        return file.error(begin, what, form, quoted(line));
+    if (const auto control = std::ranges::find_if(line, is_control); control != line.end())
+        return file.error(begin + std::size_t(control - line.begin()), what, "printable characters",
+                          fmt::format("the byte {:02x}", static_cast<unsigned char>(*control)));
+    MbsdfTable::Entry entry{std::string(line.substr(0, sign)), {}};
+    for (std::size_t i = sign + 2; i < line.size(); ++i) {
+        if (line[i] == '"') {
+            if (i + 1 == line.size()) return entry;
+            return file.error(begin + i + 1, what, "the end of the line after the value", quoted(line.substr(i + 1)));
+        }
+        if (line[i] == '\\') {
+            const char escaped = ++i < line.size() ? line[i] : ' ';
+            if (escaped != 'n' && escaped != '"' && escaped != '\\')
+                return file.error(begin + i - 1, what, "one of \\n, \\\" and \\\\", quoted(line.substr(i - 1, 2)));
+            entry.value += escaped == 'n' ? '\n' : escaped;
+        } else {
+            entry.value += line[i];
+        }
+    }
+    return file.error(begin + line.size(), what, "a quotation mark that ends the value", "the end of the line");
+}
+
+/// The description of a block, whose numbers lie in the file from `offset` on.
+struct Block {
+    std::uint32_t channels, polar, azimuths;
+    std::size_t offset;
+    std::size_t samples() const { return std::size_t(polar) * polar * azimuths; }
+};
+
+/// Reads the description that follows a block's head, and skips its numbers.
+Result<Block> parse_block(Cursor& file) {
+    const std::size_t begin = file.at, left = file.text.size() - begin;
+    constexpr std::size_t size = 3 * sizeof(std::uint32_t);
+    if (left < size)
+        return file.error(begin, "MBSDF block", "type and numbers of angles in 12 bytes",
+                          fmt::format("the end of the file after {}", left));
+    const auto* bytes = reinterpret_cast<const std::byte*>(file.text.data()) + begin;
+    const auto type = load<std::uint32_t>(bytes);
+    const Block block{type == 0 ? 1u : 3u, load<std::uint32_t>(bytes + 4), load<std::uint32_t>(bytes + 8),
+                      begin + size};
+    if (type > 1) return file.error(begin, "type of an MBSDF block", "0 (grey) or 1 (RGB)", fmt::format("{}", type));
+    const auto in_range = [](std::uint32_t n) { return 1 <= n && n <= k_largest_dimension; };
+    const std::string dimensions = fmt::format("{0} x {0} x {1}", block.polar, block.azimuths);
+    if (!in_range(block.polar) || !in_range(block.azimuths))
+        return file.error(begin + 4, "dimensions of an MBSDF block",
+                          fmt::format("each between 1 and {}", k_largest_dimension), dimensions);
+    const std::uint64_t needed = std::uint64_t(block.samples()) * block.channels * sizeof(float);
+    if (needed > left - size)
+        return file.error(block.offset, fmt::format("MBSDF block of {} x {} numbers", dimensions, block.channels),
+                          fmt::format("{} bytes", needed), fmt::format("{} bytes", left - size));
+    file.at = block.offset + needed;
+    return block;
+}
+
+/// The nodes about a position in units of nodes, which is constant beyond the last.
+struct BetweenAngles {
+    std::size_t first, second;
+    float to;
+};
+BetweenAngles between(float at, std::uint32_t n) {
+    const float within = std::min(at, float(n - 1));
+    const auto i = std::uint32_t(within);
+    return {i, std::min(i + 1, n - 1), within - float(i)};
+}
+
+}  // namespace
+
+bool is_mbsdf(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_family); }
+
+namespace {
+
+/// The blocks of a file: reflection, and transmission if it has any.
+struct Blocks {
+    MbsdfTable reflection;
+    std::optional<MbsdfTable> transmission;
+};
+
+Result<Done> read_samples(const Cursor& file, const Block& block, MbsdfTable& table) {
+    table.polar = block.polar, table.azimuths = block.azimuths;
+    table.grey = block.channels == 1;
+    table.cells.resize(block.samples());
+    const auto* number = reinterpret_cast<const std::byte*>(file.text.data()) + block.offset;
+    for (Rgb& f : table.cells) {
+        for (int c = 0; c < 3; ++c) {
+            f[c] = load<float>(number);
+            if (!table.grey || c == 2) number += sizeof(float);
+        }
+        if (is_finite(f)) continue;
+        f = {k_nan, k_nan, k_nan};
+        ++table.masked;
+    }
+    if (table.masked == table.cells.size())
+        return file.error(block.offset, "MBSDF samples", "at least one that is finite", "none");
+    return Done{};
+}
+
+Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& file_name, bool with_transmission) {
+    Cursor file{as_text(bytes), file_name};
+    const auto magic = file.line();
+    if (!magic || *magic != k_mbsdf_magic)
+        return file.error(0, "MBSDF file", fmt::format("the line '{}'", k_mbsdf_magic),
+                          quoted(magic.value_or(file.text)));
+    Blocks blocks;
+    MbsdfTable& table = blocks.reflection;
+    for (;;) {
+        const std::size_t begin = file.at;
+        const auto line = file.line();
+        if (!line)
+            return file.error(begin, "MBSDF header", fmt::format("a block, headed {}", k_mbsdf_reflection),
+                              "the end of the file");
+        if (*line == k_mbsdf_reflection || *line == k_mbsdf_data) break;
+        if (*line == k_mbsdf_transmission)
+            return file.error(begin, "MBSDF file", "a block of reflection", "transmission alone");
+        if (table.metadata.size() == k_most_entries)
+            return file.error(begin, "MBSDF header", fmt::format("at most {} lines key=\"value\"", k_most_entries),
+                              "more");
+        auto entry = parse_entry(file, *line, begin);
+        if (!entry) return entry.error();
+        table.metadata.push_back(*std::move(entry));
+    }
+    const auto block = parse_block(file);
+    if (!block) return block.error();
+    if (const std::size_t begin = file.at; !file.at_end()) {
+        if (file.line() != k_mbsdf_transmission)
+            return file.error(begin, "after the MBSDF block of reflection",
+                              fmt::format("the end of the file, or {}", k_mbsdf_transmission),
+                              fmt::format("{} bytes", file.text.size() - begin));
+        const auto transmission = parse_block(file);
+        if (!transmission) return transmission.error();
+        if (!file.at_end())
+            return file.error(file.at, "after the MBSDF block of transmission", "the end of the file",
+                              fmt::format("{} bytes", file.text.size() - file.at));
+        table.has_transmission = true;
+        if (with_transmission) {
+            blocks.transmission.emplace();
+            if (const auto read = read_samples(file, *transmission, *blocks.transmission); !read) return read.error();
+        }
+    }
+    if (const auto read = read_samples(file, *block, table); !read) return read.error();
+    return blocks;
+}
+
+}  // namespace
+
+Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
+    auto blocks = read_blocks(bytes, file_name, false);
+    if (!blocks) return blocks.error();
+    return std::move(blocks->reflection);
+}
+
+Result<BsdfTable> read_mbsdf_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
+    auto blocks = read_blocks(bytes, file_name, true);
+    if (!blocks) return blocks.error();
+    if (!blocks->transmission)
+        return Error{file_name, {}, "MBSDF file", "a block of transmission", "none", ErrorCode::argument};
+    BsdfTable table{{{}}, 0, {}};
+    const auto part = [&](MbsdfTable&& of) {
+        return std::make_shared<const Measured>(Measured{file_name, "MBSDF", 0, std::move(of)});
+    };
+    table.bands[0].part[std::size_t(Part::reflection_front)] = part(std::move(blocks->reflection));
+    table.bands[0].part[std::size_t(Part::transmission_front)] = part(*std::move(blocks->transmission));
+    return table;
+}
+
+Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
+    if (!above_horizon(wl, wv)) return {};
+    const auto step = float(k_pi / 2 / table.polar), turn = float(k_pi / std::max(table.azimuths - 1, 1u));
+    const float phi = azimuth(std::abs(wl.x * wv.y - wl.y * wv.x), wl.x * wv.x + wl.y * wv.y);
+    const BetweenAngles l = between(polar_angle(wl) / step, table.polar),
+                        v = between(polar_angle(wv) / step, table.polar), p = between(phi / turn, table.azimuths);
+    Rgb sum;
+    const auto add_row = [&](std::size_t i, std::size_t j, float weight) {
+        const Rgb* const row = &table.cells[(i * table.polar + j) * table.azimuths];
+        for (int c = 0; c < 3; ++c) sum[c] += weight * ((1 - p.to) * row[p.first][c] + p.to * row[p.second][c]);
+    };
+    add_row(l.first, v.first, (1 - l.to) * (1 - v.to));
+    add_row(l.first, v.second, (1 - l.to) * v.to);
+    add_row(l.second, v.first, l.to * (1 - v.to));
+    add_row(l.second, v.second, l.to * v.to);
+    // Rounding may take the mean of samples beyond the largest float. A NaN is kept.
+    for (int c = 0; c < 3; ++c) sum[c] = std::clamp(sum[c], -k_most_float, k_most_float);
+    return sum;
+}
+
+Rgb value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
+    Rgb f = signed_value(table, wl, wv);
+    for (int c = 0; c < 3; ++c) f[c] = f[c] < 0 ? 0 : f[c];  // a NaN is kept
+    return f;
+}
+
+}  // namespace srbf

@@ -1,0 +1,87 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/floating_point.h"
+#include "measured/angles.h"
+#include "measured/bytes.h"
+#include "measured/limits.h"
+#include "srbf/file.h"
+#include "srbf/measured.h"
+
+namespace srbf {
+
+namespace {
+
+constexpr std::size_t k_cells = std::size_t(UtiaTable::k_directions) * UtiaTable::k_directions;
+constexpr std::size_t k_bytes = 3 * k_cells * sizeof(double);
+
+/// The four nodes about a direction and their weights, which sum to 1; some are negative beyond the last polar angle.
+struct Corners {
+    std::array<std::uint32_t, 4> node;
+    std::array<float, 4> weight;
+};
+
+Corners corners(Vec3f w) {
+    constexpr float polar_step = float(15 * k_degree), azimuth_step = float(7.5 * k_degree);
+    constexpr std::uint32_t azimuths = UtiaTable::k_azimuths;
+    const float t = polar_angle(w) / polar_step, phi = azimuth(w.y, w.x);
+    const float p = (phi < 0 ? phi + float(2 * k_pi) : phi) / azimuth_step;
+    const std::uint32_t i = std::min(std::uint32_t(t), UtiaTable::k_polar - 2);
+    const std::uint32_t j = std::min(std::uint32_t(p), azimuths - 1), next = j + 1 == azimuths ? 0 : j + 1;
+    const float to_i = t - float(i), to_j = std::min(p - float(j), 1.0f);
+    return {{i * azimuths + j, i * azimuths + next, (i + 1) * azimuths + j, (i + 1) * azimuths + next},
+            {(1 - to_i) * (1 - to_j), (1 - to_i) * to_j, to_i * (1 - to_j), to_i * to_j}};
+}
+
+}  // namespace
+
+std::uint64_t utia_bytes() { return k_bytes; }
+bool is_utia(std::span<const std::byte> bytes) { return bytes.size() == utia_bytes() && !is_safetensors(bytes); }
+
+Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
+    if (bytes.size() != k_bytes)
+        return Error{file_name,
+                     {},
+                     "size of a UTIA table",
+                     fmt::format("{} bytes", k_bytes),
+                     fmt::format("{} bytes", bytes.size())};
+    UtiaTable table;
+    table.cells.resize(k_cells);
+    for (std::size_t i = 0; i < k_cells; ++i) {
+        Rgb& f = table.cells[i];
+        bool valid = true;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double x = load<double>(&bytes[(c * k_cells + i) * sizeof(double)]);
+            valid = valid && std::abs(x) <= k_largest_value;
+            f[int(c)] = float(x);
+        }
+        if (valid) continue;
+        f = {k_nan, k_nan, k_nan};
+        ++table.masked;
+    }
+    if (table.masked == k_cells) return Error{file_name, 0, "UTIA cells", "at least one that is finite", "none"};
+    return table;
+}
+
+Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv) {
+    if (!above_horizon(wl, wv)) return {};
+    const Corners light = corners(wl), view = corners(wv);
+    Rgb f;
+    for (std::size_t l = 0; l < 4; ++l)
+        for (std::size_t v = 0; v < 4; ++v) {
+            const float weight = light.weight[l] * view.weight[v];
+            const Rgb& cell = table.cells[std::size_t(light.node[l]) * UtiaTable::k_directions + view.node[v]];
+            for (int c = 0; c < 3; ++c) f[c] += weight * cell[c];
+        }
+    return f;
+}
+
+Rgb value(const UtiaTable& table, Vec3f wl, Vec3f wv) {
+    const Rgb f = signed_value(table, wl, wv);
+    const auto clamped = [](float x) { return x > 0 ? std::min(x, k_most_float) : x <= 0 ? 0 : x; };
+    return {clamped(f.r), clamped(f.g), clamped(f.b)};
+}
+
+}  // namespace srbf

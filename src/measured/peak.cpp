@@ -1,0 +1,162 @@
+#include "srbf/peak.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/floating_point.h"
+#include "measured/angles.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+
+namespace {
+
+constexpr std::size_t k_places = 4;        // mirror, retro, beside, elsewhere, as in PeakPlace
+constexpr double k_about = 10 * k_degree;  // of a direction
+constexpr double k_least_ratio = 2;
+/// Bounds of the intervals of θ_l, and the largest θ_v.
+constexpr std::array<double, 5> k_light{10 * k_degree, 25 * k_degree, 40 * k_degree, 55 * k_degree, 70 * k_degree};
+constexpr double k_most_view = 75 * k_degree;
+constexpr std::array<double, 3> k_shells{0.25 * k_degree, 1 * k_degree, 4 * k_degree};
+
+double angle_between(const Vec3d& a, const Vec3d& b) {
+    const Vec3d d = a - b;
+    return 2 * elementary::asin(std::min(1.0, std::sqrt(dot(d, d)) / 2));
+}
+
+struct Level {
+    std::array<double, k_shells.size() + 1> sum{}, count{};
+    void add(std::size_t shell, double y) { sum[shell] += y, count[shell] += 1; }
+    /// Negative where there is none.
+    double value() const {
+        double most = -1;
+        for (std::size_t s = 0; s < sum.size(); ++s)
+            if (count[s] > 0) most = std::max({most, sum[s] / count[s], 0.0});
+        return most;
+    }
+};
+using Levels = std::array<std::array<Level, k_places>, k_light.size() - 1>;
+
+void add(Levels& levels, const Vec3d& wl, const Vec3d& wv, double y) {
+    const double theta_l = polar_angle(wl);
+    if (!(theta_l >= k_light.front() && theta_l < k_light.back() && polar_angle(wv) <= k_most_view)) return;
+    const std::size_t interval = std::size_t(std::ranges::upper_bound(k_light, theta_l) - k_light.begin()) - 1;
+    const Vec3d side{-wl.y, wl.x, wl.z};
+    const std::array<double, 3> angle{angle_between(wv, mirror(wl)), angle_between(wv, wl),
+                                      std::min(angle_between(wv, side), angle_between(wv, mirror(side)))};
+    const std::size_t nearest = std::size_t(std::ranges::min_element(angle) - angle.begin());
+    const bool is_near = angle[nearest] <= k_about;
+    const auto shell = std::size_t(std::ranges::upper_bound(k_shells, angle[nearest]) - k_shells.begin());
+    levels[interval][is_near ? nearest : k_places - 1].add(is_near ? shell : 0, y);
+}
+
+Peak peak_of(const Levels& levels) {
+    std::array<double, k_places> score{}, ratio{}, count{};
+    for (const auto& interval : levels) {
+        std::array<double, k_places> level{};
+        double least = -1, most = 0;
+        std::size_t places = 0;
+        for (std::size_t p = 0; p < k_places; ++p) {
+            level[p] = interval[p].value();
+            if (level[p] < 0) continue;
+            ++places;
+            least = least < 0 ? level[p] : std::min(least, level[p]);
+            most = std::max(most, level[p]);
+        }
+        if (places < 2 || (level[0] < 0 && level[1] < 0)) continue;
+        for (std::size_t p = 0; p < k_places; ++p) {
+            if (level[p] < 0) continue;
+            const double of =
+                most > 0 ? std::max(level[p], most / k_most_peak) / std::max(least, most / k_most_peak) : 1;
+            score[p] += elementary::log(of), count[p] += 1, ratio[p] = std::max(ratio[p], of);
+        }
+    }
+    Peak peak;
+    double most = -1;
+    for (std::size_t p = 0; p < k_places; ++p) {
+        if (!(count[p] > 0) || score[p] / count[p] <= most) continue;
+        most = score[p] / count[p];
+        peak = {PeakPlace(p), ratio[p]};
+    }
+    if (peak.place != PeakPlace::unknown && peak.ratio < k_least_ratio) peak.place = PeakPlace::none;
+    return peak;
+}
+
+}  // namespace
+
+const char* name(PeakPlace place) {
+    constexpr std::array names{"mirror", "retro", "beside", "elsewhere", "none", "unknown"};
+    return names[std::size_t(place)];
+}
+
+Peak peak_of(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f) {
+    const StandardArithmetic mode;
+    Levels levels;
+    for (std::size_t i = 0; i < wl.size(); ++i)
+        if (is_finite(f[i]) && wl[i].z > 0 && wv[i].z > 0)
+            add(levels, to_double(wl[i]), to_double(wv[i]), luminance(f[i]));
+    return peak_of(levels);
+}
+
+Peak peak_of(const Evaluate& brdf) {
+    constexpr int k_turns = 8;
+    std::vector<Vec3f> wl, wv;
+    for (std::size_t interval = 0; interval + 1 < k_light.size(); ++interval)
+        for (int turn = 0; turn < k_turns; ++turn) {
+            const double theta_l = (k_light[interval] + k_light[interval + 1]) / 2, phi_l = turn * 2 * k_pi / k_turns;
+            std::vector<Vec3d> views;
+            for (int side = 0; side < 4; ++side) {
+                const Vec3d centre = spherical(theta_l, phi_l + side * k_pi / 2);
+                const Frame frame = frame_about(centre);
+                views.push_back(centre);
+                for (const double radius : {0.5, 0.9, 2.0, 3.5, 5.0, 7.5})
+                    for (int k = 0; k < k_turns; ++k)
+                        views.push_back(frame.from(spherical(radius * k_degree, k * 2 * k_pi / k_turns)));
+            }
+            for (int theta = 10; theta <= 70; theta += 15)
+                for (int k = 0; k < 12; ++k) views.push_back(spherical(theta * k_degree, phi_l + k * k_pi / 6));
+            for (const Vec3d& view : views)
+                wl.push_back(to_float(spherical(theta_l, phi_l))), wv.push_back(to_float(view));
+        }
+    std::vector<Rgb> f(wl.size());
+    brdf(wl, wv, f);
+    return peak_of(wl, wv, f);
+}
+
+Peak peak_of(const Measured& measured) {
+    if (const auto* samples = std::get_if<ScatteredSamples>(&measured.table))
+        return peak_of(samples->wl, samples->wv, samples->colour);
+    if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table)) {
+        const auto part = std::ranges::find_if(bsdf->band().part, [](const auto& of) { return of != nullptr; });
+        return part == bsdf->band().part.end() ? Peak{} : peak_of(**part);
+    }
+    return peak_of(signed_evaluator(measured));
+}
+
+std::string peak_text(const Peak& peak, bool is_transmission) {
+    const std::string times =
+        fmt::format("{}{:.0f} times f elsewhere", peak.ratio >= k_most_peak ? "over " : "", peak.ratio);
+    switch (peak.place) {
+        case PeakPlace::mirror:
+            return fmt::format("highlight {}, {}", is_transmission ? "straight through" : "at the mirror direction",
+                               times);
+        case PeakPlace::retro:
+            return fmt::format("highlight at the {}, {}: are the azimuths exchanged?",
+                               is_transmission ? "azimuth of the light" : "retro direction", times);
+        case PeakPlace::beside:
+            return fmt::format("highlight beside the plane of incidence, {}: are the azimuths off by 90°?", times);
+        case PeakPlace::elsewhere:
+            return fmt::format(
+                "highlight away from the mirror and the retro direction, {}: are angles from the normal?", times);
+        case PeakPlace::none:
+            return "no highlight (matte): no direction at the angle of the light has twice f of others";
+        case PeakPlace::unknown:
+            break;
+    }
+    return "unknown: too little was measured about the mirror and the retro direction";
+}
+
+}  // namespace srbf

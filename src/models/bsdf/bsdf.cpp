@@ -1,0 +1,210 @@
+// BSDFs as models: their parts and beams.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/bsdf/bsdf_file.h"
+#include "srbf/elementary.h"
+#include "srbf/half.h"
+#include "srbf/model.h"
+
+namespace srbf {
+
+Rgb value(const BsdfModel& model, Vec3f wl, Vec3f wv) { return value(model.part, wl, wv); }
+
+std::size_t payload_bytes(const BsdfModel& model) {
+    std::size_t bytes = 0;
+    for (const auto& part : model.part) bytes += part ? payload_bytes(*part) : 0;
+    for (const Beam& beam : model.beam) bytes += payload_bytes(beam);
+    return bytes;
+}
+
+std::size_t payload_bytes(const Beam& beam) {
+    std::size_t bytes = 0;
+    for (const auto& [name, tensor] : encode_beams({beam})) bytes += 2 * tensor.data.size();
+    return bytes;
+}
+
+std::size_t auxiliary_bytes(const BsdfModel& model) {
+    std::size_t bytes = 0;
+    for (const auto& part : model.part) bytes += part ? auxiliary_bytes(*part) : 0;
+    return bytes;
+}
+
+namespace {
+std::string prefix_of(Part part) { return fmt::format("{}.", name(part)); }
+/// τ on a ring whose nodes begin at that index, for an azimuth in turns, 0..1.
+Rgb share_on_ring(const Beam& beam, std::size_t ring, std::size_t first, float turns) {
+    const auto n = std::size_t(beam.nodes(ring));
+    const float at = turns * float(n);
+    const std::size_t k = std::min(std::size_t(at), n - 1);
+    return mixed(beam.share[first + k], beam.share[first + (k + 1) % n], at - float(k));
+}
+
+/// The tensors of a beam, after its name.
+std::string angle_of(std::string_view beam) { return fmt::format("beam.{}.angle", beam); }
+std::string azimuths_of(std::string_view beam) { return fmt::format("beam.{}.azimuths", beam); }
+std::string share_of(std::string_view beam) { return fmt::format("beam.{}.share", beam); }
+
+Tensor16 halves(std::vector<std::uint64_t> shape, const auto& numbers) {
+    Tensor16 tensor{Type16::half, std::move(shape), {}};
+    for (const auto x : numbers) tensor.data.push_back(to_half(float(x)));
+    return tensor;
+}
+}  // namespace
+
+Rgb share_at(const Beam& beam, Vec3f wl) {
+    if (beam.empty() || !std::isfinite(wl.x + wl.y + wl.z)) return {};
+    const float theta = elementary::acos(std::fmin(std::abs(wl.z), 1.f));
+    float turns = 0;
+    if (!beam.azimuths.empty()) {
+        turns = elementary::atan2(wl.y, wl.x) / float(2 * k_pi);
+        turns = std::fmin(turns < 0 ? turns + 1 : turns, 1.f);
+    }
+    // The rings about θ; below the first one and beyond the last there is none.
+    std::size_t next = 0, first = 0, before = 0;
+    for (; next < beam.theta.size() && beam.theta[next] <= theta; ++next)
+        before = first, first += std::size_t(beam.nodes(next));
+    if (next == 0) return share_on_ring(beam, 0, 0, turns);
+    const bool is_last = next == beam.theta.size();
+    const float from = beam.theta[next - 1], to = is_last ? float(k_pi / 2) : beam.theta[next];
+    const float part = to > from ? std::fmin((theta - from) / (to - from), 1.f) : 0.f;
+    return mixed(share_on_ring(beam, next - 1, before, turns),
+                 is_last ? Rgb{} : share_on_ring(beam, next, first, turns), part);
+}
+
+void add_part(const Safetensors& part, Part of, Safetensors& content) {
+    for (const auto& [key, tensor] : part.tensors) content.tensors[prefix_of(of) + key] = tensor;
+    for (const auto& [key, text] : part.metadata) content.metadata[prefix_of(of) + key] = text;
+}
+
+Safetensors take_part(Safetensors& content, Part of) {
+    const std::string prefix = prefix_of(of);
+    Safetensors part;
+    const auto take = [&](auto& from, auto& to) {
+        for (auto at = from.lower_bound(prefix); at != from.end() && at->first.starts_with(prefix);) {
+            to[at->first.substr(prefix.size())] = std::move(at->second);
+            at = from.erase(at);
+        }
+    };
+    take(content.tensors, part.tensors);
+    take(content.metadata, part.metadata);
+    return part;
+}
+
+std::map<std::string, Tensor16> encode_beams(const Beams& beams) {
+    std::map<std::string, Tensor16> tensors;
+    for (std::size_t b = 0; b < beams.size(); ++b) {
+        const Beam& beam = beams[b];
+        if (beam.empty()) continue;
+        const bool is_grey = !beam.azimuths.empty() &&
+                             std::ranges::all_of(beam.share, [](const Rgb& x) { return x.r == x.g && x.g == x.b; });
+        std::vector<float> share;
+        for (const Rgb& tau : beam.share)
+            for (int c = 0; c < (is_grey ? 1 : 3); ++c) share.push_back(tau[c]);
+        const auto rings = std::uint64_t(beam.theta.size()), nodes = std::uint64_t(beam.share.size());
+        tensors[angle_of(k_beam_names[b])] = halves({rings}, beam.theta);
+        if (!beam.azimuths.empty()) tensors[azimuths_of(k_beam_names[b])] = halves({rings}, beam.azimuths);
+        tensors[share_of(k_beam_names[b])] = halves({nodes, std::uint64_t(is_grey ? 1 : 3)}, share);
+    }
+    return tensors;
+}
+
+namespace {
+
+/// Reads the tensors of beams, of which every error names the file.
+struct BeamReader {
+    const std::map<std::string, Tensor16>& tensors;
+    const std::string& file_name;
+
+    Error error(const std::string& tensor, std::string expected, std::string found) const {
+        return Error{file_name, {}, fmt::format("tensor '{}'", tensor), std::move(expected), std::move(found)};
+    }
+    const Tensor16* find(const std::string& name) const {
+        const auto at = tensors.find(name);
+        return at == tensors.end() ? nullptr : &at->second;
+    }
+
+    /// The angles and numbers of azimuths of the rings.
+    Result<Beam> rings(std::string_view name) const {
+        Beam beam;
+        const std::string angle = angle_of(name), azimuths = azimuths_of(name);
+        for (const std::uint16_t half : find(angle)->data) {
+            const float theta = from_half(half);
+            if (!(theta >= 0 && theta <= 1.5713f && (beam.theta.empty() || theta > beam.theta.back())))
+                return error(angle, "rising angles from 0 to 90 degrees", fmt::format("{}", theta));
+            beam.theta.push_back(theta);
+        }
+        const Tensor16* of = find(azimuths);
+        for (std::size_t i = 0; of && i < of->data.size(); ++i) {
+            const float n = from_half(of->data[i]);
+            if (!(n >= 1 && n <= float(k_most_beam_nodes) && n == std::floor(n)))
+                return error(azimuths, fmt::format("whole numbers from 1 to {}", k_most_beam_nodes),
+                             fmt::format("{}", n));
+            beam.azimuths.push_back(int(n));
+        }
+        return beam;
+    }
+    /// The shapes that the tensors of a beam must have: with azimuths a grey one has one channel.
+    Result<std::map<std::string, TensorShape>> shapes(std::string_view name) const {
+        const std::string angle = angle_of(name), azimuths = azimuths_of(name), share = share_of(name);
+        const auto& shape = find(angle)->shape;
+        if (shape.size() != 1 || shape[0] < 1 || shape[0] > k_most_beam_rings)
+            return Error{file_name,
+                         {},
+                         fmt::format("tensor '{}': shape", angle),
+                         fmt::format("[n] up to [{}]", k_most_beam_rings),
+                         shape_text(shape)};
+        std::map<std::string, TensorShape> expected{{angle, {Type16::half, {shape[0]}}}};
+        std::uint64_t nodes = shape[0];
+        if (const Tensor16* of = find(azimuths)) {
+            expected[azimuths] = {Type16::half, {shape[0]}};
+            nodes = 0;
+            for (const std::uint16_t half : of->data)
+                if (const float n = from_half(half); n >= 1 && n <= float(k_most_beam_nodes)) nodes += std::uint64_t(n);
+        }
+        const Tensor16* of_share = find(share);
+        const bool is_grey = find(azimuths) && of_share && of_share->shape.size() == 2 && of_share->shape[1] == 1;
+        expected[share] = {Type16::half, {nodes, std::uint64_t(is_grey ? 1 : 3)}};
+        return expected;
+    }
+    Result<Beam> beam(std::string_view name) const {
+        auto beam = rings(name);
+        if (!beam) return beam;
+        const std::string share = share_of(name);
+        const Tensor16& of = *find(share);
+        const std::size_t channels = of.shape[1];
+        for (std::size_t i = 0; i < of.data.size(); ++i) {
+            const float tau = from_half(of.data[i]);
+            if (!(tau >= 0 && tau <= 1)) return error(share, "numbers from 0 to 1", fmt::format("{}", tau));
+            if (i % channels == 0) beam->share.push_back({tau, tau, tau});
+            beam->share.back()[int(i % channels)] = tau;
+        }
+        return beam;
+    }
+};
+
+}  // namespace
+
+Result<Beams> decode_beams(const std::map<std::string, Tensor16>& tensors, const std::string& file_name) {
+    const BeamReader reader{tensors, file_name};
+    std::map<std::string, TensorShape> expected;
+    for (const std::string_view name : k_beam_names) {
+        if (!reader.find(angle_of(name))) continue;
+        auto shapes = reader.shapes(name);
+        if (!shapes) return shapes.error();
+        expected.merge(*shapes);
+    }
+    if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
+    Beams beams;
+    for (std::size_t b = 0; b < beams.size(); ++b) {
+        if (!reader.find(angle_of(k_beam_names[b]))) continue;
+        auto beam = reader.beam(k_beam_names[b]);
+        if (!beam) return beam.error();
+        beams[b] = *std::move(beam);
+    }
+    return beams;
+}
+
+}  // namespace srbf

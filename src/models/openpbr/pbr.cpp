@@ -1,0 +1,68 @@
+#include "srbf/pbr.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+
+#include "models/openpbr/pbr_file.h"
+#include "srbf/half.h"
+
+namespace srbf {
+
+std::optional<PbrSurfaceKind> pbr_surface_named(std::string_view name) {
+    const auto at = std::ranges::find(k_pbr_surfaces, name);
+    if (at == k_pbr_surfaces.end()) return std::nullopt;
+    return PbrSurfaceKind(at - k_pbr_surfaces.begin());
+}
+
+Rgb value(const PbrModel& model, Vec3f wl, Vec3f wv) {
+    Rgb f;
+    evaluate(model, {&wl, 1}, {&wv, 1}, {&f, 1});
+    return f;
+}
+
+Evaluate evaluator(const PbrModel& model) {
+    return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
+}
+
+PbrModel rounded(const PbrModel& model) {
+    Result<PbrModel> decoded = decode_pbr(encode_pbr(model), model.is_exchanged, "");
+    assert(decoded.ok());  // a valid model can be encoded
+    return *std::move(decoded);
+}
+
+std::map<std::string, Tensor16> encode_pbr(const PbrModel& model) {
+    std::map<std::string, Tensor16> tensors;
+    for (const PbrParameter& of : k_pbr_parameters) {
+        if (!is_stored(model, of)) continue;
+        Tensor16& tensor = tensors[std::string(of.name)] = {Type16::half, {std::uint64_t(of.count())}, {}};
+        for (int c = 0; c < of.count(); ++c)
+            tensor.data.push_back(to_half(std::clamp(number(model, of, c), of.least, of.most)));
+    }
+    return tensors;
+}
+
+Result<PbrModel> decode_pbr(const std::map<std::string, Tensor16>& tensors, bool is_exchanged,
+                            const std::string& file_name) {
+    PbrModel of_all;  // with a film and anisotropy if the file has them
+    of_all.thin_film_weight = tensors.contains("thin_film_weight") ? 1 : 0;
+    of_all.specular_roughness_anisotropy = tensors.contains("specular_roughness_anisotropy") ? 1 : 0;
+    std::map<std::string, TensorShape> expected;
+    for (const PbrParameter& of : k_pbr_parameters)
+        if (is_stored(of_all, of)) expected[std::string(of.name)] = {Type16::half, {std::uint64_t(of.count())}};
+    if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
+    PbrModel model;
+    model.is_exchanged = is_exchanged;
+    for (const PbrParameter& of : k_pbr_parameters)
+        for (int c = 0; is_stored(of_all, of) && c < of.count(); ++c) {
+            const float x = from_half(tensors.at(std::string(of.name)).data[std::size_t(c)]);
+            if (!(x >= of.least && x <= of.most))
+                return Error{file_name, std::nullopt, fmt::format("tensor '{}'", of.name),
+                             fmt::format("{} to {}", of.least, of.most), fmt::format("{}", x)};
+            number(model, of, c) = x;
+        }
+    return model;
+}
+
+}  // namespace srbf

@@ -1,0 +1,43 @@
+// What the options of a multivariate fit ask for.
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "models/pm/solve/lobes.h"
+#include "srbf/fit.h"
+
+namespace srbf {
+
+inline LobeShape shape_of(const FitOptions& options) {
+    return {options.form, options.variates / (options.reciprocal ? 2 : 1), options.axial, options.reciprocal,
+            options.finest};
+}
+
+/// Default numbers of starts and perturbations. Fits of more lobes have fewer, since each takes longer and matters
+/// less.
+inline int starts_of(const FitOptions& options) {
+    return options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 16, 20));
+}
+inline int perturbations_of(const FitOptions& options) {
+    return options.perturbations.value_or(std::clamp(1600 / std::max(options.lobes * options.lobes, 1), 25, 45));
+}
+
+/// The same options with at most this many starts and perturbations: a short fit that estimates what a full one will
+/// reach.
+inline FitOptions in_short(FitOptions options, int starts, int perturbations) {
+    options.starts = std::min(starts_of(options), starts);
+    options.perturbations = std::min(perturbations_of(options), perturbations);
+    return options;
+}
+
+/// Upper bound on the log of the coefficient of a lobe with peak 1. The peak may lie where no pair of directions maps
+/// to; but opposing lobes of ever larger bandwidths gain less than 1 % on the measured materials and lose precision in
+/// float.
+inline constexpr double k_log_peak_limit = 300;
+
+/// Number of free parameters of a fit.
+inline std::size_t parameter_count(const FitOptions& options) {
+    return std::size_t(options.lobes * (3 + shape_of(options).width()) + 2 * options.variates);
+}
+
+}  // namespace srbf

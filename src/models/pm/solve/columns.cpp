@@ -1,0 +1,243 @@
+#include "models/pm/solve/columns.h"
+
+#include <algorithm>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "models/pm/solve/columns.cpp"
+#include <hwy/foreach_target.h>
+
+#include "brdf/batch-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace srbf {
+namespace HWY_NAMESPACE {
+
+// Processes four batches at once: a weight is broadcast and a column addressed once for all four.
+constexpr std::size_t k_together = 4;
+static_assert(k_row_multiple % (k_together * HWY_MAX_BYTES / sizeof(float)) == 0);
+
+// Calls store(i, sum) for the rows from each i on, with sum = start(i) + Σ_n weight[n] s[n].
+template <typename Start, typename Store>
+HWY_INLINE void add_weighted(std::span<const float> weight, std::span<const float* const> s, std::size_t count,
+                             const Start& start, const Store& store) {
+    const std::size_t lanes = Batch::size();
+    for (std::size_t i = 0; i < count; i += k_together * lanes) {
+        Batch sum[k_together];
+        for (std::size_t t = 0; t < k_together; ++t) sum[t] = start(i + t * lanes);
+        for (std::size_t n = 0; n < weight.size(); ++n) {
+            const Batch w{double(weight[n])};
+            const float* const column = s[n] + i;
+            for (std::size_t t = 0; t < k_together; ++t) sum[t] = sum[t] + w * Batch::load(column + t * lanes);
+        }
+        for (std::size_t t = 0; t < k_together; ++t) store(i + t * lanes, sum[t]);
+    }
+}
+HWY_INLINE Batch zero(std::size_t) { return Batch(0.0); }
+
+// x, or 0 where |x| < 2^-126, on every processor alike. Intel's take a hundred times as long for a product with such a
+// number, of which the tails of lobes have many: a fit took five times as long.
+HWY_INLINE Batch without_subnormals(Batch x) { return select(Batch(hn::Abs(x.v)) < Batch(0x1p-126), Batch(0.0), x); }
+
+float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
+               std::size_t count) {
+    const Batch lowest(-std::numeric_limits<float>::max());
+    Batch largest = lowest;
+    add_weighted(weight, s, count, zero, [&](std::size_t i, Batch sum) HWY_ATTR {
+        sum.store(x + i);
+        largest = max(largest, select(Batch(0.0) < Batch::load(root_weight + i), sum, lowest));
+    });
+    return largest.largest();
+}
+
+void exponentiate(const float* x, const float* root_weight, float offset, float* e, std::size_t count) {
+    const Batch shift{double(offset)}, most{k_most_exponent};
+    for (std::size_t i = 0; i < count; i += Batch::size())
+        without_subnormals(Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, most))).store(e + i);
+}
+
+void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count) {
+    add_weighted(weight, s, count, zero, [&](std::size_t i, Batch sum) HWY_ATTR { sum.store(x + i); });
+}
+
+void combine_and_multiply(std::span<const float> weight, std::span<const float* const> s, const float* factor, float* x,
+                          std::size_t count) {
+    add_weighted(weight, s, count, zero, [&](std::size_t i, Batch sum) HWY_ATTR {
+        without_subnormals(Batch::load(factor + i) * sum).store(x + i);
+    });
+}
+
+void multiply(const float* a, const float* b, float* out, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += Batch::size())
+        without_subnormals(Batch::load(a + i) * Batch::load(b + i)).store(out + i);
+}
+
+void add_product(const float* a, const float* b, float* out, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += Batch::size())
+        (Batch::load(out + i) + Batch::load(a + i) * Batch::load(b + i)).store(out + i);
+}
+
+double sum(const float* column, std::size_t count) {
+    return double(summed(count, [&](std::size_t i) HWY_ATTR { return Batch::load(column + i); }));
+}
+
+double sum_of_squares(const float* column, std::size_t count) {
+    return double(summed(count, [&](std::size_t i) HWY_ATTR {
+        const Batch x = Batch::load(column + i);
+        return x * x;
+    }));
+}
+
+double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r,
+                std::size_t count) {
+    // The negative residual: Σ_j beta[j] columns[j] − y.
+    const auto start = [&](std::size_t i) HWY_ATTR { return -Batch::load(y + i); };
+    add_weighted(beta, columns, count, start, [&](std::size_t i, Batch rest) HWY_ATTR { (-rest).store(r + i); });
+    return sum_of_squares(r, count);
+}
+
+// to[k] = Σ over the lanes of x[k], k < 4.
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE void sum_lanes(const Batch (&x)[4], float* to) {
+    for (std::size_t k = 0; k < 4; ++k) to[k] = folded_lanes(x[k]);
+}
+#else
+// The matrix of four vectors of four lanes is transposed while lanes are added.
+HWY_INLINE void sum_lanes(const Batch (&x)[4], float* to) {
+    const hn::CappedTag<float, 4> d;
+    const hn::RepartitionToWide<decltype(d)> pairs;
+    const auto four = [&](Batch of) HWY_ATTR { return folded_to_four(Lanes(), of.v); };
+    const auto halves = [&](Batch a, Batch b) HWY_ATTR {  // a b a b
+        const auto x4 = four(a), y4 = four(b);
+        return hn::BitCast(pairs, hn::Add(hn::InterleaveLower(d, x4, y4), hn::InterleaveUpper(d, x4, y4)));
+    };
+    const auto ab = halves(x[0], x[1]), cd = halves(x[2], x[3]);
+    hn::Store(
+        hn::Add(hn::BitCast(d, hn::InterleaveLower(pairs, ab, cd)), hn::BitCast(d, hn::InterleaveUpper(pairs, ab, cd))),
+        d, to);
+}
+#endif
+
+// Products in tiles of 4 columns and as many rows as leave registers for the sums, the rows' numbers and one column's.
+#if HWY_TARGET <= HWY_AVX3 || HWY_ARCH_ARM_A64
+constexpr std::size_t k_tile = 6;
+#elif HWY_ARCH_WASM  // browsers keep some of the sixteen registers for themselves
+constexpr std::size_t k_tile = 2;
+#else
+constexpr std::size_t k_tile = 3;
+#endif
+// Columns are multiplied by this on the way, and sums divided by it. Both are exact, and products of the tails of two lobes
+// are not subnormal.
+constexpr double k_lift = 0x1p60;
+// For row i only the first `columns_of(i)` columns are computed.
+template <typename ColumnsOf>
+HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
+                          std::size_t count, const ColumnsOf& columns_of) {
+    const std::size_t m = rows.size(), n = columns.size();
+    for (std::size_t row = 0; row < m; row += k_tile) {
+        const float* a[k_tile];
+        for (std::size_t t = 0; t < k_tile; ++t) a[t] = rows[std::min(row + t, m - 1)];
+        for (std::size_t column = 0; column < columns_of(std::min(row + k_tile, m) - 1); column += 4) {
+            const float* b[4];
+            for (std::size_t u = 0; u < 4; ++u) b[u] = columns[std::min(column + u, n - 1)];
+            // One pass for each part of the sums, which fill the registers.
+            Batch sums[k_sum_parts][k_tile][4];
+            for (std::size_t p = 0; p < k_sum_parts; ++p) {
+                Batch sum[k_tile][4];
+                for (auto& of_row : sum)
+                    for (Batch& x : of_row) x = Batch(0.0);
+                for (std::size_t i = p * k_width; i < count; i += k_sum_lanes)
+                    for (std::size_t u = 0; u < 4; ++u) {
+                        const Batch of_column = Batch::load(b[u] + i) * Batch(k_lift);
+                        for (std::size_t t = 0; t < k_tile; ++t)
+                            sum[t][u] = sum[t][u] + Batch::load(a[t] + i) * of_column;
+                    }
+                for (std::size_t t = 0; t < k_tile; ++t)
+                    for (std::size_t u = 0; u < 4; ++u) sums[p][t][u] = sum[t][u];
+            }
+            for (std::size_t t = 0; t < k_tile && row + t < m; ++t) {
+                Batch whole[4];
+                for (std::size_t u = 0; u < 4; ++u) {
+                    Batch parts[k_sum_parts];
+                    for (std::size_t p = 0; p < k_sum_parts; ++p) parts[p] = sums[p][t][u];
+                    whole[u] = folded(parts);
+                }
+                HWY_ALIGN float sum[4];
+                sum_lanes(whole, sum);
+                double* const to = G + (row + t) * n + column;
+                const std::size_t asked = columns_of(row + t);
+                if (column + 4 <= asked)
+                    for (std::size_t u = 0; u < 4; ++u) to[u] += double(sum[u]) / k_lift;
+                else
+                    for (std::size_t u = 0; column + u < asked; ++u) to[u] += double(sum[u]) / k_lift;
+            }
+        }
+    }
+}
+
+void add_gram(std::span<const float* const> columns, double* G, std::size_t count) {
+    add_tiles(columns, columns, G, count, [](std::size_t row) { return row + 1; });
+}
+
+void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
+                  std::size_t count) {
+    add_tiles(rows, columns, G, count, [&](std::size_t) { return columns.size(); });
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace srbf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace srbf {
+
+HWY_EXPORT(exponent);
+HWY_EXPORT(exponentiate);
+HWY_EXPORT(combine);
+HWY_EXPORT(combine_and_multiply);
+HWY_EXPORT(multiply);
+HWY_EXPORT(add_product);
+HWY_EXPORT(residual);
+HWY_EXPORT(sum);
+HWY_EXPORT(sum_of_squares);
+HWY_EXPORT(add_gram);
+HWY_EXPORT(add_products);
+
+float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
+               std::size_t count) {
+    return HWY_DYNAMIC_DISPATCH(exponent)(weight, s, root_weight, x, count);
+}
+void exponentiate(const float* x, const float* root_weight, float offset, float* e, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(exponentiate)(x, root_weight, offset, e, count);
+}
+void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(combine)(weight, s, x, count);
+}
+void combine(std::span<const float> weight, std::span<const float* const> s, const float* factor, float* x,
+             std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(combine_and_multiply)(weight, s, factor, x, count);
+}
+void multiply(const float* a, const float* b, float* out, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(multiply)(a, b, out, count);
+}
+void add_product(const float* a, const float* b, float* out, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(add_product)(a, b, out, count);
+}
+double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r,
+                std::size_t count) {
+    return HWY_DYNAMIC_DISPATCH(residual)(y, beta, columns, r, count);
+}
+double sum(const float* column, std::size_t count) { return HWY_DYNAMIC_DISPATCH(sum)(column, count); }
+double sum_of_squares(const float* column, std::size_t count) {
+    return HWY_DYNAMIC_DISPATCH(sum_of_squares)(column, count);
+}
+void add_gram(std::span<const float* const> columns, double* G, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(add_gram)(columns, G, count);
+}
+void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
+                  std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(add_products)(rows, columns, G, count);
+}
+
+}  // namespace srbf
+#endif

@@ -1,0 +1,50 @@
+// Lobes on the rows of a fit: their values and what derivatives are made of.
+#pragma once
+#include <Eigen/Dense>
+#include <vector>
+
+#include "models/pm/solve/lobes.h"
+#include "models/pm/solve/rows.h"
+
+namespace srbf {
+
+/// The values √w E_j of lobes on all rows, and the factors of which their derivatives are products: by weight i of lobe
+/// j it is E_j s_i, by angle n Σ_j E_j p_jn·∂ψ_n/∂angle.
+class LobeBasis {
+  public:
+    /// `parallel`: loops over rows use several threads; the result does not depend on it.
+    LobeBasis(const Rows& rows, const LobeShape& shape, bool parallel);
+
+    void evaluate(const Eigen::VectorXd& x);
+
+    // Of the last call of `evaluate`, for a block of rows:
+    int count() const { return count_; }  ///< J
+    float* lobe(std::size_t block, int j) { return column(lobe_, block, count_, j); }
+    /// s_i of weight i.
+    float* factor(std::size_t block, int i) { return column(factor_, block, factors(), i); }
+    /// ∂(ψ−ẑ)/∂angle, in the order of the weights of variates.
+    float* by_angle(std::size_t block, int k) { return factor(block, shape_.width() + k); }
+    /// Factors of weights and angles: W + N C.
+    int factors() const { return shape_.width() + shape_.directional(); }
+    const std::vector<double>& offset() const { return offset_; }  ///< o_j
+
+    const Rows& rows() const { return rows_; }
+    const LobeShape& shape() const { return shape_; }
+    bool parallel() const { return parallel_; }
+
+  private:
+    static float* column(Aligned<float>& all, std::size_t block, int columns, int k) {
+        return &all[(block * std::size_t(columns) + std::size_t(k)) * k_block];
+    }
+    /// The factors of the variates, for angles x.
+    void evaluate_factors(const Eigen::VectorXd& x, std::size_t block);
+
+    const Rows& rows_;
+    LobeShape shape_;
+    bool parallel_;
+    int count_ = 0;
+    Aligned<float> lobe_, factor_;  ///< blocks × (J, W + N C) × k_block
+    std::vector<double> offset_;
+};
+
+}  // namespace srbf

@@ -1,0 +1,70 @@
+#include "models/pm/solve/lobes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "srbf/elementary.h"
+#include "srbf/half.h"
+
+namespace srbf {
+
+Eigen::VectorXd pack(const Lobes& lobes) {
+    Eigen::VectorXd x(Eigen::Index(lobes.angle.size() + lobes.weight.size()));
+    std::copy(lobes.angle.begin(), lobes.angle.end(), x.begin());
+    std::copy(lobes.weight.begin(), lobes.weight.end(), x.begin() + Eigen::Index(lobes.angle.size()));
+    return x;
+}
+
+Lobes unpack(const Eigen::VectorXd& x, const LobeShape& shape) {
+    const auto weights = x.begin() + shape.variates;
+    return {shape, {x.begin(), weights}, {weights, x.end()}};
+}
+
+Interval weight_range(int n, const LobeShape& shape) {
+    const auto most = [&](double by_spacing) {
+        return shape.finest > 0 ? std::min(double(k_half_max), by_spacing) : double(k_half_max);
+    };
+    if (const int k = n - shape.directional(); k >= 0) {
+        const ExponentTerm& term = k_terms[std::size_t(k)];
+        const double slope = term.is_slope ? most(1 / shape.finest) : double(k_half_max);
+        return {std::max(term.least, -slope), std::min(term.most, slope)};
+    }
+    const double bandwidth = most(elementary::pow(shape.finest, -2));  // |p|, representable in 16 bits
+    const double component = shape.axial ? bandwidth : bandwidth / std::sqrt(3.0);
+    return {-component, component};
+}
+
+double log_peak_factor(std::span<const double> of_lobe, const LobeShape& shape, double offset) {
+    double log_factor = -offset;
+    for (int n = 0; n < shape.variates; ++n) {
+        const Vec3d p = vector_of(of_lobe, shape, n);
+        log_factor += (shape.reciprocal ? 2 : 1) * (elementary::hypot(p.x, p.y, p.z) - p.z);
+    }
+    return log_factor;
+}
+
+Vec3d vector_of(std::span<const double> of_lobe, const LobeShape& shape, int n) {
+    if (shape.axial) return {0, 0, of_lobe[std::size_t(n)]};
+    const double* p = &of_lobe[std::size_t(3 * n)];
+    return {p[0], p[1], p[2]};
+}
+
+std::vector<std::pair<Eigen::Index, double>> slopes_of_limit(const Eigen::VectorXd& x, const LobeShape& shape,
+                                                             Eigen::Index j) {
+    const int N = shape.variates, W = shape.width(), C = shape.components();
+    const double factor = shape.reciprocal ? 2 : 1;
+    std::vector<std::pair<Eigen::Index, double>> slopes;
+    for (int n = 0; n < N; ++n) {
+        const Vec3d p = vector_of({&x[N + j * W], std::size_t(W)}, shape, n);
+        const double bandwidth = elementary::hypot(p.x, p.y, p.z);
+        if (bandwidth == 0) continue;
+        const Eigen::Index last = N + j * W + (n + 1) * C - 1;  // index of p_z
+        slopes.emplace_back(last, factor * (1 - p.z / bandwidth));
+        if (shape.axial) continue;
+        slopes.emplace_back(last - 2, -factor * p.x / bandwidth);
+        slopes.emplace_back(last - 1, -factor * p.y / bandwidth);
+    }
+    return slopes;
+}
+
+}  // namespace srbf

@@ -1,0 +1,188 @@
+#include "models/pm/solve/rounding.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/levenberg_marquardt.h"
+#include "srbf/elementary.h"
+#include "srbf/half.h"
+
+namespace srbf {
+
+Parameterization rounded_direction(double angle) {
+    const double a = elementary::cos(angle), b = elementary::sin(angle);
+    const bool swap = std::abs(b) > std::abs(a);
+    const double ratio = swap ? a / b : b / a, sign = (swap ? b : a) < 0 ? -1 : 1;
+    Parameterization best;
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 1024; ++i) {
+        const double large = 1 + i / 1024.0, small = double(round_to_half(float(ratio * large)));
+        const double error = std::abs(small / large - ratio);
+        if (error >= least) continue;
+        least = error;
+        const auto p = float(sign * large), q = float(sign * small);
+        best = swap ? Parameterization{q, p} : Parameterization{p, q};
+    }
+    return best;
+}
+
+namespace {
+
+Parameterization swapped(Parameterization p) { return {p.b, p.a}; }
+
+/// Their model, with coefficients 0.
+PmModel without_coefficients(const Lobes& lobes) {
+    PmModel model;
+    const LobeShape& shape = lobes.shape;
+    model.form = shape.form;
+    model.axial = shape.axial;
+    model.lobes = lobes.count();
+    model.variates = (shape.reciprocal ? 2 : 1) * shape.variates;
+    for (int n = 0; n < model.variates; ++n) {
+        const double angle = lobes.angle[std::size_t(n % shape.variates)];
+        const Parameterization p{float(elementary::cos(angle)), float(elementary::sin(angle))};
+        model.parameterization.push_back(n < shape.variates ? p : swapped(p));
+    }
+    for (int j = 0; j < model.lobes; ++j) {
+        for (const double kappa : lobes.of(j).subspan(std::size_t(shape.directional())))
+            model.exponent.push_back(float(kappa));
+        for (int n = 0; n < model.variates; ++n) {
+            const Vec3d p = vector_of(lobes.of(j), shape, n % shape.variates);
+            const double bandwidth = elementary::hypot(p.x, p.y, p.z);
+            model.centre.push_back(bandwidth > 0 ? to_float((1 / bandwidth) * p) : Vec3f(0, 0, 1));
+            model.bandwidth.push_back(float(bandwidth));
+        }
+    }
+    model.coefficient.resize(std::size_t(model.lobes));
+    model.log_scale.resize(std::size_t(model.lobes));
+    return model;
+}
+}  // namespace
+
+PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale,
+                 const std::vector<float>& wavelengths) {
+    PmModel model = without_coefficients(lobes);
+    const LobeShape& shape = lobes.shape;
+    std::vector<double> log_peak;                  // of the largest channel
+    bool out_of_range = features(shape.form) > 0;  // those forms always have log scales
+    for (int j = 0; j < model.lobes; ++j) {
+        const double beta = problem.beta().row(j).maxCoeff();
+        const double log_beta = elementary::log(beta) + elementary::log(problem.scale()) +
+                                log_peak_factor(lobes.of(j), shape, problem.offset()[std::size_t(j)]);
+        log_peak.push_back(log_beta);
+        if (beta > 1e-30)
+            out_of_range |=
+                log_beta > elementary::log(double(k_half_max)) || log_beta < elementary::log(double(k_half_min)) + 3;
+    }
+    for (int j = 0; j < model.lobes; ++j) {
+        const double largest = problem.beta().row(j).maxCoeff();
+        const bool any = largest > 1e-30;
+        const double scale =
+            log_scale && out_of_range && any ? double(round_to_half(float(log_peak[std::size_t(j)]))) : 0.0;
+        // β / largest × e^(log peak − scale): neither factor overflows.
+        const double factor = any ? elementary::exp(std::min(log_peak[std::size_t(j)] - scale, 80.0)) / largest : 0.0;
+        const auto coefficient = [&](Eigen::Index c) { return float(problem.beta()(j, c) * factor); };
+        if (wavelengths.empty()) model.coefficient[std::size_t(j)] = {coefficient(0), coefficient(1), coefficient(2)};
+        for (std::size_t c = 0; c < wavelengths.size(); ++c) model.spectrum.push_back(coefficient(Eigen::Index(c)));
+        model.log_scale[std::size_t(j)] = float(scale);
+    }
+    if (!wavelengths.empty()) model.coefficient = colours(model.spectrum, wavelengths);
+    model.wavelength = wavelengths;
+    return model;
+}
+
+PmModel to_halves(PmModel model, const Lobes& lobes) {
+    const std::size_t variates = lobes.angle.size();
+    for (std::size_t n = 0; n < model.parameterization.size(); ++n) {
+        const Parameterization p = rounded_direction(lobes.angle[n % variates]);
+        model.parameterization[n] = n < variates ? p : swapped(p);
+    }
+    return rounded(model);
+}
+
+Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
+    Lobes lobes{shape, {}, {}};
+    for (int n = 0; n < shape.variates; ++n) {
+        const Parameterization p = model.parameterization[std::size_t(n)];
+        lobes.angle.push_back(elementary::atan2(double(p.b), double(p.a)));
+    }
+    const auto N = std::size_t(model.variates), of_shape = std::size_t(shape.variates),
+               F = std::size_t(features(model.form));
+    for (std::size_t j = 0; j < std::size_t(model.lobes); ++j) {
+        for (std::size_t i = j * N; i < j * N + of_shape; ++i) {
+            const Vec3f xi = model.centre[i];
+            const double bandwidth = double(model.bandwidth[i]);
+            if (!model.axial)
+                lobes.weight.insert(lobes.weight.end(), {bandwidth * double(xi.x), bandwidth * double(xi.y)});
+            lobes.weight.push_back(bandwidth * double(xi.z));
+        }
+        for (std::size_t i = j * F; i < (j + 1) * F; ++i) lobes.weight.push_back(double(model.exponent[i]));
+    }
+    return lobes;
+}
+
+namespace {
+
+/// If rounding raises the loss by more than this factor, the numbers that are not yet rounded follow those that are.
+constexpr double k_cost_of_rounding = 1.003;
+/// What is then added to the diagonal of the second order, relative to it, so that they follow further and further. What
+/// is best differs from fit to fit; none follows further than is needed.
+constexpr double k_dampings[] = {1e-3, 1e-5, 1e-8};
+
+Lobes halves_of(const Eigen::VectorXd& x, const LobeShape& shape) {
+    const Lobes lobes = unpack(x, shape);
+    return to_lobes(to_halves(without_coefficients(lobes), lobes), shape);
+}
+
+/// The variables at which rounding begins, and a loss about them to second order.
+struct SecondOrder {
+    const LobeShape& shape;
+    Eigen::VectorXd x, lower, upper;
+    Eigen::MatrixXd H;
+
+    Lobes rounded_in_turn(double damping) const {
+        Eigen::VectorXd now = x;
+        Eigen::MatrixXd damped = H;
+        damped.diagonal() += damping * H.diagonal().cwiseMax(1e-8 * H.diagonal().maxCoeff());
+        // Of the variables that may still move: what they do if one of them is moved.
+        Eigen::MatrixXd inverse = damped.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
+        const auto round = [&](Eigen::Index first, Eigen::Index count) {
+            const Eigen::VectorXd error = (pack(halves_of(now, shape)) - now).segment(first, count);
+            const Eigen::MatrixXd follow =
+                inverse.middleCols(first, count) * inverse.block(first, first, count, count).inverse();
+            now = (now + follow * error).cwiseMax(lower).cwiseMin(upper);
+            inverse -= follow * inverse.middleRows(first, count).eval();
+        };
+        for (int n = 0; n < shape.variates; ++n) round(n, 1);
+        for (Eigen::Index lobe = shape.variates; lobe < x.size(); lobe += shape.width()) {
+            for (int n = 0; n < shape.directional(); n += shape.components()) round(lobe + n, shape.components());
+            for (int n = shape.directional(); n < shape.width(); ++n) round(lobe + n, 1);
+        }
+        return halves_of(now, shape);
+    }
+};
+
+}  // namespace
+
+Lobes rounded_lobes(LobeProblem& problem, const Lobes& lobes, double unrounded) {
+    const Eigen::VectorXd x = pack(lobes);
+    Lobes best = halves_of(x, lobes.shape);
+    double least = problem.loss(pack(best));
+    if (least <= k_cost_of_rounding * unrounded) return best;
+    SecondOrder loss{lobes.shape, x, problem.lower(x), problem.upper(x), {}};
+    Eigen::VectorXd g;
+    problem.loss(x);
+    problem.linearise(x, loss.H, g);
+    fix_at_bounds(x, loss.lower, loss.upper, loss.H, g);
+    const Eigen::MatrixXd beta = problem.beta();
+    for (const double damping : k_dampings) {
+        problem.continue_from(beta);  // not from those of lobes that followed too far
+        Lobes halves = loss.rounded_in_turn(damping);
+        if (const double its = problem.loss(pack(halves)); its < least) least = its, best = std::move(halves);
+        if (least <= k_cost_of_rounding * unrounded) break;
+    }
+    problem.continue_from(beta);
+    return best;
+}
+
+}  // namespace srbf

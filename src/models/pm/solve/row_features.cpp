@@ -1,0 +1,63 @@
+#include "models/pm/solve/row_features.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "models/pm/solve/row_features.cpp"
+#include <hwy/foreach_target.h>
+
+#include "brdf/batch-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace srbf {
+namespace HWY_NAMESPACE {
+
+Vec3<Batch> direction(const std::array<Aligned<float>, 3>& w, std::size_t at) {
+    return {Batch::load(&w[0][at]), Batch::load(&w[1][at]), Batch::load(&w[2][at])};
+}
+
+void variate_features(const Rows& rows, std::size_t block, float a, float b, bool axial, float* s, float* s_by_angle) {
+    using Formula = Formulas<Batch, PmModel>;
+    const Batch a_(a), b_(b), one(1.0);
+    const Vec3<Batch> up(Batch(0.0), Batch(0.0), one);
+    const std::size_t first = block * k_block;
+    const auto store = [axial](Batch x, Batch y, Batch z, float* to) HWY_ATTR {
+        if (axial) return z.store(to);
+        x.store(to);
+        y.store(to + k_block);
+        z.store(to + 2 * k_block);
+    };
+    for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size()) {
+        const Vec3<Batch> wl = direction(rows.wl, first + i), wv = direction(rows.wv, first + i);
+        const Vec3<Batch> psi = Formula::psi(wl, wv, a_, b_), by_angle = Formula::psi_by_angle(wl, wv, a_, b_);
+        store(psi.x, psi.y, Formula::gaussian_exponent(psi, up, one), s + i);
+        store(by_angle.x, by_angle.y, by_angle.z, s_by_angle + i);
+    }
+}
+
+void further_features(const Rows& rows, std::size_t block, int count, float* features) {
+    const std::size_t first = block * k_block;
+    for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size()) {
+        const auto of = Formulas<Batch, PmModel>::pm_further_features(count, direction(rows.wl, first + i),
+                                                                      direction(rows.wv, first + i));
+        for (int k = 0; k < count; ++k) of.x[k].store(features + std::size_t(k) * k_block + i);
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace srbf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace srbf {
+
+HWY_EXPORT(variate_features);
+HWY_EXPORT(further_features);
+
+void variate_features(const Rows& rows, std::size_t block, float a, float b, bool axial, float* s, float* s_by_angle) {
+    HWY_DYNAMIC_DISPATCH(variate_features)(rows, block, a, b, axial, s, s_by_angle);
+}
+void further_features(const Rows& rows, std::size_t block, int count, float* features) {
+    HWY_DYNAMIC_DISPATCH(further_features)(rows, block, count, features);
+}
+
+}  // namespace srbf
+#endif

@@ -1,0 +1,15 @@
+// What the exponent of a lobe is linear in, at the pairs of directions of a block of rows.
+#pragma once
+#include "models/pm/solve/rows.h"
+
+namespace srbf {
+
+// Arrays hold k_block numbers and are aligned for SIMD; the first `rows_in` of the block are computed.
+
+/// For the rows of a block and ψ of angle (a, b): s = −|ψ−ẑ|²/2 = ψ_z − 1 and its derivative with respect to the angle;
+/// unless `axial` ψ_x, ψ_y, ψ_z − 1 one after the other, and their derivatives: 3 × k_block numbers each.
+void variate_features(const Rows& rows, std::size_t block, float a, float b, bool axial, float* s, float* s_by_angle);
+/// The first `count` further features (pm_further_features of kernel.glsl), one after the other: `count` × k_block
+/// numbers.
+void further_features(const Rows& rows, std::size_t block, int count, float* features);
+}  // namespace srbf

@@ -1,0 +1,83 @@
+// Observations in the layout of the inner loops.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "base/aligned.h"
+#include "base/block.h"
+#include "base/parallel.h"
+#include "observe/observations.h"
+#include "observe/pixels.h"
+
+namespace srbf {
+
+/// Which parts of the observations Rows hold.
+struct Extent {
+    double integral_importance =
+        0;  ///< increase of the sum if every integral is off by its luminance in one channel; 0: no integrals
+    bool roughly = false;           ///< only the integrals of a search, and of each every ninth node
+    bool spectra = false;           ///< the spectra of spectral observations instead of their colours
+    double picture_importance = 0;  ///< factor of the mean error of all `Pixels`; 0, or with spectra: no views
+};
+
+/// Observations in the layout of the loops: an array per component, padded to whole blocks with rows of weight 0. First
+/// the blocks of pairs, which contribute a sum of squares; then the same number of blocks for each integral, which
+/// contributes the square of a sum; then the blocks of views, whose pixels are sums over rows.
+struct Rows {
+    /// All observations except the bound pairs.
+    explicit Rows(const Observations& observations, const Extent& extent = {});
+    std::size_t pairs = 0, blocks = 0;               ///< number of pairs, and of their blocks
+    std::size_t integrals = 0, integral_blocks = 0;  ///< number of integrals, blocks per integral
+    std::array<Aligned<float>, 3> wl, wv;
+    double scale = 1;               ///< unit of the values: 1 / √Σw
+    Aligned<float> root_weight;     ///< √w × scale, so that its squares sum to 1 over pairs
+    std::vector<Aligned<float>> y;  ///< √w f for each channel
+
+    /// A pixel: weight f(row), or over all rows of its view Σ light[i] f(row + i).
+    struct Pixel {
+        std::size_t row;
+        bool single;
+        float weight;
+        std::size_t light;
+    };
+    /// The views: each has `view_rows` rows, a power of two from k_row_multiple to k_block.
+    std::size_t views = 0, view_rows = 0;
+    std::vector<Pixel> pixel;              ///< in the order of the views
+    std::vector<std::size_t> first_pixel;  ///< of each view, and their number
+    Aligned<float> light;
+    Pixels pixels;
+    double picture_importance = 0;
+
+    std::size_t rows_in(std::size_t block) const { return block < blocks ? rows_in_block(block, pairs) : k_block; }
+    std::size_t first_view_block() const { return blocks + integrals * integral_blocks; }
+    std::size_t whole_blocks() const { return first_view_block() + blocks_for(views * view_rows); }
+
+    /// Chunks are what loops over rows take at a time, and whose sums are added in order: k_chunk blocks of pairs, the
+    /// blocks of an integral, or a block of views.
+    static constexpr std::size_t k_chunk = 8;
+    std::size_t chunks_of_pairs() const { return (blocks + k_chunk - 1) / k_chunk; }
+    std::size_t chunks() const { return chunks_of_pairs() + integrals; }  ///< of pairs and integrals
+    std::size_t whole_chunks() const { return chunks() + whole_blocks() - first_view_block(); }
+    bool is_of_integral(std::size_t block) const { return block >= blocks; }
+    /// Calls body(chunk, begin, end) for the blocks of the first `count` chunks.
+    template <typename Body> void for_chunks(std::size_t count, bool parallel, const Body& body) const {
+        for_each(count, parallel, [&](std::size_t chunk) {
+            if (chunk < chunks_of_pairs()) return body(chunk, chunk * k_chunk, std::min((chunk + 1) * k_chunk, blocks));
+            if (chunk >= chunks()) {
+                const std::size_t block = first_view_block() + chunk - chunks();
+                return body(chunk, block, block + 1);
+            }
+            const std::size_t begin = blocks + (chunk - chunks_of_pairs()) * integral_blocks;
+            body(chunk, begin, begin + integral_blocks);
+        });
+    }
+
+  private:
+    void add_views(const std::vector<ObservedView>& views);
+    /// Row i for these directions: `factor` is √w, or its replacement in a sum; f(c) the value of channel c.
+    template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
+};
+
+}  // namespace srbf

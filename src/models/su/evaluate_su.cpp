@@ -1,0 +1,169 @@
+// Evaluation of a view-by-view model on arrays of pairs. The sampled views and weights are computed once for
+// consecutive pairs that share the sampled direction; their values are evaluated in SIMD batches.
+#include "srbf/su.h"
+
+#include <algorithm>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "models/su/evaluate_su.cpp"
+#include <hwy/foreach_target.h>
+
+#include "base/floating_point.h"
+#include "brdf/batch-inl.h"
+
+#ifndef SRBF_EVALUATE_SU
+#define SRBF_EVALUATE_SU
+namespace srbf {
+
+/// Sampled views with weights that sum to 1.
+struct Neighbours {
+    std::array<Kernel<float>::SuNeighbour, k_most_neighbours> of;
+    int count = 0;
+};
+
+}  // namespace srbf
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace srbf {
+namespace HWY_NAMESPACE {
+
+void evaluate_run(const SuModel& model, const Neighbours& neighbours, const Vec3f* w, Rgb* f, std::size_t count) {
+    constexpr std::size_t most = HWY_MAX_BYTES / sizeof(float);
+    using Formula = Formulas<Batch, PmModel>;
+    HWY_ALIGN float x[most] = {}, y[most] = {}, z[most] = {};
+    for (std::size_t i = 0; i < count; i += Batch::size()) {
+        const std::size_t here = count - i < Batch::size() ? count - i : Batch::size();
+        for (std::size_t k = 0; k < here; ++k) x[k] = w[i + k].x, y[k] = w[i + k].y, z[k] = w[i + k].z;
+        const Vec3<Batch> at(Batch::load(x), Batch::load(y), Batch::load(z));
+        Vec3<Batch> sum(Batch(0.0), Batch(0.0), Batch(0.0));
+        for (int k = 0; k < neighbours.count; ++k) {
+            const auto& neighbour = neighbours.of[std::size_t(k)];
+            const Batch cosine(double(neighbour.cosine)), sine(double(neighbour.sine));
+            sum = sum + Batch(double(neighbour.weight)) *
+                            Formula::su_view_value(model, neighbour.view, Formula::turned(at, cosine, sine));
+        }
+        sum.x.store(x), sum.y.store(y), sum.z.store(z);
+        for (std::size_t k = 0; k < here; ++k) f[i + k] = {x[k], y[k], z[k]};
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace srbf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace srbf {
+namespace {
+
+HWY_EXPORT(evaluate_run);
+
+Neighbours neighbours_at(const SuModel& model, Vec3f w) {
+    Neighbours neighbours;
+    const auto add = [&](const Kernel<float>::SuNeighbour& neighbour) {
+        if (neighbour.weight > 0) neighbours.of[std::size_t(neighbours.count++)] = neighbour;
+    };
+    if (model.interpolation == SuInterpolation::rotated) {
+        for (int k = 0; k < SU_ROTATED_NEIGHBOURS; ++k) add(Kernel<float>::su_rotated_neighbour(model, w, k));
+        return neighbours;
+    }
+    const NearestViews nearest = nearest_views(model, w);
+    float sum = 0;
+    for (int k = 0; k < model.neighbours; ++k) {
+        const float weight = Kernel<float>::su_plain_weight(model, nearest, w, model.neighbours, k);
+        add({nearest[std::size_t(k)], weight, 1, 0});
+        sum += weight;
+    }
+    for (int k = 0; k < neighbours.count; ++k) neighbours.of[std::size_t(k)].weight /= sum;
+    return neighbours;
+}
+
+}  // namespace
+
+void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    const StandardArithmetic mode;
+    require_equal_lengths(wl.size(), wv.size(), f.size());
+    const auto &sampled = model.discretise == Discretise::view ? wv : wl,
+               &of_lobes = model.discretise == Discretise::view ? wl : wv;
+    for (std::size_t begin = 0, end = 0; begin < f.size(); begin = end) {
+        for (end = begin + 1; end < f.size() && sampled[end] == sampled[begin];) ++end;
+        if (above_horizon(sampled[begin], sampled[begin])) HWY_DYNAMIC_DISPATCH(evaluate_run)
+        (model, neighbours_at(model, sampled[begin]), &of_lobes[begin], &f[begin], end - begin);
+        for (std::size_t i = begin; i < end; ++i)
+            if (!above_horizon(wl[i], wv[i])) f[i] = {};
+    }
+}
+
+namespace {
+
+/// The lobe that a lobe with an optical depth is like about its maximum above the horizon.
+struct DrawnLobe {
+    Vec3f centre;
+    float bandwidth;
+};
+DrawnLobe drawn_about(Vec3f xi, float bandwidth, float depth) {
+    const float level = std::sqrt(xi.x * xi.x + xi.y * xi.y);
+    if (level < 1e-6f) return {{0, 0, 1}, xi.z > 0 ? bandwidth : 0};
+    // In the plane of centre and normal, at the sine s of the polar angle, of the largest exponent.
+    const auto exponent = [&](float s) {
+        const float c = std::sqrt(std::max(1 - s * s, 0.f));
+        return bandwidth * (level * s + xi.z * c) - depth / std::max(c, 1e-6f);
+    };
+    float below = 0, above = 1;
+    for (int step = 0; step < 40; ++step) {
+        const float a = below + (above - below) / 3, b = above - (above - below) / 3;
+        (exponent(a) < exponent(b) ? below : above) = exponent(a) < exponent(b) ? a : b;
+    }
+    const float s = (below + above) / 2, c = std::sqrt(std::max(1 - s * s, 0.f));
+    const float in_plane = level * s + xi.z * c, across = s > level ? level / s : 1;
+    return {{s * xi.x / level, s * xi.y / level, c}, bandwidth * std::clamp(std::min(in_plane, across), 0.05f, 1.f)};
+}
+
+}  // namespace
+
+std::vector<Rgb> view_integrals(const SuModel& model) {
+    using K = Kernel<float>;
+    constexpr int k_points = 512;
+    const StandardArithmetic mode;
+    std::vector<Rgb> integrals(model.direction.size());
+    for (std::size_t lobe = 0; lobe < model.centre.size(); ++lobe) {
+        const std::size_t view = lobe / std::size_t(model.lobes);
+        const Vec3f xi = model.centre[lobe], tangent = K::tangent_across(model.direction[view]);
+        const float bandwidth = model.bandwidth[lobe], shape = model.shape.empty() ? 0 : model.shape[lobe];
+        const DrawnLobe drawn = drawn_about(xi, bandwidth, std::max(shape, 0.f));
+        double of_cosine = 0;
+        for (int i = 0; i < k_points; ++i) {
+            constexpr double golden = 0.6180339887498949;
+            const double turns = i * golden;
+            const float u1 = (float(i) + 0.5f) / k_points, u2 = float(turns - std::floor(turns));
+            const Vec3f w = K::sample_vmf(drawn.centre, drawn.bandwidth, u1, u2);
+            if (!(w.z > 0)) continue;
+            const Vec3f apart = w - xi;
+            const float ratio = K::shaped_exponent(apart, dot(apart, tangent), K::slant(w.z), bandwidth, shape) -
+                                K::gaussian_exponent(w, drawn.centre, drawn.bandwidth);
+            of_cosine += double(w.z * K::exp_of_lobe(ratio));
+        }
+        const auto integral = float(double(K::gaussian_integral(drawn.bandwidth)) * of_cosine / k_points);
+        for (int c = 0; c < 3; ++c) integrals[view][c] += integral * model.coefficient[lobe][c];
+    }
+    return integrals;
+}
+
+Rgb between_views(const SuModel& model, std::span<const Rgb> of_views, Vec3f wv) {
+    const StandardArithmetic mode;
+    const Neighbours neighbours = neighbours_at(model, wv);
+    Rgb sum;
+    for (int k = 0; k < neighbours.count; ++k) {
+        const auto& neighbour = neighbours.of[std::size_t(k)];
+        for (int c = 0; c < 3; ++c) sum[c] += neighbour.weight * of_views[std::size_t(neighbour.view)][c];
+    }
+    return sum;
+}
+
+Evaluate evaluator(const SuModel& model) {
+    return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
+}
+
+}  // namespace srbf
+#endif

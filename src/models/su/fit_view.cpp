@@ -1,0 +1,153 @@
+#include "models/su/fit_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "observe/costs.h"
+#include "srbf/directions.h"
+#include "srbf/elementary.h"
+#include "srbf/kernel.h"
+
+namespace srbf {
+namespace {
+
+/// Steps of Levenberg-Marquardt, at most: from a neighbour's lobes, which are nearly right; from a beginning, which is
+/// not; and after a lobe was replaced, which shows by then whether that pays.
+constexpr int k_steps = 15, k_steps_from_scratch = 40, k_steps_after_perturbation = 12;
+/// A fit ends when a step is predicted to lower the loss by no more than this share: seeds change it by more.
+constexpr double k_decrease_tolerance = 1e-4;
+/// How many times a fit from scratch replaces its least useful lobe.
+constexpr int k_view_perturbations = 8;
+/// Bandwidth of a random lobe: from the first on, uniform in the logarithm over the second, a factor.
+constexpr double k_least_random_bandwidth = 0.3, k_random_bandwidths = 1e5;
+/// Steps with pixels, to which coefficients adapt: three lower ΔE_ITP by less than 1 % in a sixth more time.
+constexpr int k_pixel_steps = 2;
+/// Beginnings at the brightest direction: lobes of bandwidths 0.5, 0.5 k, 0.5 k², … for each factor k, of at most the
+/// largest. Five lobes reach down to widths of 19°, 3.6° and 0.3°.
+constexpr double k_bandwidth_factors[] = {3, 6, 30}, k_widest = 0.5, k_narrowest = 5e4;
+/// Bandwidth of lobes that begin far apart from each other: a width of 13°.
+constexpr double k_bandwidth_apart = 20;
+
+/// A fit from these lobes; a neighbour's may be narrowed more than those of this view.
+ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, int steps,
+                  double share = 0) {
+    Eigen::VectorXd x = problem.start(rows, start, share);
+    x = x.cwiseMax(problem.lower(x)).eval();
+    const auto summary = levenberg_marquardt(
+        problem, x,
+        {.max_iterations = steps, .decrease_tolerance = k_decrease_tolerance, .adapts_to_bounds = share > 0});
+    return {problem.lobes(x), summary.loss, summary.stop, problem.coefficients()};
+}
+
+/// The rows of a view with positive weight.
+struct Weighted {
+    std::vector<Vec3f> direction;
+    std::vector<double> weight;  ///< w f, summed over the channels
+    Vec3d brightest;
+};
+Weighted weighted(const ViewRows& rows) {
+    Weighted points;
+    double most = -1;
+    for (std::size_t i = 0; i < rows.root_weight.size(); ++i) {
+        const double root = double(rows.root_weight[i]);
+        if (!(root > 0)) continue;
+        double value = 0;
+        for (const auto& y : rows.y) value += double(y[i]) / root;
+        points.direction.push_back({rows.directions.w[0][i], rows.directions.w[1][i], rows.directions.w[2][i]});
+        points.weight.push_back(root * root * value);
+        if (value > most) most = value, points.brightest = to_double(points.direction.back());
+    }
+    return points;
+}
+
+/// Initial positions of J lobes: of all sizes about the brightest direction, and at bright directions far apart from
+/// each other.
+std::vector<std::vector<ViewLobe>> beginnings(const Weighted& points, std::size_t J) {
+    std::vector<std::vector<ViewLobe>> starts;
+    for (const double factor : k_bandwidth_factors) {
+        std::vector<ViewLobe> lobes;
+        for (std::size_t j = 0; j < J; ++j)
+            lobes.push_back({points.brightest, std::min(k_widest * elementary::pow(factor, double(j)), k_narrowest)});
+        starts.push_back(std::move(lobes));
+    }
+    std::vector<ViewLobe> apart{{points.brightest, k_bandwidth_apart}};
+    std::vector<double> squared_distance(points.weight.size(), 4.0);
+    while (apart.size() < J) {
+        std::size_t next = 0;
+        double most = -1;
+        for (std::size_t i = 0; i < points.weight.size(); ++i) {
+            const Vec3d d = to_double(points.direction[i]) - apart.back().centre;
+            squared_distance[i] = std::min(squared_distance[i], dot(d, d));
+            if (points.weight[i] * squared_distance[i] > most) most = points.weight[i] * squared_distance[i], next = i;
+        }
+        apart.push_back({to_double(points.direction[next]), k_bandwidth_apart});
+    }
+    starts.push_back(std::move(apart));
+    return starts;
+}
+
+}  // namespace
+
+ViewFit fit_view(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start) {
+    return optimised(problem, rows, start, k_steps);
+}
+
+ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::size_t lobes, std::mt19937_64& random) {
+    const Weighted points = weighted(rows);
+    ViewFit best;
+    for (const auto& start : beginnings(points, lobes)) {
+        ViewFit fit = optimised(problem, rows, start, k_steps_from_scratch);
+        if (fit.loss < best.loss) best = std::move(fit);
+    }
+    for (int perturbation = 0; perturbation < k_view_perturbations; ++perturbation) {
+        problem.loss(problem.start(rows, best.lobes));
+        const std::vector<double> cost = problem.cost_of_dropping();
+        std::vector<ViewLobe> next = best.lobes;
+        ViewLobe& least = next[std::size_t(std::min_element(cost.begin(), cost.end()) - cost.begin())];
+        const double pick = uniform(random), size = uniform(random);
+        least = {to_double(points.direction[std::size_t(pick * double(points.direction.size()))]),
+                 k_least_random_bandwidth * elementary::pow(k_random_bandwidths, size)};
+        ViewFit fit = optimised(problem, rows, next, k_steps_after_perturbation);
+        if (fit.loss < best.loss) best = std::move(fit);
+    }
+    return best;
+}
+
+std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
+    const double angle =
+        elementary::atan2(double(to.y), double(to.x)) - elementary::atan2(double(from.y), double(from.x));
+    const double cosine = elementary::cos(angle), sine = elementary::sin(angle);
+    for (ViewLobe& lobe : lobes) lobe.centre = Kernel<double>::turned(lobe.centre, cosine, sine);
+    return lobes;
+}
+
+std::vector<ViewLobe> moved(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
+    lobes = rotated(std::move(lobes), from, to);
+    const Vec3d tangent = Kernel<double>::tangent_across(to_double(to));
+    const auto theta = [](Vec3f w) {
+        return elementary::atan2(elementary::hypot(double(w.x), double(w.y)), double(w.z));
+    };
+    const double cosine = elementary::cos(theta(from) - theta(to)), sine = elementary::sin(theta(from) - theta(to));
+    for (ViewLobe& lobe : lobes)
+        lobe.centre = normalize(cosine * lobe.centre + sine * cross(tangent, lobe.centre) +
+                                (1 - cosine) * dot(tangent, lobe.centre) * tangent);
+    return lobes;
+}
+
+double pixel_share(ViewProblem& problem, const ViewRows& rows, const ViewFit& fit) {
+    if (rows.pixels.reference.count() == 0) return 0;
+    const Eigen::VectorXd x = problem.start(rows, fit.lobes);
+    const double loss = problem.loss(x), errors = problem.pixel_errors(x);
+    return errors > 0 ? k_pixels.view * loss / errors : 0;
+}
+
+ViewFit fit_with_pixels(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, double share) {
+    return optimised(problem, rows, start, share > 0 ? k_pixel_steps : k_steps, share);
+}
+
+ViewFit fit_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes, double share) {
+    const double loss = problem.loss(problem.start(rows, lobes, share));
+    return {lobes, loss, Stop::decrease, problem.coefficients()};
+}
+
+}  // namespace srbf

@@ -1,0 +1,106 @@
+#include "srbf/su.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "base/parallel.h"
+#include "models/su/su_file.h"
+#include "srbf/kernel.h"
+
+namespace srbf {
+namespace {
+
+/// The direction of which the lobes are functions, and the sampled one.
+struct Roles {
+    Vec3f of_lobes, sampled;
+};
+Roles roles(const SuModel& model, Vec3f wl, Vec3f wv) {
+    return model.discretise == Discretise::view ? Roles{wl, wv} : Roles{wv, wl};
+}
+
+Rgb plain_value(const SuModel& model, const NearestViews& nearest, const Roles& at) {
+    const Vec3f f = Kernel<float>::su_plain_value(model, nearest, at.of_lobes, at.sampled, model.neighbours);
+    return {f.x, f.y, f.z};
+}
+
+}  // namespace
+
+std::string_view name(Discretise discretise) { return discretise == Discretise::view ? "view" : "light"; }
+std::optional<Discretise> discretise_named(std::string_view text) {
+    for (const Discretise discretise : {Discretise::view, Discretise::light})
+        if (name(discretise) == text) return discretise;
+    return std::nullopt;
+}
+
+std::string_view name(SuInterpolation interpolation) {
+    return interpolation == SuInterpolation::rotated ? "rotated" : "plain";
+}
+std::optional<SuInterpolation> interpolation_named(std::string_view text) {
+    for (const SuInterpolation interpolation : {SuInterpolation::rotated, SuInterpolation::plain})
+        if (name(interpolation) == text) return interpolation;
+    return std::nullopt;
+}
+
+std::string_view name(DirectionMap map) { return map == DirectionMap::cube ? "cube" : "parabolic"; }
+std::optional<DirectionMap> map_named(std::string_view text) {
+    for (const DirectionMap map : {DirectionMap::cube, DirectionMap::parabolic})
+        if (name(map) == text) return map;
+    return std::nullopt;
+}
+
+Rgb value(const SuModel& model, Vec3f wl, Vec3f wv) {
+    if (!above_horizon(wl, wv)) return {};
+    const Roles at = roles(model, wl, wv);
+    if (model.interpolation == SuInterpolation::plain) return plain_value(model, nearest_views(model, at.sampled), at);
+    const Vec3f f = Kernel<float>::su_rotated_value(model, at.of_lobes, at.sampled);
+    return {f.x, f.y, f.z};
+}
+
+Rgb value(const SuModel& model, const IndexTexture& index, Vec3f wl, Vec3f wv) {
+    if (!above_horizon(wl, wv)) return {};
+    const Roles at = roles(model, wl, wv);
+    NearestViews nearest = index.texels[texel_of(index.map, index.size, at.sampled)];
+    const auto squared_distance = [&](std::uint16_t view) {
+        const Vec3f apart = model.direction[view] - at.sampled;
+        return dot(apart, apart);
+    };
+    std::stable_sort(nearest.begin(), nearest.end(),
+                     [&](std::uint16_t a, std::uint16_t b) { return squared_distance(a) < squared_distance(b); });
+    return plain_value(model, nearest, at);
+}
+
+NearestViews nearest_views(const SuModel& model, Vec3f w) {
+    NearestViews nearest;
+    find_nearest(model.direction, w, nearest);
+    return nearest;
+}
+
+IndexTexture index_texture(const SuModel& model, DirectionMap map, int size) {
+    IndexTexture index{map, size > 0 ? size : default_size(map), {}};
+    index.texels.resize(texels(map, index.size));
+    constexpr std::size_t block = 1024;
+    parallel_for_parts(index.texels.size(), block, 0, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            index.texels[i] = nearest_views(model, texel_direction(map, index.size, i));
+    });
+    return index;
+}
+
+std::size_t payload_bytes(const SuModel& model) {
+    return 2 * model.direction.size() * std::size_t(model.lobes) * (model.shape.empty() ? 6 : 7);
+}
+
+std::size_t auxiliary_bytes(const SuModel& model) {
+    const DirectionMap map = model.index ? model.index->map : DirectionMap::cube;
+    const int size = model.index ? model.index->size : default_size(map);
+    return texels(map, size) * sizeof(NearestViews) + 8 * model.direction.size();
+}
+
+SuModel rounded(const SuModel& model) {
+    Result<SuModel> decoded =
+        decode_su(encode_su(model), {model.discretise, model.interpolation, model.neighbours}, "");
+    assert(decoded.ok());  // a valid model can be encoded
+    return *std::move(decoded);
+}
+
+}  // namespace srbf

@@ -1,0 +1,144 @@
+#include "models/su/su_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "srbf/half.h"
+
+namespace srbf {
+namespace {
+
+// A centre is stored as its angles relative to the mirror direction of its view: small numbers have small rounding
+// errors, where highlights are.
+Angles<float> relative(Vec3f centre, Vec3f view) {
+    const Angles<float> a = angles(centre), origin = angles(mirror(view));
+    return {a.theta - origin.theta, std::remainder(a.phi - origin.phi, float(2 * k_pi))};
+}
+Vec3f absolute(Angles<float> from_mirror, Vec3f view) {
+    const Angles<float> origin = angles(mirror(view));
+    return spherical(from_mirror.theta + origin.theta, from_mirror.phi + origin.phi);
+}
+
+using Shape = std::vector<std::uint64_t>;
+
+Tensor16 direction_table(const std::vector<Vec3f>& directions) {
+    Tensor16 table{Type16::half, {directions.size(), 4}, {}};
+    for (const Vec3f& w : directions)
+        for (const float x : {w.x, w.y, w.z, 0.f}) table.data.push_back(to_half(x));
+    return table;
+}
+
+/// A texture of nearest views without its texels, from the shape of its tensor; nothing if that is none.
+std::optional<IndexTexture> texture_of(const Shape& shape) {
+    const bool is_cube = shape.size() == 4;
+    const std::uint64_t size = shape.size() >= 3 ? shape[shape.size() - 2] : 0;
+    if (size == 0 || size > k_largest_texture) return {};
+    if (shape != (is_cube ? Shape{6, size, size, 8} : Shape{size, size, 8})) return {};
+    return IndexTexture{is_cube ? DirectionMap::cube : DirectionMap::parabolic, int(size), {}};
+}
+
+/// Decodes the numbers of the lobes; the model's directions and number of lobes are known.
+Result<Done> decode_lobes(const std::map<std::string, Tensor16>& tensors, SuModel& model,
+                          const std::string& file_name) {
+    const auto J = std::size_t(model.lobes);
+    const bool has_shapes = tensors.contains("shape");
+    const auto number = [&](const char* name) {
+        return [&data = tensors.at(name).data](std::size_t i) { return from_half(data[i]); };
+    };
+    const auto coefficient = number("coefficient"), bandwidth = number("bandwidth"), centre = number("centre");
+    for (std::size_t i = 0; i < model.direction.size() * J; ++i) {
+        if (has_shapes) model.shape.push_back(number("shape")(i));
+        const Rgb beta{coefficient(3 * i), coefficient(3 * i + 1), coefficient(3 * i + 2)};
+        for (const auto& [what, x] : {std::pair("tensor 'coefficient'", std::min({beta.r, beta.g, beta.b})),
+                                      {"tensor 'bandwidth'", bandwidth(i)}})
+            if (x < 0) return Error{file_name, {}, what, "numbers of at least 0", fmt::format("{}", x)};
+        model.coefficient.push_back(beta);
+        model.bandwidth.push_back(bandwidth(i));
+        model.centre.push_back(absolute({centre(2 * i), centre(2 * i + 1)}, model.direction[i / J]));
+    }
+    return Done{};
+}
+
+}  // namespace
+
+std::map<std::string, Tensor16> encode_su(const SuModel& model) {
+    const auto n = std::uint64_t(model.direction.size()), J = std::uint64_t(model.lobes);
+    std::map<std::string, Tensor16> tensors;
+    Tensor16& coefficient = tensors["coefficient"] = {Type16::half, {n, J, 3}, {}};
+    for (const Rgb& beta : model.coefficient)
+        for (int c = 0; c < 3; ++c) coefficient.data.push_back(to_half(std::min(beta[c], k_half_max)));
+    Tensor16& bandwidth = tensors["bandwidth"] = {Type16::half, {n, J}, {}};
+    for (const float lambda : model.bandwidth) bandwidth.data.push_back(to_half(std::min(lambda, k_half_max)));
+    if (!model.shape.empty()) {
+        Tensor16& shape = tensors["shape"] = {Type16::half, {n, J}, {}};
+        for (const float of : model.shape) shape.data.push_back(to_half(std::clamp(of, -k_half_max, k_half_max)));
+    }
+    Tensor16& centre = tensors["centre"] = {Type16::half, {n, J, 2}, {}};
+    for (std::size_t i = 0; i < model.centre.size(); ++i) {
+        const Angles<float> from_mirror = relative(model.centre[i], model.direction[i / J]);
+        centre.data.push_back(to_half(from_mirror.theta));
+        centre.data.push_back(to_half(from_mirror.phi));
+    }
+    if (model.index) {
+        const auto size = std::uint64_t(model.index->size);
+        Tensor16& index = tensors["aux.index"] = {Type16::count, {size, size, 8}, {}};
+        if (model.index->map == DirectionMap::cube) index.shape.insert(index.shape.begin(), 6);
+        for (const NearestViews& nearest : model.index->texels)
+            index.data.insert(index.data.end(), nearest.begin(), nearest.end());
+        tensors["aux.directions"] = direction_table(model.direction);
+    }
+    return tensors;
+}
+
+Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const SuHeader& header,
+                          const std::string& file_name) {
+    const auto fail = [&](std::string what, std::string expected, std::string found) {
+        return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
+    };
+    const auto extent = shape_of_bandwidths(
+        tensors, {k_least_views, 0}, {k_most_views, k_most_view_lobes},
+        fmt::format("[n, J] from [{}, 1] to [{}, {}]", k_least_views, k_most_views, k_most_view_lobes), file_name);
+    if (!extent) return extent.error();
+    const std::uint64_t n = (*extent)[0], J = (*extent)[1];
+
+    std::map<std::string, TensorShape> expected{{"coefficient", {Type16::half, {n, J, 3}}},
+                                                {"bandwidth", {Type16::half, {n, J}}},
+                                                {"centre", {Type16::half, {n, J, 2}}}};
+    if (tensors.contains("shape")) expected["shape"] = {Type16::half, {n, J}};
+    SuModel model;
+    const auto index_at = tensors.find("aux.index");
+    const bool has_index = index_at != tensors.end();
+    if (has_index) {
+        const Shape& shape = index_at->second.shape;
+        model.index = texture_of(shape);
+        if (!model.index)
+            return fail("tensor 'aux.index': shape",
+                        fmt::format("[6, s, s, 8] or [s, s, 8], s up to {}", k_largest_texture), shape_text(shape));
+        expected["aux.index"] = {Type16::count, shape};
+    }
+    if (has_index || tensors.contains("aux.directions")) expected["aux.directions"] = {Type16::half, {n, 4}};
+    if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
+
+    model.discretise = header.discretise;
+    model.interpolation = header.interpolation;
+    model.neighbours = header.neighbours;
+    model.lobes = int(J);
+    model.direction = fibonacci_directions(int(n), k_pi / 2);
+    if (const auto lobes = decode_lobes(tensors, model, file_name); !lobes) return lobes.error();
+    if (tensors.contains("aux.directions") &&
+        tensors.at("aux.directions").data != direction_table(model.direction).data)
+        return fail("tensor 'aux.directions'", fmt::format("the Fibonacci set of {}", n), "other directions");
+    if (has_index) {
+        const auto& data = index_at->second.data;
+        const auto out_of_range = std::find_if(data.begin(), data.end(), [&](std::uint16_t view) { return view >= n; });
+        if (out_of_range != data.end())
+            return fail("tensor 'aux.index'", fmt::format("numbers below {}", n), fmt::format("{}", *out_of_range));
+        model.index->texels.resize(data.size() / 8);
+        for (std::size_t i = 0; i < data.size(); ++i) model.index->texels[i / 8][i % 8] = data[i];
+    }
+    return model;
+}
+
+}  // namespace srbf

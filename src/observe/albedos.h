@@ -1,0 +1,12 @@
+// Albedos, the integrals of a measurement that a fit also matches.
+#pragma once
+#include <vector>
+
+#include "observe/observations.h"
+
+namespace srbf {
+
+/// The albedos that `observe` lists, for a largest angle of θmax [rad]. Every other one takes part in a search.
+std::vector<ObservedIntegral> observe_albedos(const Evaluate& f, const ObserveOptions& options, double theta_max);
+
+}  // namespace srbf

@@ -1,0 +1,73 @@
+#include "observe/bound.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "observe/observations.h"
+#include "observe/pair_weights.h"
+#include "observe/pairs.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+
+double bound_cosines(Vec3f wl, Vec3f wv) {
+    return std::max(double(wl.z), k_brink_cosine) * std::max(double(wv.z), k_brink_cosine);
+}
+
+double largest_measured(const Observations& observations) {
+    double largest = 0;
+    for (std::size_t i = 0; i < observations.f.size(); ++i)
+        largest = std::max(largest, largest_of(observations.f[i]) * cosines(observations.wl[i], observations.wv[i]));
+    return largest;
+}
+
+std::vector<std::size_t> exceeded(const Observations& observations, std::size_t first, const PmModel& model,
+                                  double largest) {
+    const std::span<const Vec3f> wl(observations.wl), wv(observations.wv);
+    std::vector<Rgb> f(wl.size() - first);
+    evaluator(model)(wl.subspan(first), wv.subspan(first), f);
+    std::vector<std::size_t> where;
+    for (std::size_t i = first; i < wl.size(); ++i)
+        if (largest_of(f[i - first]) * bound_cosines(wl[i], wv[i]) > k_most_excess * largest) where.push_back(i);
+    return where;
+}
+
+std::vector<int> exceeding_lobes(const Observations& observations, std::size_t first, const PmModel& model) {
+    const double largest = largest_measured(observations);
+    std::vector<int> lobes;
+    for (int j = 0; j < model.lobes; ++j) {
+        PmModel one = model;
+        for (int k = 0; k < model.lobes; ++k)
+            if (k != j) one.coefficient[std::size_t(k)] = {};
+        if (!exceeded(observations, first, one, largest).empty()) lobes.push_back(j);
+    }
+    return lobes;
+}
+
+double bound_weight(const Observations& observations, std::size_t i, double loss, double largest) {
+    return k_excess_weight * loss * elementary::square(bound_cosines(observations.wl[i], observations.wv[i]) / largest);
+}
+
+std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss) {
+    const double largest = largest_measured(observations);
+    const std::vector<std::size_t> where = exceeded(observations, first, model, largest);
+    for (const std::size_t i : where) {
+        const std::size_t to = observations.fitted();
+        if (i < to) {
+            observations.weight[i] *= k_bound_growth;
+            continue;
+        }
+        observations.exchange(i, to);
+        observations.weight[to] = bound_weight(observations, to, loss, largest);
+        --observations.bound_pairs;
+    }
+    return where.size();
+}
+
+void reset_bound_weights(Observations& observations, std::size_t first, double loss) {
+    const double largest = largest_measured(observations);
+    for (std::size_t i = first; i < observations.fitted(); ++i)
+        observations.weight[i] = bound_weight(observations, i, loss, largest);
+}
+
+}  // namespace srbf

@@ -1,0 +1,98 @@
+#include "observe/facets.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "base/least_squares.h"
+#include "observe/bound.h"
+#include "observe/large_errors.h"
+#include "observe/pair_weights.h"
+#include "srbf/elementary.h"
+#include "srbf/kernel.h"
+
+namespace srbf {
+namespace {
+
+/// Roughnesses in half octaves down to 1/1024, as in the scan of fits of Lambert and GGX.
+constexpr int k_roughnesses = 21;
+constexpr int k_terms = 1 + 2 * k_roughnesses;
+
+double roughness(int r) { return elementary::exp2(-0.5 * r); }
+
+using Terms = std::array<float, k_terms>;
+
+/// What the amounts of a channel are multiplied by.
+Terms terms_at(Vec3f wl, Vec3f wv) {
+    using K = Kernel<float>;
+    Terms terms{float(1 / k_pi)};
+    const float s = K::schlick_weight(wl, wv);
+    for (int r = 0; r < k_roughnesses; ++r) {
+        const float facets = K::ggx_facets(wl, wv, float(roughness(r)));
+        terms[std::size_t(1 + 2 * r)] = facets * (1 - s);
+        terms[std::size_t(2 + 2 * r)] = facets * s;
+    }
+    return terms;
+}
+
+/// The channel's non-negative amounts that minimise Σ w (f − f̂)².
+std::vector<float> solved(const Observations& samples, std::span<const Terms> terms, std::size_t channel) {
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(k_terms, k_terms);
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(k_terms);
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+        const double f = channel < 3 ? double(samples.f[i][int(channel)]) : double(samples.spectrum_of(i)[channel - 3]);
+        for (int a = 0; a < k_terms; ++a) {
+            const double weighted = samples.weight[i] * double(terms[i][std::size_t(a)]);
+            g[a] += weighted * f;
+            for (int b = 0; b <= a; ++b) G(a, b) += weighted * double(terms[i][std::size_t(b)]);
+        }
+    }
+    G.triangularView<Eigen::StrictlyUpper>() = G.transpose();
+    const auto unbounded = Eigen::VectorXd::Constant(k_terms, std::numeric_limits<double>::infinity());
+    const Eigen::VectorXd x = bounded_least_squares(G, g, unbounded);
+    std::vector<float> amounts;
+    for (const double amount : x) amounts.push_back(float(amount));
+    return amounts;
+}
+
+}  // namespace
+
+FacetMixture fit_facets(const Observations& samples) {
+    Observations weighed = samples;
+    std::vector<Terms> terms;
+    for (std::size_t i = 0; i < samples.fitted(); ++i) {
+        Terms& of = terms.emplace_back(terms_at(samples.wl[i], samples.wv[i]));
+        for (int r = 0; r < k_roughnesses; ++r)  // what is 0 at all samples gets no amount
+            if (roughness(r) < samples.least_roughness) of[std::size_t(1 + 2 * r)] = of[std::size_t(2 + 2 * r)] = 0;
+    }
+    FacetMixture mixture{{}, k_most_excess * largest_measured(samples)};
+    mixture.amounts.resize(3 + samples.wavelengths.size());
+    for (int round = 0; round < k_facet_rounds; ++round) {
+        for (std::size_t c = 0; c < mixture.amounts.size(); ++c) mixture.amounts[c] = solved(weighed, terms, c);
+        const Evaluate fitted = [&](auto wl, auto wv, auto f) {
+            std::vector<float> channels(mixture.amounts.size());
+            for (std::size_t i = 0; i < f.size(); ++i) {
+                evaluate(mixture, wl[i], wv[i], channels);
+                f[i] = {channels[0], channels[1], channels[2]};
+            }
+        };
+        weighed.weight = samples.weight;
+        weigh_large_errors(weighed, fitted, k_most_facet_change);
+    }
+    return mixture;
+}
+
+void evaluate(const FacetMixture& mixture, Vec3f wl, Vec3f wv, std::span<float> f) {
+    std::ranges::fill(f, 0.0f);
+    if (!above_horizon(wl, wv)) return;
+    const Terms terms = terms_at(wl, wv);
+    const auto most = float(mixture.most / cosines(wl, wv));
+    for (std::size_t c = 0; c < f.size(); ++c) {
+        float sum = 0;
+        for (std::size_t a = 0; a < terms.size(); ++a) sum += mixture.amounts[c][a] * terms[a];
+        f[c] = std::min(sum, most);
+    }
+}
+
+}  // namespace srbf

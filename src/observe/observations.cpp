@@ -1,0 +1,118 @@
+#include "observe/observations.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "srbf/directions.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+
+void Observations::add(Vec3f l, Vec3f v, const Rgb& value, double its_weight, std::span<const float> its_spectrum) {
+    wl.push_back(l), wv.push_back(v), f.push_back(value), weight.push_back(its_weight);
+    spectrum.insert(spectrum.end(), its_spectrum.begin(), its_spectrum.end());
+}
+
+bool Observations::is_noisy() const {
+    return std::ranges::any_of(integrals, [](const ObservedIntegral& of) { return of.noise_unit > 0; });
+}
+
+void Observations::append(const Observations& more) {
+    const auto extend = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    extend(wl, more.wl), extend(wv, more.wv), extend(f, more.f), extend(weight, more.weight);
+    extend(spectrum, more.spectrum);
+}
+
+void Observations::exchange(std::size_t i, std::size_t k) {
+    if (i == k) return;
+    std::swap(wl[i], wl[k]), std::swap(wv[i], wv[k]), std::swap(f[i], f[k]), std::swap(weight[i], weight[k]);
+    const std::size_t C = wavelengths.size();
+    std::swap_ranges(spectrum.begin() + std::ptrdiff_t(i * C), spectrum.begin() + std::ptrdiff_t((i + 1) * C),
+                     spectrum.begin() + std::ptrdiff_t(k * C));
+}
+
+void Observations::shuffle(std::mt19937_64& random) {
+    for (std::size_t i = f.size(); i-- > 1;) exchange(i, std::size_t(uniform(random) * double(i + 1)));
+}
+
+void Observations::resize(std::size_t count) {
+    wl.resize(count), wv.resize(count), f.resize(count), weight.resize(count);
+    spectrum.resize(count * wavelengths.size());
+}
+
+void Observations::normalise() {
+    const double energy = energy_of(f, weight);
+    if (energy > 0)
+        for (double& w : weight) w /= energy;
+}
+
+double loss_of(const Observations& observations, const Evaluate& fitted) {
+    const std::size_t count = observations.fitted();
+    std::vector<Rgb> f(count);
+    fitted(std::span(observations.wl).first(count), std::span(observations.wv).first(count), f);
+    double loss = 0;
+    for (std::size_t i = 0; i < count; ++i) loss += observations.weight[i] * squared_distance(observations.f[i], f[i]);
+    return loss;
+}
+
+std::array<double, 3> mean_value(const Observations& observations) {
+    double weight = 0;
+    std::array<double, 3> mean{};
+    for (std::size_t i = 0; i < observations.fitted(); ++i) {
+        weight += observations.weight[i];
+        for (int c = 0; c < 3; ++c) mean[std::size_t(c)] += observations.weight[i] * double(observations.f[i][c]);
+    }
+    for (double& channel : mean) channel = weight > 0 ? channel / weight : 0;
+    return mean;
+}
+
+double largest_square(const Observations& observations) {
+    double largest = 0;
+    for (std::size_t i = 0; i < observations.f.size(); ++i)
+        largest = std::max(largest, square_of(observations.f[i]) *
+                                        elementary::square(cosines(observations.wl[i], observations.wv[i])));
+    return largest;
+}
+
+double horizon_weight(Vec3f wl, Vec3f wv, double importance, std::size_t count, double largest_square) {
+    const double area = cosines(wl, wv);
+    return importance * area * area / (double(count) * largest_square);
+}
+
+Observations beginning(const Observations& observations, std::size_t count) {
+    count = std::min(count, observations.fitted());
+    Observations some;
+    some.objective = observations.objective, some.typical = observations.typical;
+    some.integral_error = observations.integral_error;
+    some.wavelengths = observations.wavelengths;
+    const auto take = [](auto& to, const auto& from, std::size_t numbers) {
+        to.assign(from.begin(), from.begin() + std::ptrdiff_t(numbers));
+    };
+    take(some.wl, observations.wl, count), take(some.wv, observations.wv, count);
+    take(some.f, observations.f, count), take(some.weight, observations.weight, count);
+    take(some.spectrum, observations.spectrum, count * observations.wavelengths.size());
+    if (!observations.point_light_weight.empty()) take(some.point_light_weight, observations.point_light_weight, count);
+    some.normalise();
+    return some;
+}
+
+Result<Done> validate(const Observations& observations, std::size_t parameters) {
+    const std::size_t fitted = observations.fitted();
+    const auto refused = [](const char* what, std::string expected, std::string found) {
+        return Error{"fit", {}, what, std::move(expected), std::move(found)};
+    };
+    if (3 * fitted < parameters)
+        return refused("observations", fmt::format("at least {} values", parameters), fmt::format("{}", 3 * fitted));
+    for (std::size_t i = 0; i < observations.f.size(); ++i)
+        if (!is_finite(observations.f[i]) || !(observations.weight[i] >= 0) || !std::isfinite(observations.weight[i]))
+            return Error{"fit", i, "observation", "finite values and a weight of at least 0", "another"};
+    if (std::ranges::none_of(std::span(observations.weight).first(fitted), [](double w) { return w > 0; }))
+        return refused("observations", "a weight above 0", "none");
+    if (!std::ranges::all_of(observations.spectrum, [](float f) { return std::isfinite(f); }))
+        return refused("observations", "finite spectra", "others");
+    return Done{};
+}
+
+}  // namespace srbf

@@ -1,0 +1,158 @@
+#include "observe/pair_weights.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "base/parallel.h"
+#include "base/weighted_quantile.h"
+#include "observe/costs.h"
+#include "observe/observations.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+namespace {
+
+constexpr double k_bright_quantile = 0.75;
+/// The least fitted value that `relative` tells from 0, of the mean.
+constexpr double k_darkest = 1e-9;
+
+double cosine_weight(double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }
+double cube_root_weight(double f, double mean, double, double) {
+    return elementary::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3);
+}
+double body_weight(double f, double mean, double cos_l, double cos_v) {
+    return cos_l * cos_v * cube_root_weight(f, mean, cos_l, cos_v);
+}
+double cube_root_slope(double f, double mean, double) {
+    return elementary::pow(std::max(f, 0.01 * mean), -2.0 / 3) / 3;
+}
+/// The least share of a sum of f cosθl and a positive number that noise below 0 leaves.
+constexpr double k_least_left = 0.1;
+/// f cosθl + s, with s of `Objective::appearance`.
+double above_dark(double f, double bright, double cos_l) {
+    const double s = k_dark_share * bright;
+    return std::max(f * cos_l + s, k_least_left * s);
+}
+/// f cosθl as a display shows it.
+double displayed(double f, double bright, double cos_l) {
+    return elementary::pow(above_dark(f, bright, cos_l), 1.0 / 6);
+}
+double displayed_slope(double f, double bright, double cos_l) {
+    return cos_l * elementary::pow(above_dark(f, bright, cos_l), -5.0 / 6) / 6;
+}
+/// The squared slope of ∛(f cosθl + bright), but for a factor, weighted by √cosθv: measurements brighten towards the
+/// rim of what is seen, which is narrow.
+double highlight_weight(double f, double bright, double cos_l, double cos_v) {
+    return cos_l * cos_l * elementary::pow(std::max(1 + f * cos_l / bright, k_least_left), -4.0 / 3) * std::sqrt(cos_v);
+}
+
+constexpr ObjectiveTraits k_traits[] = {
+    {.objective = Objective::raw,
+     .name = "raw",
+     .summary = "squared error of f",
+     .measure = &Measures::squared_error_ratio,
+     .max_theta = 80,
+     .weight = [](double, double, double, double) { return 1.0; }},
+    {.objective = Objective::cosine,
+     .name = "cosine",
+     .summary = "squared error of f cos(theta_l), weighted by cos(theta_v)",
+     .measure = &Measures::squared_error_ratio_cosine,
+     .max_theta = 89,
+     .weight = cosine_weight,
+     .further = {{{"body", "cube root of f", body_weight, k_body}}}},
+    {.objective = Objective::log,
+     .name = "log",
+     .summary = "squared error of log(1 + f cos(theta_l)), weighted by cos(theta_v)",
+     .measure = &Measures::log_rms_cosine,
+     .max_theta = 89,
+     .weight = [](double f, double, double cos_l,
+                  double cos_v) { return elementary::square(cos_l / (1 + f * cos_l)) * cos_v; }},
+    {.objective = Objective::cube_root,
+     .name = "cube-root",
+     .summary = "squared error of the cube root of f",
+     .measure = &Measures::cube_root_error_ratio,
+     .max_theta = 80,
+     .weight = cube_root_weight,
+     .seen = [](double f, double, double) { return elementary::cbrt(f); },
+     .slope = cube_root_slope},
+    {.objective = Objective::relative,
+     .name = "relative",
+     .summary = "squared error of the logarithm of f",
+     .measure = &Measures::log10_rms,
+     .max_theta = 80,
+     .weight = [](double f, double, double, double) { return f > 0 ? elementary::square(1 / f) : 0; },
+     .seen = [](double f, double mean, double) { return elementary::log(std::max(f, k_darkest * mean)); },
+     .slope = [](double f, double, double) { return f > 0 ? 1 / f : 0; },
+     .of_scatter = true},
+    {.objective = Objective::appearance,
+     .name = "appearance",
+     .summary = "visible error of pictures, about the sixth root of f cos(theta_l)",
+     .measure = &Measures::sixth_root_error_ratio,
+     .max_theta = 89,
+     .weight = [](double f, double bright, double cos_l,
+                  double cos_v) { return elementary::square(displayed_slope(f, bright, cos_l)) * cos_v; },
+     .further = {{{"highlights", "cube root of f cos(theta_l)", highlight_weight, k_highlights.multivariate},
+                  {"peaks", "f cos(theta_l)", cosine_weight, k_peaks}}},
+     .seen = displayed,
+     .slope = displayed_slope,
+     .of_pictures = true},
+};
+constexpr auto k_objectives = [] {
+    std::array<Objective, std::size(k_traits)> all{};
+    std::ranges::transform(k_traits, all.begin(), &ObjectiveTraits::objective);
+    return all;
+}();
+
+}  // namespace
+
+const ObjectiveTraits& traits(Objective objective) {
+    return *std::ranges::find(k_traits, objective, &ObjectiveTraits::objective);
+}
+
+std::span<const Objective> objectives() { return k_objectives; }
+std::string_view name(Objective objective) { return traits(objective).name; }
+std::string_view summary(Objective objective) { return traits(objective).summary; }
+double Measures::*measure_of(Objective objective) { return traits(objective).measure; }
+double default_max_theta(Objective objective) { return traits(objective).max_theta * k_degree; }
+
+std::optional<Objective> objective_named(std::string_view text) {
+    const auto found = std::ranges::find(k_traits, text, &ObjectiveTraits::name);
+    return found == std::end(k_traits) ? std::nullopt : std::optional(found->objective);
+}
+
+double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                     std::span<const double> weight) {
+    double sum = 0, whole = 0;
+    if (!traits(objective).of_pictures) {
+        for (std::size_t i = 0; i < f.size(); ++i) sum += weight[i] * mean_of(f[i]), whole += weight[i];
+        return whole > 0 ? sum / whole : 0;
+    }
+    std::vector<std::pair<double, double>> seen;  // f cosθl and its weight
+    for (std::size_t i = 0; i < f.size(); ++i)
+        if (mean_of(f[i]) > 0) seen.emplace_back(mean_of(f[i]) * double(wl[i].z), weight[i] * double(wv[i].z));
+    return weighted_quantile(std::move(seen), k_bright_quantile);
+}
+
+void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
+           std::span<const Rgb> f, std::span<double> weight, int threads) {
+    constexpr std::size_t k_part = 4096;
+    const ObjectiveTraits& of = traits(objective);
+    const std::vector<double> solid_angle(weight.begin(), weight.end());
+    const auto take = [&](auto& to, const auto& rule) {
+        parallel_for_parts(f.size(), k_part, threads, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                to[i] = solid_angle[i] * rule(mean_of(f[i]), typical, double(wl[i].z), double(wv[i].z));
+        });
+        return energy_of(f, to);
+    };
+    const double whole = take(weight, of.weight);
+    std::vector<double> further(f.size());
+    for (const ObjectiveTraits::Further& term : of.further) {
+        const double energy = term.weight ? take(further, term.weight) : 0;
+        for (std::size_t i = 0; energy > 0 && i < f.size(); ++i)
+            weight[i] += term.importance * whole / energy * further[i];
+    }
+}
+
+}  // namespace srbf

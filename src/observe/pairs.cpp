@@ -1,0 +1,118 @@
+#include "observe/pairs.h"
+
+#include <cmath>
+
+#include "srbf/elementary.h"
+
+namespace srbf {
+namespace {
+
+// Angles of the grid [degrees], closer to each other near the normal, the horizon and the plane of incidence.
+constexpr double k_grid_theta[] = {0,  2,  5,  10, 15, 20, 25, 30, 35, 40, 45,   50,  55,
+                                   60, 65, 70, 75, 79, 82, 85, 87, 88, 89, 89.5, 89.9};
+/// Beyond them, where a lobe may still rise by any factor.
+constexpr double k_brink_theta[] = {89.99, 89.999};
+/// Light and view are never equal: there ψ of (1, −1) has no direction, and nearby its direction changes abruptly.
+constexpr double k_grid_phi[] = {0.5, 1,   3,   6,   10,  15,  20,  30,  40,  50,  60,  75, 90,
+                                 105, 120, 130, 140, 150, 160, 165, 170, 174, 177, 179, 180};
+/// The view's polar angle [degrees] where both are 0.
+constexpr double k_beside_normal = 0.25;
+/// This share of the views is uniform over the cap; the others are uniform in log cosθ.
+constexpr double k_uniform_views = 0.75;
+/// This share of the horizon pairs are nodes of the grid.
+constexpr double k_on_grid = 0.5;
+
+/// The direction of that z and azimuth.
+Vec3d direction(double z, double phi) {
+    const double r = std::sqrt(std::max(0.0, 1 - z * z));
+    return {r * elementary::cos(phi), r * elementary::sin(phi), z};
+}
+
+/// Adds the pairs with these polar angles, at all azimuths of the grid.
+void add_grid(std::vector<DirectionPair>& to, std::span<const double> lights, std::span<const double> views) {
+    for (const double l : lights)
+        for (const double v : views)
+            for (const double phi : k_grid_phi) {
+                const double turn = k_golden_angle * double(to.size());  // isotropic data need no certain azimuth
+                const double of_view = l == 0 && v == 0 ? k_beside_normal : v;
+                to.push_back({to_float(spherical(l * k_degree, phi * k_degree + turn)),
+                              to_float(spherical(of_view * k_degree, turn))});
+            }
+}
+
+}  // namespace
+
+std::vector<DirectionPair> horizon_grid() {
+    std::vector<DirectionPair> grid;
+    add_grid(grid, k_grid_theta, k_grid_theta);
+    return grid;
+}
+
+std::vector<DirectionPair> brink_grid() {
+    std::vector<DirectionPair> grid;
+    add_grid(grid, k_brink_theta, k_brink_theta);
+    add_grid(grid, k_brink_theta, k_grid_theta);
+    add_grid(grid, k_grid_theta, k_brink_theta);
+    return grid;
+}
+
+RSequence<6> random_sequence(std::mt19937_64& random) {
+    std::array<double, 6> first;
+    for (double& x : first) x = uniform(random);
+    return RSequence<6>(first);
+}
+
+std::optional<DirectionPair> pair_within(const MirrorMixture& cap, const std::array<double, 6>& point) {
+    const auto [unused, u1, u2, u3, u4, u5] = point;
+    const Vec3d wv = cap.sample_cap(u1, u2), wl = cap.sample(wv, u3, u4, u5);
+    if (!cap.contains(wl)) return std::nullopt;
+    return DirectionPair{to_float(wl), to_float(wv)};
+}
+
+Vec3d ViewMixture::sample(double u0, double u1, double u2) const {
+    return direction(u0 < k_uniform_views ? 1 - u1 * (1 - cos_max_) : elementary::pow(cos_max_, u1), 2 * k_pi * u2);
+}
+
+double ViewMixture::pdf(Vec3d w) const {
+    return (k_uniform_views / (1 - cos_max_) + (1 - k_uniform_views) / (w.z * -elementary::log(cos_max_))) / (2 * k_pi);
+}
+
+PairDraws::PairDraws(double theta_max, bool to_the_brink, std::size_t mirror_pairs, std::mt19937_64 random)
+    : fitted_points_(random_sequence(random)),
+      horizon_points_(random_sequence(random)),
+      bound_points_(random_sequence(random)),
+      cos_max_(elementary::cos(theta_max)),
+      mirror_pairs_(mirror_pairs),
+      views_(cos_max_),
+      lights_(theta_max) {
+    if (to_the_brink) brink_ = brink_grid();
+}
+
+std::optional<DrawnPair> PairDraws::fitted(std::size_t i) const {
+    const auto u = fitted_points_.at(i);
+    const Vec3d wv = views_.sample(u[0], u[1], u[2]), wl = lights_.sample(wv, u[3], u[4], u[5]);
+    if (!lights_.contains(wl)) return std::nullopt;
+    return DrawnPair{{to_float(wl), to_float(wv)}, 1 / (views_.pdf(wv) * lights_.pdf(wl, wv))};
+}
+
+std::optional<DrawnPair> PairDraws::horizon(std::size_t i) const {
+    const auto u = horizon_points_.at(i);
+    if (u[0] < k_on_grid) return DrawnPair{grid_[std::size_t(u[0] / k_on_grid * double(grid_.size()))]};
+    const double cos_horizon = elementary::cos(k_horizon_theta);
+    const Vec3d edge = direction(cos_horizon + u[1] * (cos_max_ - cos_horizon), 2 * k_pi * u[2]);
+    const Vec3d other = to_horizon_.sample(edge, u[3], u[4], u[5]);
+    if (!to_horizon_.contains(other)) return std::nullopt;
+    const Vec3f of_edge = to_float(edge), of_other = to_float(other);
+    return u[0] < (1 + k_on_grid) / 2 ? DrawnPair{{of_edge, of_other}} : DrawnPair{{of_other, of_edge}};
+}
+
+std::size_t PairDraws::bound_pairs() const { return grid_.size() + mirror_pairs_ + brink_.size(); }
+
+std::optional<DrawnPair> PairDraws::bound(std::size_t i) const {
+    if (i < grid_.size()) return DrawnPair{grid_[i]};
+    if (i >= grid_.size() + mirror_pairs_) return DrawnPair{brink_[i - grid_.size() - mirror_pairs_]};
+    const auto pair = pair_within(to_horizon_, bound_points_.at(i - grid_.size()));
+    return pair ? std::optional(DrawnPair{*pair}) : std::nullopt;
+}
+
+}  // namespace srbf

@@ -1,0 +1,79 @@
+// Pairs of directions at which a measurement is observed.
+#pragma once
+#include <array>
+#include <optional>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "base/r_sequence.h"
+#include "srbf/directions.h"
+
+namespace srbf {
+
+/// The angle from the normal up to which a fit is bounded, whatever its θmax: near 90°, where f cosθl cosθv vanishes.
+inline constexpr double k_horizon_theta = 89.9 * k_degree;
+
+/// The golden angle π(3 − √5) [rad], rounded: multiples of it spread over all azimuths, however many there are.
+inline constexpr double k_golden_angle = 2.4;
+
+/// As many bound pairs of a table about the mirror direction as are needed to find a lobe between the nodes of the grid.
+inline constexpr std::size_t k_mirror_pairs = 32768;
+
+struct DirectionPair {
+    Vec3f wl, wv;
+};
+
+/// A grid of pairs to `k_horizon_theta`, including in-plane pairs and the horizon. A sum of exponentials that diverges
+/// between observations does so towards an edge.
+std::vector<DirectionPair> horizon_grid();
+/// Pairs beyond it: light, viewer or both at 89.99 or 89.999°.
+std::vector<DirectionPair> brink_grid();
+/// cos 89.95°, between the two.
+inline constexpr double k_brink_cosine = 8.7e-4;
+
+/// Points of the cube from a random one on.
+RSequence<6> random_sequence(std::mt19937_64& random);
+
+/// A pair within the cap, from the last five coordinates of a point: wv is uniform, wl often near its mirror direction.
+/// None if wl is outside of the cap.
+std::optional<DirectionPair> pair_within(const MirrorMixture& cap, const std::array<double, 6>& point);
+
+/// A pair drawn for a table.
+struct DrawnPair {
+    DirectionPair pair;
+    double weight = 0;  ///< 1 / density within the caps; 0 for a pair that is not drawn from them
+};
+
+/// Distribution of view directions: uniform over the cap, but a quarter uniform in log cosθ, so that directions close
+/// to the horizon are not rare.
+class ViewMixture {
+  public:
+    explicit ViewMixture(double cos_max) : cos_max_(cos_max) {}
+    Vec3d sample(double u0, double u1, double u2) const;
+    double pdf(Vec3d w) const;  // [1/sr]
+
+  private:
+    double cos_max_;
+};
+
+/// The pairs at which a table is observed, by their numbers. None: a direction is below the horizon or outside of the cap.
+class PairDraws {
+  public:
+    PairDraws(double theta_max, bool to_the_brink, std::size_t mirror_pairs, std::mt19937_64 random);
+    std::optional<DrawnPair> fitted(std::size_t i) const;
+    /// A node of the grid, or a pair of which at least one direction, as often wl as wv, is beyond θmax.
+    std::optional<DrawnPair> horizon(std::size_t i) const;
+    std::optional<DrawnPair> bound(std::size_t i) const;
+    std::size_t bound_pairs() const;
+
+  private:
+    RSequence<6> fitted_points_, horizon_points_, bound_points_;
+    double cos_max_;
+    std::size_t mirror_pairs_;
+    ViewMixture views_;
+    MirrorMixture lights_, to_horizon_{k_horizon_theta};
+    std::vector<DirectionPair> grid_ = horizon_grid(), brink_;
+};
+
+}  // namespace srbf

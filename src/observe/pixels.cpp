@@ -1,0 +1,129 @@
+#include "observe/pixels.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "errors/itp.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "observe/pixels.cpp"
+#include <hwy/foreach_target.h>
+
+#include "brdf/batch-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace srbf {
+namespace HWY_NAMESPACE {
+
+#include "errors/itp.inl"
+
+using Triplet = std::array<Batch, 3>;
+
+Triplet load(const float* columns, std::size_t i) {
+    return {Batch::load(columns + i), Batch::load(columns + k_block + i), Batch::load(columns + 2 * k_block + i)};
+}
+
+// Calls see(i, colour, limit, seen, seen − reference) for the pixels from each i on.
+template <typename See>
+HWY_INLINE void for_pixels(const float* reference, const Pixels::Colours& colours, std::size_t count, const See& see) {
+    for (std::size_t i = 0; i < count; i += Batch::size()) {
+        const Triplet of_reference = load(reference, i), limit = load(reference + 3 * k_block, i);
+        Triplet colour, shown;
+        for (std::size_t c = 0; c < 3; ++c) {
+            colour[c] = Batch::load(colours[c] + i);
+            shown[c] = min(colour[c], limit[c]);
+        }
+        const Itp<Batch> seen(shown);
+        Triplet difference;
+        for (std::size_t k = 0; k < 3; ++k) difference[k] = seen.value()[k] - of_reference[k];
+        see(i, colour, limit, seen, difference);
+    }
+}
+HWY_INLINE Batch squared(const Triplet& x) { return x[0] * x[0] + x[1] * x[1] + x[2] * x[2]; }
+
+// Sets I, T, P of a block's colours.
+void see(const Pixels::Colours& colours, float* itp) {
+    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+        const Itp<Batch> seen({Batch::load(colours[0] + i), Batch::load(colours[1] + i), Batch::load(colours[2] + i)});
+        for (std::size_t k = 0; k < 3; ++k) seen.value()[k].store(itp + k * k_block + i);
+    }
+}
+
+void errors(const float* reference, const Pixels::Colours& colours, std::size_t count, float* jacobian, float* r,
+            float* error) {
+    const Batch k(Pixels::k_just_noticeable), zero(0.0);
+    for_pixels(reference, colours, count,
+               [&](std::size_t i, const Triplet& colour, const Triplet& limit, const Itp<Batch>& seen,
+                   const Triplet& difference) HWY_ATTR {
+                   const Batch square = squared(difference), smooth = sqrt(square + k * k), root = sqrt(k / smooth);
+                   // 2 k (smooth − k) without cancellation.
+                   Batch(Batch(2.0) * k * square / (smooth + k)).store(error + i);
+                   const std::array<Triplet, 3> by = seen.by_colour();
+                   for (std::size_t of = 0; of < 3; ++of) {
+                       Batch(root * difference[of]).store(r + of * k_block + i);
+                       for (std::size_t c = 0; c < 3; ++c)
+                           select(colour[c] < limit[c], Batch(root * by[of][c]), zero)
+                               .store(jacobian + (3 * of + c) * k_block + i);
+                   }
+               });
+}
+
+void delta_e(const float* reference, const Pixels::Colours& colours, std::size_t count, float* apart) {
+    for_pixels(reference, colours, count,
+               [&](std::size_t i, const Triplet&, const Triplet&, const Itp<Batch>&, const Triplet& difference)
+                   HWY_ATTR { sqrt(squared(difference)).store(apart + i); });
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace srbf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace srbf {
+namespace {
+
+double sum_of(std::span<const float> column) {
+    double sum = 0;
+    for (const float x : column) sum += double(x);
+    return sum;
+}
+
+}  // namespace
+
+HWY_EXPORT(see);
+HWY_EXPORT(errors);
+HWY_EXPORT(delta_e);
+
+// Beyond the last pixel the reference is black and nothing is compared.
+Pixels::Pixels(std::span<const Triplet> colours) : count_(colours.size()), reference_(6 * blocks() * k_block) {
+    Aligned<float> shown(3 * k_block);
+    for (std::size_t block = 0; block < blocks(); ++block) {
+        float* const reference = &reference_[6 * block * k_block];
+        std::ranges::fill(shown, 0.f);
+        const std::size_t begin = block * k_block, end = std::min(count_, begin + k_block);
+        for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t p = begin; p < end; ++p) {
+                const auto colour = float(colours[p][c]);
+                shown[c * k_block + p - begin] = std::min(colour, 1.f);
+                reference[(3 + c) * k_block + p - begin] = colour < 1 ? std::numeric_limits<float>::max() : 1;
+            }
+        HWY_DYNAMIC_DISPATCH(see)({&shown[0], &shown[k_block], &shown[2 * k_block]}, reference);
+    }
+}
+
+double Pixels::errors(std::size_t block, const Colours& colours, PixelSlopes& slopes) const {
+    Aligned<float> error(rows_in_block(block, count_));
+    HWY_DYNAMIC_DISPATCH(errors)
+    (&reference_[6 * block * k_block], colours, error.size(), slopes.jacobian.data(), slopes.r.data(), error.data());
+    return sum_of(error);
+}
+
+double Pixels::delta_e(std::size_t block, const Colours& colours) const {
+    Aligned<float> apart(rows_in_block(block, count_));
+    HWY_DYNAMIC_DISPATCH(delta_e)(&reference_[6 * block * k_block], colours, apart.size(), apart.data());
+    return sum_of(apart);
+}
+
+}  // namespace srbf
+#endif

@@ -1,0 +1,112 @@
+#include "observe/point_lights.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "observe/costs.h"
+#include "observe/observations.h"
+#include "observe/pair_weights.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+namespace {
+
+/// Phases that are told apart: equal intervals of [0, π].
+constexpr std::size_t k_phases = 16;
+using OfPhases = std::array<double, k_phases>;
+/// Of a pixel [squared radii of the sphere]: 64 of them across.
+constexpr double k_pixel_area = 1.0 / (32 * 32);
+constexpr int k_energy_steps = 20;
+/// They cost less where their mean error, relative to their energy, exceeds this: what no lobes can match would decide.
+constexpr double k_most_relative_rms = 0.25;
+/// A phase counts as if its error were at least this share of the largest.
+constexpr double k_least_rms = 0.1;
+
+double start_of(std::size_t phase) { return double(phase) * k_pi / double(k_phases); }
+std::size_t phase_of(Vec3f wl, Vec3f wv) {
+    const double angle = elementary::acos(std::clamp(double(dot(wl, wv)), -1.0, 1.0));
+    return std::min(std::size_t(angle / k_pi * double(k_phases)), k_phases - 1);
+}
+
+/// The share that solid angles of both directions have in the pictures of their phase.
+double area_of(std::size_t phase, Vec3f wv, double measure) {
+    const double ring = 2 * k_pi * (elementary::cos(start_of(phase)) - elementary::cos(start_of(phase + 1)));
+    return measure * double(wv.z) / ring;
+}
+double square_of_radiance(const Rgb& f, Vec3f wl) { return square_of(f) * elementary::square(double(wl.z)); }
+
+}  // namespace
+
+// A picture of pixels of area a has the energy Σ a g² for g = f cosθl. A highlight of less than a pixel is hit by few of
+// the pictures, whose energy is its then: a pair is seen relative to T + a g², where T is the energy that others have.
+PhaseEnergies::PhaseEnergies(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                             std::span<const double> measure)
+    : others_(k_phases) {
+    std::vector<std::size_t> phase(f.size());
+    std::vector<double> area(f.size()), square(f.size());
+    for (std::size_t i = 0; i < f.size(); ++i) {
+        phase[i] = phase_of(wl[i], wv[i]);
+        area[i] = area_of(phase[i], wv[i], measure[i]);
+        square[i] = square_of_radiance(f[i], wl[i]);
+        others_[phase[i]] += area[i] * square[i];
+    }
+    // Σ g² / (T + a g²) over the sphere becomes 1.
+    for (int step = 0; step < k_energy_steps; ++step) {
+        OfPhases next{};
+        for (std::size_t i = 0; i < f.size(); ++i)
+            if (square[i] > 0)
+                next[phase[i]] += area[i] * square[i] / (1 + k_pixel_area * square[i] / others_[phase[i]]);
+        others_.assign(next.begin(), next.end());
+    }
+}
+
+double PhaseEnergies::weight(Vec3f wl, Vec3f wv, const Rgb& f, double measure) const {
+    const std::size_t phase = phase_of(wl, wv);
+    const double energy = others_[phase] + k_pixel_area * square_of_radiance(f, wl);
+    return energy > 0 ? area_of(phase, wv, measure) * elementary::square(double(wl.z)) / energy : 0;
+}
+
+std::vector<double> point_light_weights(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                                        std::span<const double> measure) {
+    const PhaseEnergies energies(wl, wv, f, measure);
+    std::vector<double> weight(f.size());
+    for (std::size_t i = 0; i < f.size(); ++i) weight[i] = energies.weight(wl[i], wv[i], f[i], measure[i]);
+    return weight;
+}
+
+void add_point_lights(Observations& observations, const Evaluate& fitted, double most_loss) {
+    const std::vector<double> added = std::exchange(observations.point_light_weight, {});
+    const std::size_t count = added.size();
+    std::vector<Rgb> f(count);
+    fitted(std::span(observations.wl).first(count), std::span(observations.wv).first(count), f);
+    double loss = 0;
+    OfPhases rms{}, energy{}, factor{};
+    std::vector<std::size_t> phase(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double squares = squared_distance(observations.f[i], f[i]);
+        phase[i] = phase_of(observations.wl[i], observations.wv[i]);
+        loss += observations.weight[i] * squares;
+        rms[phase[i]] += added[i] * squares;
+        energy[phase[i]] += added[i] * square_of(observations.f[i]);
+    }
+    for (double& x : rms) x = std::sqrt(x);
+    const double least = k_least_rms * *std::ranges::max_element(rms);
+    if (!(least > 0)) return;
+    // cos(φ/2) is the root of the share of the sphere's disc that is lit.
+    double sum = 0, lit = 0, relative = 0;
+    for (std::size_t k = 0; k < k_phases; ++k) {
+        if (!(energy[k] > 0)) continue;
+        const double root_of_lit = elementary::cos((start_of(k) + start_of(k + 1)) / 4);
+        factor[k] = root_of_lit / std::max(rms[k], least);
+        sum += factor[k] * rms[k] * rms[k];
+        lit += root_of_lit, relative += root_of_lit * rms[k] / std::sqrt(energy[k]);
+    }
+    const double share =
+        k_point_lights.multivariate * std::min(1.0, elementary::square(k_most_relative_rms * lit / relative));
+    for (std::size_t i = 0; i < count; ++i)
+        observations.weight[i] += share * std::min(loss, most_loss) / sum * factor[phase[i]] * added[i];
+}
+
+}  // namespace srbf

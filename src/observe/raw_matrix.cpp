@@ -1,0 +1,75 @@
+#include <numeric>
+
+#include "base/errors.h"
+#include "base/parallel.h"
+#include "base/r_sequence.h"
+#include "base/reporter.h"
+#include "brdf/values.h"
+#include "observe/raw_matrix.h"
+#include "srbf/directions.h"
+
+namespace srbf {
+namespace {
+
+/// Each sampled direction has the same points, shifted by its own offset: remainders by primes, so that it is another
+/// one for any two of at most k_most_views directions.
+RSequence<3> points_of_row(std::size_t i) {
+    return RSequence<3>({double(i % 97) / 97, double(i % 89) / 89, double(i % 83) / 83});
+}
+
+/// Values beside the sampled direction `about`, to each element of `row`.
+void sample_between(const Evaluate& f, Discretise discretise, Vec3f about, RSequence<3> points,
+                    std::span<RawMatrix::Between> row) {
+    const MirrorMixture mixture(k_pi / 2);
+    std::vector<Vec3f> others;
+    for (RawMatrix::Between& one : row) {
+        const auto u = points.next();
+        const Vec3d w = mixture.sample(to_double(about), u[0], u[1], u[2]);
+        one.direction = to_float(w);
+        one.pdf = float(mixture.pdf(w, to_double(about)));
+        others.push_back(one.direction);
+    }
+    const std::vector<Vec3f> sampled(row.size(), about);
+    std::vector<Rgb> values(row.size());
+    if (discretise == Discretise::view)
+        f(others, sampled, values);
+    else
+        f(sampled, others, values);
+    for (std::size_t k = 0; k < row.size(); ++k) row[k].f = non_negative(values[k]);
+}
+
+}  // namespace
+
+Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options, const ProgressToken& progress) {
+    const StandardArithmetic mode;
+    for (const auto& valid :
+         {require_range("matrix", "number of directions", options.directions, k_least_views, k_most_views),
+          require_range("matrix", "number of directions between", options.between, 0, int(k_most_between))})
+        if (!valid) return valid.error();
+    const auto n = std::size_t(options.directions), m = std::size_t(options.between);
+    RawMatrix matrix;
+    matrix.discretise = options.discretise;
+    matrix.direction = fibonacci_directions(options.directions, k_pi / 2);
+    matrix.f.resize(n * n);
+    matrix.between.resize(n * m);
+    std::vector<std::uint64_t> masked(n), clamped(n);
+    Reporter reporter(progress, double(n));
+    parallel_for(n, options.threads, [&](std::size_t i) {
+        if (!reporter.advance("tabulating", 1)) return;
+        const std::vector<Rgb> values = values_towards(f, matrix.direction, matrix.direction[i]);
+        for (std::size_t k = 0; k < n; ++k) {
+            Rgb& value = matrix.f[i * n + k] = values[k];
+            masked[i] += !is_finite(value);
+            if (is_finite(value)) clamped[i] += std::uint64_t(clamp_negative(value));
+        }
+        if (m > 0)
+            sample_between(f, options.discretise, matrix.direction[i], points_of_row(i),
+                           std::span(matrix.between).subspan(i * m, m));
+    });
+    if (reporter.cancelled()) return cancelled_error("tabulate");
+    matrix.masked = std::reduce(masked.begin(), masked.end());
+    matrix.clamped = std::reduce(clamped.begin(), clamped.end());
+    return matrix;
+}
+
+}  // namespace srbf

@@ -1,0 +1,192 @@
+#include "srbf/prepared.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+
+#include "base/floating_point.h"
+#include "models/pm/pm_lanes.h"
+#include "sampling/elevation_nodes.h"
+#include "srbf/directions.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+namespace {
+
+constexpr int k_albedo_points = 1 << 14;
+constexpr std::size_t k_azimuths = 4;
+
+using AlbedoTable = std::array<Rgb, k_albedo_nodes>;
+
+/// w, turned about the normal by quarters of a full turn.
+Vec3f quarter_turns(Vec3f w, std::size_t turns) {
+    for (; turns > 0; --turns) w = {-w.y, w.x, w.z};
+    return w;
+}
+/// The albedo of the view by quadrature, whose points are shared out among four azimuths.
+Rgb integrated(const Evaluate& brdf, const MirrorMixture& mixture, Vec3d view) {
+    Quadrature points = mixture.quadrature(view, k_albedo_points);
+    std::vector<Vec3f> wv(points.w.size());
+    for (std::size_t i = 0; i < wv.size(); ++i) {
+        wv[i] = quarter_turns(to_float(view), i % k_azimuths);
+        points.w[i] = quarter_turns(points.w[i], i % k_azimuths);
+    }
+    std::vector<Rgb> f(wv.size());
+    brdf(points.w, wv, f);
+    std::array<double, 3> sum{};
+    for (std::size_t i = 0; i < f.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            if (std::isfinite(f[i][c]))
+                sum[std::size_t(c)] += points.weight[i] * double(points.w[i].z) * double(f[i][c]);
+    return {float(sum[0]), float(sum[1]), float(sum[2])};
+}
+AlbedoTable albedo_table(const Evaluate& brdf) {
+    const StandardArithmetic mode;
+    constexpr double k_horizon = 1e-7;  // cosθv of the node at it
+    const MirrorMixture mixture(k_pi / 2);
+    AlbedoTable table;
+    for (std::size_t node = 0; node < table.size(); ++node) {
+        // on one thread: another's task might wait for this table
+        const double cosine = std::max(albedo_cosine(int(node)), k_horizon);
+        table[node] = integrated(brdf, mixture, {std::sqrt(1 - cosine * cosine), 0, cosine});
+    }
+    return table;
+}
+
+/// The albedo of a view-by-view model by the integrals of its lobes, which the first call makes.
+struct AlbedoOfViews {
+    explicit AlbedoOfViews(const SuModel& of) : model(of) {}
+    const SuModel& model;
+    std::once_flag has_integrals;
+    std::vector<Rgb> integrals;
+
+    Rgb operator()(Vec3f wv) {
+        std::call_once(has_integrals, [&] { integrals = view_integrals(model); });
+        return between_views(model, integrals, wv);
+    }
+};
+
+}  // namespace
+
+struct PreparedBrdf::Contents {
+    BrdfParts parts;
+    mutable std::once_flag has_albedo = {};
+    mutable AlbedoTable albedo = {};
+
+    explicit Contents(BrdfParts of) : parts(std::move(of)) {}
+};
+
+namespace {
+
+/// A model by its own batch evaluation.
+template <typename M> BrdfParts parts_of(std::shared_ptr<const M> held, PreparedBrdf::Value value) {
+    const M& model = *held;
+    return {std::move(held), value, [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); }, {}};
+}
+template <typename M> PreparedBrdf::Value pair_by_pair() {
+    return [](const void* any, const Vec3f& wl, const Vec3f& wv, float* colour) {
+        const Rgb f = value(*static_cast<const M*>(any), wl, wv);
+        std::memcpy(colour, &f, sizeof f);
+    };
+}
+
+BrdfParts parts_of(const Model& model) {
+    if (const auto* pm = std::get_if<PmModel>(&model.model)) {
+        const auto held = std::make_shared<const PmLanes>(*pm);
+        return parts_of(held, pair_evaluator(*held));
+    }
+    if (const auto* su = std::get_if<SuModel>(&model.model)) {
+        const auto held = std::make_shared<const SuModel>(*su);
+        BrdfParts parts = parts_of(held, pair_by_pair<SuModel>());
+        if (held->discretise == Discretise::view)
+            parts.albedo = [of = std::make_shared<AlbedoOfViews>(*held)](Vec3f wv) { return (*of)(wv); };
+        return parts;
+    }
+    if (const auto* bsdf = std::get_if<BsdfModel>(&model.model))
+        return parts_of(std::make_shared<const BsdfModel>(*bsdf), pair_by_pair<BsdfModel>());
+    if (const auto* pbr = std::get_if<PbrModel>(&model.model))
+        return parts_of(std::make_shared<const PbrModel>(*pbr), pair_by_pair<PbrModel>());
+    return parts_of(std::make_shared<const GgxModel>(std::get<GgxModel>(model.model)), pair_by_pair<GgxModel>());
+}
+
+BrdfParts parts_of(Measured&& measured) {
+    auto held = std::make_shared<const Measured>(std::move(measured));
+    const Measured& m = *held;
+    return {std::move(held), pair_by_pair<Measured>(), evaluator(m), {}};
+}
+
+struct Diffuse {
+    Rgb f;
+};
+Rgb value(const Diffuse& brdf, Vec3f wl, Vec3f wv) { return above_horizon(wl, wv) ? brdf.f : Rgb{}; }
+
+}  // namespace
+
+PreparedBrdf::PreparedBrdf(std::shared_ptr<const Contents> contents)
+    : contents_(std::move(contents)), held_(contents_->parts.held.get()), value_(contents_->parts.value) {}
+
+const Proposal& PreparedBrdf::proposal() const { return contents_->parts.proposal; }
+
+PreparedBrdf prepare(BrdfParts parts) {
+    return PreparedBrdf(std::make_shared<const PreparedBrdf::Contents>(std::move(parts)));
+}
+
+PreparedBrdf prepare(const Model& model, CosineProposal) { return prepare(parts_of(model)); }
+
+PreparedBrdf prepare(const Model& model, const ProposeOptions& options) {
+    BrdfParts parts = parts_of(model);
+    parts.proposal = propose(model, options);
+    if (const auto* mixture = std::get_if<MixtureProposal>(&parts.proposal))
+        parts.proposal = refined(parts.evaluate, MixtureProposal(*mixture), options);
+    if (auto* by_view = std::get_if<ViewProposal>(&parts.proposal))
+        by_view->model = static_cast<const SuModel*>(parts.held.get());
+    return prepare(std::move(parts));
+}
+
+PreparedBrdf prepare(Measured measured, CosineProposal) { return prepare(parts_of(std::move(measured))); }
+
+PreparedBrdf prepare(Measured measured, const ProposeOptions& options) {
+    BrdfParts parts = parts_of(std::move(measured));
+    parts.proposal = refined(parts.evaluate, propose(parts.evaluate, options), options);
+    return prepare(std::move(parts));
+}
+
+PreparedBrdf diffuse(Rgb reflectance) {
+    for (int c = 0; c < 3; ++c) reflectance[c] *= float(1 / k_pi);
+    return prepare(Diffuse{reflectance}, CosineProposal{});
+}
+
+void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    brdf.contents_->parts.evaluate(wl, wv, f);
+}
+
+Evaluate evaluator(PreparedBrdf brdf) {
+    return [brdf = std::move(brdf)](auto wl, auto wv, auto f) { evaluate(brdf, wl, wv, f); };
+}
+
+float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) { return pdf(brdf.proposal(), wl, wv); }
+
+Rgb albedo(const PreparedBrdf& brdf, float cos_v) {
+    if (!(cos_v > 0)) return {};
+    const PreparedBrdf::Contents& contents = *brdf.contents_;
+    if (contents.parts.albedo) {
+        const float cosine = std::min(cos_v, 1.f), sine = std::sqrt(1 - cosine * cosine);
+        Rgb mean;
+        for (std::size_t turns = 0; turns < k_azimuths; ++turns) {
+            const Rgb of_view = contents.parts.albedo(quarter_turns({sine, 0, cosine}, turns));
+            for (int c = 0; c < 3; ++c) mean[c] += of_view[c] / float(k_azimuths);
+        }
+        return mean;
+    }
+    std::call_once(contents.has_albedo, [&] { contents.albedo = albedo_table(contents.parts.evaluate); });
+    const float at = albedo_coordinate(std::min(cos_v, 1.f));
+    const auto below = std::size_t(std::min(int(at), k_albedo_nodes - 2));
+    const Rgb a = contents.albedo[below], b = contents.albedo[below + 1];
+    const float part = at - float(below);
+    Rgb between;
+    for (int c = 0; c < 3; ++c) between[c] = a[c] + part * (b[c] - a[c]);
+    return between;
+}
+
+}  // namespace srbf

@@ -1,0 +1,453 @@
+#include "srbf/sampling.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <initializer_list>
+#include <numeric>
+#include <span>
+
+#include "base/parallel.h"
+#include "sampling/sampling_points.h"
+#include "srbf/elementary.h"
+#include "srbf/kernel.h"
+
+namespace srbf {
+namespace {
+
+using K = Kernel<float>;
+
+constexpr int k_steps = 200;
+constexpr int k_points = 64;            // of each lobe, for each view
+constexpr double k_lowest_view = .001;  // cosθv at which the last node is made, for at 0 nothing is reflected
+constexpr float k_least_weight = 1e-3f;
+/// The share of draws that a node may lose at any of its elevations, and what losing all is made to cost until it does not,
+/// relative to the second moment.
+constexpr double k_most_lost = 0.0075;
+constexpr double k_costs_of_loss[] = {0, 10, 20, 40, 80, 160, 320, 640};
+/// So many of them with a grain, whose variance at 75° the next ones double.
+constexpr std::size_t k_costs_with_grain = 4;
+// Of the second moment, for which there is a grain, and a step of a lobe's shape.
+constexpr double k_least_gain = 0.01, k_least_change = 0.002;
+
+/// Splits u, uniform in [0,1), by shares that sum to 1: the first whose running sum exceeds u, and u uniform again
+/// within it.
+struct Choice {
+    int k;
+    float u;
+};
+template <typename Shares> Choice choose(const Shares& shares, float u) {
+    int last = 0;
+    for (int k = 0; k < int(shares.size()); ++k) {
+        const float share = shares[std::size_t(k)];
+        if (!(share > 0)) continue;
+        if (u < share) return {k, std::min(u / share, 0x1.fffffep-1f)};
+        u -= share;
+        last = k;
+    }
+    return {last, 0x1.fffffep-1f};  // what rounding left over
+}
+
+/// Adds to `points` directions drawn for a view, of which `density` [1/sr] are drawn at each; the albedo (luminance) of
+/// the view.
+double add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std::span<const double> density,
+                  SamplingPoints& points) {
+    std::vector<Rgb> f(wl.size());
+    brdf(wl, std::vector<Vec3f>(wl.size(), wv), f);
+    double albedo = 0;
+    std::vector<double> squared(wl.size());
+    for (std::size_t i = 0; i < wl.size(); ++i) {
+        const double reflected = is_finite(f[i]) ? luminance(f[i]) * double(wl[i].z) : 0;
+        const double solid_angle = density[i] > 0 ? 1 / density[i] : 0;
+        albedo += reflected * solid_angle;
+        squared[i] = reflected * reflected * solid_angle;
+    }
+    for (std::size_t i = 0; i < wl.size(); ++i)
+        if (squared[i] > 0) points.add(wl[i], wv, float(squared[i] / (albedo * albedo)));
+    return albedo;
+}
+
+/// Adds to `wl` a lattice of `count` directions drawn from a lobe by `sample(u1, u2)`, but for those below the horizon.
+template <typename Sample> void add_lattice(int count, const Sample& sample, std::vector<Vec3f>& wl) {
+    for (int i = 0; i < count; ++i) {
+        const double golden = (std::sqrt(5.0) - 1) / 2;
+        const Vec3f w = sample((float(i) + 0.5f) / float(count), float(std::fmod(i * golden, 1.0)));
+        if (w.z > 0) wl.push_back(w);
+    }
+}
+
+/// The weights of least variance over the points, of which lobe 0 (the cosine) keeps `k_least_cosine`; without points
+/// the cosine alone. `lost`: the share of each lobe's draws that is lost.
+std::vector<float> best_weights(const SamplingPoints& points, std::size_t lobes, int steps,
+                                std::span<const double> lost = {}, double cost_of_loss = 0) {
+    std::vector<float> weight(lobes, points.size() ? 1 / float(lobes) : 0);
+    std::vector<double> slope(lobes);
+    for (int step = 0; step < steps && points.size(); ++step) {
+        const double moment = set_slopes(points, weight, slope);
+        for (std::size_t k = 0; k < lost.size(); ++k)
+            slope[k] = std::max(slope[k] - cost_of_loss * lost[k] * moment, 0.0);
+        double sum = 0;
+        for (std::size_t k = 0; k < lobes; ++k) sum += slope[k] = double(weight[k]) * std::sqrt(slope[k]);
+        for (std::size_t k = 0; k < lobes; ++k) weight[k] = float(slope[k] / sum);
+    }
+    float sum = 0;
+    for (std::size_t k = 0; k < lobes; ++k) {
+        if (!(weight[k] > k_least_weight)) weight[k] = 0;
+        if (k == 0) weight[k] = std::max(weight[k], k_least_cosine);
+        sum += weight[k];
+    }
+    for (float& w : weight) w /= sum;
+    return weight;
+}
+
+K::Stretch map_of(const ProposalShape& shape, Vec3f wv) {
+    return K::stretch_along(shape.is_grain() ? Vec3f(shape.cosine, shape.sine, 0) : wv, shape.stretch);
+}
+
+/// Adds to `wl` a lattice of `count` draws of lobe k, so shaped, for a view, but for those that are lost.
+void add_draws(int count, int k, const ProposalShape& shape, Vec3f wv, std::vector<Vec3f>& wl) {
+    const K::Stretch map = map_of(shape, wv);
+    add_lattice(
+        count, [&](float u1, float u2) { return K::sample_proposal_lobe(k, wv, map, shape.power, u1, u2); }, wl);
+}
+
+/// The points of these views, `count` of each lobe of these shapes for each of them; their densities are of the first
+/// shape.
+SamplingPoints points_at(const Evaluate& brdf, std::span<const Vec3f> views, int count,
+                         std::initializer_list<ProposalShape> shapes) {
+    SamplingPoints points;
+    for (const Vec3f wv : views) {
+        std::vector<Vec3f> wl;
+        for (const ProposalShape& shape : shapes)
+            for (int k = 0; k < MixtureProposal::k_lobes; ++k) add_draws(count, k, shape, wv, wl);
+        SamplingPoints drawn;
+        for (const Vec3f& w : wl) drawn.add(w, wv, 1);
+        drawn.pad();
+        std::vector<double> density(wl.size());
+        for (const ProposalShape& shape : shapes) {
+            set_densities(drawn, shape);
+            for (const auto& of_lobe : drawn.density)
+                for (std::size_t i = 0; i < wl.size(); ++i) density[i] += count * double(of_lobe[i]);
+        }
+        add_points(brdf, wv, wl, density, points);
+    }
+    points.pad();
+    set_densities(points, *shapes.begin());
+    return points;
+}
+
+/// The share of each lobe's draws that have no direction, at that elevation of these views where it is largest; so many
+/// views are of one elevation.
+std::vector<double> lost_draws(std::span<const Vec3f> views, std::size_t azimuths, const ProposalShape& shape) {
+    constexpr int count = 256;
+    std::vector<double> lost(MixtureProposal::k_lobes);
+    for (int k = SRBF_FIRST_HALF_VECTOR_LOBE; k < MixtureProposal::k_lobes; ++k)
+        for (std::size_t first = 0; first < views.size(); first += azimuths) {
+            std::vector<Vec3f> wl;
+            for (const Vec3f wv : views.subspan(first, azimuths)) add_draws(count, k, shape, wv, wl);
+            const double share = 1 - double(wl.size()) / (count * double(azimuths));
+            lost[std::size_t(k)] = std::max(lost[std::size_t(k)], share);
+        }
+    return lost;
+}
+
+/// The views at cosθv = z.
+std::vector<Vec3f> views_at(double z, int azimuths) {
+    std::vector<Vec3f> views;
+    for (int i = 0; i < azimuths; ++i)
+        views.push_back(to_float(spherical(elementary::acos(z), 2 * k_pi * i / azimuths)));
+    return views;
+}
+
+/// The views at a node and a third of the way to its neighbours: a table's highlights differ between the views that were
+/// measured.
+std::vector<Vec3f> views_about(std::size_t node, int azimuths) {
+    std::vector<Vec3f> views;
+    for (const double beside : {-1. / 3, 0., 1. / 3}) {
+        const double x = (double(node) + beside) / (MixtureProposal::k_nodes - 1);
+        if (x < 0 || x > 1) continue;
+        const std::vector<Vec3f> some = views_at(std::max((1 - x) * (1 - x), k_lowest_view), azimuths);
+        views.insert(views.end(), some.begin(), some.end());
+    }
+    return views;
+}
+
+/// The second moment of f cosθl / pdf with the best weights, over the square of its mean.
+double least_moment(const SamplingPoints& points) {
+    constexpr int steps = 30;
+    std::vector<double> slope(MixtureProposal::k_lobes);
+    return set_slopes(points, best_weights(points, slope.size(), steps), slope);
+}
+
+/// The shapes that are tried: stretches 0.8^i and powers 0.8^(2 - 2 j), i from -k_most_step and j from 0 to
+/// k_most_step.
+constexpr int k_most_step = 6;
+
+/// The shape whose moment at these views is least among its neighbours, found by descent. Along a grain the stretch
+/// remains.
+ProposalShape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, const ProposalShape& start) {
+    constexpr int count = 12;
+    const auto shape_at = [&](int i, int j) {
+        ProposalShape shape = start;
+        if (!start.is_grain()) shape.stretch = float(elementary::pow(0.8, i));
+        shape.power = float(elementary::pow(0.8, 2 - 2 * j));
+        return shape;
+    };
+    // The same points for all of them, drawn from a wide shape and a narrow one.
+    SamplingPoints points = points_at(brdf, views, count, {shape_at(0, 1), shape_at(4, 3)});
+    std::array<std::array<double, k_most_step + 1>, 2 * k_most_step + 1> known{};
+    const auto moment = [&](int i, int j) {
+        double& value = known[std::size_t(i + k_most_step)][std::size_t(j)];
+        if (value > 0) return value;
+        set_densities(points, shape_at(i, j));
+        return value = least_moment(points);
+    };
+    const int most_i = start.is_grain() ? 0 : k_most_step;
+    int at_i = std::min(1, most_i), at_j = 2;
+    for (bool better = true; better;) {
+        better = false;
+        const int from_i = at_i, from_j = at_j;
+        for (int i = std::max(from_i - 1, -most_i); i <= std::min(from_i + 1, most_i); ++i)
+            for (int j = std::max(from_j - 1, 0); j <= std::min(from_j + 1, k_most_step); ++j)
+                if (moment(i, j) < (1 - k_least_change) * moment(at_i, at_j)) at_i = i, at_j = j, better = true;
+    }
+    return shape_at(at_i, at_j);
+}
+
+/// Sets what there is at a node.
+void make_node(const Evaluate& brdf, std::size_t node, int azimuths, MixtureProposal& proposal) {
+    const std::vector<Vec3f> views = views_about(node, azimuths);
+    ProposalShape shape{proposal.stretch[node], proposal.power[node], proposal.cosine, proposal.sine};
+    // At the normal the plane of incidence is none.
+    if (node > 0) shape = best_shape(brdf, views, shape);
+    const SamplingPoints points = points_at(brdf, views, k_points, {shape});
+    const std::vector<double> lost = lost_draws(views, std::size_t(azimuths), shape);
+    std::vector<float> weight;
+    const std::span costs(k_costs_of_loss);
+    for (const double cost : costs.first(shape.is_grain() ? k_costs_with_grain : costs.size())) {
+        weight = best_weights(points, MixtureProposal::k_lobes, k_steps, lost, cost);
+        if (std::inner_product(lost.begin(), lost.end(), weight.begin(), 0.0) <= k_most_lost) break;
+    }
+    proposal.set_weights(node, std::span<const float, MixtureProposal::k_lobes>(weight));
+    proposal.stretch[node] = shape.stretch, proposal.power[node] = shape.power;
+}
+
+/// Sets the grain, and the stretch along it.
+void find_grain(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
+    constexpr std::size_t azimuths = 12;
+    constexpr int count = 32;
+    const std::vector<Vec3f> views = views_at(std::sqrt(0.5), 8);
+    std::array<ProposalShape, azimuths * k_stretches.size()> tried;
+    std::array<double, tried.size()> moment;
+    parallel_for(tried.size(), threads, [&](std::size_t i) {
+        const double azimuth = k_pi * double(i % azimuths) / azimuths;
+        tried[i] = {k_stretches[i / azimuths], 1, float(elementary::cos(azimuth)), float(elementary::sin(azimuth))};
+        moment[i] = least_moment(points_at(brdf, views, count, {tried[i]}));
+    });
+    const auto best = std::size_t(std::min_element(moment.begin(), moment.end()) - moment.begin());
+    if (!(moment[best] < (1 - k_least_gain) * moment[0])) return;
+    proposal.stretch.fill(tried[best].stretch);
+    proposal.cosine = tried[best].cosine, proposal.sine = tried[best].sine;
+}
+
+}  // namespace
+
+Vec3f sample(const CosineProposal&, Vec3f, Vec2f u, float) { return K::sample_cosine(u.x, u.y); }
+float pdf(const CosineProposal&, Vec3f wl, Vec3f wv) { return above_horizon(wl, wv) ? K::cosine_pdf(wl) : 0; }
+
+void MixtureProposal::set_weights(std::size_t node, std::span<const float, k_lobes> weight) {
+    weight_[node] = {};
+    float sum = 0;
+    for (std::size_t k = 0; k < k_lobes; ++k) {
+        weight_[node][k] = weight[k];
+        running_[node][k] = sum += weight[k];
+    }
+}
+
+MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
+    const StandardArithmetic mode;
+    assert(brdf && options.azimuths >= 1);
+    MixtureProposal proposal;
+    if (options.azimuths > 1) find_grain(brdf, options.threads, proposal);
+    parallel_for(MixtureProposal::k_nodes, options.threads,
+                 [&](std::size_t node) { make_node(brdf, node, options.azimuths, proposal); });
+    return proposal;
+}
+
+namespace {
+
+constexpr int k_view_points = 32;
+// What every view has beside its lobes: the cosine and the mixture.
+constexpr std::size_t k_common = 2;
+
+float folded_pdf(const ViewProposal::Lobe& lobe, Vec3f wl) {
+    return K::vmf_pdf(wl, lobe.centre, lobe.bandwidth) + K::vmf_pdf({wl.x, wl.y, -wl.z}, lobe.centre, lobe.bandwidth);
+}
+
+/// A lobe times cosθ e^{−τ/cosθ} as a lobe about the maximum of both, where the gradient λξ + (1 + τ/cosθ) ẑ/cosθ
+/// points along the direction itself; its bandwidth is that gradient's length, the curvature across the plane of
+/// incidence.
+auto about_maximum(Vec3f centre, float bandwidth, float depth) {
+    constexpr int k_rounds = 20;
+    float cosine = 0.5f;
+    K::GaussianProduct product{};
+    for (int round = 0; round < k_rounds; ++round) {
+        product = K::gaussian_product(centre, bandwidth, {0, 0, 1}, (1 + depth / cosine) / cosine);
+        cosine = std::sqrt(cosine * std::clamp(product.centre.z, 1e-3f, 1.f));
+    }
+    return product;
+}
+
+/// Makes the lobes of sampled view i.
+void propose_view(std::size_t i, ViewProposal& proposal) {
+    const SuModel& model = *proposal.model;
+    const auto J = std::size_t(model.lobes);
+    const auto of_view = std::span(proposal.lobes).subspan(i * J, J);
+    for (std::size_t j = 0; j < J; ++j) {
+        const std::size_t k = i * J + j;
+        const float shape = K::su_shape(model, int(i), int(j));
+        const auto lobe = shape > 0 ? about_maximum(model.centre[k], model.bandwidth[k], shape)
+                                    : K::times_cosine(model.centre[k], model.bandwidth[k]);
+        // Where the two cancel any centre does.
+        of_view[j] = {lobe.bandwidth > 1e-3f ? lobe.centre : Vec3f(0, 0, 1), lobe.bandwidth, 0};
+    }
+    const Vec3f wv = model.direction[i];
+    // Points by the cosine and its square instead of the mixture.
+    std::vector<Vec3f> drawn;
+    for (std::size_t k = 0; k < k_common; ++k)
+        add_lattice(
+            k_view_points, [&](float u1, float u2) { return K::sample_proposal_lobe(int(k), wv, {}, 1, u1, u2); },
+            drawn);
+    for (const ViewProposal::Lobe& lobe : of_view)
+        add_lattice(
+            k_view_points,
+            [&](float u1, float u2) { return K::folded(K::sample_vmf(lobe.centre, lobe.bandwidth, u1, u2)); }, drawn);
+    std::vector<double> density(drawn.size());
+    for (std::size_t m = 0; m < drawn.size(); ++m) {
+        for (std::size_t k = 0; k < k_common; ++k) density[m] += double(K::power_cosine_pdf(drawn[m], float(k + 1)));
+        for (const ViewProposal::Lobe& lobe : of_view) density[m] += double(folded_pdf(lobe, drawn[m]));
+        density[m] *= k_view_points;
+    }
+    const Evaluate brdf = [&](std::span<const Vec3f> wl, std::span<const Vec3f>, std::span<Rgb> f) {
+        for (std::size_t k = 0; k < wl.size(); ++k) {
+            const Vec3f value = K::su_view_value(model, int(i), wl[k]);
+            f[k] = {value.x, value.y, value.z};
+        }
+    };
+    SamplingPoints points;
+    proposal.albedo[i] = float(add_points(brdf, wv, drawn, density, points));
+    points.pad();
+    points.density.resize(k_common + J);
+    for (auto& of_lobe : points.density) of_lobe.resize(points.size());
+    for (std::size_t m = 0; m < points.size(); ++m) {
+        const Vec3f w = points.light(m);
+        points.density[0][m] = K::power_cosine_pdf(w, 1);
+        points.density[1][m] = pdf(proposal.mixture, w, wv);
+        for (std::size_t j = 0; j < J; ++j) points.density[k_common + j][m] = folded_pdf(of_view[j], w);
+    }
+    const std::vector<float> weight = best_weights(points, k_common + J, k_steps);
+    proposal.cosine[i] = weight[0], proposal.whole[i] = weight[1];
+    for (std::size_t j = 0; j < J; ++j) of_view[j].weight = weight[k_common + j];
+}
+
+}  // namespace
+
+ViewProposal propose(const SuModel& model, const ProposeOptions& options) {
+    const StandardArithmetic mode;
+    assert(model.discretise == Discretise::view);
+    const std::size_t views = model.direction.size();
+    ViewProposal proposal{&model,
+                          propose(evaluator(model), options),
+                          std::vector<ViewProposal::Lobe>(model.centre.size()),
+                          std::vector<float>(views),
+                          std::vector<float>(views),
+                          std::vector<float>(views)};
+    parallel_for(views, options.threads, [&](std::size_t i) { propose_view(i, proposal); });
+    return proposal;
+}
+
+namespace {
+
+/// The sampled views that a view direction is interpolated from.
+struct Neighbour {
+    int view = 0;
+    float share = 0;             ///< of the reflected light; they sum to 1
+    float cosine = 1, sine = 0;  ///< of the turn from the view direction's azimuth to the sample's
+};
+constexpr int k_neighbours = std::max(SU_ROTATED_NEIGHBOURS, k_most_neighbours);
+std::array<Neighbour, k_neighbours> neighbours_at(const ViewProposal& proposal, Vec3f wv) {
+    const SuModel& model = *proposal.model;
+    std::array<Neighbour, k_neighbours> all;
+    if (model.interpolation == SuInterpolation::rotated) {
+        for (int k = 0; k < SU_ROTATED_NEIGHBOURS; ++k) {
+            const auto part = K::su_rotated_neighbour(model, wv, k);
+            all[std::size_t(k)] = {part.view, part.weight, part.cosine, part.sine};
+        }
+    } else {
+        const NearestViews nearest = nearest_views(model, wv);
+        for (int k = 0; k < model.neighbours; ++k)
+            all[std::size_t(k)] = {nearest[std::size_t(k)], K::su_plain_weight(model, nearest, wv, model.neighbours, k),
+                                   1, 0};
+    }
+    // What is black is drawn from as well, though it is of no use.
+    float sum = 0;
+    for (Neighbour& n : all) sum += n.share *= std::max(proposal.albedo[std::size_t(n.view)], 1e-6f);
+    for (Neighbour& n : all) n.share /= sum;
+    return all;
+}
+
+}  // namespace
+
+Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector) {
+    const auto neighbours = neighbours_at(proposal, wv);
+    std::array<float, k_neighbours> share;
+    for (std::size_t k = 0; k < share.size(); ++k) share[k] = neighbours[k].share;
+    const Choice of_views = choose(share, selector);
+    const Neighbour& neighbour = neighbours[std::size_t(of_views.k)];
+    const auto view = std::size_t(neighbour.view), J = std::size_t(proposal.model->lobes);
+    std::array<float, k_common + k_most_view_lobes> weights{proposal.cosine[view], proposal.whole[view]};
+    for (std::size_t j = 0; j < J; ++j) weights[k_common + j] = proposal.lobes[view * J + j].weight;
+    const Choice chosen = choose(std::span(weights).first(k_common + J), of_views.u);
+    if (chosen.k == 0) return K::sample_cosine(u.x, u.y);
+    if (chosen.k == 1) return sample(proposal.mixture, wv, u, chosen.u);
+    const ViewProposal::Lobe& lobe = proposal.lobes[view * J + std::size_t(chosen.k) - k_common];
+    return K::folded(
+        K::turned(K::sample_vmf(lobe.centre, lobe.bandwidth, u.x, u.y), neighbour.cosine, -neighbour.sine));
+}
+
+float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv) {
+    if (!above_horizon(wl, wv)) return 0;
+    const auto J = std::size_t(proposal.model->lobes);
+    const float by_cosine = K::cosine_pdf(wl), by_mixture = pdf(proposal.mixture, wl, wv);
+    float sum = 0;
+    for (const Neighbour& neighbour : neighbours_at(proposal, wv)) {
+        if (!(neighbour.share > 0)) continue;
+        const auto view = std::size_t(neighbour.view);
+        const Vec3f turned = K::turned(wl, neighbour.cosine, neighbour.sine);
+        float of_view = proposal.cosine[view] * by_cosine + proposal.whole[view] * by_mixture;
+        for (const ViewProposal::Lobe& lobe : std::span(proposal.lobes).subspan(view * J, J))
+            if (lobe.weight > 0) of_view += lobe.weight * folded_pdf(lobe, turned);
+        sum += neighbour.share * of_view;
+    }
+    return sum;
+}
+
+Vec3f sample(const Proposal& proposal, Vec3f wv, Vec2f u, float selector) {
+    return std::visit([&](const auto& p) { return sample(p, wv, u, selector); }, proposal);
+}
+DirectionSample sample_with_pdf(const Proposal& proposal, Vec3f wv, Vec2f u, float selector) {
+    if (const auto* mixture = std::get_if<MixtureProposal>(&proposal))
+        return sample_with_pdf(*mixture, wv, u, selector);
+    return std::visit([&](const auto& p) { return sample_with_pdf(p, wv, u, selector); }, proposal);
+}
+float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv) {
+    return std::visit([&](const auto& p) { return pdf(p, wl, wv); }, proposal);
+}
+
+Proposal propose(const Model& model, const ProposeOptions& options) {
+    const auto* su = std::get_if<SuModel>(&model.model);
+    if (su && su->discretise == Discretise::view) return propose(*su, options);
+    return propose(evaluator(model), options);
+}
+
+}  // namespace srbf

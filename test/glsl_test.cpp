@@ -1,4 +1,5 @@
 // Compilers accept kernel.glsl and the shaders made of it as GLSL 4.50 and GLSL ES 3.00.
+#include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -113,9 +114,13 @@ const std::array<std::string, 2> k_versions{"#version 450\n",
                                             "#version 300 es\nprecision highp float;\nprecision highp int;\n"};
 
 std::string kernel_text() {
-    const auto bytes = read_file(std::string(SRBF_SOURCE_DIR) + "/include/srbf/kernel.glsl");
-    if (!bytes) return ADD_FAILURE() << message(bytes.error()), "";
-    return {reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+    std::string text;
+    for (const char* part : {"elementary", "gaussian", "vmf", "proposal", "pm", "su", "ggx", "openpbr"}) {
+        const auto bytes = read_file(fmt::format("{}/include/srbf/kernel/{}.glsl", SRBF_SOURCE_DIR, part));
+        if (!bytes) return ADD_FAILURE() << message(bytes.error()), "";
+        text.append(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+    }
+    return text;
 }
 
 /// The messages of glslangValidator about a fragment shader, and whether it accepts it.

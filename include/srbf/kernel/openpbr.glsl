@@ -1,0 +1,349 @@
+// Surfaces of renderers' parameters.
+
+// The product of two colours, and a + t (b - a).
+SRBF_FN Vec3 tinted(Vec3 a, Vec3 b) { return Vec3(a.x * b.x, a.y * b.y, a.z * b.z); }
+SRBF_FN Vec3 blended(Vec3 a, Vec3 b, Real t) { return (Real(1.0) - t) * a + t * b; }
+
+// a + b y + c y^2, and x at least 0 and at most 1.
+SRBF_FN Real quadratic(Real y, Real a, Real b, Real c) { return a + y * (b + y * c); }
+SRBF_FN Real saturated(Real x) { return min(max(x, Real(0.0)), Real(1.0)); }
+
+// The reflectance of an interface for unpolarised light at an angle of cosine c, from the side outside of a medium with
+// relative index of refraction ior >= 1 (Fresnel's equations, in the form of Cook & Torrance 1982), and at c = 1.
+SRBF_FN Real dielectric_reflectance(Real c, Real ior) {
+    Real g = sqrt(max(ior * ior - Real(1.0) + c * c, Real(1.0e-12)));
+    Real across = (g - c) / (g + c);
+    Real turn = (c * (g + c) - Real(1.0)) / (c * (g - c) + Real(1.0));
+    return Real(0.5) * (across * across) * (Real(1.0) + turn * turn);
+}
+SRBF_FN Real normal_reflectance(Real ior) {
+    Real share = (ior - Real(1.0)) / (ior + Real(1.0));
+    return share * share;
+}
+
+// The directional albedo of GGX facets with Schlick's Fresnel term, F0 facing + F90 grazing, at cosine x to the normal
+// and roughness alpha = y: the rational functions that MaterialX 1.38 uses. Their sum errs by less than 0.02 from the
+// integral for x >= 0.5, by less than 0.03 for x >= 0.2, where y >= 0.01.
+struct FacetAlbedo {
+    Real facing;
+    Real grazing;
+};
+SRBF_FN FacetAlbedo facet_albedo(Real x, Real y) {
+    FacetAlbedo albedo_;
+    albedo_.facing = saturated(
+        quadratic(x, quadratic(y, Real(0.1003), Real(9.748), Real(-8.245)),
+                  quadratic(y, Real(-0.6303), Real(-2.038), Real(19.99)),
+                  quadratic(y, Real(29.34), Real(-26.44), Real(-5.448))) /
+        quadratic(x, quadratic(y, Real(1.0), Real(8.263), Real(-7.507)),
+                  quadratic(y, Real(-1.765), Real(11.53), Real(15.86)),
+                  quadratic(y, Real(28.96), Real(-36.11), Real(33.37))));
+    albedo_.grazing = saturated(
+        quadratic(x, quadratic(y, Real(0.9345), Real(2.229), Real(-0.7684)),
+                  quadratic(y, Real(-2.323), Real(-3.748), Real(0.2913)),
+                  quadratic(y, Real(1.424), Real(1.436), Real(0.6286))) /
+        quadratic(x, quadratic(y, Real(1.0), Real(15.94), Real(41.26)),
+                  quadratic(y, Real(0.2281), Real(-55.83), Real(300.2)),
+                  quadratic(y, Real(13.08), Real(54.9), Real(-285.1))));
+    return albedo_;
+}
+// (1 - E) / E, with E the albedo of facets that reflect all. Light that is scattered more than once multiplies a
+// lobe by 1 + F0 (1 - E) / E (Turquin, "Practical multiple scattering compensation for microfacet models", 2019).
+SRBF_FN Real scattered_again(FacetAlbedo albedo_) {
+    Real whole = max(albedo_.facing + albedo_.grazing, Real(0.1));
+    return max(Real(1.0) - whole, Real(0.0)) / whole;
+}
+// The albedo of facets of normal reflectance f0, with what they scatter again.
+SRBF_FN Real lobe_albedo(FacetAlbedo albedo_, Real f0) {
+    return saturated((f0 * albedo_.facing + albedo_.grazing * saturated(Real(50.0) * f0)) *
+                     (Real(1.0) + f0 * scattered_again(albedo_)));
+}
+
+// The energy-preserving Oren-Nayar model, EON (Portsmouth, Kutz & Hill 2025) [1/sr], of roughness r from 0 (Lambert) to
+// 1. White reflects all light; other colours reflect less if they are rough. eon_share is the albedo of white's first
+// scattering, by the paper's polynomial, which errs by 1e-3.
+SRBF_FN Real eon_share(Real cosine, Real r) {
+    Real m = Real(1.0) - cosine;
+    Real g = m * (Real(0.0571085289) + m * (Real(0.491881867) + m * (Real(-0.332181442) + m * Real(0.0714429953))));
+    return (Real(1.0) + r * g) / (Real(1.0) + Real(0.28779341) * r);
+}
+SRBF_FN Real eon_again(Real colour, Real mean) {
+    return colour * colour * mean / (Real(1.0) - colour * (Real(1.0) - mean));
+}
+SRBF_FN Vec3 eon_value(Vec3 colour, Real r, Vec3 wl, Vec3 wv) {
+    Real s = wl.x * wv.x + wl.y * wv.y;
+    Real of_first = Real(1.0) / (Real(1.0) + Real(0.28779341) * r);
+    Real single = of_first * (Real(1.0) + r * select(Real(0.0) < s, s / max(max(wl.z, wv.z), Real(1.0e-6)), s));
+    Real mean = of_first * (Real(1.0) + Real(0.07248821) * r);
+    Real apart = max(Real(1.0) - eon_share(wl.z, r), Real(1.0e-6)) * max(Real(1.0) - eon_share(wv.z, r), Real(1.0e-6)) /
+                 max(Real(1.0) - mean, Real(1.0e-6));
+    Vec3 again = Vec3(eon_again(colour.x, mean), eon_again(colour.y, mean), eon_again(colour.z, mean));
+    return Real(2.0 / SRBF_TWO_PI) * (single * colour + apart * again);
+}
+
+// Fuzz: the volume of fibres of Zeltner, Burley & Chiang ("Practical Multiple-Scattering Sheen Using Linearly
+// Transformed Cosines", 2022), a cosine lobe transformed by ((a, 0, b), (0, a, 0), (0, 0, 1)) in the frame of the
+// viewer's azimuth. Albedo, a and b are the functions of cosine and roughness that MaterialX 1.39 fits to the paper's
+// table.
+SRBF_FN Real fuzz_albedo(Real x, Real y) {
+    Real s = y * (Real(0.0206607) + Real(1.58491) * y) / (Real(0.0379424) + y * (Real(1.32227) + y));
+    Real m = y * (Real(-0.193854) + y * (Real(-1.14885) + y * (Real(1.7932) - Real(0.95943) * y * y))) /
+             (Real(0.046391) + y);
+    Real rest = y * (Real(0.000654023) + (Real(-0.0207818) + Real(0.119681) * y) * y) /
+                (Real(1.26264) + y * (Real(-1.92021) + y));
+    Real at = (x - m) / s;
+    return saturated(exp_of_lobe(Real(-0.5) * at * at) * Real(0.3989422804) / s + rest);
+}
+SRBF_FN Real fuzz_value(Vec3 wl, Vec3 wv, Real y) {
+    Real x = wv.z;
+    Real a = (Real(2.58126) * x + Real(0.813703) * y) * y /
+             (Real(1.0) + Real(0.310327) * x * x + Real(2.60994) * x * y);
+    Real b = sqrt(max(Real(1.0) - x, Real(0.0))) * (y - Real(1.0)) * y * y * y /
+             (Real(0.0000254053) + Real(1.71228) * x - Real(1.71506) * x * y + Real(1.34174) * y * y);
+    Real along = (wl.x * wv.x + wl.y * wv.y) * inversesqrt(max(wv.x * wv.x + wv.y * wv.y, Real(1.0e-12)));
+    Real across2 = max(wl.x * wl.x + wl.y * wl.y - along * along, Real(0.0));
+    Real first = a * along + b * wl.z;
+    Real a2 = max(a * a, Real(1.0e-12));
+    Real squared = max(first * first + a2 * across2 + wl.z * wl.z, Real(1.0e-8));
+    return fuzz_albedo(x, y) * a2 / (squared * squared) * Real(2.0 / SRBF_TWO_PI);
+}
+
+// An opaque surface by parameters of OpenPBR Surface 1.1, whose names they have; see PbrModel for their ranges.
+struct PbrSurface {
+    Vec3 base_color;
+    Real metalness;
+    Real diffuse_roughness;
+    Real specular_weight;
+    Vec3 specular_color;
+    Real specular_roughness;
+    Real specular_ior;
+    Real coat_weight;
+    Vec3 coat_color;
+    Real coat_roughness;
+    Real coat_ior;
+    Real coat_darkening;
+    Real fuzz_weight;
+    Vec3 fuzz_color;
+    Real fuzz_roughness;
+};
+
+// alpha of a roughness r: r^2, at least 1/1024.
+SRBF_FN Real alpha_of(Real roughness) { return max(roughness * roughness, Real(1.0 / 1024.0)); }
+
+// The roughness of what lies under a coat, whose interface spreads the light twice: (r^4 + 2 c^4)^(1/4), at most 1.
+SRBF_FN Real roughened(Real base, Real coat, Real weight) {
+    Real b2 = base * base;
+    Real c2 = coat * coat;
+    Real fourth = min(b2 * b2 + Real(2.0) * (c2 * c2), Real(1.0));
+    return (Real(1.0) - weight) * base + weight * sqrt(sqrt(fourth));
+}
+
+// The Fresnel term of a metal at l . h = c: Schlick's with F0 and F90 = 1, times a tint that is 1 at c = 0 and 1 and
+// the given one at c = 1/7, about 82 degrees ("F82", Kutz et al. 2021).
+SRBF_FN Real metal_reflectance(Real c, Real weight, Real f0, Real tint) {
+    Real schlick = f0 + (Real(1.0) - f0) * weight;
+    Real at_82 = f0 + (Real(1.0) - f0) * Real(0.462664366);
+    Real m = Real(1.0) - c;
+    Real m2 = m * m;
+    return max(schlick - c * (m2 * m2 * m2) * at_82 * (Real(1.0) - tint) * Real(17.651384), Real(0.0));
+}
+
+// A film on the base: weight, thickness [1e-6 m] and index of refraction.
+struct PbrFilm {
+    Real weight;
+    Real thickness;
+    Real ior;
+};
+
+// Facets of the base that are rougher along a tangent than across it: specular_roughness_anisotropy, and the cosine and
+// sine of the tangent's azimuth.
+struct PbrAnisotropy {
+    Real amount;
+    Real cosine;
+    Real sine;
+};
+
+// 1 - cos(x), |x| <= 128 pi: five times the double angle, 1 - cos(2 a) = 2 v (2 - v) with v = 1 - cos(a).
+SRBF_FN Real doubled(Real v) { return Real(2.0) * v * (Real(2.0) - v); }
+SRBF_FN Real one_minus_cos(Real x) {
+    Real s = sin(x * Real(1.0 / 64.0));
+    return doubled(doubled(doubled(doubled(doubled(Real(2.0) * s * s)))));
+}
+// What the eye sees of a spectrum 1 + cos(2 pi path / wavelength + shift), less 1, for R, G, B, where cos(shift) is
+// `turn`: Gaussians fitted to the Fourier transforms of the CIE curves (Belcour & Barla, "A Practical Extension to
+// Microfacet Theory for the Modeling of Varying Iridescence", 2017). path [1e-6 m].
+SRBF_FN Real film_wave(Real path, Real size, Real frequency, Real decay) {
+    return size * (Real(1.0) - one_minus_cos(frequency * path)) * exp_of_lobe(-decay * path * path);
+}
+SRBF_FN Vec3 film_colour(Real path, Vec3 turn) {
+    Real x = turn.x * (film_wave(path, Real(0.84659), Real(10.5620345), Real(0.170854696)) +
+                       film_wave(path, Real(0.153868307), Real(14.0737068), Real(0.178766171)));
+    Real y = turn.y * film_wave(path, Real(1.00022189), Real(11.2802026), Real(0.367330884));
+    Real z = turn.z * film_wave(path, Real(1.00112249), Real(13.8757864), Real(0.261035245));
+    return Vec3(Real(3.2404542) * x - Real(1.5371385) * y - Real(0.4985314) * z,
+                Real(1.8760108) * y - Real(0.9692660) * x + Real(0.0415560) * z,
+                Real(0.0556434) * x - Real(0.2040259) * y + Real(1.0572252) * z);
+}
+
+// The reflectance of a film on a base of reflectance f0 at an angle of cosine c: what the two interfaces reflect, with
+// Schlick's Fresnel terms, and two orders of their interference, as KHR_materials_iridescence of glTF has it.
+struct FilmBase {
+    Real reflectance;  // of the base within the film
+    Real turn;         // -1 if its wave keeps its sign
+};
+SRBF_FN FilmBase film_base(Real f0, Real ior, Real schlick) {
+    Real root = sqrt(min(f0, Real(0.9999)));
+    Real below = (Real(1.0) + root) / (Real(1.0) - root);
+    Real share = (below - ior) / (below + ior);
+    FilmBase base;
+    base.reflectance = share * share + (Real(1.0) - share * share) * schlick;
+    base.turn = select(below < ior, Real(1.0), Real(-1.0));
+    return base;
+}
+SRBF_FN Real film_order(FilmBase base, Real above, Real first, Real second) {
+    Real both = min(max(above * base.reflectance, Real(1.0e-5)), Real(0.9999));
+    Real through = Real(1.0) - above;
+    Real again = through * through * base.reflectance / (Real(1.0) - both);
+    return max(above + again + Real(2.0) * (again - through) * (sqrt(both) * first + both * second), Real(0.0));
+}
+SRBF_FN Real fifth_power(Real x) { return (x * x) * (x * x) * x; }
+SRBF_FN Vec3 film_reflectance(PbrFilm film, Vec3 f0, Real c) {
+    Real within = sqrt(max(Real(1.0) - (Real(1.0) - c * c) / (film.ior * film.ior), Real(0.0)));
+    Real normal = normal_reflectance(film.ior);
+    Real above = normal + (Real(1.0) - normal) * fifth_power(Real(1.0) - c);
+    Real schlick = fifth_power(Real(1.0) - within);
+    FilmBase r = film_base(f0.x, film.ior, schlick);
+    FilmBase g = film_base(f0.y, film.ior, schlick);
+    FilmBase b = film_base(f0.z, film.ior, schlick);
+    Real path = Real(2.0) * film.ior * film.thickness * within;
+    Vec3 first = film_colour(path, Vec3(r.turn, g.turn, b.turn));
+    Vec3 second = film_colour(Real(2.0) * path, Vec3(Real(1.0), Real(1.0), Real(1.0)));
+    return Vec3(film_order(r, above, first.x, second.x), film_order(g, above, first.y, second.y),
+                film_order(b, above, first.z, second.z));
+}
+
+// The base under a coat: its index of refraction is relative to the coat's. The specular weight scales F0 of the
+// dielectric, whose index is that of the scaled one.
+struct PbrBase {
+    Real f0;
+    Real ior;
+    Real alpha;
+};
+SRBF_FN PbrBase pbr_base(PbrSurface of) {
+    Real coat_ior = Real(1.0) + of.coat_weight * (of.coat_ior - Real(1.0));
+    Real ratio = of.specular_ior / coat_ior;
+    PbrBase base;
+    base.f0 = min(of.specular_weight * normal_reflectance(max(max(ratio, Real(1.0) / ratio), Real(1.0))), Real(0.98));
+    Real root = sqrt(base.f0);
+    base.ior = (Real(1.0) + root) / (Real(1.0) - root);
+    base.alpha = alpha_of(roughened(of.specular_roughness, of.coat_roughness, of.coat_weight));
+    return base;
+}
+SRBF_FN Real half_cosine(Vec3 wl, Vec3 wv) {
+    Vec3 sum = wl + wv;
+    return min(Real(0.5) * sqrt(dot(sum, sum)), Real(1.0));
+}
+
+// The reflectances of the base's facets, for R, G, B: of the dielectric and of the metal, at l . h, and F0 of both.
+struct PbrFacets {
+    Vec3 dielectric;
+    Vec3 metal;
+    Vec3 dielectric_f0;
+    Vec3 metal_f0;
+};
+SRBF_FN PbrFacets pbr_facets(PbrSurface of, PbrBase base, Vec3 wl, Vec3 wv) {
+    Real c = half_cosine(wl, wv);
+    Real schlick = schlick_weight(wl, wv);
+    Real plain = dielectric_reflectance(c, base.ior);
+    Vec3 f0 = of.base_color;
+    PbrFacets facets;
+    facets.dielectric = Vec3(plain, plain, plain);
+    facets.metal = Vec3(metal_reflectance(c, schlick, f0.x, of.specular_color.x),
+                        metal_reflectance(c, schlick, f0.y, of.specular_color.y),
+                        metal_reflectance(c, schlick, f0.z, of.specular_color.z));
+    facets.dielectric_f0 = Vec3(base.f0, base.f0, base.f0);
+    facets.metal_f0 = f0;
+    return facets;
+}
+// The same under a film, which covers its weight of the surface.
+SRBF_FN PbrFacets pbr_film_facets(PbrSurface of, PbrFilm film, PbrBase base, Vec3 wl, Vec3 wv) {
+    PbrFacets facets = pbr_facets(of, base, wl, wv);
+    Real c = half_cosine(wl, wv);
+    facets.dielectric = blended(facets.dielectric, film_reflectance(film, facets.dielectric_f0, c), film.weight);
+    facets.metal = blended(facets.metal, film_reflectance(film, facets.metal_f0, c), film.weight);
+    Vec3 f0 = facets.dielectric_f0;
+    facets.dielectric_f0 = blended(f0, film_reflectance(film, f0, Real(1.0)), film.weight);
+    f0 = facets.metal_f0;
+    facets.metal_f0 = blended(f0, film_reflectance(film, f0, Real(1.0)), film.weight);
+    return facets;
+}
+
+// The base: a dielectric over EON, blended with a metal by metalness [1/sr]. What the dielectric reflects towards the
+// viewer is taken from the diffuse part (albedo scaling): a factor 1 - E(wv).
+SRBF_FN Vec3 scattered_again_by(Vec3 f0, Real again) {
+    return Vec3(Real(1.0) + f0.x * again, Real(1.0) + f0.y * again, Real(1.0) + f0.z * again);
+}
+SRBF_FN Vec3 pbr_base_value(PbrSurface of, PbrBase base, PbrFacets facets, Real density, Vec3 wl, Vec3 wv) {
+    FacetAlbedo whole = facet_albedo(wv.z, base.alpha);
+    Real again = scattered_again(whole);
+    Vec3 f0 = facets.dielectric_f0;
+    Vec3 dielectric = density * tinted(facets.dielectric, scattered_again_by(f0, again));
+    Vec3 through = Vec3(Real(1.0) - lobe_albedo(whole, f0.x), Real(1.0) - lobe_albedo(whole, f0.y),
+                        Real(1.0) - lobe_albedo(whole, f0.z));
+    Vec3 glossy = tinted(dielectric, of.specular_color) +
+                  tinted(through, eon_value(of.base_color, of.diffuse_roughness, wl, wv));
+    Vec3 metal = (of.specular_weight * density) * tinted(facets.metal, scattered_again_by(facets.metal_f0, again));
+    return blended(glossy, metal, of.metalness);
+}
+
+// What a coat leaves of light that is reflected between it and a base of this colour, relative to a base without it:
+// (1 - K) / (1 - colour K), with K what the coat reflects back down of diffuse light, 1 - (1 - F0) / ior^2.
+SRBF_FN Real darkened(Real colour, Real k, Real strength) {
+    return Real(1.0) - strength + strength * (Real(1.0) - k) / (Real(1.0) - colour * k);
+}
+
+// rho(wl, wv) of the surface [1/sr], for R, G, B: fuzz over a coat over the base. Each layer takes its directional
+// albedo at the viewer, E(wv), from what lies below, so that light and viewer may not be exchanged. The coat's
+// colour is what passes it twice, at any angle.
+SRBF_FN Vec3 pbr_layers_value(PbrSurface of, Vec3 base, Vec3 wl, Vec3 wv) {
+    Real c = half_cosine(wl, wv);
+    Real alpha = alpha_of(of.coat_roughness);
+    FacetAlbedo whole = facet_albedo(wv.z, alpha);
+    Real f0 = normal_reflectance(of.coat_ior);
+    Real coat = of.coat_weight * ggx_facets(wl, wv, alpha) * dielectric_reflectance(c, of.coat_ior) *
+                (Real(1.0) + f0 * scattered_again(whole));
+    Real k = Real(1.0) - (Real(1.0) - f0) / (of.coat_ior * of.coat_ior);
+    Real strength = of.coat_weight * of.coat_darkening;
+    Vec3 dark = Vec3(darkened(of.base_color.x, k, strength), darkened(of.base_color.y, k, strength),
+                     darkened(of.base_color.z, k, strength));
+    Vec3 passed = tinted(dark, blended(Vec3(Real(1.0), Real(1.0), Real(1.0)), of.coat_color, of.coat_weight));
+    Real through = Real(1.0) - of.coat_weight * lobe_albedo(whole, f0);
+    Vec3 coated = Vec3(coat, coat, coat) + through * tinted(passed, base);
+
+    Real y = max(of.fuzz_roughness, Real(0.01));
+    Real below = Real(1.0) - of.fuzz_weight * fuzz_albedo(wv.z, y);
+    return below * coated + (of.fuzz_weight * fuzz_value(wl, wv, y)) * of.fuzz_color;
+}
+SRBF_FN Vec3 pbr_value(PbrSurface of, Vec3 wl, Vec3 wv) {
+    PbrBase base = pbr_base(of);
+    Real density = ggx_facets(wl, wv, base.alpha);
+    return pbr_layers_value(of, pbr_base_value(of, base, pbr_facets(of, base, wl, wv), density, wl, wv), wl, wv);
+}
+// The same with a film on the base.
+SRBF_FN Vec3 pbr_film_value(PbrSurface of, PbrFilm film, Vec3 wl, Vec3 wv) {
+    PbrBase base = pbr_base(of);
+    PbrFacets facets = pbr_film_facets(of, film, base, wl, wv);
+    return pbr_layers_value(of, pbr_base_value(of, base, facets, ggx_facets(wl, wv, base.alpha), wl, wv), wl, wv);
+}
+// The same with a film, whose weight may be 0, on facets that are rougher along a tangent than across it. Their albedo
+// is taken for that of the geometric mean of both.
+SRBF_FN Vec3 pbr_anisotropic_value(PbrSurface of, PbrFilm film, PbrAnisotropy facets_of, Vec3 wl, Vec3 wv) {
+    PbrBase base = pbr_base(of);
+    Real share = Real(1.0) - facets_of.amount;
+    Real along = base.alpha * sqrt(Real(2.0) / (Real(1.0) + share * share));
+    Real across = max(share * along, Real(1.0 / 1024.0));
+    Real density = ggx_stretched_facets(turned(wl, facets_of.cosine, -facets_of.sine),
+                                        turned(wv, facets_of.cosine, -facets_of.sine), along, across);
+    base.alpha = sqrt(along * across);
+    PbrFacets facets = pbr_film_facets(of, film, base, wl, wv);
+    return pbr_layers_value(of, pbr_base_value(of, base, facets, density, wl, wv), wl, wv);
+}

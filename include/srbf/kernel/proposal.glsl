@@ -1,0 +1,209 @@
+// Sampling of the light.
+
+// The density max(z, 0) / pi [1/sr], and a direction sampled from it with u1, u2 uniform in [0,1).
+SRBF_FN Real cosine_pdf(Vec3 wl) { return max(wl.z, Real(0.0)) * Real(2.0 / SRBF_TWO_PI); }
+SRBF_FN Vec3 sample_cosine(Real u1, Real u2) {
+    Real radius = sqrt(u1);
+    Real phi = Real(SRBF_TWO_PI) * u2;
+    return Vec3(radius * cos(phi), radius * sin(phi), sqrt(max(Real(1.0) - u1, Real(0.0))));
+}
+
+// The densities max(z, 0) / pi and 3 max(z, 0)^2 / (2 pi) [1/sr] as one, of power 1 and 2, and a direction sampled from
+// it: z = u1^width with width = 1 / (power + 1).
+SRBF_FN Real power_cosine_pdf(Vec3 wl, Real power) {
+    Real z = max(wl.z, Real(0.0));
+    return (power + Real(1.0)) * Real(1.0 / SRBF_TWO_PI) * z * select(Real(1.0) < power, z, Real(1.0));
+}
+SRBF_FN Real below_power_cosine(Real width, Real u1) {
+    return min(exp(sample_below(width, Real(0.0), u1)), Real(1.0)) - Real(1.0);
+}
+
+// A map that multiplies the component of directions along a tangent of the surface, the unit vector t along (x, y):
+// M = I + (stretch - 1) t t^T. (more, less) are (stretch - 1, 1 / stretch - 1) over x^2 + y^2, and shrink is
+// 1 / stretch. With (x, y) = (0, 0) nothing is mapped.
+struct Stretch {
+    Real x;
+    Real y;
+    Real more;
+    Real less;
+    Real shrink;
+};
+SRBF_FN Stretch stretch_along(Vec3 tangent, Real stretch) {
+    Stretch map;
+    map.x = tangent.x;
+    map.y = tangent.y;
+    Real reciprocal = Real(1.0) / max(tangent.x * tangent.x + tangent.y * tangent.y, Real(1.0e-20));
+    map.shrink = Real(1.0) / stretch;
+    map.more = (stretch - Real(1.0)) * reciprocal;
+    map.less = (map.shrink - Real(1.0)) * reciprocal;
+    return map;
+}
+SRBF_FN Vec3 grown_along(Vec3 w, Real x, Real y, Real gain) {
+    Real along = gain * (w.x * x + w.y * y);
+    return Vec3(w.x + along * x, w.y + along * y, w.z);
+}
+SRBF_FN Vec3 stretched(Vec3 w, Stretch map) { return grown_along(w, map.x, map.y, map.more); }
+
+// A lobe G(g . z | lambda) of directions g, which a map M takes to half vectors h along M g, weighted by a power of the
+// visibility of these: G(g . z | lambda) (M g . wv)^power. With viewer = M wv, M g . wv is g . viewer. With its
+// logarithm linearised about the normal this is again a lobe, along lambda z + pull viewer with
+// pull = power / (n . wv). For a view direction close to the horizon its centre is not beyond halfway between the
+// normal and the viewer.
+SRBF_FN Real pull_of_visibility(Vec3 wv, Real power) { return power / max(wv.z, Real(1.0e-6)); }
+SRBF_FN GaussianProduct visible_lobe(Vec3 viewer, Real shrink, Real bandwidth, Real pull) {
+    return gaussian_product(Vec3(Real(0.0), Real(0.0), Real(1.0)), bandwidth, viewer, min(pull, shrink * bandwidth));
+}
+
+// For half vectors h from a lobe that is stretched: the direction g = M^-1 h / |M^-1 h| before, and the factor that
+// converts the lobe's density there to the density of wl: 1 / (stretch |M^-1 h|^3) / (4 h . wl), where 2 h . wl =
+// |wl + wv|. Where wl = -wv there is no half vector, and the factor is 0.
+struct HalfVector {
+    Vec3 direction;
+    Real factor;
+};
+SRBF_FN HalfVector half_vector(Vec3 wl, Vec3 wv, Stretch map) {
+    Vec3 sum = wl + wv;
+    Real squared = dot(sum, sum);
+    Vec3 back = grown_along(sum, map.x, map.y, map.less);
+    Real reciprocal = inversesqrt(max(dot(back, back), Real(1.0e-20)));
+    HalfVector h;
+    h.direction = reciprocal * back;
+    Real exists = select(Real(1.0e-12) < squared, Real(0.5), Real(0.0)) * map.shrink;
+    h.factor = (exists * squared) * (reciprocal * reciprocal * reciprocal);
+    return h;
+}
+
+// The density of wl = 2 (h . wv) h - wv [1/sr], with h from the stretched lobe, as visible from wv.
+SRBF_FN Real half_vector_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Stretch map, Real power) {
+    HalfVector at = half_vector(wl, wv, map);
+    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.shrink, bandwidth, pull_of_visibility(wv, power));
+    return vmf_pdf(at.direction, lobe.centre, lobe.bandwidth) * at.factor;
+}
+
+// The light direction wl with its half vector along h, of any length. Where h . wv <= 0 there is none; the result is
+// then the zero vector.
+SRBF_FN Vec3 light_of(Vec3 h, Vec3 wv) {
+    Real along = dot(h, wv);
+    Real twice = Real(2.0) * along / max(dot(h, h), Real(1.0e-20));
+    return select(Real(0.0) < along, Real(1.0), Real(0.0)) * (twice * h - wv);
+}
+
+// Samples half_vector_pdf. The result is the zero vector where there is no direction.
+SRBF_FN Vec3 sample_half_vector(Vec3 wv, Real bandwidth, Stretch map, Real power, Real u1, Real u2) {
+    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.shrink, bandwidth, pull_of_visibility(wv, power));
+    return light_of(stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), map), wv);
+}
+
+// Components of a mixture that covers any reflective BRDF. Of directions to the light, 0: the cosine; 1: its square; 2
+// to 7: lobes about the mirror direction, lambda = 4, 16, 64, 256 and, for highlights narrower than any of half
+// vectors, 8 4^6 and 8 4^7. Of half vectors, 8 to 14: lobes with lambda = 8, 32, .. 8 4^6, stretched and weighted by a
+// power of their visibility; 15: such a lobe of lambda = 128, not weighted. Directions of these lobes below the horizon
+// are reflected to above it, so that no sample is lost.
+#define SRBF_PROPOSAL_LOBES 16
+#define SRBF_FIRST_HALF_VECTOR_LOBE 8
+SRBF_FN Real proposal_bandwidth(int k) {
+    int power = k < 6 ? k - 1 : k < 8 ? k : k - 8;
+    Real bandwidth = k < 6 ? Real(1.0) : Real(8.0);
+    for (int i = 0; i < power; ++i) bandwidth = Real(4.0) * bandwidth;
+    if (k == 15) bandwidth = Real(128.0);
+    return bandwidth;
+}
+SRBF_FN Real proposal_pull(int k, Real pull) { return k == 15 ? Real(0.0) : pull; }
+// Common subexpressions of the components' densities at (wl, wv): wl above the horizon and reflected at it, with their
+// half vectors.
+struct ProposalPoint {
+    Vec3 wl;
+    Vec3 mirrored;
+    Vec3 specular;
+    Vec3 viewer;
+    Real shrink;
+    Real pull;
+    HalfVector above;
+    HalfVector below;
+};
+SRBF_FN ProposalPoint proposal_point(Vec3 wl, Vec3 wv, Stretch map, Real power) {
+    ProposalPoint at;
+    at.wl = wl;
+    at.mirrored = Vec3(wl.x, wl.y, -wl.z);
+    at.specular = Vec3(-wv.x, -wv.y, wv.z);
+    at.viewer = stretched(wv, map);
+    at.shrink = map.shrink;
+    at.pull = pull_of_visibility(wv, power);
+    at.above = half_vector(wl, wv, map);
+    at.below = half_vector(at.mirrored, wv, map);
+    return at;
+}
+// A component that is a lobe: its density is scale G, width is 1 / lambda and rest e^(-2 lambda).
+struct ProposalLobe {
+    Vec3 centre;
+    Real bandwidth;
+    Real width;
+    Real scale;
+    Real rest;
+};
+SRBF_FN ProposalLobe mirror_lobe(Vec3 specular, Real bandwidth) {
+    ProposalLobe lobe;
+    lobe.centre = specular;
+    lobe.bandwidth = bandwidth;
+    lobe.width = Real(1.0) / bandwidth;
+    lobe.scale = Real(1.0) / gaussian_integral(bandwidth);
+    lobe.rest = exp_of_lobe(Real(-2.0) * bandwidth);
+    return lobe;
+}
+// A lobe as visible from the viewer is at least as narrow as the lobe itself. With lambda >= 8, e^(-2 lambda) is at
+// most 1.2e-7 and is replaced by 0.
+SRBF_FN ProposalLobe half_vector_lobe(Vec3 viewer, Real shrink, Real bandwidth, Real pull) {
+    GaussianProduct product = visible_lobe(viewer, shrink, bandwidth, pull);
+    ProposalLobe lobe;
+    lobe.centre = product.centre;
+    lobe.bandwidth = product.bandwidth;
+    lobe.width = product.width;
+    lobe.scale = product.bandwidth * Real(1.0 / SRBF_TWO_PI);
+    lobe.rest = Real(0.0);
+    return lobe;
+}
+// Its density [1/sr] for a direction sampled at `above`, or at `below` and then reflected.
+SRBF_FN Real folded_pdf(ProposalLobe lobe, HalfVector above, HalfVector below) {
+    return lobe.scale * (gaussian(above.direction, lobe.centre, lobe.bandwidth) * above.factor +
+                         gaussian(below.direction, lobe.centre, lobe.bandwidth) * below.factor);
+}
+// For a component that samples the direction itself instead of a half vector.
+SRBF_FN HalfVector itself(Vec3 direction) {
+    HalfVector at;
+    at.direction = direction;
+    at.factor = Real(1.0);
+    return at;
+}
+// The density of component k [1/sr]; wl is above the horizon.
+SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint at) {
+    Real bandwidth = proposal_bandwidth(k);
+    if (k >= SRBF_FIRST_HALF_VECTOR_LOBE)
+        return folded_pdf(half_vector_lobe(at.viewer, at.shrink, bandwidth, proposal_pull(k, at.pull)), at.above,
+                          at.below);
+    if (k > 1) return folded_pdf(mirror_lobe(at.specular, bandwidth), itself(at.wl), itself(at.mirrored));
+    return power_cosine_pdf(at.wl, k == 0 ? Real(1.0) : Real(2.0));
+}
+// Samples component k from u1, u2 uniform in [0,1). z = 0 where there is no direction.
+SRBF_FN Vec3 folded(Vec3 wl) { return Vec3(wl.x, wl.y, max(wl.z, -wl.z)); }
+SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Stretch map, Real power, Real u1, Real u2) {
+    Real below = below_power_cosine(k == 0 ? Real(0.5) : Real(1.0 / 3.0), u1);
+    Vec3 wl = off_centre(Vec3(Real(0.0), Real(0.0), Real(1.0)), below, u2);
+    if (k >= SRBF_FIRST_HALF_VECTOR_LOBE) {
+        Real pull = proposal_pull(k, pull_of_visibility(wv, power));
+        ProposalLobe lobe = half_vector_lobe(stretched(wv, map), map.shrink, proposal_bandwidth(k), pull);
+        wl = light_of(stretched(sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2), map), wv);
+    } else if (k > 1) {
+        ProposalLobe lobe = mirror_lobe(Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k));
+        wl = sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2);
+    }
+    return folded(wl);
+}
+
+// A lobe of the light times the cosine to the normal, approximated as 1.17 G(wl . z | 2.133) with an error of up to .06
+// (Wang et al. 2009): the contribution of a view's lobe to reflected light, and the distribution to sample the light
+// from.
+SRBF_FN GaussianProduct times_cosine(Vec3 centre, Real bandwidth) {
+    GaussianProduct product = gaussian_product(centre, bandwidth, Vec3(Real(0.0), Real(0.0), Real(1.0)), Real(2.133));
+    product.scale = Real(1.17) * product.scale;
+    return product;
+}

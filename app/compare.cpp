@@ -6,7 +6,7 @@
 #include "app/output.h"
 #include "app/read_options.h"
 #include "srbf/directions.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 #include "srbf/printable.h"
 
 namespace srbf {

@@ -10,7 +10,7 @@
 #include "app/output.h"
 #include "app/read_options.h"
 #include "srbf/file.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 
 namespace srbf {
 namespace {

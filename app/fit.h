@@ -8,7 +8,7 @@
 #include "render/image.h"
 #include "srbf/basis.h"
 #include "srbf/fit_bsdf.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 
 namespace srbf {
 

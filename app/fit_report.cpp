@@ -7,7 +7,7 @@
 #include "app/fit.h"
 #include "app/hash.h"
 #include "srbf/directions.h"
-#include "srbf/fit_samples.h"
+#include "srbf/metrics.h"
 #include "srbf/peak.h"
 #include "srbf/printable.h"
 

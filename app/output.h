@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "app/load.h"
-#include "srbf/fit.h"
+#include "srbf/objective.h"
 #include "srbf/metrics.h"
 
 namespace srbf {

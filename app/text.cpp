@@ -6,7 +6,7 @@
 #include <span>
 
 #include "app/rows.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 #include "srbf/printable.h"
 
 namespace srbf {

@@ -9,7 +9,7 @@
 
 #include "one_target.h"
 #include "srbf/directions.h"
-#include "srbf/ggx.h"
+#include "srbf/models/ggx.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
 #include "srbf/prepared.h"

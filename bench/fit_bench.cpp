@@ -9,7 +9,8 @@
 #include <string>
 
 #include "base/floating_point.h"
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
+#include "models/su/fit_su.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 

@@ -10,7 +10,7 @@
 #include <ctime>
 #include <filesystem>
 
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
 #include "render/path.h"
 #include "srbf/measured.h"
 

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 

@@ -6,7 +6,8 @@
 
 #include <ctime>
 
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
+#include "models/su/fit_su.h"
 #include "one_target.h"
 #include "render/path.h"
 #include "srbf/convert.h"

@@ -22,7 +22,8 @@
 #include <thread>
 #include <vector>
 
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
+#include "models/su/fit_su.h"
 #include "render/frames.h"
 #include "srbf/metrics.h"
 

@@ -13,7 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
+#include "models/su/fit_su.h"
 #include "srbf/directions.h"
 #include "srbf/load.h"
 #include "srbf/measured.h"

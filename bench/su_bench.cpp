@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "models/lobe_fits.h"
+#include "models/su/fit_su.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"

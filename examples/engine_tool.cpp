@@ -6,7 +6,7 @@
 #include <string>
 
 #include "srbf/file.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 #include "srbf/shader.h"
 
 namespace {

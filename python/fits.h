@@ -11,7 +11,7 @@
 #include "srbf/directions.h"
 #include "srbf/fit_batch.h"
 #include "srbf/fit_bsdf.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 
 namespace srbf {
 

@@ -8,7 +8,7 @@
 #include "models.h"
 #include "properties.h"
 #include "srbf/directions.h"
-#include "srbf/pbr.h"
+#include "srbf/models/openpbr.h"
 
 namespace srbf::extended_light_test {
 namespace {

@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "observe/observe_samples.h"
 #include "program.h"
 #include "properties.h"
+#include "samples/completed_samples.h"
+#include "samples/fit_pm_to_samples.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
-#include "srbf/fit_samples.h"
 #include "srbf/load.h"
 #include "srbf/npy.h"
 

@@ -1,15 +1,15 @@
 // Fits to scattered samples: folds, spacing, errors away from the samples.
-#include "srbf/fit_samples.h"
+#include "samples/completed_samples.h"
 
 #include <functional>
 #include <set>
 
-#include "observe/folds.h"
-#include "observe/near_samples.h"
-#include "observe/observe_samples.h"
 #include "properties.h"
+#include "samples/fit_pm_to_samples.h"
+#include "samples/folds.h"
+#include "samples/near_samples.h"
 #include "srbf/directions.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 
 namespace srbf::fit_samples_test {
 namespace {

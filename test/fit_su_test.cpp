@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 
-#include "models/lobe_fits.h"
+#include "models/su/fit_su.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"

@@ -1,5 +1,5 @@
 // The fit: recovery of synthetic input, documented properties, errors.
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
 
 #include <map>
 

@@ -1,5 +1,5 @@
 // Fits with measured errors in one call: results, cancellation, errors.
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 
 #include <algorithm>
 #include <set>

@@ -1,5 +1,5 @@
 // Lambert and GGX: the formula, its file, its fit.
-#include "models/facet_fits.h"
+#include "models/ggx/fit_ggx.h"
 #include "properties.h"
 #include "srbf/directions.h"
 #include "srbf/metrics.h"

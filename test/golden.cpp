@@ -21,7 +21,7 @@
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"
 #include "srbf/fit_bsdf.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 #include "srbf/kernel.h"
 #include "srbf/model.h"
 

@@ -1,6 +1,6 @@
 // Anisotropic data: detection, and fits with general lobes.
 #include "measured/isotropy.h"
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
 #include "properties.h"
 #include "srbf/directions.h"
 #include "srbf/kernel.h"

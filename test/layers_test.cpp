@@ -1,8 +1,11 @@
-// Include dependencies: a file includes only files of lower levels, or of its own name.
+// Include dependencies: the sources of a folder include public headers, their own folder and folders of lower levels.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <map>
 #include <regex>
 #include <string>
 #include <vector>
@@ -13,46 +16,30 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path k_root = SRBF_SOURCE_DIR;
 
-// Folders and public headers in increasing level, by prefixes of their paths; a file may include its own level and those before
-// it.
-const std::vector<std::vector<std::string>> k_groups{
-    {"include/srbf/kernel", "src/base/", "include/srbf/elementary", "include/srbf/vec", "include/srbf/half",
-     "include/srbf/printable", "include/srbf/result", "include/srbf/progress", "include/srbf/file", "include/srbf/npy",
-     "include/srbf/text"},
-    {"src/brdf/", "include/srbf/colour", "include/srbf/directions", "include/srbf/brdf", "include/srbf/bsdf"},
-    {"src/errors/", "include/srbf/picture", "include/srbf/likeness", "include/srbf/metrics"},
-    {"src/measured/", "include/srbf/measured", "include/srbf/convert", "include/srbf/peak"},
-    {"src/observe/", "src/models/", "include/srbf/su", "include/srbf/ggx", "include/srbf/pbr", "include/srbf/model",
-     "include/srbf/exponent_terms", "include/srbf/library", "include/srbf/fit.h", "include/srbf/fit_samples"},
-    {"src/sampling/", "include/srbf/sampling"},
-    {"src/prepared/", "include/srbf/prepared", "include/srbf/load"},
-    {"extras/environment/", "include/srbf/extended_light"},
-    {"src/code/", "include/srbf/shader", "include/srbf/shading_code"},
-    {"render/shading"},
-    {"render/image", "render/tone", "render/mesh", "render/exr", "render/environment", "render/filtered_environment",
-     "render/map_layers", "render/studio"},
-    {"render/scene", "render/rays"},
-    {"render/path", "render/room"},
-    {"render/preview"},
-    {"render/pixel", "render/surface", "render/whole", "render/develop"},
-    {"render/offscreen", "render/gl_object"},
-    {"render/raster"},
-    {"render/frames"},
-    {"render/html", "render/drawing"},
-    {"render/slices", "render/chart", "render/material"},
-    {"render/page"},
-    {"src/fit/", "include/srbf/fit", "include/srbf/choose"},
-    {"extras/maps/", "include/srbf/basis"},
-    {"app/"},
+// Folders in increasing level. A folder may include its own files and those of lower levels, and no other of its level.
+const std::vector<std::vector<std::string>> k_levels{
+    {"src/base"},
+    {"src/brdf"},
+    {"src/errors", "src/measured", "src/sampling"},
+    {"src/measured/formats", "src/observe", "src/models/bsdf", "src/models/pm"},
+    {"src/models/ggx", "src/models/openpbr", "src/models/pm/solve"},
+    {"src/models/pm/search", "src/models/su"},
+    {"src/samples"},
+    {"src/models"},
+    {"src/prepared", "src/fit"},
+    {"src/code", "extras/maps", "extras/environment"},
+    {"render"},
+    {"app"},
+    {"app/view", "app/report"},
 };
 
-/// The first group that matches; −1: none.
-int place_of(const fs::path& path) {
-    for (std::size_t place = 0; place < k_groups.size(); ++place)
-        for (const std::string& beginning : k_groups[place])
-            if (path.string().starts_with(beginning)) return int(place);
+/// The level of a file's folder; −1: none.
+int level_of(const fs::path& path) {
+    for (std::size_t level = 0; level < k_levels.size(); ++level)
+        if (std::ranges::find(k_levels[level], path.parent_path().string()) != k_levels[level].end()) return int(level);
     return -1;
 }
+bool is_public(const fs::path& path) { return path.string().starts_with("include/"); }
 
 struct Source {
     fs::path path;                    // relative to the project's root
@@ -86,16 +73,36 @@ std::vector<Source> sources() {
 
 bool is_of(const fs::path& path, const char* noun) { return path.string().find(noun) != std::string::npos; }
 
-TEST(Layers, EveryFileHasAPlace) {
+TEST(Layers, EveryFolderHasALevel) {
     const auto all = sources();
     ASSERT_GT(all.size(), 30u);
-    for (const Source& source : all) EXPECT_GE(place_of(source.path), 0) << source.path;
+    for (const Source& source : all) EXPECT_TRUE(is_public(source.path) || level_of(source.path) >= 0) << source.path;
 }
 
-TEST(Layers, OnlyEarlierOnesAreIncluded) {
+TEST(Layers, OnlyLowerFoldersAreIncluded) {
     for (const Source& source : sources())
-        for (const fs::path& included : source.included)
-            EXPECT_LE(place_of(included), place_of(source.path)) << source.path << " includes " << included;
+        for (const fs::path& included : source.included) {
+            if (is_public(source.path)) EXPECT_TRUE(is_public(included)) << source.path << " includes " << included;
+            if (is_public(included) || included.parent_path() == source.path.parent_path()) continue;
+            EXPECT_LT(level_of(included), level_of(source.path)) << source.path << " includes " << included;
+        }
+}
+
+TEST(Layers, NoFilesIncludeEachOther) {
+    std::map<fs::path, std::vector<fs::path>> included;
+    for (Source& source : sources()) included[source.path] = std::move(source.included);
+    std::map<fs::path, bool> is_done;  // false: on the path that is followed
+    const std::function<void(const fs::path&)> follow = [&](const fs::path& from) {
+        is_done[from] = false;
+        for (const fs::path& to : included[from])
+            if (const auto known = is_done.find(to); known == is_done.end())
+                follow(to);
+            else
+                EXPECT_TRUE(known->second) << from << " includes " << to << ", which includes it";
+        is_done[from] = true;
+    };
+    for (const auto& [path, of_path] : std::map(included))
+        if (!is_done.contains(path)) follow(path);
 }
 
 TEST(Layers, FoldersOfSourcesHoldNoLooseFile) {
@@ -127,7 +134,7 @@ TEST(Layers, PublicHeadersNeedTheStandardLibraryAlone) {
 
 // A shared library offers no other names than these headers declare in a namespace that says so.
 TEST(Layers, PublicHeadersAreVisible) {
-    for (const auto& entry : fs::directory_iterator(k_root / "include/srbf")) {
+    for (const auto& entry : fs::recursive_directory_iterator(k_root / "include/srbf")) {
         if (entry.path().extension() != ".h") continue;
         std::ifstream in(entry.path());
         const std::string text{std::istreambuf_iterator<char>(in), {}};

@@ -1,5 +1,5 @@
 // Damaged files: an Error that says what is wrong, or a table that keeps its contract; never a crash.
-#include "measured/formats.h"
+#include "measured/formats/formats.h"
 #include "measured_files.h"
 #include "srbf/file.h"
 #include "srbf/text.h"

@@ -7,7 +7,7 @@
 #include "measured_files.h"
 #include "properties.h"
 #include "srbf/convert.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 #include "srbf/pictures.h"
 
 namespace srbf::noise_test {

@@ -10,7 +10,7 @@
 #include <unordered_set>
 
 #include "models.h"
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
 #include "render/chart.h"
 #include "render/html.h"
 #include "render/scene.h"

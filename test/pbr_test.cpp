@@ -1,5 +1,5 @@
 // Surfaces by the parameters of renderers: the formula, its file, its fit.
-#include "models/facet_fits.h"
+#include "models/openpbr/fit_pbr.h"
 #include "models/openpbr/pbr_kernel.h"
 #include "properties.h"
 #include "srbf/directions.h"

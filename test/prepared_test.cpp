@@ -10,7 +10,7 @@
 
 #include "models.h"
 #include "one_target.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 #include "srbf/kernel.h"
 #include "srbf/load.h"
 #include "srbf/metrics.h"

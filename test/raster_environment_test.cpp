@@ -4,7 +4,7 @@
 
 #include "dialects.h"
 #include "models.h"
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
 #include "program.h"
 #include "render/path.h"
 #include "render/raster.h"

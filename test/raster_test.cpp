@@ -6,7 +6,8 @@
 #include <map>
 
 #include "models.h"
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
+#include "models/su/fit_su.h"
 #include "program.h"
 #include "render/exr.h"
 #include "render/shading.h"

@@ -5,7 +5,8 @@
 #include <map>
 
 #include "models.h"
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
+#include "models/su/fit_su.h"
 #include "srbf/kernel.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"

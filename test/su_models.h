@@ -1,7 +1,7 @@
 // View-by-view models for tests.
 #pragma once
 #include "properties.h"
-#include "srbf/su.h"
+#include "srbf/models/su.h"
 
 namespace srbf {
 

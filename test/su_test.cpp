@@ -1,5 +1,5 @@
 // The view-by-view model: values at sampled views and between them, index textures, file.
-#include "srbf/su.h"
+#include "srbf/models/su.h"
 
 #include <gtest/gtest.h>
 

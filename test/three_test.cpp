@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "models.h"
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
 #include "render/html.h"
 #include "render/map_layers.h"
 #include "render/offscreen.h"

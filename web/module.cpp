@@ -19,7 +19,7 @@
 #include "srbf/file.h"
 #include "srbf/fit_bsdf.h"
 #include "srbf/fit_options.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 #include "srbf/metrics.h"
 #include "srbf/shading_code.h"
 #include "srbf/text.h"

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "srbf/fit_samples.h"
 #include "srbf/metrics.h"
 #include "srbf/pictures.h"
 #include "srbf/printable.h"

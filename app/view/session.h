@@ -10,7 +10,7 @@
 
 #include "app/load.h"
 #include "app/output.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 
 namespace srbf {
 

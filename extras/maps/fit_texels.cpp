@@ -13,12 +13,13 @@
 #include "extras/maps/shared_lobes.h"
 #include "models/pm/solve/rounding.h"
 #include "observe/bound.h"
-#include "observe/observe_samples.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
+#include "samples/completed_samples.h"
+#include "samples/fit_pm_to_samples.h"
+#include "samples/observe_samples.h"
 #include "srbf/basis.h"
 #include "srbf/elementary.h"
-#include "srbf/fit_samples.h"
 #include "srbf/half.h"
 
 namespace srbf {

@@ -5,22 +5,22 @@
 #include <string>
 #include <vector>
 
-#include "srbf/fit.h"
 #include "srbf/fit_batch.h"
 #include "srbf/library.h"
 #include "srbf/measured.h"
+#include "srbf/objective.h"
 #include "srbf/progress.h"
 #include "srbf/result.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 
 struct BasisOptions {
-    PmForm form = FitOptions{}.form;
-    bool axial = true;                     ///< only centres at +z or −z, sufficient for isotropic materials
-    int lobes = 16;                        ///< J, 1..k_most_basis_lobes
-    int variates = FitOptions{}.variates;  ///< N, 1..8
-    int active = 0;                        ///< K: of so many lobes a material is the sum; 0: of all, a dense library
-    double max_theta = 0;                  ///< [rad]; 0: the default of objective appearance
+    PmForm form = PmForm::extended;
+    bool axial = true;                  ///< only centres at +z or −z, sufficient for isotropic materials
+    int lobes = 16;                     ///< J, 1..k_most_basis_lobes
+    int variates = k_default_variates;  ///< N, 1..8
+    int active = 0;                     ///< K: of so many lobes a material is the sum; 0: of all, a dense library
+    double max_theta = 0;               ///< [rad]; 0: the default of objective appearance
     std::uint64_t seed = 0;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
@@ -48,7 +48,7 @@ Result<Library> fit_library(std::span<const LibrarySource> sources, const BasisO
 Result<Library> fit_to_basis(const Library& basis, std::span<const LibrarySource> sources, const BasisOptions& options,
                              const ProgressToken& progress = {});
 
-/// Finds J lobes that texels share: those of `chosen` texels, completed (fit_samples.h) as by `fit_batch`. The result is
+/// Finds J lobes that texels share: those of `chosen` texels, completed as by `fit_batch`. The result is
 /// a dense library of these texels. Errors: those of `fit_library`, and no texel with a value above 0.
 Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f, const BasisOptions& options,
                                 const ProgressToken& progress = {});

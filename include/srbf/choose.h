@@ -6,7 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "srbf/fit.h"
+#include "srbf/models/pm.h"
+#include "srbf/objective.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 

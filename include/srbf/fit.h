@@ -1,109 +1,195 @@
-// From measurements to models.
+// Fits of measurements with measured errors, in one call.
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
-#include "srbf/brdf.h"
+#include "srbf/choose.h"
+#include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
+#include "srbf/objective.h"
 #include "srbf/progress.h"
-#include "srbf/result.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// What a fit minimises over the pairs within θmax. Each objective corresponds to a measure of metrics.h.
-enum class Objective {
-    raw,  ///< Σ (f−f̂)²
-    /// Σ (f cosθl − f̂ cosθl)² cosθv; for a multivariate model plus 0.005 times the cube-root weights, times cosθl
-    /// cosθv
-    cosine,
-    // The next three are second-order approximations in f − f̂, with the mean of the channels in place of each channel:
-    log,        ///< Σ (log(1 + f cosθl) − log(1 + f̂ cosθl))² cosθv
-    cube_root,  ///< Σ (∛f − ∛f̂)²; where f is below a hundredth of its mean, with the weight at that value
-    /// Σ (log f − log f̂)² over what is above 0: an error of a tenth counts alike in the dark and in a peak
-    relative,
-    /// What is seen of a picture: Σ (⁶√(f cosθl + s) − ⁶√(f̂ cosθl + s))² cosθv, s = k_dark_share times the upper
-    /// quartile q of f cosθl; as much of Σ (∛(f cosθl + q) − ∛(f̂ cosθl + q))² cosθv and 0.03 of cosine's sum, each
-    /// scaled to Σ w |f|² = 1; and for a multivariate model ΔE_ITP of pictures of a sphere. The eye's response to a
-    /// display is about the sixth root of its luminance (the exponent 0.159 of the perceptual quantiser, ITU-R BT.2100).
-    appearance,
+/// J, the number of lobes of a multivariate model, 1..k_most_fitted_lobes.
+struct LobeCount {
+    int lobes = k_default_lobes;
 };
-inline constexpr Objective k_default_objective = Objective::appearance;
-inline constexpr double k_dark_share = 0.07;
-std::span<const Objective> objectives();  ///< all objectives
-std::string_view name(Objective objective);
-std::string_view summary(Objective objective);  ///< what it minimises, a line in ASCII
-std::optional<Objective> objective_named(std::string_view text);
-/// The measure that an objective minimises and by which its fits are judged.
-double Measures::*measure_of(Objective objective);
-inline double error_of(const Measures& measures, Objective objective) { return measures.*measure_of(objective); }
-/// Default θmax of the fit and of its measures [rad]: 80° for raw, cube-root and relative, 89° for the others.
-double default_max_theta(Objective objective);
+/// Chooses J from `k_tried_lobes`: for a table the least product of bytes and held-out error; for samples the fewest
+/// lobes whose cross-validated error is within 3 % of the least, or if they are completed the most that they determine.
+struct AutomaticLobes {};
+/// A goal is looked for among all forms and sizes; of samples among the J of `k_tried_lobes` in the requested form.
+using PmSize = std::variant<LobeCount, AutomaticLobes, SizeGoal>;
+inline constexpr int k_tried_lobes[] = {2, 3, 4, 6, 9, 12};
 
-struct TabulateOptions {
-    int directions = 1536;                     ///< n, k_least_views..k_most_views
-    int between = 512;                         ///< m, 0..k_most_between; 0: only the raw matrix
-    Discretise discretise = Discretise::view;  ///< of the model to be fitted
-    int threads = 0;                           ///< 0: as many as the machine has; the result does not depend on it
-};
-inline constexpr std::size_t k_most_between = 4096;
-
-struct FitOptions {
+/// A parameterized multivariate model (PM).
+struct PmRequest {
     PmForm form = PmForm::extended;
-    bool axial = true;  ///< only centres at +z or −z, sufficient for isotropic data
-    /// f(ωl,ωv) = f(ωv,ωl) up to rounding: variates in pairs (a, b), (b, a) with the same centre and bandwidth
+    int variates = k_default_variates;  ///< N, 1..k_most_variates
+    std::optional<PmSize> size = {};    ///< none: 8 lobes for a table, automatic for samples
+    std::optional<bool> axial = {};     ///< none: axial if the measurement is isotropic
     bool reciprocal = false;
-    int lobes = 8;     ///< J, 1..64
-    int variates = 4;  ///< N, 1..8, even for a reciprocal model
-    /// Upper bound 1/finest² on bandwidths, and 1/finest [1/rad] on the other weights; 0: the range of 16-bit floats.
-    double finest = 0;
-    /// form gaussian: true stores a log scale per lobe where β leaves the range of 16-bit floats; false bounds β
+    /// Of `PmForm::gaussian`: whether a log scale is stored a lobe where β leaves the range of 16-bit floats; otherwise β is bounded.
     bool log_scale = true;
-    /// Number of starts: independent growths of J lobes. The best four are polished, one to three of them finished;
-    /// of appearance pictures choose among all of them, and one is finished. Default: 20, or 16 for 8 lobes and more.
-    std::optional<int> starts = {};
-    /// Maximum number of perturbations of a candidate, replacements of the least useful lobe, or every fourth time of
-    /// the least useful variate. All starts get a fifth of them, the better half another three tenths, the best quarter
-    /// the remaining half; of appearance all of them get 0.28 of these. Default: 45 for up to 5 lobes, falling to 25
-    /// for 8 and more.
-    std::optional<int> perturbations = {};
-    std::uint64_t seed = 0;  ///< of the random numbers
-    int threads = 0;         ///< 0: as many as the machine has; the result does not depend on it
 };
-inline constexpr int k_most_fitted_lobes = 64;
-
-enum class StopReason {
-    converged,   ///< the last steps predicted a relative decrease below 1e-7, or none lowered the sum
-    iterations,  ///< the iteration limit was reached while steps still lowered the sum, possibly by too little to go on
-    cancelled,   ///< by the progress token; the model is the best so far
+/// A view-by-view model (SU).
+struct SuRequest {
+    int lobes = 8;  ///< J per sampled direction, 1..k_most_view_lobes
+    Discretise discretise = Discretise::view;
+    int directions = 1536;  ///< n, k_least_views..k_most_views
+    int between = 512;      ///< m, 0..k_most_between, further directions a view; 0: only the matrix
+    SuInterpolation interpolation = SuInterpolation::rotated;
+    int neighbours = 3;                      ///< K of plain interpolation, 1..k_most_neighbours
+    std::optional<DirectionMap> index = {};  ///< if set, the file contains an index texture with this map
 };
-std::string_view name(StopReason reason);
+/// Lambert and GGX.
+struct GgxRequest {
+    int lobes = 1;  ///< 1..k_most_ggx_lobes
+};
 
-struct SuFitOptions {
-    int lobes = 8;  ///< J, 1..k_most_view_lobes
+/// A surface of renderers' parameters.
+struct PbrRequest {
+    PbrSurfaceKind surface = PbrSurfaceKind::openpbr;
+};
+
+/// What to fit, and how.
+struct FitRequest {
+    std::variant<PmRequest, SuRequest, GgxRequest, PbrRequest> model;
     Objective objective = k_default_objective;
-    double max_theta = 0;  ///< [rad], 1 to 89.9°; 0: the objective's default. Pairs beyond it have small weights
-    /// Whether lobes have shapes, see `SuModel`; none: for objective appearance.
-    std::optional<bool> shaped = {};
-    SuInterpolation interpolation = SuInterpolation::rotated;  ///< stored in the model; the fit does not depend on it
-    int neighbours = 3;                                        ///< K of plain interpolation, 1..k_most_neighbours
-    std::uint64_t seed = 0;                                    ///< of the random numbers
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    std::optional<double> max_theta = {};  ///< θmax of the fit and of all errors [rad]; none: the objective's default
+    bool spectral = false;                 ///< a coefficient for each wavelength of the measurement; PM only
+    std::uint64_t seed = 0;                ///< of the random numbers
+    int threads = 0;                       ///< 0: as many as the machine has; the outcome does not depend on it
+
+    double theta() const { return max_theta.value_or(default_max_theta(objective)); }  ///< [rad]
 };
 
-struct PbrFitOptions {
-    PbrSurfaceKind surface = PbrSurfaceKind::openpbr;  ///< whose parameters are fitted; others keep their defaults
-    bool is_isotropic = true;                          ///< no anisotropy is fitted
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+/// Whether a fit of this request to scattered samples follows the completed samples: PM in colours, by an objective of
+/// pictures. Fits by `relative` follow microfacets, others interpolated values if cross-validation finds them useful.
+bool completes(const FitRequest& request);
+
+/// What the size is chosen by; none: it is a number of lobes or automatic, or the model is not multivariate.
+inline std::optional<SizeGoal> goal_of(const FitRequest& request) {
+    const auto* pm = std::get_if<PmRequest>(&request.model);
+    const auto* goal = pm && pm->size ? std::get_if<SizeGoal>(&*pm->size) : nullptr;
+    return goal ? std::optional(*goal) : std::nullopt;
+}
+
+/// Whether the size is chosen by what is seen.
+inline bool is_by_pictures(const FitRequest& request) {
+    const auto goal = goal_of(request);
+    return goal && std::holds_alternative<TargetDeltaE>(*goal);
+}
+
+/// Noise of a measurement in the darker half of all pairs of directions.
+struct Noise {
+    Rgb deviation{};  ///< standard deviation [1/sr]
+    Rgb level{};      ///< median value [1/sr]
+    /// Share of all pairs that are below 0 although the mean about them is not, of the channel with the most of them.
+    double negative = 0;
+    /// Standard deviation [1/sr] of a table's samples before its maker set those below 0 to 0; of channels without it 0.
+    Rgb clamped{};
+    double excess = 0;  ///< share by which the median value is too bright because they were set to 0
+    /// The deviation relative to the value, by means over the channels; 0 where the value is not above 0.
+    double share() const {
+        const auto sum = [](const Rgb& x) { return double(x.r) + double(x.g) + double(x.b); };
+        return sum(level) > 0 ? sum(deviation) / sum(level) : 0;
+    }
 };
 
-struct GgxFitOptions {
-    int lobes = 1;    ///< 1..k_most_ggx_lobes
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+inline constexpr std::string_view k_no_highlight = "no highlight";
+
+/// A fitted model with its errors and statistics.
+struct FitOutcome {
+    Model model;  ///< as stored; its provenance has objective, max_theta, seed, and the errors once they are measured
+    Model unrounded;                 ///< before rounding
+    std::optional<StopReason> stop;  ///< of an iterative fit
+    double max_theta = 0;            ///< [rad]
+    double fit_seconds = 0;          ///< without the measurement of errors, which includes cross-validation
+    std::uint64_t masked = 0;        ///< number of evaluated pairs where nothing was measured
+    std::uint64_t clamped = 0;       ///< number of negative channel values among them; set to 0 unless they are noise
+    std::optional<Noise> noise;      ///< of a table; above 30 % the fit takes negative values for noise about a mean
+    std::uint64_t raw_bytes =
+        0;                     ///< of f in floats at all pairs of 1536 (SU: the sampled) directions, or at the samples
+    int empty_directions = 0;  ///< SU: number of sampled directions without data
+    std::optional<std::uint64_t> samples;  ///< for scattered samples: number of samples within θmax
+    /// for scattered samples, PM: whether the fit follows values between them: completed, interpolated, of microfacets
+    std::optional<bool> filled;
+    /// of completed samples: what continues their highlights, as "neighbours" or "two lobes of GGX"; or `k_no_highlight`
+    std::string continued;
+    /// For scattered samples: the fits to all folds but one, and if samples are completed, the cross-validated errors of
+    /// Lambert and at most one lobe of GGX.
+    std::vector<Model> without_fold;
+    std::optional<Measures> ggx_heldout;
+    /// for scattered samples, objective `relative`: the number of angles of incidence, whose samples are in one fold each
+    int incidences = 0;
+    std::vector<Step> path;  ///< models that were tried in choosing the size
+    bool reached = true;     ///< whether the requested error or size was reached
+    /// Errors of `model` and `unrounded` against the measurement; empty until they are measured. For scattered samples
+    /// `matrix` covers the samples themselves, `heldout` is the 5-fold cross-validated error, and albedo and
+    /// pictures are compared with the samples, completed where nothing was measured.
+    std::optional<Comparison> errors, unrounded_errors;
+    /// What is seen if light and viewer of the measurement are exchanged, which a reciprocal one would not show; none:
+    /// it is reciprocal.
+    std::optional<Appearance> exchanged;
+    std::optional<Appearance> against_smoothed;  ///< pictures of `model` against a noisy measurement smoothed
 };
+
+/// Fits one BRDF repeatedly. It keeps the observations, so that later fits start at once. Not thread-safe. Errors of
+/// all members: those of the stages, and `cancelled`.
+class Fitter {
+  public:
+    /// Keeps a reference to `measured`, which must outlive it.
+    explicit Fitter(const Measured& measured);
+    explicit Fitter(Measured&&) = delete;
+    /// A BRDF as a function, treated like a table: NaN counts as not measured, negative values as 0 unless they are noise.
+    explicit Fitter(Evaluate f);
+    Fitter(Fitter&&) noexcept;
+    Fitter& operator=(Fitter&&) noexcept;
+    ~Fitter();
+
+    /// Fits the requested model. For scattered samples this also measures the errors. Errors: a measurement of both
+    /// sides; `measure` takes its front reflection.
+    Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress = {});
+    /// A fast preview of `fit`, from a few tens of milliseconds to a second. A higher `draft`, 0..k_drafts−1, is more
+    /// accurate. Only for PM with a given number of lobes (default 8).
+    Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress = {});
+    static constexpr int k_drafts = 2;
+    /// Measures the errors of `outcome` and adds them to its provenance.
+    Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress = {}) const;
+
+  private:
+    class Work;
+    std::unique_ptr<Work> work_;
+};
+
+/// Fits a measurement and measures the errors of the model: everything that `srbf fit` does between reading and
+/// writing. Errors: a measurement of both sides, which `fit_bsdf` (fit_bsdf.h) fits.
+Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
+/// The same for a BRDF as a function.
+Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress = {});
+
+/// A noisy table smoothed to its noise, as fits see it (docs/notes/noise.md): signed values f − λ clamp(f − f̂, ±3σ), with f̂ of
+/// short fits, σ the noise and λ how much of f − f̂ it is. Keeps a reference to `measured`, which must be isotropic.
+/// Errors: not a table of one BRDF; it is not noisy; cancelled.
+Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads = 0, const ProgressToken& progress = {});
+
+/// What is seen if light and viewer are exchanged. A fit that looks like the measurement may differ from it by as much.
+Appearance compare_exchanged(const Evaluate& f, int threads = 0);
+
+/// What a multivariate fit of a table by this request minimises, and in which stages, as text of several lines; empty
+/// for other models.
+std::string explain(const FitRequest& request);
+
+/// The directions of the matrix on which a model is measured: the sampled directions of a view-by-view model, otherwise
+/// the Fibonacci set of k_matrix_directions within θmax [rad].
+std::vector<Vec3f> matrix_directions(const Model& model, double theta_max);
 
 }  // namespace srbf

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
 #include "srbf/progress.h"
@@ -23,7 +23,7 @@ struct SharedPairs {
 struct BatchOptions {
     /// PM with a number of lobes; the number of threads is that of all texels together, each takes one.
     FitRequest request = {.model = PmRequest{.size = LobeCount{4}}};
-    /// The search of each texel: shorter than that of a single fit, see `FitOptions`.
+    /// Starts and perturbations of each texel's search, which is shorter than that of a single fit.
     int starts = 3, perturbations = 4;
 };
 
@@ -42,7 +42,7 @@ struct TexelFit {
 };
 
 /// Fits T texels: f is T × pairs [1/sr], NaN where nothing was measured. Lobes follow the completed samples
-/// (fit_samples.h) as those of a single fit do, at fewer pairs and without pictures, if the objective is one of
+/// as those of a single fit do, at fewer pairs and without pictures, if the objective is one of
 /// pictures, otherwise the samples; no fold is left out. A texel is a constant if its lobes lower the weighted squares
 /// about that by no more than three times what noise would. A texel's fit depends on its values, the pairs and the options
 /// alone, not on other texels or the number of threads.

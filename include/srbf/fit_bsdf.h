@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 

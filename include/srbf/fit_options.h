@@ -3,10 +3,10 @@
 #include <string_view>
 
 #include "srbf/choose.h"
-#include "srbf/fit.h"
-#include "srbf/ggx.h"
+#include "srbf/objective.h"
+#include "srbf/models/ggx.h"
 #include "srbf/model.h"
-#include "srbf/su.h"
+#include "srbf/models/su.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 

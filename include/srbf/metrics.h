@@ -106,6 +106,9 @@ std::vector<double> albedo_errors(const Evaluate& reference, std::span<const Eva
 /// The same of one.
 double albedo_error(const Evaluate& reference, const Evaluate& other, double max_theta);
 
+/// Of scattered samples held-out values are those of fits to all samples but a fold's.
+inline constexpr int k_folds = 5;
+
 /// The measures of one BRDF against another: over a matrix of directions, over held-out pairs, of albedo, and of
 /// pictures.
 struct Comparison {

@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
 #include "srbf/choose.h"
 
 namespace srbf {

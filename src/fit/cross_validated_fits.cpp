@@ -6,10 +6,12 @@
 
 #include "base/parallel.h"
 #include "fit/requests.h"
-#include "models/facet_fits.h"
-#include "observe/folds.h"
-#include "observe/observe_samples.h"
+#include "models/ggx/fit_ggx.h"
+#include "models/openpbr/fit_pbr.h"
 #include "observe/pair_weights.h"
+#include "samples/fit_pm_to_samples.h"
+#include "samples/folds.h"
+#include "samples/observe_samples.h"
 
 namespace srbf {
 namespace {
@@ -303,6 +305,36 @@ Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const Sampl
     FitOutcome outcome = outcome_of(*std::move(pm));
     outcome.filled = !in_short || completes(request);
     return outcome;
+}
+
+Result<std::vector<std::vector<float>>> cross_validate(const ScatteredSamples& samples, std::span<const int> fold,
+                                                       const FitToSamples& fit) {
+    std::array<std::optional<Result<std::vector<Model>>>, k_folds> models;
+    const StandardArithmetic mode;
+    // As many as there are; incidences may be fewer than five.
+    const int folds = 1 + *std::ranges::max_element(fold);
+    parallel_for(std::size_t(folds), [&](std::size_t left_out) {
+        models[left_out] = fit(without_fold(samples, fold, int(left_out)), left_out);
+    });
+    std::vector<std::vector<float>> predicted;
+    for (int left_out = 0; left_out < folds; ++left_out) {
+        const auto& of_fold = *models[std::size_t(left_out)];
+        if (!of_fold) return of_fold.error();
+        predicted.resize(of_fold->size());
+        for (std::size_t k = 0; k < predicted.size(); ++k) {
+            // Colours come from `value`, which is the same on any machine.
+            const Model& fitted = (*of_fold)[k];
+            const Channels model =
+                wavelengths(fitted).empty() ? rgb_channels(evaluator<Model>(fitted)) : channels(fitted);
+            const std::size_t C = model.count();
+            std::vector<float> f(C * samples.wl.size());
+            model.evaluate(samples.wl, samples.wv, f);
+            predicted[k].resize(f.size());
+            for (std::size_t i = 0; i < fold.size(); ++i)
+                if (fold[i] == left_out) std::copy_n(&f[i * C], C, &predicted[k][i * C]);
+        }
+    }
+    return predicted;
 }
 
 }  // namespace srbf

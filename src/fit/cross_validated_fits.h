@@ -1,8 +1,11 @@
 // Fits to scattered samples, selected by cross-validation.
 #pragma once
-#include "observe/observe_samples.h"
-#include "srbf/fit_samples.h"
-#include "srbf/fitting.h"
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "samples/observe_samples.h"
+#include "srbf/fit.h"
 
 namespace srbf {
 
@@ -18,5 +21,13 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleO
 /// A fit without cross-validation that follows completed or interpolated values; with `in_short`, a short search.
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
                                     const FitRequest& request, bool in_short, const ProgressToken& progress);
+
+/// Fits models to `training`, the samples of all folds but one: the same number of models each time. It is called from several
+/// threads at once.
+using FitToSamples = std::function<Result<std::vector<Model>>(const ScatteredSamples& training, std::size_t left_out)>;
+/// The value f̂ of each model at every sample, from the fit to the other folds: [model][sample C + c], with the models'
+/// `channels`.
+Result<std::vector<std::vector<float>>> cross_validate(const ScatteredSamples& samples, std::span<const int> fold,
+                                                       const FitToSamples& fit);
 
 }  // namespace srbf

@@ -7,8 +7,9 @@
 #include "base/parallel.h"
 #include "base/reporter.h"
 #include "fit/requests.h"
-#include "observe/observe_samples.h"
-#include "srbf/fit_samples.h"
+#include "samples/completed_samples.h"
+#include "samples/fit_pm_to_samples.h"
+#include "samples/observe_samples.h"
 #include "srbf/half.h"
 #include "srbf/sampling.h"
 

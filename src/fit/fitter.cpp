@@ -12,12 +12,14 @@
 #include "fit/noise.h"
 #include "fit/requests.h"
 #include "measured/isotropy.h"
-#include "models/facet_fits.h"
+#include "models/ggx/fit_ggx.h"
+#include "models/openpbr/fit_pbr.h"
 #include "models/range.h"
-#include "observe/observe_samples.h"
 #include "observe/pair_weights.h"
+#include "samples/fit_pm_to_samples.h"
+#include "samples/observe_samples.h"
 #include "srbf/directions.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 
 namespace srbf {
 namespace {

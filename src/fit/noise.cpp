@@ -9,7 +9,7 @@
 #include "base/errors.h"
 #include "base/floating_point.h"
 #include "fit/clamped_noise.h"
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
 #include "observe/observations.h"
 #include "observe/pairs.h"
 #include "srbf/elementary.h"

@@ -1,6 +1,6 @@
 // The noise of a measurement, and the measurement smoothed to it.
 #pragma once
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 
 namespace srbf {
 

@@ -2,9 +2,10 @@
 #pragma once
 #include <chrono>
 
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
+#include "models/su/fit_su.h"
 #include "models/pm/search/search.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 
 namespace srbf {
 

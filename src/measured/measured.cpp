@@ -1,119 +1,15 @@
 #include "srbf/measured.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cassert>
 
 #include "base/floating_point.h"
-#include "measured/formats.h"
-#include "measured/samples.h"
-#include "srbf/file.h"
 
 namespace srbf {
-
-namespace {
-
-/// The first bytes as "01 02 0a ..", for readers of the error who know the format.
-std::string opening(std::span<const std::byte> bytes) {
-    if (bytes.empty()) return "an empty file";
-    std::string text = "bytes that begin with";  // there may be more than were read
-    for (const std::byte b : bytes.first(std::min<std::size_t>(bytes.size(), 12)))
-        text += fmt::format(" {:02x}", std::to_integer<unsigned>(b));
-    return text;
-}
-
-/// Reads a measurement of any format, without the index of samples.
-Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::string& file_name,
-                                const ReadOptions& options) {
-    if (!options.columns.empty()) {
-        auto samples = read_csv_samples(bytes, file_name, options);
-        if (!samples) return samples.error();
-        return Measured{file_name, "columns", bytes.size(), *std::move(samples)};
-    }
-    if (const Format* format = format_of(bytes)) return read_as(*format, bytes, file_name, options);
-    if (is_safetensors(bytes))
-        return Error{file_name, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
-    const bool may_be_rows = !bytes.empty() && is_text(bytes);
-    return Error{file_name,
-                 {},
-                 "unknown format",
-                 names_of_formats() + (may_be_rows ? ", or --columns for rows of numbers" : ""),
-                 opening(bytes)};
-}
-
-Result<Measured> indexed(Result<Measured> measured) {
-    if (!measured) return measured;
-    if (auto* samples = std::get_if<ScatteredSamples>(&measured->table)) make_index(*samples);
-    return measured;
-}
-
-/// Masks what the options say is a bound, and divides by what values are times f.
-Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples) {
-    const std::size_t channels = samples.wavelengths.size();
-    if (options.floor > 0)
-        keep_samples(samples, [&](std::size_t i) {
-            const auto spectrum = std::span(samples.spectrum).subspan(i * channels, channels);
-            const Rgb& f = samples.colour[i];
-            return channels > 0 ? std::ranges::all_of(spectrum, [&](float x) { return x > options.floor; })
-                                : std::min({f.r, f.g, f.b}) > options.floor;
-        });
-    if (samples.wl.empty()) return Error{{}, {}, "samples", "at least one above the floor", "none"};
-    to_bsdf(samples, options.quantity);
-    if (samples.wl.empty()) return Error{{}, {}, "samples", "values in the range of f", "none"};
-    return Done{};
-}
-
-/// The same as `read_unindexed`, of a file that does not state all.
-Result<Measured> read_stated(std::span<const std::byte> bytes, const std::string& file_name,
-                             const ReadOptions& options) {
-    auto measured = read_unindexed(bytes, file_name, options);
-    if (!options.any() || !measured) return measured;
-    auto* samples = std::get_if<ScatteredSamples>(&measured->table);
-    if (!samples)
-        return Error{file_name,          {}, "input", "samples, for --quantity and --floor", measured->format,
-                     ErrorCode::argument};
-    if (const auto applied = apply(options, *samples); !applied) {
-        Error error = applied.error();
-        error.source = file_name;
-        return error;
-    }
-    return measured;
-}
-
-}  // namespace
 
 Quantity quantity_named(std::string_view name) {
     const auto found = std::ranges::find(k_quantities, name);
     return found == k_quantities.end() ? Quantity::stated : Quantity(found - k_quantities.begin() + 1);
-}
-
-Result<std::vector<std::byte>> read_input(const std::string& path, const ReadOptions& options) {
-    if (!options.columns.empty()) return read_file(path);
-    return read_file(
-        path, [](std::span<const std::byte> head) { return is_safetensors(head) ? k_largest_file : most_bytes(head); });
-}
-
-Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,
-                               const ReadOptions& options) {
-    const StandardArithmetic mode;
-    return indexed(read_stated(bytes, file_name, options));
-}
-
-Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& file_name,
-                               const ReadOptions& options) {
-    const StandardArithmetic mode;
-    auto measured = read_stated(bytes, file_name, options);
-    std::vector<std::byte>().swap(bytes);
-    return indexed(std::move(measured));
-}
-
-Result<Measured> load_measured(const std::string& path, const ReadOptions& options) {
-    return within_memory(path, [&]() -> Result<Measured> {
-        auto bytes = read_input(path, options);
-        if (!bytes) return bytes.error();
-        return read_measured(*std::move(bytes), path, options);
-    });
 }
 
 bool is_isotropic(const Measured& measured) {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "observe/observations.h"
+#include "srbf/models/pm.h"
 
 namespace srbf {
 

@@ -8,7 +8,7 @@
 
 #include "brdf/values.h"
 #include "observe/costs.h"
-#include "srbf/fit.h"
+#include "srbf/objective.h"
 
 namespace srbf {
 

@@ -3,7 +3,7 @@
 #include <numeric>
 
 #include "srbf/convert.h"
-#include "srbf/fitting.h"
+#include "srbf/fit.h"
 #include "srbf/kernel.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"

@@ -5,7 +5,7 @@
 
 #include "base/least_squares.h"
 #include "base/parallel.h"
-#include "models/facet_fits.h"
+#include "models/ggx/fit_ggx.h"
 #include "observe/large_errors.h"
 #include "observe/pair_weights.h"
 #include "srbf/elementary.h"

@@ -1,4 +1,4 @@
-#include "srbf/ggx.h"
+#include "srbf/models/ggx.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/safetensors.h"
-#include "srbf/ggx.h"
+#include "srbf/models/ggx.h"
 
 namespace srbf {
 

@@ -5,7 +5,7 @@
 
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
-#include "models/facet_fits.h"
+#include "models/openpbr/fit_pbr.h"
 #include "observe/large_errors.h"
 #include "observe/pair_weights.h"
 #include "observe/pixels.h"

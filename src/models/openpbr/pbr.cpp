@@ -1,4 +1,4 @@
-#include "srbf/pbr.h"
+#include "srbf/models/openpbr.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/safetensors.h"
-#include "srbf/pbr.h"
+#include "srbf/models/openpbr.h"
 
 namespace srbf {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
-#include "srbf/pbr.h"
+#include "srbf/models/openpbr.h"
 
 namespace srbf {
 

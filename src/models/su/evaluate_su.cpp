@@ -1,6 +1,6 @@
 // Evaluation of a view-by-view model on arrays of pairs. The sampled views and weights are computed once for
 // consecutive pairs that share the sampled direction; their values are evaluated in SIMD batches.
-#include "srbf/su.h"
+#include "srbf/models/su.h"
 
 #include <algorithm>
 #include <cmath>

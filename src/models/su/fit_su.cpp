@@ -8,7 +8,7 @@
 #include "base/errors.h"
 #include "base/parallel.h"
 #include "base/reporter.h"
-#include "models/lobe_fits.h"
+#include "models/su/fit_su.h"
 #include "models/su/fit_view.h"
 #include "models/su/sampled_views.h"
 #include "models/su/view_tracks.h"

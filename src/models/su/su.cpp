@@ -1,4 +1,4 @@
-#include "srbf/su.h"
+#include "srbf/models/su.h"
 
 #include <algorithm>
 #include <cassert>

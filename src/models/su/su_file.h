@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/safetensors.h"
-#include "srbf/su.h"
+#include "srbf/models/su.h"
 
 namespace srbf {
 

@@ -1,7 +1,7 @@
 // The last stage of a multivariate fit.
 #pragma once
 #include "base/reporter.h"
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
 #include "models/pm/solve/lobes.h"
 
 namespace srbf {

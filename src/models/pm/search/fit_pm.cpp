@@ -5,7 +5,7 @@
 #include "base/errors.h"
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
-#include "models/lobe_fits.h"
+#include "models/pm/search/fit_pm.h"
 #include "models/pm/search/finish.h"
 #include "models/pm/search/schedule.h"
 #include "models/pm/search/search.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "models/pm/solve/lobes.h"
-#include "srbf/fit.h"
+#include "models/pm/search/fit_pm.h"
 
 namespace srbf {
 

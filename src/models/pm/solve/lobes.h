@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "srbf/exponent_terms.h"
+#include "srbf/models/exponent_terms.h"
 #include "srbf/model.h"
 
 namespace srbf {

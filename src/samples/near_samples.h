@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "srbf/fit_samples.h"
+#include "srbf/measured.h"
 
 namespace srbf {
 

@@ -1,4 +1,4 @@
-#include "observe/facets.h"
+#include "samples/facets.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

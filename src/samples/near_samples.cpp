@@ -1,4 +1,4 @@
-#include "observe/near_samples.h"
+#include "samples/near_samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/k_d_tree.h"
+#include "samples/folds.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

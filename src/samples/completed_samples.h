@@ -1,33 +1,15 @@
-// Fits to scattered samples, and cross-validation of these fits.
+// Scattered samples, completed where nothing was measured.
 #pragma once
-#include <cstdint>
-#include <functional>
 #include <limits>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "srbf/fit.h"
-#include "srbf/ggx.h"
 #include "srbf/measured.h"
-#include "srbf/metrics.h"
+#include "srbf/models/ggx.h"
+#include "srbf/result.h"
 
-namespace [[gnu::visibility("default")]] srbf {
-
-/// Assigns each sample to a fold, 0..k_folds−1, for cross-validation. Samples within `k_group_distance` of each other
-/// are a *group* and belong to the same fold. That includes samples with light and viewer exchanged and, for isotropic
-/// samples, rotated or mirrored ones. Groups within max_theta [rad] that are adjacent in brightness get different
-/// folds, otherwise at random, so that no fold contains a whole highlight.
-/// Errors: fewer than k_folds groups.
-Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, double max_theta, std::uint64_t seed);
-inline constexpr int k_folds = 5;
-inline constexpr double k_group_distance = 0.5 * k_degree;  ///< √(|Δωl|² + |Δωv|²), to first order
-/// The samples of all folds except `left_out`.
-ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const int> fold, int left_out);
-
-/// Spacing of the samples where they are densest [rad]: the 5th percentile of the distances of samples to the nearest
-/// of another group (see `assign_folds`). 0 if there is only one group.
-double spacing(const ScatteredSamples& samples);
+namespace srbf {
 
 /// What continues the highlights of completed samples: where f A by them or by g_i, i = `prior`, exceeds `from` times the
 /// largest sample, f is `share` times g_i, and from half of that on something between both. Not finite: nothing; 0: g_i
@@ -63,7 +45,6 @@ struct CompletedSamples {
 };
 /// The name of the model that continues the highlights: `words(Continuation)`, or `k_no_highlight` if all g_i are Lambert alone.
 std::string words(const CompletedSamples& samples);
-inline constexpr const char* k_no_highlight = "no highlight";
 /// `of_one`: by the first g alone, in a third of the time.
 /// Errors: no sample within max_theta [rad] that is not black.
 Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_theta, int threads = 0,
@@ -78,13 +59,5 @@ Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv);
 /// Errors: those of `complete`.
 Result<std::vector<CompletedSamples>> complete_without_folds(const ScatteredSamples& samples, std::span<const int> fold,
                                                              double max_theta, int threads = 0);
-
-/// Fits models to `training`, the samples of all folds but one: the same number of models each time. It is called from several
-/// threads at once.
-using FitToSamples = std::function<Result<std::vector<Model>>(const ScatteredSamples& training, std::size_t left_out)>;
-/// The value f̂ of each model at every sample, from the fit to the other folds: [model][sample C + c], with the models'
-/// `channels`.
-Result<std::vector<std::vector<float>>> cross_validate(const ScatteredSamples& samples, std::span<const int> fold,
-                                                       const FitToSamples& fit);
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-#include "measured/formats.h"
+#include "measured/formats/formats.h"
 
 #include <fmt/format.h>
 

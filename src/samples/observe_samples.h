@@ -2,9 +2,8 @@
 #pragma once
 #include <optional>
 
-#include "models/lobe_fits.h"
 #include "observe/observations.h"
-#include "srbf/fit_samples.h"
+#include "samples/completed_samples.h"
 
 namespace srbf {
 
@@ -57,20 +56,5 @@ struct SampleObservations {
 /// spectra; cancelled.
 Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress = {});
-
-struct SampleFitOptions {
-    FitOptions pm;
-    /// Whether a fit without completed samples also follows what is expected between the samples. A short fit
-    /// without it estimates the remaining error; its weight is the ratio of that error to the error of
-    /// what is expected, at most 1. It constrains lobes where samples are sparse, but is harmful where a fit is
-    /// better than it. Cross-validation decides; of scatter it is always followed.
-    bool fill = false;
-};
-
-/// Fits parameterized multivariate SRBFs: to the completed samples if they are observed, otherwise to the samples and
-/// the interpolated values, with no lobe narrower than the samples' spacing.
-/// Errors: those of `fit_pm`; fewer groups than a third of the parameters (a group has three values).
-Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
-                     const ProgressToken& progress = {});
 
 }  // namespace srbf

@@ -7,8 +7,8 @@
 #include "base/floating_point.h"
 #include "models/pm/search/search.h"
 #include "observe/large_errors.h"
-#include "observe/observe_samples.h"
 #include "observe/pair_weights.h"
+#include "samples/fit_pm_to_samples.h"
 #include "srbf/metrics.h"
 
 namespace srbf {

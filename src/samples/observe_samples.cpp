@@ -1,4 +1,4 @@
-#include "observe/observe_samples.h"
+#include "samples/observe_samples.h"
 
 #include <algorithm>
 #include <array>
@@ -7,10 +7,10 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
-#include "observe/facets.h"
-#include "observe/folds.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
+#include "samples/facets.h"
+#include "samples/folds.h"
 #include "srbf/metrics.h"
 
 namespace srbf {

@@ -1,4 +1,4 @@
-#include "observe/folds.h"
+#include "samples/folds.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,11 @@
 #include <functional>
 #include <numeric>
 #include <optional>
+#include <random>
 
 #include "base/parallel.h"
-#include "observe/near_samples.h"
+#include "samples/near_samples.h"
+#include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -126,36 +128,6 @@ ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const i
     }
     make_index(rest);
     return rest;
-}
-
-Result<std::vector<std::vector<float>>> cross_validate(const ScatteredSamples& samples, std::span<const int> fold,
-                                                       const FitToSamples& fit) {
-    std::array<std::optional<Result<std::vector<Model>>>, k_folds> models;
-    const StandardArithmetic mode;
-    // As many as there are; incidences may be fewer than five.
-    const int folds = 1 + *std::ranges::max_element(fold);
-    parallel_for(std::size_t(folds), [&](std::size_t left_out) {
-        models[left_out] = fit(without_fold(samples, fold, int(left_out)), left_out);
-    });
-    std::vector<std::vector<float>> predicted;
-    for (int left_out = 0; left_out < folds; ++left_out) {
-        const auto& of_fold = *models[std::size_t(left_out)];
-        if (!of_fold) return of_fold.error();
-        predicted.resize(of_fold->size());
-        for (std::size_t k = 0; k < predicted.size(); ++k) {
-            // Colours come from `value`, which is the same on any machine.
-            const Model& fitted = (*of_fold)[k];
-            const Channels model =
-                wavelengths(fitted).empty() ? rgb_channels(evaluator<Model>(fitted)) : channels(fitted);
-            const std::size_t C = model.count();
-            std::vector<float> f(C * samples.wl.size());
-            model.evaluate(samples.wl, samples.wv, f);
-            predicted[k].resize(f.size());
-            for (std::size_t i = 0; i < fold.size(); ++i)
-                if (fold[i] == left_out) std::copy_n(&f[i * C], C, &predicted[k][i * C]);
-        }
-    }
-    return predicted;
 }
 
 }  // namespace srbf

@@ -9,11 +9,13 @@
 
 #include "base/errors.h"
 #include "base/parallel.h"
-#include "models/facet_fits.h"
+#include "models/ggx/fit_ggx.h"
 #include "observe/bound.h"
-#include "observe/observe_samples.h"
 #include "observe/pair_weights.h"
+#include "samples/folds.h"
+#include "samples/observe_samples.h"
 #include "srbf/elementary.h"
+#include "srbf/fit.h"
 
 namespace srbf {
 namespace {
@@ -153,7 +155,7 @@ std::string words(const Continuation& continuation) {
 
 std::string words(const CompletedSamples& samples) {
     const bool is_matte = std::ranges::all_of(samples.priors, [](const GgxModel& g) { return g.lobes.empty(); });
-    return is_matte ? k_no_highlight : words(samples.continuation);
+    return is_matte ? std::string(k_no_highlight) : words(samples.continuation);
 }
 
 namespace {

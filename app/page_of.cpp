@@ -31,10 +31,7 @@ std::string kind_of(const Subject& subject) {
     if (const auto* measured = std::get_if<Measured>(&subject.content))
         return fmt::format("{}, {} bytes", measured->format, grouped(measured->bytes));
     const Model& model = std::get<Model>(subject.content);
-    constexpr std::array<const char*, 5> names{"multivariate", "view by view", "Lambert and GGX",
-                                               "reflection and transmission", "surface of OpenPBR"};
-    static_assert(names.size() == std::variant_size_v<decltype(Model::model)>);
-    return fmt::format("{}, {} bytes", names[model.model.index()], grouped(payload_bytes(model)));
+    return fmt::format("{}, {} bytes", kind_words(model), grouped(payload_bytes(model)));
 }
 
 }  // namespace

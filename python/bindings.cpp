@@ -99,8 +99,7 @@ PYBIND11_MODULE(_srbf, module) {
         .def("is_exchanged", &Held::is_exchanged)
         .def("kind",
              [](const Held& brdf) {
-                 constexpr std::array<const char*, 5> names{"pm", "su", "ggx", "bsdf", "pbr"};
-                 return brdf.model() ? std::string(names[brdf.model()->model.index()]) : brdf.measured()->format;
+                 return brdf.model() ? std::string(kind(*brdf.model())) : brdf.measured()->format;
              })
         .def("nbytes",
              [](const Held& brdf) { return brdf.model() ? payload_bytes(*brdf.model()) : brdf.measured()->bytes; })

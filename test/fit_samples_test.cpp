@@ -4,6 +4,7 @@
 #include <functional>
 #include <set>
 
+#include "fit/cross_validated_fits.h"
 #include "properties.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"

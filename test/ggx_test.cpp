@@ -3,6 +3,7 @@
 #include "properties.h"
 #include "srbf/directions.h"
 #include "srbf/metrics.h"
+#include "srbf/model.h"
 
 namespace srbf::ggx_test {
 namespace {

@@ -7,6 +7,7 @@
 #include "one_target.h"
 #include "properties.h"
 #include "srbf/kernel.h"
+#include "srbf/models/pm.h"
 
 namespace srbf::gram_test {
 namespace {

@@ -23,6 +23,10 @@ struct Model {
     std::variant<PmModel, SuModel, GgxModel, BsdfModel, PbrModel> model;
     std::map<std::string, std::string> provenance;  ///< source file, options, errors, version
 };
+/// The kind of a model: "pm", "su", "ggx", "bsdf" or "pbr", as its file has it, and in words.
+std::string_view kind(const Model& model);
+std::string_view kind_words(const Model& model);
+
 /// f(wl, wv); of a BSDF on either side, without the beams.
 Rgb value(const Model& model, Vec3f wl, Vec3f wv);
 

@@ -232,4 +232,18 @@ Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std
     return content;
 }
 
+std::string MetadataReader::take(const char* key, const std::vector<std::string_view>& known) {
+    const auto at = metadata.find(key);
+    const std::string found = at == metadata.end() ? "" : at->second;
+    if (std::ranges::find(known, found) == known.end()) {
+        if (!error)
+            error = {file_name, k_length_bytes, fmt::format("metadata '{}'", key),
+                     fmt::format("{}", fmt::join(known, " or ")),
+                     at == metadata.end() ? "none" : fmt::format("{:.40}", found)};
+    } else {
+        metadata.erase(at);
+    }
+    return found;
+}
+
 }  // namespace srbf

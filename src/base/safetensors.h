@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "srbf/result.h"
@@ -39,10 +41,28 @@ Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensor
 std::string shape_text(const std::vector<std::uint64_t>& shape);
 
 /// The content of a file: tensors by name, and the string metadata.
+using Metadata = std::map<std::string, std::string>;
 struct Safetensors {
     std::map<std::string, Tensor16> tensors;
-    std::map<std::string, std::string> metadata;
+    Metadata metadata;
 };
+
+/// Takes the metadata that determine the meaning of tensors out of all; those that remain are provenance.
+struct MetadataReader {
+    Metadata& metadata;
+    const std::string& file_name;
+    std::optional<Error> error = {};  ///< the first
+
+    /// The value of `key`, which must be one of `known`.
+    std::string take(const char* key, const std::vector<std::string_view>& known);
+};
+
+/// How an M is stored. A specialisation for each kind of model has
+///   std::string_view name, words                       the metadata `model` of its file, and what people call it
+///   Safetensors content(const M&)                      its tensors, of numbers rounded to 16-bit floats, and metadata
+///   Result<M> read(Safetensors&, const std::string& file_name)   the inverse, which takes its metadata out of all
+///   double largest(const M&)                           the largest of the numbers that `content` clamps to 65504
+template <typename M> struct Stored;
 
 /// The bytes of the container, with tensors in the order of their names. The header is padded so that data begin at a
 /// multiple of 8.

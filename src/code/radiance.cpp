@@ -95,16 +95,20 @@ std::string cal_of(const std::string& name, const GgxModel& model) {
     return text;
 }
 
-/// The functions of a model of one part.
-Result<std::string> part_text(const std::string& name, const Model& model) {
-    if (const auto* pm = std::get_if<PmModel>(&model.model)) return cal_of(name, *pm);
-    if (const auto* ggx = std::get_if<GgxModel>(&model.model)) return cal_of(name, *ggx);
-    return Error{name,
-                 {},
-                 "model for Radiance",
-                 "one of lobes, or Lambert and GGX",
-                 std::holds_alternative<PbrModel>(model.model) ? "a surface" : "one view by view",
-                 ErrorCode::argument};
+Result<std::string> cal_text(const std::string& name, const PmModel& model) { return cal_of(name, model); }
+Result<std::string> cal_text(const std::string& name, const GgxModel& model) { return cal_of(name, model); }
+Result<std::string> refused_for_cal(const std::string& name, const char* found) {
+    return Error{name, {}, "model for Radiance", "one of lobes, or Lambert and GGX", found, ErrorCode::argument};
+}
+Result<std::string> cal_text(const std::string& name, const SuModel&) {
+    return refused_for_cal(name, "one view by view");
+}
+Result<std::string> cal_text(const std::string& name, const PbrModel&) { return refused_for_cal(name, "a surface"); }
+Result<std::string> cal_text(const std::string& name, const BsdfModel& model);  // of its parts
+
+/// The functions of a model.
+Result<std::string> cal_text(const std::string& name, const Model& model) {
+    return std::visit([&](const auto& of) { return cal_text(name, of); }, model.model);
 }
 
 /// The call of a part's channel for Radiance's vectors, whose z is the other way in a BSDF.
@@ -118,11 +122,11 @@ std::string cal_call(const std::string& name, const Parts<Model>& parts, Part pa
                        of.exchanged ? viewer : light, of.exchanged ? light : viewer);
 }
 
-Result<std::string> bsdf_text(const std::string& name, const BsdfModel& model) {
+Result<std::string> cal_text(const std::string& name, const BsdfModel& model) {
     std::string text;
     for (std::size_t p = 0; p < k_parts; ++p) {
         if (!model.part[p]) continue;
-        auto part = part_text(fmt::format("{}_{}", name, k_part_names[p]), *model.part[p]);
+        auto part = cal_text(fmt::format("{}_{}", name, k_part_names[p]), *model.part[p]);
         if (!part) return part.error();
         text += *part;
     }
@@ -169,12 +173,12 @@ Result<std::string> radiance_text(std::span<const NamedModel> models) {
         if (const auto of = std::ranges::find(models, own, &NamedModel::name); of != models.end())
             return Error{of->name, {}, "name for Radiance", "none of its own", of->name, ErrorCode::argument};
     for (const NamedModel& of : models) {
-        const auto* bsdf = std::get_if<BsdfModel>(&of.model->model);
-        auto part = bsdf ? bsdf_text(of.name, *bsdf) : part_text(of.name, *of.model);
+        const bool is_bsdf = std::holds_alternative<BsdfModel>(of.model->model);
+        auto part = cal_text(of.name, *of.model);
         if (!part) return part.error();
         const std::size_t begin = text.size();
         text += *part;
-        for (int c = 0; c < 3 && !bsdf; ++c)
+        for (int c = 0; c < 3 && !is_bsdf; ++c)
             text += fmt::format("{0}_{1}(ix,iy,iz,ox,oy,oz)=if(iz,if(oz,{0}_{2}(ix,iy,iz,ox,oy,oz),0),0);\n", of.name,
                                 "RGB"[c], k_cal_channels[c]);
         text += fmt::format(

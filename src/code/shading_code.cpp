@@ -12,8 +12,8 @@
 #include "code/print.h"
 #include "code/print_python.h"
 #include "code/syntax.h"
-#include "sampling/elevation_nodes.h"
 #include "code/texts.h"
+#include "sampling/elevation_nodes.h"
 #include "srbf/extended_light.h"
 #include "srbf/prepared.h"
 #include "srbf/shader.h"
@@ -481,47 +481,53 @@ std::string look_up(const PmModel& basis) {
         basis.lobes);
 }
 
+/// What a kind of model adds to the kernel.
+struct KindText {
+    std::string accessors, brdf;
+    int variates = 1, terms = 1;
+    std::string handle = "struct Pm { };\n";
+    std::optional<int> light_lobes = {};  ///< of its coefficients, where these are arguments
+};
+KindText text_of(const PmModel& pm, Numbers where, Program& program) {
+    KindText text{numbers_of(pm, where, program) + k_no_su, brdf_of(pm), pm.variates, std::max(features(pm.form), 1)};
+    if (where == Numbers::arguments) {
+        text.handle = coefficients_of(pm), text.brdf += look_up(pm);
+        text.light_lobes = pm.lobes + 1;
+    }
+    return text;
+}
+KindText text_of(const SuModel& su, Numbers, Program& program) {
+    return {k_no_pm + numbers_of(su, program), brdf_of(su)};
+}
+KindText text_of(const GgxModel& ggx, Numbers where, Program& program) {
+    return {k_no_pm + k_no_su, where == Numbers::tables ? brdf_of(ggx, program) : brdf_of(ggx)};
+}
+KindText text_of(const PbrModel& pbr, Numbers where, Program& program) {
+    return {k_no_pm + k_no_su, where == Numbers::tables ? brdf_of(pbr, program) : brdf_of(pbr)};
+}
+KindText text_of(const BsdfModel&, Numbers, Program&) { return {}; }  // its parts are programs of their own
+
 Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
                    Numbers where = Numbers::constants) {
     Program program;
-    std::string handle = "struct Pm { };\n", accessors, brdf;
-    int variates = 1, terms = 1, light_lobes = options.extended_lobes;
-    if (const auto* pm = std::get_if<PmModel>(&model.model)) {
-        accessors = numbers_of(*pm, where, program) + k_no_su;
-        brdf = brdf_of(*pm);
-        if (where == Numbers::arguments) {
-            handle = coefficients_of(*pm), brdf += look_up(*pm);
-            light_lobes = pm->lobes + 1;
-        }
-        variates = pm->variates;
-        terms = std::max(features(pm->form), 1);
-    } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
-        accessors = k_no_pm + numbers_of(*su, program);
-        brdf = brdf_of(*su);
-    } else if (const auto* pbr = std::get_if<PbrModel>(&model.model)) {
-        accessors = k_no_pm + k_no_su;
-        brdf = where == Numbers::tables ? brdf_of(*pbr, program) : brdf_of(*pbr);
-    } else {
-        accessors = k_no_pm + k_no_su;
-        const auto& ggx = std::get<GgxModel>(model.model);
-        brdf = where == Numbers::tables ? brdf_of(ggx, program) : brdf_of(ggx);
-    }
-    std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(variates)},
-                                               {"SRBF_TERMS", std::to_string(terms)},
-                                               {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
-                                               {"ALBEDO_NODES", std::to_string(k_albedo_nodes)},
-                                               {"EXTENDED_NODES", std::to_string(ExtendedLight::k_views)},
-                                               {"EXTENDED_LOBES", std::to_string(light_lobes)},
-                                               {"EXTENDED_LEVELS", std::to_string(ExtendedLight::k_levels)}};
+    const KindText of_kind = std::visit([&](const auto& of) { return text_of(of, where, program); }, model.model);
+    std::map<std::string, std::string> defines{
+        {"SRBF_MAX_VARIATES", std::to_string(of_kind.variates)},
+        {"SRBF_TERMS", std::to_string(of_kind.terms)},
+        {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
+        {"ALBEDO_NODES", std::to_string(k_albedo_nodes)},
+        {"EXTENDED_NODES", std::to_string(ExtendedLight::k_views)},
+        {"EXTENDED_LOBES", std::to_string(of_kind.light_lobes.value_or(options.extended_lobes))},
+        {"EXTENDED_LEVELS", std::to_string(ExtendedLight::k_levels)}};
     const bool is_mixture = options.sampling || options.albedo || options.environment || options.area;
     const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string(),
                       nodes = albedo_of(model, where, options, program),
                       light = where == Numbers::arguments
                                   ? light_of_basis(std::get<PmModel>(model.model), options, program)
                                   : light_of(model, options, program);
-    syntax::parse(handle + accessors + k_handles, program, defines, true);
+    syntax::parse(of_kind.handle + of_kind.accessors + k_handles, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
-    syntax::parse(brdf, program, defines);
+    syntax::parse(of_kind.brdf, program, defines);
     if (is_mixture)
         syntax::parse(mixture + k_mixture_text + nodes + k_albedo_text + light + k_extended_text, program, defines);
     if (options.environment_draws) syntax::parse(k_sampled_text, program, defines);
@@ -529,20 +535,18 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     return program;
 }
 
-/// What a model is, and what is known of it.
+std::string words(const PmModel& pm) {
+    return fmt::format("{} lobes of {} variates, form {}", pm.lobes, pm.variates, name(pm.form));
+}
+std::string words(const SuModel& su) { return fmt::format("view by view, {} lobes", su.lobes); }
+std::string words(const GgxModel&) { return "Lambert and GGX"; }
+std::string words(const PbrModel&) { return "a surface by parameters of OpenPBR"; }
+std::string words(const BsdfModel&) { return "reflection and transmission"; }
+
+/// The name and the kind of a model, its size, and its provenance.
 std::string about(const NamedModel& of) {
     const Model& model = *of.model;
-    std::string text = of.name + ": ";
-    if (const auto* pm = std::get_if<PmModel>(&model.model))
-        text += fmt::format("{} lobes of {} variates, form {}", pm->lobes, pm->variates, name(pm->form));
-    else if (const auto* su = std::get_if<SuModel>(&model.model))
-        text += fmt::format("view by view, {} lobes", su->lobes);
-    else if (std::holds_alternative<BsdfModel>(model.model))
-        text += "reflection and transmission";
-    else if (std::holds_alternative<PbrModel>(model.model))
-        text += "a surface by parameters of OpenPBR";
-    else
-        text += "Lambert and GGX";
+    std::string text = of.name + ": " + std::visit([](const auto& m) { return words(m); }, model.model);
     text += fmt::format(", {} bytes.", payload_bytes(model));
     for (const auto& [key, value] : model.provenance) text += fmt::format("\n  {}", printable(key + " " + value));
     return text;

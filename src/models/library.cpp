@@ -5,7 +5,9 @@
 #include <algorithm>
 
 #include "base/floating_point.h"
-#include "models/library.h"
+#include "base/safetensors.h"
+#include "models/lobes_file.h"
+#include "models/pm/pm_file.h"
 #include "srbf/half.h"
 #include "srbf/text.h"
 
@@ -131,7 +133,9 @@ Library rounded(Library library) {
 
 std::vector<std::byte> write_library(const Library& library) {
     const StandardArithmetic mode;
-    Safetensors content = lobes_content(library.basis, k_library_kind);
+    Safetensors content = lobes_content(library.basis);
+    content.metadata["srbf"] = k_file_version;
+    content.metadata["model"] = k_library_kind;
     const std::uint64_t T = library.count(), K = std::uint64_t(library.stored);
     content.metadata.insert(library.provenance.begin(), library.provenance.end());
     if (!library.names.empty()) content.metadata["names"] = fmt::format("{}", fmt::join(library.names, "\n"));
@@ -151,7 +155,12 @@ Result<Library> read_library(std::span<const std::byte> bytes, const std::string
     if (!content) return content.error();
     Library library;
     if (const auto taken = take_materials(*content, library, file_name); !taken) return taken.error();
-    auto basis = take_lobes(*content, k_library_kind, file_name);
+    MetadataReader reader{content->metadata, file_name};
+    reader.take("srbf", {k_file_version}), reader.take("model", {k_library_kind});
+    if (reader.error) return *reader.error;
+    const auto header = take_lobes_header(content->metadata, file_name);
+    if (!header) return header.error();
+    auto basis = decode_lobes(content->tensors, *header, file_name);
     if (!basis) return basis.error();
     library.basis = *std::move(basis);
     if (auto names = content->metadata.extract("names")) {

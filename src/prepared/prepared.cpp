@@ -91,23 +91,23 @@ template <typename M> PreparedBrdf::Value pair_by_pair() {
     };
 }
 
+// Of each kind of model a copy; of these two more than that.
+template <typename M> BrdfParts parts_of(const M& model) {
+    return parts_of(std::make_shared<const M>(model), pair_by_pair<M>());
+}
+BrdfParts parts_of(const PmModel& model) {
+    const auto held = std::make_shared<const PmLanes>(model);
+    return parts_of(held, pair_evaluator(*held));
+}
+BrdfParts parts_of(const SuModel& model) {
+    const auto held = std::make_shared<const SuModel>(model);
+    BrdfParts parts = parts_of(held, pair_by_pair<SuModel>());
+    if (held->discretise == Discretise::view)
+        parts.albedo = [of = std::make_shared<AlbedoOfViews>(*held)](Vec3f wv) { return (*of)(wv); };
+    return parts;
+}
 BrdfParts parts_of(const Model& model) {
-    if (const auto* pm = std::get_if<PmModel>(&model.model)) {
-        const auto held = std::make_shared<const PmLanes>(*pm);
-        return parts_of(held, pair_evaluator(*held));
-    }
-    if (const auto* su = std::get_if<SuModel>(&model.model)) {
-        const auto held = std::make_shared<const SuModel>(*su);
-        BrdfParts parts = parts_of(held, pair_by_pair<SuModel>());
-        if (held->discretise == Discretise::view)
-            parts.albedo = [of = std::make_shared<AlbedoOfViews>(*held)](Vec3f wv) { return (*of)(wv); };
-        return parts;
-    }
-    if (const auto* bsdf = std::get_if<BsdfModel>(&model.model))
-        return parts_of(std::make_shared<const BsdfModel>(*bsdf), pair_by_pair<BsdfModel>());
-    if (const auto* pbr = std::get_if<PbrModel>(&model.model))
-        return parts_of(std::make_shared<const PbrModel>(*pbr), pair_by_pair<PbrModel>());
-    return parts_of(std::make_shared<const GgxModel>(std::get<GgxModel>(model.model)), pair_by_pair<GgxModel>());
+    return std::visit([](const auto& of) { return parts_of(of); }, model.model);
 }
 
 BrdfParts parts_of(Measured&& measured) {

@@ -19,6 +19,10 @@ Rgb value(const BsdfModel& model, Vec3f wl, Vec3f wv);
 /// f[i] = value(model, wl[i], wv[i]), see `evaluate` of a `Model` (model.h).
 void evaluate(const BsdfModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 
+/// Whether f_r depends only on the difference of the azimuths, and exchange of light and viewer: see model.h.
+bool is_isotropic(const BsdfModel& model);
+void exchange(BsdfModel& model);
+
 std::size_t payload_bytes(const BsdfModel& model);
 std::size_t payload_bytes(const Beam& beam);
 std::size_t auxiliary_bytes(const BsdfModel& model);

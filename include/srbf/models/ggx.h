@@ -34,6 +34,10 @@ void evaluate(const GgxModel& model, std::span<const Vec3f> wl, std::span<const 
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const GgxModel& model);
 
+/// Whether f_r depends only on the difference of the azimuths, and exchange of light and viewer: see model.h.
+inline bool is_isotropic(const GgxModel&) { return true; }
+inline void exchange(GgxModel&) {}  // reciprocal
+
 /// Size of the stored numbers: 3 + 5 per lobe, two bytes each.
 inline std::size_t payload_bytes(const GgxModel& model) { return 2 * (3 + 5 * model.lobes.size()); }
 constexpr std::size_t auxiliary_bytes(const GgxModel&) { return 0; }

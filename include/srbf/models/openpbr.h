@@ -110,6 +110,10 @@ void evaluate(const PbrModel& model, std::span<const Vec3f> wl, std::span<const 
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const PbrModel& model);
 
+/// Whether f_r depends only on the difference of the azimuths, and exchange of light and viewer: see model.h.
+inline bool is_isotropic(const PbrModel& model) { return model.specular_roughness_anisotropy == 0; }
+inline void exchange(PbrModel& model) { model.is_exchanged = !model.is_exchanged; }
+
 /// Size of the stored numbers, two bytes each.
 constexpr std::size_t payload_bytes(const PbrModel& model) { return 2 * pbr_number_count(model); }
 constexpr std::size_t auxiliary_bytes(const PbrModel&) { return 0; }

@@ -55,6 +55,10 @@ Evaluate evaluator(const PmModel& model);
 Channels spectra(const PmModel& model);
 Channels spectra(const PmModel&&) = delete;
 
+/// Whether f_r depends only on the difference of the azimuths, and exchange of light and viewer: see model.h.
+inline bool is_isotropic(const PmModel& model) { return model.axial; }
+void exchange(PmModel& model);
+
 /// Whether f(ωl, ωv) = f(ωv, ωl) by construction, up to rounding: each variate (a, b) with a ≠ b has a partner (b, a)
 /// with the same centres and bandwidths in all lobes.
 bool is_reciprocal(const PmModel& model);

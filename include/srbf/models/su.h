@@ -90,6 +90,10 @@ NearestViews nearest_views(const SuModel& model, Vec3f w);
 /// The texture of nearest views; `size` 0: `default_size`.
 IndexTexture index_texture(const SuModel& model, DirectionMap map, int size = 0);
 
+/// Whether f_r depends only on the difference of the azimuths, and exchange of light and viewer: see model.h.
+inline bool is_isotropic(const SuModel&) { return true; }
+void exchange(SuModel& model);
+
 /// Size of the stored numbers: n·J·(3 coefficients + 2 angles + 1 bandwidth, and a shape if there is any) halves.
 std::size_t payload_bytes(const SuModel& model);
 /// Size of the tables that plain interpolation needs at run time, whether or not the file contains them: the index

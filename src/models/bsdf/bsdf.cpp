@@ -13,6 +13,10 @@ namespace srbf {
 
 Rgb value(const BsdfModel& model, Vec3f wl, Vec3f wv) { return value(model.part, wl, wv); }
 
+void evaluate(const BsdfModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    evaluate(model.part, wl, wv, f, [](const Model& part, auto l, auto v, auto to) { evaluate(part, l, v, to); });
+}
+
 std::size_t payload_bytes(const BsdfModel& model) {
     std::size_t bytes = 0;
     for (const auto& part : model.part) bytes += part ? payload_bytes(*part) : 0;
@@ -30,6 +34,20 @@ std::size_t auxiliary_bytes(const BsdfModel& model) {
     std::size_t bytes = 0;
     for (const auto& part : model.part) bytes += part ? auxiliary_bytes(*part) : 0;
     return bytes;
+}
+
+bool is_isotropic(const BsdfModel& model) {
+    return std::ranges::all_of(model.part, [](const auto& part) { return !part || is_isotropic(*part); });
+}
+
+void exchange(BsdfModel& model) {
+    for (auto& part : model.part) {
+        if (!part) continue;
+        Model copy = *part;
+        exchange(copy);
+        part = std::make_shared<const Model>(std::move(copy));
+    }
+    std::swap(model.part[std::size_t(Part::transmission_front)], model.part[std::size_t(Part::transmission_back)]);
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include <cassert>
 
 #include "base/floating_point.h"
+#include "brdf/values.h"
 #include "models/ggx/ggx_file.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
@@ -45,12 +46,13 @@ Evaluate evaluator(const GgxModel& model) {
 }
 
 GgxModel rounded(const GgxModel& model) {
-    Result<GgxModel> decoded = decode_ggx(encode_ggx(model), "");
+    Safetensors content = Stored<GgxModel>::content(model);
+    Result<GgxModel> decoded = Stored<GgxModel>::read(content, "");
     assert(decoded.ok());  // a valid model can be encoded
     return *std::move(decoded);
 }
 
-std::map<std::string, Tensor16> encode_ggx(const GgxModel& model) {
+Safetensors Stored<GgxModel>::content(const GgxModel& model) {
     const auto L = std::uint64_t(model.lobes.size());
     Tensor16 diffuse{Type16::half, {3}, {}}, roughness{Type16::half, {L}, {}}, f0{Type16::half, {L, 3}, {}},
         f90{Type16::half, {L}, {}};
@@ -61,10 +63,11 @@ std::map<std::string, Tensor16> encode_ggx(const GgxModel& model) {
         for (int c = 0; c < 3; ++c) add(f0, lobe.f0[c]);
         add(f90, lobe.f90);
     }
-    return {{"diffuse", diffuse}, {"roughness", roughness}, {"facing", f0}, {"grazing", f90}};
+    return {{{"diffuse", diffuse}, {"roughness", roughness}, {"facing", f0}, {"grazing", f90}}, {}};
 }
 
-Result<GgxModel> decode_ggx(const std::map<std::string, Tensor16>& tensors, const std::string& file_name) {
+Result<GgxModel> Stored<GgxModel>::read(Safetensors& content, const std::string& file_name) {
+    const auto& tensors = content.tensors;
     const auto fail = [&](std::string what, std::string expected, std::string found) {
         return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
@@ -96,6 +99,12 @@ Result<GgxModel> decode_ggx(const std::map<std::string, Tensor16>& tensors, cons
         model.lobes.push_back({alpha, colour("facing", i), number("grazing", i)});
     }
     return model;
+}
+
+double Stored<GgxModel>::largest(const GgxModel& model) {
+    double largest = largest_of(model.diffuse);
+    for (const GgxModel::Lobe& lobe : model.lobes) largest = std::max({largest, largest_of(lobe.f0), double(lobe.f90)});
+    return largest;
 }
 
 }  // namespace srbf

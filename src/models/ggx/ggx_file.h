@@ -1,17 +1,18 @@
 // Lambert and GGX as tensors of a model file.
 #pragma once
-#include <map>
 #include <string>
+#include <string_view>
 
 #include "base/safetensors.h"
 #include "srbf/models/ggx.h"
 
 namespace srbf {
 
-/// The tensors of a model, with its numbers rounded to 16-bit floats; see `write_model`.
-std::map<std::string, Tensor16> encode_ggx(const GgxModel& model);
-
-/// The model of these tensors, or an error.
-Result<GgxModel> decode_ggx(const std::map<std::string, Tensor16>& tensors, const std::string& file_name);
+template <> struct Stored<GgxModel> {
+    static constexpr std::string_view name = "ggx", words = "Lambert and GGX";
+    static Safetensors content(const GgxModel& model);
+    static Result<GgxModel> read(Safetensors& content, const std::string& file_name);
+    static double largest(const GgxModel& model);
+};
 
 }  // namespace srbf

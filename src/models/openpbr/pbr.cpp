@@ -27,24 +27,28 @@ Evaluate evaluator(const PbrModel& model) {
 }
 
 PbrModel rounded(const PbrModel& model) {
-    Result<PbrModel> decoded = decode_pbr(encode_pbr(model), model.is_exchanged, "");
+    Safetensors content = Stored<PbrModel>::content(model);
+    Result<PbrModel> decoded = Stored<PbrModel>::read(content, "");
     assert(decoded.ok());  // a valid model can be encoded
     return *std::move(decoded);
 }
 
-std::map<std::string, Tensor16> encode_pbr(const PbrModel& model) {
-    std::map<std::string, Tensor16> tensors;
+Safetensors Stored<PbrModel>::content(const PbrModel& model) {
+    Safetensors content{{}, {{"exchanged_surface", model.is_exchanged ? "true" : "false"}}};
     for (const PbrParameter& of : k_pbr_parameters) {
         if (!is_stored(model, of)) continue;
-        Tensor16& tensor = tensors[std::string(of.name)] = {Type16::half, {std::uint64_t(of.count())}, {}};
+        Tensor16& tensor = content.tensors[std::string(of.name)] = {Type16::half, {std::uint64_t(of.count())}, {}};
         for (int c = 0; c < of.count(); ++c)
             tensor.data.push_back(to_half(std::clamp(number(model, of, c), of.least, of.most)));
     }
-    return tensors;
+    return content;
 }
 
-Result<PbrModel> decode_pbr(const std::map<std::string, Tensor16>& tensors, bool is_exchanged,
-                            const std::string& file_name) {
+Result<PbrModel> Stored<PbrModel>::read(Safetensors& content, const std::string& file_name) {
+    MetadataReader reader{content.metadata, file_name};
+    const bool is_exchanged = reader.take("exchanged_surface", {"true", "false"}) == "true";
+    if (reader.error) return *reader.error;
+    const auto& tensors = content.tensors;
     PbrModel of_all;  // with a film and anisotropy if the file has them
     of_all.thin_film_weight = tensors.contains("thin_film_weight") ? 1 : 0;
     of_all.specular_roughness_anisotropy = tensors.contains("specular_roughness_anisotropy") ? 1 : 0;

@@ -1,18 +1,18 @@
 // Surfaces of renderers' parameters as tensors of a model file.
 #pragma once
-#include <map>
 #include <string>
+#include <string_view>
 
 #include "base/safetensors.h"
 #include "srbf/models/openpbr.h"
 
 namespace srbf {
 
-/// The tensors of a model, with its numbers rounded to 16-bit floats; see `write_model`.
-std::map<std::string, Tensor16> encode_pbr(const PbrModel& model);
-
-/// The model of these tensors, or an error.
-Result<PbrModel> decode_pbr(const std::map<std::string, Tensor16>& tensors, bool is_exchanged,
-                            const std::string& file_name);
+template <> struct Stored<PbrModel> {
+    static constexpr std::string_view name = "pbr", words = "surface of OpenPBR";
+    static Safetensors content(const PbrModel& model);
+    static Result<PbrModel> read(Safetensors& content, const std::string& file_name);
+    static double largest(const PbrModel&) { return 0; }  // its parameters have limits of their own
+};
 
 }  // namespace srbf

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "models/pm/pm_lanes.h"
-#include "srbf/model.h"
+#include "srbf/models/pm.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "models/pm/evaluate.cpp"
@@ -315,13 +315,6 @@ void evaluate(const PmModel& model, std::span<const Vec3f> wl, std::span<const V
     evaluate(PmLanes(model), wl, wv, f);
 }
 
-void evaluate(const BsdfModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    evaluate(model.part, wl, wv, f, [](const Model& part, auto l, auto v, auto to) { evaluate(part, l, v, to); });
-}
-void evaluate(const Model& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    std::visit([&](const auto& m) { evaluate(m, wl, wv, f); }, model.model);
-}
-
 Evaluate evaluator(const PmModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
@@ -342,10 +335,6 @@ Channels spectra(const PmModel& model) {
                         for (std::size_t c = 0; c < count; ++c) f[i * C + first + c] = rgb[i][int(c)];
                 }
             }};
-}
-
-Evaluate evaluator(const Model& model) {
-    return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
 
 }  // namespace srbf

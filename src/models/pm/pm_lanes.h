@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "srbf/model.h"
+#include "srbf/models/pm.h"
 
 namespace srbf {
 

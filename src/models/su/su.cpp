@@ -97,10 +97,14 @@ std::size_t auxiliary_bytes(const SuModel& model) {
 }
 
 SuModel rounded(const SuModel& model) {
-    Result<SuModel> decoded =
-        decode_su(encode_su(model), {model.discretise, model.interpolation, model.neighbours}, "");
+    Safetensors content = Stored<SuModel>::content(model);
+    Result<SuModel> decoded = Stored<SuModel>::read(content, "");
     assert(decoded.ok());  // a valid model can be encoded
     return *std::move(decoded);
+}
+
+void exchange(SuModel& model) {
+    model.discretise = model.discretise == Discretise::view ? Discretise::light : Discretise::view;
 }
 
 }  // namespace srbf

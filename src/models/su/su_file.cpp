@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brdf/values.h"
 #include "srbf/half.h"
 
 namespace srbf {
@@ -63,9 +64,13 @@ Result<Done> decode_lobes(const std::map<std::string, Tensor16>& tensors, SuMode
 
 }  // namespace
 
-std::map<std::string, Tensor16> encode_su(const SuModel& model) {
+Safetensors Stored<SuModel>::content(const SuModel& model) {
     const auto n = std::uint64_t(model.direction.size()), J = std::uint64_t(model.lobes);
-    std::map<std::string, Tensor16> tensors;
+    Safetensors content{{},
+                        {{"discretise", std::string(srbf::name(model.discretise))},
+                         {"interpolation", std::string(srbf::name(model.interpolation))},
+                         {"neighbours", std::to_string(model.neighbours)}}};
+    auto& tensors = content.tensors;
     Tensor16& coefficient = tensors["coefficient"] = {Type16::half, {n, J, 3}, {}};
     for (const Rgb& beta : model.coefficient)
         for (int c = 0; c < 3; ++c) coefficient.data.push_back(to_half(std::min(beta[c], k_half_max)));
@@ -89,11 +94,17 @@ std::map<std::string, Tensor16> encode_su(const SuModel& model) {
             index.data.insert(index.data.end(), nearest.begin(), nearest.end());
         tensors["aux.directions"] = direction_table(model.direction);
     }
-    return tensors;
+    return content;
 }
 
-Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const SuHeader& header,
-                          const std::string& file_name) {
+Result<SuModel> Stored<SuModel>::read(Safetensors& content, const std::string& file_name) {
+    MetadataReader reader{content.metadata, file_name};
+    const auto discretise = reader.take("discretise", {srbf::name(Discretise::view), srbf::name(Discretise::light)});
+    const auto interpolation =
+        reader.take("interpolation", {srbf::name(SuInterpolation::rotated), srbf::name(SuInterpolation::plain)});
+    const auto neighbours = reader.take("neighbours", {"1", "2", "3", "4", "5", "6", "7"});
+    if (reader.error) return *reader.error;
+    const auto& tensors = content.tensors;
     const auto fail = [&](std::string what, std::string expected, std::string found) {
         return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
@@ -121,9 +132,9 @@ Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const 
     if (has_index || tensors.contains("aux.directions")) expected["aux.directions"] = {Type16::half, {n, 4}};
     if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
 
-    model.discretise = header.discretise;
-    model.interpolation = header.interpolation;
-    model.neighbours = header.neighbours;
+    model.discretise = *discretise_named(discretise);
+    model.interpolation = *interpolation_named(interpolation);
+    model.neighbours = neighbours[0] - '0';
     model.lobes = int(J);
     model.direction = fibonacci_directions(int(n), k_pi / 2);
     if (const auto lobes = decode_lobes(tensors, model, file_name); !lobes) return lobes.error();
@@ -139,6 +150,12 @@ Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const 
         for (std::size_t i = 0; i < data.size(); ++i) model.index->texels[i / 8][i % 8] = data[i];
     }
     return model;
+}
+
+double Stored<SuModel>::largest(const SuModel& model) {
+    double largest = 0;
+    for (const Rgb& beta : model.coefficient) largest = std::max(largest, largest_of(beta));
+    return largest;
 }
 
 }  // namespace srbf

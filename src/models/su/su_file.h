@@ -1,25 +1,18 @@
 // The view-by-view model as tensors of a model file.
 #pragma once
-#include <map>
 #include <string>
+#include <string_view>
 
 #include "base/safetensors.h"
 #include "srbf/models/su.h"
 
 namespace srbf {
 
-/// The metadata of the file that describe the model.
-struct SuHeader {
-    Discretise discretise;
-    SuInterpolation interpolation;
-    int neighbours;
+template <> struct Stored<SuModel> {
+    static constexpr std::string_view name = "su", words = "view by view";
+    static Safetensors content(const SuModel& model);
+    static Result<SuModel> read(Safetensors& content, const std::string& file_name);
+    static double largest(const SuModel& model);
 };
-
-/// The tensors of a model, with its numbers rounded to 16-bit floats; see `write_model`.
-std::map<std::string, Tensor16> encode_su(const SuModel& model);
-
-/// The model of these tensors, or an error.
-Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const SuHeader& header,
-                          const std::string& file_name);
 
 }  // namespace srbf

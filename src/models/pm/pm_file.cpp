@@ -1,0 +1,218 @@
+// The multivariate model as tensors of a model file.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "base/floating_point.h"
+#include "brdf/values.h"
+#include "models/pm/pm_file.h"
+#include "srbf/colour.h"
+#include "srbf/directions.h"
+#include "srbf/half.h"
+#include "srbf/text.h"
+
+namespace srbf {
+namespace {
+
+/// Of −0 and 0, which are the same azimuth, the latter, so that what was read is written with the same bytes.
+std::uint16_t without_sign_of_zero(std::uint16_t half) { return half == to_half(-0.f) ? 0 : half; }
+
+/// The tensors of a model, with its numbers rounded to 16-bit floats.
+std::map<std::string, Tensor16> encode(const PmModel& model, bool with_log_scale) {
+    const auto J = std::uint64_t(model.lobes), N = std::uint64_t(model.variates);
+    std::map<std::string, Tensor16> tensors;
+
+    const std::uint64_t C = model.wavelength.empty() ? 3 : model.wavelength.size();
+    Tensor16& coefficient = tensors["coefficient"] = {Type16::half, {J, C}, {}};
+    const auto add_coefficient = [&](float beta) { coefficient.data.push_back(to_half(std::min(beta, k_half_max))); };
+    if (model.wavelength.empty())
+        for (const Rgb& beta : model.coefficient)
+            for (int c = 0; c < 3; ++c) add_coefficient(beta[c]);
+    for (const float beta : model.spectrum) add_coefficient(beta);
+
+    if (with_log_scale) {
+        Tensor16& log_scale = tensors["log_scale"] = {Type16::half, {J}, {}};
+        for (const float s : model.log_scale) log_scale.data.push_back(to_half(std::clamp(s, -k_half_max, k_half_max)));
+    }
+
+    Tensor16& bandwidth = tensors["bandwidth"] = {Type16::half, {J, N}, {}};
+    for (std::size_t i = 0; i < model.bandwidth.size(); ++i) {
+        const float sign = model.axial && model.centre[i].z < 0 ? -1.f : 1.f;
+        bandwidth.data.push_back(to_half(sign * std::min(model.bandwidth[i], k_half_max)));
+    }
+
+    if (!model.axial) {
+        Tensor16& centre = tensors["centre"] = {Type16::half, {J, N, 2}, {}};
+        for (const Vec3f& xi : model.centre) {
+            const Angles<float> of_centre = angles(xi);
+            centre.data.push_back(to_half(of_centre.theta));
+            centre.data.push_back(without_sign_of_zero(to_half(of_centre.phi)));
+        }
+    }
+
+    if (const auto F = std::uint64_t(features(model.form)); F > 0) {
+        Tensor16& exponent = tensors["exponent"] = {Type16::half, {J, F}, {}};
+        for (const float kappa : model.exponent)
+            exponent.data.push_back(to_half(std::clamp(kappa, -k_half_max, k_half_max)));
+    }
+
+    Tensor16& parameterization = tensors["parameterization"] = {Type16::half, {N, 2}, {}};
+    for (const Parameterization& p : model.parameterization) {
+        // Only the direction of (a, b) matters: one outside of the range of 16-bit floats is normalised.
+        const float largest = std::max(std::abs(p.a), std::abs(p.b));
+        const float scale = largest > 1024 || largest < 1.f / 1024 ? 1 / largest : 1;
+        parameterization.data.push_back(to_half(scale * p.a));
+        parameterization.data.push_back(to_half(scale * p.b));
+    }
+    return tensors;
+}
+
+/// The tensors of a model with J lobes of N variates and C coefficients a lobe.
+std::map<std::string, TensorShape> tensors_of(PmForm form, bool axial, bool with_log_scale, std::uint64_t J,
+                                              std::uint64_t N, std::uint64_t C) {
+    std::map<std::string, TensorShape> tensors{{"coefficient", {Type16::half, {J, C}}},
+                                               {"bandwidth", {Type16::half, {J, N}}},
+                                               {"parameterization", {Type16::half, {N, 2}}}};
+    if (!axial) tensors["centre"] = {Type16::half, {J, N, 2}};
+    if (const auto F = std::uint64_t(features(form)); F > 0) tensors["exponent"] = {Type16::half, {J, F}};
+    if (with_log_scale) tensors["log_scale"] = {Type16::half, {J}};
+    return tensors;
+}
+
+/// The model of these tensors, or an error.
+Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm form, bool axial,
+                       std::vector<float> wavelength, const std::string& file_name) {
+    const auto fail = [&](std::string what, std::string expected, std::string found) {
+        return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
+    };
+    const auto shape =
+        shape_of_bandwidths(tensors, {0, 0}, {k_most_lobes, k_most_variates},
+                            fmt::format("[J, N] up to [{}, {}]", k_most_lobes, k_most_variates), file_name);
+    if (!shape) return shape.error();
+    const std::uint64_t J = (*shape)[0], N = (*shape)[1], C = wavelength.empty() ? 3 : wavelength.size();
+    const auto F = std::uint64_t(features(form));
+    const bool has_log_scale = tensors.contains("log_scale");
+    const auto expected = tensors_of(form, axial, F > 0 || has_log_scale, J, N, C);
+    if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
+
+    const auto number = [&](const char* name, std::size_t i) { return from_half(tensors.at(name).data[i]); };
+    PmModel model;
+    model.form = form;
+    model.axial = axial;
+    model.lobes = int(J);
+    model.variates = int(N);
+    for (std::size_t i = 0; i < J * C; ++i) {
+        const float beta = number("coefficient", i);
+        if (beta < 0) return fail("tensor 'coefficient'", "numbers of at least 0", fmt::format("{}", beta));
+        if (!wavelength.empty())
+            model.spectrum.push_back(beta);
+        else if (i % 3 == 2)
+            model.coefficient.push_back({number("coefficient", i - 2), number("coefficient", i - 1), beta});
+    }
+    if (!wavelength.empty()) model.coefficient = colours(model.spectrum, wavelength);
+    model.wavelength = std::move(wavelength);
+    for (std::size_t j = 0; j < J; ++j) model.log_scale.push_back(has_log_scale ? number("log_scale", j) : 0.f);
+    for (std::size_t i = 0; i < J * N; ++i) {
+        const float lambda = number("bandwidth", i);
+        if (axial) {
+            model.centre.push_back({0, 0, std::signbit(lambda) ? -1.f : 1.f});
+            model.bandwidth.push_back(std::abs(lambda));
+        } else {
+            if (lambda < 0) return fail("tensor 'bandwidth'", "numbers of at least 0", fmt::format("{}", lambda));
+            model.centre.push_back(spherical(number("centre", 2 * i), number("centre", 2 * i + 1)));
+            model.bandwidth.push_back(lambda);
+        }
+    }
+    for (std::size_t i = 0; i < J * F; ++i) {
+        const float kappa = number("exponent", i);
+        if (kappa < 0 && k_terms[i % F].least == 0)
+            return fail("tensor 'exponent'", "numbers of at least 0", fmt::format("{}", kappa));
+        model.exponent.push_back(kappa);
+    }
+    for (std::size_t n = 0; n < N; ++n) {
+        const Parameterization p{number("parameterization", 2 * n), number("parameterization", 2 * n + 1)};
+        if (p.a == 0 && p.b == 0) return fail("tensor 'parameterization'", "weights that are not both 0", "0, 0");
+        model.parameterization.push_back(p);
+    }
+    return model;
+}
+
+std::vector<std::string_view> stored_forms() {
+    std::vector<std::string_view> forms;
+    for (const PmForm form : k_forms) forms.push_back(stored_name(form));
+    return forms;
+}
+
+/// Wavelengths in the metadata of a file, separated by blanks.
+Result<std::vector<float>> wavelengths_of(std::string_view text, const std::string& file_name) {
+    std::vector<float> wavelengths;
+    for (std::string_view rest = text; wavelengths.size() <= k_most_wavelengths;) {
+        const std::string_view word = next_word(rest);
+        if (word.empty()) break;
+        wavelengths.push_back(to_number<float>(word).value_or(0));
+    }
+    if (are_wavelengths(wavelengths) && wavelengths.size() <= k_most_wavelengths) return wavelengths;
+    return Error{file_name, 8, "metadata 'wavelengths'",
+                 fmt::format("1 to {} increasing ones in nm, from 100 up", k_most_wavelengths), quoted(text)};
+}
+
+}  // namespace
+
+Safetensors lobes_content(const PmModel& model) {
+    Safetensors content{encode(model, true), {}};
+    content.metadata["form"] = stored_name(model.form);
+    content.metadata["axial"] = model.axial ? "true" : "false";
+    return content;
+}
+
+Result<LobesHeader> take_lobes_header(Metadata& metadata, const std::string& file_name) {
+    MetadataReader reader{metadata, file_name};
+    const auto form = reader.take("form", stored_forms()), axial = reader.take("axial", {"true", "false"});
+    if (reader.error) return *reader.error;
+    return LobesHeader{*form_named(form), axial == "true"};
+}
+
+Result<PmModel> decode_lobes(const std::map<std::string, Tensor16>& tensors, const LobesHeader& header,
+                             const std::string& file_name) {
+    return decode(tensors, header.form, header.axial, {}, file_name);
+}
+
+Safetensors Stored<PmModel>::content(const PmModel& model) {
+    Safetensors content{encode(model, has_log_scale(model)), {}};
+    content.metadata["form"] = stored_name(model.form);
+    content.metadata["axial"] = model.axial ? "true" : "false";
+    if (!model.wavelength.empty())
+        content.metadata["wavelengths"] = fmt::format("{}", fmt::join(model.wavelength, " "));
+    return content;
+}
+
+Result<PmModel> Stored<PmModel>::read(Safetensors& content, const std::string& file_name) {
+    const auto header = take_lobes_header(content.metadata, file_name);
+    if (!header) return header.error();
+    std::vector<float> wavelength;
+    if (const auto text = content.metadata.extract("wavelengths")) {
+        auto known = wavelengths_of(text.mapped(), file_name);
+        if (!known) return known.error();
+        wavelength = *std::move(known);
+    }
+    return decode(content.tensors, header->form, header->axial, std::move(wavelength), file_name);
+}
+
+double Stored<PmModel>::largest(const PmModel& model) {
+    double largest = 0;
+    for (const Rgb& beta : model.coefficient) largest = std::max(largest, largest_of(beta));
+    for (const float beta : model.spectrum) largest = std::max(largest, double(beta));
+    return largest;
+}
+
+PmModel rounded(const PmModel& model) {
+    const StandardArithmetic mode;
+    Result<PmModel> decoded =
+        decode(encode(model, has_log_scale(model)), model.form, model.axial, model.wavelength, "");
+    assert(decoded.ok());  // a valid model can be encoded
+    return *std::move(decoded);
+}
+
+}  // namespace srbf

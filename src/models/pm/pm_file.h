@@ -1,0 +1,32 @@
+// The multivariate model as tensors of a model file.
+#pragma once
+#include <map>
+#include <string>
+
+#include "base/safetensors.h"
+#include "srbf/models/pm.h"
+
+namespace srbf {
+
+template <> struct Stored<PmModel> {
+    static constexpr std::string_view name = "pm", words = "multivariate";
+    static Safetensors content(const PmModel& model);
+    static Result<PmModel> read(Safetensors& content, const std::string& file_name);
+    static double largest(const PmModel& model);
+};
+
+// Of files with the lobes of several models.
+/// The tensors of a model, always with log scales, and the metadata that determine their meaning.
+Safetensors lobes_content(const PmModel& model);
+/// These metadata.
+struct LobesHeader {
+    PmForm form;
+    bool axial;
+};
+/// They are taken out of `metadata`. Errors: those of `read_model`.
+Result<LobesHeader> take_lobes_header(Metadata& metadata, const std::string& file_name);
+/// The model of tensors of which `lobes_content` has the names, or an error.
+Result<PmModel> decode_lobes(const std::map<std::string, Tensor16>& tensors, const LobesHeader& header,
+                             const std::string& file_name);
+
+}  // namespace srbf

@@ -272,7 +272,7 @@ std::string about_kinds(const std::vector<std::string>& languages) {
         "three: a module for three.js with a class NAMEMaterial of each model; of a map, which goes into\n"
         "NAME.ktx2 beside it, one with coefficients from textures\n"
         "radiance: a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them\n"
-        "mtlx, standard-surface, gltf, glb, usd, blender: a surface (fit --model pbr) as a document of\n"
+        "mtlx, standard-surface, gltf, glb, usd, blender: a surface (fit --model openpbr) as a document of\n"
         "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"
         "Blender's material\n"
         "dds: an environment (.hdr, .exr or studio) filtered for NAME_environment, a cube map of 16-bit floats\n"

@@ -27,7 +27,7 @@ struct FitCommand {
     std::size_t width = 0;
     ReadOptions read;
     std::size_t first = 0, last = 0, slab = TexelFits{}.slab;
-    std::string model = "pm", surface = std::string(name(PbrRequest{}.surface)),
+    std::string model = "pm", surface = std::string(name(OpenPbrRequest{}.surface)),
                 form = std::string(name(PmRequest{}.form)), objective = std::string(name(FitRequest{}.objective)),
                 discretise = std::string(name(SuRequest{}.discretise)),
                 interpolation = std::string(name(SuRequest{}.interpolation)), with_index, channels = "rgb", band;
@@ -69,7 +69,7 @@ struct FitCommand {
         if (model == "pm") request.model = pm();
         if (model == "su") request.model = su();
         if (model == "ggx") request.model = GgxRequest{std::max(lobes, 1)};
-        if (model == "pbr") request.model = PbrRequest{*pbr_surface_named(surface)};
+        if (model == "openpbr") request.model = OpenPbrRequest{*openpbr_surface_named(surface)};
         request.objective = *objective_named(objective);
         if (max_theta > 0) request.max_theta = max_theta * k_degree;
         request.spectral = is_spectral();

@@ -85,15 +85,15 @@ void add_model(const Subcommand& sub, FitCommand& to, GivenOptions& of) {
                    "pm: parameterized multivariate SRBFs, one sum of lobes for the whole BRDF;\n"
                    "su: scattered univariate SRBFs, a sum of lobes for each of many view directions;\n"
                    "ggx: Lambert and GGX, the baseline;\n"
-                   "pbr: a surface by the parameters of OpenPBR, which renderers share")
+                   "openpbr: a surface by the parameters of OpenPBR, which renderers share")
         .type_name("NAME")
-        .one_of({"pm", "su", "ggx", "pbr"})
+        .one_of({"pm", "su", "ggx", "openpbr"})
         .capture_default_str();
     of.surface = sub.add_option("--surface", to.surface,
                                 "Whose parameters are fitted: of OpenPBR, of glTF with its extensions, or of "
                                 "Blender's\nPrincipled BSDF")
                      .type_name("NAME")
-                     .one_of({k_pbr_surfaces.begin(), k_pbr_surfaces.end()})
+                     .one_of({k_openpbr_surfaces.begin(), k_openpbr_surfaces.end()})
                      .capture_default_str();
 }
 
@@ -308,8 +308,8 @@ std::vector<Reading> of_model(const GivenOptions& of, const FitCommand& fit) {
         {{of.discretise, of.directions, of.interpolation, of.neighbours, of.between, of.with_index},
          "only with --model su",
          [&] { return fit.model == "su"; }},
-        {{of.surface}, "only with --model pbr", [&] { return fit.model == "pbr"; }},
-        {{of.lobes}, "not with --model pbr", [&] { return fit.model != "pbr"; }},
+        {{of.surface}, "only with --model openpbr", [&] { return fit.model == "openpbr"; }},
+        {{of.lobes}, "not with --model openpbr", [&] { return fit.model != "openpbr"; }},
         {{of.neighbours},
          "only with --interpolation plain or --with-index",
          [&] { return fit.interpolation == "plain" || of.with_index.given(); }},

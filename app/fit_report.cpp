@@ -38,12 +38,12 @@ void describe(Json& json, const GgxModel& model) {
     json["variates"] = 1;
     json["axial"] = true;
 }
-void describe(Json& json, const PbrModel& model) {
-    json["form"] = "pbr";
+void describe(Json& json, const OpenPbrModel& model) {
+    json["form"] = "openpbr";
     json["lobes"] = 1;
     json["variates"] = 1;
     json["axial"] = model.specular_roughness_anisotropy == 0;
-    for (const PbrParameter& of : k_pbr_parameters) {
+    for (const OpenPbrParameter& of : k_openpbr_parameters) {
         Json& numbers = json["parameters"][std::string(of.name)];
         if (of.colour)
             for (int c = 0; c < 3; ++c) numbers.push_back(number(model, of, c));
@@ -63,7 +63,7 @@ std::string words(const SuModel& model) {
                        model.direction.size(), model.discretise == Discretise::view ? "viewer" : "light",
                        name(model.interpolation));
 }
-std::string words(const PbrModel&) { return "pbr, a surface by parameters of OpenPBR"; }
+std::string words(const OpenPbrModel&) { return "openpbr, a surface by parameters of OpenPBR"; }
 std::string words(const GgxModel& model) {
     return fmt::format("ggx, {} and Lambert", model.lobes.size() == 1 ? "one lobe" : "two lobes");
 }
@@ -150,7 +150,7 @@ void print_against_ggx(const Measures& lobes, const Measures& ggx) {
 }  // namespace
 
 std::string_view kind_of(const FitRequest& request) {
-    constexpr std::string_view names[] = {"pm", "su", "ggx", "pbr"};
+    constexpr std::string_view names[] = {"pm", "su", "ggx", "openpbr"};
     return names[request.model.index()];
 }
 

@@ -34,8 +34,8 @@ std::vector<std::string> notes(const NamedModel& of) {
 
 /// For programs whose coat leaves the base as it is: with the roughness and the index of refraction that the base has
 /// under its coat.
-PbrModel with_plain_coat(const PbrModel& model) {
-    PbrModel plain = model;
+OpenPbrModel with_plain_coat(const OpenPbrModel& model) {
+    OpenPbrModel plain = model;
     plain.specular_roughness =
         Kernel<float>::roughened(model.specular_roughness, model.coat_roughness, model.coat_weight);
     const float ratio = model.specular_ior / (1 + model.coat_weight * (model.coat_ior - 1));
@@ -43,17 +43,17 @@ PbrModel with_plain_coat(const PbrModel& model) {
     return plain;
 }
 
-/// The roughnesses α along and across the tangent (`pbr_anisotropic_value` of kernel.glsl), and its angle [turns].
+/// The roughnesses α along and across the tangent (`openpbr_anisotropic_value` of kernel.glsl), and its angle [turns].
 struct Anisotropy {
     float along, across, rotation;
-    explicit Anisotropy(const PbrModel& model) : rotation(model.specular_rotation) {
+    explicit Anisotropy(const OpenPbrModel& model) : rotation(model.specular_rotation) {
         const float alpha = model.specular_roughness * model.specular_roughness,
                     share = 1 - model.specular_roughness_anisotropy;
         along = std::min(alpha * std::sqrt(2 / (1 + share * share)), 1.f);
         across = share * along;
     }
 };
-bool is_anisotropic(const PbrModel& model) { return model.specular_roughness_anisotropy > 0; }
+bool is_anisotropic(const OpenPbrModel& model) { return model.specular_roughness_anisotropy > 0; }
 
 // ---- MaterialX and USD ----
 
@@ -68,18 +68,18 @@ Input input(std::string_view name, const Rgb& c) {
 }
 
 /// The parameters of OpenPBR Surface have the names of ours. Its tangent is a vector, for which there is a node.
-std::vector<Input> openpbr_inputs(const PbrModel& model) {
+std::vector<Input> openpbr_inputs(const OpenPbrModel& model) {
     std::vector<Input> inputs;
-    for (const PbrParameter& of : k_pbr_parameters)
+    for (const OpenPbrParameter& of : k_openpbr_parameters)
         if (of.name != "specular_rotation")
             inputs.push_back(of.colour ? input(of.name, model.*of.colour) : input(of.name, model.*of.number));
     return inputs;
 }
 /// MaterialX turns vectors clockwise [degrees].
-float clockwise(const PbrModel& model) { return -360 * model.specular_rotation; }
+float clockwise(const OpenPbrModel& model) { return -360 * model.specular_rotation; }
 /// Standard Surface has no darkening of a coat and no weight of a film, whose thickness is in nanometres. Its
 /// roughnesses are α / a along the tangent and α a across it, with a² = 1 − specular_anisotropy.
-std::vector<Input> standard_surface_inputs(const PbrModel& model) {
+std::vector<Input> standard_surface_inputs(const OpenPbrModel& model) {
     const Anisotropy facets(model);
     return {input("base", model.base_weight),
             input("base_color", model.base_color),
@@ -124,7 +124,7 @@ std::string mtlx_text(const NamedModel& of, const char* node, const char* specif
 }
 
 /// The nodes of a tangent that is turned about the normal, for the material of that name.
-std::string mtlx_tangent(const std::string& name, const PbrModel& model) {
+std::string mtlx_tangent(const std::string& name, const OpenPbrModel& model) {
     if (!is_anisotropic(model)) return "";
     std::string text;
     for (const char* node : {"tangent", "normal"})
@@ -145,7 +145,7 @@ std::string usd_colour(const Rgb& of) { return fmt::format("({:.6g}, {:.6g}, {:.
 Rgb scaled(float weight, const Rgb& of) { return {weight * of.r, weight * of.g, weight * of.b}; }
 
 /// The nodes of `mtlx_tangent`.
-std::string usd_tangent(const std::string& name, const PbrModel& model) {
+std::string usd_tangent(const std::string& name, const OpenPbrModel& model) {
     std::string text;
     for (const auto& [prim, id] : {std::pair{"Tangent", "tangent"}, std::pair{"Normal", "normal"}})
         text += fmt::format(
@@ -163,7 +163,7 @@ std::string usd_tangent(const std::string& name, const PbrModel& model) {
                       name, clockwise(model));
 }
 
-std::string usd_text(const NamedModel& of, const PbrModel& model) {
+std::string usd_text(const NamedModel& of, const OpenPbrModel& model) {
     std::string text = "#usda 1.0\n(\n    defaultPrim = \"World\"\n    doc = \"\"\"";
     for (const std::string& line : notes(of)) text += in_string(line) + "\n";
     text += fmt::format(
@@ -182,7 +182,7 @@ std::string usd_text(const NamedModel& of, const PbrModel& model) {
         text += fmt::format("                {} inputs:{} = {}\n", type, name, value);
     };
     const auto digits = [](float x) { return fmt::format("{:.6g}", x); };
-    const PbrModel plain = with_plain_coat(model);
+    const OpenPbrModel plain = with_plain_coat(model);
     const float mean_of_coat = (model.coat_color.r + model.coat_color.g + model.coat_color.b) / 3;
     preview("color3f", "diffuseColor", usd_colour(scaled(model.base_weight, model.base_color)));
     preview("float", "metallic", digits(model.base_metalness));
@@ -239,7 +239,7 @@ Sphere sphere() {
 double shown(float x) { return std::round(double(x) * 1e6) / 1e6; }
 Json shown(const Rgb& of) { return Json::array({shown(of.r), shown(of.g), shown(of.b)}); }
 
-Json gltf_material(const NamedModel& of, const PbrModel& model) {
+Json gltf_material(const NamedModel& of, const OpenPbrModel& model) {
     const Rgb base = scaled(model.base_weight, model.base_color);
     Json material{{"name", of.name},
                   {"pbrMetallicRoughness",
@@ -278,7 +278,7 @@ struct Gltf {
     Json json;  ///< all but the bytes' place
     std::vector<std::byte> bytes;
 };
-Gltf gltf(const NamedModel& of, const PbrModel& model) {
+Gltf gltf(const NamedModel& of, const OpenPbrModel& model) {
     const Sphere mesh = sphere();
     std::vector<std::byte> bytes;
     const auto add = [&](std::span<const std::byte> more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
@@ -353,7 +353,7 @@ std::string glb_bytes(const Gltf& of) {
 
 // ---- Blender ----
 
-std::string blender_text(const NamedModel& of, const PbrModel& model) {
+std::string blender_text(const NamedModel& of, const OpenPbrModel& model) {
     std::string text;
     for (const std::string& line : notes(of)) text += fmt::format("# {}\n", in_comment(line));
     text += fmt::format(
@@ -405,12 +405,12 @@ std::string blender_text(const NamedModel& of, const PbrModel& model) {
 }  // namespace
 
 Result<std::string> surface_file(std::string_view kind, const NamedModel& of) {
-    const auto* model = std::get_if<PbrModel>(&of.model->model);
+    const auto* model = std::get_if<OpenPbrModel>(&of.model->model);
     if (!model)
         return Error{of.name,
                      {},
                      "model for " + std::string(kind),
-                     "a surface, of srbf fit --model pbr",
+                     "a surface, of srbf fit --model openpbr",
                      "another model",
                      ErrorCode::argument};
     if (model->is_exchanged)
@@ -422,7 +422,7 @@ Result<std::string> surface_file(std::string_view kind, const NamedModel& of) {
         return mtlx_text(of, "standard_surface", "Autodesk Standard Surface 1.0.1",
                          standard_surface_inputs(with_plain_coat(*model)));
     if (kind == "usd") return usd_text(of, *model);
-    const PbrModel plain = with_plain_coat(*model);
+    const OpenPbrModel plain = with_plain_coat(*model);
     if (kind == "gltf") return gltf_text(gltf(of, plain));
     if (kind == "glb") return glb_bytes(gltf(of, plain));
     return blender_text(of, plain);

@@ -200,10 +200,10 @@ void add_model(std::string& text, const GgxModel& model) {
     }
 }
 
-void add_model(std::string& text, const PbrModel& model) {
-    add_row(text, "model", "pbr: a surface by parameters of OpenPBR 1.1");
-    add_row(text, "size", fmt::format("{} numbers, {} bytes", pbr_number_count(model), payload_bytes(model)));
-    for (const PbrParameter& of : k_pbr_parameters) {
+void add_model(std::string& text, const OpenPbrModel& model) {
+    add_row(text, "model", "openpbr: a surface by parameters of OpenPBR 1.1");
+    add_row(text, "size", fmt::format("{} numbers, {} bytes", openpbr_number_count(model), payload_bytes(model)));
+    for (const OpenPbrParameter& of : k_openpbr_parameters) {
         std::string numbers;
         for (int c = 0; c < of.count(); ++c) numbers += fmt::format("{}{:.4g}", c ? "  " : "", number(model, of, c));
         text += fmt::format("  {:<30}{}\n", of.name, numbers);

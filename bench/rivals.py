@@ -25,7 +25,7 @@ import stand_ins
 FITS = {  # options of srbf.fit
     "ggx": {"model": "ggx"},
     "ggx-2": {"model": "ggx", "lobes": 2},
-    "openpbr": {"model": "pbr"},
+    "openpbr": {"model": "openpbr"},
     "srbf-4": {"lobes": 4},
     "srbf": {},
     "srbf-12": {"lobes": 12},

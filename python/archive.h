@@ -86,8 +86,8 @@ template <typename Each> void members(SuModel& of, const Each& each) {
     each(of.coefficient), each(of.centre), each(of.bandwidth), each(of.shape), each(of.index);
 }
 template <typename Each> void members(GgxModel& of, const Each& each) { each(of.diffuse), each(of.lobes); }
-template <typename Each> void members(PbrModel& of, const Each& each) {
-    for (const PbrParameter& parameter : k_pbr_parameters)
+template <typename Each> void members(OpenPbrModel& of, const Each& each) {
+    for (const OpenPbrParameter& parameter : k_openpbr_parameters)
         for (int c = 0; c < parameter.count(); ++c) each(number(of, parameter, c));
     each(of.is_exchanged);
 }

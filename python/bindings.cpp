@@ -98,9 +98,7 @@ PYBIND11_MODULE(_srbf, module) {
         .def("exchanged", &Held::exchanged, py::call_guard<py::gil_scoped_release>())
         .def("is_exchanged", &Held::is_exchanged)
         .def("kind",
-             [](const Held& brdf) {
-                 return brdf.model() ? std::string(kind(*brdf.model())) : brdf.measured()->format;
-             })
+             [](const Held& brdf) { return brdf.model() ? std::string(kind(*brdf.model())) : brdf.measured()->format; })
         .def("nbytes",
              [](const Held& brdf) { return brdf.model() ? payload_bytes(*brdf.model()) : brdf.measured()->bytes; })
         .def("source", [](const Held& brdf) { return file_name_of(brdf.measured() ? brdf.measured()->source : ""); })
@@ -173,12 +171,13 @@ PYBIND11_MODULE(_srbf, module) {
         for (const FormRow& row : k_form_rows) terms[std::string(row.name)] = row.terms;
         return terms;
     });
-    module.def("pbr_parameters", [] {
+    module.def("openpbr_parameters", [] {
         std::map<std::string, int> counts;
-        for (const PbrParameter& of : k_pbr_parameters) counts[std::string(of.name)] = of.count();
+        for (const OpenPbrParameter& of : k_openpbr_parameters) counts[std::string(of.name)] = of.count();
         return counts;
     });
-    module.def("pbr_surfaces", [] { return std::vector<std::string>(k_pbr_surfaces.begin(), k_pbr_surfaces.end()); });
+    module.def("openpbr_surfaces",
+               [] { return std::vector<std::string>(k_openpbr_surfaces.begin(), k_openpbr_surfaces.end()); });
     module.def("view_directions", [](int n) { return array_of(floats(fibonacci_directions(n, k_pi / 2)), {n, 3}); });
     module.def("forms", [] { return names_of(k_form_rows); });
     module.def("code_languages", [] { return names_of(k_code_languages); });

@@ -9,15 +9,15 @@
 #include "background.h"
 #include "brdf.h"
 #include "srbf/directions.h"
+#include "srbf/fit.h"
 #include "srbf/fit_batch.h"
 #include "srbf/fit_bsdf.h"
-#include "srbf/fit.h"
 
 namespace srbf {
 
 /// What Python asks for, within its ranges: empty or no value is the library's default.
 struct Request {
-    std::string model = "pm", surface = std::string(name(PbrRequest{}.surface)), form, objective, channels = "rgb";
+    std::string model = "pm", surface = std::string(name(OpenPbrRequest{}.surface)), form, objective, channels = "rgb";
     std::optional<int> lobes, variates;
     bool automatic = false, reciprocal = false;
     std::optional<bool> axial;
@@ -43,7 +43,7 @@ struct Request {
         if (model == "pm") request.model = pm();
         if (model == "su") request.model = SuRequest{.lobes = lobes.value_or(SuRequest{}.lobes)};
         if (model == "ggx") request.model = GgxRequest{lobes.value_or(GgxRequest{}.lobes)};
-        if (model == "pbr") request.model = PbrRequest{pbr_surface_named(surface).value()};
+        if (model == "openpbr") request.model = OpenPbrRequest{openpbr_surface_named(surface).value()};
         if (!objective.empty()) request.objective = objective_named(objective).value();
         if (max_theta) request.max_theta = *max_theta * k_degree;
         request.spectral = channels == "spectral";

@@ -76,13 +76,13 @@ inline py::dict parameters(const Held& brdf) {
         add("roughness", roughness, {L});
         add("f0", f0, {L, 3});
         add("f90", f90, {L});
-    } else if (const auto* pbr = std::get_if<PbrModel>(&model)) {
-        for (const PbrParameter& parameter : k_pbr_parameters) {
+    } else if (const auto* openpbr = std::get_if<OpenPbrModel>(&model)) {
+        for (const OpenPbrParameter& parameter : k_openpbr_parameters) {
             std::vector<float> numbers;
-            for (int c = 0; c < parameter.count(); ++c) numbers.push_back(number(*pbr, parameter, c));
+            for (int c = 0; c < parameter.count(); ++c) numbers.push_back(number(*openpbr, parameter, c));
             add(std::string(parameter.name).c_str(), numbers, {py::ssize_t(numbers.size())});
         }
-        of["is_exchanged"] = pbr->is_exchanged;
+        of["is_exchanged"] = openpbr->is_exchanged;
     }
     return of;
 }
@@ -147,14 +147,14 @@ inline GgxModel ggx_of(const py::dict& of) {
     return ggx;
 }
 
-inline PbrModel pbr_of(const py::dict& of) {
-    PbrModel pbr;
-    for (const PbrParameter& parameter : k_pbr_parameters) {
+inline OpenPbrModel openpbr_of(const py::dict& of) {
+    OpenPbrModel openpbr;
+    for (const OpenPbrParameter& parameter : k_openpbr_parameters) {
         const auto numbers = vector_of<float>(of, std::string(parameter.name).c_str());
-        for (int c = 0; c < parameter.count(); ++c) number(pbr, parameter, c) = numbers.at(std::size_t(c));
+        for (int c = 0; c < parameter.count(); ++c) number(openpbr, parameter, c) = numbers.at(std::size_t(c));
     }
-    pbr.is_exchanged = of["is_exchanged"].cast<bool>();
-    return pbr;
+    openpbr.is_exchanged = of["is_exchanged"].cast<bool>();
+    return openpbr;
 }
 
 /// Of parts as models, by their names, and of beams.
@@ -179,11 +179,11 @@ inline BsdfModel bsdf_of(const py::dict& of) {
 /// The model of that kind with these numbers as its file has them: rounded to 16-bit floats and within their ranges.
 /// Centres that are so already stay as they are, since angles are rounded twice where they go through vectors.
 inline Held model_of(const std::string& kind, const py::dict& of, std::map<std::string, std::string> provenance) {
-    Model model{kind == "pm"    ? decltype(Model::model)(pm_of(of))
-                : kind == "su"  ? decltype(Model::model)(su_of(of))
-                : kind == "ggx" ? decltype(Model::model)(ggx_of(of))
-                : kind == "pbr" ? decltype(Model::model)(pbr_of(of))
-                                : decltype(Model::model)(bsdf_of(of)),
+    Model model{kind == "pm"        ? decltype(Model::model)(pm_of(of))
+                : kind == "su"      ? decltype(Model::model)(su_of(of))
+                : kind == "ggx"     ? decltype(Model::model)(ggx_of(of))
+                : kind == "openpbr" ? decltype(Model::model)(openpbr_of(of))
+                                    : decltype(Model::model)(bsdf_of(of)),
                 std::move(provenance)};
     Model rounded = required(read_model(write_model(model), "parameters"));
     const auto keep = [](const auto& given, auto& centres) {

@@ -42,9 +42,9 @@ Json numbers_of(const GgxModel& model) {
     const auto numbers = ggx_numbers(model);
     return {{"vectors", base64(std::as_bytes(std::span(numbers)))}, {"vectors_name", "ggx_numbers"}};
 }
-Json numbers_of(const PbrModel& model) {
-    const auto numbers = pbr_numbers(model);
-    return {{"vectors", base64(std::as_bytes(std::span(numbers)))}, {"vectors_name", "pbr_numbers"}};
+Json numbers_of(const OpenPbrModel& model) {
+    const auto numbers = openpbr_numbers(model);
+    return {{"vectors", base64(std::as_bytes(std::span(numbers)))}, {"vectors_name", "openpbr_numbers"}};
 }
 Json numbers_of(const std::vector<Float4>& merl_texels, std::vector<std::uint32_t> size) {
     std::vector<std::array<std::uint16_t, 4>> halves;
@@ -292,7 +292,9 @@ NamedNumbers named(std::string name, std::span<const Float4> numbers) {
 }
 template <typename M> NamedNumbers shader_numbers(const M&) { return {}; }
 NamedNumbers shader_numbers(const PmModel& model) { return named("uniform block PmNumbers", pm_numbers(model)); }
-NamedNumbers shader_numbers(const PbrModel& model) { return named("uniform pbr_numbers", pbr_numbers(model)); }
+NamedNumbers shader_numbers(const OpenPbrModel& model) {
+    return named("uniform openpbr_numbers", openpbr_numbers(model));
+}
 NamedNumbers shader_numbers(const GgxModel& model) { return named("uniform ggx_numbers", ggx_numbers(model)); }
 
 std::string texts_of(const Page& page) {

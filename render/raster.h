@@ -127,7 +127,7 @@ class RasterMaterial {
     void load(const PmModel& model);
     void load(const SuModel& model);
     void load(const GgxModel& model);
-    void load(const PbrModel& model);
+    void load(const OpenPbrModel& model);
     void load(const BsdfModel&) {}  // its numbers are in the text
     void load(const BsdfTables& tables);
     void load_table(std::array<std::uint32_t, 3> size, std::vector<Float4> texels);

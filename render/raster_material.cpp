@@ -13,7 +13,7 @@ namespace {
 /// Whether a material's numbers fit the limits of the library.
 Result<Done> check_limits(const Flat&) { return Done{}; }
 Result<Done> check_limits(const GgxModel&) { return Done{}; }
-Result<Done> check_limits(const PbrModel&) { return Done{}; }
+Result<Done> check_limits(const OpenPbrModel&) { return Done{}; }
 Result<Done> check_limits(const BsdfModel&) { return Done{}; }
 Result<Done> check_limits(const BsdfTables& tables) {
     const auto [h, d, p] = size_of(tables);
@@ -76,10 +76,10 @@ void RasterMaterial::load(const GgxModel& model) {
     glUniform4fv(glGetUniformLocation(program_.id(), "ggx_numbers"), GLsizei(numbers.size()), numbers[0].data());
 }
 
-void RasterMaterial::load(const PbrModel& model) {
-    const auto numbers = pbr_numbers(model);
+void RasterMaterial::load(const OpenPbrModel& model) {
+    const auto numbers = openpbr_numbers(model);
     data_bytes_ = sizeof numbers;
-    glUniform4fv(glGetUniformLocation(program_.id(), "pbr_numbers"), GLsizei(numbers.size()), numbers[0].data());
+    glUniform4fv(glGetUniformLocation(program_.id(), "openpbr_numbers"), GLsizei(numbers.size()), numbers[0].data());
 }
 
 void RasterMaterial::load(const SuModel& model) {

@@ -128,9 +128,10 @@ TEST_F(OfShade, is_fitted_view_by_view_and_by_lambert_and_ggx) {
 }
 
 TEST_F(OfShade, is_no_surface_of_one_side) {
-    expect_failure(1, {"fit", "shade.xml", "--model", "pbr", "-o", "x.srbf"},
+    expect_failure(1, {"fit", "shade.xml", "--model", "openpbr", "-o", "x.srbf"},
                    "shade.xml: model: expected pm, su or ggx, since a surface of OpenPBR scatters light to one side");
-    expect_failure(2, {"fit", "shade.xml", "--model", "pbr", "--channels", "spectral", "-o", "x.srbf"}, "--channels");
+    expect_failure(2, {"fit", "shade.xml", "--model", "openpbr", "--channels", "spectral", "-o", "x.srbf"},
+                   "--channels");
 }
 
 TEST_F(OfShade, is_fitted_among_many) {

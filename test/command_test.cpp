@@ -294,7 +294,7 @@ TEST_F(OfModel, the_manual_tells_what_help_tells) {
         return text;
     };
     EXPECT_EQ(offered("srbf re"), "render report\n");
-    EXPECT_EQ(offered("srbf fit --model ''"), "pm su ggx pbr\n");
+    EXPECT_EQ(offered("srbf fit --model ''"), "pm su ggx openpbr\n");
     EXPECT_EQ(offered("srbf fit --ob"), "--objective\n");
     EXPECT_EQ(offered("srbf --max"), "--max-memory\n");
     EXPECT_EQ(offered("srbf --max-memory ''"), "\n");
@@ -329,7 +329,7 @@ TEST_F(OfModel, convert_evaluates_whole_tables) {
 }
 
 TEST_F(OfModel, surfaces_are_exported_for_other_programs) {
-    PbrModel surface{.base_color = {0.9f, 0.6f, 0.3f}, .base_metalness = 1, .specular_roughness = 0.2f};
+    OpenPbrModel surface{.base_color = {0.9f, 0.6f, 0.3f}, .base_metalness = 1, .specular_roughness = 0.2f};
     surface.coat_weight = 1, surface.coat_roughness = 0.5f;
     surface.thin_film_weight = 0.5f, surface.thin_film_thickness = 0.25f;
     ASSERT_TRUE(save_model({rounded(surface), {{"source", "a--b.bsdf"}}}, folder / "s.srbf").ok());
@@ -383,7 +383,7 @@ TEST_F(OfModel, surfaces_are_exported_for_other_programs) {
 
 /// Facets that are rougher along a tangent than across it, as the other programs write them.
 TEST_F(OfModel, anisotropic_surfaces_are_exported_for_other_programs) {
-    PbrModel surface{.base_metalness = 1, .specular_roughness = 0.5f};
+    OpenPbrModel surface{.base_metalness = 1, .specular_roughness = 0.5f};
     surface.specular_roughness_anisotropy = 0.5f, surface.specular_rotation = 0.125f;
     ASSERT_TRUE(save_model({surface, {}}, folder / "s.srbf").ok());
     const std::string openpbr = exported("mtlx"), usd = exported("usd"), script = exported("blender");
@@ -412,7 +412,7 @@ TEST_F(OfModel, anisotropic_surfaces_are_exported_for_other_programs) {
 
 TEST_F(OfModel, a_surface_is_fitted_to_an_anisotropic_measurement) {
     write(folder / "a.bsdf", text_of(tensor_file(anisotropic_rgl())));
-    const ProgramRun made = run(folder, {"fit", "a.bsdf", "--model", "pbr", "-o", "a.srbf"});
+    const ProgramRun made = run(folder, {"fit", "a.bsdf", "--model", "openpbr", "-o", "a.srbf"});
     ASSERT_EQ(made.status, 0) << made.err;
     EXPECT_TRUE(load_model(folder / "a.srbf").ok());
 }

@@ -145,7 +145,7 @@ TEST(ExtendedLight, LambertIsTheCosine) {
 // An anisotropic BRDF is reflected by its mean over azimuths, and over the two halves beside the plane of incidence, in
 // which lobes lie.
 TEST(ExtendedLight, AnisotropicIsTheMeanOverAzimuths) {
-    PbrModel metal;
+    OpenPbrModel metal;
     metal.base_metalness = 1, metal.specular_roughness = 0.5f, metal.specular_roughness_anisotropy = 0.8f;
     const Model model{metal, {}};
     const PreparedBrdf brdf = prepare(model);

@@ -79,14 +79,14 @@ void main() {
     f *= su_plain_weight(Su(5), nearest, wv, 3, 0) * su_rotated_part(Su(5), wl, wv, 0);
     GgxLobe sharp = GgxLobe(u.x, wl, u.y), broad = GgxLobe(ggx_facets(wl, wv, u.y), wv, schlick_weight(wl, wv));
     f += ggx_value(wl, sharp, broad, wl, wv) + ggx_lobe_value(broad, wl, wv);
-    PbrSurface surface = PbrSurface(wl, u.x, u.y, u.x, wv, u.x, 1.5, u.x, wl, u.y, 1.6, u.x, u.y, wv, u.x);
-    PbrFilm film = PbrFilm(u.x, u.y, 1.4);
-    PbrBase base = pbr_base(surface);
-    PbrFacets facets = pbr_facets(surface, base, wl, wv), filmed = pbr_film_facets(surface, film, base, wl, wv);
-    f += pbr_value(surface, wl, wv) + pbr_base_value(surface, base, facets, u.x, wl, wv);
+    OpenPbrSurface surface = OpenPbrSurface(wl, u.x, u.y, u.x, wv, u.x, 1.5, u.x, wl, u.y, 1.6, u.x, u.y, wv, u.x);
+    OpenPbrFilm film = OpenPbrFilm(u.x, u.y, 1.4);
+    OpenPbrBase base = openpbr_base(surface);
+    OpenPbrFacets facets = openpbr_facets(surface, base, wl, wv), filmed = openpbr_film_facets(surface, film, base, wl, wv);
+    f += openpbr_value(surface, wl, wv) + openpbr_base_value(surface, base, facets, u.x, wl, wv);
     f += blended(tinted(wl, wv), wl, u.x) * ggx_stretched_facets(wl, wv, u.x, u.y);
-    f += pbr_anisotropic_value(surface, film, PbrAnisotropy(u.x, u.y, 0.5), wl, wv);
-    f += pbr_film_value(surface, film, wl, wv) + pbr_layers_value(surface, filmed.metal, wl, wv);
+    f += openpbr_anisotropic_value(surface, film, OpenPbrAnisotropy(u.x, u.y, 0.5), wl, wv);
+    f += openpbr_film_value(surface, film, wl, wv) + openpbr_layers_value(surface, filmed.metal, wl, wv);
     f *= film_reflectance(film, wl, half_cosine(wl, wv)) + film_colour(u.x, wv) + scattered_again_by(wl, u.x);
     f *= film_order(film_base(u.x, 1.4, u.y), u.x, u.y, 0.5) + film_wave(u.x, 1.0, u.y, 0.5) + doubled(u.x) +
          one_minus_cos(u.y) + fifth_power(u.x);
@@ -168,7 +168,7 @@ std::vector<Material> materials() {
         materials.push_back(su);
     }
     materials.push_back(GgxModel{{0.1f, 0.2f, 0.3f}, {{0.3f, {0.04f, 0.04f, 0.04f}, 1}}});
-    materials.push_back(PbrModel{});
+    materials.push_back(OpenPbrModel{});
     return materials;
 }
 

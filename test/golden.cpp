@@ -19,9 +19,9 @@
 #include "one_target.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
+#include "srbf/fit.h"
 #include "srbf/fit_batch.h"
 #include "srbf/fit_bsdf.h"
-#include "srbf/fit.h"
 #include "srbf/kernel.h"
 #include "srbf/model.h"
 
@@ -223,7 +223,8 @@ const std::vector<Row>& rows() {
              return g.of_su(g.film, {.lobes = 2, .discretise = Discretise::light, .directions = 64}, Objective::raw);
          }},
         {"film-ggx", [](const G& g) { return g.fitted(g.film, {.model = GgxRequest{2}, .threads = g.threads}); }},
-        {"film-pbr", [](const G& g) { return g.fitted(g.film, {.model = PbrRequest{}, .threads = g.threads}); }},
+        {"film-openpbr",
+         [](const G& g) { return g.fitted(g.film, {.model = OpenPbrRequest{}, .threads = g.threads}); }},
         {"film-samples", [](const G& g) { return g.of_pm(samples_of(g.film, 400, false), 3); }},
         {"film-samples-cube-root",
          [](const G& g) { return g.of_pm(samples_of(g.film, 300, false), 2, Objective::cube_root); }},
@@ -335,7 +336,7 @@ int run(const std::vector<std::string>& arguments) {
             // Narrow vectors take long: the next newest set has the default fit and a row of each kind, the next fewer,
             // the rest one.
             const std::vector<std::string> some{"texels", "film-lights", "film-3-general", "film-ggx",
-                                                "film",   "film-views",  "film-pbr"};
+                                                "film",   "film-views",  "film-openpbr"};
             const std::ptrdiff_t count = every ? std::ssize(rows()) : i == 1 ? std::ssize(some) : i == 2 ? 3 : 1;
             const auto is_wanted = [&](const Row& row) {
                 return every || std::find(some.begin(), some.end(), row.name) - some.begin() < count;

@@ -405,7 +405,7 @@ TEST_F(Hostile, WhatFilesSayIsNoCode) {
             const auto exported = [&](const std::string& file, bool harmless) {
                 Library own = map;
                 own.provenance = metadata(i, harmless);
-                const Model model = is_surface ? Model{PbrModel{}, own.provenance} : Model{pm, own.provenance};
+                const Model model = is_surface ? Model{OpenPbrModel{}, own.provenance} : Model{pm, own.provenance};
                 write(folder / file, text_of(is_map ? write_library(own) : write_model(model)));
                 const ProgramRun done = run(folder, {"export", file, "--to", to, "-o", "x"});
                 EXPECT_EQ(done.status, 0) << done.err;

@@ -21,7 +21,7 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"a table", "fit m.binary -o o.srbf " + k_fit},
     {"a goal", "fit m.binary -o o.srbf --objective raw --budget 14"},
     {"ggx", "fit m.binary -o o.srbf --model ggx --objective raw"},
-    {"pbr", "fit m.binary -o o.srbf --model pbr --surface principled --objective raw"},
+    {"openpbr", "fit m.binary -o o.srbf --model openpbr --surface principled --objective raw"},
     {"a folder", k_folder},
     {"texels", "fit t.npy --pairs p.csv -o d " + k_fit},
     {"a library", "fit m.binary -o o.srbf --basis 2 --active 1 --variates 1"},
@@ -140,7 +140,7 @@ class Options : public CommandLine {
         ASSERT_TRUE(
             save_model({random_model(random, {.lobes = 1, .variates = 1, .most_bandwidth = 20}), {}}, folder / "m.srbf")
                 .ok());
-        ASSERT_TRUE(save_model({PbrModel{}, {}}, folder / "q.srbf").ok());
+        ASSERT_TRUE(save_model({OpenPbrModel{}, {}}, folder / "q.srbf").ok());
         ASSERT_TRUE(save_model({full_bsdf(), {}}, folder / "b.srbf").ok());
         const Bytes map = write_library(random_map(random, {.lobes = 2}, 3, 2));
         write(folder / "t.srbf", text_of(map));

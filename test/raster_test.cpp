@@ -25,7 +25,7 @@ constexpr int k_width = 160, k_height = 120;
 /// f_r as the texts that the shader is made of have it, on the CPU.
 Rgb rgb(Vec3f f) { return {f.x, f.y, f.z}; }
 Rgb by_text(const GgxModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
-Rgb by_text(const PbrModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
+Rgb by_text(const OpenPbrModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
 Rgb by_text(const PmModel& model, Vec3f wl, Vec3f wv) { return rgb(Kernel<float>::pm_value(model, wl, wv)); }
 Rgb by_text(const SuModel& model, Vec3f wl, Vec3f wv) {
     const bool by_view = model.discretise == Discretise::view;
@@ -185,7 +185,7 @@ TEST_P(Raster, LambertAndGgxLookAsOnTheCpu) {
 }
 
 TEST_P(Raster, SurfacesLookAsOnTheCpu) {
-    PbrModel model;
+    OpenPbrModel model;
     model.base_color = {0.6f, 0.3f, 0.1f}, model.base_metalness = 0.4f, model.base_diffuse_roughness = 0.5f;
     model.coat_weight = 0.7f, model.coat_color = {0.9f, 0.8f, 0.7f}, model.coat_roughness = 0.2f;
     model.fuzz_weight = 0.5f, model.fuzz_color = {0.1f, 0.2f, 0.4f};

@@ -41,11 +41,11 @@ const std::vector<Model>& models() {
         add(PmForm::extended, false);
         models.push_back({rounded(GgxModel{{0.1f, 0.2f, 0.3f}, {{0.3f, {0.04f, 0.05f, 0.06f}, 1}}}), {}});
         models.push_back({rounded(GgxModel{{}, {{0.1f, {0.9f, 0.5f, 0.2f}, 1}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}}), {}});
-        PbrModel film{.base_metalness = 0.7f, .thin_film_weight = 0.8f};
+        OpenPbrModel film{.base_metalness = 0.7f, .thin_film_weight = 0.8f};
         film.specular_roughness_anisotropy = 0.6f, film.specular_rotation = 0.3f;
         models.push_back({rounded(film), {}});
         models.push_back(
-            {rounded(PbrModel{.base_color = {0.5f, 0.3f, 0.1f}, .coat_weight = 0.5f, .fuzz_weight = 0.3f}), {}});
+            {rounded(OpenPbrModel{.base_color = {0.5f, 0.3f, 0.1f}, .coat_weight = 0.5f, .fuzz_weight = 0.3f}), {}});
         models.back().provenance["note"] = "a */ comment \\\nthat */ would end # early \\";
         return models;
     }();
@@ -155,8 +155,8 @@ Answers expected() {
 
 /// Ten times the bound for thin films: of a phase of tens of radians a shader that fuses other products keeps a digit less.
 double tolerance(const Model& model) {
-    const auto* const pbr = std::get_if<PbrModel>(&model.model);
-    return pbr && pbr->thin_film_weight > 0 ? 10 : 1;
+    const auto* const openpbr = std::get_if<OpenPbrModel>(&model.model);
+    return openpbr && openpbr->thin_film_weight > 0 ? 10 : 1;
 }
 
 /// Values are the library's within 1e-4, or 1e-6 of the peak; so are albedos, densities within 1e-3 and samples within

@@ -39,11 +39,11 @@ std::map<std::string, Model> models_of_today() {
     all["ggx_one"] = {GgxModel{{0.1f, 0.2f, 0.3f}, {{0.4f, {0.5f, 0.3f, 0.1f}, 1}}}, {}};
     all["ggx_two"] = {GgxModel{{0.1f, 0.2f, 0.3f}, {{0.4f, {0.5f, 0.3f, 0.1f}, 1}, {0.1f, {0.2f, 0.2f, 0.2f}, 0.5f}}},
                       {}};
-    all["pbr"] = {PbrModel{.base_color = {0.5f, 0.3f, 0.1f}, .coat_weight = 0.5f, .fuzz_weight = 0.25f}, {}};
-    PbrModel brushed{.base_color = {0.9f, 0.6f, 0.3f}, .base_metalness = 1, .specular_roughness = 0.4f};
+    all["openpbr"] = {OpenPbrModel{.base_color = {0.5f, 0.3f, 0.1f}, .coat_weight = 0.5f, .fuzz_weight = 0.25f}, {}};
+    OpenPbrModel brushed{.base_color = {0.9f, 0.6f, 0.3f}, .base_metalness = 1, .specular_roughness = 0.4f};
     brushed.specular_roughness_anisotropy = 0.7f, brushed.specular_rotation = 0.1f;
-    all["pbr_brushed"] = {rounded(brushed), {}};
-    all["pbr_film"] = {rounded(PbrModel{.base_metalness = 0.5f, .thin_film_weight = 0.75f}), {}};
+    all["openpbr_brushed"] = {rounded(brushed), {}};
+    all["openpbr_film"] = {rounded(OpenPbrModel{.base_metalness = 0.5f, .thin_film_weight = 0.75f}), {}};
     all["bsdf"] = {full_bsdf(), {}};
     all["bsdf_turned"] = {full_bsdf(), {}};  // whose beams depend on azimuth
     return all;
@@ -121,6 +121,7 @@ TEST(Versions, FilesOfEachAreReadAndMeanTheSame) {
                 EXPECT_TRUE(near(found[i][c], expected[i][c], 1e-4 * expected[i][c] + 1e-7)) << i;
         if (entry.path().parent_path().filename() != k_current) continue;
         const auto bytes = *read_file(entry.path().string());
+        if (entry.path().stem().string().starts_with("pbr")) continue;  // a kind that is written by another name now
         EXPECT_EQ(is_stack ? write_stack(*read_stack(bytes, "")) : write_model(std::get<Model>(*loaded)), bytes);
     }
     EXPECT_GE(files, 20);

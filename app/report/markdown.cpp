@@ -136,13 +136,13 @@ std::string report_markdown(const Tables& tables) {
         text += fmt::format("\n## Each material, objective {}\n", objective) +
                 each_material(tables, "table",
                               {id("pm-extended-8x4"), id("pm-extended-6x4"), id("pm-horizon-8x4"), id("pm-source-8x4"),
-                               id("su-5"), id("ggx-1"), id("ggx-2"), id("pbr")});
+                               id("su-5"), id("ggx-1"), id("ggx-2"), id("openpbr")});
     }
     text += "\n## Scattered samples, at the samples → held out\n" +
             each_material(tables, "samples",
                           {"pm-extended-8x4-appearance", "pm-extended-6x4-cube-root", "pm-source-8x4-cube-root",
                            "pm-source-8x4-raw", "su-4-cube-root", "su-4-raw", "ggx-1-cube-root", "ggx-2-appearance",
-                           "pbr-appearance"});
+                           "openpbr-appearance"});
     text += "\n## Over the number of lobes, objective raw, PM of N = 4\n" + over_lobes(tables);
     text += "\n## In pictures: PSNR [dB], SSIM, ꟻLIP\n" + pictures(tables);
     return text;

@@ -34,7 +34,7 @@ std::string title_of(const Json& fit) {
     if (model == "su")
         return fit.value("interpolation", "") == "plain" ? "view by view, nearest samples" : "view by view";
     if (model == "ggx") return "GGX and Lambert";
-    if (model == "pbr") return "surface of OpenPBR";
+    if (model == "openpbr") return "surface of OpenPBR";
     return "multivariate, " + fit["form"].get<std::string>() + (fit["axial"] == true ? "" : ", general lobes");
 }
 std::string role_title(const std::string& role) {

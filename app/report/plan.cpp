@@ -41,7 +41,9 @@ class Plan {
         add(GgxRequest{lobes}, objective, fmt::format("ggx-{}-{}", lobes, name(objective)), std::move(role));
     }
     /// A surface by the parameters of OpenPBR.
-    void pbr(Objective objective) { add(PbrRequest{}, objective, fmt::format("pbr-{}", name(objective)), {}); }
+    void openpbr(Objective objective) {
+        add(OpenPbrRequest{}, objective, fmt::format("openpbr-{}", name(objective)), {});
+    }
     std::vector<PlannedFit> fits;
 
   private:
@@ -67,7 +69,7 @@ void plan_table(Plan& plan, bool quick) {
     plan.su(5, appearance, "su");
     plan.ggx(1, appearance);
     plan.ggx(2, appearance, "ggx");
-    plan.pbr(appearance);
+    plan.openpbr(appearance);
     plan.pm(PmForm::gaussian, 6, 3, raw);
     plan.su(5, raw);
     for (const int lobes : {2, 4, 8}) plan.pm(PmForm::extended, lobes, 4, raw);
@@ -104,7 +106,7 @@ void plan_samples(Plan& plan, bool quick) {
     if (quick) return;
     plan.su(4, cube_root);
     plan.su(4, appearance, "su");
-    plan.pbr(appearance);
+    plan.openpbr(appearance);
     for (const Objective objective : {raw, appearance}) {
         plan.ggx(1, objective);
         plan.ggx(2, objective, objective == appearance ? "ggx" : "");

@@ -68,10 +68,10 @@ std::vector<Model> terms(const GgxModel& model, std::size_t) {
 }
 
 /// Its layers are not terms of a sum, but without fuzz, and then without a coat, what is left is seen.
-std::vector<Model> terms(const PbrModel& model, std::size_t) {
+std::vector<Model> terms(const OpenPbrModel& model, std::size_t) {
     std::vector<Model> all{{model, {}}};
-    for (float PbrModel::*const weight : {&PbrModel::fuzz_weight, &PbrModel::coat_weight}) {
-        PbrModel less = std::get<PbrModel>(all.back().model);
+    for (float OpenPbrModel::*const weight : {&OpenPbrModel::fuzz_weight, &OpenPbrModel::coat_weight}) {
+        OpenPbrModel less = std::get<OpenPbrModel>(all.back().model);
         if (less.*weight == 0) continue;
         less.*weight = 0;
         all.push_back({less, {}});

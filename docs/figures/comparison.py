@@ -160,7 +160,7 @@ def losses_table(rows):
 
 OPTIONS = {"srbf": "**none**", "cosine": "`--objective cosine`", "log": "`--objective log`", "cube-root": "`--objective cube-root`",
            "srbf-4": "`--lobes 4`", "srbf-12": "`--lobes 12`", "srbf-16": "`--lobes 16`", "su": "`--model su --lobes 5`",
-           "openpbr": "`--model pbr`", "ggx": "`--model ggx`"}
+           "openpbr": "`--model openpbr`", "ggx": "`--model ggx`"}
 
 
 def options_table(rows):

@@ -55,13 +55,13 @@ struct GgxRequest {
 };
 
 /// A surface of renderers' parameters.
-struct PbrRequest {
-    PbrSurfaceKind surface = PbrSurfaceKind::openpbr;
+struct OpenPbrRequest {
+    OpenPbrSurfaceKind surface = OpenPbrSurfaceKind::openpbr;
 };
 
 /// What to fit, and how.
 struct FitRequest {
-    std::variant<PmRequest, SuRequest, GgxRequest, PbrRequest> model;
+    std::variant<PmRequest, SuRequest, GgxRequest, OpenPbrRequest> model;
     Objective objective = k_default_objective;
     std::optional<double> max_theta = {};  ///< θmax of the fit and of all errors [rad]; none: the objective's default
     bool spectral = false;                 ///< a coefficient for each wavelength of the measurement; PM only

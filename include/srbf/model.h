@@ -20,10 +20,10 @@ namespace [[gnu::visibility("default")]] srbf {
 
 /// The content of a model file: a model and its provenance.
 struct Model {
-    std::variant<PmModel, SuModel, GgxModel, BsdfModel, PbrModel> model;
+    std::variant<PmModel, SuModel, GgxModel, BsdfModel, OpenPbrModel> model;
     std::map<std::string, std::string> provenance;  ///< source file, options, errors, version
 };
-/// The kind of a model: "pm", "su", "ggx", "bsdf" or "pbr", as its file has it, and in words.
+/// The kind of a model: "pm", "su", "ggx", "bsdf" or "openpbr", as its file has it, and in words.
 std::string_view kind(const Model& model);
 std::string_view kind_words(const Model& model);
 
@@ -61,7 +61,7 @@ std::size_t auxiliary_bytes(const Model& model);
 /// the (θ, φ) of a centre minus those of its view's mirror direction. If it has an index texture, it also has
 /// `aux.index`, U16 [6,s,s,8] or [s,s,8], and `aux.directions` [n,4], the sampled directions and a 0. A model of
 /// Lambert and GGX has `diffuse` [3], and for its L lobes `roughness` [L], `facing` [L,3] (F0) and `grazing` [L] (F90).
-/// A surface of renderers' parameters has a tensor for each row of `k_pbr_parameters`, [1] or [3], those of a thin film
+/// A surface of renderers' parameters has a tensor for each row of `k_openpbr_parameters`, [1] or [3], those of a thin film
 /// and of anisotropy only if it has them, and the metadata `exchanged_surface`, "true" or "false". A BSDF has the
 /// tensors and the metadata of each part's model after the part's name and a point, as in `transmission_front.bandwidth`,
 /// and for each of its beams, named by `k_beam_names`, `beam.NAME.angle` [rings] and `beam.NAME.share` [rings,3]; if a

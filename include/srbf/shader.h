@@ -24,7 +24,7 @@ struct BsdfTables {
     Beams beam;
 };
 /// The material of a surface: a BRDF, or a BSDF, whose models of parts are not view by view.
-using Material = std::variant<Flat, MerlTable, PmModel, SuModel, GgxModel, BsdfModel, BsdfTables, PbrModel>;
+using Material = std::variant<Flat, MerlTable, PmModel, SuModel, GgxModel, BsdfModel, BsdfTables, OpenPbrModel>;
 /// Whether both sides of the surface and the light behind it are seen.
 inline bool is_two_sided(const Material& material) {
     return std::holds_alternative<BsdfModel>(material) || std::holds_alternative<BsdfTables>(material);
@@ -52,7 +52,7 @@ std::string version_text(Dialect dialect);
 /// kernel.glsl requires, kernel.glsl, and the material's own part. It is the same in every dialect. The numbers of the
 /// material are uniforms: for a multivariate model the block `PmNumbers` (`pm_numbers`); for a view-by-view model the
 /// samplers `su_numbers` and `su_directions` (`su_texels`), and `su_index`; for a table the sampler `merl_table`
-/// (`merl_texels`); for Lambert and GGX `ggx_numbers`; for a surface of renderers' parameters `pbr_numbers`. Materials
+/// (`merl_texels`); for Lambert and GGX `ggx_numbers`; for a surface of renderers' parameters `openpbr_numbers`. Materials
 /// with the same text differ only in these. The text includes which centres of axial lobes are −z. A BSDF's model is in
 /// the text, with its numbers as constants.
 ///
@@ -94,9 +94,9 @@ std::vector<Float4> pm_numbers(const PmModel& model, bool open = false);
 /// The uniform `ggx_numbers`: (kd, F90 of the first lobe), (F0, α) of the first lobe, (F0, α) of the second, (0, 0, 0,
 /// F90 of the second).
 std::array<Float4, 4> ggx_numbers(const GgxModel& model);
-/// The uniform `pbr_numbers`: the 23 numbers of kernel.glsl's PbrSurface in its order; 1 if light and viewer are
-/// exchanged, otherwise 0; those of PbrFilm; 0; those of PbrAnisotropy; 0.
-std::array<Float4, 8> pbr_numbers(const PbrModel& model);
+/// The uniform `openpbr_numbers`: the 23 numbers of kernel.glsl's OpenPbrSurface in its order; 1 if light and viewer are
+/// exchanged, otherwise 0; those of OpenPbrFilm; 0; those of OpenPbrAnisotropy; 0.
+std::array<Float4, 8> openpbr_numbers(const OpenPbrModel& model);
 
 /// The texels of a view-by-view model's textures, one row per view.
 struct SuTexels {

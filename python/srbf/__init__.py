@@ -214,7 +214,7 @@ class Model(Brdf):
 
     @property
     def kind(self) -> str:
-        """"pm" (parameterized multivariate), "su" (view by view), "ggx" (Lambert and GGX), "pbr" (a surface) or "bsdf" (reflection and transmission)."""
+        """"pm" (parameterized multivariate), "su" (view by view), "ggx" (Lambert and GGX), "openpbr" (a surface) or "bsdf" (reflection and transmission)."""
         return self._held.kind()
 
     @property
@@ -367,7 +367,7 @@ def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]],
         progress: Progress = False) -> Fit:
     """Fits a measurement, a file of one, or a function f(wl, wv) of arrays [n, 3] that returns f_r as [n, 3] or [n, 1].
 
-    The options are those of `srbf fit`: `model` "pm", "su", "ggx" or "pbr" (of OpenPBR, or of another `surface`); `lobes` a number or "auto", or instead of it the size by `budget`
+    The options are those of `srbf fit`: `model` "pm", "su", "ggx" or "openpbr" (of OpenPBR, or of another `surface`); `lobes` a number or "auto", or instead of it the size by `budget`
     [bytes], `target_error` or `target_delta_e`; `form` one of `forms()`; `objective` one of `objectives()`; `max_theta` [degrees];
     `channels` "rgb" or "spectral"; `threads` 0: all. The outcome depends on `seed` alone.
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from . import _srbf
 
-#: "pm" (parameterized multivariate), "su" (view by view), "ggx" (Lambert and GGX) or "pbr" (parameters of OpenPBR)
-Kind = Literal["pm", "su", "ggx", "pbr"]
+#: "pm" (parameterized multivariate), "su" (view by view), "ggx" (Lambert and GGX) or "openpbr" (parameters of OpenPBR)
+Kind = Literal["pm", "su", "ggx", "openpbr"]
 Form = Literal["gaussian", "horizon", "extended"]
-#: whose parameters a surface (model "pbr") has: all of OpenPBR, those of glTF, or of Blender's Principled BSDF
+#: whose parameters a surface (model "openpbr") has: all of OpenPBR, those of glTF, or of Blender's Principled BSDF
 Surface = Literal["openpbr", "gltf", "principled"]
 Objective = Literal["raw", "cosine", "log", "cube-root", "relative", "appearance"]
 Channels = Literal["rgb", "spectral"]
@@ -91,9 +91,9 @@ def request(model: str, *, lobes: Any, objective: Optional[str], channels: str, 
     made = _srbf.Request()
     made.model = one_of("model", model, get_args(Kind))
     if surface is not None:
-        if model != "pbr":
-            raise ValueError(f'surface: only with model="pbr", found model="{model}"')
-        made.surface = one_of("surface", surface, _srbf.pbr_surfaces())
+        if model != "openpbr":
+            raise ValueError(f'surface: only with model="openpbr", found model="{model}"')
+        made.surface = one_of("surface", surface, _srbf.openpbr_surfaces())
     made.channels = one_of("channels", channels, get_args(Channels))
     if objective is not None:
         made.objective = one_of("objective", objective, _srbf.objectives())

@@ -15,7 +15,7 @@ _PM: dict[str, Shape] = {"bandwidth": ("J", "N"), "parameterization": ("N", 2), 
 _SU: dict[str, Shape] = {"bandwidth": ("n", "J"), "coefficient": ("n", "J", 3), "centre": ("n", "J", 3), "shape": ("n", "J"),
                          "direction": ("n", 3)}
 _GGX: dict[str, Shape] = {"roughness": ("L",), "diffuse": (3,), "f0": ("L", 3), "f90": ("L",)}
-_PBR: dict[str, Shape] = {name: (size,) for name, size in _srbf.pbr_parameters().items()}
+_PBR: dict[str, Shape] = {name: (size,) for name, size in _srbf.openpbr_parameters().items()}
 _PARTS = ("reflection_front", "reflection_back", "transmission_front", "transmission_back")
 _BEAMS = ("reflection_front", "reflection_back", "transmission", "transmission_back")
 
@@ -103,7 +103,7 @@ def _ggx(given: Mapping[str, Any]) -> dict[str, Any]:
     return _arrays(given, _GGX)[0]
 
 
-def _pbr(given: Mapping[str, Any]) -> dict[str, Any]:
+def _openpbr(given: Mapping[str, Any]) -> dict[str, Any]:
     _require(given, list(_PBR), ["is_exchanged"])
     return _arrays(given, _PBR)[0] | {"is_exchanged": flag("is_exchanged", given.get("is_exchanged", False))}
 
@@ -126,7 +126,7 @@ def held_of(given: Mapping[str, Any], provenance: Mapping[str, str]) -> _srbf.Br
     if any(name in given for name in _PARTS):
         kind, of = "bsdf", _bsdf(given)
     elif "base_color" in given:
-        kind, of = "pbr", _pbr(given)
+        kind, of = "openpbr", _openpbr(given)
     elif "diffuse" in given:
         kind, of = "ggx", _ggx(given)
     elif "parameterization" in given:

@@ -251,8 +251,8 @@ class NotRead(srbf.Measurement):
     ("lobes", 3, {"model": "ggx"}), ("lobes", "auto", {"model": "su"}), ("lobes", 65, {"model": "su"}), ("seed", -1, {}),
     ("seed", 2**64, {}), ("seed", 1.5, {}), ("threads", -1, {}), ("threads", 1025, {}), ("variates", 0, {}), ("variates", 9, {}),
     ("form", "round", {}), ("objective", "best", {}), ("budget", 5, {}), ("target_error", 0, {}), ("target_error", 2, {}),
-    ("surface", "gltf", {}), ("surface", "usd", {"model": "pbr"}), ("target_delta_e", -1, {}), ("axial", "no", {}),
-    ("reciprocal", 1, {}), ("variates", 3, {"reciprocal": True}), ("lobes", 2, {"model": "pbr"}),
+    ("surface", "gltf", {}), ("surface", "usd", {"model": "openpbr"}), ("target_delta_e", -1, {}), ("axial", "no", {}),
+    ("reciprocal", 1, {}), ("variates", 3, {"reciprocal": True}), ("lobes", 2, {"model": "openpbr"}),
     *((option, value, {"model": kind}) for kind in ("su", "ggx") for option, value in (
         ("variates", 2), ("form", "horizon"), ("axial", True), ("reciprocal", True), ("budget", 100), ("target_error", 0.1),
         ("target_delta_e", 2.0))),
@@ -263,7 +263,7 @@ def test_options_are_refused_by_name_at_once(name, value, options):
 
 
 def test_a_surface_has_the_parameters_of_its_program(paper):
-    of = srbf.fit(paper, model="pbr", surface="gltf").model.parameters
+    of = srbf.fit(paper, model="openpbr", surface="gltf").model.parameters
     assert of["coat_ior"] == 1.5 and (of["coat_color"] == 1).all() and of["base_diffuse_roughness"] == 0
 
 
@@ -286,8 +286,8 @@ def test_options_of_other_functions_are_refused_by_name(paper, facets, tmp_path)
             wrong()
     with pytest.raises(TypeError, match="budget"):
         srbf.fit_batch(wl, wl, wl[None], budget=100)
-    with pytest.raises(ValueError, match='lobes: only with model="pm" or "su" or "ggx", found model="pbr"'):
-        srbf.fit(paper, model="pbr", lobes=2)
+    with pytest.raises(ValueError, match='lobes: only with model="pm" or "su" or "ggx", found model="openpbr"'):
+        srbf.fit(paper, model="openpbr", lobes=2)
     assert srbf.errors(facets, facets, max_theta=90)["heldout_squared_error_ratio_cosine"] == 0
 
 
@@ -295,7 +295,7 @@ def test_literals_are_the_librarys_names():
     from typing import get_args
     from srbf import _options
     for literal, names in ((_options.Form, srbf.forms()), (_options.Objective, srbf.objectives()), (_options.Lighting, srbf.lightings()),
-                           (_options.Language, srbf.code_languages()), (_options.Surface, srbf._srbf.pbr_surfaces())):
+                           (_options.Language, srbf.code_languages()), (_options.Surface, srbf._srbf.openpbr_surfaces())):
         assert list(get_args(literal)) == names
 
 

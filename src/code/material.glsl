@@ -67,16 +67,16 @@ Vec3 brdf(Vec3 wl, Vec3 wv) {
 }
 
 #elif defined PBR
-uniform vec4 pbr_numbers[8];
+uniform vec4 openpbr_numbers[8];
 Vec3 brdf(Vec3 wl, Vec3 wv) {
-    vec4 a = pbr_numbers[0], b = pbr_numbers[1], c = pbr_numbers[2], d = pbr_numbers[3], e = pbr_numbers[4],
-         f = pbr_numbers[5], g = pbr_numbers[6], h = pbr_numbers[7];
-    PbrSurface of = PbrSurface(a.rgb, a.a, b.x, b.y, Vec3(b.z, b.w, c.x), c.y, c.z, c.w, d.rgb, d.a, e.x, e.y, e.z,
+    vec4 a = openpbr_numbers[0], b = openpbr_numbers[1], c = openpbr_numbers[2], d = openpbr_numbers[3], e = openpbr_numbers[4],
+         f = openpbr_numbers[5], g = openpbr_numbers[6], h = openpbr_numbers[7];
+    OpenPbrSurface of = OpenPbrSurface(a.rgb, a.a, b.x, b.y, Vec3(b.z, b.w, c.x), c.y, c.z, c.w, d.rgb, d.a, e.x, e.y, e.z,
                                Vec3(e.w, f.x, f.y), f.z);
     Vec3 to = f.w > 0.5 ? wv : wl, from = f.w > 0.5 ? wl : wv;
     if (h.x > 0.0)
-        return pbr_anisotropic_value(of, PbrFilm(g.x, g.y, g.z), PbrAnisotropy(h.x, h.y, h.z), to, from);
-    return g.x > 0.0 ? pbr_film_value(of, PbrFilm(g.x, g.y, g.z), to, from) : pbr_value(of, to, from);
+        return openpbr_anisotropic_value(of, OpenPbrFilm(g.x, g.y, g.z), OpenPbrAnisotropy(h.x, h.y, h.z), to, from);
+    return g.x > 0.0 ? openpbr_film_value(of, OpenPbrFilm(g.x, g.y, g.z), to, from) : openpbr_value(of, to, from);
 }
 
 #elif defined FLAT

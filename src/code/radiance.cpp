@@ -103,7 +103,9 @@ Result<std::string> refused_for_cal(const std::string& name, const char* found) 
 Result<std::string> cal_text(const std::string& name, const SuModel&) {
     return refused_for_cal(name, "one view by view");
 }
-Result<std::string> cal_text(const std::string& name, const PbrModel&) { return refused_for_cal(name, "a surface"); }
+Result<std::string> cal_text(const std::string& name, const OpenPbrModel&) {
+    return refused_for_cal(name, "a surface");
+}
 Result<std::string> cal_text(const std::string& name, const BsdfModel& model);  // of its parts
 
 /// The functions of a model.

@@ -7,8 +7,8 @@
 #include <type_traits>
 
 #include "code/bsdf_code.h"
-#include "models/openpbr/pbr_kernel.h"
 #include "code/texts.h"
+#include "models/openpbr/openpbr_kernel.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
 
@@ -83,7 +83,7 @@ std::string shape(const SuModel& model) {
 
 std::string shape(const GgxModel&) { return "#define GGX 1\n"; }
 
-std::string shape(const PbrModel&) { return "#define PBR 1\n"; }
+std::string shape(const OpenPbrModel&) { return "#define PBR 1\n"; }
 
 std::string beams_shape(const Beams& beams) {
     return fmt::format("#define HAS_BEAM {:d}\n#define HAS_MIRROR_BEAM {:d}\n", !beams[2].empty() || !beams[3].empty(),
@@ -167,12 +167,12 @@ std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
     return numbers;
 }
 
-std::array<Float4, 8> pbr_numbers(const PbrModel& model) {
+std::array<Float4, 8> openpbr_numbers(const OpenPbrModel& model) {
     const auto of = kernel_surface(model);
     const auto film = kernel_film(model);
     const auto anisotropy = kernel_anisotropy(model);
-    return {{{of.base_color.x, of.base_color.y, of.base_color.z, of.metalness},
-             {of.diffuse_roughness, of.specular_weight, of.specular_color.x, of.specular_color.y},
+    return {{{of.base_color.x, of.base_color.y, of.base_color.z, of.base_metalness},
+             {of.base_diffuse_roughness, of.specular_weight, of.specular_color.x, of.specular_color.y},
              {of.specular_color.z, of.specular_roughness, of.specular_ior, of.coat_weight},
              {of.coat_color.x, of.coat_color.y, of.coat_color.z, of.coat_roughness},
              {of.coat_ior, of.coat_darkening, of.fuzz_weight, of.fuzz_color.x},

@@ -214,11 +214,11 @@ template <typename Number> std::string brdf_of(const GgxModel& model, const Numb
     return brdf_function(text + "    return " + sum + ";\n");
 }
 std::string brdf_of(const GgxModel& model) { return brdf_of(model, real); }
-/// The same of a surface of renderers' parameters, in the order of kernel.glsl's PbrSurface.
-template <typename Number> std::string brdf_of(const PbrModel& model, const Number& number) {
+/// The same of a surface of renderers' parameters, in the order of kernel.glsl's OpenPbrSurface.
+template <typename Number> std::string brdf_of(const OpenPbrModel& model, const Number& number) {
     constexpr std::array<std::pair<const char*, bool>, 15> members{{{"base_color", true},
-                                                                    {"metalness", false},
-                                                                    {"diffuse_roughness", false},
+                                                                    {"base_metalness", false},
+                                                                    {"base_diffuse_roughness", false},
                                                                     {"specular_weight", false},
                                                                     {"specular_color", true},
                                                                     {"specular_roughness", false},
@@ -232,8 +232,8 @@ template <typename Number> std::string brdf_of(const PbrModel& model, const Numb
                                                                     {"fuzz_color", true},
                                                                     {"fuzz_roughness", false}}};
     std::vector<float> numbers;
-    for (const Float4& four : pbr_numbers(model)) numbers.insert(numbers.end(), four.begin(), four.end());
-    std::string text = "    PbrSurface of;\n";
+    for (const Float4& four : openpbr_numbers(model)) numbers.insert(numbers.end(), four.begin(), four.end());
+    std::string text = "    OpenPbrSurface of;\n";
     std::size_t at = 0;
     for (const auto& [member, is_colour] : members) {
         const std::string first = number(numbers[at++]);
@@ -247,21 +247,21 @@ template <typename Number> std::string brdf_of(const PbrModel& model, const Numb
     const std::string directions = model.is_exchanged ? "wv, wl" : "wl, wv";
     const bool is_anisotropic = model.specular_roughness_anisotropy > 0;
     if (model.thin_film_weight == 0 && !is_anisotropic)
-        return brdf_function(text + fmt::format("    return pbr_value(of, {});\n", directions));
+        return brdf_function(text + fmt::format("    return openpbr_value(of, {});\n", directions));
     const auto add = [&](const char* type, const char* name, const std::array<const char*, 3>& of_type) {
         ++at;  // past what fills the vector before
         text += fmt::format("    {} {};\n", type, name);
         for (const char* member : of_type)
             text += fmt::format("    {}.{} = {};\n", name, member, number(numbers[at++]));
     };
-    add("PbrFilm", "film", {"weight", "thickness", "ior"});
+    add("OpenPbrFilm", "film", {"weight", "thickness", "ior"});
     if (!is_anisotropic)
-        return brdf_function(text + fmt::format("    return pbr_film_value(of, film, {});\n", directions));
-    add("PbrAnisotropy", "anisotropy", {"amount", "cosine", "sine"});
+        return brdf_function(text + fmt::format("    return openpbr_film_value(of, film, {});\n", directions));
+    add("OpenPbrAnisotropy", "anisotropy", {"amount", "cosine", "sine"});
     return brdf_function(text +
-                         fmt::format("    return pbr_anisotropic_value(of, film, anisotropy, {});\n", directions));
+                         fmt::format("    return openpbr_anisotropic_value(of, film, anisotropy, {});\n", directions));
 }
-std::string brdf_of(const PbrModel& model) { return brdf_of(model, real); }
+std::string brdf_of(const OpenPbrModel& model) { return brdf_of(model, real); }
 /// The same with its numbers in a table.
 template <typename M> std::string brdf_of(const M& model, Table numbers, Program& program) {
     std::string text = brdf_of(model, [&](float x) {
@@ -271,8 +271,9 @@ template <typename M> std::string brdf_of(const M& model, Table numbers, Program
     program.tables.push_back(std::move(numbers));
     return text;
 }
-std::string brdf_of(const PbrModel& model, Program& program) {
-    return brdf_of(model, {"The numbers of the surface, in the order of PbrSurface.", "surface_numbers", {}}, program);
+std::string brdf_of(const OpenPbrModel& model, Program& program) {
+    return brdf_of(model, {"The numbers of the surface, in the order of OpenPbrSurface.", "surface_numbers", {}},
+                   program);
 }
 std::string brdf_of(const GgxModel& model, Program& program) {
     return brdf_of(model, {"Diffuse colour, and of each lobe roughness, F0 (R, G, B), F90.", "facets", {}}, program);
@@ -502,8 +503,8 @@ KindText text_of(const SuModel& su, Numbers, Program& program) {
 KindText text_of(const GgxModel& ggx, Numbers where, Program& program) {
     return {k_no_pm + k_no_su, where == Numbers::tables ? brdf_of(ggx, program) : brdf_of(ggx)};
 }
-KindText text_of(const PbrModel& pbr, Numbers where, Program& program) {
-    return {k_no_pm + k_no_su, where == Numbers::tables ? brdf_of(pbr, program) : brdf_of(pbr)};
+KindText text_of(const OpenPbrModel& pbr, Numbers where, Program& program) {
+    return {k_no_pm + k_no_su, where == Numbers::tables ? brdf_of(openpbr, program) : brdf_of(openpbr)};
 }
 KindText text_of(const BsdfModel&, Numbers, Program&) { return {}; }  // its parts are programs of their own
 
@@ -540,7 +541,7 @@ std::string words(const PmModel& pm) {
 }
 std::string words(const SuModel& su) { return fmt::format("view by view, {} lobes", su.lobes); }
 std::string words(const GgxModel&) { return "Lambert and GGX"; }
-std::string words(const PbrModel&) { return "a surface by parameters of OpenPBR"; }
+std::string words(const OpenPbrModel&) { return "a surface by parameters of OpenPBR"; }
 std::string words(const BsdfModel&) { return "reflection and transmission"; }
 
 /// The name and the kind of a model, its size, and its provenance.

@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "fit/requests.h"
 #include "models/ggx/fit_ggx.h"
-#include "models/openpbr/fit_pbr.h"
+#include "models/openpbr/fit_openpbr.h"
 #include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
@@ -126,10 +126,10 @@ class SampleFits {
             auto ggx = fit_ggx(observed->samples, request_, progress);
             if (!ggx) return ggx;
             outcome = *std::move(ggx);
-        } else if (std::holds_alternative<PbrRequest>(request_.model)) {
-            auto pbr = fit_pbr(observed->samples, request_, samples_.isotropic, progress);
-            if (!pbr) return pbr;
-            outcome = *std::move(pbr);
+        } else if (std::holds_alternative<OpenPbrRequest>(request_.model)) {
+            auto openpbr = fit_openpbr(observed->samples, request_, samples_.isotropic, progress);
+            if (!openpbr) return openpbr;
+            outcome = *std::move(openpbr);
         } else {
             FitOptions options = sample_options(samples_, request_, candidate.lobes);
             if (completes(request_) && observed != observed_) options.starts = k_fold_starts;

@@ -152,9 +152,9 @@ void add_largest_sums(BsdfOutcome& outcome) {
 
 Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const FitRequest& request,
                                const ProgressToken& progress) {
-    if (std::holds_alternative<PbrRequest>(request.model))
+    if (std::holds_alternative<OpenPbrRequest>(request.model))
         return argument_error("fit", "model", "pm, su or ggx, since a surface of OpenPBR scatters light to one side",
-                              "pbr");
+                              "openpbr");
     const StandardArithmetic mode;
     const auto start = std::chrono::steady_clock::now();
     BsdfModel model;

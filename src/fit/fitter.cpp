@@ -13,7 +13,7 @@
 #include "fit/requests.h"
 #include "measured/isotropy.h"
 #include "models/ggx/fit_ggx.h"
-#include "models/openpbr/fit_pbr.h"
+#include "models/openpbr/fit_openpbr.h"
 #include "models/range.h"
 #include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
@@ -85,10 +85,10 @@ Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& r
     return outcome_of(*std::move(fitted));
 }
 
-Result<FitOutcome> fit_pbr(const Observations& observations, const FitRequest& request, bool is_isotropic,
-                           const ProgressToken& progress) {
-    const PbrSurfaceKind surface = std::get<PbrRequest>(request.model).surface;
-    auto fitted = fit_pbr(observations, {surface, is_isotropic, request.threads}, progress);
+Result<FitOutcome> fit_openpbr(const Observations& observations, const FitRequest& request, bool is_isotropic,
+                               const ProgressToken& progress) {
+    const OpenPbrSurfaceKind surface = std::get<OpenPbrRequest>(request.model).surface;
+    auto fitted = fit_openpbr(observations, {surface, is_isotropic, request.threads}, progress);
     if (!fitted) return fitted.error();
     return outcome_of(*std::move(fitted));
 }
@@ -225,8 +225,8 @@ class Fitter::Work {
                                      {"objective", std::string(name(request.objective))},
                                      {"max_theta", fmt::format("{:.6g}", request.theta() / k_degree)},
                                      {"seed", fmt::format("{}", request.seed)}};
-        if (const auto* pbr = std::get_if<PbrRequest>(&request.model))
-            outcome->model.provenance["surface"] = name(pbr->surface);
+        if (const auto* openpbr = std::get_if<OpenPbrRequest>(&request.model))
+            outcome->model.provenance["surface"] = name(openpbr->surface);
         return outcome;
     }
 
@@ -302,8 +302,8 @@ class Fitter::Work {
         const Observations& observations = **found;
         const ProgressToken fitting = quiet->part(k_observed, 1);
         auto outcome = std::holds_alternative<GgxRequest>(request.model) ? fit_ggx(observations, request, fitting)
-                       : std::holds_alternative<PbrRequest>(request.model)
-                           ? fit_pbr(observations, request, looks_isotropic(request), fitting)
+                       : std::holds_alternative<OpenPbrRequest>(request.model)
+                           ? fit_openpbr(observations, request, looks_isotropic(request), fitting)
                            : fit_pm_to_table(observations, request, fitting);
         if (!outcome) return outcome;
         outcome->masked = observations.masked;

@@ -3,8 +3,8 @@
 #include <chrono>
 
 #include "models/pm/search/fit_pm.h"
-#include "models/su/fit_su.h"
 #include "models/pm/search/search.h"
+#include "models/su/fit_su.h"
 #include "srbf/fit.h"
 
 namespace srbf {
@@ -55,7 +55,7 @@ inline Step step_of(const PmModel& model, double error, bool whole) {
 // What is the same for tables and samples.
 Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress);
 Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& request, const ProgressToken& progress);
-Result<FitOutcome> fit_pbr(const Observations& observations, const FitRequest& request, bool is_isotropic,
-                           const ProgressToken& progress);
+Result<FitOutcome> fit_openpbr(const Observations& observations, const FitRequest& request, bool is_isotropic,
+                               const ProgressToken& progress);
 
 }  // namespace srbf

@@ -10,7 +10,7 @@
 #include "models/bsdf/bsdf_file.h"
 #include "models/ggx/ggx_file.h"
 #include "models/lobes_file.h"
-#include "models/openpbr/pbr_file.h"
+#include "models/openpbr/openpbr_file.h"
 #include "models/pm/pm_file.h"
 #include "models/range.h"
 #include "models/su/su_file.h"
@@ -57,6 +57,9 @@ template <> struct Stored<BsdfModel> {
 
 namespace {
 
+/// The name of a surface of OpenPBR in files that version 0.1 wrote.
+constexpr std::string_view k_former_openpbr = "pbr";
+
 template <typename M> using StoredAs = Stored<std::remove_cvref_t<M>>;
 
 double largest_number(const Model& model) {
@@ -100,6 +103,8 @@ Result<Model> model_of(Safetensors content, bool is_part, const std::string& fil
     auto kinds = AllKinds::names();
     if (is_part) std::erase(kinds, Stored<BsdfModel>::name);
     MetadataReader reader{content.metadata, file_name};
+    if (const auto at = content.metadata.find("model"); at != content.metadata.end() && at->second == k_former_openpbr)
+        at->second = Stored<OpenPbrModel>::name;
     const std::string kind = reader.take("model", kinds);
     if (reader.error) return *reader.error;
     return AllKinds::read(kind, content, file_name);

@@ -144,7 +144,7 @@ try:
     with tempfile.TemporaryDirectory() as folder:
         for name in MATERIALS:
             measured, model = data / f"rgl/{name}.bsdf", f"{folder}/{name}.srbf"
-            run("fit", measured, "--model", "pbr", "-o", model)
+            run("fit", measured, "--model", "openpbr", "-o", model)
             run("export", model, "--to", "mtlx", "-o", f"{folder}/{name}.mtlx")
             by_shader = drawn(page, *generated(f"{folder}/{name}.mtlx"))
             (reference, inside), (ours, _) = evaluated(measured, folder), evaluated(model, folder)

@@ -78,7 +78,7 @@ with tempfile.TemporaryDirectory() as folder:
     for surface, kind, name in (("openpbr", "mtlx", "s.mtlx"), ("openpbr", "standard-surface", "a.mtlx"), ("openpbr", "usd", "s.usda"), ("gltf", "gltf", "s.gltf"),
                                 ("principled", "blender", "s.py")):
         model = f"{folder}/{surface}.srbf"
-        run("fit", data + "/rgl/cg_sunflower_rgb.bsdf", "--model", "pbr", "--surface", surface, "-o", model)
+        run("fit", data + "/rgl/cg_sunflower_rgb.bsdf", "--model", "openpbr", "--surface", surface, "-o", model)
         print(run("export", model, "--to", kind, "-o", f"{folder}/{name}").strip())
     check_materialx(folder + "/s.mtlx")
     check_materialx(folder + "/a.mtlx", "standard_surface", "Standard Surface")

@@ -107,11 +107,11 @@ SRBF_FN Real fuzz_value(Vec3 wl, Vec3 wv, Real y) {
     return fuzz_albedo(x, y) * a2 / (squared * squared) * Real(2.0 / SRBF_TWO_PI);
 }
 
-// An opaque surface by parameters of OpenPBR Surface 1.1, whose names they have; see PbrModel for their ranges.
-struct PbrSurface {
+// An opaque surface by parameters of OpenPBR Surface 1.1, whose names they have; see OpenPbrModel for their ranges.
+struct OpenPbrSurface {
     Vec3 base_color;
-    Real metalness;
-    Real diffuse_roughness;
+    Real base_metalness;
+    Real base_diffuse_roughness;
     Real specular_weight;
     Vec3 specular_color;
     Real specular_roughness;
@@ -148,7 +148,7 @@ SRBF_FN Real metal_reflectance(Real c, Real weight, Real f0, Real tint) {
 }
 
 // A film on the base: weight, thickness [1e-6 m] and index of refraction.
-struct PbrFilm {
+struct OpenPbrFilm {
     Real weight;
     Real thickness;
     Real ior;
@@ -156,7 +156,7 @@ struct PbrFilm {
 
 // Facets of the base that are rougher along a tangent than across it: specular_roughness_anisotropy, and the cosine and
 // sine of the tangent's azimuth.
-struct PbrAnisotropy {
+struct OpenPbrAnisotropy {
     Real amount;
     Real cosine;
     Real sine;
@@ -206,7 +206,7 @@ SRBF_FN Real film_order(FilmBase base, Real above, Real first, Real second) {
     return max(above + again + Real(2.0) * (again - through) * (sqrt(both) * first + both * second), Real(0.0));
 }
 SRBF_FN Real fifth_power(Real x) { return (x * x) * (x * x) * x; }
-SRBF_FN Vec3 film_reflectance(PbrFilm film, Vec3 f0, Real c) {
+SRBF_FN Vec3 film_reflectance(OpenPbrFilm film, Vec3 f0, Real c) {
     Real within = sqrt(max(Real(1.0) - (Real(1.0) - c * c) / (film.ior * film.ior), Real(0.0)));
     Real normal = normal_reflectance(film.ior);
     Real above = normal + (Real(1.0) - normal) * fifth_power(Real(1.0) - c);
@@ -223,15 +223,15 @@ SRBF_FN Vec3 film_reflectance(PbrFilm film, Vec3 f0, Real c) {
 
 // The base under a coat: its index of refraction is relative to the coat's. The specular weight scales F0 of the
 // dielectric, whose index is that of the scaled one.
-struct PbrBase {
+struct OpenPbrBase {
     Real f0;
     Real ior;
     Real alpha;
 };
-SRBF_FN PbrBase pbr_base(PbrSurface of) {
+SRBF_FN OpenPbrBase openpbr_base(OpenPbrSurface of) {
     Real coat_ior = Real(1.0) + of.coat_weight * (of.coat_ior - Real(1.0));
     Real ratio = of.specular_ior / coat_ior;
-    PbrBase base;
+    OpenPbrBase base;
     base.f0 = min(of.specular_weight * normal_reflectance(max(max(ratio, Real(1.0) / ratio), Real(1.0))), Real(0.98));
     Real root = sqrt(base.f0);
     base.ior = (Real(1.0) + root) / (Real(1.0) - root);
@@ -244,18 +244,18 @@ SRBF_FN Real half_cosine(Vec3 wl, Vec3 wv) {
 }
 
 // The reflectances of the base's facets, for R, G, B: of the dielectric and of the metal, at l . h, and F0 of both.
-struct PbrFacets {
+struct OpenPbrFacets {
     Vec3 dielectric;
     Vec3 metal;
     Vec3 dielectric_f0;
     Vec3 metal_f0;
 };
-SRBF_FN PbrFacets pbr_facets(PbrSurface of, PbrBase base, Vec3 wl, Vec3 wv) {
+SRBF_FN OpenPbrFacets openpbr_facets(OpenPbrSurface of, OpenPbrBase base, Vec3 wl, Vec3 wv) {
     Real c = half_cosine(wl, wv);
     Real schlick = schlick_weight(wl, wv);
     Real plain = dielectric_reflectance(c, base.ior);
     Vec3 f0 = of.base_color;
-    PbrFacets facets;
+    OpenPbrFacets facets;
     facets.dielectric = Vec3(plain, plain, plain);
     facets.metal = Vec3(metal_reflectance(c, schlick, f0.x, of.specular_color.x),
                         metal_reflectance(c, schlick, f0.y, of.specular_color.y),
@@ -265,8 +265,8 @@ SRBF_FN PbrFacets pbr_facets(PbrSurface of, PbrBase base, Vec3 wl, Vec3 wv) {
     return facets;
 }
 // The same under a film, which covers its weight of the surface.
-SRBF_FN PbrFacets pbr_film_facets(PbrSurface of, PbrFilm film, PbrBase base, Vec3 wl, Vec3 wv) {
-    PbrFacets facets = pbr_facets(of, base, wl, wv);
+SRBF_FN OpenPbrFacets openpbr_film_facets(OpenPbrSurface of, OpenPbrFilm film, OpenPbrBase base, Vec3 wl, Vec3 wv) {
+    OpenPbrFacets facets = openpbr_facets(of, base, wl, wv);
     Real c = half_cosine(wl, wv);
     facets.dielectric = blended(facets.dielectric, film_reflectance(film, facets.dielectric_f0, c), film.weight);
     facets.metal = blended(facets.metal, film_reflectance(film, facets.metal_f0, c), film.weight);
@@ -277,12 +277,12 @@ SRBF_FN PbrFacets pbr_film_facets(PbrSurface of, PbrFilm film, PbrBase base, Vec
     return facets;
 }
 
-// The base: a dielectric over EON, blended with a metal by metalness [1/sr]. What the dielectric reflects towards the
+// The base: a dielectric over EON, blended with a metal by base_metalness [1/sr]. What the dielectric reflects towards the
 // viewer is taken from the diffuse part (albedo scaling): a factor 1 - E(wv).
 SRBF_FN Vec3 scattered_again_by(Vec3 f0, Real again) {
     return Vec3(Real(1.0) + f0.x * again, Real(1.0) + f0.y * again, Real(1.0) + f0.z * again);
 }
-SRBF_FN Vec3 pbr_base_value(PbrSurface of, PbrBase base, PbrFacets facets, Real density, Vec3 wl, Vec3 wv) {
+SRBF_FN Vec3 openpbr_base_value(OpenPbrSurface of, OpenPbrBase base, OpenPbrFacets facets, Real density, Vec3 wl, Vec3 wv) {
     FacetAlbedo whole = facet_albedo(wv.z, base.alpha);
     Real again = scattered_again(whole);
     Vec3 f0 = facets.dielectric_f0;
@@ -290,9 +290,9 @@ SRBF_FN Vec3 pbr_base_value(PbrSurface of, PbrBase base, PbrFacets facets, Real 
     Vec3 through = Vec3(Real(1.0) - lobe_albedo(whole, f0.x), Real(1.0) - lobe_albedo(whole, f0.y),
                         Real(1.0) - lobe_albedo(whole, f0.z));
     Vec3 glossy = tinted(dielectric, of.specular_color) +
-                  tinted(through, eon_value(of.base_color, of.diffuse_roughness, wl, wv));
+                  tinted(through, eon_value(of.base_color, of.base_diffuse_roughness, wl, wv));
     Vec3 metal = (of.specular_weight * density) * tinted(facets.metal, scattered_again_by(facets.metal_f0, again));
-    return blended(glossy, metal, of.metalness);
+    return blended(glossy, metal, of.base_metalness);
 }
 
 // What a coat leaves of light that is reflected between it and a base of this colour, relative to a base without it:
@@ -304,7 +304,7 @@ SRBF_FN Real darkened(Real colour, Real k, Real strength) {
 // rho(wl, wv) of the surface [1/sr], for R, G, B: fuzz over a coat over the base. Each layer takes its directional
 // albedo at the viewer, E(wv), from what lies below, so that light and viewer may not be exchanged. The coat's
 // colour is what passes it twice, at any angle.
-SRBF_FN Vec3 pbr_layers_value(PbrSurface of, Vec3 base, Vec3 wl, Vec3 wv) {
+SRBF_FN Vec3 openpbr_layers_value(OpenPbrSurface of, Vec3 base, Vec3 wl, Vec3 wv) {
     Real c = half_cosine(wl, wv);
     Real alpha = alpha_of(of.coat_roughness);
     FacetAlbedo whole = facet_albedo(wv.z, alpha);
@@ -323,27 +323,27 @@ SRBF_FN Vec3 pbr_layers_value(PbrSurface of, Vec3 base, Vec3 wl, Vec3 wv) {
     Real below = Real(1.0) - of.fuzz_weight * fuzz_albedo(wv.z, y);
     return below * coated + (of.fuzz_weight * fuzz_value(wl, wv, y)) * of.fuzz_color;
 }
-SRBF_FN Vec3 pbr_value(PbrSurface of, Vec3 wl, Vec3 wv) {
-    PbrBase base = pbr_base(of);
+SRBF_FN Vec3 openpbr_value(OpenPbrSurface of, Vec3 wl, Vec3 wv) {
+    OpenPbrBase base = openpbr_base(of);
     Real density = ggx_facets(wl, wv, base.alpha);
-    return pbr_layers_value(of, pbr_base_value(of, base, pbr_facets(of, base, wl, wv), density, wl, wv), wl, wv);
+    return openpbr_layers_value(of, openpbr_base_value(of, base, openpbr_facets(of, base, wl, wv), density, wl, wv), wl, wv);
 }
 // The same with a film on the base.
-SRBF_FN Vec3 pbr_film_value(PbrSurface of, PbrFilm film, Vec3 wl, Vec3 wv) {
-    PbrBase base = pbr_base(of);
-    PbrFacets facets = pbr_film_facets(of, film, base, wl, wv);
-    return pbr_layers_value(of, pbr_base_value(of, base, facets, ggx_facets(wl, wv, base.alpha), wl, wv), wl, wv);
+SRBF_FN Vec3 openpbr_film_value(OpenPbrSurface of, OpenPbrFilm film, Vec3 wl, Vec3 wv) {
+    OpenPbrBase base = openpbr_base(of);
+    OpenPbrFacets facets = openpbr_film_facets(of, film, base, wl, wv);
+    return openpbr_layers_value(of, openpbr_base_value(of, base, facets, ggx_facets(wl, wv, base.alpha), wl, wv), wl, wv);
 }
 // The same with a film, whose weight may be 0, on facets that are rougher along a tangent than across it. Their albedo
 // is taken for that of the geometric mean of both.
-SRBF_FN Vec3 pbr_anisotropic_value(PbrSurface of, PbrFilm film, PbrAnisotropy facets_of, Vec3 wl, Vec3 wv) {
-    PbrBase base = pbr_base(of);
+SRBF_FN Vec3 openpbr_anisotropic_value(OpenPbrSurface of, OpenPbrFilm film, OpenPbrAnisotropy facets_of, Vec3 wl, Vec3 wv) {
+    OpenPbrBase base = openpbr_base(of);
     Real share = Real(1.0) - facets_of.amount;
     Real along = base.alpha * sqrt(Real(2.0) / (Real(1.0) + share * share));
     Real across = max(share * along, Real(1.0 / 1024.0));
     Real density = ggx_stretched_facets(turned(wl, facets_of.cosine, -facets_of.sine),
                                         turned(wv, facets_of.cosine, -facets_of.sine), along, across);
     base.alpha = sqrt(along * across);
-    PbrFacets facets = pbr_film_facets(of, film, base, wl, wv);
-    return pbr_layers_value(of, pbr_base_value(of, base, facets, density, wl, wv), wl, wv);
+    OpenPbrFacets facets = openpbr_film_facets(of, film, base, wl, wv);
+    return openpbr_layers_value(of, openpbr_base_value(of, base, facets, density, wl, wv), wl, wv);
 }

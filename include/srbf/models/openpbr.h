@@ -12,11 +12,11 @@ namespace [[gnu::visibility("default")]] srbf {
 
 /// The parameters of OpenPBR Surface 1.1 that an opaque surface has, with the specification's names and defaults
 /// (Academy Software Foundation 2025): fuzz over a coat over a base that blends a metal with a dielectric over rough
-/// diffuse reflection. Evaluated by `pbr_value` of kernel.glsl. Where the specification leaves a choice, layers
+/// diffuse reflection. Evaluated by `openpbr_value` of kernel.glsl. Where the specification leaves a choice, layers
 /// scale what lies below by their directional albedo at the viewer, so that the surface is not reciprocal. Of the
 /// parameters of a base under a coat, the base's index of refraction is relative to the coat's. Colours are linear, in
 /// Rec.709 primaries. `write_model` describes the file encoding.
-struct PbrModel {
+struct OpenPbrModel {
     float base_weight = 1;
     Rgb base_color{0.8f, 0.8f, 0.8f};  ///< albedo of the diffuse part, F0 of the metal
     float base_metalness = 0;
@@ -36,88 +36,88 @@ struct PbrModel {
     float thin_film_weight = 0;        ///< of the base that the film covers; see `film_reflectance` of kernel.glsl
     float thin_film_thickness = 0.5f;  ///< [1e-6 m]
     float thin_film_ior = 1.4f;
-    float specular_roughness_anisotropy = 0;  ///< see `pbr_anisotropic_value` of kernel.glsl
+    float specular_roughness_anisotropy = 0;  ///< see `openpbr_anisotropic_value` of kernel.glsl
     float specular_rotation = 0;              ///< of the tangent, along which facets are rougher, from x to y [turns]
     bool is_exchanged = false;                ///< light and viewer: ρ(wl, wv) is the formula's of (wv, wl)
-    friend bool operator==(const PbrModel&, const PbrModel&) = default;
+    friend bool operator==(const OpenPbrModel&, const OpenPbrModel&) = default;
 };
 
-/// A parameter of `PbrModel`: its name, its range, and which member it is.
-struct PbrParameter {
+/// A parameter of `OpenPbrModel`: its name, its range, and which member it is.
+struct OpenPbrParameter {
     std::string_view name;
     float least, most;
-    float PbrModel::*number = nullptr;  ///< or
-    Rgb PbrModel::*colour = nullptr;
+    float OpenPbrModel::*number = nullptr;  ///< or
+    Rgb OpenPbrModel::*colour = nullptr;
     constexpr int count() const { return colour ? 3 : 1; }
 };
-inline constexpr std::array<PbrParameter, 21> k_pbr_parameters{{
-    {"base_weight", 0, 1, &PbrModel::base_weight},
-    {"base_color", 0, 1, nullptr, &PbrModel::base_color},
-    {"base_metalness", 0, 1, &PbrModel::base_metalness},
-    {"base_diffuse_roughness", 0, 1, &PbrModel::base_diffuse_roughness},
-    {"specular_weight", 0, 1, &PbrModel::specular_weight},
-    {"specular_color", 0, 1, nullptr, &PbrModel::specular_color},
-    {"specular_roughness", 0, 1, &PbrModel::specular_roughness},
-    {"specular_ior", 1, 3, &PbrModel::specular_ior},
-    {"coat_weight", 0, 1, &PbrModel::coat_weight},
-    {"coat_color", 0, 1, nullptr, &PbrModel::coat_color},
-    {"coat_roughness", 0, 1, &PbrModel::coat_roughness},
-    {"coat_ior", 1, 3, &PbrModel::coat_ior},
-    {"coat_darkening", 0, 1, &PbrModel::coat_darkening},
-    {"fuzz_weight", 0, 1, &PbrModel::fuzz_weight},
-    {"fuzz_color", 0, 1, nullptr, &PbrModel::fuzz_color},
-    {"fuzz_roughness", 0, 1, &PbrModel::fuzz_roughness},
-    {"thin_film_weight", 0, 1, &PbrModel::thin_film_weight},
-    {"thin_film_thickness", 0, 1, &PbrModel::thin_film_thickness},
-    {"thin_film_ior", 1, 3, &PbrModel::thin_film_ior},
-    {"specular_roughness_anisotropy", 0, 1, &PbrModel::specular_roughness_anisotropy},
-    {"specular_rotation", 0, 1, &PbrModel::specular_rotation},
+inline constexpr std::array<OpenPbrParameter, 21> k_openpbr_parameters{{
+    {"base_weight", 0, 1, &OpenPbrModel::base_weight},
+    {"base_color", 0, 1, nullptr, &OpenPbrModel::base_color},
+    {"base_metalness", 0, 1, &OpenPbrModel::base_metalness},
+    {"base_diffuse_roughness", 0, 1, &OpenPbrModel::base_diffuse_roughness},
+    {"specular_weight", 0, 1, &OpenPbrModel::specular_weight},
+    {"specular_color", 0, 1, nullptr, &OpenPbrModel::specular_color},
+    {"specular_roughness", 0, 1, &OpenPbrModel::specular_roughness},
+    {"specular_ior", 1, 3, &OpenPbrModel::specular_ior},
+    {"coat_weight", 0, 1, &OpenPbrModel::coat_weight},
+    {"coat_color", 0, 1, nullptr, &OpenPbrModel::coat_color},
+    {"coat_roughness", 0, 1, &OpenPbrModel::coat_roughness},
+    {"coat_ior", 1, 3, &OpenPbrModel::coat_ior},
+    {"coat_darkening", 0, 1, &OpenPbrModel::coat_darkening},
+    {"fuzz_weight", 0, 1, &OpenPbrModel::fuzz_weight},
+    {"fuzz_color", 0, 1, nullptr, &OpenPbrModel::fuzz_color},
+    {"fuzz_roughness", 0, 1, &OpenPbrModel::fuzz_roughness},
+    {"thin_film_weight", 0, 1, &OpenPbrModel::thin_film_weight},
+    {"thin_film_thickness", 0, 1, &OpenPbrModel::thin_film_thickness},
+    {"thin_film_ior", 1, 3, &OpenPbrModel::thin_film_ior},
+    {"specular_roughness_anisotropy", 0, 1, &OpenPbrModel::specular_roughness_anisotropy},
+    {"specular_rotation", 0, 1, &OpenPbrModel::specular_rotation},
 }};
 /// Number c of a parameter, 0 ≤ c < count.
-inline float& number(PbrModel& model, const PbrParameter& of, int c) {
+inline float& number(OpenPbrModel& model, const OpenPbrParameter& of, int c) {
     return of.colour ? (model.*of.colour)[c] : model.*of.number;
 }
-inline float number(const PbrModel& model, const PbrParameter& of, int c) {
+inline float number(const OpenPbrModel& model, const OpenPbrParameter& of, int c) {
     return of.colour ? (model.*of.colour)[c] : model.*of.number;
 }
 /// Whether a parameter is stored: those of a film and of anisotropy only if there is one.
-constexpr bool is_stored(const PbrModel& model, const PbrParameter& of) {
+constexpr bool is_stored(const OpenPbrModel& model, const OpenPbrParameter& of) {
     if (of.name.starts_with("thin_film_")) return model.thin_film_weight > 0;
     const bool is_of_anisotropy = of.name == "specular_roughness_anisotropy" || of.name == "specular_rotation";
     return !is_of_anisotropy || model.specular_roughness_anisotropy > 0;
 }
 /// How many numbers a model has.
-constexpr std::size_t pbr_number_count(const PbrModel& model) {
+constexpr std::size_t openpbr_number_count(const OpenPbrModel& model) {
     std::size_t count = 0;
-    for (const PbrParameter& of : k_pbr_parameters) count += is_stored(model, of) ? std::size_t(of.count()) : 0;
+    for (const OpenPbrParameter& of : k_openpbr_parameters) count += is_stored(model, of) ? std::size_t(of.count()) : 0;
     return count;
 }
 
 /// The surface models that a fit may be restricted to: the parameters that each has, at their other defaults.
-enum class PbrSurfaceKind {
+enum class OpenPbrSurfaceKind {
     openpbr,     ///< all of them
     gltf,        ///< glTF 2.0 with its extensions for specular, ior, clearcoat, sheen, iridescence and anisotropy
     principled,  ///< Blender's Principled BSDF
 };
-inline constexpr std::array<std::string_view, 3> k_pbr_surfaces{"openpbr", "gltf", "principled"};
-constexpr std::string_view name(PbrSurfaceKind kind) { return k_pbr_surfaces[std::size_t(kind)]; }
-std::optional<PbrSurfaceKind> pbr_surface_named(std::string_view name);
+inline constexpr std::array<std::string_view, 3> k_openpbr_surfaces{"openpbr", "gltf", "principled"};
+constexpr std::string_view name(OpenPbrSurfaceKind kind) { return k_openpbr_surfaces[std::size_t(kind)]; }
+std::optional<OpenPbrSurfaceKind> openpbr_surface_named(std::string_view name);
 
 /// ρ(wl, wv) in single precision; 0 below the horizon.
-Rgb value(const PbrModel& model, Vec3f wl, Vec3f wv);
+Rgb value(const OpenPbrModel& model, Vec3f wl, Vec3f wv);
 /// f[i] = value(model, wl[i], wv[i]). The spans have the same length.
-void evaluate(const PbrModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
+void evaluate(const OpenPbrModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
-Evaluate evaluator(const PbrModel& model);
+Evaluate evaluator(const OpenPbrModel& model);
 
 /// Whether f_r depends only on the difference of the azimuths, and exchange of light and viewer: see model.h.
-inline bool is_isotropic(const PbrModel& model) { return model.specular_roughness_anisotropy == 0; }
-inline void exchange(PbrModel& model) { model.is_exchanged = !model.is_exchanged; }
+inline bool is_isotropic(const OpenPbrModel& model) { return model.specular_roughness_anisotropy == 0; }
+inline void exchange(OpenPbrModel& model) { model.is_exchanged = !model.is_exchanged; }
 
 /// Size of the stored numbers, two bytes each.
-constexpr std::size_t payload_bytes(const PbrModel& model) { return 2 * pbr_number_count(model); }
-constexpr std::size_t auxiliary_bytes(const PbrModel&) { return 0; }
+constexpr std::size_t payload_bytes(const OpenPbrModel& model) { return 2 * openpbr_number_count(model); }
+constexpr std::size_t auxiliary_bytes(const OpenPbrModel&) { return 0; }
 /// `model` with every number rounded to its stored precision.
-PbrModel rounded(const PbrModel& model);
+OpenPbrModel rounded(const OpenPbrModel& model);
 
 }  // namespace srbf

@@ -6,7 +6,7 @@
 
 namespace srbf {
 
-inline Kernel<float>::PbrSurface kernel_surface(const PbrModel& model) {
+inline Kernel<float>::OpenPbrSurface kernel_surface(const OpenPbrModel& model) {
     const auto colour = [](const Rgb& c, float weight = 1) { return Vec3f{weight * c.r, weight * c.g, weight * c.b}; };
     return {colour(model.base_color, model.base_weight),
             model.base_metalness,
@@ -24,10 +24,10 @@ inline Kernel<float>::PbrSurface kernel_surface(const PbrModel& model) {
             colour(model.fuzz_color),
             model.fuzz_roughness};
 }
-inline Kernel<float>::PbrFilm kernel_film(const PbrModel& model) {
+inline Kernel<float>::OpenPbrFilm kernel_film(const OpenPbrModel& model) {
     return {model.thin_film_weight, model.thin_film_thickness, model.thin_film_ior};
 }
-inline Kernel<float>::PbrAnisotropy kernel_anisotropy(const PbrModel& model) {
+inline Kernel<float>::OpenPbrAnisotropy kernel_anisotropy(const OpenPbrModel& model) {
     const double azimuth = 2 * k_pi * double(model.specular_rotation);
     return {model.specular_roughness_anisotropy, float(elementary::cos(azimuth)), float(elementary::sin(azimuth))};
 }

@@ -7,16 +7,17 @@
 
 namespace srbf {
 
-struct PbrFitOptions {
-    PbrSurfaceKind surface = PbrSurfaceKind::openpbr;  ///< whose parameters are fitted; others keep their defaults
-    bool is_isotropic = true;                          ///< no anisotropy is fitted
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+struct OpenPbrFitOptions {
+    OpenPbrSurfaceKind surface =
+        OpenPbrSurfaceKind::openpbr;  ///< whose parameters are fitted; others keep their defaults
+    bool is_isotropic = true;         ///< no anisotropy is fitted
+    int threads = 0;                  ///< 0: as many as the machine has; the result does not depend on it
 };
 
-struct PbrFit {
-    PbrModel model;      ///< every number rounded to a 16-bit float
-    PbrModel unrounded;  ///< before rounding
-    double loss = 0;     ///< the mean over pixels of ρ(ΔE_ITP), or without pictures Σ w |f−f̂|², of `model`
+struct OpenPbrFit {
+    OpenPbrModel model;      ///< every number rounded to a 16-bit float
+    OpenPbrModel unrounded;  ///< before rounding
+    double loss = 0;         ///< the mean over pixels of ρ(ΔE_ITP), or without pictures Σ w |f−f̂|², of `model`
     double unrounded_loss = 0;  ///< of `unrounded`
 };
 
@@ -25,7 +26,7 @@ struct PbrFit {
 /// whose weights are adapted to large errors. Parts without which the loss, once the others have adapted, rises by less
 /// than 1 % are left at their defaults.
 /// Errors: fewer observations than parameters, values that are not finite; cancelled.
-Result<PbrFit> fit_pbr(const Observations& observations, const PbrFitOptions& options,
-                       const ProgressToken& progress = {});
+Result<OpenPbrFit> fit_openpbr(const Observations& observations, const OpenPbrFitOptions& options,
+                               const ProgressToken& progress = {});
 
 }  // namespace srbf

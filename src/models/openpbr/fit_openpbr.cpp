@@ -5,7 +5,7 @@
 
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
-#include "models/openpbr/fit_pbr.h"
+#include "models/openpbr/fit_openpbr.h"
 #include "observe/large_errors.h"
 #include "observe/pair_weights.h"
 #include "observe/pixels.h"
@@ -19,8 +19,8 @@ struct FittedParameter {
     std::string_view name;
     bool openpbr, gltf, principled;
     float least = 0, most = 0;  ///< of a start
-    bool is_fitted(PbrSurfaceKind kind) const {
-        return kind == PbrSurfaceKind::openpbr ? openpbr : kind == PbrSurfaceKind::gltf ? gltf : principled;
+    bool is_fitted(OpenPbrSurfaceKind kind) const {
+        return kind == OpenPbrSurfaceKind::openpbr ? openpbr : kind == OpenPbrSurfaceKind::gltf ? gltf : principled;
     }
 };
 constexpr std::array<FittedParameter, 19> k_fitted_parameters{{
@@ -50,22 +50,22 @@ constexpr std::array<FittedParameter, 19> k_fitted_parameters{{
 /// The last rows of the table: of a film, and of anisotropy.
 constexpr std::span<const FittedParameter> k_film_rows = std::span(k_fitted_parameters).subspan(14, 3),
                                            k_anisotropy_rows = std::span(k_fitted_parameters).subspan(17);
-const PbrParameter& parameter_of(const FittedParameter& row) {
-    return *std::ranges::find(k_pbr_parameters, row.name, &PbrParameter::name);
+const OpenPbrParameter& parameter_of(const FittedParameter& row) {
+    return *std::ranges::find(k_openpbr_parameters, row.name, &OpenPbrParameter::name);
 }
 
 /// A number of the surface as a variable of the search.
-struct PbrVariable {
-    const PbrParameter* of;
+struct OpenPbrVariable {
+    const OpenPbrParameter* of;
     int c;
     float least;
 };
 /// No lobe is narrower than by `least_roughness` α, the square of a surface's roughness.
-std::vector<PbrVariable> pbr_variables_of(PbrSurfaceKind kind, double least_roughness) {
-    std::vector<PbrVariable> all;
+std::vector<OpenPbrVariable> openpbr_variables_of(OpenPbrSurfaceKind kind, double least_roughness) {
+    std::vector<OpenPbrVariable> all;
     for (const FittedParameter& row : k_fitted_parameters) {
         if (!row.is_fitted(kind)) continue;
-        const PbrParameter& of = parameter_of(row);
+        const OpenPbrParameter& of = parameter_of(row);
         const bool is_of_lobe = row.name == "specular_roughness" || row.name == "coat_roughness";
         const float least = is_of_lobe ? std::min(float(std::sqrt(least_roughness)), of.most / 2) : of.least;
         for (int c = 0; c < of.count(); ++c) all.push_back({&of, c, std::max(of.least, least)});
@@ -73,9 +73,9 @@ std::vector<PbrVariable> pbr_variables_of(PbrSurfaceKind kind, double least_roug
     return all;
 }
 /// What a surface has where it has no parameter.
-PbrModel fixed_of(PbrSurfaceKind kind) {
-    PbrModel model;
-    if (kind != PbrSurfaceKind::openpbr) model.coat_darkening = 0, model.coat_ior = 1.5f;
+OpenPbrModel fixed_of(OpenPbrSurfaceKind kind) {
+    OpenPbrModel model;
+    if (kind != OpenPbrSurfaceKind::openpbr) model.coat_darkening = 0, model.coat_ior = 1.5f;
     return model;
 }
 
@@ -83,12 +83,12 @@ constexpr double k_slope_step = 1e-3;  ///< of x, for differences
 
 /// What a surface is fitted to: of pixels the mean of ρ(ΔE_ITP) (see `Pixels`), or where no pictures are observed
 /// Σ w |f − f̂|² of pairs. The outputs of a surface are the colours of pixels, or its values at pairs.
-class PbrData {
+class OpenPbrData {
   public:
     using Outputs = Aligned<float>;  ///< blocks of a column for each channel
 
     /// Of every so many views, or of the first pairs as many as a share of so much.
-    PbrData(const Observations& observations, std::size_t every) {
+    OpenPbrData(const Observations& observations, std::size_t every) {
         if (observations.views.empty())
             take_pairs(observations, every);
         else
@@ -98,7 +98,7 @@ class PbrData {
     static std::size_t place(std::size_t i, std::size_t c) { return (3 * (i / k_block) + c) * k_block + i % k_block; }
     std::size_t count() const { return pixels_.count() > 0 ? pixels_.count() : f_.size(); }
 
-    void outputs(const PbrModel& model, std::vector<Rgb>& f, Outputs& seen) const {
+    void outputs(const OpenPbrModel& model, std::vector<Rgb>& f, Outputs& seen) const {
         f.resize(wl_.size());
         evaluate(model, wl_, wv_, f);
         seen.assign(3 * k_block * blocks_for(count()), 0);
@@ -230,13 +230,13 @@ class PbrData {
 
 /// The loss as a function of the variables' x in [0, 1]; what is no variable stays as it is in `fixed`. Derivatives are
 /// differences.
-class PbrProblem {
+class OpenPbrProblem {
   public:
-    PbrProblem(const PbrData& data, std::vector<PbrVariable> variables, const PbrModel& fixed)
+    OpenPbrProblem(const OpenPbrData& data, std::vector<OpenPbrVariable> variables, const OpenPbrModel& fixed)
         : data_(data), variables_(std::move(variables)), fixed_(fixed), by_(variables_.size()) {}
 
-    PbrModel model(const Eigen::VectorXd& x) const {
-        PbrModel model = fixed_;
+    OpenPbrModel model(const Eigen::VectorXd& x) const {
+        OpenPbrModel model = fixed_;
         for (std::size_t i = 0; i < variables_.size(); ++i) {
             const auto [of, c, least] = variables_[i];
             const double at = x[Eigen::Index(i)];
@@ -244,7 +244,7 @@ class PbrProblem {
         }
         return model;
     }
-    Eigen::VectorXd x_of(const PbrModel& model) const {
+    Eigen::VectorXd x_of(const OpenPbrModel& model) const {
         Eigen::VectorXd x(Eigen::Index(variables_.size()));
         for (std::size_t i = 0; i < variables_.size(); ++i) {
             const auto [of, c, least] = variables_[i];
@@ -255,7 +255,7 @@ class PbrProblem {
     }
 
     double loss(const Eigen::VectorXd& x) { return loss(model(x)); }
-    double loss(const PbrModel& model) {
+    double loss(const OpenPbrModel& model) {
         data_.outputs(model, f_, seen_);
         return data_.loss(seen_, slopes_);
     }
@@ -276,12 +276,12 @@ class PbrProblem {
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Constant(x.size(), 0.25); }
 
   private:
-    const PbrData& data_;
-    std::vector<PbrVariable> variables_;
-    PbrModel fixed_;
+    const OpenPbrData& data_;
+    std::vector<OpenPbrVariable> variables_;
+    OpenPbrModel fixed_;
     std::vector<Rgb> f_;
-    PbrData::Outputs seen_;
-    std::vector<PbrData::Outputs> by_;
+    OpenPbrData::Outputs seen_;
+    std::vector<OpenPbrData::Outputs> by_;
     PixelSlopes slopes_;
 };
 
@@ -306,8 +306,8 @@ Rgb typical_colour(const Observations& observations) {
 }
 
 /// A surface that a search starts from. From one without a film, surfaces with one are not searched.
-struct PbrCandidate {
-    PbrModel model;
+struct OpenPbrCandidate {
+    OpenPbrModel model;
     double loss = 0;
     bool has_film() const { return model.thin_film_weight > 0; }
 };
@@ -317,13 +317,14 @@ constexpr std::uint64_t k_seed_of_starts = 1;  ///< of the random numbers of a f
 
 /// Where the search may start: metals and dielectrics, from glossy to rough, without and with a coat; and drawn surfaces,
 /// the same for every fit but for the colour, of which every fourth has a film if `with_film`.
-std::vector<PbrCandidate> pbr_starts_of(const Observations& observations, bool with_film, bool with_anisotropy) {
+std::vector<OpenPbrCandidate> openpbr_starts_of(const Observations& observations, bool with_film,
+                                                bool with_anisotropy) {
     const Rgb colour = typical_colour(observations);
-    std::vector<PbrCandidate> starts;
+    std::vector<OpenPbrCandidate> starts;
     for (const float metalness : {0.f, 1.f})
         for (const float roughness : {0.2f, 0.5f})
             for (const float coat : {0.f, 0.5f}) {
-                PbrModel& start = starts.emplace_back().model;
+                OpenPbrModel& start = starts.emplace_back().model;
                 start.base_color = colour;
                 start.base_metalness = 0.05f + 0.9f * metalness;  // within the bounds all parameters have slopes
                 start.base_diffuse_roughness = 0.2f;
@@ -340,44 +341,44 @@ std::vector<PbrCandidate> pbr_starts_of(const Observations& observations, bool w
     const auto within = [&](float least, float most) {
         return least + (most - least) * float(double(random() >> 11) * 0x1p-53);
     };
-    const auto draw = [&](PbrModel& start, std::span<const FittedParameter> rows) {
+    const auto draw = [&](OpenPbrModel& start, std::span<const FittedParameter> rows) {
         for (const FittedParameter& row : rows)
             for (int c = 0; row.most > 0 && c < parameter_of(row).count(); ++c)
                 number(start, parameter_of(row), c) = within(row.least, row.most);
     };
     for (int i = 0; i < k_drawn_starts; ++i) {
-        PbrModel& start = starts.emplace_back().model;
+        OpenPbrModel& start = starts.emplace_back().model;
         for (int c = 0; c < 3; ++c) start.base_color[c] = std::clamp(colour[c] * within(0.5f, 1.5f), 0.02f, 0.95f);
         start.fuzz_color = colour;
         draw(start, std::span(k_fitted_parameters).first<14>());
         if (i % 4 == 0 && with_film) draw(start, k_film_rows);
     }
-    for (PbrCandidate& start : starts)
+    for (OpenPbrCandidate& start : starts)
         if (with_anisotropy) draw(start.model, k_anisotropy_rows);
     return starts;
 }
 
 /// The best surfaces under films, half of which are seen: the loss over the thickness has many minima.
 constexpr std::size_t k_surfaces_under_films = 2;
-std::vector<PbrCandidate> under_films(std::span<const PbrCandidate> best) {
-    std::vector<PbrCandidate> all;
-    for (const PbrCandidate& under : best.first(std::min(best.size(), k_surfaces_under_films)))
+std::vector<OpenPbrCandidate> under_films(std::span<const OpenPbrCandidate> best) {
+    std::vector<OpenPbrCandidate> all;
+    for (const OpenPbrCandidate& under : best.first(std::min(best.size(), k_surfaces_under_films)))
         for (const float thickness : {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.65f, 0.8f})
             for (const float ior : {1.3f, 1.7f, 2.3f}) {
-                PbrModel& model = all.emplace_back(under).model;
+                OpenPbrModel& model = all.emplace_back(under).model;
                 model.thin_film_weight = 0.5f, model.thin_film_thickness = thickness, model.thin_film_ior = ior;
             }
     return all;
 }
 
 /// Rounds of the search: of how many candidates, on every so many views, with so many steps.
-struct PbrRound {
+struct OpenPbrRound {
     std::size_t candidates, every;
     int steps;
 };
-constexpr std::array<PbrRound, 3> k_pbr_rounds{{{64, 10, 10}, {16, 5, 15}, {6, 2, 20}}};
-constexpr std::array<PbrRound, 3> k_film_rounds{{{64, 10, 10}, {8, 5, 15}, {3, 2, 20}}};
-constexpr PbrRound k_last_pbr_round{2, 1, 40};
+constexpr std::array<OpenPbrRound, 3> k_openpbr_rounds{{{64, 10, 10}, {16, 5, 15}, {6, 2, 20}}};
+constexpr std::array<OpenPbrRound, 3> k_film_rounds{{{64, 10, 10}, {8, 5, 15}, {3, 2, 20}}};
+constexpr OpenPbrRound k_last_openpbr_round{2, 1, 40};
 constexpr int k_weighed_rounds = 4;             ///< with weights adapted to errors, where no pictures are observed
 constexpr double k_most_weight_change = 100;    ///< of these
 constexpr int k_steps_without = 10;             ///< to adapt to a part that is dropped
@@ -385,8 +386,8 @@ constexpr double k_least_gain_of_parts = 0.01;  ///< of the loss, by which a par
 constexpr double k_unseen = 0.01;               ///< a loss of pixels, ΔE_ITP .1, for which no part is kept
 
 /// Variables without those of these parameters.
-std::vector<PbrVariable> without(std::vector<PbrVariable> variables, std::span<const std::string_view> names) {
-    std::erase_if(variables, [&](const PbrVariable& one) { return std::ranges::count(names, one.of->name) > 0; });
+std::vector<OpenPbrVariable> without(std::vector<OpenPbrVariable> variables, std::span<const std::string_view> names) {
+    std::erase_if(variables, [&](const OpenPbrVariable& one) { return std::ranges::count(names, one.of->name) > 0; });
     return variables;
 }
 std::vector<std::string_view> names_of(std::span<const FittedParameter> rows) {
@@ -396,12 +397,12 @@ std::vector<std::string_view> names_of(std::span<const FittedParameter> rows) {
 }
 
 /// A part of the surface that may be dropped: its variables, and a surface that has it at these numbers.
-struct PbrPart {
+struct OpenPbrPart {
     std::vector<std::string_view> names;
-    PbrModel without;
+    OpenPbrModel without;
 };
-std::vector<PbrPart> pbr_parts(const PbrModel& defaults) {
-    std::vector<PbrPart> parts{
+std::vector<OpenPbrPart> openpbr_parts(const OpenPbrModel& defaults) {
+    std::vector<OpenPbrPart> parts{
         {names_of(k_film_rows), defaults},
         {names_of(k_anisotropy_rows), defaults},
         {{"fuzz_weight", "fuzz_color", "fuzz_roughness"}, defaults},
@@ -418,20 +419,20 @@ std::vector<PbrPart> pbr_parts(const PbrModel& defaults) {
 }
 
 /// A surface and what of it is searched.
-struct PbrFound {
-    PbrCandidate best;
-    std::vector<PbrVariable> variables;
+struct OpenPbrFound {
+    OpenPbrCandidate best;
+    std::vector<OpenPbrVariable> variables;
 };
 /// Drops the parts without which the surface, adapted, is as good, or its loss at most `bearable`.
-void drop_unseen_parts(PbrFound& found, const PbrData& data, const PbrModel& defaults, double bearable) {
-    for (const PbrPart& part : pbr_parts(defaults)) {
-        PbrModel less = found.best.model;
-        for (const PbrParameter& of : k_pbr_parameters)
+void drop_unseen_parts(OpenPbrFound& found, const OpenPbrData& data, const OpenPbrModel& defaults, double bearable) {
+    for (const OpenPbrPart& part : openpbr_parts(defaults)) {
+        OpenPbrModel less = found.best.model;
+        for (const OpenPbrParameter& of : k_openpbr_parameters)
             for (int c = 0; std::ranges::count(part.names, of.name) > 0 && c < of.count(); ++c)
                 number(less, of, c) = number(part.without, of, c);
         if (less == found.best.model) continue;
         const auto left = without(found.variables, part.names);
-        PbrProblem problem(data, left, less);
+        OpenPbrProblem problem(data, left, less);
         Eigen::VectorXd x = problem.x_of(less);
         const double loss =
             levenberg_marquardt(problem, x, {.max_iterations = k_steps_without, .adapts_to_bounds = true}).loss;
@@ -441,100 +442,101 @@ void drop_unseen_parts(PbrFound& found, const PbrData& data, const PbrModel& def
 }
 
 /// From many starts to the best surfaces.
-class PbrSearch {
+class OpenPbrSearch {
   public:
-    PbrSearch(const Observations& observations, const PbrFitOptions& options, const ProgressToken& progress)
+    OpenPbrSearch(const Observations& observations, const OpenPbrFitOptions& options, const ProgressToken& progress)
         : observations_(observations),
           weighed_(observations),
           options_(options),
           progress_(progress),
           defaults_(fixed_of(options.surface)),
-          all_(pbr_variables_of(options.surface, observations.least_roughness)) {
+          all_(openpbr_variables_of(options.surface, observations.least_roughness)) {
         if (options.is_isotropic) all_ = without(all_, names_of(k_anisotropy_rows));
         all_but_film_ = without(all_, names_of(k_film_rows));
     }
 
     /// The best surface with the parts of it that are seen.
-    Result<PbrFound> found() {
+    Result<OpenPbrFound> found() {
         const bool with_film = all_.size() > all_but_film_.size();
-        std::vector<PbrCandidate> candidates = screened(with_film);
-        if (const auto done = search(candidates, k_pbr_rounds); !done) return done.error();
+        std::vector<OpenPbrCandidate> candidates = screened(with_film);
+        if (const auto done = search(candidates, k_openpbr_rounds); !done) return done.error();
         if (with_film) {
-            std::vector<PbrCandidate> films = under_films(candidates);
+            std::vector<OpenPbrCandidate> films = under_films(candidates);
             if (const auto done = search(films, k_film_rounds); !done) return done.error();
             candidates.insert(candidates.end(), films.begin(), films.end());
-            std::ranges::stable_sort(candidates, {}, &PbrCandidate::loss);
+            std::ranges::stable_sort(candidates, {}, &OpenPbrCandidate::loss);
         }
-        if (const auto done = search(candidates, {&k_last_pbr_round, 1}); !done) return done.error();
+        if (const auto done = search(candidates, {&k_last_openpbr_round, 1}); !done) return done.error();
         // As of Lambert and GGX: weights that hold for small errors are adapted to large ones.
         const bool is_weighed = observations_.views.empty() && traits(observations_.objective).seen;
         for (int i = 0; i < k_weighed_rounds && is_weighed; ++i) {
             weighed_.weight = observations_.weight;
             weigh_large_errors(weighed_, evaluator(candidates[0].model), k_most_weight_change);
-            if (const auto done = search(candidates, {&k_last_pbr_round, 1}); !done) return done.error();
+            if (const auto done = search(candidates, {&k_last_openpbr_round, 1}); !done) return done.error();
         }
-        PbrFound found{candidates[0], variables_of(candidates[0])};
-        drop_unseen_parts(found, PbrData(weighed_, 1), defaults_, observations_.views.empty() ? 0 : k_unseen);
+        OpenPbrFound found{candidates[0], variables_of(candidates[0])};
+        drop_unseen_parts(found, OpenPbrData(weighed_, 1), defaults_, observations_.views.empty() ? 0 : k_unseen);
         return found;
     }
     /// What was fitted to in the end.
-    PbrData data() const { return PbrData(weighed_, 1); }
+    OpenPbrData data() const { return OpenPbrData(weighed_, 1); }
 
   private:
-    const std::vector<PbrVariable>& variables_of(const PbrCandidate& candidate) const {
+    const std::vector<OpenPbrVariable>& variables_of(const OpenPbrCandidate& candidate) const {
         return candidate.has_film() ? all_ : all_but_film_;
     }
     /// The starts with the least loss first.
-    std::vector<PbrCandidate> screened(bool with_film) const {
-        std::vector<PbrCandidate> starts = pbr_starts_of(observations_, with_film, !options_.is_isotropic);
-        const PbrData data(weighed_, k_pbr_rounds[0].every);
+    std::vector<OpenPbrCandidate> screened(bool with_film) const {
+        std::vector<OpenPbrCandidate> starts = openpbr_starts_of(observations_, with_film, !options_.is_isotropic);
+        const OpenPbrData data(weighed_, k_openpbr_rounds[0].every);
         parallel_for(starts.size(), options_.threads, [&](std::size_t i) {
-            PbrProblem problem(data, variables_of(starts[i]), defaults_);
+            OpenPbrProblem problem(data, variables_of(starts[i]), defaults_);
             starts[i].model = problem.model(problem.x_of(starts[i].model));  // with what the surface lacks
             starts[i].loss = problem.loss(starts[i].model);
         });
-        std::ranges::stable_sort(starts, {}, &PbrCandidate::loss);
+        std::ranges::stable_sort(starts, {}, &OpenPbrCandidate::loss);
         return starts;
     }
-    Result<Done> search(std::vector<PbrCandidate>& candidates, std::span<const PbrRound> rounds) {
-        for (const PbrRound& round : rounds) {
+    Result<Done> search(std::vector<OpenPbrCandidate>& candidates, std::span<const OpenPbrRound> rounds) {
+        for (const OpenPbrRound& round : rounds) {
             if (!progress_.report("searching parameters", done_)) return cancelled_error("fit");
-            const PbrData data(weighed_, round.every);
+            const OpenPbrData data(weighed_, round.every);
             candidates.resize(std::min(candidates.size(), round.candidates));
             parallel_for(candidates.size(), options_.threads, [&](std::size_t i) {
-                PbrCandidate& candidate = candidates[i];
-                PbrProblem problem(data, variables_of(candidate), defaults_);
+                OpenPbrCandidate& candidate = candidates[i];
+                OpenPbrProblem problem(data, variables_of(candidate), defaults_);
                 Eigen::VectorXd x = problem.x_of(candidate.model);
                 candidate.loss =
                     levenberg_marquardt(problem, x, {.max_iterations = round.steps, .adapts_to_bounds = true}).loss;
                 candidate.model = problem.model(x);
             });
-            std::ranges::stable_sort(candidates, {}, &PbrCandidate::loss);
-            done_ += 0.9 / double(k_pbr_rounds.size() + k_film_rounds.size() + k_weighed_rounds);
+            std::ranges::stable_sort(candidates, {}, &OpenPbrCandidate::loss);
+            done_ += 0.9 / double(k_openpbr_rounds.size() + k_film_rounds.size() + k_weighed_rounds);
         }
         return Done{};
     }
 
     const Observations& observations_;
     Observations weighed_;
-    const PbrFitOptions& options_;
+    const OpenPbrFitOptions& options_;
     const ProgressToken& progress_;
-    PbrModel defaults_;
-    std::vector<PbrVariable> all_, all_but_film_;
+    OpenPbrModel defaults_;
+    std::vector<OpenPbrVariable> all_, all_but_film_;
     double done_ = 0;
 };
 
 }  // namespace
 
-Result<PbrFit> fit_pbr(const Observations& observations, const PbrFitOptions& options, const ProgressToken& progress) {
+Result<OpenPbrFit> fit_openpbr(const Observations& observations, const OpenPbrFitOptions& options,
+                               const ProgressToken& progress) {
     const StandardArithmetic mode;
-    if (const auto valid = validate(observations, pbr_number_count(PbrModel{})); !valid) return valid.error();
-    PbrSearch search(observations, options, progress);
+    if (const auto valid = validate(observations, openpbr_number_count(OpenPbrModel{})); !valid) return valid.error();
+    OpenPbrSearch search(observations, options, progress);
     const auto found = search.found();
     if (!found) return found.error();
-    const PbrData data = search.data();
-    PbrProblem problem(data, found->variables, found->best.model);
-    PbrFit fit{{}, found->best.model, 0, problem.loss(found->best.model)};
+    const OpenPbrData data = search.data();
+    OpenPbrProblem problem(data, found->variables, found->best.model);
+    OpenPbrFit fit{{}, found->best.model, 0, problem.loss(found->best.model)};
     fit.model = rounded(fit.unrounded);
     fit.loss = problem.loss(fit.model);
     return fit;

@@ -5,37 +5,37 @@
 #include <algorithm>
 #include <cassert>
 
-#include "models/openpbr/pbr_file.h"
+#include "models/openpbr/openpbr_file.h"
 #include "srbf/half.h"
 
 namespace srbf {
 
-std::optional<PbrSurfaceKind> pbr_surface_named(std::string_view name) {
-    const auto at = std::ranges::find(k_pbr_surfaces, name);
-    if (at == k_pbr_surfaces.end()) return std::nullopt;
-    return PbrSurfaceKind(at - k_pbr_surfaces.begin());
+std::optional<OpenPbrSurfaceKind> openpbr_surface_named(std::string_view name) {
+    const auto at = std::ranges::find(k_openpbr_surfaces, name);
+    if (at == k_openpbr_surfaces.end()) return std::nullopt;
+    return OpenPbrSurfaceKind(at - k_openpbr_surfaces.begin());
 }
 
-Rgb value(const PbrModel& model, Vec3f wl, Vec3f wv) {
+Rgb value(const OpenPbrModel& model, Vec3f wl, Vec3f wv) {
     Rgb f;
     evaluate(model, {&wl, 1}, {&wv, 1}, {&f, 1});
     return f;
 }
 
-Evaluate evaluator(const PbrModel& model) {
+Evaluate evaluator(const OpenPbrModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
 
-PbrModel rounded(const PbrModel& model) {
-    Safetensors content = Stored<PbrModel>::content(model);
-    Result<PbrModel> decoded = Stored<PbrModel>::read(content, "");
+OpenPbrModel rounded(const OpenPbrModel& model) {
+    Safetensors content = Stored<OpenPbrModel>::content(model);
+    Result<OpenPbrModel> decoded = Stored<OpenPbrModel>::read(content, "");
     assert(decoded.ok());  // a valid model can be encoded
     return *std::move(decoded);
 }
 
-Safetensors Stored<PbrModel>::content(const PbrModel& model) {
+Safetensors Stored<OpenPbrModel>::content(const OpenPbrModel& model) {
     Safetensors content{{}, {{"exchanged_surface", model.is_exchanged ? "true" : "false"}}};
-    for (const PbrParameter& of : k_pbr_parameters) {
+    for (const OpenPbrParameter& of : k_openpbr_parameters) {
         if (!is_stored(model, of)) continue;
         Tensor16& tensor = content.tensors[std::string(of.name)] = {Type16::half, {std::uint64_t(of.count())}, {}};
         for (int c = 0; c < of.count(); ++c)
@@ -44,21 +44,21 @@ Safetensors Stored<PbrModel>::content(const PbrModel& model) {
     return content;
 }
 
-Result<PbrModel> Stored<PbrModel>::read(Safetensors& content, const std::string& file_name) {
+Result<OpenPbrModel> Stored<OpenPbrModel>::read(Safetensors& content, const std::string& file_name) {
     MetadataReader reader{content.metadata, file_name};
     const bool is_exchanged = reader.take("exchanged_surface", {"true", "false"}) == "true";
     if (reader.error) return *reader.error;
     const auto& tensors = content.tensors;
-    PbrModel of_all;  // with a film and anisotropy if the file has them
+    OpenPbrModel of_all;  // with a film and anisotropy if the file has them
     of_all.thin_film_weight = tensors.contains("thin_film_weight") ? 1 : 0;
     of_all.specular_roughness_anisotropy = tensors.contains("specular_roughness_anisotropy") ? 1 : 0;
     std::map<std::string, TensorShape> expected;
-    for (const PbrParameter& of : k_pbr_parameters)
+    for (const OpenPbrParameter& of : k_openpbr_parameters)
         if (is_stored(of_all, of)) expected[std::string(of.name)] = {Type16::half, {std::uint64_t(of.count())}};
     if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
-    PbrModel model;
+    OpenPbrModel model;
     model.is_exchanged = is_exchanged;
-    for (const PbrParameter& of : k_pbr_parameters)
+    for (const OpenPbrParameter& of : k_openpbr_parameters)
         for (int c = 0; is_stored(of_all, of) && c < of.count(); ++c) {
             const float x = from_half(tensors.at(std::string(of.name)).data[std::size_t(c)]);
             if (!(x >= of.least && x <= of.most))

@@ -1,6 +1,6 @@
 // Surfaces by the parameters of renderers: the formula, its file, its fit.
-#include "models/openpbr/fit_pbr.h"
-#include "models/openpbr/pbr_kernel.h"
+#include "models/openpbr/fit_openpbr.h"
+#include "models/openpbr/openpbr_kernel.h"
 #include "properties.h"
 #include "srbf/directions.h"
 #include "srbf/metrics.h"
@@ -12,15 +12,15 @@ namespace {
 
 using K = Kernel<float>;
 
-PbrModel random_pbr(std::mt19937_64& random) {
-    PbrModel model;
-    for (const PbrParameter& of : k_pbr_parameters)
+OpenPbrModel random_openpbr(std::mt19937_64& random) {
+    OpenPbrModel model;
+    for (const OpenPbrParameter& of : k_openpbr_parameters)
         for (int c = 0; c < of.count(); ++c)
             number(model, of, c) = float(double(of.least) + uniform(random) * double(of.most - of.least));
     return model;
 }
-PbrModel diffuse_alone(Rgb colour, float roughness) {
-    PbrModel model;
+OpenPbrModel diffuse_alone(Rgb colour, float roughness) {
+    OpenPbrModel model;
     model.base_color = colour, model.base_diffuse_roughness = roughness, model.specular_weight = 0;
     return model;
 }
@@ -32,8 +32,8 @@ Vec3f above(std::mt19937_64& random) {
 /// What a known surface is made of.
 enum class Made { metal, coated, fuzzy, film, brushed };
 /// A coloured surface in several of its layers.
-PbrModel known(Made of) {
-    PbrModel truth;
+OpenPbrModel known(Made of) {
+    OpenPbrModel truth;
     const bool is_metal = of == Made::metal || of == Made::film || of == Made::brushed;
     truth.base_color = is_metal ? Rgb{0.9f, 0.6f, 0.3f} : Rgb{0.5f, 0.15f, 0.1f};
     truth.base_metalness = is_metal ? 1.f : 0.f;
@@ -50,7 +50,7 @@ PbrModel known(Made of) {
 TEST(Pbr, TurnsWithItsTangentIsNeverNegativeAndFinite) {
     std::mt19937_64 random(1);
     for (int i = 0; i < 2000; ++i) {
-        PbrModel model = random_pbr(random);
+        OpenPbrModel model = random_openpbr(random);
         if (i % 2) model.specular_roughness_anisotropy = 0;
         const Vec3f wl = above(random), wv = above(random);
         const Rgb f = value(model, wl, wv);
@@ -66,7 +66,7 @@ TEST(Pbr, TurnsWithItsTangentIsNeverNegativeAndFinite) {
             EXPECT_TRUE(near(f[c], g[c], 1e-3 * double(f[c]) + 1e-6)) << f[c] << ' ' << g[c];
         }
     }
-    EXPECT_EQ(value(PbrModel{}, {0, 0, -1}, {0, 0, 1}), Rgb{});
+    EXPECT_EQ(value(OpenPbrModel{}, {0, 0, -1}, {0, 0, 1}), Rgb{});
 }
 
 /// D G / (4 cosθl cosθv) of GGX facets with a roughness along x and one along y, as it is in the literature.
@@ -89,7 +89,7 @@ TEST(Pbr, FacetsAreRougherAlongTheTangent) {
                          K::ggx_facets(wl, wv, float(along)), 1e-4 * double(K::ggx_facets(wl, wv, float(along)))));
     }
     // A metal of F0 1 has the facets' value but for what is scattered again, and that is the same at all azimuths.
-    PbrModel white;
+    OpenPbrModel white;
     white.base_color = {1, 1, 1}, white.base_metalness = 1, white.specular_roughness = 0.5f;
     white.specular_roughness_anisotropy = 0.5f, white.specular_rotation = 0.125f;
     const double along = 0.25 * std::sqrt(2 / 1.25), across = along / 2;
@@ -101,8 +101,8 @@ TEST(Pbr, FacetsAreRougherAlongTheTangent) {
     for (const double azimuth : {0.3, 0.8, 2.0, 4.0})
         EXPECT_TRUE(near(at(azimuth, 0.125), at(0, 0.125), 1e-3)) << azimuth;
     // A little of it is nearly none.
-    PbrModel little = known(Made::coated);
-    const PbrModel none = little;
+    OpenPbrModel little = known(Made::coated);
+    const OpenPbrModel none = little;
     little.specular_roughness_anisotropy = 1e-4f;
     for (int i = 0; i < 100; ++i) {
         const Vec3f wl = above(random), wv = above(random);
@@ -113,7 +113,7 @@ TEST(Pbr, FacetsAreRougherAlongTheTangent) {
 
 TEST(Pbr, ExchangedItTakesLightForViewer) {
     std::mt19937_64 random(2);
-    Model model{random_pbr(random), {}};
+    Model model{random_openpbr(random), {}};
     const Vec3f wl = above(random), wv = above(random);
     const Rgb f = value(model, wl, wv);
     exchange(model);
@@ -122,13 +122,13 @@ TEST(Pbr, ExchangedItTakesLightForViewer) {
 }
 
 TEST(Pbr, ReflectsNoMoreThanItGets) {
-    PbrModel white;
+    OpenPbrModel white;
     white.base_color = {1, 1, 1};
     for (const float metalness : {0.f, 1.f})
         for (const float roughness : {0.1f, 0.4f, 0.8f})
             for (const float coat : {0.f, 1.f})
                 for (const float fuzz : {0.f, 1.f}) {
-                    PbrModel model = white;
+                    OpenPbrModel model = white;
                     model.base_metalness = metalness, model.specular_roughness = roughness;
                     model.coat_weight = coat, model.coat_roughness = 0.2f, model.fuzz_weight = fuzz;
                     for (const double theta : {0.0, 0.8, 1.2})
@@ -181,7 +181,7 @@ TEST(Pbr, AlbedosOfLayersAreTheirIntegrals) {
                 << alpha << ' ' << cosine << ' ' << whole.facing + whole.grazing << ' '
                 << albedo(evaluator(white), theta, k_pi / 2).g;
         }
-    PbrModel fuzz = diffuse_alone({0, 0, 0}, 0);
+    OpenPbrModel fuzz = diffuse_alone({0, 0, 0}, 0);
     fuzz.fuzz_weight = 1;
     for (const float roughness : {0.2f, 0.5f, 1.f}) {
         fuzz.fuzz_roughness = roughness;
@@ -195,20 +195,20 @@ TEST(Pbr, AlbedosOfLayersAreTheirIntegrals) {
 TEST(Pbr, AFileHoldsAllItsNumbers) {
     std::mt19937_64 random(3);
     for (int i = 0; i < 20; ++i) {
-        Model model{rounded(random_pbr(random)), {{"source", "made up"}}};
+        Model model{rounded(random_openpbr(random)), {{"source", "made up"}}};
         if (i % 2) exchange(model);
         const auto read = read_model(write_model(model), "a");
         ASSERT_TRUE(read.ok()) << message(read.error());
-        EXPECT_EQ(std::get<PbrModel>(read->model), std::get<PbrModel>(model.model));
+        EXPECT_EQ(std::get<OpenPbrModel>(read->model), std::get<OpenPbrModel>(model.model));
         EXPECT_EQ(read->provenance, model.provenance);
     }
-    EXPECT_EQ(payload_bytes(PbrModel{}), 48u);
+    EXPECT_EQ(payload_bytes(OpenPbrModel{}), 48u);
     EXPECT_EQ(payload_bytes(known(Made::film)), 54u);
     EXPECT_EQ(payload_bytes(known(Made::brushed)), 52u);
 }
 
 TEST(Pbr, DamagedFilesAreRefused) {
-    for (const PbrModel& model : {PbrModel{}, known(Made::film), known(Made::brushed)}) {
+    for (const OpenPbrModel& model : {OpenPbrModel{}, known(Made::film), known(Made::brushed)}) {
         const std::vector<std::byte> whole = write_model({model, {}});
         for (std::size_t size = 0; size < whole.size(); ++size)
             EXPECT_FALSE(read_model(std::span(whole).first(size), "a").ok()) << size;
@@ -219,20 +219,20 @@ TEST(Pbr, DamagedFilesAreRefused) {
             flipped[i] = std::byte(0xc4);  // about −4, which no parameter may be
             refused += !read_model(flipped, "a").ok();
         }
-        EXPECT_EQ(refused, int(pbr_number_count(model)));
+        EXPECT_EQ(refused, int(openpbr_number_count(model)));
     }
 }
 
 TEST(Pbr, AKnownSurfaceIsFittedBack) {
     for (const Made made : {Made::metal, Made::coated, Made::fuzzy, Made::film, Made::brushed}) {
-        const PbrModel truth = known(made);
+        const OpenPbrModel truth = known(made);
         const auto observed = observe(evaluator(truth), {.count = 8192});
         ASSERT_TRUE(observed.ok());
-        const auto fit = fit_pbr(*observed, {.is_isotropic = made != Made::brushed});
+        const auto fit = fit_openpbr(*observed, {.is_isotropic = made != Made::brushed});
         ASSERT_TRUE(fit.ok());
         const std::vector<Evaluate> fits{evaluator(fit->model)};
         EXPECT_LT(compare_pictures(evaluator(truth), fits)[0].mean.delta_e, 0.3) << int(made);
-        for (const PbrParameter& of : k_pbr_parameters)
+        for (const OpenPbrParameter& of : k_openpbr_parameters)
             for (int c = 0; c < of.count(); ++c)
                 EXPECT_TRUE(near(number(fit->model, of, c), number(truth, of, c),
                                  0.05 * std::max(double(number(truth, of, c)), 0.01)))
@@ -269,7 +269,7 @@ TEST(Pbr, AFilmsColoursAreThoseOfItsEquations) {
 }
 
 TEST(Pbr, AFilmOfAirIsNone) {
-    PbrModel plain = known(Made::film), film = plain;
+    OpenPbrModel plain = known(Made::film), film = plain;
     plain.thin_film_weight = 0, film.thin_film_ior = 1;
     std::mt19937_64 random(4);
     for (int i = 0; i < 300; ++i) {
@@ -281,11 +281,11 @@ TEST(Pbr, AFilmOfAirIsNone) {
 }
 
 TEST(Pbr, AFitDoesNotDependOnThreads) {
-    const PbrModel truth = known(Made::coated);
+    const OpenPbrModel truth = known(Made::coated);
     const auto observed = observe(evaluator(truth), {.count = 2048});
     ASSERT_TRUE(observed.ok());
     const auto fit = [&](int threads) {
-        return fit_pbr(*observed, {.surface = PbrSurfaceKind::gltf, .threads = threads});
+        return fit_openpbr(*observed, {.surface = OpenPbrSurfaceKind::gltf, .threads = threads});
     };
     const auto one = fit(1), two = fit(2);
     ASSERT_TRUE(one.ok() && two.ok());
@@ -297,10 +297,10 @@ TEST(Pbr, AFitDoesNotDependOnThreads) {
 }
 
 TEST(Pbr, WithoutPicturesPairsAreFitted) {
-    const PbrModel truth = known(Made::metal);
+    const OpenPbrModel truth = known(Made::metal);
     const auto observed = observe(evaluator(truth), {.objective = Objective::cosine, .count = 4096});
     ASSERT_TRUE(observed.ok());
-    const auto fit = fit_pbr(*observed, {});
+    const auto fit = fit_openpbr(*observed, {});
     ASSERT_TRUE(fit.ok());
     EXPECT_LT(fit->loss, 1e-3);
 }

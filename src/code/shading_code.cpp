@@ -503,7 +503,7 @@ KindText text_of(const SuModel& su, Numbers, Program& program) {
 KindText text_of(const GgxModel& ggx, Numbers where, Program& program) {
     return {k_no_pm + k_no_su, where == Numbers::tables ? brdf_of(ggx, program) : brdf_of(ggx)};
 }
-KindText text_of(const OpenPbrModel& pbr, Numbers where, Program& program) {
+KindText text_of(const OpenPbrModel& openpbr, Numbers where, Program& program) {
     return {k_no_pm + k_no_su, where == Numbers::tables ? brdf_of(openpbr, program) : brdf_of(openpbr)};
 }
 KindText text_of(const BsdfModel&, Numbers, Program&) { return {}; }  // its parts are programs of their own

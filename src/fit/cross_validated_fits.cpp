@@ -114,34 +114,36 @@ class SampleFits {
         return all;
     }
 
-    /// One fit of `samples`; `observed` is of these, and required for PM and GGX.
-    Result<FitOutcome> fitted(const ScatteredSamples& samples, const SampleObservations* observed,
+    // One fit of `samples`, of which `observed` is, unless the model is view by view.
+    Result<FitOutcome> fitted(const SuRequest&, const ScatteredSamples& samples, const SampleObservations*,
+                              const Variant&, const ProgressToken& progress) const {
+        const Measured measured{"", "", 0, samples};
+        return fit_su(signed_evaluator(measured), request_, progress);
+    }
+    Result<FitOutcome> fitted(const GgxRequest&, const ScatteredSamples&, const SampleObservations* observed,
+                              const Variant&, const ProgressToken& progress) const {
+        return counted(fit_ggx(observed->samples, request_, progress), *observed);
+    }
+    Result<FitOutcome> fitted(const OpenPbrRequest&, const ScatteredSamples&, const SampleObservations* observed,
+                              const Variant&, const ProgressToken& progress) const {
+        return counted(fit_openpbr(observed->samples, request_, samples_.isotropic, progress), *observed);
+    }
+    Result<FitOutcome> fitted(const PmRequest&, const ScatteredSamples&, const SampleObservations* observed,
                               const Variant& candidate, const ProgressToken& progress) const {
-        if (std::holds_alternative<SuRequest>(request_.model)) {
-            const Measured measured{"", "", 0, samples};
-            return fit_su(signed_evaluator(measured), request_, progress);
-        }
-        FitOutcome outcome;
-        if (std::holds_alternative<GgxRequest>(request_.model)) {
-            auto ggx = fit_ggx(observed->samples, request_, progress);
-            if (!ggx) return ggx;
-            outcome = *std::move(ggx);
-        } else if (std::holds_alternative<OpenPbrRequest>(request_.model)) {
-            auto openpbr = fit_openpbr(observed->samples, request_, samples_.isotropic, progress);
-            if (!openpbr) return openpbr;
-            outcome = *std::move(openpbr);
-        } else {
-            FitOptions options = sample_options(samples_, request_, candidate.lobes);
-            if (completes(request_) && observed != observed_) options.starts = k_fold_starts;
-            auto pm = fit_pm(*observed, {options, candidate.fill}, progress);
-            if (!pm) return pm.error();
-            if (progress.cancelled()) return cancelled_error("fit");
-            outcome = outcome_of(*std::move(pm));
-            outcome.filled = candidate.fill;
-            if (observed->completion) outcome.continued = words(*observed->completion);
-        }
-        outcome.masked = observed->samples.masked;
-        outcome.clamped = observed->samples.clamped;
+        FitOptions options = sample_options(samples_, request_, candidate.lobes);
+        if (completes(request_) && observed != observed_) options.starts = k_fold_starts;
+        auto pm = fit_pm(*observed, {options, candidate.fill}, progress);
+        if (!pm) return pm.error();
+        if (progress.cancelled()) return cancelled_error("fit");
+        FitOutcome outcome = outcome_of(*std::move(pm));
+        outcome.filled = candidate.fill;
+        if (observed->completion) outcome.continued = words(*observed->completion);
+        return counted(std::move(outcome), *observed);
+    }
+    static Result<FitOutcome> counted(Result<FitOutcome> outcome, const SampleObservations& observed) {
+        if (!outcome) return outcome;
+        outcome->masked = observed.samples.masked;
+        outcome->clamped = observed.samples.clamped;
         return outcome;
     }
 
@@ -152,7 +154,9 @@ class SampleFits {
         std::vector<FitOutcome> all;
         for (const Variant& candidate : candidates) {
             const double done = double(all.size()) / double(candidates.size());
-            auto one = fitted(samples, observed, candidate, progress.part(done, done + 1 / double(candidates.size())));
+            const ProgressToken part = progress.part(done, done + 1 / double(candidates.size()));
+            auto one = std::visit([&](const auto& of) { return fitted(of, samples, observed, candidate, part); },
+                                  request_.model);
             if (!one) return one.error();
             all.push_back(*std::move(one));
         }

@@ -295,16 +295,13 @@ class Fitter::Work {
     Result<FitOutcome> fit_table(const FitRequest& request, const ProgressToken& progress) {
         const auto quiet = smooth(request, progress);
         if (!quiet) return quiet.error();
-        if (std::holds_alternative<SuRequest>(request.model))
-            return fit_su(smoothed_ ? smoothed_ : signed_, request, *quiet);
+        if (const auto* su = std::get_if<SuRequest>(&request.model)) return fit_observed(*su, {}, request, *quiet);
         const auto found = observed(request, quiet->part(0, k_observed));
         if (!found) return found.error();
         const Observations& observations = **found;
         const ProgressToken fitting = quiet->part(k_observed, 1);
-        auto outcome = std::holds_alternative<GgxRequest>(request.model) ? fit_ggx(observations, request, fitting)
-                       : std::holds_alternative<OpenPbrRequest>(request.model)
-                           ? fit_openpbr(observations, request, looks_isotropic(request), fitting)
-                           : fit_pm_to_table(observations, request, fitting);
+        auto outcome =
+            std::visit([&](const auto& of) { return fit_observed(of, observations, request, fitting); }, request.model);
         if (!outcome) return outcome;
         outcome->masked = observations.masked;
         outcome->clamped = observations.clamped;
@@ -312,9 +309,20 @@ class Fitter::Work {
         return outcome;
     }
 
-    Result<FitOutcome> fit_pm_to_table(const Observations& observations, const FitRequest& request,
-                                       const ProgressToken& progress) {
-        const PmRequest& pm = std::get<PmRequest>(request.model);
+    Result<FitOutcome> fit_observed(const GgxRequest&, const Observations& observations, const FitRequest& request,
+                                    const ProgressToken& progress) {
+        return fit_ggx(observations, request, progress);
+    }
+    Result<FitOutcome> fit_observed(const OpenPbrRequest&, const Observations& observations, const FitRequest& request,
+                                    const ProgressToken& progress) {
+        return fit_openpbr(observations, request, looks_isotropic(request), progress);
+    }
+    Result<FitOutcome> fit_observed(const SuRequest&, const Observations&, const FitRequest& request,
+                                    const ProgressToken& progress) {
+        return fit_su(smoothed_ ? smoothed_ : signed_, request, progress);  // by a matrix of its own
+    }
+    Result<FitOutcome> fit_observed(const PmRequest& pm, const Observations& observations, const FitRequest& request,
+                                    const ProgressToken& progress) {
         const FitOptions options = pm_options(request, axial(request));
         if (pm.size && std::holds_alternative<AutomaticLobes>(*pm.size))
             return fit_best_size(observations, options, request, progress);

@@ -58,9 +58,7 @@ void add_eval(CommandLine& app, int& status);
 void add_compare(CommandLine& app, int& status);
 void add_convert(CommandLine& app, int& status);
 void add_render(CommandLine& app, int& status);
-void add_view(CommandLine& app, int& status);
 void add_export(CommandLine& app, int& status);
-void add_report(CommandLine& app, int& status);
 /// The manual page and the completions of shells; after the others, which they tell of.
 void add_manual(CommandLine& app, int& status);
 /// All of them.

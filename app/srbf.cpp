@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "app/commands.h"
+#include "app/extra_subcommands.h"
 #include "app/memory.h"
 #include "app/output.h"
 
@@ -63,9 +64,8 @@ void add_subcommands(CommandLine& app, int& status) {
     add_compare(app, status);
     add_convert(app, status);
     add_render(app, status);
-    add_view(app, status);
     add_export(app, status);
-    add_report(app, status);
+    for (const auto add : k_extra_subcommands) add(app, status);
     add_manual(app, status);
 }
 

@@ -263,7 +263,7 @@ TEST_F(OfModel, the_manual_tells_what_help_tells) {
     ASSERT_EQ(manual.status + bash.status, 0) << manual.err << bash.err;
     EXPECT_TRUE(manual.out.starts_with(".TH SRBF 1 "));
     const std::regex option("  (-[a-z-]+)[ ,{]");
-    for (const char* sub : {"fit", "info", "eval", "compare", "convert", "render", "view", "export", "report"}) {
+    for (const auto& [sub, named] : long_options(folder)) {
         const std::string help = run(folder, {sub, "--help"}).out;
         EXPECT_NE(manual.out.find(fmt::format("\n.SS srbf {} ", sub)), std::string::npos);
         std::size_t options = 0;

@@ -218,6 +218,7 @@ std::map<std::string, std::string> results_of(const fs::path& report) {
 
 /// A report that is killed while it draws, and between its tables, is done by the next run.
 TEST_F(Failures, AReportGoesOnWhereItWasKilled) {
+    if (!long_options(folder).contains("report")) GTEST_SKIP() << "without srbf report";
     ASSERT_EQ(run(folder, report_.arguments).status, 0);
     const auto whole = results_of(folder.path / "r");
     const auto files_beside = files();
@@ -235,6 +236,7 @@ TEST_F(Failures, AReportGoesOnWhereItWasKilled) {
 /// The same of any moment; and a report in which something fails.
 TEST_F(Failures, AReportGoesOnAfterAnyOfThem) {
     if (!tries_all()) GTEST_SKIP() << "SRBF_FAILURES=all";
+    if (!long_options(folder).contains("report")) GTEST_SKIP() << "without srbf report";
     const Task& task = report_;
     ASSERT_EQ(run(folder, task.arguments).status, 0);
     const auto whole = results_of(folder.path / "r");

@@ -196,7 +196,6 @@ TEST_F(Hostile, UnknownInputIsRefusedByItsBeginning) {
                                            {"fit", name},
                                            {"fit", name, "--resume", "-o", "models"},
                                            {"fit", "missing", "--pairs", name, "-o", "x"},
-                                           {"report", name, "-o", "x"},
                                            {"compare", k_paper, name},
                                            {"convert", name, "-o", "x.csv"},
                                            {"eval", k_paper, "--pairs", name},

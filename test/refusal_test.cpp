@@ -106,16 +106,12 @@ TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
     expect_failure(2, {"convert", "m.binary", "-o", "x.csv", "--rgb-alone"}, "--rgb-alone: only with an output .bsdf");
     expect_failure(2, {"convert", "m.binary", "-o", "x.mbsdf", "--directions", "9"}, "only with an output .csv");
     expect_failure(2, {"export", "m.srbf", "--to", "html", "-o", "x.html", "--up", "z"}, "--up: only with --mesh");
-    expect_failure(2, {"report", "m.binary", "-o", "d", "--label", "n=stand-in"}, "--label");
-    expect_failure(2, {"view", "m.binary", "--screenshot", "x.png", "--time-refits", "1"}, "--screenshot: not with");
     expect_failure(2, {"fit", "m.binary", "--explain", "--seed", "1"}, "--seed: not with --explain");
     expect_failure(1, {"fit", "m.binary", "--budget", "100", "--variates", "2"}, "m.binary: --variates");
-    for (const Arguments& empty : {Arguments{"fit", "m.binary", "-o", ""},
-                                   {"info", ""},
-                                   {"report", "", "-o", "d"},
-                                   {"render", "m.binary", "-o", "x.png", "--env", ""}})
+    for (const Arguments& empty :
+         {Arguments{"fit", "m.binary", "-o", ""}, {"info", ""}, {"render", "m.binary", "-o", "x.png", "--env", ""}})
         expect_failure(2, empty, "found an empty one");
-    expect_failure(2, {"report", "m.binary", "-o", "-h"}, "--output: expected a text, found the option -h");
+    expect_failure(2, {"fit", "m.binary", "-o", "-h"}, "--output: expected a text, found the option -h");
 }
 
 /// Of models, libraries and what is in them.

@@ -57,7 +57,7 @@ template <> struct Stored<BsdfModel> {
 
 namespace {
 
-/// The name of a surface of OpenPBR in files that version 0.1 wrote.
+/// The name of a surface of OpenPBR in earlier files.
 constexpr std::string_view k_former_openpbr = "pbr";
 
 template <typename M> using StoredAs = Stored<std::remove_cvref_t<M>>;
@@ -78,6 +78,7 @@ Safetensors content_of(const Model& model) {
         model.model);
 }
 
+/// The kinds of models: each alternative of `Model::model` needs a `Stored`.
 template <typename> struct Kinds;
 template <typename... M> struct Kinds<std::variant<M...>> {
     static std::vector<std::string_view> names() { return {Stored<M>::name...}; }

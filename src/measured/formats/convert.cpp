@@ -381,7 +381,7 @@ std::vector<std::byte> write_mbsdf(const MbsdfTable& table, const MbsdfTable* tr
         }
     };
     for (const auto& [key, text] : table.metadata) {
-        header += key;
+        header += printable(key);
         header += "=\"";
         append(text);
         header += "\"\n";

@@ -1,0 +1,307 @@
+#include "extras/report/study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include "app/hash.h"
+#include "app/page_of.h"
+#include "app/path.h"
+#include "render/page.h"
+#include "render/slices.h"
+#include "srbf/file.h"
+#include "srbf/likeness.h"
+#include "srbf/shading_code.h"
+
+namespace srbf {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Version of the folder's content; to be incremented if it changes without a new version of the program.
+constexpr int k_edition = 8;
+/// Pixels per side and paths per pixel of each sweep.
+struct PictureSize {
+    int pixels, paths;
+};
+constexpr std::array<PictureSize, 3> k_pictures_of{{{240, 256}, {176, 48}, {16, 1}}};
+/// Of the eye [rad]: high enough that the ground fills the picture.
+constexpr double k_elevation = 20 * k_degree;
+/// The shading code of the default fit in a folder.
+struct CodeFile {
+    CodeLanguage language;
+    const char *ending, *what;
+};
+constexpr std::array<CodeFile, 5> k_code_files{{{CodeLanguage::glsl, ".glsl", "GLSL"},
+                                                {CodeLanguage::hlsl, ".hlsl", "HLSL"},
+                                                {CodeLanguage::wgsl, ".wgsl", "WGSL"},
+                                                {CodeLanguage::msl, ".metal", "Metal"},
+                                                {CodeLanguage::c, ".h", "C, C++ and CUDA"}}};
+/// JPEG quality of pictures in the page, and of differences.
+constexpr int k_quality = 85, k_quality_of_differences = 70;
+
+/// The characters of a folder name that every file system accepts.
+std::string plain(std::string text) {
+    for (char& c : text)
+        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
+    return text;
+}
+
+/// The colour of a role in the page's style.
+std::string colour_of_role(const std::string& role) { return fmt::format("var(--{})", role); }
+
+/// What is drawn: the measurement first, then fits.
+struct Drawn {
+    std::vector<Subject> subjects;
+    std::vector<std::string> roles, ids;
+};
+
+/// Creates the folder of a study.
+class Maker {
+  public:
+    Maker(std::string folder, const StudyOptions& options,
+          const std::function<void(const std::string&, double)>& progress)
+        : folder_(std::move(folder)), options_(options), progress_(progress) {}
+
+    Result<Study> run(const std::string& file) {
+        const Stopwatch watch;
+        auto measured = load_measured(file);
+        if (!measured) return measured.error();
+        Study study{folder_, {}, {}, {}};
+        study.times["threads"] = options_.threads;
+        study.times["jobs"] = options_.jobs;
+        study.times["load_seconds"] = watch.seconds();
+        const bool of_samples = std::holds_alternative<ScatteredSamples>(measured->table);
+        study.material = {{"file", fs::path(file).filename().string()},
+                          {"format", measured->format},
+                          {"input", of_samples ? "samples" : "table"},
+                          {"isotropic", is_isotropic(*measured)},
+                          {"source_bytes", measured->bytes},
+                          {"version", SRBF_VERSION},
+                          {"sweep", name(options_.sweep)}};
+        drawn_.subjects.push_back({file, *std::move(measured)});
+        drawn_.roles.emplace_back("measured"), drawn_.ids.emplace_back("measured");
+        const auto written = [&]() -> Result<Done> {
+            if (const auto done = fit(study); !done) return done.error();
+            if (const auto done = draw_lobes(study); !done) return done.error();
+            if (const auto done = draw_pictures(study); !done) return done.error();
+            return write_exports(study, stem_of(file));
+        }();
+        if (!written) return written.error();
+        study.times["study_seconds"] = watch.seconds();
+        for (const auto& [name, json] : {std::pair("times.json", &study.times), {"material.json", &study.material}})
+            if (const auto done = write_json(*json, path(name)); !done) return done.error();
+        return study;
+    }
+
+  private:
+    std::string path(const std::string& name) const { return (fs::path(folder_) / name).string(); }
+    /// Relative durations of the parts of the work.
+    static constexpr double k_fits = 0.75, k_pictures = 1 - k_fits;
+
+    Result<Done> fit(Study& study) {
+        const auto measured = [&]() -> const Measured& { return std::get<Measured>(drawn_.subjects[0].content); };
+        const std::vector<PlannedFit> all = plan(measured(), options_.sweep, options_.threads);
+        Json rows = Json::array(), failures = Json::array(), seconds = Json::object();
+        std::optional<Error> first;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            progress_(all[i].id, k_fits * double(i) / double(all.size()));
+            const FileFit file_fit{study.material["file"], all[i].id + ".srbf", {}, {}, all[i].request};
+            auto outcome = srbf::fit(measured(), all[i].request);
+            if (!outcome) {
+                Error error = outcome.error();
+                error.source = file_fit.input;
+                failures.push_back({{"id", all[i].id}, {"error", message(error)}});
+                if (!first) first = error;
+                continue;
+            }
+            Model& model = outcome->model;
+            model.provenance["source"] = file_fit.input;
+            Json row{{"id", all[i].id}, {"role", all[i].role}};
+            row.update(report_of(file_fit, measured(), *outcome));
+            for (const char* other : {"fit_seconds", "load_seconds", "threads", "path"}) row.erase(other);
+            rows.push_back(std::move(row));
+            seconds[all[i].id] = outcome->fit_seconds;
+            if (const auto saved = save_model(model, path(file_fit.output)); !saved) return saved.error();
+            if (all[i].role.empty()) continue;
+            drawn_.subjects.push_back({file_fit.output, std::move(model)});
+            drawn_.roles.push_back(all[i].role), drawn_.ids.push_back(all[i].id);
+        }
+        if (rows.empty() && first) return *first;
+        study.material["fits"] = std::move(rows), study.material["failures"] = std::move(failures);
+        study.times["fit_seconds"] = std::move(seconds);
+        return Done{};
+    }
+
+    Result<Done> draw_lobes(Study& study) {
+        std::vector<SliceCurve> curves;
+        for (std::size_t i = 0; i < drawn_.subjects.size(); ++i)
+            curves.push_back({drawn_.ids[i], colour_of_role(drawn_.roles[i]), evaluator(drawn_.subjects[i])});
+        std::string csv = "id,theta_l,theta_v,luminance\n";
+        for (const double theta : k_lobe_theta) {
+            study.material["lobes"].push_back(
+                {{"theta_l", theta},
+                 {"linear", lobe_drawing(curves, theta * k_degree, LobeScale::linear)},
+                 {"logarithmic", lobe_drawing(curves, theta * k_degree, LobeScale::logarithmic)}});
+            for (const SliceCurve& curve : curves) {
+                const LuminanceSlice of = luminance_slice(curve.brdf, theta * k_degree);
+                for (std::size_t i = 0; i < of.degrees.size(); ++i)
+                    csv +=
+                        std::isfinite(of.luminance[i])
+                            ? fmt::format("{},{:g},{:.4g},{:.6g}\n", curve.name, theta, of.degrees[i], of.luminance[i])
+                            : fmt::format("{},{:g},{:.4g},\n", curve.name, theta, of.degrees[i]);
+            }
+        }
+        draw_scans(study, std::span(curves).subspan(1));
+        return write_file(path("lobes.csv"), as_bytes(csv));
+    }
+
+    /// Of samples in the plane of incidence, at most `k_most_scans` of the angles.
+    void draw_scans(Study& study, std::span<const SliceCurve> models) {
+        const auto* samples = std::get_if<ScatteredSamples>(&std::get<Measured>(drawn_.subjects[0].content).table);
+        if (samples == nullptr) return;
+        const std::vector<Scan> scans = scans_in_plane(*samples);
+        const std::size_t step = (scans.size() + k_most_scans - 1) / k_most_scans;
+        for (std::size_t i = 0; i < scans.size(); i += step)
+            study.material["scans"].push_back(scan_drawing(scans[i], models));
+    }
+
+    Result<Done> draw_pictures(Study& study) {
+        const auto [size, paths] = k_pictures_of[std::size_t(options_.sweep)];
+        PathCommand command;
+        command.samples = paths;
+        command.threads = options_.threads;
+        study.material["pixels"] = size;
+        study.material["paths"] = command.samples;
+        std::vector<Pictured> pictured;
+        for (const Subject& subject : drawn_.subjects) pictured.emplace_back(&subject);
+        const std::array<std::pair<const char*, std::string>, 2> objects{{{"ball", "ball"}, {"mesh", options_.mesh}}};
+        for (std::size_t object = 0; object < objects.size(); ++object) {
+            auto mesh = load_mesh(objects[object].second);
+            if (!mesh) return mesh.error();
+            const Viewpoint viewpoint{.elevation = k_elevation, .z_up = object > 0 && options_.z_up};
+            const Scene scene = scene_of(*std::move(mesh), viewpoint, 1);
+            const auto pictures = command.render(scene, pictured, size, size, [&](double part) {
+                progress_("pictures", k_fits + k_pictures * (double(object) + part) / double(objects.size()));
+            });
+            if (!pictures) return pictures.error();
+            const float exposure = automatic_exposure(pictures->front().rendering.radiance);
+            const Image8 measured = shown(pictures->front().rendering, exposure);
+            for (std::size_t i = 0; i < pictures->size(); ++i) {
+                const Image8 image = shown((*pictures)[i].rendering, exposure);
+                const std::string name = fmt::format("{}-{}", objects[object].first, drawn_.ids[i]);
+                if (const auto done = write(image, name, k_quality); !done) return done.error();
+                Json row{{"object", objects[object].first},
+                         {"id", drawn_.ids[i]},
+                         {"role", drawn_.roles[i]},
+                         {"picture", name}};
+                if (i > 0) {
+                    const Likeness of = likeness(measured, image);
+                    const std::string difference = name + ".difference";
+                    const Image8 map = in_false_colours(flip_map(measured, image), size, size);
+                    if (const auto done = write(map, difference, k_quality_of_differences); !done) return done.error();
+                    row.update({{"difference", difference}, {"psnr", of.psnr}, {"ssim", of.ssim}, {"flip", of.flip}});
+                }
+                study.material["pictures"].push_back(std::move(row));
+            }
+        }
+        return Done{};
+    }
+
+    /// The default fit as files for other programs, and a page that shows it and GGX beside the measurement.
+    Result<Done> write_exports(Study& study, const std::string& stem) {
+        Json& exports = study.material["exports"] = Json::array();
+        const auto drawn = [&](std::string_view role) -> const Subject* {
+            const auto at = std::ranges::find(drawn_.roles, role);
+            return at == drawn_.roles.end() ? nullptr : &drawn_.subjects[std::size_t(at - drawn_.roles.begin())];
+        };
+        const Subject *fit = drawn("pm"), *ggx = drawn("ggx");
+        if (fit == nullptr) return Done{};
+        const auto add = [&](const std::string& file, const char* what,
+                             const Result<std::string>& text) -> Result<Done> {
+            if (!text) return text.error();
+            exports.push_back({{"file", file}, {"what", what}});
+            return write_file(path(file), as_bytes(*text));
+        };
+        exports.push_back({{"file", fit->path}, {"what", "the model"}});
+        const NamedModel named{identifier(stem), &std::get<Model>(fit->content)};
+        const std::span<const NamedModel> one(&named, 1);
+        for (const auto& [language, ending, what] : k_code_files) {
+            const CodeOptions options{.language = language, .sampling = true, .threads = options_.threads};
+            if (const auto done = add(plain(stem) + ending, what, shading_code(one, named.name, options)); !done)
+                return done;
+        }
+        if (const auto done = add(plain(stem) + ".js", "three.js", three_module(one, named.name, options_.threads));
+            !done)
+            return done;
+        if (is_two_sided(drawn_.subjects[0].content)) return Done{};
+        std::vector<Subject> models{{"fitted", fit->content}};
+        if (ggx != nullptr) models.push_back({"GGX", ggx->content});
+        return add(k_page_file, "a page with both, to turn and to light",
+                   page_html(page_of(models, &drawn_.subjects[0])));
+    }
+
+    /// As a PNG, and as a JPEG for the page.
+    Result<Done> write(const Image8& image, const std::string& name, int quality) const {
+        if (const auto done = write_png(image, path(name + ".png")); !done) return done.error();
+        return write_file(path(name + ".jpg"), jpeg(image, quality));
+    }
+
+    std::string folder_;
+    const StudyOptions& options_;
+    const std::function<void(const std::string&, double)>& progress_;
+    Drawn drawn_;
+};
+
+}  // namespace
+
+Result<std::string> study_name(const std::string& file, const StudyOptions& options) {
+    const auto bytes = read_input(file);
+    if (!bytes) {
+        // What is in a file, FILE#NAME, is a model.
+        const auto part = load(file);
+        return part ? Error{file, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind} : part.error();
+    }
+    ResultKey key("study", fmt::format("{}\n{}", k_edition, options.settings));
+    key.add(fs::path(file).filename().string());
+    key.add(*bytes);
+    if (std::ranges::find(k_built_in_meshes, options.mesh) == k_built_in_meshes.end())
+        if (const auto added = key.add_file(options.mesh); !added) return added.error();
+    return fmt::format("{}-{}", plain(fs::path(file).stem().string()), key.text());
+}
+
+std::optional<Study> load_study(const std::string& folder) {
+    auto material = read_json((fs::path(folder) / "material.json").string()),
+         times = read_json((fs::path(folder) / "times.json").string());
+    if (!material || !times) return {};
+    const auto fits = material->find("fits");
+    if (fits == material->end() || !fits->is_array()) return {};
+    for (const Json& fit : *fits)
+        if (!is_report_of(fit, (fs::path(folder) / (fit.value("id", "") + ".srbf")).string())) return {};
+    return Study{folder, *std::move(material), *std::move(times),
+                 read_json((fs::path(folder) / "frames.json").string()).value_or(Json())};
+}
+
+Result<Study> make_study(const std::string& file, const std::string& folder, const StudyOptions& options,
+                         const std::function<void(const std::string&, double)>& progress) {
+    const fs::path whole = folder, unfinished = whole.parent_path() / ("." + whole.filename().string());
+    std::error_code code;
+    fs::remove_all(unfinished, code);  // left behind by an interrupted run
+    fs::remove_all(whole, code);
+    if (fs::create_directory(unfinished, code); code)
+        return Error{unfinished.string(), {}, "cannot be made", "a folder", code.message()};
+    auto study = within_memory(file, [&] { return Maker(unfinished.string(), options, progress).run(file); });
+    if (!study) {
+        fs::remove_all(unfinished, code);
+        return study;
+    }
+    if (const auto renamed = rename_path(unfinished.string(), whole.string()); !renamed) return renamed.error();
+    // Read back from the folder, so that the result does not depend on which run created it.
+    auto kept = load_study(folder);
+    if (!kept) return Error{whole.string(), {}, "cannot be read", "the study that was written", "none"};
+    return *std::move(kept);
+}
+
+}  // namespace srbf

@@ -1,0 +1,190 @@
+#include "extras/view/window.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "extras/view/controls.h"
+#include "extras/view/ink.h"
+#include "extras/view/opening.h"
+#include "extras/view/pictures.h"
+#include "extras/view/readings.h"
+#include "extras/view/recent.h"
+#include "extras/view/screen.h"
+#include "extras/view/timing.h"
+
+namespace srbf {
+namespace {
+
+constexpr float k_controls = 262, k_messages = 58;  // pixels of a monitor of scale 1
+/// While a fit runs the picture leaves the processor to it: seconds per frame.
+constexpr double k_frame_beside_fit = 0.05;
+/// Samples of a picture under an environment for a screenshot.
+constexpr int k_clean = 64;
+/// Interval of updates without input [s].
+constexpr double k_idle = 0.1;
+
+/// Adds a file that was dropped on the window or named: a mesh, a measurement as the reference, a model as the fit.
+void drop(const std::string& path, Session& session, Look& look) {
+    const auto ending = std::filesystem::path(path).extension();
+    if (ending == ".ply" || ending == ".obj") return void(look.mesh = path);
+    if (ending == ".hdr" || ending == ".exr") return void(look.environment = path);
+    if (!session.open(path)) return;
+    keep_recent(path);
+    const int added = int(session.subjects().size()) - 1;
+    if (!session.subjects().back()->is_model())
+        session.set_reference(added);
+    else if (session.reference() != added)
+        session.show_model(added);
+}
+
+/// Opens the most recent file that is not open yet.
+void open_recent(Session& session, Look& look) {
+    for (const std::string& path : recent_files()) {
+        const auto is_open = [&](const auto& subject) {
+            return std::filesystem::absolute(subject->path).string() == path;
+        };
+        if (std::ranges::none_of(session.subjects(), is_open)) return drop(path, session, look);
+    }
+    session.say("No recent file is left to open.");
+}
+
+void draw_messages(const Session& session, ImVec2 at, ImVec2 size) {
+    ImGui::SetNextWindowPos(at), ImGui::SetNextWindowSize(size);
+    ImGui::Begin("messages", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
+    const auto& messages = session.messages();
+    if (messages.empty()) ImGui::TextColored(k_dim, "Press H for the keys. Files may be dropped on this window.");
+    for (auto one = messages.rbegin(); one != messages.rend(); ++one)
+        write_wrapped(one->is_error ? k_red : k_white, one->text);
+    ImGui::End();
+}
+
+void draw_help(Look& look) {
+    if (!look.help) return;
+    ImGui::SetNextWindowFocus();
+    ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, ImGui::GetIO().DisplaySize.y / 2}, 0, {0.5f, 0.5f});
+    ImGui::Begin("Keys", &look.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
+    if (ImGui::BeginTable("keys", 4, ImGuiTableFlags_SizingFixedFit)) {
+        // Keys without a text of their own continue the previous line.
+        std::vector<std::pair<std::string, std::string>> lines;
+        for (const Key& key : keys())
+            if (key.what.empty())
+                lines.back().first += ", " + std::string(key.name);
+            else
+                lines.emplace_back(key.name, key.what);
+        const std::size_t half = (lines.size() + 1) / 2;
+        for (std::size_t i = 0; i < half; ++i)
+            for (const std::size_t k : {i, i + half}) {
+                ImGui::TableNextColumn(),
+                    ImGui::TextColored(k_hint, "%s", k < lines.size() ? lines[k].first.c_str() : "");
+                ImGui::TableNextColumn(), ImGui::Text("%s   ", k < lines.size() ? lines[k].second.c_str() : "");
+            }
+        ImGui::EndTable();
+    }
+    ImGui::Text(
+        "Mouse: drag a picture to orbit, a yellow dot to move that light, with the right button the chosen light, with "
+        "Ctrl the environment; wheel: zoom.");
+    ImGui::End();
+}
+
+/// The field for a file to open and the recent files that match it; the file, once Enter or a click has chosen it.
+std::optional<std::string> draw_opening(std::optional<Opening>& opening, bool is_new, float scale) {
+    if (!opening) return {};
+    std::optional<std::string> file;
+    ImGui::SetNextWindowFocus();
+    ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, ImGui::GetIO().DisplaySize.y / 2}, 0, {0.5f, 0.5f});
+    ImGui::SetNextWindowSize({640 * scale, 0});
+    bool is_shown = true;
+    ImGui::Begin("Open a file", &is_shown, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize);
+    if (is_new) ImGui::SetKeyboardFocusHere();
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::InputTextWithHint("##file", "a measurement, model, mesh or environment", &opening->typed))
+        opening->chosen = -1;
+    if (opening->is_confirmed) file = file_of(*opening);
+    const std::vector<std::string> found = matches(*opening);
+    for (int i = 0; i < int(found.size()); ++i)
+        if (ImGui::Selectable(found[std::size_t(i)].c_str(), i == opening->chosen)) file = found[std::size_t(i)];
+    ImGui::TextColored(k_hint, "Enter: open. Up, Down: choose a recent file. Escape: close.");
+    ImGui::End();
+    if (file || !is_shown || opening->is_cancelled) opening.reset();
+    return file;
+}
+
+/// Saves the screen to the first of srbf-1.png, srbf-2.png, .. that does not exist.
+void write_screenshot(const Screen& screen, Session& session) {
+    std::string name;
+    for (int i = 1; name.empty() || std::filesystem::exists(name); ++i) name = fmt::format("srbf-{}.png", i);
+    const auto written = write_png(screen.read(), name);
+    written ? session.say("Wrote " + name + ".") : session.complain(written.error());
+}
+
+}  // namespace
+
+Result<Done> run_window(Session& session, Look& look, const WindowOptions& options) {
+    Screen screen;
+    const bool fills = options.screenshot.empty() && options.timed_refits == 0;
+    if (const auto opened = screen.open(options.width, options.height, fills); !opened) return opened.error();
+    screen.set_paced(options.timed_refits == 0);
+    auto panels = Panels::make(Dialect::gl_450);
+    if (!panels) return panels.error();
+    Controls controls;
+    Pictures pictures(*std::move(panels));
+    Readings readings;
+    Refits refits(options.timed_refits);
+    std::optional<Opening> opening;
+    screen.on_key = [&](const std::string& name) {
+        if (opening) return press(name, *opening);
+        if (!ImGui::GetIO().WantTextInput) press(name, look, session), pictures.touch();
+    };
+    for (const auto& subject : session.subjects()) keep_recent(subject->path);
+    screen.on_drop = [&](const std::string& path) { drop(path, session, look); };
+
+    int settled = 0;
+    while (!screen.is_closing() && !look.quit) {
+        const Stopwatch frame;
+        const bool is_busy = session.stage() != Stage::idle;
+        const bool moves = pictures.moves() || options.timed_refits > 0 || !options.screenshot.empty() ||
+                           pictures.samples() < Panels::k_converged;
+        screen.wait(is_busy || moves ? 0 : k_idle);
+        const bool swapped = session.poll();
+        if (options.timed_refits > 0) refits.step(session, look);
+        pictures.take(session, look, swapped);
+        readings.take(session, look, swapped);
+
+        screen.begin_frame();
+        const ImVec2 all = ImGui::GetIO().DisplaySize;
+        const float left = k_controls * screen.scale(), below = k_messages * screen.scale(), right = all.x - left;
+        // A wiped picture is as large as it can be.
+        const float high = look.wipe ? all.y - below : std::floor((all.y - below) * 0.55f);
+        controls.draw(session, look, {0, 0}, {left, all.y});
+        pictures.draw(session, look, {left, 0}, {right, high});
+        if (!look.wipe) readings.draw(session, look, {left, high}, {right, all.y - below - high});
+        draw_messages(session, {left, all.y - below}, {right, below});
+        draw_help(look);
+        if (look.open_recent) open_recent(session, look), look.open_recent = false;
+        const bool is_new = look.open_file;
+        if (look.open_file) opening.emplace().recent = recent_files(), look.open_file = false;
+        if (const auto file = draw_opening(opening, is_new, screen.scale()); file && !file->empty())
+            drop(*file, session, look);
+        if (look.save) controls.save(session), look.save = false;
+        screen.end_frame();
+
+        // A few frames after everything is displayed, so that the layout is final.
+        const bool is_clean = pictures.is_whole() && pictures.samples() >= k_clean;
+        settled = session.stage() == Stage::idle && is_clean ? settled + 1 : 0;
+        if (!options.screenshot.empty() && settled == 5) return write_png(screen.read(), options.screenshot);
+        if (look.screenshot && pictures.is_whole()) write_screenshot(screen, session), look.screenshot = false;
+        screen.show();
+        if (const double rest = k_frame_beside_fit - frame.seconds(); is_busy && rest > 0) screen.wait(rest);
+    }
+    return Done{};
+}
+
+}  // namespace srbf

@@ -21,7 +21,7 @@ constexpr double k_most_peak = 2, k_most_peak_beyond = 1;
 /// Number of views on either side that count as neighbouring: their cosines differ by less than 1/64 of 1536 views'.
 constexpr std::size_t k_peak_views = 24;
 /// A cosine counts as no less, relative to that of θmax, where a bound is divided by it.
-constexpr double k_least_cosine = 0.5;
+constexpr double k_least_view_cosine = 0.5;
 /// Every eighth view tells what all have in common: the typical value, the exposures, the energies of pictures. Their
 /// cosines are a 192nd apart.
 constexpr std::size_t k_typical_views = 8;
@@ -192,7 +192,7 @@ ViewRows SampledViews::rows_of(std::size_t view) const {
     }
     if (of_pictures) add_radiances(rows, table);
     if (of_pictures && within(direction(view))) add_pixels(rows, table);
-    rows.least_cosine = k_least_cosine * cos_max_;
+    rows.least_cosine = k_least_view_cosine * cos_max_;
     const double most = within(direction(view)) ? k_most_peak : k_most_peak_beyond;
     for (int c = 0; c < 3; ++c) rows.largest[std::size_t(c)] = most * double(largest_[view][c]) / rows.scale;
     return rows;

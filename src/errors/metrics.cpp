@@ -32,18 +32,16 @@ struct Sums {
         return *this;
     }
     Measures measures() const {
-        const auto ratio = [](double part, double whole) {
-            return whole > 0 ? part / whole : part == 0 ? 0 : std::numeric_limits<double>::infinity();
-        };
-        const auto of = [&](const SquareSums& squares) { return ratio(squares.apart, squares.whole); };
-        return {of(errors.plain),
-                of(errors.cosine),
-                std::sqrt(ratio(errors.logarithm.apart, errors.area)),
-                of(errors.root),
-                of(errors.sixth_root),
-                std::sqrt(ratio(errors.decades.apart, errors.decades.whole)) / elementary::log(10.0),
-                pairs,
-                masked};
+        Measures all;
+        for (std::size_t m = 0; m < k_measures.size(); ++m) {
+            const auto [error, reference] = errors.of[m];
+            const double ratio = reference > 0 ? error / reference
+                                 : error == 0  ? 0
+                                               : std::numeric_limits<double>::infinity();
+            all.*k_measures[m].member = k_measures[m].is_ratio ? ratio : std::sqrt(ratio) / k_measures[m].unit;
+        }
+        all.pairs = pairs, all.masked = masked;
+        return all;
     }
 };
 

@@ -69,64 +69,61 @@ struct LanesOfSum {
         return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
     }
 };
-// A SquareSums in such lanes, and those of them that a vector holds.
-struct LanesOfSquares {
-    LanesOfSum apart, whole;
-    HWY_INLINE SquareSums sum() const { return {apart.sum(), whole.sum()}; }
-};
+// The sums of a measure: those of the lanes that a vector holds, and all of them.
 struct SquareBatch {
-    DoubleBatch apart, whole;
+    DoubleBatch error, reference;
 
-    HWY_INLINE SquareBatch() : apart(hn::Zero(Doubles())), whole(apart) {}
-    HWY_INLINE void add(DoubleBatch weight, DoubleBatch apart_squared, DoubleBatch x_squared) {
-        apart = hn::Add(apart, hn::Mul(weight, apart_squared));
-        whole = hn::Add(whole, hn::Mul(weight, x_squared));
+    HWY_INLINE void add(DoubleBatch weight, DoubleBatch squared_error, DoubleBatch squared_reference) {
+        error = hn::Add(error, hn::Mul(weight, squared_error));
+        reference = hn::Add(reference, hn::Mul(weight, squared_reference));
     }
-    HWY_INLINE void store(LanesOfSquares& sums, std::size_t lane) const {
-        hn::Store(apart, Doubles(), sums.apart.lanes + lane);
-        hn::Store(whole, Doubles(), sums.whole.lanes + lane);
+};
+struct LanesOfSquares {
+    LanesOfSum error, reference;
+    HWY_INLINE void store(const SquareBatch& sums, std::size_t lane) {
+        hn::Store(sums.error, Doubles(), error.lanes + lane);
+        hn::Store(sums.reference, Doubles(), reference.lanes + lane);
     }
 };
 
 ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const SeenValues& f,
                      const SeenValues& other) {
     constexpr Doubles d;
+    const DoubleBatch one = hn::Set(d, 1.0);
     const double most_apart = -elementary::log(k_least_share);
-    LanesOfSquares plain, cosine, logarithm, root, sixth_root, decades;
-    LanesOfSum whole_area;
-    for (std::size_t lane = 0; lane < std::size(whole_area.lanes); lane += hn::MaxLanes(d)) {
-        SquareBatch of_plain, of_cosine, of_logarithm, of_root, of_sixth_root, of_decades;
-        DoubleBatch of_area = hn::Zero(d);
-        for (std::size_t i = lane; i < k_pair_block; i += std::size(whole_area.lanes)) {
+    std::array<LanesOfSquares, k_measures.size()> lanes;
+    for (std::size_t lane = 0; lane < std::size(LanesOfSum().lanes); lane += hn::MaxLanes(d)) {
+        SquareBatch sums[k_measures.size()];
+        for (SquareBatch& of : sums) of.error = of.reference = hn::Zero(d);
+        for (std::size_t i = lane; i < k_pair_block; i += std::size(LanesOfSum().lanes)) {
             const DoubleBatch w = load(weight, i), cos_l = load(cosines.light, i);
             const auto counts = hn::Gt(w, hn::Zero(d));
             const DoubleBatch area = hn::Mul(w, load(cosines.viewer, i));
             const auto square_where_counted = [&](DoubleBatch x)
                                                   HWY_ATTR { return hn::IfThenElseZero(counts, hn::Mul(x, x)); };
-            const auto add = [&](DoubleBatch factor, const PairColumn& x, const PairColumn& y,
-                                 SquareBatch& sums) HWY_ATTR {
-                const DoubleBatch a = load(x, i);
-                sums.add(factor, square_where_counted(hn::Sub(a, load(y, i))), square_where_counted(a));
+            const auto squared_error = [&](PairColumn SeenValues::*x) HWY_ATTR {
+                return square_where_counted(hn::Sub(load(f.*x, i), load(other.*x, i)));
             };
-            add(w, f.f, other.f, of_plain);
-            add(hn::Mul(area, hn::Mul(cos_l, cos_l)), f.f, other.f, of_cosine);
-            add(area, f.logarithm, other.logarithm, of_logarithm);
-            add(w, f.root, other.root, of_root);
-            add(area, f.sixth_root, other.sixth_root, of_sixth_root);
+            const auto ratio = [&](SquareBatch& of, DoubleBatch factor, PairColumn SeenValues::*x)
+                                   HWY_ATTR { of.add(factor, squared_error(x), square_where_counted(load(f.*x, i))); };
+            // The rows of k_measures, in their order.
+            ratio(sums[0], w, &SeenValues::f);
+            ratio(sums[1], hn::Mul(area, hn::Mul(cos_l, cos_l)), &SeenValues::f);
+            sums[2].add(area, squared_error(&SeenValues::logarithm), one);
+            ratio(sums[3], w, &SeenValues::root);
+            ratio(sums[4], area, &SeenValues::sixth_root);
+            // of log f where f > 0; f̂ is at least k_least_share of f
             const DoubleBatch own = load(f.own_logarithm, i);
             const DoubleBatch least = hn::Sub(own, hn::Set(d, most_apart));
             const DoubleBatch apart = hn::Sub(own, hn::Max(load(other.own_logarithm, i), least));
             const auto is_above_0 = hn::And(counts, hn::Gt(load(f.f, i), hn::Zero(d)));
-            of_decades.add(hn::IfThenElseZero(is_above_0, w), hn::IfThenElseZero(is_above_0, hn::Mul(apart, apart)),
-                           hn::Set(d, 1.0));
-            of_area = hn::Add(of_area, area);
+            sums[5].add(hn::IfThenElseZero(is_above_0, w), hn::IfThenElseZero(is_above_0, hn::Mul(apart, apart)), one);
         }
-        of_plain.store(plain, lane), of_cosine.store(cosine, lane), of_logarithm.store(logarithm, lane);
-        of_root.store(root, lane), of_sixth_root.store(sixth_root, lane);
-        of_decades.store(decades, lane);
-        hn::Store(of_area, d, whole_area.lanes + lane);
+        for (std::size_t m = 0; m < lanes.size(); ++m) lanes[m].store(sums[m], lane);
     }
-    return {plain.sum(), cosine.sum(), logarithm.sum(), root.sum(), sixth_root.sum(), decades.sum(), whole_area.sum()};
+    ErrorSums all;
+    for (std::size_t m = 0; m < lanes.size(); ++m) all.of[m] = {lanes[m].error.sum(), lanes[m].reference.sum()};
+    return all;
 }
 
 }  // namespace HWY_NAMESPACE

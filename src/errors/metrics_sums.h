@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 
+#include "srbf/metrics.h"
+
 namespace srbf {
 
 /// A number for each pair of a block, aligned for SIMD.
@@ -24,28 +26,21 @@ struct SeenValues {
 /// Computes the rest of `seen` from its f: relative error 1e-6 for numbers above 1e-36.
 void see(const PairCosines& cosines, SeenValues& seen);
 
-/// Σ w (x − x̂)² and Σ w x²; of `decades` the second is Σ w.
+/// Of a measure: Σ w (x − x̂)², and Σ w x² or Σ w.
 struct SquareSums {
-    double apart = 0, whole = 0;
-    SquareSums& operator+=(const SquareSums& s) {
-        apart += s.apart, whole += s.whole;
-        return *this;
-    }
+    double error = 0, reference = 0;
 };
-inline constexpr double k_least_share = 1e-6;
+inline constexpr double k_least_share = 1e-6;  // of f, that f̂ counts as at least where logarithms are compared
+/// For each row of `k_measures`.
 struct ErrorSums {
-    SquareSums plain, cosine, logarithm, root, sixth_root;
-    SquareSums decades;  ///< of log f, over the pairs where f > 0; f̂ is at least `k_least_share` of f
-    double area = 0;     ///< Σ w cosθv
+    std::array<SquareSums, k_measures.size()> of;
     ErrorSums& operator+=(const ErrorSums& s) {
-        plain += s.plain, cosine += s.cosine, logarithm += s.logarithm, root += s.root, sixth_root += s.sixth_root;
-        decades += s.decades;
-        area += s.area;
+        for (std::size_t m = 0; m < of.size(); ++m) of[m].error += s.of[m].error, of[m].reference += s.of[m].reference;
         return *this;
     }
 };
 /// The sums over a channel of f and of f̂ with the weights w ≥ 0. Where w is 0 the values may be anything, the cosines
-/// any finite numbers. All but `plain`, `root` and `decades` weigh the pairs by w cosθv.
+/// any finite numbers.
 ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const SeenValues& f,
                      const SeenValues& other);
 

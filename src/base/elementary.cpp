@@ -162,7 +162,7 @@ float log(float x) {
 double log2(double x) { return log(x) * k_log2_e; }
 double log10(double x) { return log(x) / k_ln_10; }
 
-// What rounding 1 + x loses is added.
+// Adds what rounding 1 + x loses.
 double log1p(double x) {
     const double sum = 1 + x;
     if (!(sum > 0) || sum == k_infinity) return log(sum);

@@ -47,7 +47,7 @@ int open_file(const std::string& path, int flags, mode_t mode = 0) {
 
 std::string reason(int code) { return std::generic_category().message(code); }
 
-/// Of a step that returned 0 or errno; empty for 0.
+/// The words for a result of 0, which are empty, or of errno.
 std::string reason_of(int code) { return code == 0 ? "" : reason(code); }
 
 Error cannot_read(const std::string& path, std::string found) {

@@ -39,7 +39,7 @@ std::vector<std::uint32_t> first_at_its_place(const PointCloud<Real, dimensions>
     return first;
 }
 
-/// What a search within a radius finds: indices, `first`, and squared distances, `second`. The type of these pairs
+/// The result of a search within a radius: pairs of an index, `first`, and a squared distance, `second`, whose type
 /// depends on nanoflann's version.
 template <typename Real>
 using FoundPoints = std::remove_reference_t<decltype(nanoflann::RadiusResultSet<Real, std::uint32_t>::m_indices_dists)>;

@@ -34,7 +34,7 @@ struct LevenbergMarquardtOptions {
     int max_iterations = 40;           ///< linearisations
     double decrease_tolerance = 1e-7;  ///< relative
     double damping = 1e-3;             ///< initial μ, times the diagonal of JᵀJ
-    /// What a step would take beyond its bound ends there. If so, the other variables adapt to it.
+    /// A variable that a step would take beyond its bound stops there; true: the others adapt to it.
     bool adapts_to_bounds = false;
     /// The loss to reach. From the second step on the optimiser stops if the remaining steps would not reach it, were
     /// each to lower the loss as much as the last one. Since the decrease of the steps usually diminishes, this rarely

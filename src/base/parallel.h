@@ -29,13 +29,13 @@ template <typename Body> void parallel_for(std::size_t count, const Body& body) 
     });
 }
 
-/// The same, in order on the caller's thread unless `parallel`.
+/// `parallel_for`, or if not `parallel` a loop in order on the caller's thread.
 template <typename Body> void for_each(std::size_t count, bool parallel, const Body& body) {
     if (parallel) return parallel_for(count, body);
     for (std::size_t i = 0; i < count; ++i) body(i);
 }
 
-/// The same on threads as in `on_threads`.
+/// `parallel_for` on as many threads as `on_threads` takes.
 template <typename Body> void parallel_for(std::size_t count, int threads, const Body& body) {
     on_threads(threads, [&] { parallel_for(count, body); });
 }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t k_length_bytes = 8;
 constexpr std::size_t k_most_tensors = 64;
-/// Of a header: what may be long is a tensor.
+/// The longest header. Data that may be long are a tensor.
 constexpr std::uint64_t k_most_header_bytes = std::uint64_t(1) << 20;
 constexpr int k_deepest = 3;  ///< the numbers of a shape
 

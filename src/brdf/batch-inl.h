@@ -210,7 +210,7 @@ template <std::size_t count = k_sum_parts, std::size_t stride = 1> HWY_INLINE Ba
 
 #include "srbf/vec3.inl"
 
-// The same of a vector's lanes until four are left, and until one is.
+// Adds halves of a vector's lanes until four are left, and until one is.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE float folded_lanes(Batch x) { return hn::GetLane(x.v); }
 #else

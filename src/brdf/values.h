@@ -1,4 +1,4 @@
-// What fits compute of values of a BRDF.
+// Sums and differences of values of a BRDF.
 #pragma once
 #include <algorithm>
 #include <span>

@@ -26,7 +26,7 @@ struct SeenValues {
 /// Computes the rest of `seen` from its f: relative error 1e-6 for numbers above 1e-36.
 void see(const PairCosines& cosines, SeenValues& seen);
 
-/// Of a measure: Σ w (x − x̂)², and Σ w x² or Σ w.
+/// The two sums of a measure: Σ w (x − x̂)², and Σ w x² or Σ w.
 struct SquareSums {
     double error = 0, reference = 0;
 };

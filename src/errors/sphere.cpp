@@ -61,7 +61,7 @@ struct Discs {
     std::vector<Point> points;
 };
 
-/// What a pair contributes to a pixel under a lighting: weight × f.
+/// A pair contributes weight × f to a pixel under a lighting.
 struct Term {
     std::size_t lighting, pair;
     Rgb weight;

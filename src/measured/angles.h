@@ -21,7 +21,7 @@ using of_numbers::azimuth, of_numbers::polar_angle;
 
 /// The angle from the normal of a vector of any length in the upper half space.
 inline float polar_angle(Vec3f w) { return polar_angle(w.x * w.x + w.y * w.y, w.z); }
-/// The same in any half space, in double precision.
+/// θ in any half space, in double precision.
 inline double polar_angle(const Vec3d& w) { return elementary::atan2(elementary::hypot(w.x, w.y), w.z); }
 
 }  // namespace srbf

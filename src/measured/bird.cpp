@@ -78,7 +78,7 @@ struct BirdSax : nlohmann::json_sax<nlohmann::json> {
     }
 };
 
-/// What values are multiplied by to have radians, nanometres or 1/sr; 0: no such unit.
+/// The factor that converts values to radians, nanometres or 1/sr; 0: there is no such unit.
 double factor_of(std::size_t column, const std::string& unit) {
     switch (column) {
         case k_of_wavelength:

@@ -52,7 +52,7 @@ std::string name_in(std::string_view text, std::size_t most = 100) {
     return std::string(stripped(std::string_view(name).substr(0, most)));
 }
 
-/// What an element is for: to be read, with errors that state where.
+/// An element to be read, with errors that say where it stands.
 struct Element {
     pugi::xml_node node;
     const std::string* file_name;
@@ -148,7 +148,7 @@ Result<std::vector<float>> read_numbers(const Element& data, std::size_t count) 
     return numbers;
 }
 
-/// What a file defines before its matrices.
+/// The definitions of a file before its matrices.
 struct Definition {
     std::vector<AngleBasis> bases;
     int rank = 0;             ///< of tensor trees; 0: matrices
@@ -172,7 +172,7 @@ Result<Definition> read_definition(const Element& of) {
     return definition;
 }
 
-/// What a block holds.
+/// The content of a block.
 using XmlBlock = std::variant<KlemsTable, TreeTable>;
 using XmlBlocks = std::array<std::optional<XmlBlock>, k_parts>;
 using NamedXmlBlocks = std::pair<std::string, XmlBlocks>;

@@ -23,7 +23,7 @@ template <typename T> void store(std::vector<std::byte>& bytes, const T& number)
     bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
 
-/// Whether `bytes` begin a file of the format. MERL: three dimensions that match the size, or those of the database (so
+/// True if `bytes` begin a file of the format. MERL: three dimensions that match the size, or those of the database (so
 /// that a truncated table is recognised); RGL: the name of the container; UTIA: the size; MBSDF: its first words.
 bool is_merl(std::span<const std::byte> bytes);
 bool is_rgl(std::span<const std::byte> bytes);

@@ -152,8 +152,8 @@ Neighbours neighbours(const AngleBasis& basis, std::size_t patch) {
     return found;
 }
 
-/// What an incident patch sees straight ahead: the patch there, its value, the largest of those about it, the median of
-/// all, and the mean of those about it in its ring. Sums of several are judged alike.
+/// The peak that an incident patch has straight ahead: the patch there, its value, the largest of those about it, the
+/// median of all, and the mean of those about it in its ring. Sums of several are judged alike.
 struct Peak {
     std::size_t patch = 0;
     double value = 0, most = 0, typical = 0;
@@ -193,7 +193,7 @@ std::vector<bool> beam_patches(const KlemsTable& table) {
     return is_beam;
 }
 
-/// What is a beam one way is one the other way.
+/// Counts as a beam in both directions of light whatever is one in either.
 void unite(const AngleBasis& basis, std::vector<bool>& front, std::vector<bool>& back) {
     for (std::size_t i = 0; i < front.size(); ++i) {
         const std::size_t turned = basis.patch_of(to_float(mirror(basis.middle_of(i))));

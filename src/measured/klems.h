@@ -21,7 +21,7 @@ struct PatchClass {
 /// `isotropic`: classes as above; otherwise each pair is one. What is not measured is left out.
 std::vector<PatchClass> patch_classes(const KlemsTable& table, bool isotropic);
 
-/// Whether a peak is one of a beam: it rises above the largest value about it by at least half of that, and by ten times
+/// True if a peak is one of a beam: it rises above the largest value about it by at least half of that, and by ten times
 /// what that rises above a typical value. A lobe as wide as a patch would reach those about it.
 bool is_peak_of_beam(double value, double about, double typical);
 /// Moves what are beams from the cells of the parts' matrices, or null, to their `beam`: what is a beam through the surface

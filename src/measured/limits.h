@@ -1,4 +1,4 @@
-// What readers accept as sizes and values, and what stands for none.
+// The sizes and values that readers accept, and the number that stands for no value.
 #pragma once
 #include <cstdint>
 #include <limits>

@@ -183,14 +183,14 @@ inline std::size_t lines_of(std::span<const std::byte> bytes) {
 /// True if a colour can be computed from wavelengths [nm]: at least three, from blue to red.
 bool has_colours(std::span<const float> wavelengths);
 
-/// Whether the first kilobytes of `bytes` are text.
+/// True if the first kilobytes of `bytes` are text.
 bool is_text(std::span<const std::byte> bytes);
 /// Recognition of the formats by their first lines.
 bool is_cornell(std::string_view text);
 bool is_astm(std::string_view text);
 bool is_alta(std::string_view text);
 bool is_csv(std::string_view text);
-/// Whether one of the comments before the header of a CSV is "both sides".
+/// True if one of the comments before the header of a CSV is "both sides".
 bool is_csv_of_both_sides(std::string_view text);
 bool is_xml(std::string_view text);
 bool is_fred(std::string_view text);

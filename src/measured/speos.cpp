@@ -23,7 +23,7 @@ constexpr std::size_t k_most_rotations = 3600, k_most_incidences = 3600, k_most_
 /// percentage of a file is often that of another quadrature.
 constexpr double k_same_percentage = 0.1;
 
-/// Of a side, reflection or transmission.
+/// The angles of a side, reflection or transmission.
 struct SpeosSide {
     bool is_there = false, is_transmission = false;
     std::vector<float> rotation;
@@ -92,7 +92,7 @@ ScatterTable::Slice read_speos_slice(ScatterText& text, const SpeosSide& side, f
     return slice;
 }
 
-/// What values are to be multiplied by, whose own integral is `own` and whose share of light is `stated`.
+/// The factor of values whose own integral is `own` and whose share of light the file gives as `stated`.
 double speos_scale(double own, double stated) {
     return own > 0 && stated > 0 && !(std::abs(own - stated) <= k_same_percentage * stated) ? stated / own : 1;
 }
@@ -129,7 +129,7 @@ std::optional<Error> check_values(const ScatterTable& table, const std::string& 
 }
 
 using SpeosTables = std::array<std::optional<ScatterTable>, 2>;
-/// What follows the type of values of an anisotropic file: each side's rotations and incidences, each side's
+/// Reads what follows the type of values of an anisotropic file: each side's rotations and incidences, each side's
 /// percentages, and slices.
 void read_anisotropic(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_bsdf, SpeosTables& tables) {
     for (SpeosSide& side : sides)
@@ -151,8 +151,8 @@ void read_anisotropic(ScatterText& text, std::array<SpeosSide, 2>& sides, bool a
     }
 }
 
-/// The same of a file by wavelength: incidences and wavelengths, then those of reflection and those of transmission,
-/// for each a percentage and a slice. A table keeps the mean over wavelengths, and the tint of the percentages.
+/// Reads the same of a file by wavelength: incidences and wavelengths, then for reflection and for transmission
+/// a percentage and a slice each. A table keeps the mean over wavelengths, and the tint of the percentages.
 void read_spectral(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_bsdf, SpeosTables& tables) {
     const std::size_t n_incidences = text.count("number of incidences", k_most_incidences),
                       n_wavelengths = text.count("number of wavelengths", k_most_percents);

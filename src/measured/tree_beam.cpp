@@ -17,7 +17,7 @@ constexpr double k_peak_reach = 3.5;
 /// Rings of a beam, 5 degrees apart, and nodes of a ring of an anisotropic tree.
 constexpr int k_beam_rings = 18, k_beam_nodes = 24;
 constexpr double k_ring_width = 5 * k_degree;
-/// Of a node the mean over so many points of the angles within half a ring of it and of the peak: from leaf to leaf the
+/// A node is the mean over this many points of the angles within half a ring of it and of the peak. From leaf to leaf the
 /// share is up to a tenth off.
 constexpr int k_share_points = 16384;
 /// Directions about a peak and elsewhere.
@@ -48,7 +48,7 @@ struct Peaked {
                 return f(wl, *edge);
         return f(wl, wv);
     }
-    /// Whether it has the peak of a beam for light from this direction.
+    /// True if it has the peak of a beam for light from this direction.
     bool is_beam(Vec3f wl) const {
         double most = 0;
         for (int k = 0; k < k_about_peak; ++k) {

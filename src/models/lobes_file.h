@@ -1,4 +1,4 @@
-// What the files of several models share: stacks and libraries of multivariate models.
+// The metadata of files with several models: stacks and libraries of multivariate models.
 #pragma once
 #include <array>
 #include <string_view>

@@ -16,12 +16,12 @@ namespace {
 constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
 constexpr double k_horizon_cosines[] = {0.03, 0.01, 0.003};
 constexpr int k_albedo_points = 4096;
-/// Of noisy tables: an albedo counts as known to so many standard deviations of its sum, if that is more than
+/// An albedo of a noisy table counts as known to this many standard deviations of its sum, if that is more than
 /// `albedo_error_of_noise` (docs/notes/noise.md).
 constexpr double k_deviations_of_albedo = 0.1;
-/// Of noisy tables: noise differs from sample to sample, and is summed by so many times as many directions as smooth values.
+/// Noise is independent between samples; its sums have this many times as many directions as those of smooth values.
 constexpr int k_finer_for_noise = 8;
-/// Of noisy tables, whose samples at the normal are those of one azimuth: the view beside it sees all of them.
+/// Samples of a noisy table at the normal are those of one azimuth; a view at this angle from it has samples of all.
 constexpr double k_beside_normal_of_noise = 0.5 * k_degree;
 
 /// The standard deviation of a sum of noisy values, of which `smooth` are those without noise: √Σ w² |f − s|².

@@ -1,13 +1,13 @@
-// What the terms of a loss cost, for all fits of tables. Docs: docs/fitting.md, "The objective"; `srbf fit --explain` prints it.
+// The costs of the terms of a loss, for all fits of tables. See "The objective" in docs/fitting.md; `srbf fit --explain` prints them.
 #pragma once
 #include <algorithm>
 #include <cstddef>
 
 namespace srbf {
 
-/// Of a term that multivariate and view-by-view fits share; measured (docs/notes), no theory behind it. A view has five
-/// lobes for its highlight and its body, the whole of a multivariate model eight for all views: views can afford to
-/// follow highlights, and need less weight to follow radiance.
+/// The cost of a term that multivariate and view-by-view fits share, chosen by measurement (docs/notes). A view has five
+/// lobes for its highlight and its diffuse part, a multivariate model eight for all views: views can follow highlights
+/// closely, and need less weight to follow radiance.
 struct Importance {
     double multivariate, view;
 };
@@ -30,8 +30,8 @@ inline constexpr double k_pixels_alone = 2;
 /// An error of this share in every albedo costs as much as the fit's loss without them: by pairs alone, and with pixels. So
 /// the cost is 1 over its square: half of it costs four times as much.
 inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02;
-/// Of noisy tables: an albedo is the sum of thousands of values, and known better than any of them. This error falls with the
-/// fourth power of the noise, and is least where the noise is at least this share of a channel's dark values (docs/notes/noise.md).
+/// The error of albedos of noisy tables. An albedo is the sum of thousands of values, and known better than any of them.
+/// The error falls with the fourth power of the noise, and is least where the noise is at least this share of a channel's dark values (docs/notes/noise.md).
 inline constexpr double k_albedo_error_of_noise = 0.003, k_noise_of_least_albedo_error = 0.5;
 inline double albedo_error_of_noise(double noise) {
     const double times = k_noise_of_least_albedo_error / noise, square = times * times;
@@ -41,7 +41,7 @@ inline double albedo_error_of_noise(double noise) {
 inline constexpr double k_most_albedo_loss = 0.004;
 /// Errors of albedos near the horizon are relative to at least this: few pixels see them. By 0.3 to 0.5 ΔE_ITP rose.
 inline constexpr double k_horizon_albedo = 1;
-/// What albedos cost more beside point lights, which are several times the loss of the pairs and see highlights most.
+/// The factor of the cost of albedos beside point lights, whose loss is several times that of the pairs, most of it in highlights.
 inline constexpr double k_albedos_beside_point_lights = 8;
 
 /// View by view: an error of 1 % in the radiances under all four lights of a view costs three channels times 1e-4 times this.

@@ -1,4 +1,4 @@
-// What a fit observes of a measurement.
+// The observations of a measurement that a fit matches.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -50,8 +50,8 @@ struct Observations {
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f;          ///< [1/sr], ≥ 0
     std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
-    /// Of appearance, for all but the bound pairs, otherwise empty: w ≥ 0 of radiance in pictures by one light, up to
-    /// a factor. A fit adds it to `weight` in its last stages.
+    /// For the objective appearance, and all but the bound pairs, otherwise empty: the weight w ≥ 0 of radiance in
+    /// pictures by one light, up to a factor. A fit adds it to `weight` in its last stages.
     std::vector<double> point_light_weight;
     /// The last `bound_pairs` pairs only bound a fit from above: they are not part of Σ unless it exceeds them by far.
     std::size_t bound_pairs = 0;
@@ -69,7 +69,7 @@ struct Observations {
     std::vector<float> spectrum;     ///< f at each wavelength: observations × C [1/sr], ≥ 0
 
     std::size_t fitted() const { return f.size() - bound_pairs; }
-    /// Whether integrals are of noisy values.
+    /// True if integrals are of noisy values.
     bool is_noisy() const;
     std::span<const float> spectrum_of(std::size_t i) const {
         return std::span(spectrum).subspan(i * wavelengths.size(), wavelengths.size());

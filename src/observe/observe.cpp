@@ -72,7 +72,7 @@ std::vector<Rgb> raise(std::span<Rgb> f, std::span<const Vec3f> wl, std::span<co
     return level;
 }
 
-/// What was measured at the pairs of each kind; of the pool, observations are chosen.
+/// Measured values at the pairs of each kind. Observations are chosen from the pool.
 struct MeasuredPairs {
     std::size_t count;  ///< of observations to choose
     Observations pool, horizon, bound;

@@ -1,4 +1,4 @@
-// What a fit for pictures observes of a measurement.
+// The pictures of a measurement that a fit matches.
 #pragma once
 #include <vector>
 

@@ -17,7 +17,7 @@ inline constexpr double k_horizon_theta = 89.9 * k_degree;
 /// The golden angle π(3 − √5) [rad], rounded: multiples of it spread over all azimuths, however many there are.
 inline constexpr double k_golden_angle = 2.4;
 
-/// As many bound pairs of a table about the mirror direction as are needed to find a lobe between the nodes of the grid.
+/// Number of bound pairs of a table about the mirror direction: enough to find a lobe between the nodes of the grid.
 inline constexpr std::size_t k_mirror_pairs = 32768;
 
 struct DirectionPair {

@@ -20,7 +20,7 @@ struct PixelSlopes {
     const float* of(std::size_t component) const { return &r[component * k_block]; }
 };
 
-/// What is seen if pixels of a picture differ from a reference. Colours are linear sRGB, 1 is the display's white;
+/// The visible error of pixels of a picture against a reference. Colours are linear sRGB, 1 is the display's white;
 /// those of a block are given as a column for each channel, with 0 or more beyond the last pixel.
 class Pixels {
   public:

@@ -16,10 +16,11 @@ namespace {
 /// Phases that are told apart: equal intervals of [0, π].
 constexpr std::size_t k_phases = 16;
 using OfPhases = std::array<double, k_phases>;
-/// Of a pixel [squared radii of the sphere]: 64 of them across.
+/// Area of a pixel [squared radii of the sphere], 64 across.
 constexpr double k_pixel_area = 1.0 / (32 * 32);
 constexpr int k_energy_steps = 20;
-/// They cost less where their mean error, relative to their energy, exceeds this: what no lobes can match would decide.
+/// They cost less where their mean error, relative to their energy, exceeds this: otherwise errors that no lobes can
+/// avoid would decide.
 constexpr double k_most_relative_rms = 0.25;
 /// A phase counts as if its error were at least this share of the largest.
 constexpr double k_least_rms = 0.1;

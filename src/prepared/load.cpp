@@ -32,7 +32,7 @@ Result<AnyBrdf> any(Result<Model> model) {
     return AnyBrdf(*std::move(model));
 }
 
-/// What `name` is of a library, or of a stack.
+/// The model that a name stands for in a library or a stack.
 Result<AnyBrdf> named(std::span<const std::byte> bytes, const TexelName& of, const std::string& path) {
     if (is_library(bytes)) {
         const auto library = read_library(bytes, of.file);

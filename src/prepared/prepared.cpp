@@ -91,7 +91,7 @@ template <typename M> PreparedBrdf::Value pair_by_pair() {
     };
 }
 
-// Of each kind of model a copy; of these two more than that.
+// A prepared model holds a copy of it; these two kinds hold more.
 template <typename M> BrdfParts parts_of(const M& model) {
     return parts_of(std::make_shared<const M>(model), pair_by_pair<M>());
 }

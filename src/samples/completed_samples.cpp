@@ -40,10 +40,10 @@ constexpr double k_better_than_ggx = 0.8;
 /// A later continuation must be better by this: lobes follow a whole highlight more easily than one that changes within.
 constexpr double k_better_than_before = 0.97;
 
-/// What several g_i agree on is likelier than what one expects alone, and may exceed the samples by more than a fit may.
+/// A value on which several g_i agree is likelier than that of one alone, and may exceed the samples by more than a fit may.
 constexpr double k_most_agreed = 1.8;
 
-/// What is expected at a pair of directions.
+/// The value expected at a pair of directions.
 struct Expected {
     std::array<double, 3> root{};  ///< e of `CompletedSamples`
     double bound = 0;              ///< b of `CompletedSamples`

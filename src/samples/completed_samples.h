@@ -11,7 +11,7 @@
 
 namespace srbf {
 
-/// What continues the highlights of completed samples: where f A by them or by g_i, i = `prior`, exceeds `from` times the
+/// The continuation of the highlights of completed samples: where f A by them or by g_i, i = `prior`, exceeds `from` times the
 /// largest sample, f is `share` times g_i, and from half of that on something between both. Not finite: nothing; 0: g_i
 /// takes the place of all.
 struct Continuation {

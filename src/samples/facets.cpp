@@ -23,7 +23,7 @@ double roughness(int r) { return elementary::exp2(-0.5 * r); }
 
 using Terms = std::array<float, k_terms>;
 
-/// What the amounts of a channel are multiplied by.
+/// The factors of the amounts of a channel.
 Terms terms_at(Vec3f wl, Vec3f wv) {
     using K = Kernel<float>;
     Terms terms{float(1 / k_pi)};

@@ -40,7 +40,7 @@ Observations together(const SampleObservations& from, double weight_between, std
     return all;
 }
 
-/// Whether the measure of an objective is a root mean square, as opposed to a ratio of sums of squares.
+/// True if the measure of an objective is a root mean square instead of a ratio of sums of squares.
 bool is_root(Objective objective) {
     return !std::ranges::find(k_measures, measure_of(objective), &MeasureName::member)->is_ratio;
 }

@@ -7,10 +7,10 @@ namespace srbf {
 
 struct SampleFitOptions {
     FitOptions pm;
-    /// Whether a fit without completed samples also follows what is expected between the samples. A short fit
-    /// without it estimates the remaining error; its weight is the ratio of that error to the error of
-    /// what is expected, at most 1. It constrains lobes where samples are sparse, but is harmful where a fit is
-    /// better than it. Cross-validation decides; of scatter it is always followed.
+    /// True: a fit without completed samples also follows the values expected between the samples. A short fit
+    /// without them estimates the remaining error; their weight is the ratio of that error to their own error, at
+    /// most 1. They constrain lobes where samples are sparse, but are harmful where a fit is better than they are.
+    /// Cross-validation decides; fits to scatter always follow them.
     bool fill = false;
 };
 

@@ -28,7 +28,8 @@ class NearSamples {
 
   private:
     using Point = std::array<double, 6>;
-    /// Of points begin..end of `order_`; its children are the next node and `second`, which is 0 for a leaf.
+    /// A node of the tree over points begin..end of `order_`. Its children are the next node and `second`, which is 0 for
+    /// a leaf.
     struct Node {
         Point low, high;
         std::uint32_t begin, end, second = 0;

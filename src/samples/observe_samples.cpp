@@ -23,7 +23,7 @@ constexpr std::size_t k_completed_pairs = 16384, k_fewer_of_completed = 2;
 /// Pairs near the horizon, where both directions are beyond 66°, of each band of elevation: enough to cover the highlight.
 constexpr std::size_t k_grazing_bands = 8, k_pairs_of_band = 64, k_grazing_tried = 65536;
 constexpr double k_grazing_cos = 0.4;
-/// Of Σ w |f|², of all bands: by less lobes follow less closely, by more they look worse elsewhere.
+/// Share of Σ w |f|² for all bands. With less, lobes follow less closely; with more, they look worse elsewhere.
 constexpr double k_grazing_share = 0.6;
 /// The completed samples are level at the largest sample but for rounding.
 constexpr double k_level = 0.999;
@@ -99,7 +99,7 @@ Result<Observations> observe_completed(const CompletedSamples& completed, const 
     return all;
 }
 
-/// What is expected between the samples: R, G and B at a pair of directions, and of spectra f at each wavelength.
+/// The value expected between the samples: R, G and B at a pair of directions, and f at each wavelength of spectra.
 using ExpectedBetween = std::function<Rgb(const DirectionPair&, std::span<float> spectrum)>;
 
 ExpectedBetween interpolated(const ScatteredSamples& samples) {

@@ -1,4 +1,4 @@
-// What a fit observes of scattered samples.
+// The observations of scattered samples that a fit matches.
 #pragma once
 #include <optional>
 
@@ -44,7 +44,7 @@ struct SampleObservations {
     /// The completed samples observed like a table, with as much weight again on the samples themselves, and pairs near
     /// the horizon; or none. A fit uses either these or all the others.
     Observations completed;
-    /// What those were observed of, and the same without each fold, unless it was given.
+    /// The completed samples that were observed, and those without each fold, unless they were given.
     std::optional<CompletedSamples> completion;
     std::vector<CompletedSamples> without_fold;
     /// Errors of interpolation at samples that were left out, or of the mixture at the samples.

@@ -18,16 +18,16 @@
 #define SRBF_SAMPLING_MIXTURE
 namespace srbf {
 
-/// What the lobes are made of, side by side: those of directions to the light, then as many of half vectors.
+/// The numbers of the lobes, side by side: those of directions to the light, then as many of half vectors.
 struct LobeTable {
     static constexpr int k_count = MixtureProposal::k_lobes, k_of_kind = SRBF_FIRST_HALF_VECTOR_LOBE;
     static_assert(k_count == 2 * k_of_kind);
     using Row = std::array<float, k_of_kind>;
-    /// Of directions, about the mirror direction. A cosine is a lobe of bandwidth 0 there.
+    /// Lobes of directions, about the mirror direction. A cosine is a lobe of bandwidth 0 there.
     alignas(32) Row bandwidth, width, scale, rest;
     /// The polynomial in cosθl that multiplies their densities, of which at −cosθl the constant is left.
     alignas(32) Row constant, linear, square;
-    /// Of half vectors: the latter is 1, or 0 of the lobe that is not weighted by its visibility.
+    /// Lobes of half vectors. `weighted` is 1, or 0 for the lobe that is not weighted by its visibility.
     alignas(32) Row half_bandwidth, weighted;
 };
 
@@ -52,7 +52,7 @@ HWY_BEFORE_NAMESPACE();
 namespace srbf {
 namespace HWY_NAMESPACE {
 
-// As many lobes as a vector holds, of one kind.
+// A vector of lobes of one kind.
 using Lobes = BatchOf<hn::CappedTag<float, LobeTable::k_of_kind>, true>;
 // Few of what all lobes have in common.
 using Few = BatchOf<hn::CappedTag<float, 4>, true>;
@@ -165,7 +165,7 @@ HWY_INLINE DirectionSample with_pdf(const Vec3f& wl, float pdf) {
 #endif
 }
 
-// What each lobe draws, about its centre: for all of them, before it is known which is chosen.
+// The direction that each lobe draws about its centre, computed for all lobes before one is chosen.
 struct Drawn {
     alignas(32) float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], below[LobeTable::k_count];
 

@@ -66,7 +66,7 @@ Result<Vars> vars_of(std::string_view vars, const std::string& file_name, std::u
 
 bool opens_row(std::string_view line) { return line.find_first_of("0123456789+-.") == 0; }
 
-/// What the lines before the samples state.
+/// The statements of the lines before the samples.
 struct AstmHeader {
     Vars columns;
     std::optional<std::uint64_t> points;

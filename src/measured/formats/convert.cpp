@@ -266,7 +266,7 @@ class TensorWriter {
     std::vector<Field> fields_;
 };
 
-/// Whether the warp maps a node and its surroundings to below the horizon, so that samples there would be useless.
+/// True for nodes that the warp maps, with their surroundings, to below the horizon, so that samples there are useless.
 std::vector<char> lies_in_vain(const RglTable& table, std::size_t slice) {
     const std::size_t side = table.colour.width, rows = table.colour.height;
     const Vec3d light = spherical(double(table.theta_l[slice]), 0.0);

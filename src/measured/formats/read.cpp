@@ -62,7 +62,7 @@ Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples) {
     return Done{};
 }
 
-/// The same as `read_unindexed`, of a file that does not state all.
+/// `read_unindexed`, with the statements of the options about a file that does not make them.
 Result<Measured> read_stated(std::span<const std::byte> bytes, const std::string& file_name,
                              const ReadOptions& options) {
     auto measured = read_unindexed(bytes, file_name, options);

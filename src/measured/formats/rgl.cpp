@@ -209,7 +209,7 @@ template <typename AnySlices> Rgb at(const RglTable::Colours& colour, const AnyS
     return {f[0], f[1], f[2]};
 }
 
-/// The same at the wavelengths.
+/// The spectrum there, at the wavelengths of the table.
 template <typename AnySlices>
 void spectrum_at(const RglTable& table, const AnySlices& slices, const Warped& w, std::span<float> f) {
     const std::size_t width = table.colour.width, height = table.colour.height;

@@ -72,7 +72,7 @@ std::vector<OpenPbrVariable> openpbr_variables_of(OpenPbrSurfaceKind kind, doubl
     }
     return all;
 }
-/// What a surface has where it has no parameter.
+/// A surface with the values of what it has no parameter for.
 OpenPbrModel fixed_of(OpenPbrSurfaceKind kind) {
     OpenPbrModel model;
     if (kind != OpenPbrSurfaceKind::openpbr) model.coat_darkening = 0, model.coat_ior = 1.5f;
@@ -81,13 +81,13 @@ OpenPbrModel fixed_of(OpenPbrSurfaceKind kind) {
 
 constexpr double k_slope_step = 1e-3;  ///< of x, for differences
 
-/// What a surface is fitted to: of pixels the mean of ρ(ΔE_ITP) (see `Pixels`), or where no pictures are observed
-/// Σ w |f − f̂|² of pairs. The outputs of a surface are the colours of pixels, or its values at pairs.
+/// The data that a surface is fitted to, by the mean of ρ(ΔE_ITP) over pixels (see `Pixels`), or where no pictures are
+/// observed by Σ w |f − f̂|² over pairs. The outputs of a surface are the colours of pixels, or its values at pairs.
 class OpenPbrData {
   public:
     using Outputs = Aligned<float>;  ///< blocks of a column for each channel
 
-    /// Of every so many views, or of the first pairs as many as a share of so much.
+    /// Takes every n-th view; without views, an n-th of the pairs, the first ones.
     OpenPbrData(const Observations& observations, std::size_t every) {
         if (observations.views.empty())
             take_pairs(observations, every);
@@ -478,7 +478,7 @@ class OpenPbrSearch {
         drop_unseen_parts(found, OpenPbrData(weighed_, 1), defaults_, observations_.views.empty() ? 0 : k_unseen);
         return found;
     }
-    /// What was fitted to in the end.
+    /// The data that were fitted to in the end.
     OpenPbrData data() const { return OpenPbrData(weighed_, 1); }
 
   private:

@@ -16,7 +16,7 @@
 namespace srbf {
 namespace {
 
-/// Of −0 and 0, which are the same azimuth, the latter, so that what was read is written with the same bytes.
+/// 0 for −0, which is the same azimuth, so that a model that was read is written with the same bytes.
 std::uint16_t without_sign_of_zero(std::uint16_t half) { return half == to_half(-0.f) ? 0 : half; }
 
 /// The tensors of a model, with its numbers rounded to 16-bit floats.

@@ -15,10 +15,10 @@ template <> struct Stored<PmModel> {
     static double largest(const PmModel& model);
 };
 
-// Of files with the lobes of several models.
+// Files with the lobes of several models:
 /// The tensors of a model, always with log scales, and the metadata that determine their meaning.
 Safetensors lobes_content(const PmModel& model);
-/// These metadata.
+/// Those metadata.
 struct LobesHeader {
     PmForm form;
     bool axial;

@@ -18,7 +18,7 @@ class PmLanes {
     static constexpr int k_lanes = 8;
 
     explicit PmLanes(const PmModel& model);
-    /// The same lobes with these coefficients.
+    /// These lobes with other coefficients.
     PmLanes with_coefficients(std::span<const Rgb> coefficient) const;
 
     PmForm form() const { return form_; }
@@ -75,7 +75,7 @@ using OfPair = void (*)(const void* model, const Vec3f& wl, const Vec3f& wv, flo
 /// pm_value of kernel.glsl for a `PmLanes`, with lobes in the lanes of a vector: within 1e-4 of the exact value or
 /// 1e-6 of the model's peak.
 OfPair pair_evaluator(const PmLanes& model);
-/// The same on arrays of pairs; the spans have the same length.
+/// ρ on arrays of pairs; the spans have the same length.
 void evaluate(const PmLanes& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 
 }  // namespace srbf

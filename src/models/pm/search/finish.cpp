@@ -60,7 +60,7 @@ LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, d
     return summary;
 }
 
-/// Those lobes without the factors by which they rise towards the horizon.
+/// `lobes`, of which these have no factors by which they rise towards the horizon.
 Lobes without_features(Lobes lobes, std::span<const int> which) {
     for (const int j : which) {
         const auto begin = lobes.weight.begin() + j * lobes.shape.width();

@@ -5,8 +5,8 @@
 #include "base/errors.h"
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
-#include "models/pm/search/fit_pm.h"
 #include "models/pm/search/finish.h"
+#include "models/pm/search/fit_pm.h"
 #include "models/pm/search/schedule.h"
 #include "models/pm/search/search.h"
 #include "models/pm/search/subsets.h"
@@ -33,8 +33,8 @@ namespace {
 
 /// After the best candidate another one is finished only if its error is at most this much larger.
 constexpr double k_nearly_best = 0.01;
-/// What point lights cost is relative to the loss of the pairs. Errors that the last stage's rows missed count in it up to
-/// this many times the least that it can be: a lobe between its rows can raise it by thousands.
+/// The cost of point lights is relative to the loss of the pairs. Errors that the last stage's rows missed count in that
+/// loss up to this many times its least value: a lobe between the rows can raise it by thousands.
 constexpr double k_missed = 10;
 
 Result<Done> validate(const Observations& observations, const FitOptions& options) {

@@ -1,10 +1,10 @@
-// What the options of a multivariate fit ask for.
+// Numbers that follow from the options of a multivariate fit.
 #pragma once
 #include <algorithm>
 #include <cmath>
 
-#include "models/pm/solve/lobes.h"
 #include "models/pm/search/fit_pm.h"
+#include "models/pm/solve/lobes.h"
 
 namespace srbf {
 
@@ -22,8 +22,7 @@ inline int perturbations_of(const FitOptions& options) {
     return options.perturbations.value_or(std::clamp(1600 / std::max(options.lobes * options.lobes, 1), 25, 45));
 }
 
-/// The same options with at most this many starts and perturbations: a short fit that estimates what a full one will
-/// reach.
+/// `options` with at most this many starts and perturbations: a short fit that estimates what a full one will reach.
 inline FitOptions in_short(FitOptions options, int starts, int perturbations) {
     options.starts = std::min(starts_of(options), starts);
     options.perturbations = std::min(perturbations_of(options), perturbations);

@@ -18,13 +18,13 @@ constexpr double k_copies = 0.25, k_log_stretch = 1, k_shift = 2;
 struct Draw {
     double zero, least, factor, negative;
 };
-/// Of factors that may be peaks: a bandwidth of 0.3 hardly changes over the sphere, the largest fits 16-bit floats. One that
-/// rises away from its pole needs no more than `k_steepest`.
+/// Bandwidths of factors that may be peaks: one of 0.3 hardly changes over the sphere, the largest fits 16-bit floats. A factor
+/// that rises away from its pole needs no more than `k_steepest`.
 constexpr Draw k_sharp{0.35, 0.3, 2e5, 0.3};
 constexpr double k_steepest = 100;
-/// Of the others, over the range in which they are seen.
+/// Weights of other factors, over the range in which they have an effect.
 constexpr Draw k_broad{0.5, 0.1, 100, 0.5};
-/// General centres that are poles, the others are uniform on the sphere.
+/// Share of general centres that are poles; the others are uniform on the sphere.
 constexpr double k_poles = 0.5;
 
 /// Draws three numbers in this order, with every compiler.

@@ -10,7 +10,7 @@
 
 namespace srbf {
 
-/// What a stage does with each of its candidates.
+/// The work of a stage on each of its candidates.
 enum class Work {
     grow,         ///< J lobes one by one, each the best of 256 random ones
     perturb,      ///< replaces the least useful lobe or variate by a random one, if that lowers the loss

@@ -47,7 +47,7 @@ void replace_lobe(LobeProblem& problem, Candidate& candidate, std::mt19937_64& r
     keep_if_better(problem, candidate, with_best_lobe(problem, std::move(lobes), random));
 }
 
-/// The same for the least useful variate: its weights become 0, and its parameterization becomes a random one. Steps
+/// Replaces the least useful variate: its weights become 0, and its parameterization becomes a random one. Steps
 /// alone rarely rotate a parameterization far, since no lobe fits in between.
 void replace_variate(LobeProblem& problem, Candidate& candidate, std::mt19937_64& random) {
     std::vector<Lobes> without;

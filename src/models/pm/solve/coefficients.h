@@ -8,7 +8,7 @@ namespace srbf {
 /// Coefficients β_jc of J lobes in C channels, 0 ≤ β_jc ≤ limit_jc, that minimise Σ_c |y_c − Σ_j β_jc E_j|², and a term of
 /// pixels: variable projection for what the lobes depend on.
 struct Coefficients {
-    /// Whether a step with pixels begins with the last β, which takes a fraction of the time.
+    /// True: a step with pixels begins with the last β, which takes a fraction of the time.
     bool continues = false;
     Eigen::MatrixXd limit;  ///< J × C
     // Results of `fit`:
@@ -24,7 +24,7 @@ struct Coefficients {
     double loss_at(const Eigen::MatrixXd& other, const Eigen::MatrixXd& products, const PixelTerm* pixels,
                    double& its_pixels, CoefficientTerms& by_coefficients) const;
 
-    /// Of channel c, those strictly between their bounds, which adapt.
+    /// The coefficients of channel c that are strictly between their bounds, and adapt.
     std::vector<Eigen::Index> free(Eigen::Index c) const;
 
     /// Changes Hessian and gradient of the pairs by variables to those of the sum to which the free coefficients adapt

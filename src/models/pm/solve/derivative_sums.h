@@ -18,7 +18,7 @@ namespace srbf {
 /// there are more channels than lobes: A = in_channel × (S of these), with in_channel × of_lobe = βᵀ.
 class DerivativeSums {
   public:
-    /// Of the lobes that `basis` has evaluated at x. `beta`: their coefficients, J × channels; `rest`: the residuals,
+    /// The sums for the lobes that `basis` has evaluated at x. `beta`: their coefficients, J × channels; `rest`: the residuals,
     /// blocks × channels × k_block. (E_j · E_k are not among the sums.)
     DerivativeSums(LobeBasis& basis, const Eigen::VectorXd& x, const Eigen::MatrixXd& beta, const Aligned<float>& rest);
 

@@ -17,7 +17,7 @@ class LobeBasis {
 
     void evaluate(const Eigen::VectorXd& x);
 
-    // Of the last call of `evaluate`, for a block of rows:
+    // Results of the last call of `evaluate`, for a block of rows:
     int count() const { return count_; }  ///< J
     float* lobe(std::size_t block, int j) { return column(lobe_, block, count_, j); }
     /// s_i of weight i.

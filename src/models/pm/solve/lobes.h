@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "srbf/models/exponent_terms.h"
 #include "srbf/model.h"
+#include "srbf/models/exponent_terms.h"
 
 namespace srbf {
 
@@ -44,7 +44,7 @@ Lobes unpack(const Eigen::VectorXd& x, const LobeShape& shape);
 struct Interval {
     double least, most;
 };
-/// Of weight n of a lobe.
+/// The range of weight n of a lobe.
 Interval weight_range(int n, const LobeShape& shape);
 
 /// p_n from the weights of a lobe.

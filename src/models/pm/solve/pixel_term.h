@@ -44,7 +44,7 @@ struct PixelTerm {
                          Eigen::VectorXd& g, CoefficientTerms& by_coefficients) const;
 
   private:
-    /// Of a block of pixels; valid until the thread's next call.
+    /// The colours of a block of pixels; valid until the thread's next call.
     Pixels::Colours colours(const Eigen::MatrixXd& beta, std::size_t block) const;
     /// share × the products with each other of the derivatives of the three components of ΔE_ITP by so many variables and
     /// by the coefficients, and of the components' differences. Sets the term for coefficients β.
@@ -67,7 +67,7 @@ class PixelMoments {
     void evaluate(bool with_derivatives);
     /// importance × the mean over pixels.
     PixelTerm term();
-    /// Of the lobes at x; `limit`: the coefficients' upper bounds, which those at their bounds follow.
+    /// The derivatives of the lobes at x; `limit`: the coefficients' upper bounds, which those at their bounds follow.
     PixelTerm::SetByLobe derivatives(const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
                                      const Eigen::MatrixXd& limit);
 

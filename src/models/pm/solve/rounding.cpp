@@ -125,8 +125,8 @@ namespace {
 
 /// If rounding raises the loss by more than this factor, the numbers that are not yet rounded follow those that are.
 constexpr double k_cost_of_rounding = 1.003;
-/// What is then added to the diagonal of the second order, relative to it, so that they follow further and further. What
-/// is best differs from fit to fit; none follows further than is needed.
+/// Relative additions to the diagonal of the second order: the less is added, the further the others follow. The best one
+/// differs from fit to fit; none follows further than is needed.
 constexpr double k_dampings[] = {1e-3, 1e-5, 1e-8};
 
 Lobes halves_of(const Eigen::VectorXd& x, const LobeShape& shape) {
@@ -144,7 +144,7 @@ struct SecondOrder {
         Eigen::VectorXd now = x;
         Eigen::MatrixXd damped = H;
         damped.diagonal() += damping * H.diagonal().cwiseMax(1e-8 * H.diagonal().maxCoeff());
-        // Of the variables that may still move: what they do if one of them is moved.
+        // How the variables that may still move follow if one of them is moved.
         Eigen::MatrixXd inverse = damped.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
         const auto round = [&](Eigen::Index first, Eigen::Index count) {
             const Eigen::VectorXd error = (pack(halves_of(now, shape)) - now).segment(first, count);

@@ -1,4 +1,4 @@
-// What the exponent of a lobe is linear in, at the pairs of directions of a block of rows.
+// The features in which the exponent of a lobe is linear, at the pairs of directions of a block of rows.
 #pragma once
 #include "models/pm/solve/rows.h"
 

@@ -49,7 +49,7 @@ template <Brdf B> Evaluate evaluator(const B& brdf) {
     };
 }
 
-/// The same for a temporary, which the function then owns.
+/// `evaluator` of a temporary, which the function then owns.
 template <typename B>
 requires(Brdf<B> && !std::is_reference_v<B>) Evaluate evaluator(B&& brdf) {
     auto held = std::make_shared<const B>(std::move(brdf));

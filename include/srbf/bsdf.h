@@ -29,7 +29,7 @@ inline constexpr std::array<std::string_view, k_parts> k_part_names{"reflection_
 constexpr std::string_view name(Part part) { return k_part_names[std::size_t(part)]; }
 constexpr bool is_transmission(Part part) { return part >= Part::transmission_front; }
 constexpr bool is_back(Part part) { return part == Part::reflection_back || part == Part::transmission_back; }
-/// The same with the light on the other side.
+/// The part with the light on the other side.
 constexpr Part counterpart(Part part) { return Part(std::size_t(part) ^ 1); }
 
 /// A pair of directions in a part's frame, in which both are above the horizon.
@@ -55,7 +55,7 @@ constexpr Vec3f to_side(Vec3f w, float side) { return {w.x, w.y, side * w.z}; }
 /// and viewer exchanged; reflection as if both sides were alike. Without either the part is 0.
 template <typename B> using Parts = std::array<std::shared_ptr<const B>, k_parts>;
 
-/// What answers for a part.
+/// The BRDF that answers for a part.
 template <typename B> struct Answering {
     const B* brdf = nullptr;  ///< null: 0
     bool exchanged = false;   ///< whether it is evaluated at (wv, wl)
@@ -74,7 +74,7 @@ template <typename B> Rgb value(const Parts<B>& parts, Vec3f wl, Vec3f wv) {
     return of.exchanged ? value(*of.brdf, at->wv, at->wl) : value(*of.brdf, at->wl, at->wv);
 }
 
-/// The same on arrays of pairs; `each(brdf, wl, wv, f)` evaluates one of the parts.
+/// f on arrays of pairs; `each(brdf, wl, wv, f)` evaluates one of the parts.
 template <typename B, typename Each>
 void evaluate(const Parts<B>& parts, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f,
               const Each& each) {

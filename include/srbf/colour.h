@@ -28,7 +28,7 @@ Rgb to_rgb(const Xyz& colour);
 /// sums at 5 nm differ by up to 1e-3 for smooth spectra.
 std::vector<Rgb> rgb_weights(std::span<const float> wavelengths);
 
-/// Whether these are valid wavelengths [nm] of a spectrum: at least one, increasing, between 100 and 100,000.
+/// True for valid wavelengths [nm] of a spectrum: at least one, increasing, between 100 and 100,000.
 bool are_wavelengths(std::span<const float> wavelengths);
 
 /// Σ_i spectrum_i weight_i, without clamping: a saturated colour may have a negative channel.

@@ -62,7 +62,7 @@ class MirrorMixture {
     /// About `count` directions over the cap, given wv. Each component has its own Fibonacci lattice, uniform with
     /// respect to its density.
     Quadrature quadrature(Vec3d wv, int count) const;
-    /// Those of the points that are of one component's lattice; the points of all components are a quadrature.
+    /// The points of one component's lattice; the points of all components are a quadrature.
     Quadrature quadrature_of_part(int part, Vec3d wv, int count) const;
     /// Samples a direction uniformly over the cap; `cap_pdf` is its density [1/sr].
     Vec3d sample_cap(double u1, double u2) const;

@@ -7,7 +7,7 @@ namespace [[gnu::visibility("default")]] srbf {
 /// divisions and square roots, which it does define: series for reduced arguments. No fit and no report depends on a
 /// C library, whose versions differ in last bits, and by the processor. Relative errors are in units of the last place
 /// of a double, 2⁻⁵², measured against `long double` functions on a million arguments. A NaN returns a NaN.
-/// Those of float are rounded from double.
+/// Functions of float are rounded from double.
 namespace elementary {
 
 /// e^x: 1 ulp. 0 below −708, where results would be subnormal; ∞ above 709.78.
@@ -38,7 +38,7 @@ double acos(double x);
 double hypot(double x, double y);
 double hypot(double x, double y, double z);
 
-/// Of floats, by shorter series in double: within 0.51 ulp of float.
+/// Functions of floats, by shorter series in double: within 0.51 ulp of float.
 float exp(float x);
 float log(float x);
 inline float exp2(float x) { return float(exp2(double(x))); }

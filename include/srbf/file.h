@@ -31,7 +31,7 @@ Result<std::vector<std::byte>> read_file(const std::string& path, const MostByte
 /// `read_file`.
 Result<std::vector<std::byte>> read_part(const std::string& path, std::uint64_t offset, std::size_t most);
 
-/// What read() returns, or an error that names the file where memory runs out.
+/// The result of read(), or an error that names the file where memory runs out.
 template <typename Read> auto within_memory(const std::string& path, const Read& read) -> decltype(read()) {
     try {
         return read();
@@ -58,7 +58,7 @@ Result<Done> write_files(std::span<const NewFile> files, const std::function<Res
 /// Renames a file or a folder, and waits until the disk has the new name.
 Result<Done> rename_path(const std::string& from, const std::string& to);
 
-/// Whether the bytes begin like a safetensors container, the format of fitted models: the length of a header, then its
+/// True if the bytes begin like a safetensors container, the format of fitted models: the length of a header, then its
 /// brace.
 inline bool is_safetensors(std::span<const std::byte> bytes) {
     return bytes.size() > 9 && bytes[8] == std::byte('{') && bytes[7] == std::byte(0) && bytes[6] == std::byte(0);

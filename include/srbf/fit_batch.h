@@ -59,7 +59,7 @@ struct TexelStream {
     std::function<Result<Done>(std::size_t first, std::span<Rgb> f)> read;
     /// Receives the fits of a slab.
     std::function<Result<Done>(std::size_t first, std::span<const TexelFit> fits)> take;
-    /// Whether a slab was taken by an earlier run, and is to be left out; none: no slab was.
+    /// True for a slab that an earlier run has taken, which is left out; none: no slab was taken.
     std::function<bool(std::size_t first, std::size_t count)> is_done = {};
 };
 

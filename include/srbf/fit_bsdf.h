@@ -45,11 +45,11 @@ inline constexpr double k_same_part = 1e-4;
 /// Errors: those of `fit`; a measurement of one side.
 Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
 
-/// The same for a BSDF as functions of the parts' frames, none for those that are 0.
+/// Fits a BSDF that is given as functions in the parts' frames, none for those that are 0.
 Result<BsdfOutcome> fit_bsdf(const std::array<Evaluate, k_parts>& parts, const FitRequest& request,
                              const ProgressToken& progress = {});
 
-/// What is fitted and measured of a matrix of patches: the mean of a function over pairs of them, as sums over points.
+/// The sums that are fitted and measured of a matrix of patches: the mean of a function over pairs of them, as sums over points.
 struct PatchSums {
     std::vector<Rgb> mean;       ///< of each class of pairs
     std::vector<double> weight;  ///< the product of their projected solid angles

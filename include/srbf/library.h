@@ -50,7 +50,7 @@ Library rounded(Library library);
 std::vector<std::byte> write_library(const Library& library);
 /// Errors: as in `read_model`; an index that is not below J; another number of names than of materials.
 Result<Library> read_library(std::span<const std::byte> bytes, const std::string& file_name);
-/// Whether these are the bytes of a library.
+/// True if these are the bytes of a library.
 bool is_library(std::span<const std::byte> bytes);
 
 }  // namespace srbf

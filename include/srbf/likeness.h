@@ -26,7 +26,7 @@ inline constexpr double k_pixels_per_degree = 3840 * k_degree;
 /// viewing distance of 0.7 m from a display 0.7 m wide with 3840 pixels.
 std::vector<double> flip_map(const Image8& reference, const Image8& other,
                              double pixels_per_degree = k_pixels_per_degree);
-/// The same for linear colours in [0,1]³.
+/// The map of ꟻLIP for linear colours in [0,1]³.
 std::vector<double> flip_map(const Image& reference, const Image& other,
                              double pixels_per_degree = k_pixels_per_degree);
 

@@ -16,9 +16,9 @@ namespace [[gnu::visibility("default")]] srbf {
 
 /// A measurement or a model.
 using AnyBrdf = std::variant<Measured, Model>;
-/// Whether it answers on both sides (bsdf.h).
+/// True if it answers on both sides (bsdf.h).
 bool is_two_sided(const AnyBrdf& brdf);
-/// Whether a part of it is known, or answered by its counterpart; of a BRDF the front reflection alone.
+/// True if a part of it is known, or answered by its counterpart; of a BRDF the front reflection alone.
 bool has_part(const AnyBrdf& brdf, Part part);
 /// Reads a measurement or a model, recognised by its content. "FILE#T" is texel T of a stack of models (model.h), unless
 /// there is a file of that name. Errors: those of load_measured and load_model.

@@ -272,7 +272,7 @@ struct Measured {
 };
 /// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument.
 void exchange(Measured& measured);
-/// Whether f_r depends only on the difference of the azimuths; of patches, as far as their centres have the same
+/// True if f_r depends only on the difference of the azimuths; for patches, as far as their centres have the same
 /// difference, up to 1 % of the root mean square.
 bool is_isotropic(const Measured& measured);
 bool is_isotropic(const KlemsTable& table);
@@ -326,7 +326,7 @@ Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
 /// f[i] = signed_value(table, wl[i], wv[i]). The spans have the same length. Isotropic tables use the widest SIMD
 /// instructions of the machine, within 1e-4 relative or 1e-5 of the table's largest colour over cosθv.
 void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
-/// The same of a MERL table, whose values are not negative: the bits of `value`.
+/// `evaluate_signed` of a MERL table, whose values are not negative: the bits of `value`.
 void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 /// `signed_value` as an `Evaluate`, the input of a fit. It keeps a reference to `measured`.
 Evaluate signed_evaluator(const Measured& measured);
@@ -342,7 +342,7 @@ void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::s
 /// `signed_spectrum` on arrays of pairs. It keeps a reference to `measured`.
 Channels signed_spectra(const Measured& measured);
 Channels signed_spectra(const Measured&&) = delete;
-/// The same, with negative values clamped to 0.
+/// `signed_spectra`, with negative values clamped to 0.
 Channels spectra(const Measured& measured);
 Channels spectra(const Measured&&) = delete;
 
@@ -423,7 +423,7 @@ inline constexpr std::array<std::string_view, 3> k_quantities{"bsdf", "factor", 
 /// The quantity of that name; `stated` if none has it.
 Quantity quantity_named(std::string_view name);
 
-/// What a file of samples does not state.
+/// Statements about a file of samples that does not make them.
 struct ReadOptions {
     /// Names of columns as in CSV, of rows of numbers, separated by blanks or commas, instead of those that the file has;
     /// and constants, as phi_l_deg=180. With constants alone, and if it is empty, the file has names.
@@ -438,7 +438,7 @@ struct ReadOptions {
 /// fitted model; samples that are stated by `options` and are none.
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,
                                const ReadOptions& options = {});
-/// The same, but frees `bytes` before it indexes samples.
+/// `read_measured` that frees `bytes` before it indexes samples.
 Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& file_name,
                                const ReadOptions& options = {});
 Result<Measured> load_measured(const std::string& path, const ReadOptions& options = {});

@@ -19,7 +19,7 @@ namespace [[gnu::visibility("default")]] srbf {
 struct Measures {
     /// Σ(f−f̂)² / Σf² (Tsai 2009).
     double squared_error_ratio = 0;
-    /// The same for f cosθl, each pair weighted by cosθv, the projected area of a patch towards the viewer.
+    /// The ratio for f cosθl, each pair weighted by cosθv, the projected area of a patch towards the viewer.
     double squared_error_ratio_cosine = 0;
     /// √ of the mean of (log(1 + f cosθl) − log(1 + f̂ cosθl))², weighted by cosθv.
     double log_rms_cosine = 0;
@@ -63,14 +63,14 @@ struct MeasureOptions {
 inline constexpr int k_matrix_directions = 1536;
 std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
                                      const MeasureOptions& options, int n = k_matrix_directions);
-/// The same over all pairs of the given directions within θmax, such as the sampled views of a view-by-view model.
+/// The measures over all pairs of the given directions within θmax, such as the sampled views of a view-by-view model.
 std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
                                      const MeasureOptions& options, std::span<const Vec3f> directions);
 
 std::vector<Measures> measure_matrix(const Channels& reference, std::span<const Channels> others,
                                      const MeasureOptions& options, std::span<const Vec3f> directions);
 
-/// The same over `count` independent pairs: wv uniform over the cap, wl from a mixture around the mirror direction,
+/// The measures over `count` independent pairs: wv uniform over the cap, wl from a mixture around the mirror direction,
 /// weighted to uniform solid angle. Unlike pairs of the Fibonacci set, these resolve sharp lobes.
 inline constexpr std::uint64_t k_heldout_pairs = 200000;
 inline constexpr std::uint64_t k_heldout_seed = 0x5eed'0f'4e1d'0047;
@@ -81,13 +81,13 @@ std::vector<Measures> measure_heldout(const Channels& reference, std::span<const
                                       const MeasureOptions& options, std::uint64_t count = k_heldout_pairs,
                                       std::uint64_t seed = k_heldout_seed);
 
-/// The same over samples: f[i] measured at (wl[i], wv[i]), g[i] the value of the other BRDF. Each sample has weight 1;
+/// The measures over samples: f[i] measured at (wl[i], wv[i]), g[i] the value of the other BRDF. Each sample has weight 1;
 /// negative channels of f count as 0. Only samples within `sample_cap` count.
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                          std::span<const Rgb> g, double max_theta);
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                          const Evaluate& other, double max_theta);
-/// The same for any number of channels per sample.
+/// The measures for any number of channels per sample.
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const float> f,
                          std::span<const float> g, double max_theta);
 /// cos(θmax + 0.01°). The tolerance allows for rounded angles in files.
@@ -105,10 +105,10 @@ Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta);
 /// each of `others`. Pairs at which the reference was not measured count in neither.
 std::vector<double> albedo_errors(const Evaluate& reference, std::span<const Evaluate> others,
                                   const MeasureOptions& options);
-/// The same of one.
+/// The largest error of one BRDF.
 double albedo_error(const Evaluate& reference, const Evaluate& other, double max_theta);
 
-/// Of scattered samples held-out values are those of fits to all samples but a fold's.
+/// The number of folds in which scattered samples are held out.
 inline constexpr int k_folds = 5;
 
 /// The measures of one BRDF against another: over a matrix of directions, over held-out pairs, of albedo, and of

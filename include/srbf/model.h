@@ -31,12 +31,12 @@ std::string_view kind_words(const Model& model);
 Rgb value(const Model& model, Vec3f wl, Vec3f wv);
 
 /// f[i] = value(model, wl[i], wv[i]), with the widest SIMD instructions of the machine. The spans have the same length.
-/// Of a multivariate model within 1e-4 of `value` or 1e-6 of the model's peak.
+/// The values of a multivariate model are within 1e-4 of `value` or 1e-6 of the model's peak.
 void evaluate(const Model& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const Model& model);
 
-/// Whether f_r depends only on the difference of the azimuths by construction: not with general lobes.
+/// True if f_r depends only on the difference of the azimuths by construction: not with general lobes.
 bool is_isotropic(const Model& model);
 /// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument. The provenance of a model of
 /// exchanged data has `k_exchanged` as "exchanged".

@@ -34,9 +34,10 @@ inline constexpr double k_most_peak = 1000;
 /// this independent of what happens towards grazing. What is not finite is left out; light below the horizon too.
 /// In transmission, in the frame of the part (bsdf.h), the mirror direction is straight through.
 Peak peak_of(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f);
-/// The same of pairs of lights at four polar angles and eight azimuths, with viewers dense about the four directions.
+/// The peak of a function, of pairs of lights at four polar angles and eight azimuths, with viewers dense about the four
+/// directions.
 Peak peak_of(const Evaluate& brdf);
-/// The same of the samples of a measurement, or of the values of a table; of a BSDF those of its first part.
+/// The peak of the samples of a measurement, or of the values of a table; of a BSDF that of its first part.
 Peak peak_of(const Measured& measured);
 
 /// A sentence about the peak, which asks about the azimuths where they seem wrong.

@@ -42,7 +42,7 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
                                                 int size = k_sphere_pixels, int threads = 0,
                                                 const ProgressToken& progress = {}, int mirror_points = k_mirror_points,
                                                 bool first_is_isotropic = false);
-/// Whether pixel (x, y) of such a picture shows the sphere.
+/// True if pixel (x, y) of such a picture shows the sphere.
 bool shows_sphere(int size, int x, int y);
 
 /// A picture is exposed so that the 90th percentile of its lit pixels, by their largest channel, is this share of
@@ -59,7 +59,7 @@ struct PictureErrors {
 };
 PictureErrors picture_errors(const Image& reference, const Image& other);
 
-/// What an error of pictures means to those who look: the worse of what ΔE_ITP and ꟻLIP say.
+/// The verdict on an error of pictures: the worse of those by ΔE_ITP and by ꟻLIP.
 enum class Verdict { alike, close, differs, other };
 inline constexpr std::size_t k_verdicts = 4;
 /// The most that a verdict but the last allows; of ΔE_ITP 1 is just noticeable (ITU-R BT.2124).

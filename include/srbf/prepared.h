@@ -36,7 +36,7 @@ class PreparedBrdf {
     Value value_;
 };
 
-/// What a prepared BRDF is made of, for a type that this library does not know. The `PreparedBrdf` owns all of it, and
+/// The parts of a prepared BRDF, for a type that this library does not know. The `PreparedBrdf` owns all of it, and
 /// its copies share it. Several threads may call both functions at once.
 struct BrdfParts {
     /// The BRDF, the first argument of `value`. It is destroyed last: `evaluate` and `proposal` may refer to it.
@@ -78,7 +78,7 @@ template <Brdf B> PreparedBrdf prepare(B brdf, Proposal proposal) {
 /// f = reflectance / π, sampled by the cosine.
 PreparedBrdf diffuse(Rgb reflectance);
 
-// Of the functions below, `wl` and `wv` are unit vectors. This is not checked: another length gives a wrong value
+// In the functions below, `wl` and `wv` are unit vectors. This is not checked: another length gives a wrong value
 // without an error.
 
 /// f_r(wl, wv) [1/sr], without the cosine: of a model within 1e-4 of its `value` or 1e-6 of its peak. It is 0 if wl.z
@@ -91,9 +91,9 @@ inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
     std::memcpy(&f, colour, sizeof f);  // as it was stored
     return f;
 }
-/// The same for spans of one length.
+/// f_r at pairs of directions, in spans of one length.
 void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
-/// The same as a function, which holds a copy of `brdf`.
+/// `evaluate` as a function, which holds a copy of `brdf`.
 Evaluate evaluator(PreparedBrdf brdf);
 
 /// Samples a direction to the light from independent numbers, uniform in [0,1): a point u and the selector of a lobe.

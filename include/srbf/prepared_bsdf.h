@@ -25,7 +25,7 @@ class PreparedBsdf {
     /// A part that is missing is 0.
     PreparedBsdf(PreparedParts parts, Beams beams);
 
-    /// Whether front and back are the same BRDF and no light passes.
+    /// True if front and back are the same BRDF and no light passes.
     bool is_brdf() const { return is_brdf_; }
 
     friend Rgb value(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);

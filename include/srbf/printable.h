@@ -10,7 +10,7 @@ namespace [[gnu::visibility("default")]] srbf {
 /// that is not UTF-8 and for each character that is not shown as itself: controls (C0, DEL, C1), U+2028 and U+2029,
 /// directions of writing (as U+202E), characters without width but joiners, noncharacters.
 std::string printable(std::string_view text);
-/// The same with its tabs and line feeds.
+/// `printable` that keeps tabs and line feeds.
 std::string printable_lines(std::string_view text);
 
 /// In a comment to the end of the line, of Python, USD and languages with those of C: a slash for each backslash, which
@@ -30,7 +30,7 @@ std::string in_markdown(std::string_view text);
 std::string csv_field(std::string_view text);
 /// JSON of the same value, which terminals do not obey: what `printable` replaces is escaped.
 std::string printable_json(std::string_view json);
-/// The same within a script of HTML, which it does not end.
+/// `printable_json` within a script of HTML, which it does not end.
 std::string json_in_script(std::string_view json);
 
 }  // namespace srbf

@@ -104,8 +104,8 @@ Vec3f sample(const TableProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv);
 
 struct ProposeOptions {
-    /// Of the view, over which the variance is averaged. With several the half-vector lobes may be stretched along a
-    /// grain, and there is no table of cells. No function of this header chooses the number.
+    /// Number of azimuths of the view, over which the variance is averaged. With several the half-vector lobes may be
+    /// stretched along a grain, and there is no table of cells. No function of this header chooses the number.
     int azimuths = 1;
     int threads = 0;              ///< 0: as many as the machine has; the result does not depend on it
     double most_variance = 0.15;  ///< relative, of f cosθl / pdf: for `refined`

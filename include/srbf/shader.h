@@ -25,7 +25,7 @@ struct BsdfTables {
 };
 /// The material of a surface: a BRDF, or a BSDF, whose models of parts are not view by view.
 using Material = std::variant<Flat, MerlTable, PmModel, SuModel, GgxModel, BsdfModel, BsdfTables, OpenPbrModel>;
-/// Whether both sides of the surface and the light behind it are seen.
+/// True if both sides of the surface and the light behind it are seen.
 inline bool is_two_sided(const Material& material) {
     return std::holds_alternative<BsdfModel>(material) || std::holds_alternative<BsdfTables>(material);
 }
@@ -69,7 +69,7 @@ inline constexpr int k_most_open_lobes = 32;
 /// Its numbers are the uniforms `mixture_numbers` and `mixture_grain` (`ProposalNumbers`). With `parts` mixtures the
 /// global `int mixture_part` chooses the one that is meant; directions are in the frame of that part.
 std::string proposal_text(int parts = 1);
-/// What the light is drawn from: of a BRDF one mixture, of a BSDF one for each part, in the order of `Part`.
+/// The densities that the light is drawn from: of a BRDF one mixture, of a BSDF one for each part, in the order of `Part`.
 struct Proposals {
     std::vector<MixtureProposal> of_part;
     Proposals(const MixtureProposal& of_brdf) : of_part{of_brdf} {}
@@ -110,7 +110,7 @@ SuTexels su_texels(const SuModel& model);
 /// The texels of a table's texture (RGBA32F), φ_d fastest: (f_r, 1), or 0 in every channel where nothing was measured,
 /// so that interpolation uses only measured nodes.
 std::vector<Float4> merl_texels(const MerlTable& table);
-/// The same of the parts of a BSDF, one after the other; 0 where there is none.
+/// The texels of the parts of a BSDF, one after the other; 0 where there is none.
 std::vector<Float4> merl_texels(const BsdfTables& tables);
 /// The size of these tables.
 std::array<std::uint32_t, 3> size_of(const BsdfTables& tables);

@@ -76,7 +76,7 @@ std::string identifier(std::string_view text);
 /// of unit vectors in the local frame: z along the normal, and of anisotropic models x along the tangent. Vec3 is the
 /// language's vector of three floats, in C the structure srbf_vec3. The functions are printed from kernel.glsl, with
 /// the numbers of the model as constants, equal to those of the model file, and contain what the model needs of them.
-/// Of a BSDF (bsdf.h) the text has those of its parts, as NAME_transmission_front_brdf, and for directions on either
+/// For a BSDF (bsdf.h) the text has the functions of its parts, as NAME_transmission_front_brdf, and for directions on either
 /// side
 ///   Vec3 NAME_bsdf(Vec3 wl, Vec3 wv)   f [1/sr] without beams; 0 where wl or wv lies in the surface
 ///   Vec3 NAME_beam(Vec3 wv)            the share of the light from -wv that passes unscattered; only if it has such
@@ -116,17 +116,17 @@ Result<std::string> python_code(const Model& model, int threads = 0);
 /// model.
 Result<std::string> radiance_text(std::span<const NamedModel> models);
 
-/// What NAME_number of a view-by-view model returns.
+/// The numbers that NAME_number of a view-by-view model returns.
 std::vector<float> shading_data(const SuModel& model);
 
-/// What NAME_light_texel(i, view) returns of those lobes, R, G, B at 3 (i + view columns).
+/// The texels that NAME_light_texel(i, view) returns of those lobes, R, G, B at 3 (i + view columns).
 struct LightTexels {
     std::size_t columns;
     std::vector<float> numbers;
 };
 LightTexels light_texels(const ExtendedLight& light);
 
-/// The same models as an ES module for three.js (release 187) and its WebGLRenderer: for each model a class, such as
+/// The models as an ES module for three.js (release 187) and its WebGLRenderer: for each model a class, such as
 /// FilmMaterial for "film". It extends MeshStandardMaterial and reflects all lights of three by the model, environment
 /// maps and area lights too. Errors: those of `shading_code`.
 Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads = 0);

@@ -121,7 +121,7 @@ std::string beams_text(const Beams& beams, Program& program) {
     return text;
 }
 
-/// What the functions of a BSDF call, to be parsed before them.
+/// The functions that those of a BSDF call, to be parsed before them.
 std::string stubs_of(const BsdfModel& bsdf, bool sampling) {
     std::string text;
     for (std::size_t p = 0; p < k_parts; ++p) {

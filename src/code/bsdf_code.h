@@ -21,7 +21,7 @@ PartModels part_models(const NamedModel& bsdf, bool sampling);
 /// of the parts, with samples and albedos if `sampling`.
 /// Errors: a name in `defined`, to which theirs are added.
 Result<std::string> bsdf_code(const NamedModel& bsdf, const CodeOptions& options, DefinedNames& defined);
-/// The same of beams alone, for those that there are.
+/// The code of beams alone, for those that there are.
 std::string beam_code(const std::string& name, const Beams& beams, CodeLanguage language);
 /// The names of these functions.
 std::vector<std::string> bsdf_functions(const NamedModel& bsdf, bool sampling);

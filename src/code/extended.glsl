@@ -17,7 +17,7 @@ Vec3 times(Vec3 a, Vec3 b) { return Vec3(a.x * b.x, a.y * b.y, a.z * b.z); }
 Vec3 not_negative(Vec3 sum) {
     return Vec3(max(sum.x, Real(0.0)), max(sum.y, Real(0.0)), max(sum.z, Real(0.0)));
 }
-// What a view reflects of radiance 1 all round.
+// The radiance that a view reflects of radiance 1 all round.
 Vec3 reflected_of_one(Vec3 wv, Pm pm) { return light_whole(directional_albedo(wv.z, pm)); }
 // A lobe after the first; `whole` is reflected_of_one.
 LightLobe lobe_about(Vec3 wv, int k, NodesAbout nodes, Vec3 whole, Pm pm) {
@@ -77,7 +77,7 @@ Polygon with_corner(Polygon of, Vec3 corner) {
     more.count = of.count + 1;
     return more;
 }
-// What of four corners and their edges is above z = 0.
+// The part above z = 0 of four corners and their edges.
 Polygon above_horizon(Polygon of) {
     Polygon kept = of;
     kept.count = 0;

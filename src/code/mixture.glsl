@@ -31,7 +31,7 @@ int chosen_lobe(Vec3 wv, Real selector) {
         running = running + mixture_between(k, nodes);
         if (running <= selector) chosen = k + 1;
     }
-    // What rounding leaves over is the cosine's.
+    // The cosine takes the share that rounding leaves over.
     if (chosen >= SRBF_PROPOSAL_LOBES) chosen = 0;
     return chosen;
 }

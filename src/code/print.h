@@ -37,7 +37,7 @@ class Printer {
 /// language (in C a vector and functions in place of operators on it, the same ones in every file).
 std::string whole_text(CodeLanguage language, const std::string& list, std::string guard,
                        const std::string& definitions);
-/// Whether a function without parameters may read numbers that the host supplies.
+/// True if a function without parameters may read numbers that the host supplies.
 bool reads_buffers(CodeLanguage language);
 /// The shortest digits that read as the same float, with a decimal point.
 std::string digits(float number);

@@ -23,7 +23,7 @@ std::string shape(const MerlTable& table) {
 }
 bool has_open_text(const PmModel& model) { return model.lobes <= k_most_open_lobes; }
 int kernel_texels(const PmModel& model) { return model.axial ? (model.variates + 3) / 4 : model.variates; }
-/// The same function in the form with the most terms, and with four or eight variates.
+/// `model` in the form with the most terms, and with four or eight variates: the same function.
 PmModel widened(const PmModel& model) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
     PmModel wide = model;
@@ -95,7 +95,7 @@ std::string shape(const BsdfTables& tables) {
     return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h) + beams_shape(tables.beam);
 }
 
-/// What precedes material.glsl as code.
+/// The code that precedes material.glsl.
 template <typename M> std::string code_of(const M&) { return {}; }
 std::string code_of(const BsdfTables& tables) { return beam_code("material", tables.beam, CodeLanguage::glsl); }
 std::string code_of(const BsdfModel& bsdf) {

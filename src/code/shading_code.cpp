@@ -24,7 +24,7 @@ namespace {
 using syntax::Program;
 using syntax::Table;
 
-/// What kernel.glsl requires of a host, parsed as accessors: the handles but Pm, and what a model has none of.
+/// The accessors that kernel.glsl requires of a host: the handles but Pm, and those that a model does not have.
 constexpr const char* k_handles = R"(
 struct Su { };
 struct SuNearest { };
@@ -214,7 +214,7 @@ template <typename Number> std::string brdf_of(const GgxModel& model, const Numb
     return brdf_function(text + "    return " + sum + ";\n");
 }
 std::string brdf_of(const GgxModel& model) { return brdf_of(model, real); }
-/// The same of a surface of renderers' parameters, in the order of kernel.glsl's OpenPbrSurface.
+/// `brdf` of a surface of renderers' parameters, in the order of kernel.glsl's OpenPbrSurface.
 template <typename Number> std::string brdf_of(const OpenPbrModel& model, const Number& number) {
     constexpr std::array<std::pair<const char*, bool>, 15> members{{{"base_color", true},
                                                                     {"base_metalness", false},
@@ -262,7 +262,7 @@ template <typename Number> std::string brdf_of(const OpenPbrModel& model, const 
                          fmt::format("    return openpbr_anisotropic_value(of, film, anisotropy, {});\n", directions));
 }
 std::string brdf_of(const OpenPbrModel& model) { return brdf_of(model, real); }
-/// The same with its numbers in a table.
+/// `brdf` with its numbers in a table.
 template <typename M> std::string brdf_of(const M& model, Table numbers, Program& program) {
     std::string text = brdf_of(model, [&](float x) {
         numbers.numbers.push_back(x);
@@ -295,7 +295,7 @@ Model lobe_alone(PmModel basis, std::size_t j) {
     basis.coefficient.assign(std::size_t(basis.lobes), Rgb{}), basis.coefficient[j] = {1, 1, 1};
     return {std::move(basis), {}};
 }
-/// What albedo.glsl requires, to be parsed before it: the sum over lobes where their coefficients are arguments.
+/// The text that albedo.glsl requires, to be parsed before it: the sum over lobes where their coefficients are arguments.
 std::string albedo_of(const Model& model, Numbers where, const CodeOptions& options, Program& program) {
     if (options.light_texels)
         return "// Of lobe k > 0 at a view: (p, roughness, width) at i = 2 k - 2 and its share of the albedo at i = 2 "
@@ -330,7 +330,7 @@ std::string albedo_of(const Model& model, Numbers where, const CodeOptions& opti
         J);
 }
 
-/// What mixture.glsl requires, to be parsed before it.
+/// The text that mixture.glsl requires, to be parsed before it.
 std::string mixture_of(const Model& model, const CodeOptions& options, Program& program) {
     Table lobes{"The proposal's lobes, a row for each node: their weights, stretch and power.",
                 "mixture_numbers",
@@ -368,7 +368,7 @@ constexpr std::string_view k_light_whole =
     "Vec3 light_whole(Vec3 albedo) {\n"
     "    return Vec3(min(albedo.x, Real(1.0)), min(albedo.y, Real(1.0)), min(albedo.z, Real(1.0)));\n}\n";
 constexpr std::string_view k_light_whole_of_basis = "Vec3 light_whole(Vec3 albedo) { return albedo; }\n";
-/// The same of lobes that the host has.
+/// The text for lobes that the host has.
 constexpr std::string_view k_light_of_host =
     "Vec3 light_between(int i, NodesAbout nodes) {\n"
     "    Vec3 here = light_texel(i, nodes.below);\n"
@@ -378,7 +378,7 @@ constexpr std::string_view k_light_of_host =
     "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
     "    Vec3 share = light_between(2 * k - 1, nodes);\n"
     "    return Vec3(share.x * whole.x, share.y * whole.y, share.z * whole.z);\n}\n";
-/// What extended.glsl requires, to be parsed before it.
+/// The text that extended.glsl requires, to be parsed before it.
 std::string light_of(const Model& model, const CodeOptions& options, Program& program) {
     if (options.light_texels) return std::string(k_light_whole).append(k_light_of_host);
     const auto others = std::size_t(options.extended_lobes - 1);
@@ -407,7 +407,7 @@ std::string light_of(const Model& model, const CodeOptions& options, Program& pr
            "    return Vec3(whole.x * light_number(5 * k - 3, nodes), whole.y * light_number(5 * k - 2, nodes),\n"
            "                whole.z * light_number(5 * k - 1, nodes));\n}\n";
 }
-/// The same where the coefficients are arguments: beside the cosine of all there is one lobe of each of the basis, lobe j + 1
+/// The text where the coefficients are arguments: beside the cosine of all there is one lobe of each of the basis, lobe j + 1
 /// of j, so that the sum is linear in them.
 std::string light_of_basis(const PmModel& basis, const CodeOptions& options, Program& program) {
     const auto J = std::size_t(basis.lobes), columns = 3 * J + 1;
@@ -457,7 +457,7 @@ Names entries(const CodeOptions& options) {
     return names;
 }
 
-/// Those of a map besides, and its hook.
+/// The entries of a map, and its hook.
 Names map_entries(const CodeOptions& options) {
     Names names = entries(options);
     // A function sees the host's textures.
@@ -482,7 +482,7 @@ std::string look_up(const PmModel& basis) {
         basis.lobes);
 }
 
-/// What a kind of model adds to the kernel.
+/// The text that a kind of model adds to the kernel.
 struct KindText {
     std::string accessors, brdf;
     int variates = 1, terms = 1;

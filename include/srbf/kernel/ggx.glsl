@@ -24,7 +24,7 @@ SRBF_FN Real ggx_facets(Vec3 wl, Vec3 wv, Real roughness) {
     return alpha2 / (Real(SRBF_TWO_PI) * slope * slope * masking);
 }
 
-// The same of facets with roughness alpha_x along x and alpha_y along y [1/sr].
+// ggx_facets of facets with roughness alpha_x along x and alpha_y along y [1/sr].
 SRBF_FN Real ggx_stretched_facets(Vec3 wl, Vec3 wv, Real alpha_x, Real alpha_y) {
     Vec3 sum = wl + wv;
     Real squared = max(dot(sum, sum), Real(1.0e-12));

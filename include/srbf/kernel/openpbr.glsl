@@ -168,7 +168,7 @@ SRBF_FN Real one_minus_cos(Real x) {
     Real s = sin(x * Real(1.0 / 64.0));
     return doubled(doubled(doubled(doubled(doubled(Real(2.0) * s * s)))));
 }
-// What the eye sees of a spectrum 1 + cos(2 pi path / wavelength + shift), less 1, for R, G, B, where cos(shift) is
+// The colour of a spectrum 1 + cos(2 pi path / wavelength + shift), less 1, for R, G, B, where cos(shift) is
 // `turn`: Gaussians fitted to the Fourier transforms of the CIE curves (Belcour & Barla, "A Practical Extension to
 // Microfacet Theory for the Modeling of Varying Iridescence", 2017). path [1e-6 m].
 SRBF_FN Real film_wave(Real path, Real size, Real frequency, Real decay) {
@@ -264,7 +264,7 @@ SRBF_FN OpenPbrFacets openpbr_facets(OpenPbrSurface of, OpenPbrBase base, Vec3 w
     facets.metal_f0 = f0;
     return facets;
 }
-// The same under a film, which covers its weight of the surface.
+// The reflectances under a film, which covers its weight of the surface.
 SRBF_FN OpenPbrFacets openpbr_film_facets(OpenPbrSurface of, OpenPbrFilm film, OpenPbrBase base, Vec3 wl, Vec3 wv) {
     OpenPbrFacets facets = openpbr_facets(of, base, wl, wv);
     Real c = half_cosine(wl, wv);
@@ -295,7 +295,7 @@ SRBF_FN Vec3 openpbr_base_value(OpenPbrSurface of, OpenPbrBase base, OpenPbrFace
     return blended(glossy, metal, of.base_metalness);
 }
 
-// What a coat leaves of light that is reflected between it and a base of this colour, relative to a base without it:
+// The share that a coat leaves of light that is reflected between it and a base of this colour, relative to a base without it:
 // (1 - K) / (1 - colour K), with K what the coat reflects back down of diffuse light, 1 - (1 - F0) / ior^2.
 SRBF_FN Real darkened(Real colour, Real k, Real strength) {
     return Real(1.0) - strength + strength * (Real(1.0) - k) / (Real(1.0) - colour * k);
@@ -328,13 +328,13 @@ SRBF_FN Vec3 openpbr_value(OpenPbrSurface of, Vec3 wl, Vec3 wv) {
     Real density = ggx_facets(wl, wv, base.alpha);
     return openpbr_layers_value(of, openpbr_base_value(of, base, openpbr_facets(of, base, wl, wv), density, wl, wv), wl, wv);
 }
-// The same with a film on the base.
+// rho of a surface with a film on the base.
 SRBF_FN Vec3 openpbr_film_value(OpenPbrSurface of, OpenPbrFilm film, Vec3 wl, Vec3 wv) {
     OpenPbrBase base = openpbr_base(of);
     OpenPbrFacets facets = openpbr_film_facets(of, film, base, wl, wv);
     return openpbr_layers_value(of, openpbr_base_value(of, base, facets, ggx_facets(wl, wv, base.alpha), wl, wv), wl, wv);
 }
-// The same with a film, whose weight may be 0, on facets that are rougher along a tangent than across it. Their albedo
+// rho of a surface with a film, whose weight may be 0, on facets that are rougher along a tangent than across it. Their albedo
 // is taken for that of the geometric mean of both.
 SRBF_FN Vec3 openpbr_anisotropic_value(OpenPbrSurface of, OpenPbrFilm film, OpenPbrAnisotropy facets_of, Vec3 wl, Vec3 wv) {
     OpenPbrBase base = openpbr_base(of);

@@ -21,8 +21,8 @@ SRBF_FN Vec3 sample_sharp_vmf(Vec3 centre, Real width, Real rest, Real u1, Real 
     return off_centre(centre, max(sample_below(width, rest, u1), Real(-2.0)), u2);
 }
 
-// The same for any lambda. For lambda <= 0.01 it uses the series of the logarithm; at lambda = 0 the cosine is 2 u1 -
-// 1.
+// Samples vmf_pdf for any lambda. For lambda <= 0.01 it uses the series of the logarithm; at lambda = 0 the cosine is
+// 2 u1 - 1.
 SRBF_FN Vec3 sample_vmf(Vec3 centre, Real bandwidth, Real u1, Real u2) {
     Real positive = max(bandwidth, Real(1.0e-6));
     Real x = (Real(1.0) - u1) * one_minus_exp(Real(2.0) * positive);

@@ -19,7 +19,7 @@ Rgb value(const BsdfModel& model, Vec3f wl, Vec3f wv);
 /// f[i] = value(model, wl[i], wv[i]), see `evaluate` of a `Model` (model.h).
 void evaluate(const BsdfModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 
-/// Whether f_r depends only on the difference of the azimuths, and exchange of light and viewer: see model.h.
+/// Isotropy, and the exchange of light and viewer, as of a `Model` (model.h).
 bool is_isotropic(const BsdfModel& model);
 void exchange(BsdfModel& model);
 

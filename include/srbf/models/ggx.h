@@ -34,7 +34,7 @@ void evaluate(const GgxModel& model, std::span<const Vec3f> wl, std::span<const 
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const GgxModel& model);
 
-/// Whether f_r depends only on the difference of the azimuths, and exchange of light and viewer: see model.h.
+/// Isotropy, and the exchange of light and viewer, as of a `Model` (model.h).
 inline bool is_isotropic(const GgxModel&) { return true; }
 inline void exchange(GgxModel&) {}  // reciprocal
 

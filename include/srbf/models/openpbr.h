@@ -80,7 +80,7 @@ inline float& number(OpenPbrModel& model, const OpenPbrParameter& of, int c) {
 inline float number(const OpenPbrModel& model, const OpenPbrParameter& of, int c) {
     return of.colour ? (model.*of.colour)[c] : model.*of.number;
 }
-/// Whether a parameter is stored: those of a film and of anisotropy only if there is one.
+/// True if a parameter is stored: those of a film and of anisotropy only if there is one.
 constexpr bool is_stored(const OpenPbrModel& model, const OpenPbrParameter& of) {
     if (of.name.starts_with("thin_film_")) return model.thin_film_weight > 0;
     const bool is_of_anisotropy = of.name == "specular_roughness_anisotropy" || of.name == "specular_rotation";
@@ -110,7 +110,7 @@ void evaluate(const OpenPbrModel& model, std::span<const Vec3f> wl, std::span<co
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const OpenPbrModel& model);
 
-/// Whether f_r depends only on the difference of the azimuths, and exchange of light and viewer: see model.h.
+/// Isotropy, and the exchange of light and viewer, as of a `Model` (model.h).
 inline bool is_isotropic(const OpenPbrModel& model) { return model.specular_roughness_anisotropy == 0; }
 inline void exchange(OpenPbrModel& model) { model.is_exchanged = !model.is_exchanged; }
 

@@ -37,7 +37,7 @@ struct PmModel {
 };
 inline constexpr int k_most_lobes = 1024;
 inline constexpr int k_most_variates = 8;
-/// Of fits: the most lobes, and what is fitted unless something else is asked for.
+/// The most lobes of a fit, and the default numbers of lobes and variates.
 inline constexpr int k_most_fitted_lobes = 64, k_default_lobes = 8, k_default_variates = 4;
 inline constexpr std::size_t k_most_wavelengths = 4096;
 /// The colour (`to_rgb`) of each of the spectra, which are stored contiguously.
@@ -55,14 +55,14 @@ Evaluate evaluator(const PmModel& model);
 Channels spectra(const PmModel& model);
 Channels spectra(const PmModel&&) = delete;
 
-/// Whether f_r depends only on the difference of the azimuths, and exchange of light and viewer: see model.h.
+/// Isotropy, and the exchange of light and viewer, as of a `Model` (model.h).
 inline bool is_isotropic(const PmModel& model) { return model.axial; }
 void exchange(PmModel& model);
 
-/// Whether f(ωl, ωv) = f(ωv, ωl) by construction, up to rounding: each variate (a, b) with a ≠ b has a partner (b, a)
+/// True if f(ωl, ωv) = f(ωv, ωl) by construction, up to rounding: each variate (a, b) with a ≠ b has a partner (b, a)
 /// with the same centres and bandwidths in all lobes.
 bool is_reciprocal(const PmModel& model);
-/// Whether a log scale is stored: the form has further features, or some s_j does not round to 0 in half precision.
+/// True if a log scale is stored: the form has further features, or some s_j does not round to 0 in half precision.
 bool has_log_scale(const PmModel& model);
 /// Size of a model's stored numbers, two bytes each: of a given model, and of any model of that kind.
 std::size_t payload_bytes(const PmModel& model);

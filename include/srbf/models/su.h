@@ -90,7 +90,7 @@ NearestViews nearest_views(const SuModel& model, Vec3f w);
 /// The texture of nearest views; `size` 0: `default_size`.
 IndexTexture index_texture(const SuModel& model, DirectionMap map, int size = 0);
 
-/// Whether f_r depends only on the difference of the azimuths, and exchange of light and viewer: see model.h.
+/// Isotropy, and the exchange of light and viewer, as of a `Model` (model.h).
 inline bool is_isotropic(const SuModel&) { return true; }
 void exchange(SuModel& model);
 

@@ -52,7 +52,8 @@ class ScatterText {
 std::string written_degrees(float radians);
 /// The azimuth φ_l of the light at a rotation of the sample [rad].
 double light_azimuth(const ScatterTable& table, double rotation);
-/// Masks values of 0, which were not measured unless all of a slice is 0: instruments leave gaps, never a value of 0. Counts them.
+/// Masks and counts values of 0, which were not measured unless all of a slice is 0: instruments leave gaps, never a
+/// value of 0.
 void mask_gaps(ScatterTable& table);
 
 bool is_zemax(std::string_view text);

@@ -1,4 +1,5 @@
-// The costs of the terms of a loss, for all fits of tables. See "The objective" in docs/fitting.md; `srbf fit --explain` prints them.
+// The costs of the terms of a loss, for all fits of tables, which `srbf fit --explain` prints. See "The objective" in
+// docs/fitting.md.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -31,7 +32,8 @@ inline constexpr double k_pixels_alone = 2;
 /// the cost is 1 over its square: half of it costs four times as much.
 inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02;
 /// The error of albedos of noisy tables. An albedo is the sum of thousands of values, and known better than any of them.
-/// The error falls with the fourth power of the noise, and is least where the noise is at least this share of a channel's dark values (docs/notes/noise.md).
+/// The error falls with the fourth power of the noise, and is least where the noise is at least this share of a channel's
+/// dark values (docs/notes/noise.md).
 inline constexpr double k_albedo_error_of_noise = 0.003, k_noise_of_least_albedo_error = 0.5;
 inline double albedo_error_of_noise(double noise) {
     const double times = k_noise_of_least_albedo_error / noise, square = times * times;
@@ -41,7 +43,8 @@ inline double albedo_error_of_noise(double noise) {
 inline constexpr double k_most_albedo_loss = 0.004;
 /// Errors of albedos near the horizon are relative to at least this: few pixels see them. By 0.3 to 0.5 ΔE_ITP rose.
 inline constexpr double k_horizon_albedo = 1;
-/// The factor of the cost of albedos beside point lights, whose loss is several times that of the pairs, most of it in highlights.
+/// The factor of the cost of albedos beside point lights, whose loss is several times that of the pairs, most of it in
+/// highlights.
 inline constexpr double k_albedos_beside_point_lights = 8;
 
 /// View by view: an error of 1 % in the radiances under all four lights of a view costs three channels times 1e-4 times this.

@@ -58,7 +58,7 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
          !(of_patches && pm && !pm->size),
          "a number of lobes too",
          "none, so that sizes of patches are tried"},
-        {{"--target-error", "--target-delta-e", "--budget"}, !of_patches, "a table or samples", "patches"},
+        {{"--target-delta-e", "--budget"}, !of_patches, "a table or samples", "patches"},
         {{"--objective", "--max-theta"}, !of_patches || of_views, "a table or samples", "patches"},
         {{"--channels"}, !(of_patches && fit.request.spectral), "rgb", "spectral, of patches"},
     };

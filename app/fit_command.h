@@ -38,8 +38,8 @@ struct FitCommand {
     int variates = PmRequest{}.variates, threads = 0;
     int directions = SuRequest{}.directions, between = SuRequest{}.between, neighbours = SuRequest{}.neighbours;
     std::uint64_t seed = 0;
-    double target_error = 0, target_delta_e = 0;  // 0: none
-    std::size_t budget = 0;                       // 0: none
+    double target_delta_e = 0;  // 0: none
+    std::size_t budget = 0;     // 0: none
 
     PmRequest pm() const {
         PmRequest pm;
@@ -51,7 +51,6 @@ struct FitCommand {
         if (lobes > 0) pm.size = LobeCount{lobes};
         if (lobes_auto) pm.size = AutomaticLobes{};
         if (budget > 0) pm.size = ByteBudget{budget};
-        if (target_error > 0) pm.size = TargetError{target_error};
         if (target_delta_e > 0) pm.size = TargetDeltaE{target_delta_e};
         return pm;
     }

@@ -19,7 +19,7 @@ struct GivenOptions {
     Option surface, form, lobes, variates, axial, reciprocal, no_scale;
     Option exchanged, band, channels;
     std::vector<Option> of_samples;
-    Option objective, target_error, target_delta_e, budget;
+    Option objective, target_delta_e, budget;
     Option discretise, directions, interpolation, neighbours, between, with_index;
     Option pairs, texels, slab, basis, active, width;
     Option seed, explained, threads;
@@ -211,11 +211,6 @@ void add_channels(const Subcommand& sub, FitCommand& to, GivenOptions& of) {
 }
 
 void add_goals(const Subcommand& sub, FitCommand& to, GivenOptions& of) {
-    of.target_error = sub.add_option("--target-error", to.target_error,
-                                     "pm: the smallest model of all forms and sizes with at most this held-out error,\n"
-                                     "by the objective's own measure, as a ratio: 0.005 is half a per cent")
-                          .type_name("E")
-                          .check(within<double>(fit_option("target_error")));
     of.target_delta_e =
         sub.add_option("--target-delta-e", to.target_delta_e,
                        "pm: the smallest model of all forms and sizes with at most this visible error, the mean\n"
@@ -226,6 +221,7 @@ void add_goals(const Subcommand& sub, FitCommand& to, GivenOptions& of) {
         sub.add_option("--budget", to.budget, "pm: the best model of all forms and sizes with at most this many bytes")
             .type_name("BYTES")
             .check(within<std::size_t>(fit_option("budget")));
+    sub.add_former("--target-error", "--target-delta-e, the visible error, or --budget");
 }
 
 void add_reports(const Subcommand& sub, FitCommand& to, GivenOptions& of) {
@@ -301,8 +297,7 @@ void add_running(const Subcommand& sub, FitCommand& to, GivenOptions& of) {
 /// Of the model and the size that is asked for.
 std::vector<Reading> of_model(const GivenOptions& of, const FitCommand& fit) {
     return {
-        {{of.form, of.variates, of.axial, of.reciprocal, of.no_scale, of.target_error, of.target_delta_e, of.budget,
-          of.explained},
+        {{of.form, of.variates, of.axial, of.reciprocal, of.no_scale, of.target_delta_e, of.budget, of.explained},
          "only with --model pm",
          [&] { return fit.model == "pm"; }},
         {{of.discretise, of.directions, of.interpolation, of.neighbours, of.between, of.with_index},
@@ -326,16 +321,11 @@ std::vector<Reading> of_model(const GivenOptions& of, const FitCommand& fit) {
 /// Of goals of the size.
 std::vector<Reading> of_goals(const GivenOptions& of, const FitCommand& fit) {
     return {
-        {{of.target_error, of.target_delta_e, of.budget},
+        {{of.target_delta_e, of.budget},
          "not together with another goal of the size",
-         [&] {
-             return std::ranges::count_if(std::array{of.target_error, of.target_delta_e, of.budget}, &Option::given) <=
-                    1;
-         }},
-        {{of.target_error, of.target_delta_e, of.budget},
-         "only with --channels rgb",
-         [&] { return !fit.is_spectral(); }},
-        {{of.target_error, of.target_delta_e, of.budget},
+         [&] { return !of.target_delta_e.given() || !of.budget.given(); }},
+        {{of.target_delta_e, of.budget}, "only with --channels rgb", [&] { return !fit.is_spectral(); }},
+        {{of.target_delta_e, of.budget},
          "chooses the number of lobes; not together with --lobes",
          [&] { return !of.lobes.given(); }},
     };
@@ -344,9 +334,8 @@ std::vector<Reading> of_goals(const GivenOptions& of, const FitCommand& fit) {
 /// With --explain.
 std::vector<Reading> of_explained(const GivenOptions& of, const FitCommand& fit) {
     return {
-        {{of.form, of.axial, of.reciprocal, of.no_scale, of.target_error, of.target_delta_e, of.budget, of.picture,
-          of.json, of.output, of.resume, of.pairs, of.texels, of.slab, of.exchanged, of.band, of.channels, of.seed,
-          of.threads},
+        {{of.form, of.axial, of.reciprocal, of.no_scale, of.target_delta_e, of.budget, of.picture, of.json, of.output,
+          of.resume, of.pairs, of.texels, of.slab, of.exchanged, of.band, of.channels, of.seed, of.threads},
          "not with --explain, which fits nothing",
          [&] { return !fit.explain; }},
         {{of.lobes},
@@ -370,8 +359,8 @@ std::vector<Reading> of_basis(const GivenOptions& of, const FitCommand& fit) {
         {{of.active},
          "at most the number of shared lobes",
          [&] { return fit.active <= to_number<int>(fit.basis).value_or(k_most_basis_lobes); }},
-        {{of.lobes, of.reciprocal, of.no_scale, of.target_error, of.budget, of.picture, of.json, of.exchanged, of.band,
-          of.channels, of.explained, of.objective},
+        {{of.lobes, of.reciprocal, of.no_scale, of.budget, of.picture, of.json, of.exchanged, of.band, of.channels,
+          of.explained, of.objective},
          "not with --basis",
          [&] { return !of.basis.given(); }},
         {{of.target_delta_e},
@@ -388,9 +377,7 @@ std::vector<Reading> of_texels(const GivenOptions& of, const FitCommand& fit) {
         {{of.texels, of.slab}, "only with --pairs", [&] { return of.pairs.given(); }},
         {{of.pairs}, "with one INPUT", [&] { return fit.inputs.size() == 1; }},
         {{of.pairs}, "only with --model pm in colours", [&] { return fit.model == "pm" && !fit.is_spectral(); }},
-        {{of.target_error, of.target_delta_e, of.budget, of.exchanged, of.band},
-         "not with --pairs",
-         [&] { return !of.pairs.given(); }},
+        {{of.target_delta_e, of.budget, of.exchanged, of.band}, "not with --pairs", [&] { return !of.pairs.given(); }},
     };
 }
 

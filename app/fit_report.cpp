@@ -75,9 +75,6 @@ struct GoalWords {
     std::string text;
 };
 GoalWords words(const ByteBudget& goal) { return {"budget", goal.bytes, fmt::format("{} bytes", goal.bytes)}; }
-GoalWords words(const TargetError& goal) {
-    return {"target_error", goal.error, fmt::format("an error of {:g}", goal.error)};
-}
 GoalWords words(const TargetDeltaE& goal) {
     return {"target_delta_e", goal.delta_e, fmt::format("a Delta E of {:g}", goal.delta_e)};
 }

@@ -92,6 +92,9 @@ Option Subcommand::add_option(const std::string& names, std::function<void(const
 Option Subcommand::add_option(const std::string& names, const std::string& about) const {
     return Option(app_->add_option(names, about));
 }
+void Subcommand::add_former(const std::string& name, const std::string& instead) const {
+    add_option(name, "").hidden().check([=](std::string&) { return fmt::format("{} is now {}", name, instead); });
+}
 Option Subcommand::add_flag(const std::string& names, bool& to, const std::string& about) const {
     return Option(app_->add_flag(names, to, about)->disable_flag_override());
 }

@@ -68,6 +68,8 @@ class Subcommand {
                       const std::string& about) const;
     /// An option whose text is only passed to its check.
     Option add_option(const std::string& names, const std::string& about) const;
+    /// An option that is no more: to give it is a usage error that says what is used `instead`.
+    void add_former(const std::string& name, const std::string& instead) const;
     Option add_flag(const std::string& names, bool& to, const std::string& about) const;
     /// Names are followed by their values, as in --yes{1},--no{-1}.
     Option add_flag(const std::string& names, int& to, const std::string& about) const;

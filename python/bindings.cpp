@@ -136,7 +136,6 @@ PYBIND11_MODULE(_srbf, module) {
         .def_readwrite("reciprocal", &Request::reciprocal)
         .def_readwrite("axial", &Request::axial)
         .def_readwrite("budget", &Request::budget)
-        .def_readwrite("target_error", &Request::target_error)
         .def_readwrite("target_delta_e", &Request::target_delta_e)
         .def_readwrite("max_theta", &Request::max_theta)
         .def_readwrite("seed", &Request::seed)

@@ -22,7 +22,7 @@ struct Request {
     bool automatic = false, reciprocal = false;
     std::optional<bool> axial;
     std::optional<std::size_t> budget;
-    std::optional<double> target_error, target_delta_e, max_theta;
+    std::optional<double> target_delta_e, max_theta;
     std::uint64_t seed = 0;
     int threads = 0;
 
@@ -33,7 +33,6 @@ struct Request {
         if (lobes) pm.size = LobeCount{*lobes};
         if (automatic) pm.size = AutomaticLobes{};
         if (budget) pm.size = ByteBudget{*budget};
-        if (target_error) pm.size = TargetError{*target_error};
         if (target_delta_e) pm.size = TargetDeltaE{*target_delta_e};
         pm.axial = axial, pm.reciprocal = reciprocal;
         return pm;

@@ -1,4 +1,4 @@
-// Selection of a model by bytes or error.
+// Selection of a model by bytes or by visible error.
 #include "srbf/choose.h"
 
 #include "fit/choose.h"
@@ -55,8 +55,8 @@ TEST_F(Choose, TheBudgetIsKeptAndUsed) {
     EXPECT_LT(last, 1e-4);
 }
 
-TEST_F(Choose, TheSmallestModelThatReachesAnErrorIsTaken) {
-    const auto chosen = choose(TargetError{1e-3});
+TEST_F(Choose, TheSmallestModelThatReachesATargetIsTaken) {
+    const auto chosen = choose(TargetDeltaE{1e-3});
     ASSERT_TRUE(chosen.ok());
     EXPECT_TRUE(chosen->reached);
     EXPECT_LE(error(chosen->fit.model), 1e-3);
@@ -81,7 +81,7 @@ TEST_F(Choose, ThePathIsInOrderAndEachModelStandsOnce) {
 
 TEST_F(Choose, ACancelledSearchIsAnErrorOrWhatItHad) {
     const auto judge = [&](const PmModel& model, bool) { return error(model); };
-    for (const SizeGoal& goal : {SizeGoal{ByteBudget{40}}, SizeGoal{TargetError{1e-3}}, SizeGoal{TargetDeltaE{1}}})
+    for (const SizeGoal& goal : {SizeGoal{ByteBudget{40}}, SizeGoal{TargetDeltaE{1e-3}}})
         for (const int calls : {0, 1, 2}) {
             int called = 0;
             const auto chosen =

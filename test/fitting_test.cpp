@@ -312,7 +312,6 @@ TEST(Fitting, RefusesWhatItCannotFit) {
     spectral.spectral = true;
     EXPECT_EQ(code(spectral), "argument");
     EXPECT_EQ(code(pm(ByteBudget{4})), "argument");
-    EXPECT_EQ(code(pm(TargetError{0})), "argument");
     EXPECT_EQ(code(pm(TargetDeltaE{0})), "argument");
     EXPECT_EQ(code(pm(LobeCount{65})), "argument");
     EXPECT_EQ(code(su(1)), "argument");

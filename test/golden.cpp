@@ -215,7 +215,6 @@ const std::vector<Row>& rows() {
         {"paper-3-log", [](const G& g) { return g.of_pm(g.paper, 3, Objective::log, {.form = PmForm::horizon}); }},
         {"film-3-cube-root", [](const G& g) { return g.of_pm(g.film, 3, Objective::cube_root); }},
         {"paper-budget", [](const G& g) { return g.of_goal(g.paper, ByteBudget{60}, Objective::cosine); }},
-        {"paper-target", [](const G& g) { return g.of_goal(g.paper, TargetError{0.02}, Objective::cosine); }},
         {"paper-delta-e", [](const G& g) { return g.of_goal(g.paper, TargetDeltaE{4}, k_default_objective); }},
         {"film-views", [](const G& g) { return g.of_su(g.film, {.lobes = 3, .directions = 96}, k_default_objective); }},
         {"film-lights",

@@ -75,7 +75,6 @@ const std::map<std::string, std::string> k_argument{
     {"--with-index", "cube"},
     {"--band", "Solar"},
     {"--channels", "spectral"},
-    {"--target-error", "0.9"},
     {"--target-delta-e", "50"},
     {"--budget", "12"},
     {"--preview", "x.png"},

@@ -1,4 +1,4 @@
-// Selection of a model by its size in bytes or by its error.
+// Selection of a model by its size in bytes or by its visible error.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -15,16 +15,12 @@ namespace [[gnu::visibility("default")]] srbf {
 struct ByteBudget {
     std::size_t bytes = 160;  ///< 12..k_most_chosen_bytes
 };
-/// Minimise the bytes among models whose held-out error, by the objective's own measure, is at most `error`.
-struct TargetError {
-    double error = 0.005;  ///< (0, 1]
-};
 /// Minimise the bytes among models that look the same: whose pictures of a sphere have at most this mean ΔE_ITP under
 /// `standard_lightings`. For tables.
 struct TargetDeltaE {
     double delta_e = 2;  ///< (0, 100]
 };
-using SizeGoal = std::variant<ByteBudget, TargetError, TargetDeltaE>;
+using SizeGoal = std::variant<ByteBudget, TargetDeltaE>;
 
 /// A model that was tried.
 struct Step {

@@ -131,7 +131,7 @@ struct FitOutcome {
     /// for scattered samples, objective `relative`: the number of angles of incidence, whose samples are in one fold each
     int incidences = 0;
     std::vector<Step> path;  ///< models that were tried in choosing the size
-    bool reached = true;     ///< whether the requested error or size was reached
+    bool reached = true;     ///< whether the requested size or ΔE_ITP was reached
     /// Errors of `model` and `unrounded` against the measurement; empty until they are measured. For scattered samples
     /// `matrix` covers the samples themselves, `heldout` is the 5-fold cross-validated error, and albedo and
     /// pictures are compared with the samples, completed where nothing was measured.

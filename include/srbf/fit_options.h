@@ -3,10 +3,10 @@
 #include <string_view>
 
 #include "srbf/choose.h"
-#include "srbf/objective.h"
-#include "srbf/models/ggx.h"
 #include "srbf/model.h"
+#include "srbf/models/ggx.h"
 #include "srbf/models/su.h"
+#include "srbf/objective.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 
@@ -28,7 +28,6 @@ inline constexpr FitOptionRow k_fit_options[] = {
     {"axial", "pm"},
     {"reciprocal", "pm"},
     {"budget", "pm", 12, k_most_chosen_bytes},
-    {"target_error", "pm", 1e-6, 1, false},
     {"target_delta_e", "pm", 0.01, k_most_delta_e, false},
     {"max_theta", "", 1, 89.9, false},  // [degrees]
     {"threads", "", 0, k_most_threads},

@@ -253,7 +253,7 @@ class Fit:
     errors: Optional[dict[str, Any]]
     seconds: float
     stop_reason: Optional[str]
-    #: whether a requested size or error was reached
+    #: whether a requested size or ΔE_ITP was reached
     reached: bool
 
     def __repr__(self) -> str:
@@ -361,23 +361,22 @@ def _fit_of(outcome: dict[str, Any]) -> Fit:
 
 def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]], *, model: Kind = "pm", surface: Optional[Surface] = None,
         lobes: Union[int, Literal["auto"], None] = None, variates: Optional[int] = None, form: Optional[Form] = None,
-        budget: Optional[int] = None, target_error: Optional[float] = None, target_delta_e: Optional[float] = None,
-        objective: Optional[Objective] = None, max_theta: Optional[float] = None, axial: Optional[bool] = None,
-        reciprocal: Optional[bool] = None, channels: Channels = "rgb", seed: int = 0, threads: int = 0,
-        progress: Progress = False) -> Fit:
+        budget: Optional[int] = None, target_delta_e: Optional[float] = None, objective: Optional[Objective] = None,
+        max_theta: Optional[float] = None, axial: Optional[bool] = None, reciprocal: Optional[bool] = None,
+        channels: Channels = "rgb", seed: int = 0, threads: int = 0, progress: Progress = False) -> Fit:
     """Fits a measurement, a file of one, or a function f(wl, wv) of arrays [n, 3] that returns f_r as [n, 3] or [n, 1].
 
     The options are those of `srbf fit`: `model` "pm", "su", "ggx" or "openpbr" (of OpenPBR, or of another `surface`); `lobes` a number or "auto", or instead of it the size by `budget`
-    [bytes], `target_error` or `target_delta_e`; `form` one of `forms()`; `objective` one of `objectives()`; `max_theta` [degrees];
+    [bytes] or `target_delta_e`; `form` one of `forms()`; `objective` one of `objectives()`; `max_theta` [degrees];
     `channels` "rgb" or "spectral"; `threads` 0: all. The outcome depends on `seed` alone.
 
     `progress`: True for a bar of tqdm, or a function of (stage, fraction) that may return False to cancel. Ctrl-C cancels.
     """
-    sizes = {"lobes": lobes, "budget": budget, "target_error": target_error, "target_delta_e": target_delta_e}
+    sizes = {"lobes": lobes, "budget": budget, "target_delta_e": target_delta_e}
     given = [name for name, value in sizes.items() if value is not None]
     if len(given) > 1:
         raise ValueError(f"expected one of {', '.join(sizes)}, found {' and '.join(given)}")
-    request = _options.request(model, lobes=lobes, variates=variates, form=form, budget=budget, target_error=target_error,
+    request = _options.request(model, lobes=lobes, variates=variates, form=form, budget=budget,
                                target_delta_e=target_delta_e, objective=objective, max_theta=max_theta, axial=axial,
                                reciprocal=reciprocal, channels=channels, seed=seed, threads=threads, surface=surface)
     with _Shown(progress) as callback:

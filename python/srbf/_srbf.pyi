@@ -43,7 +43,6 @@ class Request:
     reciprocal: bool
     axial: Optional[bool]
     budget: Optional[int]
-    target_error: Optional[float]
     target_delta_e: Optional[float]
     max_theta: Optional[float]
     seed: int

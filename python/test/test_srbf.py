@@ -196,7 +196,7 @@ def test_progress_is_told_and_cancels(paper):
 
 def test_an_interrupt_ends_a_fit():
     # A shell's background jobs ignore the signal unless they ask for it.
-    script = (f"import signal, srbf\nsignal.signal(signal.SIGINT, signal.default_int_handler)\ntry:\n    srbf.fit({str(FILM)!r}, target_error=1e-4, progress=lambda *of: print('now', flush=True))\n"
+    script = (f"import signal, srbf\nsignal.signal(signal.SIGINT, signal.default_int_handler)\ntry:\n    srbf.fit({str(FILM)!r}, target_delta_e=0.01, progress=lambda *of: print('now', flush=True))\n"
               "except KeyboardInterrupt:\n    print('interrupted')")
     with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout.readline() == "now\n"
@@ -250,12 +250,11 @@ class NotRead(srbf.Measurement):
     ("progress", "yes", {}), ("lobes", "many", {}), ("lobes", 0, {}), ("lobes", 65, {}), ("lobes", 2.5, {}), ("lobes", True, {}),
     ("lobes", 3, {"model": "ggx"}), ("lobes", "auto", {"model": "su"}), ("lobes", 65, {"model": "su"}), ("seed", -1, {}),
     ("seed", 2**64, {}), ("seed", 1.5, {}), ("threads", -1, {}), ("threads", 1025, {}), ("variates", 0, {}), ("variates", 9, {}),
-    ("form", "round", {}), ("objective", "best", {}), ("budget", 5, {}), ("target_error", 0, {}), ("target_error", 2, {}),
+    ("form", "round", {}), ("objective", "best", {}), ("budget", 5, {}), ("target_delta_e", 101, {}),
     ("surface", "gltf", {}), ("surface", "usd", {"model": "openpbr"}), ("target_delta_e", -1, {}), ("axial", "no", {}),
     ("reciprocal", 1, {}), ("variates", 3, {"reciprocal": True}), ("lobes", 2, {"model": "openpbr"}),
     *((option, value, {"model": kind}) for kind in ("su", "ggx") for option, value in (
-        ("variates", 2), ("form", "horizon"), ("axial", True), ("reciprocal", True), ("budget", 100), ("target_error", 0.1),
-        ("target_delta_e", 2.0))),
+        ("variates", 2), ("form", "horizon"), ("axial", True), ("reciprocal", True), ("budget", 100), ("target_delta_e", 2.0))),
 ])
 def test_options_are_refused_by_name_at_once(name, value, options):
     with pytest.raises(ValueError, match=f"^{name}: .*(found|missing)"):
@@ -268,7 +267,7 @@ def test_a_surface_has_the_parameters_of_its_program(paper):
 
 
 def test_sizes_exclude_each_other(paper):
-    with pytest.raises(ValueError, match="lobes, budget, target_error, target_delta_e, found lobes and budget"):
+    with pytest.raises(ValueError, match="lobes, budget, target_delta_e, found lobes and budget"):
         srbf.fit(paper, lobes=3, budget=100)
 
 

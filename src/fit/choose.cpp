@@ -269,13 +269,11 @@ Result<Chosen> choose_pm(const Observations& observations, const FitOptions& opt
                                   fmt::format("{}", budget->bytes));
         return within_bytes(search, budget->bytes);
     }
-    const auto* target = std::get_if<TargetError>(&goal);
-    const double error = target ? target->error : std::get<TargetDeltaE>(goal).delta_e,
-                 most = target ? 1 : k_most_delta_e;
-    if (!(error > 0 && error <= most))
-        return argument_error("fit", target ? "target error" : "target delta E",
-                              fmt::format("above 0, at most {}", most), fmt::format("{}", error));
-    return SmallestWithin(search, error).run();
+    const double delta_e = std::get<TargetDeltaE>(goal).delta_e;
+    if (!(delta_e > 0 && delta_e <= k_most_delta_e))
+        return argument_error("fit", "target delta E", fmt::format("above 0, at most {}", k_most_delta_e),
+                              fmt::format("{}", delta_e));
+    return SmallestWithin(search, delta_e).run();
 }
 
 }  // namespace srbf

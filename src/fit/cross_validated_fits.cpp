@@ -66,8 +66,7 @@ class SampleFits {
 
   private:
     bool is_within_budget(std::size_t bytes) const {
-        const auto* budget = goal_ ? std::get_if<ByteBudget>(&*goal_) : nullptr;
-        return !budget || bytes <= budget->bytes;
+        return !goal_ || bytes <= std::get<ByteBudget>(*goal_).bytes;  // the only goal of samples
     }
     double error(const FitOutcome& outcome) const { return error_of(outcome.errors->heldout, request_.objective); }
     std::size_t bytes(int lobes) const {
@@ -248,24 +247,18 @@ class SampleFits {
         return measure_samples(samples_.wl, samples_.wv, colours, f, request_.theta());
     }
 
-    /// The smallest of the outcomes whose error is low enough; if there is none, the one with the least.
+    /// The outcome with the least error; without a budget the smallest whose error is almost that.
     Result<FitOutcome> chosen(std::vector<FitOutcome>& all) const {
-        const auto error_of_this = [&](const FitOutcome& one) { return error(one); };
-        auto taken = std::ranges::min_element(all, {}, error_of_this);
-        const double least = error(*taken);
-        const auto* target = goal_ ? std::get_if<TargetError>(&*goal_) : nullptr;
-        const double enough = !goal_ ? k_as_good * least : target ? target->error : least;
-        const auto smallest = std::ranges::find_if(
-            all, [&](double e) { return e <= enough; }, error_of_this);
-        const bool reached = smallest != all.end();
-        if (reached) taken = smallest;
+        const auto best = std::ranges::min_element(all, {}, [&](const FitOutcome& one) { return error(one); });
+        const auto is_as_good = [&](const FitOutcome& one) { return error(one) <= k_as_good * error(*best); };
+        const auto taken = goal_ ? best : std::find_if(all.begin(), best, is_as_good);
         std::vector<Step> path;
         if (all.size() > 1)
             for (const FitOutcome& one : all)
                 path.push_back(step_of(std::get<PmModel>(one.model.model), error(one), true));
         FitOutcome outcome = std::move(*taken);
         outcome.path = std::move(path);
-        outcome.reached = reached && is_within_budget(payload_bytes(outcome.model));
+        outcome.reached = is_within_budget(payload_bytes(outcome.model));
         return outcome;
     }
 

@@ -161,7 +161,7 @@ class Fitter::Work {
             return refused("a measurement at wavelengths", "one of colours");
         if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
             return refused("a multivariate model", "another");
-        if (request.spectral && goal_of(request)) return refused("a number of lobes", "a budget or a target error");
+        if (request.spectral && goal_of(request)) return refused("a number of lobes", "a budget or a target delta E");
         if (samples() && is_by_pictures(request))
             return argument_error("fit", "target delta E", "a measured table", "scattered samples");
         return Done{};

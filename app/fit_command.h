@@ -36,7 +36,7 @@ struct FitCommand {
     double max_theta = 0;  // [degrees], 0: the objective's default
     int lobes = 0;         // 0: not given
     int variates = PmRequest{}.variates, threads = 0;
-    int directions = SuRequest{}.directions, between = SuRequest{}.between, neighbours = SuRequest{}.neighbours;
+    int directions = SuRequest{}.directions, neighbours = SuRequest{}.neighbours;
     std::uint64_t seed = 0;
     double target_delta_e = 0;  // 0: none
     std::size_t budget = 0;     // 0: none
@@ -58,7 +58,7 @@ struct FitCommand {
         SuRequest su;
         if (lobes > 0) su.lobes = lobes;
         su.discretise = *discretise_named(discretise);
-        su.directions = directions, su.between = between;
+        su.directions = directions;
         su.interpolation = *interpolation_named(interpolation), su.neighbours = neighbours;
         if (!with_index.empty()) su.index = map_named(with_index);
         return su;

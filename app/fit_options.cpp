@@ -1,6 +1,5 @@
 // The options of `srbf fit`, by what they are of, and the table of those that go together.
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <memory>
 
@@ -20,7 +19,7 @@ struct GivenOptions {
     Option exchanged, band, channels;
     std::vector<Option> of_samples;
     Option objective, target_delta_e, budget;
-    Option discretise, directions, interpolation, neighbours, between, with_index;
+    Option discretise, directions, interpolation, neighbours, with_index;
     Option pairs, texels, slab, basis, active, width;
     Option seed, explained, threads;
 };
@@ -185,13 +184,7 @@ void add_views(const Subcommand& sub, FitCommand& to, GivenOptions& of) {
             .type_name("K")
             .check(within(1, k_most_neighbours))
             .capture_default_str();
-    of.between = sub.add_option("--between", to.between,
-                                fmt::format("su: number of further directions per sampled one in the fit, 0 to {};\n"
-                                            "0: only the raw matrix",
-                                            k_most_between))
-                     .type_name("M")
-                     .check(within(0, int(k_most_between)))
-                     .capture_default_str();
+    sub.add_former("--between", "512 directions in every fit");
     of.with_index = sub.add_option("--with-index", to.with_index,
                                    "su: store an index texture, the samples nearest to each direction")
                         .type_name("cube|parabolic")
@@ -300,7 +293,7 @@ std::vector<Reading> of_model(const GivenOptions& of, const FitCommand& fit) {
         {{of.form, of.variates, of.axial, of.reciprocal, of.no_scale, of.target_delta_e, of.budget, of.explained},
          "only with --model pm",
          [&] { return fit.model == "pm"; }},
-        {{of.discretise, of.directions, of.interpolation, of.neighbours, of.between, of.with_index},
+        {{of.discretise, of.directions, of.interpolation, of.neighbours, of.with_index},
          "only with --model su",
          [&] { return fit.model == "su"; }},
         {{of.surface}, "only with --model openpbr", [&] { return fit.model == "openpbr"; }},

@@ -368,7 +368,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
 
     // Without the texture, by light, and with plain interpolation as in Tsai 2009.
     const Arguments otherwise{"-o",           "light.srbf", "--discretise", "light", "--interpolation", "plain",
-                              "--neighbours", "4",          "--between",    "0"};
+                              "--neighbours", "4"};
     ASSERT_EQ(run(folder, fit + otherwise).status, 0);
     const auto by_light = load_model(folder / "light.srbf");
     ASSERT_TRUE(by_light);
@@ -385,7 +385,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     expect_failure(2, fit + Arguments{"--variates", "2"}, "--variates: only with --model pm");
     expect_failure(2, {"fit", k_paper, "--with-index", "cube"}, "--with-index: only with --model su");
     expect_failure(2, fit + Arguments{"--neighbours", "8"}, "--neighbours");
-    expect_failure(2, fit + Arguments{"--between", "-1"}, "--between");
+    expect_failure(2, fit + Arguments{"--between", "0"}, "--between is now 512 directions in every fit");
     for (const char* directions : {"7", "8193", "x"})
         expect_failure(2, {"fit", k_paper, "--model", "su", "--directions", directions}, "--directions");
 }

@@ -351,7 +351,6 @@ TEST(FitSu, RefusesBadOptionsAndMatrices) {
     EXPECT_NE(without([](RawMatrix& m) { m = {}; }), "");
     for (const int bad : {-1, 0, 7, 8193, 1 << 30})
         EXPECT_FALSE(tabulate(signed_evaluator(bundled("paper_white_rgb")), {.directions = bad})) << bad;
-    EXPECT_FALSE(tabulate(signed_evaluator(bundled("paper_white_rgb")), {.directions = 8, .between = -1}));
     // The smallest number of directions.
     const RawMatrix few = matrix_of("paper_white_rgb", k_least_views);
     const auto fit = fit_su(few, {.lobes = 2, .objective = Objective::raw});

@@ -26,7 +26,7 @@ FitRequest pm(PmSize size, int variates = 2, Objective objective = Objective::ra
 }
 FitRequest su(int directions) {
     SuRequest su;
-    su.lobes = 2, su.directions = directions, su.between = 32;
+    su.lobes = 2, su.directions = directions;
     FitRequest request;
     request.model = su;
     return request;

@@ -71,7 +71,6 @@ const std::map<std::string, std::string> k_argument{
     {"--directions", "9"},
     {"--interpolation", "plain"},
     {"--neighbours", "2"},
-    {"--between", "1"},
     {"--with-index", "cube"},
     {"--band", "Solar"},
     {"--channels", "spectral"},

@@ -44,7 +44,6 @@ struct SuRequest {
     int lobes = 8;  ///< J per sampled direction, 1..k_most_view_lobes
     Discretise discretise = Discretise::view;
     int directions = 1536;  ///< n, k_least_views..k_most_views
-    int between = 512;      ///< m, 0..k_most_between, further directions a view; 0: only the matrix
     SuInterpolation interpolation = SuInterpolation::rotated;
     int neighbours = 3;                      ///< K of plain interpolation, 1..k_most_neighbours
     std::optional<DirectionMap> index = {};  ///< if set, the file contains an index texture with this map

@@ -52,10 +52,9 @@ Evaluate exchanged(const Evaluate& f) {
 
 Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress) {
     const SuRequest& su = std::get<SuRequest>(request.model);
-    const auto matrix = tabulate(
-        f,
-        {.directions = su.directions, .between = su.between, .discretise = su.discretise, .threads = request.threads},
-        progress.part(0, k_observed));
+    const auto matrix =
+        tabulate(f, {.directions = su.directions, .discretise = su.discretise, .threads = request.threads},
+                 progress.part(0, k_observed));
     if (!matrix) return matrix.error();
     SuFitOptions options;
     options.lobes = su.lobes;

@@ -42,10 +42,8 @@ void sample_between(const Evaluate& f, Discretise discretise, Vec3f about, RSequ
 
 Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options, const ProgressToken& progress) {
     const StandardArithmetic mode;
-    for (const auto& valid :
-         {require_range("matrix", "number of directions", options.directions, k_least_views, k_most_views),
-          require_range("matrix", "number of directions between", options.between, 0, int(k_most_between))})
-        if (!valid) return valid.error();
+    const auto valid = require_range("matrix", "number of directions", options.directions, k_least_views, k_most_views);
+    if (!valid) return valid.error();
     const auto n = std::size_t(options.directions), m = std::size_t(options.between);
     RawMatrix matrix;
     matrix.discretise = options.discretise;

@@ -4,15 +4,15 @@
 #include <vector>
 
 #include "srbf/brdf.h"
-#include "srbf/progress.h"
 #include "srbf/models/su.h"
+#include "srbf/progress.h"
 #include "srbf/result.h"
 
 namespace srbf {
 
 struct TabulateOptions {
     int directions = 1536;                     ///< n, k_least_views..k_most_views
-    int between = 512;                         ///< m, 0..k_most_between; 0: only the raw matrix
+    int between = 512;                         ///< m ≥ 0, those of a fit; 0: only the raw matrix
     Discretise discretise = Discretise::view;  ///< of the model to be fitted
     int threads = 0;                           ///< 0: as many as the machine has; the result does not depend on it
 };

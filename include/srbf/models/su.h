@@ -65,7 +65,6 @@ inline constexpr int k_most_view_lobes = 64;
 /// of the eight in the index; the weights need the distance of the next one
 inline constexpr int k_most_neighbours = 7;
 inline constexpr int k_least_views = 8, k_most_views = 8192;
-inline constexpr std::size_t k_most_between = 4096;  ///< directions between, of which a fit takes values at each view
 
 /// ρ(wl, wv) in single precision; 0 below the horizon. Continuous in both directions, except for plain interpolation
 /// where the K+1 nearest views are equally near.

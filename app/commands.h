@@ -53,6 +53,9 @@ Option add_up_option(const Subcommand& sub, std::string& up, const std::string& 
 // Each function adds its subcommand. If the subcommand is chosen, parsing runs it and stores its exit status in
 // `status`.
 void add_fit(CommandLine& app, int& status);
+void add_map(CommandLine& app, int& status);
+void add_basis(CommandLine& app, int& status);
+void add_explain(CommandLine& app, int& status);
 void add_info(CommandLine& app, int& status);
 void add_eval(CommandLine& app, int& status);
 void add_compare(CommandLine& app, int& status);

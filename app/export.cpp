@@ -276,7 +276,7 @@ std::string about_kinds(const std::vector<std::string>& languages) {
         "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"
         "Blender's material\n"
         "dds: an environment (.hdr, .exr or studio) filtered for NAME_environment, a cube map of 16-bit floats\n"
-        "ktx2, exr: the coefficients of a map (fit --basis J --width W), as layers of a KTX 2 texture with its\n"
+        "ktx2, exr: the coefficients of a map (srbf map --basis N --width W), as layers of a KTX 2 texture with its\n"
         "levels, or as channels of OpenEXR; its code has NAME_brdf(wl, wv, NAME_coefficients(u, v))\n"
         "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF the functions are\n"
         "NAME_bsdf, of directions on either side, and NAME_beam, the share of light that passes unscattered;\n"

@@ -35,7 +35,7 @@ int fit_file(FileFit fit) {
     return written ? k_done : complain(written.error());
 }
 
-/// Which measurements an option is read for. Those of fit_options.cpp are of what depends on the command line alone.
+/// Which measurements an option is read for. Those of fit_command.cpp are of what depends on the command line alone.
 struct ReadFor {
     std::vector<std::string_view> options;
     bool are_read;
@@ -71,15 +71,7 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
 
 }  // namespace
 
-int FitCommand::run() const {
-    if (explain) {
-        fmt::print("{}", srbf::explain(request()));
-        return k_done;
-    }
-    if (!basis.empty()) return pairs.empty() ? fit_basis(basis_fit()) : fit_texel_maps(basis_fit());
-    if (!pairs.empty()) return fit_texels(texel_fits());
-    return into_folder() ? fit_files(folder_fit()) : fit_file(file_fit());
-}
+int FitCommand::run() const { return into_folder() ? fit_files(folder_fit()) : fit_file(file_fit()); }
 
 Result<Measured> load_measured(FileFit& fit) {
     const Stopwatch loading;

@@ -6,9 +6,8 @@
 
 #include "app/output.h"
 #include "render/image.h"
-#include "srbf/basis.h"
-#include "srbf/fit_bsdf.h"
 #include "srbf/fit.h"
+#include "srbf/fit_bsdf.h"
 
 namespace srbf {
 
@@ -56,36 +55,5 @@ struct FolderFit {
 };
 /// Prints a line for each file in their order, and a summary; returns the exit status. Failures do not stop the others.
 int fit_files(const FolderFit& fit);
-
-/// Fits of the texels of a file of arrays.
-struct TexelFits {
-    std::string input, pairs, folder;
-    FitRequest request;
-    std::size_t begin = 0, end = 0;  // the texels; end 0: all
-    std::size_t slab = 1024;
-    bool anisotropic = false;
-    std::string settings;  // the options that models depend on
-    bool resume = false;   // keep the slabs that are done
-};
-/// Writes a stack of models (model.h) for each slab of texels; returns the exit status.
-int fit_texels(const TexelFits& fit);
-
-/// A fit of many files by lobes that they share.
-struct BasisFit {
-    std::vector<std::string> inputs;
-    std::string output, basis;  // a library whose lobes are used; empty: lobes are searched for
-    BasisOptions options;
-    double target_delta_e = 0;  // the fewest lobes, up to those of the options, with this mean error; 0: exactly those
-    // Of texels:
-    std::string pairs;      // empty: tables
-    std::string settings;   // the options that coefficients depend on
-    std::size_t width = 0;  // of a map; 0: no map
-    std::size_t slab = 4096;
-    bool resume = false;  // keep the texels that are done
-};
-/// The same of the texels of a file of arrays: one dense library.
-int fit_texel_maps(const BasisFit& fit);
-/// Writes a library (library.h) and prints the materials with the largest errors first; returns the exit status.
-int fit_basis(const BasisFit& fit);
 
 }  // namespace srbf

@@ -92,9 +92,6 @@ Option Subcommand::add_option(const std::string& names, std::function<void(const
 Option Subcommand::add_option(const std::string& names, const std::string& about) const {
     return Option(app_->add_option(names, about));
 }
-void Subcommand::add_former(const std::string& name, const std::string& instead) const {
-    add_option(name, "").hidden().check([=](std::string&) { return fmt::format("{} is now {}", name, instead); });
-}
 Option Subcommand::add_flag(const std::string& names, bool& to, const std::string& about) const {
     return Option(app_->add_flag(names, to, about)->disable_flag_override());
 }
@@ -108,6 +105,14 @@ Option Subcommand::add_flag(const std::string& names, int& to, const std::string
 Option Subcommand::add_flag(const std::string& names, std::function<void()> when_given,
                             const std::string& about) const {
     return Option(app_->add_flag_callback(names, std::move(when_given), about)->disable_flag_override());
+}
+void Subcommand::add_former(const std::vector<std::string>& names, const std::string& instead) const {
+    for (const std::string& name : names) {
+        const auto refuse = [what = name + " is now " + instead](const std::string&) {
+            throw CLI::ValidationError("", what);
+        };
+        app_->add_option_function<std::string>(name, refuse)->group("")->expected(0, 1)->trigger_on_parse();
+    }
 }
 std::vector<std::string> Subcommand::given() const {
     std::vector<std::string> names;

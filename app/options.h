@@ -68,12 +68,13 @@ class Subcommand {
                       const std::string& about) const;
     /// An option whose text is only passed to its check.
     Option add_option(const std::string& names, const std::string& about) const;
-    /// An option that is no more: to give it is a usage error that says what is used `instead`.
-    void add_former(const std::string& name, const std::string& instead) const;
     Option add_flag(const std::string& names, bool& to, const std::string& about) const;
     /// Names are followed by their values, as in --yes{1},--no{-1}.
     Option add_flag(const std::string& names, int& to, const std::string& about) const;
     Option add_flag(const std::string& names, std::function<void()> when_given, const std::string& about) const;
+
+    /// Former options, not in --help: to give one is a usage error that says what is used `instead`.
+    void add_former(const std::vector<std::string>& names, const std::string& instead) const;
 
     /// The options of the command line, by their longest names.
     std::vector<std::string> given() const;

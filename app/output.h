@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "app/load.h"
-#include "srbf/objective.h"
 #include "srbf/metrics.h"
+#include "srbf/objective.h"
 
 namespace srbf {
 

@@ -17,7 +17,7 @@ std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& to) {
                "cosine of the viewer")
             .type_name("NAME")
             .one_of({k_quantities.begin(), k_quantities.end()});
-    sub.add_former("--unit", "--quantity bsdf, factor or cosine");
+    sub.add_former({"--unit"}, "--quantity bsdf, factor or cosine");
     const Option floor =
         sub.add_option(
                "--floor", [&to](const std::string& text) { to.floor = to_number<float>(text).value_or(0); },

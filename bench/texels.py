@@ -1,11 +1,11 @@
 """Synthetic maps of texels, and the errors of fits to them where nothing was sampled. Needs NumPy.
 
 python3 bench/texels.py make FOLDER --program SRBF --texels N [FILE...]
-    writes FOLDER/texels.npy and pairs.csv, for `srbf fit texels.npy --pairs pairs.csv --basis J`: 256 pairs within 78°, half of them with
+    writes FOLDER/texels.npy and pairs.csv, for `srbf map texels.npy --pairs pairs.csv --basis J`: 256 pairs within 78°, half of them with
     the light near the mirror direction, and noise of 2 %. With measurements a texel is a blend of them in random proportions; without
     them, a Lambert and a GGX lobe whose colours, roughness and reflectance at normal incidence differ from texel to texel.
 python3 bench/texels.py compare FOLDER MAP.srbf... --program SRBF [--sample 64]
-    prints errors of MAP and of single fits, `srbf fit --pairs`, for some of the texels, against their values without noise at other pairs.
+    prints errors of MAP and of single fits, `srbf map` without --basis, for some of the texels, against their values without noise at other pairs.
 """
 import argparse
 import json
@@ -123,7 +123,7 @@ def compare(folder, program, maps, sample):
         expected = materials(program, json.load(file), other).values(which)
     singles = os.path.join(folder, "sample.npy")
     np.save(singles, texels[which])
-    subprocess.run([program, "fit", singles, "--pairs", pairs, "-o", os.path.join(folder, "singles"), "--resume"], check=True)
+    subprocess.run([program, "map", singles, "--pairs", pairs, "-o", os.path.join(folder, "singles"), "--resume"], check=True)
     columns = {"single fits": [os.path.join(folder, "singles", f"sample-000000000.srbf#{n}") for n in range(sample)]}
     columns |= {path: [f"{path}#{t}" for t in which] for path in maps}
     reference = None

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A surface that changes between the materials of a library of shared lobes, as a map of coefficients; with NumPy alone.
 
-    srbf fit paper.bsdf film.bsdf gold.bsdf paint.bsdf card.bsdf --basis 16 -o library.srbf
+    srbf basis paper.bsdf film.bsdf gold.bsdf paint.bsdf card.bsdf --lobes 16 -o library.srbf
     python3 blended_map.py library.srbf 1024x512 map.srbf
 
 A BRDF is linear in its coefficients, so those of a texel are the mean of the materials', weighted by the texel's share of each.
@@ -50,7 +50,7 @@ library, size, output = sys.argv[1:]
 width, height = (int(n) for n in size.split("x"))
 tensors, metadata = read(library)
 if "index" in tensors:
-    sys.exit(f"{library}: each material has lobes of its own; fit it without --active")
+    sys.exit(f"{library}: each material has lobes of its own; make it without --active")
 materials = tensors["coefficient"].astype(np.float32)  # [material, lobe, channel]
 u, v = np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
 of_texel = shares(u, v, len(materials)).reshape(width * height, -1)

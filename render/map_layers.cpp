@@ -95,8 +95,9 @@ Result<Done> check_layers(const Library& library, const std::string& file_name) 
         return Error{file_name, {}, what, std::move(expected), std::move(found), ErrorCode::argument};
     };
     if (!library.dense())
-        return refused("library", "a coefficient for each lobe (fit without --active)", "some lobes of each material");
-    if (library.width == 0) return refused("library", "a map (fit --width)", "materials without places");
+        return refused("library", "a coefficient for each lobe (srbf basis without --active)",
+                       "some lobes of each material");
+    if (library.width == 0) return refused("library", "a map (srbf map --width)", "materials without places");
     if (library.basis.lobes > k_most_layers)
         return refused("lobes", fmt::format("at most {}", k_most_layers), fmt::format("{}", library.basis.lobes));
     for (const Rgb& of : library.coefficient)

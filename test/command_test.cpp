@@ -137,7 +137,7 @@ TEST_F(OfModel, export_writes_a_map_or_nothing) {
     map.stored = 1, map.coefficient.resize(8);
     save(map, "sparse.srbf");
     for (const Arguments& to : {code, layers}) {
-        expect_failure(1, Arguments{"export", "list.srbf"} + to, "expected a map (fit --width)");
+        expect_failure(1, Arguments{"export", "list.srbf"} + to, "expected a map (srbf map --width)");
         expect_failure(1, Arguments{"export", "sparse.srbf"} + to, "expected a coefficient for each lobe");
     }
     write(folder / "broken.srbf", contents(folder / "map.srbf").substr(0, 500));

@@ -245,7 +245,7 @@ class TexelFiles : public testing::Test {
         write(folder / "t.npy", npy(header, 0) + std::string(reinterpret_cast<const char*>(f.data()), 12 * f.size()));
     }
     static constexpr std::size_t k_texels = 8;
-    const std::vector<std::string> fit{"fit",    "t.npy", "--pairs",    "p.csv", "--lobes",   "3",
+    const std::vector<std::string> fit{"map",    "t.npy", "--pairs",    "p.csv", "--lobes",   "3",
                                        "--slab", "2",     "--variates", "3",     "--threads", "2"};
     TemporaryFolder folder;
 };
@@ -309,7 +309,7 @@ TEST_F(TexelFiles, ranges_make_the_same_slabs) {
 TEST_F(TexelFiles, slabs_of_another_division_or_other_bytes_are_not_mixed_in) {
     using Words = std::vector<std::string>;
     const auto fitted = [&](const char* to, const char* slab, const char* texels, const Words& resume) {
-        return run(folder, Words{"fit", "t.npy", "--pairs", "p.csv", "--lobes", "1", "--variates", "1", "-o", to,
+        return run(folder, Words{"map", "t.npy", "--pairs", "p.csv", "--lobes", "1", "--variates", "1", "-o", to,
                                  "--slab", slab, "--texels", texels} +
                                resume);
     };

@@ -165,7 +165,7 @@ TEST_F(Command, fit_of_texels_resumes_what_is_whole) {
     write(folder / "t.npy", npy + std::string(reinterpret_cast<const char*>(f.data()), f.size() * sizeof(float)));
     write(folder / "p.csv", csv);
     const auto fit = [&](const std::string& output, const Arguments& more) {
-        return run(folder, Arguments{"fit", "t.npy", "--pairs", "p.csv", "--lobes", "1", "--slab", "2", "--threads",
+        return run(folder, Arguments{"map", "t.npy", "--pairs", "p.csv", "--lobes", "1", "--slab", "2", "--threads",
                                      "1", "-o", output} +
                                more);
     };
@@ -182,11 +182,11 @@ TEST_F(Command, fit_of_texels_resumes_what_is_whole) {
     EXPECT_EQ(contents(folder / "parts/t-000000000.srbf"), early);
     EXPECT_EQ(contents(folder / "parts/t-000000002.srbf"), late);
 
-    expect_failure(1, {"fit", ".", "--pairs", "p.csv", "-o", "d"},
+    expect_failure(1, {"map", ".", "--pairs", "p.csv", "-o", "d"},
                    ".: cannot be read: expected a readable file, found a folder");
-    expect_failure(1, {"fit", "t.npy", "--pairs", ".", "-o", "d"}, "found a folder");
-    expect_failure(1, {"fit", "t.npy", "--pairs", "p.csv", "-o", "p.csv"}, "output: expected a folder, or none yet");
-    expect_failure(1, {"fit", "t.npy", "--pairs", "p.csv", "-o", "/proc/none/d"}, "/proc/none/d: output: ");
+    expect_failure(1, {"map", "t.npy", "--pairs", ".", "-o", "d"}, "found a folder");
+    expect_failure(1, {"map", "t.npy", "--pairs", "p.csv", "-o", "p.csv"}, "output: expected a folder, or none yet");
+    expect_failure(1, {"map", "t.npy", "--pairs", "p.csv", "-o", "/proc/none/d"}, "/proc/none/d: output: ");
 }
 
 /// `count` samples of a smooth BRDF at random directions, as CSV.
@@ -304,7 +304,7 @@ TEST_F(Command, fit_finds_how_many_shared_lobes_a_mean_error_needs) {
     write(folder / "m.binary", small_merl());
     for (const auto& [target, lobes, is_reached] : {std::tuple("100", 1, true), {"0.01", 4, false}}) {
         const ProgramRun fit = run(
-            folder, {"fit", "m.binary", "-o", "l.srbf", "--basis", "4", "--variates", "1", "--target-delta-e", target});
+            folder, {"basis", "m.binary", "-o", "l.srbf", "--lobes", "4", "--variates", "1", "--target-delta-e", target});
         ASSERT_EQ(fit.status, 0) << fit.err;
         EXPECT_NE(fit.out.find(fmt::format("1 materials of {} shared lobes", lobes)), std::string::npos) << fit.out;
         EXPECT_EQ(fit.out.find("above the target") == std::string::npos, is_reached) << fit.out;

@@ -195,7 +195,7 @@ TEST_F(Hostile, UnknownInputIsRefusedByItsBeginning) {
         for (const Arguments& arguments : {Arguments{"info", name},
                                            {"fit", name},
                                            {"fit", name, "--resume", "-o", "models"},
-                                           {"fit", "missing", "--pairs", name, "-o", "x"},
+                                           {"map", "missing", "--pairs", name, "-o", "x"},
                                            {"compare", k_paper, name},
                                            {"convert", name, "-o", "x.csv"},
                                            {"eval", k_paper, "--pairs", name},

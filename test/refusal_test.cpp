@@ -105,7 +105,15 @@ TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
     expect_failure(2, {"convert", "m.binary", "-o", "x.csv", "--rgb-alone"}, "--rgb-alone: only with an output .bsdf");
     expect_failure(2, {"convert", "m.binary", "-o", "x.mbsdf", "--directions", "9"}, "only with an output .csv");
     expect_failure(2, {"export", "m.srbf", "--to", "html", "-o", "x.html", "--up", "z"}, "--up: only with --mesh");
-    expect_failure(2, {"fit", "m.binary", "--explain", "--seed", "1"}, "--seed: not with --explain");
+    for (const auto& [option, command] : {std::pair("--explain", "srbf explain"),
+                                          {"--basis", "srbf basis INPUT"},
+                                          {"--active", "srbf basis INPUT"},
+                                          {"--pairs", "srbf map TEXELS"},
+                                          {"--texels", "srbf map TEXELS"},
+                                          {"--slab", "srbf map TEXELS"},
+                                          {"--width", "srbf map TEXELS"}})
+        for (const Arguments& former : {Arguments{"fit", option}, {"fit", "m.binary", option, "2", "--lobes", "99"}})
+            expect_failure(2, former, fmt::format("{} is now ", option)), expect_failure(2, former, command);
     expect_failure(1, {"fit", "m.binary", "--budget", "100", "--variates", "2"}, "m.binary: --variates");
     for (const Arguments& empty :
          {Arguments{"fit", "m.binary", "-o", ""}, {"info", ""}, {"render", "m.binary", "-o", "x.png", "--env", ""}})
@@ -116,7 +124,7 @@ TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
 /// Of models, libraries and what is in them.
 TEST_F(CommandLine, options_of_samples_are_refused_for_models) {
     write(folder / "m.binary", small_merl());
-    ASSERT_EQ(run(folder, {"fit", "m.binary", "-o", "lib.srbf", "--basis", "1", "--variates", "1"}).status, 0);
+    ASSERT_EQ(run(folder, {"basis", "m.binary", "-o", "lib.srbf", "--lobes", "1", "--variates", "1"}).status, 0);
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
     expect_failure(2, {"info", "a.csv", "--unit", "factor"},
@@ -147,9 +155,16 @@ TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
         {{"fit", k_paper, "two"}, "--output"},
         {{"fit", k_paper, "--resume"}, "--output"},
         {{"fit", k_paper, "two", "-o", "d", "--json", "r.json"}, "--json"},
-        {{"fit", k_paper, "--texels", "0:1"}, "only with --pairs"},
-        {{"fit", k_paper, "--pairs", "p.csv"}, "--output"},
-        {{"fit", k_paper, "--pairs", "p.csv", "-o", "d", "--model", "ggx"}, "--pairs"},
+        {{"map", "t.npy", "-o", "d"}, "--pairs"},
+        {{"map", "t.npy", "--pairs", "p.csv"}, "--output"},
+        {{"map", "t.npy", "--pairs", "p.csv", "-o", "d", "--model", "ggx"}, "--model"},
+        {{"map", "t.npy", "--pairs", "p.csv", "-o", "d.srbf"}, "--output: a folder"},
+        {{"map", "t.npy", "--pairs", "p.csv", "-o", "d", "--width", "2"}, "--width: only with --basis"},
+        {{"map", "t.npy", "--pairs", "p.csv", "-o", "d", "--basis", "2", "--slab", "2"}, "--slab: not with --basis"},
+        {{"basis", k_paper}, "--output"},
+        {{"basis", k_paper, "-o", "l.srbf", "--lobes", "257"}, "--lobes: expected 1 to 256, found 257"},
+        {{"basis", k_paper, "-o", "l.srbf", "--lobes", "2", "--active", "3"}, "at most the number of shared lobes"},
+        {{"basis", k_paper, "-o", "l.srbf", "--lobes", "l", "--target-delta-e", "3"}, "only with a number of lobes"},
         {{"fit", "--bogus"}, "--bogus"},
         {{"fit", k_paper, "--bogus"}, "--bogus"},
         {{"info"}, "FILE"},
@@ -180,7 +195,7 @@ TEST_F(CommandLine, convert_refuses) {
                    "expected an isotropic BRDF, as RGL tables are, found an anisotropic one");
     expect_failure(1, {"convert", "none.binary", "-o", "m.csv"}, "none.binary");
     expect_failure(1, {"convert", "m.binary", "-o", "no/folder.bsdf"}, "a folder that exists");
-    expect_failure(1, {"fit", "m.binary", "--pairs", "a.csv", "-o", "d"}, "m.binary: at 0: magic");
+    expect_failure(1, {"map", "m.binary", "--pairs", "a.csv", "-o", "d"}, "m.binary: at 0: magic");
     expect_failure(1, {"fit", "a.csv"}, "samples at different directions: expected at least 5, found 2");
 }
 

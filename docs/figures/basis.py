@@ -1,6 +1,6 @@
 """docs/basis.svg and the tables of docs/basis.md, from docs/basis.csv and docs/comparison.csv: python3 docs/figures/basis.py [--check | LIBRARY.srbf...]
 
-LIBRARY: files of `srbf fit FILES --basis J --active K`, from which docs/basis.csv is written first. With --check nothing is written; the
+LIBRARY: files of `srbf basis FILES --lobes J --active K`, from which docs/basis.csv is written first. With --check nothing is written; the
 exit status is 1 if the page or the plot has other numbers.
 """
 import csv

@@ -409,7 +409,7 @@ def fit_batch(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, *, lobes: 
 
 
 def load_texels(path: Path) -> list[Fit]:
-    """The fits of one slab of texels, a file that `srbf fit --pairs` wrote. Their errors hold one number, "error", by the objective's
+    """The fits of one slab of texels, a file that `srbf map` wrote. Their errors hold one number, "error", by the objective's
     measure; a texel that could not be fitted has errors None and `reached` False."""
     return [Fit(Model(held), {"error": error} if state == 0 else None, 0.0, None, state == 0)
             for held, error, state in _srbf.load_stack(_file_name(path))]

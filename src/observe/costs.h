@@ -1,4 +1,4 @@
-// The costs of the terms of a loss, for all fits of tables, which `srbf fit --explain` prints. See "The objective" in
+// The costs of the terms of a loss, for all fits of tables, which `srbf explain` prints. See "The objective" in
 // docs/fitting.md.
 #pragma once
 #include <algorithm>

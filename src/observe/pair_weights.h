@@ -24,7 +24,7 @@ struct ObjectiveTraits {
     /// Weights that are added for pairs which `weight` alone neglects: an error of 100 % everywhere adds to Σ w |f|²
     /// the share `importance` of it.
     struct Further {
-        std::string_view name = {}, error_of = {};  ///< as `srbf fit --explain` says them
+        std::string_view name = {}, error_of = {};  ///< as `srbf explain` says them
         double (*weight)(double f, double typical, double cos_l, double cos_v) = nullptr;
         double importance = 0;
     };

@@ -1,0 +1,176 @@
+// `srbf basis`: a library of materials that share their lobes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <numeric>
+
+#include "app/commands.h"
+#include "app/fit_options.h"
+#include "app/output.h"
+#include "srbf/basis.h"
+#include "srbf/directions.h"
+#include "srbf/file.h"
+#include "srbf/npy.h"
+#include "srbf/printable.h"
+#include "srbf/text.h"
+
+namespace srbf {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BasisCommand {
+    std::vector<std::string> inputs;
+    std::string output, lobes = std::to_string(BasisOptions{}.lobes);  // a number, or the library whose lobes are used
+    LobeSettings lobe;
+    int active = 0;                            // 0: all
+    double max_theta = 0, target_delta_e = 0;  // [degrees], and 0: no target
+    std::uint64_t seed = 0;
+    int threads = 0;
+
+    std::optional<int> count() const { return to_number<int>(lobes); }
+    BasisOptions options() const {
+        return {.form = *form_named(lobe.form),
+                .axial = lobe.axial >= 0,
+                .lobes = count().value_or(BasisOptions{}.lobes),
+                .variates = lobe.variates,
+                .active = active,
+                .max_theta = max_theta * k_degree,
+                .seed = seed,
+                .threads = threads};
+    }
+};
+
+/// How many materials the report lists, those with the largest errors.
+constexpr std::size_t k_most_listed = 20;
+
+Result<Library> load_library(const std::string& path) {
+    return within_memory(path, [&]() -> Result<Library> {
+        const auto bytes = read_file(path, all_if(is_safetensors));
+        if (!bytes) return bytes.error();
+        return read_library(*bytes, path);
+    });
+}
+
+double mean_error(const Library& library) {
+    return std::accumulate(library.error.begin(), library.error.end(), 0.0) / double(library.count());
+}
+
+/// The library with the fewest lobes, of numbers that double up to the options', whose mean error reaches the target, or else
+/// that of most lobes; `tried` receives a line for each.
+Result<Library> smallest_library(const BasisCommand& fit, std::span<const LibrarySource> sources,
+                                 const ProgressToken& progress, std::string& tried) {
+    BasisOptions options = fit.options();
+    const int most = options.lobes;
+    for (int lobes = std::max(1, options.active);; lobes *= 2) {
+        options.lobes = std::min(lobes, most);
+        auto library = fit_library(sources, options, progress);
+        if (!library) return library;
+        const double error = mean_error(*library);
+        const bool is_last = options.lobes == most;
+        tried += fmt::format("  {:>3} lobes     mean ΔE_ITP {:.3g}{}\n", options.lobes, error,
+                             is_last && error > fit.target_delta_e ? ", above the target" : "");
+        if (error <= fit.target_delta_e || is_last) return library;
+    }
+}
+
+void print_library(const BasisCommand& fit, const Library& library, double seconds) {
+    std::vector<std::size_t> order(library.count());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t t) { return library.error[t]; });
+    fmt::print("{} materials of {} shared lobes, {} each, in {:.1f} s\n", library.count(), library.basis.lobes,
+               library.dense() ? std::string("all of them") : fmt::format("at most {}", library.stored), seconds);
+    fmt::print("  bytes         {} shared, {} a material\n", basis_bytes(library), material_bytes(library));
+    fmt::print("  mean ΔE_ITP   {:.3g}\n", mean_error(library));
+    const std::size_t listed = std::min(order.size(), k_most_listed);
+    for (std::size_t i = 0; i < listed; ++i)
+        fmt::print("  {:<13} {:.3g}\n", printable(library.names[order[i]]), library.error[order[i]]);
+    if (listed < order.size()) fmt::print("  .. and {} better ones\n", order.size() - listed);
+    fmt::print("  library       {}\n", printable(fit.output));
+}
+
+int fit_basis(const BasisCommand& fit) {
+    std::vector<LibrarySource> sources;
+    for (const std::string& input : fit.inputs)
+        sources.push_back({fs::path(input).stem().string(), [input] { return load_measured(input); }});
+    const auto writable = check_outputs(fit.inputs, {fit.output});
+    if (!writable) return complain(writable.error());
+    const Stopwatch watch;
+    ProgressLine line;
+    const auto progress = [&](const Progress& now) { return line.show(now.stage, now.fraction), true; };
+    Result<Library> library = Library{};
+    std::string tried;
+    if (fit.target_delta_e > 0) {
+        library = smallest_library(fit, sources, progress, tried);
+    } else if (fit.count()) {
+        library = fit_library(sources, fit.options(), progress);
+    } else {
+        const auto basis = load_library(fit.lobes);
+        if (!basis) return complain(basis.error());
+        BasisOptions options = fit.options();
+        if (options.active == 0 && !basis->dense()) options.active = basis->stored;
+        library = fit_to_basis(*basis, sources, options, progress);
+    }
+    line.clear();
+    if (!library) return complain(library.error());
+    library->provenance = {{"generator", "srbf " SRBF_VERSION}, {"objective", "appearance"}};
+    const std::vector<NewFile> files{{fit.output, write_library(*library)}};
+    const auto written = write_files(files, [&]() -> Result<Done> {
+        fmt::print("{}", tried);
+        print_library(fit, *library, watch.seconds());
+        return flush_standard_output();
+    });
+    return written ? k_done : complain(written.error());
+}
+
+/// A number of lobes that can be shared, or the name of a library.
+Check number_or_library() {
+    return [](std::string& text) { return to_number<int>(text) ? within(1, k_most_basis_lobes)(text) : std::string(); };
+}
+
+}  // namespace
+
+void add_basis(CommandLine& app, int& status) {
+    const auto fit = std::make_shared<BasisCommand>();
+    const Subcommand sub = app.add_subcommand("basis", "Fit lobes that many materials share, into one library");
+    sub.add_option("INPUT", fit->inputs, "Tables of BRDFs. In the library they are LIBRARY#STEM")
+        .type_name("")
+        .required();
+    sub.add_option("-o,--output", fit->output, "The library to write").type_name("LIBRARY").required();
+    sub.add_option(
+           "--lobes", fit->lobes,
+           fmt::format("Number of shared lobes, 1 to {}; or an earlier library, whose lobes are used without a\n"
+                       "search",
+                       k_most_basis_lobes))
+        .type_name("J|LIBRARY")
+        .check(number_or_library())
+        .capture_default_str();
+    const Option active =
+        sub.add_option("--active", fit->active, "Each material is a sum of at most K of the lobes; default: of all")
+            .type_name("K")
+            .check(within(1, k_most_basis_lobes));
+    const Option target =
+        sub.add_option("--target-delta-e", fit->target_delta_e,
+                       "The fewest lobes, up to J, with at most this mean visible error of the materials: Delta E\n"
+                       "(ITP) of pictures of a sphere, where 1 is just noticeable")
+            .type_name("E")
+            .check(within<double>(fit_option("target_delta_e")));
+    const LobeOptions of = add_lobe_options(sub, fit->lobe);
+    add_max_theta(sub, fit->max_theta);
+    add_seed(sub, fit->seed);
+    add_threads(sub, fit->threads);
+    sub.footer(
+        "Examples:\n  srbf basis materials/*.binary --lobes 32 --active 16 -o library.srbf\n"
+        "  srbf basis new.binary --lobes library.srbf -o more.srbf");
+    sub.callback([fit, &status] { status = fit_basis(*fit); },
+                 {{{active},
+                   "at most the number of shared lobes",
+                   [fit] { return fit->active <= fit->count().value_or(k_most_basis_lobes); }},
+                  {{target, of.form, of.variates, of.axial}, "only with a number of lobes", [fit] {
+                       return fit->count().has_value();
+                   }}});
+}
+
+}  // namespace srbf

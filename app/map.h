@@ -1,0 +1,31 @@
+// The command line of `srbf map`, and the two kinds of what it writes.
+#pragma once
+#include <string>
+#include <variant>
+
+#include "app/fit_options.h"
+#include "srbf/fit_batch.h"
+
+namespace srbf {
+
+struct MapCommand {
+    std::string texels, pairs, output;
+    std::string settings;  // the options that results depend on
+    LobeSettings lobe;
+    std::string objective = std::string(name(FitRequest{}.objective));
+    double max_theta = 0;  // [degrees], 0: the objective's default
+    int lobes = std::get<LobeCount>(*std::get<PmRequest>(BatchOptions{}.request.model).size).lobes;
+    int basis = 0;                    // the number of lobes that the texels share; 0: each has its own
+    std::size_t first = 0, last = 0;  // the texels; last 0: all
+    std::size_t slab = TexelStream{}.slab, width = 0;
+    bool resume = false;
+    std::uint64_t seed = 0;
+    int threads = 0;
+};
+
+/// Writes a stack of models (model.h) for each slab of texels; returns the exit status.
+int fit_slabs(const MapCommand& fit);
+/// Writes a dense library (library.h) of all texels; returns the exit status.
+int fit_map(const MapCommand& fit);
+
+}  // namespace srbf

@@ -1,0 +1,26 @@
+// A file of texels.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "srbf/result.h"
+#include "srbf/vec.h"
+
+namespace srbf {
+
+/// A file of f_r [1/sr]: float32 [T, M, 3], or [T, M, 1] and [T, M] of grey ones.
+class Texels {
+  public:
+    static Result<Texels> open(const std::string& path, std::size_t pairs);
+    std::size_t count() const { return count_; }
+    /// Those from `first` on, as many as `f` has room for.
+    Result<Done> read(std::size_t first, std::span<Rgb> f) const;
+
+  private:
+    std::string path_;
+    std::uint64_t data_ = 0;
+    std::size_t pairs_ = 0, channels_ = 3, count_ = 0;
+};
+
+}  // namespace srbf

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <functional>
 
 #include "app/commands.h"
@@ -21,8 +20,8 @@ int fit_file(FileFit fit) {
     if (std::holds_alternative<BsdfTable>(measured->table)) return fit_both_sides(fit, *measured);
 
     ProgressLine line;
-    auto outcome =
-        fit_measured(*measured, fit, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+    const auto show = [&](const Progress& now) { return line.show(now.stage, now.fraction), true; };
+    auto outcome = srbf::fit(*measured, fit.request, show);
     if (!outcome) return line.clear(), complain(outcome.error());
     Image8 picture;
     if (!fit.preview.empty()) {
@@ -104,18 +103,6 @@ Result<Done> write_fit(const FileFit& fit, const Model& model, const Image8& pic
     }
     if (!fit.json.empty() && fit.json != "-") files.push_back({fit.json, json_bytes(report)});
     return write_files(files, [&] { return fit.json == "-" ? write_json(report, "-") : print(); });
-}
-
-Result<FitOutcome> fit_measured(const Measured& measured, const FileFit& fit, const ProgressToken& progress) {
-    auto outcome = within_memory(fit.input, [&] { return srbf::fit(measured, fit.request, progress); });
-    if (!outcome) {
-        Error error = outcome.error();
-        error.source = fit.input;
-        return error;
-    }
-    outcome->model.provenance["source"] = std::filesystem::path(fit.input).filename().string();
-    if (fit.exchange) outcome->model.provenance["exchanged"] = k_exchanged;
-    return outcome;
 }
 
 }  // namespace srbf

@@ -28,13 +28,9 @@ std::string_view kind_of(const FitRequest& request);
 
 /// Fits a measurement of both sides, writes the outputs and prints the report; returns the exit status.
 int fit_both_sides(const FileFit& fit, const Measured& measured);
-/// The same without output; the model's provenance names the source.
-Result<BsdfOutcome> fit_sides(const Measured& measured, const FileFit& fit, const ProgressToken& progress);
 Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome);
 /// Loads the measurement of a fit, with light and viewer exchanged if that is asked.
 Result<Measured> load_measured(FileFit& fit);
-/// Fits and measures the errors; the model's provenance names the source.
-Result<FitOutcome> fit_measured(const Measured& measured, const FileFit& fit, const ProgressToken& progress);
 
 /// The measured and the fitted sphere beside each other.
 Image8 preview_of(const FileFit& fit, const Measured& measured, const Model& model);

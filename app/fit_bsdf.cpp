@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <thread>
 
 #include "app/commands.h"
@@ -106,28 +105,10 @@ Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutco
 
 }  // namespace
 
-Result<BsdfOutcome> fit_sides(const Measured& measured, const FileFit& fit, const ProgressToken& progress) {
-    auto outcome = within_memory(fit.input, [&] { return fit_bsdf(measured, fit.request, progress); });
-    if (!outcome) {
-        Error error = outcome.error();
-        error.source = fit.input;
-        return error;
-    }
-    auto& provenance = outcome->model.provenance;
-    provenance["generator"] = "srbf " SRBF_VERSION;
-    provenance["source"] = std::filesystem::path(fit.input).filename().string();
-    provenance["seed"] = fmt::format("{}", fit.request.seed);
-    if (const auto& band = std::get<BsdfTable>(measured.table).band().name; !band.empty()) provenance["band"] = band;
-    if (fit.exchange) provenance["exchanged"] = k_exchanged;
-    for (const PartFit& part : outcome->parts)
-        provenance[fmt::format("error_ratio_of_{}", name(part.part))] = fmt::format("{:.4g}", part.squared_error_ratio);
-    return outcome;
-}
-
 int fit_both_sides(const FileFit& fit, const Measured& measured) {
     ProgressLine line;
     const auto outcome =
-        fit_sides(measured, fit, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+        fit_bsdf(measured, fit.request, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
     line.clear();
     if (!outcome) return complain(outcome.error());
     Image8 picture;

@@ -90,8 +90,8 @@ Result<State> fit_one(FileOfMany& of, const FolderFit& all, const ProgressToken&
         of.line = line_of(report).value_or(Line{});
         return State::fitted;
     };
-    if (std::holds_alternative<BsdfTable>(measured->table)) return keep(fit_sides(*measured, of.fit, progress));
-    return keep(fit_measured(*measured, of.fit, progress));
+    if (std::holds_alternative<BsdfTable>(measured->table)) return keep(fit_bsdf(*measured, of.fit.request, progress));
+    return keep(fit(*measured, of.fit.request, progress));
 }
 
 void print_line(const FileOfMany& of) {

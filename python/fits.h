@@ -86,18 +86,12 @@ inline py::dict outcome_of(FitOutcome outcome) {
     return of;
 }
 
-inline void name_source(Model& model, const Held& brdf) {
-    model.provenance["source"] = brdf.measured()->source;
-    if (brdf.is_exchanged()) model.provenance["exchanged"] = k_exchanged;
-}
-
 inline py::dict fit_brdf(const Held& brdf, const Request& asked, const py::object& progress) {
     if (!brdf.measured()) raise({"srbf.fit", {}, "input", "a measurement", "a model", ErrorCode::wrong_kind});
     const FitRequest request = asked.fit_request();
     if (is_two_sided(brdf.content())) {
         BsdfOutcome outcome = required(in_background(
             progress, [&](const ProgressToken& token) { return fit_bsdf(*brdf.measured(), request, token); }));
-        name_source(outcome.model, brdf);
         py::dict of, errors;
         for (const PartFit& part : outcome.parts)
             errors[py::str(std::string(name(part.part)))] = part.squared_error_ratio;
@@ -110,7 +104,6 @@ inline py::dict fit_brdf(const Held& brdf, const Request& asked, const py::objec
     }
     FitOutcome outcome = required(
         in_background(progress, [&](const ProgressToken& token) { return fit(*brdf.measured(), request, token); }));
-    name_source(outcome.model, brdf);
     return outcome_of(std::move(outcome));
 }
 

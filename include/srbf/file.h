@@ -36,7 +36,7 @@ template <typename Read> auto within_memory(const std::string& path, const Read&
     try {
         return read();
     } catch (const std::bad_alloc&) {
-        return Error{path, {}, "out of memory", {}, {}, ErrorCode::unreadable};
+        return out_of_memory_error(path);
     }
 }
 

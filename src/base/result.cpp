@@ -45,6 +45,10 @@ std::string_view name(ErrorCode code) {
 
 Error cancelled_error(std::string source) { return {std::move(source), {}, "cancelled", {}, {}, ErrorCode::cancelled}; }
 
+Error out_of_memory_error(std::string source) {
+    return {std::move(source), {}, "out of memory", {}, {}, ErrorCode::unreadable};
+}
+
 void misused(std::string_view what) {
     std::fprintf(stderr, "srbf: a Result was used without looking: %.*s\n", int(what.size()), what.data());
     std::abort();

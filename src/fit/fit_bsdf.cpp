@@ -1,6 +1,9 @@
 // Fits of both sides of a surface.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "base/errors.h"
 #include "base/floating_point.h"
@@ -168,6 +171,11 @@ Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const F
     for (PartFit& fit : outcome.parts)
         measure(fit, inputs[std::size_t(fit.part)], std::get<BsdfModel>(outcome.model.model));
     add_largest_sums(outcome);
+    auto& provenance = outcome.model.provenance;
+    provenance["generator"] = "srbf " SRBF_VERSION;
+    provenance["seed"] = fmt::format("{}", request.seed);
+    for (const PartFit& part : outcome.parts)
+        provenance[fmt::format("error_ratio_of_{}", name(part.part))] = fmt::format("{:.4g}", part.squared_error_ratio);
     return outcome;
 }
 
@@ -187,7 +195,15 @@ Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request
             inputs[p] = {std::move(separated->rest), nullptr}, beams[p] = std::move(separated->beam);
     }
     unite_transmissions(beams);
-    return fit_inputs(inputs, beams, request, progress);
+    try {
+        auto outcome = fit_inputs(inputs, beams, request, progress);
+        if (!outcome) return of_source(outcome.error(), measured);
+        name_source(outcome->model, measured);
+        if (const auto& band = table->band().name; !band.empty()) outcome->model.provenance["band"] = band;
+        return outcome;
+    } catch (const std::bad_alloc&) {
+        return out_of_memory_error(measured.source);
+    }
 }
 
 Result<BsdfOutcome> fit_bsdf(const std::array<Evaluate, k_parts>& parts, const FitRequest& request,

@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <map>
+#include <new>
 #include <tuple>
 
 #include "base/errors.h"
@@ -44,6 +45,17 @@ constexpr double k_matrix_measured = 0.75, k_heldout_measured = 0.9, k_albedo_me
 /// f(wv, wl).
 Evaluate exchanged(const Evaluate& f) {
     return [f](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) { f(wv, wl, values); };
+}
+
+/// Writes the main errors into the model's provenance.
+void record(const Comparison& errors, Model& model) {
+    const auto set = [&](const char* name, double value) { model.provenance[name] = fmt::format("{:.4g}", value); };
+    set("squared_error_ratio", errors.matrix.squared_error_ratio);
+    set("heldout_squared_error_ratio", errors.heldout.squared_error_ratio);
+    set("heldout_squared_error_ratio_cosine", errors.heldout.squared_error_ratio_cosine);
+    set("albedo_error", errors.albedo_error);
+    for (const PictureErrorName& error : k_picture_errors) set(error.name, errors.appearance.mean.*error.member);
+    if (errors.heldout_appearance) set("heldout_delta_e_itp", errors.heldout_appearance->mean.delta_e);
 }
 
 }  // namespace
@@ -94,8 +106,7 @@ Result<FitOutcome> fit_openpbr(const Observations& observations, const FitReques
 
 // ---- The fitter ----
 
-class Fitter::Work {
-  public:
+struct Fitter::Work {
     explicit Work(const Measured& measured)
         : measured_(&measured), signed_(signed_evaluator(measured)), clamped_(evaluator(measured)) {}
     explicit Work(Evaluate f) : signed_(std::move(f)) {
@@ -105,48 +116,6 @@ class Fitter::Work {
         };
     }
 
-    Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress) {
-        const auto start = std::chrono::steady_clock::now();
-        if (const auto valid = validate(request); !valid) return valid.error();
-        auto outcome = samples() ? fit_to(*samples(), request, progress) : fit_table(request, progress);
-        return finished(std::move(outcome), request, start, progress);
-    }
-
-    Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress) {
-        const auto start = std::chrono::steady_clock::now();
-        if (const auto valid = validate(request); !valid) return valid.error();
-        if (!std::holds_alternative<PmRequest>(request.model) || draft < 0 || draft >= k_drafts)
-            return argument_error("fit", "draft", "one of a multivariate model", "another");
-        auto outcome = samples() ? draft_to(*samples(), request, draft == 0, progress)
-                                 : draft_table(request, k_draft[draft], progress);
-        return finished(std::move(outcome), request, start, progress);
-    }
-
-    Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
-        const StandardArithmetic mode;
-        Evaluate reference = clamped_;
-        if (samples()) {
-            const auto at = sample_observations_.find(key(request));
-            if (at != sample_observations_.end() && at->second.completion) {
-                reference = evaluator(*at->second.completion);
-            } else {
-                auto made = complete(*samples(), request.theta(), request.threads);
-                if (!made) return made.error();
-                reference = evaluator(*std::move(made));
-            }
-        } else {
-            measure_pairs(outcome, request, progress);
-        }
-        if (outcome.errors && !progress.cancelled()) measure_appearance(outcome, reference, request, progress);
-        if (!progress.report("measuring the error", 1)) {
-            outcome.errors.reset(), outcome.unrounded_errors.reset();
-            return cancelled_error("measure");
-        }
-        if (outcome.errors) record(*outcome.errors, outcome.model);  // a draft of a fit to samples has none
-        return Done{};
-    }
-
-  private:
     const ScatteredSamples* samples() const {
         return measured_ ? std::get_if<ScatteredSamples>(&measured_->table) : nullptr;
     }
@@ -166,6 +135,24 @@ class Fitter::Work {
         return Done{};
     }
 
+    /// Measures the errors of `outcome`: of a fit to samples, against these, completed where nothing was measured.
+    Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
+        Evaluate reference = clamped_;
+        if (samples()) {
+            const auto at = sample_observations_.find(key(request));
+            if (at != sample_observations_.end() && at->second.completion) {
+                reference = evaluator(*at->second.completion);
+            } else {
+                auto made = complete(*samples(), request.theta(), request.threads);
+                if (!made) return made.error();
+                reference = evaluator(*std::move(made));
+            }
+        } else {
+            measure_pairs(outcome, request, progress);
+        }
+        if (outcome.errors && !progress.cancelled()) measure_appearance(outcome, reference, request, progress);
+        return Done{};
+    }
     /// The errors over pairs of directions of a fit to a table.
     void measure_pairs(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
         const Channels f = channels_of(request);
@@ -197,17 +184,6 @@ class Fitter::Work {
         if (smoothed_ && !request.spectral)
             outcome.against_smoothed = compare_pictures(smoothed_, std::span(others).first(1), request.threads)[0];
     }
-    /// Writes the main errors into the model's provenance.
-    static void record(const Comparison& errors, Model& model) {
-        const auto set = [&](const char* name, double value) { model.provenance[name] = fmt::format("{:.4g}", value); };
-        set("squared_error_ratio", errors.matrix.squared_error_ratio);
-        set("heldout_squared_error_ratio", errors.heldout.squared_error_ratio);
-        set("heldout_squared_error_ratio_cosine", errors.heldout.squared_error_ratio_cosine);
-        set("albedo_error", errors.albedo_error);
-        for (const PictureErrorName& error : k_picture_errors) set(error.name, errors.appearance.mean.*error.member);
-        if (errors.heldout_appearance) set("heldout_delta_e_itp", errors.heldout_appearance->mean.delta_e);
-    }
-
     /// What is fitted, and what the errors are measured against.
     Channels channels_of(const FitRequest& request) const {
         return request.spectral ? spectra(*measured_) : rgb_channels(clamped_);
@@ -226,6 +202,7 @@ class Fitter::Work {
                                      {"seed", fmt::format("{}", request.seed)}};
         if (const auto* openpbr = std::get_if<OpenPbrRequest>(&request.model))
             outcome->model.provenance["surface"] = name(openpbr->surface);
+        if (measured_) name_source(outcome->model, *measured_);
         return outcome;
     }
 
@@ -413,13 +390,33 @@ Fitter& Fitter::operator=(Fitter&&) noexcept = default;
 Fitter::~Fitter() = default;
 
 Result<FitOutcome> Fitter::fit(const FitRequest& request, const ProgressToken& progress) {
-    return work_->fit(request, progress);
+    const auto start = std::chrono::steady_clock::now();
+    if (const auto valid = work_->validate(request); !valid) return valid.error();
+    const ScatteredSamples* samples = work_->samples();
+    auto outcome = samples ? work_->fit_to(*samples, request, progress) : work_->fit_table(request, progress);
+    return work_->finished(std::move(outcome), request, start, progress);
 }
+
 Result<FitOutcome> Fitter::draft(const FitRequest& request, int draft, const ProgressToken& progress) {
-    return work_->draft(request, draft, progress);
+    const auto start = std::chrono::steady_clock::now();
+    if (const auto valid = work_->validate(request); !valid) return valid.error();
+    if (!std::holds_alternative<PmRequest>(request.model) || draft < 0 || draft >= k_drafts)
+        return argument_error("fit", "draft", "one of a multivariate model", "another");
+    const ScatteredSamples* samples = work_->samples();
+    auto outcome = samples ? work_->draft_to(*samples, request, draft == 0, progress)
+                           : work_->draft_table(request, k_draft[draft], progress);
+    return work_->finished(std::move(outcome), request, start, progress);
 }
+
 Result<Done> Fitter::measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
-    return work_->measure(outcome, request, progress);
+    const StandardArithmetic mode;
+    if (const auto measured = work_->measure(outcome, request, progress); !measured) return measured.error();
+    if (!progress.report("measuring the error", 1)) {
+        outcome.errors.reset(), outcome.unrounded_errors.reset();
+        return cancelled_error("measure");
+    }
+    if (outcome.errors) record(*outcome.errors, outcome.model);  // a draft of a fit to samples has none
+    return Done{};
 }
 
 Appearance compare_exchanged(const Evaluate& f, int threads) {
@@ -430,22 +427,31 @@ Appearance compare_exchanged(const Evaluate& f, int threads) {
 
 namespace {
 
-Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
-    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
+/// `outcome` with its errors.
+Result<FitOutcome> with_errors(const Fitter& fitter, Result<FitOutcome> outcome, const FitRequest& request,
+                               const ProgressToken& progress) {
     if (!outcome) return outcome;
     if (const auto within = check_range(outcome->unrounded, "fit"); !within) return within.error();
-    if (const auto measured = fitter.measure(*outcome, request, progress.part(k_fitted, 1)); !measured)
-        return measured.error();
+    if (const auto measured = fitter.measure(*outcome, request, progress); !measured) return measured.error();
     return outcome;
 }
 
 }  // namespace
 
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
-    return fit_and_measure(Fitter(measured), request, progress);
+    try {
+        Fitter fitter(measured);
+        auto outcome = fitter.fit(request, progress.part(0, k_fitted));
+        outcome = with_errors(fitter, std::move(outcome), request, progress.part(k_fitted, 1));
+        return outcome ? std::move(outcome) : of_source(outcome.error(), measured);
+    } catch (const std::bad_alloc&) {
+        return out_of_memory_error(measured.source);
+    }
 }
 Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress) {
-    return fit_and_measure(Fitter(std::move(f)), request, progress);
+    Fitter fitter(std::move(f));
+    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
+    return with_errors(fitter, std::move(outcome), request, progress.part(k_fitted, 1));
 }
 
 std::vector<Vec3f> matrix_directions(const Model& model, double theta_max) {

@@ -52,6 +52,18 @@ inline Step step_of(const PmModel& model, double error, bool whole) {
     return {model.form, model.axial, model.lobes, model.variates, payload_bytes(model), error, whole};
 }
 
+/// Writes the file of a measurement into a model of it, and that light and viewer were exchanged.
+inline void name_source(Model& model, const Measured& measured) {
+    if (!measured.source.empty())
+        model.provenance["source"] = measured.source.substr(measured.source.find_last_of('/') + 1);
+    if (measured.exchanged) model.provenance["exchanged"] = k_exchanged;
+}
+/// `error`, of the file of the measurement.
+inline Error of_source(Error error, const Measured& measured) {
+    if (!measured.source.empty()) error.source = measured.source;
+    return error;
+}
+
 // What is the same for tables and samples.
 Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress);
 Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& request, const ProgressToken& progress);

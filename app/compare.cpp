@@ -64,9 +64,9 @@ int CompareCommand::of_both_sides(const Subject& a, const Subject& b, double the
 }
 
 int CompareCommand::run() const {
-    const auto a = load(reference, read);
+    const auto a = load_subject(reference, read);
     if (!a) return complain(a.error());
-    const auto b = load(other);
+    const auto b = load_subject(other);
     if (!b) return complain(b.error());
 
     const auto writable = check_outputs({reference, other}, {json == "-" ? "" : json});

@@ -83,7 +83,7 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject)
 }
 
 int ConvertCommand::run() const {
-    auto subject = load(input, read);
+    auto subject = load_subject(input, read);
     if (!subject) return complain(subject.error());
     if (exchange) std::visit([](auto& of) { srbf::exchange(of); }, subject->content);
     if (const auto writable = check_outputs({input}, {output}); !writable) return complain(writable.error());

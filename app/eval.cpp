@@ -39,7 +39,7 @@ std::string rows_of(const Channels& brdf, const Pairs& pairs) {
 
 int run(const std::string& file, const ReadOptions& read, const std::string& pairs_file, const std::string& asked,
         bool exchanged) {
-    auto subject = load(file, read);
+    auto subject = load_subject(file, read);
     if (!subject) return complain(subject.error());
     if (exchanged) std::visit([](auto& of) { exchange(of); }, subject->content);
     if (asked == "spectral" && wavelengths(*subject).empty())

@@ -82,7 +82,7 @@ int ExportCommand::run() const {
     std::vector<std::string> inputs = files;
     std::vector<Subject> models;
     for (const std::string& file : files) {
-        auto subject = load(file);
+        auto subject = load_subject(file);
         if (!subject) return complain(subject.error());
         if (!subject->is_model()) return complain({file, {}, "input", "a model", "a measurement (see --reference)"});
         models.push_back(*std::move(subject));
@@ -92,7 +92,7 @@ int ExportCommand::run() const {
     std::optional<Subject> measured;
     if (!reference.empty()) {
         inputs.push_back(reference);
-        auto subject = load(reference);
+        auto subject = load_subject(reference);
         if (!subject) return complain(subject.error());
         if (subject->is_model()) return complain({reference, {}, "reference", "a measurement", "a model"});
         if (is_two_sided(subject->content))

@@ -74,7 +74,7 @@ int FitCommand::run() const { return into_folder() ? fit_files(folder_fit()) : f
 
 Result<Measured> load_measured(FileFit& fit) {
     const Stopwatch loading;
-    auto subject = load(fit.input, fit.read);
+    auto subject = load_subject(fit.input, fit.read);
     if (!subject) return subject.error();
     auto* measured = std::get_if<Measured>(&subject->content);
     if (!measured) return Error{fit.input, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};

@@ -90,7 +90,7 @@ void print_path(const FitRequest& request, const FitOutcome& outcome) {
     const bool is_ratio = !is_delta_e && measure_named_for(request.objective).is_ratio;
     fmt::print("\n  {:>9}  {:>10}   {}\n", "bytes", is_delta_e ? "Delta E" : is_ratio ? "error, %" : "error", "tried");
     double least = std::numeric_limits<double>::infinity();
-    for (const Step& step : outcome.path) {
+    for (const Trial& step : outcome.path) {
         if (!step.whole && step.error >= least) continue;
         least = std::min(least, step.error);
         fmt::print("  {:>9}  {:>10.4g}   {}, {} lobes, {} variates, {}{}\n", step.bytes,
@@ -129,7 +129,7 @@ double degrees(double angle) { return std::round(angle / k_degree * 1e9) / 1e9; 
 /// What the fit of a request follows between samples.
 std::string_view followed(const FitRequest& request) {
     if (request.objective == Objective::relative) return "microfacets";
-    return completes(request) ? "microfacet models" : "interpolated values";
+    return fills_gaps(request) ? "microfacet models" : "interpolated values";
 }
 
 /// Says which predicts left-out samples better, lobes or GGX.
@@ -196,7 +196,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
         json[of.key] = of.value;
         json["reached"] = outcome.reached;
     }
-    for (const Step& step : outcome.path)
+    for (const Trial& step : outcome.path)
         json["path"].push_back({{"bytes", step.bytes},
                                 {"error", step.error},
                                 {"form", stored_name(step.form)},

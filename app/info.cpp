@@ -192,7 +192,8 @@ void print_behaviour(const Subject& subject) {
     print_row("peak", peak_text(measured ? peak_of(*measured) : peak_of(brdf)));
     const Evaluate exchanged[] = {[&](auto wl, auto wv, auto f) { brdf(wv, wl, f); }};
     constexpr double max_theta = 80;
-    const Measures reciprocity = measure_heldout(brdf, exchanged, {max_theta * k_degree, 0})[0];
+    const Measures reciprocity =
+        compare(brdf, exchanged, {.max_theta = max_theta * k_degree, .pictures = false}, {})[0].heldout;
     print_row("reciprocity error", fmt::format("{} of f cosθl, squared, between f(wl, wv) and f(wv, wl), θ ≤ {}°",
                                                percent(reciprocity.squared_error_ratio_cosine), max_theta));
     if (const auto repeats = repeatability(subject.content)) print_row("repeats", repeats_text(*repeats));
@@ -295,7 +296,7 @@ int describe_stack(std::span<const std::byte> bytes, const std::string& file) {
 }
 
 int run(const std::string& file, const ReadOptions& read) {
-    const auto subject = load(file, read);
+    const auto subject = load_subject(file, read);
     if (!subject && subject.error().code == ErrorCode::wrong_kind) {
         const auto bytes = read_file(file);
         if (!bytes) return complain(bytes.error());

@@ -45,7 +45,7 @@ double fitted_theta(const Subject& subject) {
     return theta >= 1 && theta <= 90 ? theta : 0;
 }
 
-Result<Subject> load(const std::string& path, const ReadOptions& options) {
+Result<Subject> load_subject(const std::string& path, const ReadOptions& options) {
     auto loaded = load_brdf(path, options);
     if (!loaded) return loaded.error();
     if (const auto* measured = std::get_if<Measured>(&*loaded))

@@ -31,7 +31,7 @@ Channels channels(const Subject& subject);
 double fitted_theta(const Subject& subject);
 
 /// Loads a file, and prints what its reader masked or assumed to standard error.
-Result<Subject> load(const std::string& path, const ReadOptions& options = {});
+Result<Subject> load_subject(const std::string& path, const ReadOptions& options = {});
 /// The library in a file; none if it holds something else.
 Result<std::optional<Library>> library_in(const std::string& path);
 

@@ -75,8 +75,10 @@ PageMaterial measured_material(Page& page, const Subject& reference, const Measu
         for (std::size_t i = 0; i < f.size(); ++i)
             for (int c = 0; c < 3; ++c) f[i][c] = (f[i][c] + exchanged[i][c]) / 2;
     };
+    MeasureOptions numbers = options;
+    numbers.pictures = false;
     const auto lost = [&](const Evaluate& against) {
-        return percent(measure_heldout(against, drawn, options)[0].squared_error_ratio_cosine);
+        return percent(compare(against, drawn, numbers, {})[0].heldout.squared_error_ratio_cosine);
     };
     page.picture_note = fmt::format(
         "The picture of the measurement is drawn from a table of {} × {} × {} colours made of the file, so that "
@@ -99,36 +101,34 @@ void add_errors(Page& page, const Subject& reference, const std::vector<Subject>
     const Evaluate measured = evaluator(reference);
     std::vector<Evaluate> others;
     for (const Subject& model : models) others.push_back(evaluator(model));
-    const std::vector<Measures> errors = measure_heldout(measured, others, options);
-    const std::vector<double> albedo = albedo_errors(measured, others, options);
+    const std::vector<Comparison> errors = compare(measured, others, options, {});
     const auto add_row = [&](const char* name, const char* meaning, auto&& text_of) {
         Page::Row& row = page.table.emplace_back(Page::Row{name, meaning, {"–"}});
         for (std::size_t k = 0; k < models.size(); ++k) row.cells.push_back(text_of(k));
     };
-    const std::vector<Appearance> seen = compare_pictures(measured, others);
     add_row(
         "visible error",
         "how different pictures of a sphere look beside the measurement's: ΔE_ITP, of which 1 is just noticeable, mean "
         "over eight lightings, and the worst of them; of the measurement, where light and viewer are exchanged",
         [&](std::size_t k) {
-            return fmt::format("{:.2g} (worst {:.2g}): {}", seen[k].mean.delta_e, seen[k].worst_delta_e,
-                               words(verdict(seen[k].mean)));
+            return fmt::format("{:.2g} (worst {:.2g}): {}", errors[k].appearance.mean.delta_e,
+                               errors[k].appearance.worst_delta_e, words(verdict(errors[k].appearance.mean)));
         });
     if (const auto repeats = repeatability(reference.content))
         page.table.back().cells[0] =
             fmt::format("{:.2g} (worst {:.2g})", repeats->mean.delta_e, repeats->worst_delta_e);
     add_row("image error", "what reaches an image: squared error ratio of f cosθl, each view by its cosine",
-            [&](std::size_t k) { return percent(errors[k].squared_error_ratio_cosine); });
+            [&](std::size_t k) { return percent(errors[k].heldout.squared_error_ratio_cosine); });
     add_row("dark-part error", "nearer to the eye, which sees the dark parts too: the same ratio of the cube root of f",
-            [&](std::size_t k) { return percent(errors[k].cube_root_error_ratio); });
+            [&](std::size_t k) { return percent(errors[k].heldout.cube_root_error_ratio); });
     add_row("raw error",
             "the same ratio of f itself, dominated by grazing angles, where f grows without bound and little is seen",
-            [&](std::size_t k) { return percent(errors[k].squared_error_ratio); });
+            [&](std::size_t k) { return percent(errors[k].heldout.squared_error_ratio); });
     add_row("log error", "root mean square of the differences of log(1 + f cosθl)",
-            [&](std::size_t k) { return fmt::format("{:.4f}", errors[k].log_rms_cosine); });
+            [&](std::size_t k) { return fmt::format("{:.4f}", errors[k].heldout.log_rms_cosine); });
     add_row("albedo error",
             "largest relative error of the share of light that comes back at all, from 0, 30, 60 and 75°",
-            [&](std::size_t k) { return percent(albedo[k]); });
+            [&](std::size_t k) { return percent(errors[k].albedo_error); });
     page.table_note = fmt::format(
         "Against the measurement, at 200,000 pairs of directions within {:g}° of the normal that no fit has seen: what "
         "srbf compare --max-theta {:g} calls held out.",

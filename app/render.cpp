@@ -177,7 +177,7 @@ Result<Loaded> load_pictured(const std::string& file) {
     auto map = library_in(file);
     if (!map) return map.error();
     if (*map && (*map)->dense() && (*map)->width > 0) return Loaded(**std::move(map));
-    auto subject = load(file);
+    auto subject = load_subject(file);
     if (!subject) return subject.error();
     return Loaded(*std::move(subject));
 }

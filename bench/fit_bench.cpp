@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/floating_point.h"
+#include "errors/measures.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "srbf/measured.h"
@@ -48,7 +49,8 @@ void fit(benchmark::State& state, const std::string& name) {
         state.counters[stage] = benchmark::Counter(time, benchmark::Counter::kAvgIterations);
     const Evaluate others[] = {evaluator(model)};
     const MeasureOptions within{default_max_theta(observing.objective), 0};
-    state.counters["error_percent"] = 100 * measure_heldout(evaluator(measured), others, within)[0].squared_error_ratio;
+    state.counters["error_percent"] =
+        100 * measure_heldout(rgb_channels(evaluator(measured)), rgb_channels(others), within)[0].squared_error_ratio;
     state.counters["bytes"] = double(payload_bytes(model));
 }
 

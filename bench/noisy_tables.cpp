@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "errors/measures.h"
 #include "srbf/fit.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"

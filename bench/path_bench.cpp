@@ -59,7 +59,7 @@ void path(benchmark::State& state, const PreparedBrdf& brdf) {
     const Mesh ground = ground_below(mesh, camera.up);
     PathScene scene{{{&mesh, 0}, {&ground, 1}}, {brdf, diffuse({0.35f, 0.35f, 0.35f})}, camera, {}, {}, &studio};
     PathScene twice = scene;
-    twice.materials[0] = prepare(Twice{brdf}, brdf.proposal());
+    twice.materials[0] = prepare(Twice{brdf}, proposal(brdf));
     std::uint64_t rays = 0;
     double once_best = 1e30, twice_best = 1e30;
     for (auto _ : state) {

@@ -107,7 +107,7 @@ Result<AtWorst> at_worst(const std::string& path) {
     const PreparedBrdf brdf = std::visit([](const auto& of) { return prepare(of, ProposeOptions{}); }, *loaded);
     AtWorst of{std::filesystem::path(path).stem().string(),
                std::holds_alternative<Measured>(*loaded),
-               std::holds_alternative<TableProposal>(brdf.proposal()),
+               std::holds_alternative<TableProposal>(proposal(brdf)),
                0,
                0,
                0,
@@ -116,15 +116,15 @@ Result<AtWorst> at_worst(const std::string& path) {
     std::vector<double> variances;
     for (double theta = 0; theta < 90; theta += theta < 84 ? 3 : 0.7) {
         const Vec3f wv = to_float(spherical(theta * k_degree, 0.3));
-        if (const double share = lost(brdf.proposal(), wv, 1 << 14); share > of.lost)
+        if (const double share = lost(proposal(brdf), wv, 1 << 14); share > of.lost)
             of.lost = share, of.lost_at = theta;
         if (theta > 85) continue;
-        variances.push_back(variance(evaluator(brdf), brdf.proposal(), wv, 1 << 15));
+        variances.push_back(variance(evaluator(brdf), proposal(brdf), wv, 1 << 15));
         if (variances.back() > of.largest) of.largest = variances.back(), of.largest_at = theta;
     }
     for (const double theta : {87.0, 89.4})
         of.grazing.push_back(
-            variance(evaluator(brdf), brdf.proposal(), to_float(spherical(theta * k_degree, 0.3)), 1 << 15));
+            variance(evaluator(brdf), proposal(brdf), to_float(spherical(theta * k_degree, 0.3)), 1 << 15));
     std::ranges::sort(variances);
     of.median = variances[variances.size() / 2];
     of.variances = std::move(variances);

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "errors/measures.h"
 #include "models/su/fit_su.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
@@ -63,9 +64,9 @@ void fit(benchmark::State& state) {
     for (const auto& [stage, milliseconds] : stages)
         state.counters[stage] = benchmark::Counter(milliseconds, benchmark::Counter::kAvgIterations);
     const Evaluate others[] = {evaluator(fitted)};
-    state.counters["error_percent"] =
-        100 *
-        measure_matrix(evaluator(measured()), others, {80 * k_degree, 0}, fitted.direction)[0].squared_error_ratio;
+    state.counters["error_percent"] = 100 * measure_matrix(rgb_channels(evaluator(measured())), rgb_channels(others),
+                                                           {80 * k_degree, 0}, fitted.direction)[0]
+                                                .squared_error_ratio;
 }
 BENCHMARK(fit)
     ->ArgNames({"J", "threads"})

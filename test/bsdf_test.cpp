@@ -26,7 +26,7 @@ TEST(Bsdf, PartsAnswerInTheirFrames) {
     std::array<int, k_parts> asked{};
     std::vector<Vec3f> lights, views;
     for (const auto& [wl, wv] : random_pairs(400)) {
-        const auto at = folded(wl, wv);
+        const auto at = to_part_frame(wl, wv);
         ASSERT_TRUE(at.has_value());
         ++asked[std::size_t(at->part)];
         EXPECT_EQ(is_transmission(at->part), wl.z * wv.z < 0);
@@ -34,7 +34,7 @@ TEST(Bsdf, PartsAnswerInTheirFrames) {
         EXPECT_EQ(to_side(at->wl, side_of_light(at->part)), wl);
         EXPECT_EQ(to_side(at->wv, side_of_viewer(at->part)), wv);
         EXPECT_EQ(value(model, wl, wv), value(*parts[std::size_t(at->part)], at->wl, at->wv));
-        EXPECT_EQ(folded(wl, {-wl.x, -wl.y, -wl.z})->wv, mirror(folded(wl, wl)->wl));
+        EXPECT_EQ(to_part_frame(wl, {-wl.x, -wl.y, -wl.z})->wv, mirror(to_part_frame(wl, wl)->wl));
         lights.push_back(wl), views.push_back(wv);
     }
     for (const int n : asked) EXPECT_GT(n, 50);
@@ -43,7 +43,7 @@ TEST(Bsdf, PartsAnswerInTheirFrames) {
     for (std::size_t i = 0; i < f.size(); ++i)
         for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, f[i][c], value(model, lights[i], views[i])[c], 1e-5);
     EXPECT_EQ(value(model, {1, 0, 0}, {0, 0, 1}), Rgb{});
-    EXPECT_FALSE(folded({1, 0, 1e-40f}, {0, 0, 1}).has_value());
+    EXPECT_FALSE(to_part_frame({1, 0, 1e-40f}, {0, 0, 1}).has_value());
 }
 
 /// A part that is empty is answered by its counterpart: transmission is then reciprocal.

@@ -1,5 +1,6 @@
 // Selection of a model by bytes or by visible error.
 #include "srbf/choose.h"
+#include "errors/measures.h"
 
 #include "fit/choose.h"
 #include "models.h"
@@ -25,7 +26,8 @@ class Choose : public testing::Test {
     }
     double error(const PmModel& model) const {
         const Evaluate others[] = {evaluator(model)};
-        return measure_heldout(evaluator(truth_), others, {80 * k_degree, 0}, 20000)[0].squared_error_ratio;
+        return measure_heldout(rgb_channels(evaluator(truth_)), rgb_channels(others), {80 * k_degree, 0}, 20000)[0]
+            .squared_error_ratio;
     }
     Result<Chosen> choose(const SizeGoal& goal) const {
         return choose_pm(observed_, options_, goal, [&](const PmModel& model, bool) { return error(model); });
@@ -46,7 +48,7 @@ TEST_F(Choose, TheBudgetIsKeptAndUsed) {
         EXPECT_LE(now, last);
         last = now;
         // It is the best of the full fits.
-        for (const Step& step : chosen->path) {
+        for (const Trial& step : chosen->path) {
             if (step.whole && step.bytes <= bytes) {
                 EXPECT_GE(step.error, now * 0.999);
             }
@@ -61,7 +63,7 @@ TEST_F(Choose, TheSmallestModelThatReachesATargetIsTaken) {
     EXPECT_TRUE(chosen->reached);
     EXPECT_LE(error(chosen->fit.model), 1e-3);
     EXPECT_LE(payload_bytes(chosen->fit.model), payload_bytes(truth_));
-    for (const Step& step : chosen->path) {
+    for (const Trial& step : chosen->path) {
         if (step.whole && step.error <= 1e-3) {
             EXPECT_GE(step.bytes, payload_bytes(chosen->fit.model));
         }
@@ -73,7 +75,7 @@ TEST_F(Choose, ThePathIsInOrderAndEachModelStandsOnce) {
     ASSERT_TRUE(chosen.ok());
     EXPECT_GT(chosen->path.size(), 6u);
     for (std::size_t i = 1; i < chosen->path.size(); ++i) {
-        const Step &a = chosen->path[i - 1], &b = chosen->path[i];
+        const Trial &a = chosen->path[i - 1], &b = chosen->path[i];
         EXPECT_LE(a.bytes, b.bytes);
         EXPECT_FALSE(a.form == b.form && a.lobes == b.lobes && a.variates == b.variates && a.axial == b.axial);
     }

@@ -2,6 +2,7 @@
 #include <regex>
 
 #include "command.h"
+#include "errors/measures.h"
 #include "models.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
@@ -62,7 +63,8 @@ TEST_F(OfModel, export_writes_a_page_or_nothing) {
     ASSERT_TRUE(measured && model);
     const Evaluate others[] = {evaluator(*model)};
     const double error =
-        measure_heldout(evaluator(*measured), others, {89 * k_degree, 0})[0].squared_error_ratio_cosine;
+        measure_heldout(rgb_channels(evaluator(*measured)), rgb_channels(others), {89 * k_degree, 0})[0]
+            .squared_error_ratio_cosine;
     EXPECT_NE(html.find(fmt::format("<td>{:.3g} %</td>", 100 * error)), html.npos);
     EXPECT_LT(html.size(), 3'000'000u);
     EXPECT_LT(contents(folder / "alone.html").size(), html.size());

@@ -1,5 +1,6 @@
 // Conversion of BRDFs to tables, and the files of the formats.
 #include "srbf/convert.h"
+#include "errors/measures.h"
 
 #include "measured/formats/warp.h"
 #include "measured_files.h"
@@ -31,7 +32,8 @@ PmModel glossy() {
 
 double ratio(const Evaluate& reference, const Evaluate& other) {
     const Evaluate others[] = {other};
-    return measure_heldout(reference, others, {80 * k_degree, 0}, 50000)[0].squared_error_ratio;
+    return measure_heldout(rgb_channels(reference), rgb_channels(others), {80 * k_degree, 0}, 50000)[0]
+        .squared_error_ratio;
 }
 
 TEST(Convert, MerlTablesAreWrittenAndReadAgain) {

@@ -184,11 +184,11 @@ TEST(FitBsdf, AveragesOverPatches) {
 TEST(FitBsdf, IsAskedForByName) {
     const auto shade = read_measured(as_bytes(small_shade()), "shade.xml");
     ASSERT_TRUE(shade.ok()) << message(shade.error());
-    const std::string expected = "fit: measurement: expected a BRDF, found reflection and transmission, for fit_bsdf";
+    const std::string expected = "measurement: expected a BRDF, found reflection and transmission, for fit_bsdf";
     const auto fitted = fit(*shade, {});
     ASSERT_FALSE(fitted.ok());
-    EXPECT_EQ(message(fitted.error()), expected);
-    EXPECT_EQ(message(Fitter(*shade).draft({}, 0).error()), expected);
+    EXPECT_EQ(message(fitted.error()), "shade.xml: " + expected);
+    EXPECT_EQ(message(Fitter(*shade).draft({}, 0).error()), "fit: " + expected);
 }
 
 TEST(FitBsdf, SmallShade) {

@@ -1,5 +1,6 @@
 // Fits to scattered samples: folds, spacing, errors away from the samples.
-#include "samples/completed_samples.h"
+#include "errors/measures.h"
+#include "samples/gap_filled_samples.h"
 
 #include <functional>
 #include <set>
@@ -375,9 +376,9 @@ Evaluate as_brdf(Rgb (*f)(Vec3d, Vec3d)) {
     };
 }
 
-TEST(CompletedSamples, AreTheSamplesAtTheSamplesAndBoundedElsewhere) {
+TEST(GapFilledSamples, AreTheSamplesAtTheSamplesAndBoundedElsewhere) {
     const ScatteredSamples samples = taken_by_goniometer(coated);
-    const auto completed = complete(samples, k_cap);
+    const auto completed = fill_gaps(samples, k_cap);
     ASSERT_TRUE(completed.ok());
     double peak = 0;
     for (std::size_t i = 0; i < samples.wl.size(); ++i) {
@@ -403,28 +404,28 @@ TEST(CompletedSamples, AreTheSamplesAtTheSamplesAndBoundedElsewhere) {
         for (int c = 0; c < 3; ++c)
             EXPECT_TRUE(f[c] >= 0 && double(f[c]) * double(wl.z) * double(wv.z) <= 1.0001 * most);
     }
-    const auto of_one = complete(samples, k_cap, 0, true);
+    const auto of_one = fill_gaps(samples, k_cap, 0, true);
     ASSERT_TRUE(of_one.ok());
     EXPECT_TRUE(near(of_one->most, 1.6 * peak, 1e-5 * peak) && of_one->allowed == of_one->most);
 }
 
-TEST(CompletedSamples, OfAMicrofacetModelAreThatModel) {
+TEST(GapFilledSamples, OfAMicrofacetModelAreThatModel) {
     static const GgxModel paint{{0.3f, 0.1f, 0.05f}, {{0.08f, {0.05f, 0.05f, 0.05f}, 0.8f}}};
     const ScatteredSamples samples =
         taken_by_goniometer([](Vec3d wl, Vec3d wv) { return value(paint, to_float(wl), to_float(wv)); });
-    const auto completed = complete(samples, k_cap);
+    const auto completed = fill_gaps(samples, k_cap);
     ASSERT_TRUE(completed.ok());
     const Evaluate others[] = {evaluator(*completed), evaluator(Measured{"", "", 0, samples})};
-    const auto errors = measure_heldout(evaluator(paint), others, {k_cap}, 20000);
+    const auto errors = measure_heldout(rgb_channels(evaluator(paint)), rgb_channels(others), {k_cap}, 20000);
     EXPECT_LT(errors[0].squared_error_ratio, 0.001);
     EXPECT_GT(errors[1].squared_error_ratio, 0.1);  // of the interpolated samples
 }
 
-TEST(CompletedSamples, LeaveHighlightsToGgxIfFoldsPreferIt) {
+TEST(GapFilledSamples, LeaveHighlightsToGgxIfFoldsPreferIt) {
     const ScatteredSamples samples = taken_by_goniometer(coated);
-    const auto without = complete(samples, k_cap);
+    const auto without = fill_gaps(samples, k_cap);
     ASSERT_TRUE(without.ok());
-    CompletedSamples with = *without;
+    GapFilledSamples with = *without;
     with.continuation = {1, 0.05};
     std::mt19937_64 random(11);
     int bright = 0, dark = 0;
@@ -444,7 +445,7 @@ TEST(CompletedSamples, LeaveHighlightsToGgxIfFoldsPreferIt) {
     EXPECT_GT(bright, 20);
     EXPECT_GT(dark, 20);
 
-    CompletedSamples lowered = with;
+    GapFilledSamples lowered = with;
     lowered.continuation.share = 0.8;
     const Vec3f mirrored = to_float(spherical(60 * k_degree, 0.0)), viewer = to_float(spherical(60 * k_degree, k_pi));
     const Rgb g = value(with.priors[1], mirrored, viewer);
@@ -452,9 +453,9 @@ TEST(CompletedSamples, LeaveHighlightsToGgxIfFoldsPreferIt) {
 
     const auto fold = assign_folds(samples, k_cap, 0);
     ASSERT_TRUE(fold.ok());
-    const auto without_each = complete_without_folds(samples, *fold, k_cap);
+    const auto without_each = fill_gaps_without_folds(samples, *fold, k_cap);
     ASSERT_TRUE(without_each.ok() && without_each->size() == std::size_t(k_folds));
-    for (const CompletedSamples& others : *without_each)
+    for (const GapFilledSamples& others : *without_each)
         EXPECT_EQ(words(others.continuation), words(without_each->front().continuation));
     EXPECT_EQ(words(Continuation{}), "neighbours");
     EXPECT_EQ(words(lowered.continuation), "0.8 times one lobe of GGX");
@@ -499,13 +500,13 @@ ScatteredSamples with_noise(ScatteredSamples samples, const std::function<Rgb(Ve
 }
 
 // A lobe narrower than the gap between samples would cost nothing at them, and be a highlight that nobody measured.
-TEST(CompletedSamples, OfAMatteSurfaceHaveNoHighlight) {
+TEST(GapFilledSamples, OfAMatteSurfaceHaveNoHighlight) {
     constexpr double noise = 0.01, lambert[] = {0.1592, 0.1273, 0.0955};
     const auto matte = [&](Vec3d, Vec3d) { return Rgb{float(lambert[0]), float(lambert[1]), float(lambert[2])}; };
     for (const ScatteredSamples& layout : layouts_without_mirror())
         for (std::uint64_t seed = 0; seed < 20; ++seed)
             for (const bool of_one : {false, true}) {
-                const auto completed = complete(with_noise(layout, matte, noise, seed), k_cap, 0, of_one);
+                const auto completed = fill_gaps(with_noise(layout, matte, noise, seed), k_cap, 0, of_one);
                 ASSERT_TRUE(completed.ok());
                 EXPECT_EQ(words(*completed), k_no_highlight);
                 for (int theta = 0; theta <= 75; theta += 15) {
@@ -539,13 +540,13 @@ TEST(FitToSamples, OfAMatteSurfaceHasNoHighlight) {
         }
 }
 
-TEST(CompletedSamples, APeakIsAtMostFourTimesWhatIsMeasuredBesideIt) {
+TEST(GapFilledSamples, APeakIsAtMostFourTimesWhatIsMeasuredBesideIt) {
     // A highlight of which samples show the skirt alone.
     static const GgxModel narrow{{0.1f, 0.1f, 0.1f}, {{0.02f, {0.05f, 0.05f, 0.05f}, 0.05f}}};
     const auto f = [](Vec3d wl, Vec3d wv) { return value(narrow, to_float(wl), to_float(wv)); };
     for (const ScatteredSamples& layout : layouts_without_mirror()) {
         const ScatteredSamples samples = with_noise(layout, f, 0.01, 1);
-        const auto completed = complete(samples, k_cap);
+        const auto completed = fill_gaps(samples, k_cap);
         ASSERT_TRUE(completed.ok());
         double largest = 0;  // f A
         for (std::size_t i = 0; i < samples.wl.size(); ++i)
@@ -561,7 +562,7 @@ TEST(CompletedSamples, APeakIsAtMostFourTimesWhatIsMeasuredBesideIt) {
     }
 }
 
-TEST(CompletedSamples, SupportNoNarrowerLobeThanTheirHalfVectors) {
+TEST(GapFilledSamples, SupportNoNarrowerLobeThanTheirHalfVectors) {
     const auto pairs_at = [](std::initializer_list<double> theta_h) {
         std::pair<std::vector<Vec3f>, std::vector<Vec3f>> pairs;
         for (const double theta : theta_h) {  // 30° on either side of the half vector, across its plane
@@ -599,8 +600,10 @@ TEST(FitToSamples, GapsLookLikeTheMaterial) {
         const auto fit = fit_pm(*observations, how);
         ASSERT_TRUE(fit.ok());
         const Evaluate others[] = {evaluator(fit->model)};
-        cosine += measure_heldout(truth, others, {k_cap}, 20000)[0].squared_error_ratio_cosine / seeds;
-        albedo += albedo_error(truth, others[0], k_cap) / seeds;
+        cosine +=
+            measure_heldout(rgb_channels(truth), rgb_channels(others), {k_cap}, 20000)[0].squared_error_ratio_cosine /
+            seeds;
+        albedo += albedo_errors(truth, others, {k_cap})[0] / seeds;
         const Appearance seen = compare_pictures(truth, others, 0, {}, 32)[0];
         delta_e += seen.mean.delta_e / seeds;
         worst += seen.worst_delta_e / seeds;
@@ -623,7 +626,7 @@ TEST(FitToSamples, HighlightsOfTheHorizonAreNoBrighterThanCompleted) {
     ASSERT_TRUE(fit.ok());
     for (int theta = 70; theta <= 88; ++theta) {
         const Vec3f wl = to_float(spherical(theta * k_degree, 0.0)), wv = to_float(spherical(theta * k_degree, k_pi));
-        EXPECT_LT(value(fit->model, wl, wv).g, 1.2f * value(*observations->completion, wl, wv).g) << theta;
+        EXPECT_LT(value(fit->model, wl, wv).g, 1.2f * value(*observations->gap_filled, wl, wv).g) << theta;
     }
 }
 

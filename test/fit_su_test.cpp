@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "errors/measures.h"
 #include "models/su/fit_su.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
@@ -31,11 +32,11 @@ RawMatrix matrix_of(const std::string& name, int directions = 384) {
 double matrix_error(const Evaluate& reference, const SuModel& model,
                     double Measures::*measure = &Measures::squared_error_ratio) {
     const Evaluate others[] = {evaluator(model)};
-    return measure_matrix(reference, others, {k_cap, 0}, model.direction)[0].*measure;
+    return measure_matrix(rgb_channels(reference), rgb_channels(others), {k_cap, 0}, model.direction)[0].*measure;
 }
 double heldout_error(const Evaluate& reference, const SuModel& model) {
     const Evaluate others[] = {evaluator(model)};
-    return measure_heldout(reference, others, {k_cap, 0}, 50000)[0].squared_error_ratio;
+    return measure_heldout(rgb_channels(reference), rgb_channels(others), {k_cap, 0}, 50000)[0].squared_error_ratio;
 }
 
 /// A model with J lobes per view that are separated in the upper hemisphere: independent for each view, or the same
@@ -115,7 +116,8 @@ TEST(FitSu, FollowsTheAlbedoWherePicturesCount) {
     const RawMatrix matrix = matrix_of(name);
     const auto error = [&](Objective objective) {
         const auto fit = fit_su(matrix, {.lobes = 4, .objective = objective, .max_theta = k_cap});
-        return albedo_error(evaluator(bundled(name)), evaluator(fit->model), k_cap);
+        const Evaluate others[] = {evaluator(fit->model)};
+        return albedo_errors(evaluator(bundled(name)), others, {k_cap})[0];
     };
     const double followed = error(Objective::appearance);
     EXPECT_LT(followed, 0.04);

@@ -1,4 +1,5 @@
 // The fit: recovery of synthetic input, documented properties, errors.
+#include "errors/measures.h"
 #include "models/pm/search/fit_pm.h"
 
 #include <map>
@@ -55,7 +56,8 @@ TEST(Fit, RecoversTheModelThatMadeTheData) {
             const auto fit = fit_pm(observed(evaluator(model)), short_search(PmForm::gaussian, lobes, variates));
             ASSERT_TRUE(fit);
             const Evaluate others[] = {evaluator(fit->unrounded)};
-            const auto error = measure_heldout(evaluator(model), others, {80 * k_degree, 0})[0];
+            const auto error =
+                measure_heldout(rgb_channels(evaluator(model)), rgb_channels(others), {80 * k_degree, 0})[0];
             EXPECT_LE(error.squared_error_ratio, 1e-8) << lobes << " lobes, " << variates << " variates";
         }
 }
@@ -97,7 +99,8 @@ TEST(Fit, OfScaledDataIsTheScaledFit) {
         evaluator(a->unrounded)(wl, wv, f);
         for (Rgb& x : f) x = {4 * x.r, 4 * x.g, 4 * x.b};
     };
-    EXPECT_LE(measure_heldout(reference, others, {80 * k_degree, 0})[0].squared_error_ratio, 1e-6);
+    EXPECT_LE(measure_heldout(rgb_channels(reference), rgb_channels(others), {80 * k_degree, 0})[0].squared_error_ratio,
+              1e-6);
 }
 
 TEST(Fit, DoesNotDependOnTheUnitOfTheData) {
@@ -147,7 +150,7 @@ const Fitted& fitted(const char* name) {
     const Measured& measured = bundled(name);
     PmFit fit = *fit_pm(observed(signed_evaluator(measured)), FitOptions{.form = PmForm::gaussian});
     const Evaluate others[] = {evaluator(fit.model), evaluator(fit.unrounded)};
-    const auto measures = measure_heldout(evaluator(measured), others, {80 * k_degree, 0});
+    const auto measures = measure_heldout(rgb_channels(evaluator(measured)), rgb_channels(others), {80 * k_degree, 0});
     return all.emplace(name, Fitted{measured, std::move(fit), measures[0], measures[1]}).first->second;
 }
 
@@ -166,7 +169,8 @@ TEST(Fit, OfFurtherFormsIsBetterByFar) {
             ASSERT_TRUE(fit);
             EXPECT_LE(payload_bytes(fit->model), 160u);
             const Evaluate others[] = {evaluator(fit->model), evaluator(fit->unrounded)};
-            const auto m = measure_heldout(evaluator(bundled(name)), others, {80 * k_degree, 0});
+            const auto m =
+                measure_heldout(rgb_channels(evaluator(bundled(name))), rgb_channels(others), {80 * k_degree, 0});
             EXPECT_LE(m[0].squared_error_ratio, bound) << name;
             EXPECT_LE(m[0].squared_error_ratio, 1.1 * m[1].squared_error_ratio) << name;
         }
@@ -192,7 +196,9 @@ TEST(Fit, IsReciprocalIfRequested) {
             EXPECT_TRUE(near_relative(f, swapped, 1e-3));
         }
         const Evaluate others[] = {evaluator(fit->model)};
-        const double error = measure_heldout(evaluator(paper), others, {80 * k_degree, 0})[0].squared_error_ratio;
+        const double error =
+            measure_heldout(rgb_channels(evaluator(paper)), rgb_channels(others), {80 * k_degree, 0})[0]
+                .squared_error_ratio;
         EXPECT_LE(error, form == PmForm::extended ? 0.002 : 0.012) << name(form);
     }
 }
@@ -211,7 +217,7 @@ TEST(Fit, OfEachObjectiveIsTheBestByItsOwnMeasure) {
             fit_pm(*observe(signed_evaluator(film), {objective, cap}), short_search(PmForm::extended, 4, 3));
         ASSERT_TRUE(fit);
         const Evaluate others[] = {evaluator(fit->model)};
-        measures.push_back(measure_heldout(evaluator(film), others, {cap, 0})[0]);
+        measures.push_back(measure_heldout(rgb_channels(evaluator(film)), rgb_channels(others), {cap, 0})[0]);
     }
     for (std::size_t i = 0; i < std::size(own); ++i)
         for (std::size_t k = 0; k < std::size(own); ++k) {
@@ -274,7 +280,8 @@ TEST(Fit, WithoutLogScaleKeepsCoefficientsWithinHalves) {
         EXPECT_EQ(payload_bytes(fit->model), 60u);
         for (const Rgb& beta : fit->unrounded.coefficient) EXPECT_LE(std::max({beta.r, beta.g, beta.b}), k_half_max);
         const Evaluate others[] = {evaluator(fit->model), evaluator(fit->unrounded)};
-        const auto measures = measure_heldout(evaluator(bundled(name)), others, {80 * k_degree, 0});
+        const auto measures =
+            measure_heldout(rgb_channels(evaluator(bundled(name))), rgb_channels(others), {80 * k_degree, 0});
         EXPECT_LE(measures[0].squared_error_ratio, 1.05 * measures[1].squared_error_ratio) << name;
         EXPECT_LE(measures[0].squared_error_ratio, 0.3) << name;
     }

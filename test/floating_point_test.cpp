@@ -1,5 +1,6 @@
 // Few subnormal numbers in the inner loops of the fit, and no dependence of results on the caller's floating-point mode.
 #include "base/floating_point.h"
+#include "errors/measures.h"
 
 #include <atomic>
 #include <bit>
@@ -19,8 +20,8 @@
 #include "properties.h"
 #include "render/environment.h"
 #include "render/mesh.h"
-#include "samples/completed_samples.h"
 #include "samples/fit_pm_to_samples.h"
+#include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
@@ -264,7 +265,7 @@ std::vector<std::vector<std::byte>> results(const Measured& measured, int thread
     const Model models[] = {{fit->model, {}}, {su->model, {}}, {ggx->model, {}}};
     for (const Model& model : models) {
         const Evaluate others[] = {evaluator(model)};
-        const Measures measures = measure_heldout(f, others, {1.5, threads}, 2000)[0];
+        const Measures measures = measure_heldout(rgb_channels(f), rgb_channels(others), {1.5, threads}, 2000)[0];
         all.push_back(bytes_of(std::vector{measures.squared_error_ratio, measures.squared_error_ratio_cosine,
                                            measures.log_rms_cosine, measures.cube_root_error_ratio}));
         const Rgb albedo_at = albedo(others[0], 0.5, 1.5);

@@ -84,27 +84,27 @@ void main() {
     OpenPbrBase base = openpbr_base(surface);
     OpenPbrFacets facets = openpbr_facets(surface, base, wl, wv), filmed = openpbr_film_facets(surface, film, base, wl, wv);
     f += openpbr_value(surface, wl, wv) + openpbr_base_value(surface, base, facets, u.x, wl, wv);
-    f += blended(tinted(wl, wv), wl, u.x) * ggx_stretched_facets(wl, wv, u.x, u.y);
+    f += interpolated(product_of(wl, wv), wl, u.x) * ggx_stretched_facets(wl, wv, u.x, u.y);
     f += openpbr_anisotropic_value(surface, film, OpenPbrAnisotropy(u.x, u.y, 0.5), wl, wv);
     f += openpbr_film_value(surface, film, wl, wv) + openpbr_layers_value(surface, filmed.metal, wl, wv);
-    f *= film_reflectance(film, wl, half_cosine(wl, wv)) + film_colour(u.x, wv) + scattered_again_by(wl, u.x);
+    f *= film_reflectance(film, wl, half_cosine(wl, wv)) + film_colour(u.x, wv) + multiple_scattering_by(wl, u.x);
     f *= film_order(film_base(u.x, 1.4, u.y), u.x, u.y, 0.5) + film_wave(u.x, 1.0, u.y, 0.5) + doubled(u.x) +
          one_minus_cos(u.y) + fifth_power(u.x);
     FacetAlbedo whole = facet_albedo(u.x, alpha_of(u.y));
-    f *= lobe_albedo(whole, normal_reflectance(1.5)) + scattered_again(whole) + dielectric_reflectance(u.x, 1.5);
-    f *= saturated(quadratic(u.x, u.y, 1.0, 2.0)) + roughened(u.x, u.y, 0.5) + metal_reflectance(u.x, 0.1, u.y, 0.5);
+    f *= lobe_albedo(whole, normal_reflectance(1.5)) + multiple_scattering(whole) + dielectric_reflectance(u.x, 1.5);
+    f *= clamped_to_unit(polynomial(u.x, u.y, 1.0, 2.0)) + roughened(u.x, u.y, 0.5) + metal_reflectance(u.x, 0.1, u.y, 0.5);
     f += (eon_share(u.x, u.y) + eon_again(u.x, u.y) + darkened(u.x, 0.5, u.y)) * eon_value(wl, u.x, wl, wv);
     f *= fuzz_albedo(u.x, u.y) + fuzz_value(wl, wv, u.y);
     Stretch map = stretch_along(wv, 0.5);
     f += sample_cosine(u.x, u.y) * cosine_pdf(wl) * power_cosine_pdf(wl, 2.0) * below_power_cosine(0.5, u.x);
-    f += visible_lobe(stretched(wv, map), map.shrink, 8.0, pull_of_visibility(wv, 2.0)).centre;
+    f += visible_lobe(stretched(wv, map), map.inverse, 8.0, visibility_sharpness(wv, 2.0)).centre;
     f += half_vector_pdf(wl, wv, 8.0, map, 2.0) * grown_along(wl, u.x, u.y, sample_below(0.1, 0.0, u.x));
     f += sample_half_vector(wv, 8.0, map, 2.0, u.x, u.y) *
-         proposal_lobe_pdf(5, proposal_point(wl, wv, map, 2.0)) * proposal_bandwidth(1) * proposal_pull(2, 1.0);
+         proposal_lobe_pdf(5, proposal_point(wl, wv, map, 2.0)) * proposal_bandwidth(1) * proposal_sharpness(2, 1.0);
     f += sample_proposal_lobe(2, wv, map, 2.0, u.x, u.y) * half_vector(wl, wv, map).factor;
-    f += folded_pdf(mirror_lobe(wl, 4.0), itself(wl), half_vector(wl, wv, map)) *
+    f += reflected_pdf(mirror_lobe(wl, 4.0), itself(wl), half_vector(wl, wv, map)) *
          half_vector_lobe(wv, 1.0, 8.0, 1.0).centre;
-    f += folded(light_of(sample_sharp_vmf(wl, 0.25, u.x, u.x, u.y), wv)) + off_centre(wl, u.x, u.y);
+    f += reflected_up(light_of(sample_sharp_vmf(wl, 0.25, u.x, u.x, u.y), wv)) + off_centre(wl, u.x, u.y);
     f += times_cosine(wl, 4.0).centre;
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
 }

@@ -89,7 +89,7 @@ Line line_of(const FitOutcome& outcome) {
     for (const auto& errors : {outcome.errors, outcome.unrounded_errors})
         if (errors) figures.add(*errors);
     figures.add(double(outcome.masked)), figures.add(double(outcome.clamped));
-    for (const Step& step : outcome.path) figures.add(step.error);
+    for (const Trial& step : outcome.path) figures.add(step.error);
     // A model of many views is evaluated at fewer pairs than all.
     return {hash_of(outcome.model), figures.text(), digits(outcome.errors->appearance.mean.delta_e),
             digits(outcome.errors->heldout.squared_error_ratio_cosine)};

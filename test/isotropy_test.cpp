@@ -1,5 +1,6 @@
 // Anisotropic data: detection, and fits with general lobes.
 #include "measured/isotropy.h"
+#include "errors/measures.h"
 #include "models/pm/search/fit_pm.h"
 #include "properties.h"
 #include "srbf/directions.h"
@@ -107,7 +108,7 @@ TEST(Isotropy, GeneralLobesFitWhatAxialOnesCannot) {
     EXPECT_EQ(payload_bytes(models[0]), 2u * (8 * (3 + 9 + 5) + 6));
     std::vector<Evaluate> others;
     for (const PmModel& model : models) others.push_back(evaluator(model));
-    const auto measures = measure_heldout(f, others, {80 * k_degree, 0});
+    const auto measures = measure_heldout(rgb_channels(f), rgb_channels(others), {80 * k_degree, 0});
     EXPECT_LE(measures[0].squared_error_ratio, 0.001);
     EXPECT_LE(measures[1].squared_error_ratio, 0.004);
     EXPECT_GE(measures[2].squared_error_ratio, 0.1);

@@ -176,9 +176,9 @@ TEST(Pbr, AlbedosOfLayersAreTheirIntegrals) {
             const GgxModel white{{}, {{alpha, {1, 1, 1}, 1}}};
             const double theta = std::acos(double(cosine));
             const K::FacetAlbedo whole = K::facet_albedo(cosine, alpha);
-            EXPECT_TRUE(near(double(whole.facing + whole.grazing), double(albedo(evaluator(white), theta, k_pi / 2).g),
+            EXPECT_TRUE(near(double(whole.scale + whole.bias), double(albedo(evaluator(white), theta, k_pi / 2).g),
                              cosine < 0.5f ? 0.03 : 0.02))
-                << alpha << ' ' << cosine << ' ' << whole.facing + whole.grazing << ' '
+                << alpha << ' ' << cosine << ' ' << whole.scale + whole.bias << ' '
                 << albedo(evaluator(white), theta, k_pi / 2).g;
         }
     OpenPbrModel fuzz = diffuse_alone({0, 0, 0}, 0);

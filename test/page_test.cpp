@@ -228,7 +228,7 @@ TEST(Slices, OfBothSidesGoAllAround) {
     const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
         constexpr float of_part[] = {10, 5, 0.1f, 1};
         for (std::size_t i = 0; i < out.size(); ++i) {
-            const float value = of_part[std::size_t(folded(wl[i], wv[i])->part)];
+            const float value = of_part[std::size_t(to_part_frame(wl[i], wv[i])->part)];
             out[i] = {value, value, value};
         }
     };

@@ -201,7 +201,7 @@ TEST_F(Prepared, NoEvaluatorAnswersWithoutDirections) {
         for (const auto& [l, v] : pairs_without_value(true)) {
             EXPECT_EQ(value(sides, l, v), Rgb());
             EXPECT_EQ(pdf(sides, l, v), 0);
-            if (!folded(v, v)) {
+            if (!to_part_frame(v, v)) {
                 EXPECT_EQ(sample(sides, v, {0.3f, 0.4f}, 0.5f).pdf, 0);
             }
         }
@@ -298,7 +298,7 @@ TEST_P(PreparedOn, NothingDependsOnTheModeOfTheProcessor) {
                     f[flushing].push_back(value(model, l, v));
                     density[flushing].push_back(pdf(model, l, v));
                     const float a = float(uniform(random)), b = float(uniform(random)), c = float(uniform(random));
-                    if (v.z > 0.01f) wl[flushing].push_back(sample(model.proposal(), v, {a, b}, c));
+                    if (v.z > 0.01f) wl[flushing].push_back(sample(proposal(model), v, {a, b}, c));
                 }
             });
         EXPECT_EQ(f[0], f[1]);
@@ -490,7 +490,7 @@ TEST_P(PreparedOn, DrawsAndDensityAgree) {
         constexpr int n = 48;
         for (int i = 0; i < n * n * n; ++i) {
             const Vec3f cell{float(i % n), float(i / n % n), float(i / n / n)};
-            const Vec3f u = (1.f / n) * (cell + draw3()), wl = sample(prepared.proposal(), wv, {u.x, u.y}, u.z);
+            const Vec3f u = (1.f / n) * (cell + draw3()), wl = sample(proposal(prepared), wv, {u.x, u.y}, u.z);
             if (!(wl.z > 0)) continue;
             const double density = double(pdf(prepared, wl, wv));
             of_cosine += double(wl.z) / k_pi / density;

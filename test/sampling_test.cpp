@@ -344,7 +344,7 @@ TEST_F(Sampling, LobesAreMirroredAtTheHorizon) {
             const double bandwidth = D::proposal_bandwidth(k);
             return k < SRBF_FIRST_HALF_VECTOR_LOBE
                        ? D::vmf_pdf(w, specular, bandwidth)
-                       : D::half_vector_pdf(w, wv, bandwidth, map, D::proposal_pull(k, 2.0));
+                       : D::half_vector_pdf(w, wv, bandwidth, map, D::proposal_sharpness(k, 2.0));
         };
         EXPECT_TRUE(near_relative(D::proposal_lobe_pdf(k, D::proposal_point(wl, wv, map, 2.0)),
                                   plain(wl) + plain({wl.x, wl.y, -wl.z}), 2e-7));

@@ -60,7 +60,7 @@ double psnr(const std::string& rgba, const Image8& picture, const std::vector<fl
     return count > 0 ? 10 * std::log10(255 * 255 * count / std::max(squares, 1e-3)) : 0;
 }
 
-// A sphere before the viewer, under light that has an extent.
+// A sphere before the viewer, under light that has an options.
 constexpr int k_small = 96;
 PathScene sphere_under(const Scene& scene, const Model& model) {
     PathScene of;
@@ -359,7 +359,7 @@ TEST(Three, ShowsAMapAsItsTexels) {
         const FilteredMap filtered(of.json["module"] == "map" ? map : fine);
         const std::vector<Float4> pixels = floats(contents(folder / fmt::format("{}.rgba", i)));
         ASSERT_EQ(pixels.size(), std::size_t(of.size * of.size));
-        // Between two levels renderers take the logarithm only roughly: Mesa 1.389 instead of 1.415.
+        // Between two levels renderers take the logarithm only subsampled_integrals: Mesa 1.389 instead of 1.415.
         Differences found = differences(pixels, of, filtered, of.lod);
         for (double apart = -0.04; apart < 0.04 && of.lod != std::floor(of.lod); apart += 0.004)
             found.most = std::min(found.most, differences(pixels, of, filtered, of.lod + apart).most);

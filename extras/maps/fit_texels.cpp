@@ -15,8 +15,8 @@
 #include "observe/bound.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
-#include "samples/completed_samples.h"
 #include "samples/fit_pm_to_samples.h"
+#include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"
 #include "srbf/basis.h"
 #include "srbf/elementary.h"
@@ -25,8 +25,8 @@
 namespace srbf {
 namespace {
 
-/// Values of a completed texel, as many as `fit_batch` completes.
-constexpr std::size_t k_completed_pairs_of_texel = 4096;
+/// Values of a filled texel, as many as `fit_batch` completes.
+constexpr std::size_t k_gap_filled_pairs_of_texel = 4096;
 /// Searches for lobes, of which the best is kept: one alone ended far from the others for a map of GGX lobes
 /// (docs/basis.md).
 constexpr std::size_t k_searches = 3;
@@ -187,9 +187,9 @@ Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f
         ObserveSamplesOptions observing{
             Objective::appearance, options.max_theta > 0 ? options.max_theta : default_max_theta(Objective::appearance),
             options.seed};
-        observing.threads = 1, observing.only_completed = k_completed_pairs_of_texel;
+        observing.threads = 1, observing.only_gap_filled = k_gap_filled_pairs_of_texel;
         if (auto seen = observe(samples, observing))
-            observed[t] = std::make_shared<const Observations>(std::move(seen->completed));
+            observed[t] = std::make_shared<const Observations>(std::move(seen->gap_filled_table));
         reporter.advance("observing", 1);
     });
     std::erase_if(observed, [](const auto& of) { return !of; });

@@ -261,7 +261,7 @@ Result<std::string> study_name(const std::string& file, const StudyOptions& opti
     const auto bytes = read_input(file);
     if (!bytes) {
         // What is in a file, FILE#NAME, is a model.
-        const auto part = load(file);
+        const auto part = load_subject(file);
         return part ? Error{file, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind} : part.error();
     }
     ResultKey key("study", fmt::format("{}\n{}", k_edition, options.settings));

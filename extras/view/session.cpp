@@ -149,7 +149,7 @@ Session::Session() : worker_(std::make_unique<Worker>()) {}
 Session::~Session() = default;
 
 bool Session::open(const std::string& path) {
-    auto loaded = load(path);
+    auto loaded = load_subject(path);
     if (!loaded) return complain(loaded.error()), false;
     subjects_.push_back(std::make_shared<const Subject>(*std::move(loaded)));
     const int added = int(subjects_.size()) - 1;

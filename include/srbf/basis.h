@@ -39,7 +39,7 @@ struct LibrarySource {
 /// lights, bounds and pixels. With K active lobes a material is a sum of those K for which its loss is least, from the time
 /// that there are more. The coefficients of a material minimise all terms of its own objective. `error` is its mean
 /// ΔE_ITP under `standard_lightings`.
-/// Errors: those of `read`; samples, or a measurement of both sides; options out of range; two materials of one name;
+/// Errors: those of `read`; samples, or a two-sided measurement; options out of range; two materials of one name;
 /// cancelled.
 Result<Library> fit_library(std::span<const LibrarySource> sources, const BasisOptions& options,
                             const ProgressToken& progress = {});

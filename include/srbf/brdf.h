@@ -2,25 +2,15 @@
 #pragma once
 #include <concepts>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "srbf/result.h"
-#include "srbf/vec.h"
+#include "srbf/srbf.h"
 
 namespace [[gnu::visibility("default")]] srbf {
-
-/// True if both directions are above the horizon: every component is finite, and z is at least the least normal float,
-/// whether the processor takes subnormal numbers for 0 or not.
-inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
-    constexpr float least = std::numeric_limits<float>::min();
-    const float sum = (wl.x + wl.y) + (wv.x + wv.y) + (wl.z + wv.z);
-    return wl.z >= least && wv.z >= least && sum - sum == 0;  // ∞ − ∞ is no number
-}
 
 /// A BRDF is a type with `value(brdf, wl, wv)`: f_r(wl, wv) [1/sr] for each channel, without the cosine. `wl` and `wv`
 /// are unit vectors in the local frame. The value is 0 unless `above_horizon(wl, wv)`, as for a direction with a NaN,
@@ -75,6 +65,11 @@ inline Channels rgb_channels(Evaluate brdf) {
                 for (std::size_t i = 0; i < colour.size(); ++i)
                     f[3 * i] = colour[i].r, f[3 * i + 1] = colour[i].g, f[3 * i + 2] = colour[i].b;
             }};
+}
+inline std::vector<Channels> rgb_channels(std::span<const Evaluate> brdfs) {
+    std::vector<Channels> all;
+    for (const Evaluate& brdf : brdfs) all.push_back(rgb_channels(brdf));
+    return all;
 }
 
 }  // namespace srbf

@@ -33,17 +33,17 @@ constexpr bool is_back(Part part) { return part == Part::reflection_back || part
 constexpr Part counterpart(Part part) { return Part(std::size_t(part) ^ 1); }
 
 /// A pair of directions in a part's frame, in which both are above the horizon.
-struct Folded {
+struct InPartFrame {
     Part part;
     Vec3f wl, wv;
 };
 /// The part that answers for a pair, and the pair in its frame; none if a direction lies in the surface (its cosine is 0
 /// or subnormal) or is not finite.
-inline std::optional<Folded> folded(Vec3f wl, Vec3f wv) {
+inline std::optional<InPartFrame> to_part_frame(Vec3f wl, Vec3f wv) {
     const Vec3f l{wl.x, wl.y, std::abs(wl.z)}, v{wv.x, wv.y, std::abs(wv.z)};
     if (!above_horizon(l, v)) return {};
     const bool back = wl.z < 0, across = back != (wv.z < 0);
-    return Folded{Part(2 * int(across) + int(back)), l, v};
+    return InPartFrame{Part(2 * int(across) + int(back)), l, v};
 }
 /// The side of a part's viewer: −1 or 1. A direction of a part's frame is on this side with its z multiplied by it.
 constexpr float side_of_light(Part part) { return is_back(part) ? -1.f : 1.f; }
@@ -52,7 +52,7 @@ constexpr float side_of_viewer(Part part) { return is_back(part) != is_transmiss
 constexpr Vec3f to_side(Vec3f w, float side) { return {w.x, w.y, side * w.z}; }
 
 /// BRDFs, in the order of `Part`. An empty part is answered by its counterpart: transmission by reciprocity, with light
-/// and viewer exchanged; reflection as if both sides were alike. Without either the part is 0.
+/// and viewer exchanged; reflection as if front and back were alike. Without either the part is 0.
 template <typename B> using Parts = std::array<std::shared_ptr<const B>, k_parts>;
 
 /// The BRDF that answers for a part.
@@ -67,7 +67,7 @@ template <typename B> Answering<B> answering(const Parts<B>& parts, Part part) {
 
 /// f(wl, wv) [1/sr] of a BSDF of these parts.
 template <typename B> Rgb value(const Parts<B>& parts, Vec3f wl, Vec3f wv) {
-    const auto at = folded(wl, wv);
+    const auto at = to_part_frame(wl, wv);
     if (!at) return {};
     const Answering<B> of = answering(parts, at->part);
     if (!of.brdf) return {};
@@ -83,7 +83,7 @@ void evaluate(const Parts<B>& parts, std::span<const Vec3f> wl, std::span<const 
     std::array<std::vector<Vec3f>, k_parts> lights, views;
     for (std::size_t i = 0; i < f.size(); ++i) {
         f[i] = {};
-        const auto at = folded(wl[i], wv[i]);
+        const auto at = to_part_frame(wl[i], wv[i]);
         if (!at) continue;
         const auto part = std::size_t(at->part);
         where[part].push_back(i), lights[part].push_back(at->wl), views[part].push_back(at->wv);

@@ -15,7 +15,7 @@ namespace [[gnu::visibility("default")]] srbf {
 struct ByteBudget {
     std::size_t bytes = 160;  ///< 12..k_most_chosen_bytes
 };
-/// Minimise the bytes among models that look the same: whose pictures of a sphere have at most this mean ΔE_ITP under
+/// Minimise the bytes among models without a visible difference: whose pictures of a sphere have at most this mean ΔE_ITP under
 /// `standard_lightings`. For tables.
 struct TargetDeltaE {
     double delta_e = 2;  ///< (0, 100]
@@ -23,7 +23,7 @@ struct TargetDeltaE {
 using SizeGoal = std::variant<ByteBudget, TargetDeltaE>;
 
 /// A model that was tried.
-struct Step {
+struct Trial {
     PmForm form = PmForm::extended;
     bool axial = true;
     int lobes = 0, variates = 0;

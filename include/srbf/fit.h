@@ -23,7 +23,7 @@ struct LobeCount {
     int lobes = k_default_lobes;
 };
 /// Chooses J from `k_tried_lobes`: for a table the least product of bytes and held-out error; for samples the fewest
-/// lobes whose cross-validated error is within 3 % of the least, or if they are completed the most that they determine.
+/// lobes whose cross-validated error is within 3 % of the least, or with gaps filled the most that they determine.
 struct AutomaticLobes {};
 /// A goal is looked for among all forms and sizes; of samples among the J of `k_tried_lobes` in the requested form.
 using PmSize = std::variant<LobeCount, AutomaticLobes, SizeGoal>;
@@ -36,7 +36,7 @@ struct PmRequest {
     std::optional<PmSize> size = {};    ///< none: 8 lobes for a table, automatic for samples
     std::optional<bool> axial = {};     ///< none: axial if the measurement is isotropic
     bool reciprocal = false;
-    /// Of `PmForm::gaussian`: whether a log scale is stored a lobe where β leaves the range of 16-bit floats; otherwise β is bounded.
+    /// True: a model of `PmForm::gaussian` stores a log scale a lobe where β leaves the range of 16-bit floats. False: β is bounded.
     bool log_scale = true;
 };
 /// A view-by-view model (SU).
@@ -58,7 +58,7 @@ struct OpenPbrRequest {
     OpenPbrSurfaceKind surface = OpenPbrSurfaceKind::openpbr;
 };
 
-/// What to fit, and how.
+/// The model to fit, and how.
 struct FitRequest {
     std::variant<PmRequest, SuRequest, GgxRequest, OpenPbrRequest> model;
     Objective objective = k_default_objective;
@@ -70,18 +70,18 @@ struct FitRequest {
     double theta() const { return max_theta.value_or(default_max_theta(objective)); }  ///< [rad]
 };
 
-/// Whether a fit of this request to scattered samples follows the completed samples: PM in colours, by an objective of
+/// True if a fit of this request to scattered samples follows the gap-filled samples: PM in colours, by an objective of
 /// pictures. Fits by `relative` follow microfacets, others interpolated values if cross-validation finds them useful.
-bool completes(const FitRequest& request);
+bool fills_gaps(const FitRequest& request);
 
-/// What the size is chosen by; none: it is a number of lobes or automatic, or the model is not multivariate.
+/// The goal by which the size is chosen; none: it is a number of lobes or automatic, or the model is not multivariate.
 inline std::optional<SizeGoal> goal_of(const FitRequest& request) {
     const auto* pm = std::get_if<PmRequest>(&request.model);
     const auto* goal = pm && pm->size ? std::get_if<SizeGoal>(&*pm->size) : nullptr;
     return goal ? std::optional(*goal) : std::nullopt;
 }
 
-/// Whether the size is chosen by what is seen.
+/// True if the size is chosen by the visible error.
 inline bool is_by_pictures(const FitRequest& request) {
     const auto goal = goal_of(request);
     return goal && std::holds_alternative<TargetDeltaE>(*goal);
@@ -91,7 +91,7 @@ inline bool is_by_pictures(const FitRequest& request) {
 struct Noise {
     Rgb deviation{};  ///< standard deviation [1/sr]
     Rgb level{};      ///< median value [1/sr]
-    /// Share of all pairs that are below 0 although the mean about them is not, of the channel with the most of them.
+    /// Fraction of pairs with a negative value but a positive local mean; maximum over channels.
     double negative = 0;
     /// Standard deviation [1/sr] of a table's samples before its maker set those below 0 to 0; of channels without it 0.
     Rgb clamped{};
@@ -119,24 +119,23 @@ struct FitOutcome {
         0;                     ///< of f in floats at all pairs of 1536 (SU: the sampled) directions, or at the samples
     int empty_directions = 0;  ///< SU: number of sampled directions without data
     std::optional<std::uint64_t> samples;  ///< for scattered samples: number of samples within θmax
-    /// for scattered samples, PM: whether the fit follows values between them: completed, interpolated, of microfacets
+    /// for scattered samples, PM: whether the fit follows values between them: gap-filled or interpolated
     std::optional<bool> filled;
-    /// of completed samples: what continues their highlights, as "neighbours" or "two lobes of GGX"; or `k_no_highlight`
+    /// of gap-filled samples: what continues their highlights, as "neighbours" or "two lobes of GGX"; or `k_no_highlight`
     std::string continued;
-    /// For scattered samples: the fits to all folds but one, and if samples are completed, the cross-validated errors of
+    /// For scattered samples: the fits to all folds but one, and if gaps are filled, the cross-validated errors of
     /// Lambert and at most one lobe of GGX.
     std::vector<Model> without_fold;
     std::optional<Measures> ggx_heldout;
     /// for scattered samples, objective `relative`: the number of angles of incidence, whose samples are in one fold each
     int incidences = 0;
-    std::vector<Step> path;  ///< models that were tried in choosing the size
-    bool reached = true;     ///< whether the requested size or ΔE_ITP was reached
+    std::vector<Trial> path;  ///< models that were tried in choosing the size
+    bool reached = true;      ///< whether the requested size or ΔE_ITP was reached
     /// Errors of `model` and `unrounded` against the measurement; empty until they are measured. For scattered samples
     /// `matrix` covers the samples themselves, `heldout` is the 5-fold cross-validated error, and albedo and
-    /// pictures are compared with the samples, completed where nothing was measured.
+    /// pictures are compared with the samples, gaps filled.
     std::optional<Comparison> errors, unrounded_errors;
-    /// What is seen if light and viewer of the measurement are exchanged, which a reciprocal one would not show; none:
-    /// it is reciprocal.
+    /// Picture error between the measurement and its transpose f(wv, wl). Empty if the measurement is reciprocal.
     std::optional<Appearance> exchanged;
     std::optional<Appearance> against_smoothed;  ///< pictures of `model` against a noisy measurement smoothed
 };
@@ -154,8 +153,8 @@ class Fitter {
     Fitter& operator=(Fitter&&) noexcept;
     ~Fitter();
 
-    /// Fits the requested model. For scattered samples this also measures the errors. Errors: a measurement of both
-    /// sides; `measure` takes its front reflection.
+    /// Fits the requested model. For scattered samples this also measures the errors. Errors: a two-sided
+    /// measurement; `measure` takes its front reflection.
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress = {});
     /// A fast preview of `fit`, from a few tens of milliseconds to a second. A higher `draft`, 0..k_drafts−1, is more
     /// accurate. Only for PM with a given number of lobes (default 8).
@@ -165,14 +164,14 @@ class Fitter {
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress = {}) const;
 
   private:
-    class Work;
-    std::unique_ptr<Work> work_;
+    struct State;
+    std::unique_ptr<State> state_;
 };
 
 /// Fits a measurement and measures the errors of the model: everything that `srbf fit` does between reading and
-/// writing. Errors: a measurement of both sides, which `fit_bsdf` (fit_bsdf.h) fits.
+/// writing. Errors: a two-sided measurement, which `fit_bsdf` (fit_bsdf.h) fits.
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
-/// The same for a BRDF as a function.
+/// Fits a BRDF as a function.
 Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress = {});
 
 /// A noisy table smoothed to its noise, as fits see it (docs/notes/noise.md): signed values f − λ clamp(f − f̂, ±3σ), with f̂ of
@@ -180,10 +179,10 @@ Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToke
 /// Errors: not a table of one BRDF; it is not noisy; cancelled.
 Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads = 0, const ProgressToken& progress = {});
 
-/// What is seen if light and viewer are exchanged. A fit that looks like the measurement may differ from it by as much.
+/// Picture error between f and its transpose f(wv, wl). A reciprocal fit differs from one of them by at least half of it.
 Appearance compare_exchanged(const Evaluate& f, int threads = 0);
 
-/// What a multivariate fit of a table by this request minimises, and in which stages, as text of several lines; empty
+/// Describes the terms that a multivariate fit of a table by this request minimises, and its stages, in several lines; empty
 /// for other models.
 std::string explain(const FitRequest& request);
 

@@ -41,7 +41,7 @@ struct TexelFit {
     std::optional<Error> failure;
 };
 
-/// Fits T texels: f is T × pairs [1/sr], NaN where nothing was measured. Lobes follow the completed samples
+/// Fits T texels: f is T × pairs [1/sr], NaN where nothing was measured. Lobes follow the gap-filled samples
 /// as those of a single fit do, at fewer pairs and without pictures, if the objective is one of
 /// pictures, otherwise the samples; no fold is left out. A texel is a constant if its lobes lower the weighted squares
 /// about that by no more than three times what noise would. A texel's fit depends on its values, the pairs and the options

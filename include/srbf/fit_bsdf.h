@@ -40,7 +40,7 @@ struct BsdfOutcome {
 /// A part counts as answered by its counterpart if the squared error ratio between the two is at most this.
 inline constexpr double k_same_part = 1e-4;
 
-/// Fits the parts of a measurement of both sides: those that are like their counterparts only once. A part of patches
+/// Fits the parts of a two-sided measurement: those that are like their counterparts only once. A part of patches
 /// is fitted to their averages (`patches.h`), any other like the measurement of a BRDF. Beams are kept as they are.
 /// Errors: those of `fit`; a measurement of one side.
 Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});

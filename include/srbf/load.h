@@ -16,7 +16,7 @@ namespace [[gnu::visibility("default")]] srbf {
 
 /// A measurement or a model.
 using AnyBrdf = std::variant<Measured, Model>;
-/// True if it answers on both sides (bsdf.h).
+/// True if it is a BSDF, which answers on the front and the back (bsdf.h).
 bool is_two_sided(const AnyBrdf& brdf);
 /// True if a part of it is known, or answered by its counterpart; of a BRDF the front reflection alone.
 bool has_part(const AnyBrdf& brdf, Part part);
@@ -24,6 +24,10 @@ bool has_part(const AnyBrdf& brdf, Part part);
 /// there is a file of that name. Errors: those of load_measured and load_model.
 /// `options` are for measurements.
 Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options = {});
+
+/// The measurement or model that `load` and `fit` of srbf.h hold.
+const AnyBrdf& content(const LoadedBrdf& brdf);
+LoadedBrdf loaded_brdf(AnyBrdf content);
 
 /// The formats of tables that can be written (convert.h).
 enum class TableFormat { merl, rgl, mbsdf, csv, bsdf_xml, zemax, speos, openmaterial };

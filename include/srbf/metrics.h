@@ -56,42 +56,11 @@ struct MeasureOptions {
     double max_theta = 0;         ///< θmax [rad], of both directions; in (0, π/2]
     int threads = 0;              ///< 0: as many as the machine has; the result does not depend on it
     ProgressToken progress = {};  ///< if it is cancelled, the returned values are meaningless
+    bool pictures = true;         ///< `compare`: false leaves `Comparison::appearance` empty
 };
 
-/// The measures of each of `others` over the n × n pairs of the Fibonacci set on the cap θ ≤ θmax: the matrix of Tsai
-/// 2009.
+/// The number of directions of the matrix of Tsai 2009, the Fibonacci set on the cap θ ≤ θmax.
 inline constexpr int k_matrix_directions = 1536;
-std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
-                                     const MeasureOptions& options, int n = k_matrix_directions);
-/// The measures over all pairs of the given directions within θmax, such as the sampled views of a view-by-view model.
-std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
-                                     const MeasureOptions& options, std::span<const Vec3f> directions);
-
-std::vector<Measures> measure_matrix(const Channels& reference, std::span<const Channels> others,
-                                     const MeasureOptions& options, std::span<const Vec3f> directions);
-
-/// The measures over `count` independent pairs: wv uniform over the cap, wl from a mixture around the mirror direction,
-/// weighted to uniform solid angle. Unlike pairs of the Fibonacci set, these resolve sharp lobes.
-inline constexpr std::uint64_t k_heldout_pairs = 200000;
-inline constexpr std::uint64_t k_heldout_seed = 0x5eed'0f'4e1d'0047;
-std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const Evaluate> others,
-                                      const MeasureOptions& options, std::uint64_t count = k_heldout_pairs,
-                                      std::uint64_t seed = k_heldout_seed);
-std::vector<Measures> measure_heldout(const Channels& reference, std::span<const Channels> others,
-                                      const MeasureOptions& options, std::uint64_t count = k_heldout_pairs,
-                                      std::uint64_t seed = k_heldout_seed);
-
-/// The measures over samples: f[i] measured at (wl[i], wv[i]), g[i] the value of the other BRDF. Each sample has weight 1;
-/// negative channels of f count as 0. Only samples within `sample_cap` count.
-Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                         std::span<const Rgb> g, double max_theta);
-Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                         const Evaluate& other, double max_theta);
-/// The measures for any number of channels per sample.
-Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const float> f,
-                         std::span<const float> g, double max_theta);
-/// cos(θmax + 0.01°). The tolerance allows for rounded angles in files.
-inline float sample_cap(double max_theta) { return float(elementary::cos(max_theta + 0.01 * k_degree)); }
 
 /// The view angles at which albedo is compared [degrees].
 inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};
@@ -101,20 +70,17 @@ inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};
 /// lobes of up to that bandwidth the relative error is below 1e-4. Values that were not measured count as 0.
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta);
 
-/// Largest relative error |Â/A − 1| of the luminance of the albedo over the angles of `k_albedo_theta` within θmax, of
-/// each of `others`. Pairs at which the reference was not measured count in neither.
-std::vector<double> albedo_errors(const Evaluate& reference, std::span<const Evaluate> others,
-                                  const MeasureOptions& options);
-/// The largest error of one BRDF.
-double albedo_error(const Evaluate& reference, const Evaluate& other, double max_theta);
-
 /// The number of folds in which scattered samples are held out.
 inline constexpr int k_folds = 5;
 
-/// The measures of one BRDF against another: over a matrix of directions, over held-out pairs, of albedo, and of
-/// pictures.
+/// The number of pairs of directions of `Comparison::heldout`.
+inline constexpr std::uint64_t k_heldout_pairs = 200000;
+
+/// The measures of one BRDF against another.
 struct Comparison {
-    Measures matrix, heldout;
+    Measures matrix;   ///< over all pairs of directions of a set within θmax
+    Measures heldout;  ///< over `k_heldout_pairs` independent pairs, which resolve sharp lobes
+    /// Largest relative error |Â/A − 1| of the luminance of the albedo over the angles of `k_albedo_theta` within θmax.
     double albedo_error = 0;
     Appearance appearance = {};
     /// For fits to scattered samples, where `appearance` is against samples with gaps filled: the mean of the fits to all
@@ -125,7 +91,7 @@ struct Comparison {
 inline const Appearance& judged(const Comparison& of) {
     return of.heldout_appearance ? *of.heldout_appearance : of.appearance;
 }
-/// Compares each of `others` with `reference`; the matrix covers all pairs of `directions`.
+/// Compares each of `others` with `reference`; the matrix covers all pairs of `directions`, which may be none.
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
                                 const MeasureOptions& options, std::span<const Vec3f> directions);
 

@@ -20,7 +20,7 @@ struct BsdfSample {
 class PreparedBsdf {
   public:
     using PreparedParts = std::array<std::optional<PreparedBrdf>, k_parts>;
-    /// A BRDF on both sides, through which no light passes.
+    /// A BRDF at the front and the back, through which no light passes.
     PreparedBsdf(PreparedBrdf of_both_sides);
     /// A part that is missing is 0.
     PreparedBsdf(PreparedParts parts, Beams beams);

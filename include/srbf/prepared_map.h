@@ -25,7 +25,7 @@ PreparedMap prepare_map(const Library& map, const ProposeOptions& options = {});
 /// The BRDF at (u, v) of the map, which is repeated: of the coefficients between the four nearest texels (bilinear), where
 /// texel X, Y is at ((X + ½) / width, (Y + ½) / height). It is sampled by a mixture, whose weights at each node are those of
 /// the lobes' own mixtures in proportion to what each lobe reflects, Σ_j β_j a_j w_jk / Σ_j β_j a_j, with β_j in luminance
-/// and a_j the albedo of lobe j; stretch, power and grain are those of the mean over the map. Takes some microseconds.
+/// and a_j the albedo of lobe j; stretch, power and anisotropy axis are those of the mean over the map. Takes some microseconds.
 PreparedBrdf brdf_at(const PreparedMap& map, Vec2f uv);
 
 }  // namespace srbf

@@ -8,15 +8,9 @@
 #include <vector>
 
 #include "srbf/model.h"
+#include "srbf/srbf.h"
 
 namespace [[gnu::visibility("default")]] srbf {
-
-/// A sampled direction to the light.
-struct LightSample {
-    Vec3f wl;       ///< unit vector with wl.z > 0 if pdf > 0; otherwise there is no direction, and wl must not be used
-    Rgb weight;     ///< f cosθl / pdf, or 0 where pdf is 0: its mean over samples is the directional albedo
-    float pdf = 0;  ///< [1/sr]; 0: the sample has no direction, and counts with the weight 0
-};
 
 // A *proposal* is a density of directions to the light that depends on the viewer. It has the functions
 //   sample(proposal, wv, u, selector)   a direction from a point and a selector of a lobe, all uniform in
@@ -49,11 +43,11 @@ class MixtureProposal {
     /// At the nodes: half-vector lobes are so many times as wide along a tangent as across, and weighted by this power
     /// of their visibility to the viewer.
     std::array<float, k_nodes> stretch = ones(), power = ones();
-    /// Cosine and sine of the azimuth of the grain of an anisotropic BRDF. If both are 0, lobes are stretched along the
+    /// Cosine and sine of the azimuth of the axis of an anisotropic BRDF. If both are 0, lobes are stretched along the
     /// plane of incidence.
     float cosine = 0, sine = 0;
 
-    bool has_grain() const { return cosine != 0 || sine != 0; }
+    bool has_axis() const { return cosine != 0 || sine != 0; }
 
     /// The weights, the stretch and the power of a node.
     std::array<float, k_numbers> numbers(std::size_t node) const {
@@ -73,7 +67,7 @@ class MixtureProposal {
 };
 /// The tangent for a viewer, of any length.
 inline Vec3f tangent(const MixtureProposal& proposal, const Vec3f& wv) {
-    return proposal.has_grain() ? Vec3f(proposal.cosine, proposal.sine, 0) : wv;
+    return proposal.has_axis() ? Vec3f(proposal.cosine, proposal.sine, 0) : wv;
 }
 /// The selector chooses a lobe, and u a direction of it. Domain: that of every proposal, above.
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
@@ -105,7 +99,7 @@ float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv);
 
 struct ProposeOptions {
     /// Number of azimuths of the view, over which the variance is averaged. With several the half-vector lobes may be
-    /// stretched along a grain, and there is no table of cells. No function of this header chooses the number.
+    /// stretched along an axis, and there is no table of cells. No function of this header chooses the number.
     int azimuths = 1;
     int threads = 0;              ///< 0: as many as the machine has; the result does not depend on it
     double most_variance = 0.15;  ///< relative, of f cosθl / pdf: for `refined`
@@ -116,9 +110,9 @@ inline constexpr int k_anisotropic_azimuths = 8;
 /// the views at the node and a third of the way to its neighbours, by 200 steps of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
 /// each of which lowers it (Silvey, Titterington & Torgersen 1978). If more than 3/4 % of the samples would be invalid
-/// at one elevation, the weights of the lobes that cause this are reduced, in at most seven steps (three with a grain).
+/// at one elevation, the weights of the lobes that cause this are reduced, in at most seven steps (three with an axis).
 /// The cosine keeps `k_least_cosine`. The stretch in the plane of incidence, 0.8^i, and the power, 0.8^(2 − 2j), i from
-/// −6 to 6 and j from 0 to 6, are such that among their neighbours none has a smaller minimum. A grain's stretch is
+/// −6 to 6 and j from 0 to 6, are such that among their neighbours none has a smaller minimum. An axis' stretch is
 /// that of `k_stretches`, along one of 12 azimuths, with which the variance at the views of 45° is least. What was not
 /// measured counts as 0.
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {});

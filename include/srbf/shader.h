@@ -25,7 +25,7 @@ struct BsdfTables {
 };
 /// The material of a surface: a BRDF, or a BSDF, whose models of parts are not view by view.
 using Material = std::variant<Flat, MerlTable, PmModel, SuModel, GgxModel, BsdfModel, BsdfTables, OpenPbrModel>;
-/// True if both sides of the surface and the light behind it are seen.
+/// True if the front, the back and the light behind the surface are visible.
 inline bool is_two_sided(const Material& material) {
     return std::holds_alternative<BsdfModel>(material) || std::holds_alternative<BsdfTables>(material);
 }
@@ -75,10 +75,10 @@ struct Proposals {
     Proposals(const MixtureProposal& of_brdf) : of_part{of_brdf} {}
     explicit Proposals(std::vector<MixtureProposal> of_parts) : of_part(std::move(of_parts)) {}
 };
-/// The mixtures for a BSDF's parts; `bsdf` is asked on both sides.
+/// The mixtures for a BSDF's parts; `bsdf` is asked at the front and the back.
 Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options);
 /// The numbers of mixtures' nodes, of each node in `k_node_vectors` vectors of four, one mixture after the other; and
-/// of each mixture the cosine and sine of its grain's azimuth, 0 and 0 without one.
+/// of each mixture the cosine and sine of the azimuth of its axis, 0 and 0 without one.
 inline constexpr int k_node_vectors = (MixtureProposal::k_numbers + 3) / 4;
 struct ProposalNumbers {
     std::vector<float> nodes;

@@ -13,7 +13,7 @@ namespace srbf {
 /// flags. x86 (SSE's MXCSR) and 64-bit ARM (FPCR, FPSR); no effect elsewhere.
 ///
 /// A mode that takes subnormal floats, below 2⁻¹²⁶, for 0 would be faster, but processors have different ones (x86 after
-/// rounding, ARM before, WebAssembly none), and a fit tells the difference: far from its peak a lobe is as small, and steps are
+/// rounding, ARM before, WebAssembly none), and a fit depends on the difference: far from its peak a lobe is as small, and steps are
 /// scaled by what there is. columns.cpp keeps them out of the sums instead. Exponentials may not be cut off earlier: a lobe on
 /// its way may have its peak where nothing is seen.
 class StandardArithmetic {

@@ -201,18 +201,18 @@ static_assert(!HWY_HAVE_SCALABLE && k_sum_lanes % k_width == 0);
 constexpr std::size_t k_sum_parts = k_sum_lanes / k_width;
 
 // The halves of `count` parts, one added to the other, until one is left.
-template <std::size_t count = k_sum_parts, std::size_t stride = 1> HWY_INLINE Batch folded(const Batch* parts) {
+template <std::size_t count = k_sum_parts, std::size_t stride = 1> HWY_INLINE Batch reduced(const Batch* parts) {
     if constexpr (count == 1)
         return *parts;
     else
-        return folded<count / 2, 2 * stride>(parts) + folded<count / 2, 2 * stride>(parts + stride);
+        return reduced<count / 2, 2 * stride>(parts) + reduced<count / 2, 2 * stride>(parts + stride);
 }
 
 #include "srbf/vec3.inl"
 
 // Adds halves of a vector's lanes until four are left, and until one is.
 #if HWY_TARGET == HWY_SCALAR
-HWY_INLINE float folded_lanes(Batch x) { return hn::GetLane(x.v); }
+HWY_INLINE float reduced_lanes(Batch x) { return hn::GetLane(x.v); }
 #else
 template <typename D> HWY_INLINE auto folded_to_four(D, hn::Vec<D> x) {
     if constexpr (hn::MaxLanes(D()) <= 4) {
@@ -222,7 +222,7 @@ template <typename D> HWY_INLINE auto folded_to_four(D, hn::Vec<D> x) {
         return folded_to_four(half, hn::Add(hn::LowerHalf(half, x), hn::UpperHalf(half, x)));
     }
 }
-HWY_INLINE float folded_lanes(Batch x) {
+HWY_INLINE float reduced_lanes(Batch x) {
     HWY_ALIGN float four[4];
     hn::Store(folded_to_four(Lanes(), x.v), hn::CappedTag<float, 4>(), four);
     return (four[0] + four[2]) + (four[1] + four[3]);
@@ -235,7 +235,7 @@ template <typename Term> HWY_INLINE float summed(std::size_t count, const Term& 
     for (Batch& part : sum) part = Batch(0.0);
     for (std::size_t i = 0; i < count; i += k_sum_lanes)
         for (std::size_t p = 0; p < k_sum_parts; ++p) sum[p] = sum[p] + term(i + p * k_width);
-    return folded_lanes(folded(sum));
+    return reduced_lanes(reduced(sum));
 }
 
 template <typename B> HWY_INLINE Vec3<B> select(typename B::Mask where, const Vec3<B>& a, const Vec3<B>& b) {

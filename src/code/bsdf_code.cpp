@@ -184,7 +184,7 @@ std::string chance_text(const BsdfModel& bsdf) {
            "}\n";
 }
 
-/// Directions to the light on both sides.
+/// Directions to the light at the front and the back.
 std::string sampling_text(const BsdfModel& bsdf) {
     return "// A direction to the light on either side for three numbers uniform in [0,1); (0, 0, 0) where the draw\n"
            "// has none. Beams are not drawn.\n"

@@ -41,7 +41,7 @@ Real su_shape(Su su, int view, int j) { return 0.0; }
 )";
 
 /// Where the numbers of a program are.
-enum class Numbers {
+enum class ParameterStorage {
     constants,  ///< of lobes in a table, of microfacets in the text
     tables,     ///< of microfacets too
     arguments,  ///< the coefficients of lobes are members of the handle, which the functions take
@@ -54,8 +54,8 @@ constexpr const char* k_half_log2_e = "0.7213475204444817";
 /// The lobes of a multivariate model as rows of a table.
 struct LobeRow {
     std::size_t scale, variates, of_variate, exponents, size;  ///< where they begin, and how many
-    LobeRow(const PmModel& model, Numbers where)
-        : scale(where == Numbers::arguments ? 0 : 3),
+    LobeRow(const PmModel& model, ParameterStorage where)
+        : scale(where == ParameterStorage::arguments ? 0 : 3),
           variates(scale + 1),
           of_variate(model.axial ? 1 : 4),
           exponents(variates + of_variate * std::size_t(model.variates)),
@@ -64,20 +64,20 @@ struct LobeRow {
 bool any_down(const PmModel& model) {
     return model.axial && std::ranges::any_of(model.centre, [](const Vec3f& centre) { return centre.z < 0; });
 }
-Table lobes_of(const PmModel& model, Numbers where) {
+Table lobes_of(const PmModel& model, ParameterStorage where) {
     const auto N = std::size_t(model.variates), F = std::size_t(features(model.form));
     const char* const variates = !model.axial      ? "the centre and bandwidth of each variate"
                                  : any_down(model) ? "a bandwidth for each variate, negative where its centre is -z"
                                                    : "a bandwidth for each variate";
     Table lobes{fmt::format("A row for each lobe: its {}log scale, {}{}.",
-                            where == Numbers::arguments ? "" : "coefficient (R, G, B) and ", variates,
+                            where == ParameterStorage::arguments ? "" : "coefficient (R, G, B) and ", variates,
                             F > 0 ? ", exponents" : ""),
                 "lobes",
                 {},
                 LobeRow(model, where).size};
     for (std::size_t j = 0; j < std::size_t(model.lobes); ++j) {
         const Rgb& beta = model.coefficient[j];
-        if (where != Numbers::arguments) lobes.numbers.insert(lobes.numbers.end(), {beta.r, beta.g, beta.b});
+        if (where != ParameterStorage::arguments) lobes.numbers.insert(lobes.numbers.end(), {beta.r, beta.g, beta.b});
         lobes.numbers.push_back(model.log_scale[j]);
         for (std::size_t n = j * N; n < (j + 1) * N; ++n) {
             const Vec3f& xi = model.centre[n];
@@ -90,7 +90,7 @@ Table lobes_of(const PmModel& model, Numbers where) {
 }
 
 /// The tables and accessors of a multivariate model.
-std::string numbers_of(const PmModel& model, Numbers where, Program& program) {
+std::string numbers_of(const PmModel& model, ParameterStorage where, Program& program) {
     const LobeRow row(model, where);
     Table weights{"The weights a, b of each variate.", "variates", {}, 2};
     for (const Parameterization& of : model.parameterization)
@@ -111,8 +111,8 @@ std::string numbers_of(const PmModel& model, Numbers where, Program& program) {
         "Real pm_log2_scale(Pm pm, int j) {{ return {} * {}; }}\n"
         "Real pm_exponent(Pm pm, int j, int k) {{ return {} * {}; }}\n",
         model.lobes, model.variates, features(model.form), model.axial,
-        where == Numbers::arguments ? "pm.lobe[j]" : fmt::format("Vec3({}, {}, {})", at(0), at(1), at(2)), k_log2_e,
-        at(row.scale), k_log2_e, at(row.exponents, " + k"));
+        where == ParameterStorage::arguments ? "pm.lobe[j]" : fmt::format("Vec3({}, {}, {})", at(0), at(1), at(2)),
+        k_log2_e, at(row.scale), k_log2_e, at(row.exponents, " + k"));
     if (model.axial) {
         const std::string bandwidth = at(row.variates, " + n");
         text += fmt::format(
@@ -296,9 +296,9 @@ Model lobe_alone(PmModel basis, std::size_t j) {
     return {std::move(basis), {}};
 }
 /// The text that albedo.glsl requires, to be parsed before it: the sum over lobes where their coefficients are arguments.
-std::string albedo_of(const Model& model, Numbers where, const CodeOptions& options, Program& program) {
+std::string albedo_of(const Model& model, ParameterStorage where, const CodeOptions& options, Program& program) {
     if (options.light_texels)
-        return "// Of lobe k > 0 at a view: (p, roughness, width) at i = 2 k - 2 and its share of the albedo at i = 2 "
+        return "// Lobe k > 0 at a view has (p, roughness, width) at i = 2 k - 2 and its share of the albedo at i = 2 "
                "k - 1;\n"
                "// then albedos, of as many nodes in a column as there are views. The host supplies them.\n"
                "Vec3 light_texel(int i, int view);\n"
@@ -306,7 +306,7 @@ std::string albedo_of(const Model& model, Numbers where, const CodeOptions& opti
                "    return light_texel(2 * EXTENDED_LOBES - 2 + i / EXTENDED_NODES, i % EXTENDED_NODES);\n}\n";
     const bool is_wanted = options.albedo || options.environment || options.area;
     Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
-    if (where != Numbers::arguments) {
+    if (where != ParameterStorage::arguments) {
         for (const Rgb& of : is_wanted ? albedos(model) : std::vector<Rgb>())
             nodes.numbers.insert(nodes.numbers.end(), {of.r, of.g, of.b});
         program.tables.push_back(std::move(nodes));
@@ -349,7 +349,7 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
     return fmt::format(
         "Real mixture_number(int node, int i) {{ return mixture_numbers[{} * node + i]; }}\n"
         "Vec3 mixture_tangent(Vec3 wv) {{ return {}; }}\n",
-        MixtureProposal::k_numbers, mixture.has_grain() ? vector({mixture.cosine, mixture.sine, 0}) : "wv");
+        MixtureProposal::k_numbers, mixture.has_axis() ? vector({mixture.cosine, mixture.sine, 0}) : "wv");
 }
 
 /// A row of `columns` numbers for each node of light_lobes, linear between nodes.
@@ -489,27 +489,27 @@ struct KindText {
     std::string handle = "struct Pm { };\n";
     std::optional<int> light_lobes = {};  ///< of its coefficients, where these are arguments
 };
-KindText text_of(const PmModel& pm, Numbers where, Program& program) {
+KindText text_of(const PmModel& pm, ParameterStorage where, Program& program) {
     KindText text{numbers_of(pm, where, program) + k_no_su, brdf_of(pm), pm.variates, std::max(features(pm.form), 1)};
-    if (where == Numbers::arguments) {
+    if (where == ParameterStorage::arguments) {
         text.handle = coefficients_of(pm), text.brdf += look_up(pm);
         text.light_lobes = pm.lobes + 1;
     }
     return text;
 }
-KindText text_of(const SuModel& su, Numbers, Program& program) {
+KindText text_of(const SuModel& su, ParameterStorage, Program& program) {
     return {k_no_pm + numbers_of(su, program), brdf_of(su)};
 }
-KindText text_of(const GgxModel& ggx, Numbers where, Program& program) {
-    return {k_no_pm + k_no_su, where == Numbers::tables ? brdf_of(ggx, program) : brdf_of(ggx)};
+KindText text_of(const GgxModel& ggx, ParameterStorage where, Program& program) {
+    return {k_no_pm + k_no_su, where == ParameterStorage::tables ? brdf_of(ggx, program) : brdf_of(ggx)};
 }
-KindText text_of(const OpenPbrModel& openpbr, Numbers where, Program& program) {
-    return {k_no_pm + k_no_su, where == Numbers::tables ? brdf_of(openpbr, program) : brdf_of(openpbr)};
+KindText text_of(const OpenPbrModel& openpbr, ParameterStorage where, Program& program) {
+    return {k_no_pm + k_no_su, where == ParameterStorage::tables ? brdf_of(openpbr, program) : brdf_of(openpbr)};
 }
-KindText text_of(const BsdfModel&, Numbers, Program&) { return {}; }  // its parts are programs of their own
+KindText text_of(const BsdfModel&, ParameterStorage, Program&) { return {}; }  // its parts are programs of their own
 
 Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
-                   Numbers where = Numbers::constants) {
+                   ParameterStorage where = ParameterStorage::constants) {
     Program program;
     const KindText of_kind = std::visit([&](const auto& of) { return text_of(of, where, program); }, model.model);
     std::map<std::string, std::string> defines{
@@ -523,7 +523,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     const bool is_mixture = options.sampling || options.albedo || options.environment || options.area;
     const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string(),
                       nodes = albedo_of(model, where, options, program),
-                      light = where == Numbers::arguments
+                      light = where == ParameterStorage::arguments
                                   ? light_of_basis(std::get<PmModel>(model.model), options, program)
                                   : light_of(model, options, program);
     syntax::parse(of_kind.handle + of_kind.accessors + k_handles, program, defines, true);
@@ -771,7 +771,7 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
                                     map.basis.lobes, map.basis.variates, srbf::name(map.basis.form), basis_bytes(map));
     if (map.width > 0) about += fmt::format("\n  map {} x {}", map.width, map.count() / map.width);
     for (const auto& [key, value] : map.provenance) about += fmt::format("\n  {}", printable(key + " " + value));
-    NamedProgram program{std::string(name), about, program_of(basis, options, roots, Numbers::arguments)};
+    NamedProgram program{std::string(name), about, program_of(basis, options, roots, ParameterStorage::arguments)};
     names.insert({"Pm", "Coefficients"});
     return syntax::whole_text(options.language, list, std::string(name) + "_BRDF",
                               Printed({std::move(program)}, name, options.language, names).text());
@@ -780,8 +780,9 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
 Result<std::string> python_code(const Model& model, int threads) {
     if (std::holds_alternative<SuModel>(model.model) || std::holds_alternative<BsdfModel>(model.model))
         return Error{"python code", {}, "model", "multivariate, or Lambert and GGX", "another", ErrorCode::argument};
-    const Program program = program_of(model, {.sampling = true, .threads = threads},
-                                       {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, Numbers::tables);
+    const Program program =
+        program_of(model, {.sampling = true, .threads = threads},
+                   {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, ParameterStorage::tables);
     std::string text;
     for (const Table& table : program.tables) text += syntax::python_text(table);
     for (const syntax::Function& function : program.functions) text += "\n\n" + syntax::python_text(function, program);

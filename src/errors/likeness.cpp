@@ -247,8 +247,8 @@ Likeness likeness(const Image8& reference, const Image8& other) {
     double squares = 0;
     for (std::size_t i = 0; i < reference.pixels.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) {
-            const double apart = (reference.pixels[i][c] - other.pixels[i][c]) / 255.0;
-            squares += apart * apart;
+            const double error = (reference.pixels[i][c] - other.pixels[i][c]) / 255.0;
+            squares += error * error;
         }
     squares /= 3 * double(reference.pixels.size());
     return {squares > 0 ? -10 * elementary::log10(squares) : std::numeric_limits<double>::infinity(),

@@ -1,4 +1,4 @@
-#include "srbf/metrics.h"
+#include "errors/measures.h"
 
 #include <algorithm>
 #include <cassert>
@@ -113,18 +113,6 @@ std::vector<Measures> measure(const Channels& reference, std::span<const Channel
     return measures;
 }
 
-std::vector<Channels> rgb_channels(std::span<const Evaluate> brdfs) {
-    std::vector<Channels> all;
-    for (const Evaluate& brdf : brdfs) all.push_back(srbf::rgb_channels(brdf));
-    return all;
-}
-
-std::vector<float> flat(std::span<const Rgb> colours) {
-    std::vector<float> numbers;
-    for (const Rgb& c : colours) numbers.insert(numbers.end(), {c.r, c.g, c.b});
-    return numbers;
-}
-
 constexpr int k_compared_albedo_points = 1 << 16;
 
 /// The albedos at these angles [rad], [angle][BRDF], over the pairs at which the first BRDF was measured.
@@ -162,11 +150,6 @@ std::vector<std::vector<Rgb>> albedos(std::span<const Evaluate> brdfs, std::span
 
 }  // namespace
 
-std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
-                                     const MeasureOptions& options, std::span<const Vec3f> directions) {
-    return measure_matrix(rgb_channels(reference), rgb_channels(others), options, directions);
-}
-
 std::vector<Measures> measure_matrix(const Channels& reference, std::span<const Channels> others,
                                      const MeasureOptions& options, std::span<const Vec3f> directions) {
     const StandardArithmetic mode;
@@ -180,17 +163,6 @@ std::vector<Measures> measure_matrix(const Channels& reference, std::span<const 
                        std::ranges::fill(pairs.wv, within[block]);
                        std::ranges::fill(pairs.weight, 1.0);
                    });
-}
-
-std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
-                                     const MeasureOptions& options, int n) {
-    const StandardArithmetic mode;
-    return measure_matrix(reference, others, options, fibonacci_directions(n, options.max_theta));
-}
-
-std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const Evaluate> others,
-                                      const MeasureOptions& options, std::uint64_t count, std::uint64_t seed) {
-    return measure_heldout(rgb_channels(reference), rgb_channels(others), options, count, seed);
 }
 
 std::vector<Measures> measure_heldout(const Channels& reference, std::span<const Channels> others,
@@ -236,6 +208,11 @@ Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, s
 
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                          std::span<const Rgb> g, double max_theta) {
+    const auto flat = [](std::span<const Rgb> colours) {
+        std::vector<float> numbers;
+        for (const Rgb& c : colours) numbers.insert(numbers.end(), {c.r, c.g, c.b});
+        return numbers;
+    };
     return measure_samples(wl, wv, flat(f), flat(g), max_theta);
 }
 
@@ -269,16 +246,15 @@ std::vector<double> albedo_errors(const Evaluate& reference, std::span<const Eva
     return errors;
 }
 
-double albedo_error(const Evaluate& reference, const Evaluate& other, double max_theta) {
-    return albedo_errors(reference, {&other, 1}, {max_theta})[0];
-}
-
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
                                 const MeasureOptions& options, std::span<const Vec3f> directions) {
-    const auto matrix = measure_matrix(reference, others, options, directions),
-               heldout = measure_heldout(reference, others, options);
+    const Channels f = rgb_channels(reference);
+    const std::vector<Channels> channels = rgb_channels(others);
+    const auto matrix = measure_matrix(f, channels, options, directions),
+               heldout = measure_heldout(f, channels, options);
     const auto albedo = albedo_errors(reference, others, options);
-    const auto appearance = compare_pictures(reference, others, options.threads, options.progress);
+    std::vector<Appearance> appearance(others.size());
+    if (options.pictures) appearance = compare_pictures(reference, others, options.threads, options.progress);
     std::vector<Comparison> comparisons;
     for (std::size_t k = 0; k < others.size(); ++k)
         comparisons.push_back({matrix[k], heldout[k], albedo[k], appearance[k]});

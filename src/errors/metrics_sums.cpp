@@ -115,9 +115,9 @@ ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const
             // of log f where f > 0; f̂ is at least k_least_share of f
             const DoubleBatch own = load(f.own_logarithm, i);
             const DoubleBatch least = hn::Sub(own, hn::Set(d, most_apart));
-            const DoubleBatch apart = hn::Sub(own, hn::Max(load(other.own_logarithm, i), least));
+            const DoubleBatch error = hn::Sub(own, hn::Max(load(other.own_logarithm, i), least));
             const auto is_above_0 = hn::And(counts, hn::Gt(load(f.f, i), hn::Zero(d)));
-            sums[5].add(hn::IfThenElseZero(is_above_0, w), hn::IfThenElseZero(is_above_0, hn::Mul(apart, apart)), one);
+            sums[5].add(hn::IfThenElseZero(is_above_0, w), hn::IfThenElseZero(is_above_0, hn::Mul(error, error)), one);
         }
         for (std::size_t m = 0; m < lanes.size(); ++m) lanes[m].store(sums[m], lane);
     }

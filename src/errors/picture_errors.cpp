@@ -45,7 +45,7 @@ PictureErrors picture_errors(const Image& reference, const Image& other) {
     const std::vector<double> flip = flip_map(a, b);
     const auto square = [](double x) { return x * x; };
     PictureErrors errors;
-    double pixels = 0, encoded = 0, squares = 0, whole = 0;
+    double pixels = 0, encoded = 0, squares = 0, reference_squares = 0;
     for (std::size_t i = 0; i < a.pixels.size(); ++i) {
         if (!shows_sphere(a.width, int(i) % a.width, int(i) / a.width)) continue;
         ++pixels;
@@ -54,12 +54,12 @@ PictureErrors picture_errors(const Image& reference, const Image& other) {
         for (int c = 0; c < 3; ++c) {
             encoded += square(srgb_encoded(double(a.pixels[i][c])) - srgb_encoded(double(b.pixels[i][c])));
             squares += square(double(reference.pixels[i][c]) - double(other.pixels[i][c]));
-            whole += square(double(reference.pixels[i][c]));
+            reference_squares += square(double(reference.pixels[i][c]));
         }
     }
     errors.delta_e /= pixels, errors.flip /= pixels;
     errors.psnr = std::min(-10 * elementary::log10(encoded / (3 * pixels)), k_most_psnr);
-    errors.rms = squares > 0 ? std::sqrt(squares / whole) : 0;
+    errors.rms = squares > 0 ? std::sqrt(squares / reference_squares) : 0;
     return errors;
 }
 

@@ -140,6 +140,24 @@ std::vector<Rgb> radiances(const Pixel& pixel, std::span<const Rgb> f, std::span
     return all;
 }
 
+/// f of each BRDF at the pairs of a pixel, 0 where one of them was not measured. `first` begins those of the first BRDF.
+std::vector<std::vector<Rgb>> values_of(std::span<const Evaluate> brdfs, const Pixel& pixel, std::vector<Rgb> first) {
+    const std::vector<Vec3f> wv(pixel.wl.size(), pixel.wv);
+    std::vector<std::vector<Rgb>> f(brdfs.size());
+    f[0] = std::move(first);
+    std::vector<char> measured(wv.size(), true);
+    for (std::size_t b = 0; b < brdfs.size(); ++b) {
+        const std::size_t known = f[b].size();
+        f[b].resize(wv.size());
+        brdfs[b](std::span(pixel.wl).subspan(known), std::span(wv).subspan(known), std::span(f[b]).subspan(known));
+        for (std::size_t i = 0; i < wv.size(); ++i) measured[i] = measured[i] && is_finite(f[b][i]);
+    }
+    for (std::vector<Rgb>& of : f)
+        for (std::size_t i = 0; i < wv.size(); ++i)
+            for (int c = 0; c < 3; ++c) of[i][c] = measured[i] ? std::max(of[i][c], 0.f) : 0;
+    return f;
+}
+
 }  // namespace
 
 bool shows_sphere(int size, int x, int y) { return squared_distance(size, x, y) < size * size; }
@@ -181,7 +199,6 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
     parallel_for(std::size_t(size), threads, [&](std::size_t row) {
         if (!reporter.advance("comparing pictures", 1)) return;
         const int y = int(row);
-        std::vector<std::vector<Rgb>> f(brdfs.size());
         for (int x = 0; x < size; ++x) {
             if (!shows_sphere(size, x, y) || progress.cancelled()) continue;
             const int squares = squared_distance(size, x, y);
@@ -190,20 +207,8 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
             const Pixel pixel = pixel_of(frame_about(normal, {0, 1, 0}),
                                          shared != mirrored.end() ? shared->second.points : points_of(squares), mixture,
                                          lightings, discs);
-            const std::vector<Vec3f> wv(pixel.wl.size(), pixel.wv);
-            std::vector<char> measured(wv.size(), true);
+            const auto f = values_of(brdfs, pixel, shared != mirrored.end() ? shared->second.f : std::vector<Rgb>());
             for (std::size_t b = 0; b < brdfs.size(); ++b) {
-                f[b].clear();
-                if (b == 0 && shared != mirrored.end()) f[b] = shared->second.f;
-                const std::size_t known = f[b].size();
-                f[b].resize(wv.size());
-                brdfs[b](std::span(pixel.wl).subspan(known), std::span(wv).subspan(known),
-                         std::span(f[b]).subspan(known));
-                for (std::size_t i = 0; i < wv.size(); ++i) measured[i] = measured[i] && is_finite(f[b][i]);
-            }
-            for (std::size_t b = 0; b < brdfs.size(); ++b) {
-                for (std::size_t i = 0; i < wv.size(); ++i)
-                    for (int c = 0; c < 3; ++c) f[b][i][c] = measured[i] ? std::max(f[b][i][c], 0.f) : 0;
                 const std::vector<Rgb> seen = radiances(pixel, f[b], lightings);
                 for (std::size_t k = 0; k < lightings.size(); ++k) images[k][b].at(x, y) = seen[k];
             }

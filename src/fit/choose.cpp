@@ -34,8 +34,8 @@ constexpr std::size_t k_first_bytes = 32, k_conclusive_bytes = 64;
 /// Approximate progress after the short fits of each kind, and when the bytes have been doubled to the most.
 constexpr double k_done_by_shortest = 0.2, k_done_by_short = 0.4, k_done_by_doubling = 0.1, k_done_by_doublings = 0.6;
 
-/// The options of a model to try, of which a `Step` has everything but the error; a *kind* is everything but J.
-FitOptions with_model(FitOptions options, const Step& model) {
+/// The options of a model to try, of which a `Trial` has everything but the error; a *kind* is everything but J.
+FitOptions with_model(FitOptions options, const Trial& model) {
     options.form = model.form;
     options.axial = model.axial;
     options.variates = model.variates;
@@ -43,12 +43,12 @@ FitOptions with_model(FitOptions options, const Step& model) {
     if (model.form != PmForm::gaussian) options.log_scale = true;
     return options;
 }
-std::size_t bytes_of(const Step& kind, int lobes, bool log_scale) {
+std::size_t bytes_of(const Trial& kind, int lobes, bool log_scale) {
     return payload_bytes(kind.form, kind.axial, log_scale || kind.form != PmForm::gaussian, lobes, kind.variates);
 }
 
-std::vector<Step> kinds(const FitOptions& options) {
-    std::vector<Step> all;
+std::vector<Trial> kinds(const FitOptions& options) {
+    std::vector<Trial> all;
     for (const PmForm form : k_forms)
         for (const bool axial : {true, false})
             for (int n = 1; n <= k_most_chosen_variates; ++n)
@@ -57,15 +57,15 @@ std::vector<Step> kinds(const FitOptions& options) {
                     all.push_back({.form = form, .axial = axial, .variates = n});
     return all;
 }
-std::vector<Step> first_of(const std::vector<Step>& steps, std::size_t most) {
-    return {steps.begin(), steps.begin() + std::ptrdiff_t(std::min(most, steps.size()))};
+std::vector<Trial> first_of(const std::vector<Trial>& trials, std::size_t most) {
+    return {trials.begin(), trials.begin() + std::ptrdiff_t(std::min(most, trials.size()))};
 }
 
-bool by_error(const Step& a, const Step& b) { return a.error < b.error; }
-bool by_bytes(const Step& a, const Step& b) { return a.bytes != b.bytes ? a.bytes < b.bytes : a.error < b.error; }
+bool by_error(const Trial& a, const Trial& b) { return a.error < b.error; }
+bool by_bytes(const Trial& a, const Trial& b) { return a.bytes != b.bytes ? a.bytes < b.bytes : a.error < b.error; }
 
 struct Tried {
-    Step step;
+    Trial trial;
     PmFit fit;
 };
 
@@ -79,27 +79,27 @@ class Search {
     const FitOptions& options() const { return options_; }
 
     /// Short fits in parallel, most promising first.
-    Result<std::vector<Step>> fit_in_short(const std::vector<Step>& models, const ShortFit& effort) {
+    Result<std::vector<Trial>> fit_in_short(const std::vector<Trial>& models, const ShortFit& effort) {
         const Observations some = beginning(observations_, effort.rows);
         std::vector<Result<Tried>> tried(models.size(), Error{});
         parallel_for(models.size(), options_.threads, [&](std::size_t i) {
             const FitOptions options = with_model(options_, models[i]);
             tried[i] = attempt(some, in_short(options, effort.starts, effort.perturbations), true);
         });
-        std::vector<Step> steps;
+        std::vector<Trial> trials;
         for (const auto& one : tried) {
             if (!one) return one.error();
-            steps.push_back(one->step);
+            trials.push_back(one->trial);
         }
-        path_.insert(path_.end(), steps.begin(), steps.end());
-        std::ranges::stable_sort(steps, by_error);
-        return steps;
+        path_.insert(path_.end(), trials.begin(), trials.end());
+        std::ranges::stable_sort(trials, by_error);
+        return trials;
     }
     /// The shortest fit of each of these kinds with the largest number of lobes within the bytes; nothing for kinds
     /// without one.
-    Result<std::vector<Step>> fit_largest(const std::vector<Step>& kinds, std::size_t bytes) {
-        std::vector<Step> models;
-        for (Step model : kinds) {
+    Result<std::vector<Trial>> fit_largest(const std::vector<Trial>& kinds, std::size_t bytes) {
+        std::vector<Trial> models;
+        for (Trial model : kinds) {
             model.lobes = 0;
             while (model.lobes < k_most_fitted_lobes && bytes_of(model, model.lobes + 1, options_.log_scale) <= bytes)
                 ++model.lobes;
@@ -108,9 +108,9 @@ class Search {
         return fit_in_short(models, k_shortest_fit);
     }
 
-    Result<Tried> fit_whole(const Step& step) {
-        auto tried = attempt(observations_, with_model(options_, step), false);
-        if (tried) path_.push_back(tried->step);
+    Result<Tried> fit_whole(const Trial& trial) {
+        auto tried = attempt(observations_, with_model(options_, trial), false);
+        if (tried) path_.push_back(tried->trial);
         return tried;
     }
 
@@ -118,15 +118,15 @@ class Search {
         done_ = fraction;
         return progress_.report("choosing a size", fraction);
     }
-    std::vector<Step> path() const {
+    std::vector<Trial> path() const {
         // If a model has both a short and a full fit, the full fit counts.
-        std::map<std::tuple<std::size_t, PmForm, bool, int, int>, Step> best;
-        for (const Step& step : path_) {
-            auto& at = best[{step.bytes, step.form, step.axial, step.variates, step.lobes}];
-            if (at.lobes == 0 || step.whole) at = step;
+        std::map<std::tuple<std::size_t, PmForm, bool, int, int>, Trial> best;
+        for (const Trial& trial : path_) {
+            auto& at = best[{trial.bytes, trial.form, trial.axial, trial.variates, trial.lobes}];
+            if (at.lobes == 0 || trial.whole) at = trial;
         }
-        std::vector<Step> sorted;
-        for (const auto& [key, step] : best) sorted.push_back(step);
+        std::vector<Trial> sorted;
+        for (const auto& [key, trial] : best) sorted.push_back(trial);
         return sorted;
     }
 
@@ -135,7 +135,7 @@ class Search {
         auto fit = fit_pm(observations, options, progress_.part(done_, done_));
         if (!fit) return fit.error();
         const double error = judge_(fit->model, in_short);
-        return Tried{step_of(fit->model, error, !in_short), *std::move(fit)};
+        return Tried{trial_of(fit->model, error, !in_short), *std::move(fit)};
     }
 
     const Observations& observations_;
@@ -143,7 +143,7 @@ class Search {
     const JudgeModel& judge_;
     ProgressToken progress_;
     double done_ = 0;  // share of the whole that is complete
-    std::vector<Step> path_;
+    std::vector<Trial> path_;
 };
 
 Result<Chosen> chosen(const Search& search, std::optional<Tried>& best, bool reached) {
@@ -154,21 +154,21 @@ Result<Chosen> chosen(const Search& search, std::optional<Tried>& best, bool rea
 
 /// The least error within the bytes; each kind has the largest number of lobes that fits.
 Result<Chosen> within_bytes(Search& search, std::size_t bytes) {
-    auto steps = search.fit_largest(kinds(search.options()), bytes);
-    if (!steps) return steps.error();
-    if (steps->empty()) return argument_error("fit", "bytes", "enough for one lobe, 12", fmt::format("{}", bytes));
+    auto trials = search.fit_largest(kinds(search.options()), bytes);
+    if (!trials) return trials.error();
+    if (trials->empty()) return argument_error("fit", "bytes", "enough for one lobe, 12", fmt::format("{}", bytes));
     if (search.report(k_done_by_shortest)) {
-        steps = search.fit_in_short(first_of(*steps, k_short_fits), k_short_fit);
-        if (!steps) return steps.error();
+        trials = search.fit_in_short(first_of(*trials, k_short_fits), k_short_fit);
+        if (!trials) return trials.error();
     }
     std::optional<Tried> best;
-    std::size_t count = std::min(k_full_fits, steps->size());
-    if (count < steps->size() && (*steps)[count].error <= k_as_promising * steps->front().error) ++count;
+    std::size_t count = std::min(k_full_fits, trials->size());
+    if (count < trials->size() && (*trials)[count].error <= k_as_promising * trials->front().error) ++count;
     for (std::size_t i = 0;
          i < count && search.report(k_done_by_short + (1 - k_done_by_short) * double(i) / double(count)); ++i) {
-        auto tried = search.fit_whole((*steps)[i]);
+        auto tried = search.fit_whole((*trials)[i]);
         if (!tried) return tried.error();
-        if (tried->step.bytes <= bytes && (!best || by_error(tried->step, best->step))) best = *std::move(tried);
+        if (tried->trial.bytes <= bytes && (!best || by_error(tried->trial, best->trial))) best = *std::move(tried);
     }
     return chosen(search, best, true);
 }
@@ -206,53 +206,54 @@ class SmallestWithin {
     }
 
   private:
-    bool reached() const { return best_ && best_->step.error <= error_; }
+    bool reached() const { return best_ && best_->trial.error <= error_; }
     /// For the most promising kinds all sizes down to the previous number of bytes get shortest fits. The smallest
     /// model that is expected to reach the error gets a full fit, which corrects the expectation for the others; and so
     /// on.
-    Result<Done> fit_between(const std::vector<Step>& largest, std::size_t bytes_before) {
-        std::vector<Step> models;
-        for (Step model : first_of(largest, k_few_kinds))
+    Result<Done> fit_between(const std::vector<Trial>& largest, std::size_t bytes_before) {
+        std::vector<Trial> models;
+        for (Trial model : first_of(largest, k_few_kinds))
             while (--model.lobes > 0 && bytes_of(model, model.lobes, search_.options().log_scale) > bytes_before)
                 models.push_back(model);
         const auto smaller = search_.fit_in_short(models, k_shortest_fit);
         if (!smaller) return smaller.error();
-        std::vector<Step> open = *smaller;
+        std::vector<Trial> open = *smaller;
         open.insert(open.end(), largest.begin(), largest.end());
         std::ranges::stable_sort(open, by_bytes);
         for (std::size_t fits = 0; fits < k_most_full_fits && !open.empty() && search_.report(k_done_by_doublings);
              ++fits) {
-            auto next = std::ranges::find_if(open, [&](const Step& step) { return expected_ * step.error <= error_; });
+            auto next =
+                std::ranges::find_if(open, [&](const Trial& trial) { return expected_ * trial.error <= error_; });
             if (next == open.end()) {
                 if (reached()) break;
                 next = std::ranges::min_element(open, by_error);  // comes closest
             }
-            const Step step = *next;
+            const Trial trial = *next;
             open.erase(next);
-            if (const auto done = fit_whole(step); !done) return done;
-            if (reached()) std::erase_if(open, [&](const Step& one) { return !by_bytes(one, best_->step); });
+            if (const auto done = fit_whole(trial); !done) return done;
+            if (reached()) std::erase_if(open, [&](const Trial& one) { return !by_bytes(one, best_->trial); });
         }
         return Done{};
     }
 
-    Result<Done> fit_whole(const Step& step) {
-        auto tried = search_.fit_whole(step);
+    Result<Done> fit_whole(const Trial& trial) {
+        auto tried = search_.fit_whole(trial);
         if (!tried) return tried.error();
-        expected_ = tried->step.error / step.error;
-        if (is_better(tried->step)) best_ = *std::move(tried);
+        expected_ = tried->trial.error / trial.error;
+        if (is_better(tried->trial)) best_ = *std::move(tried);
         return Done{};
     }
-    /// Whether a model replaces the best: a model that reaches the error must be smaller than a best that does; a model
+    /// True if a model replaces the best: a model that reaches the error must be smaller than a best that does; a model
     /// that does not must have a smaller error than a best that does not.
-    bool is_better(const Step& step) const {
+    bool is_better(const Trial& trial) const {
         if (!best_) return true;
-        if (step.error <= error_) return !reached() || by_bytes(step, best_->step);
-        return !reached() && by_error(step, best_->step);
+        if (trial.error <= error_) return !reached() || by_bytes(trial, best_->trial);
+        return !reached() && by_error(trial, best_->trial);
     }
 
     Search& search_;
     const double error_;
-    std::vector<Step> kinds_;
+    std::vector<Trial> kinds_;
     std::optional<Tried> best_;
     double expected_ = k_of_shortest;  // ratio of the errors of full fits to those of shortest fits
 };

@@ -14,8 +14,8 @@ using JudgeModel = std::function<double(const PmModel& model, bool in_short)>;
 
 struct Chosen {
     PmFit fit;
-    std::vector<Step> path;  ///< all models that were tried, by bytes
-    bool reached = true;     ///< false: no model of up to k_most_chosen_bytes reaches the goal, or none was expected to
+    std::vector<Trial> path;  ///< all models that were tried, by bytes
+    bool reached = true;  ///< false: no model of up to k_most_chosen_bytes reaches the goal, or none was expected to
 };
 /// Searches for a model that meets `goal` among all forms, up to k_most_chosen_variates variates and, where
 /// `options.axial` is false, both axial and general lobes. Models of each kind get short fits to a subset of the

@@ -1,4 +1,5 @@
 #include "fit/cross_validated_fits.h"
+#include "errors/measures.h"
 
 #include <algorithm>
 #include <atomic>
@@ -22,7 +23,7 @@ constexpr int k_first_tried = 6;
 constexpr double k_as_good = 1.03;
 /// A few thousand samples need a shorter search than a table, and are searched a dozen times.
 constexpr int k_sample_starts = 6, k_sample_perturbations = 14;
-/// Of folds, whose fits only foretell the error of the fit to all samples.
+/// The fits to folds, which only estimate the error of the fit to all samples, have fewer starts.
 constexpr int k_fold_starts = 3;
 constexpr int k_draft_starts = 3, k_draft_perturbations = 2;
 /// Approximate share of observing in the time of the fits to a fold's samples.
@@ -36,7 +37,7 @@ FitOptions sample_options(const ScatteredSamples& samples, const FitRequest& req
     return options;
 }
 
-/// What distinguishes the fits of a request that are compared.
+/// The fits of a request that are compared differ in these.
 struct Variant {
     std::optional<int> lobes = {};
     bool fill = false;
@@ -57,7 +58,7 @@ class SampleFits {
             return std::move(one->front());
         }
         const std::vector<int> lobes = tried_lobes(*pm);
-        auto all = completes(request_)                     ? fit_completed(lobes)
+        auto all = fills_gaps(request_)                    ? fit_gap_filled(lobes)
                    : traits(request_.objective).of_scatter ? fit_each(lobes, true)
                                                            : fit_alone_or_filled(lobes, lobes_of(*pm));
         if (!all) return all.error();
@@ -85,9 +86,9 @@ class SampleFits {
         return lobes.empty() ? std::vector{1} : lobes;
     }
 
-    /// Completed samples constrain any number of lobes. Without a goal the most look best; held-out samples, which are
+    /// Gap-filled samples constrain any number of lobes. Without a goal the largest number has the least visible error; held-out samples, which are
     /// few and crowded about highlights, prefer fewer half of the time.
-    Result<std::vector<FitOutcome>> fit_completed(const std::vector<int>& lobes) {
+    Result<std::vector<FitOutcome>> fit_gap_filled(const std::vector<int>& lobes) {
         return fit_each(goal_ ? lobes : std::vector{lobes.back()}, true);
     }
     Result<std::vector<FitOutcome>> fit_each(const std::vector<int>& lobes, bool fill) {
@@ -130,13 +131,13 @@ class SampleFits {
     Result<FitOutcome> fitted(const PmRequest&, const ScatteredSamples&, const SampleObservations* observed,
                               const Variant& candidate, const ProgressToken& progress) const {
         FitOptions options = sample_options(samples_, request_, candidate.lobes);
-        if (completes(request_) && observed != observed_) options.starts = k_fold_starts;
+        if (fills_gaps(request_) && observed != observed_) options.starts = k_fold_starts;
         auto pm = fit_pm(*observed, {options, candidate.fill}, progress);
         if (!pm) return pm.error();
         if (progress.cancelled()) return cancelled_error("fit");
         FitOutcome outcome = outcome_of(*std::move(pm));
         outcome.filled = candidate.fill;
-        if (observed->completion) outcome.continued = words(*observed->completion);
+        if (observed->gap_filled) outcome.continued = words(*observed->gap_filled);
         return counted(std::move(outcome), *observed);
     }
     static Result<FitOutcome> counted(Result<FitOutcome> outcome, const SampleObservations& observed) {
@@ -212,7 +213,7 @@ class SampleFits {
         std::optional<SampleObservations> observed;
         if (!std::holds_alternative<SuRequest>(request_.model)) {
             ObserveSamplesOptions options = observe_options(request_);
-            if (observed_ && observed_->completion) options.completion = &observed_->without_fold[left_out];
+            if (observed_ && observed_->gap_filled) options.gap_filled = &observed_->without_fold[left_out];
             auto made = observe(training, options, progress.part(0, k_observed_of_fold));
             if (!made) return made.error();
             observed = *std::move(made);
@@ -230,12 +231,12 @@ class SampleFits {
         channels(model).evaluate(samples_.wl, samples_.wv, f);
         return {measured_against(f), measured_against(heldout), 0};
     }
-    /// The cross-validated errors of Lambert and at most one lobe of GGX; none unless samples are completed by them.
+    /// The cross-validated errors of Lambert and at most one lobe of GGX; none unless they fill gaps.
     std::optional<Measures> errors_of_ggx() const {
         if (!observed_ || observed_->without_fold.empty()) return {};
         std::vector<Rgb> f;
         for (std::size_t i = 0; i < fold_.size(); ++i) {
-            const CompletedSamples& others = observed_->without_fold[std::size_t(fold_[i])];
+            const GapFilledSamples& others = observed_->without_fold[std::size_t(fold_[i])];
             f.push_back(value(others.priors[k_one_lobe], samples_.wl[i], samples_.wv[i]));
         }
         return measure_samples(samples_.wl, samples_.wv, samples_.colour, f, request_.theta());
@@ -252,10 +253,10 @@ class SampleFits {
         const auto best = std::ranges::min_element(all, {}, [&](const FitOutcome& one) { return error(one); });
         const auto is_as_good = [&](const FitOutcome& one) { return error(one) <= k_as_good * error(*best); };
         const auto taken = goal_ ? best : std::find_if(all.begin(), best, is_as_good);
-        std::vector<Step> path;
+        std::vector<Trial> path;
         if (all.size() > 1)
             for (const FitOutcome& one : all)
-                path.push_back(step_of(std::get<PmModel>(one.model.model), error(one), true));
+                path.push_back(trial_of(std::get<PmModel>(one.model.model), error(one), true));
         FitOutcome outcome = std::move(*taken);
         outcome.path = std::move(path);
         outcome.reached = is_within_budget(payload_bytes(outcome.model));
@@ -273,13 +274,13 @@ class SampleFits {
 
 }  // namespace
 
-bool completes(const FitRequest& request) {
+bool fills_gaps(const FitRequest& request) {
     return std::holds_alternative<PmRequest>(request.model) && traits(request.objective).of_pictures &&
            !request.spectral;
 }
 
 ObserveSamplesOptions observe_options(const FitRequest& request) {
-    return {request.objective, request.theta(), request.seed, request.spectral, completes(request), request.threads};
+    return {request.objective, request.theta(), request.seed, request.spectral, fills_gaps(request), request.threads};
 }
 
 Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
@@ -300,7 +301,7 @@ Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const Sampl
     auto pm = fit_pm(observed, {options, !in_short}, progress);
     if (!pm) return pm.error();
     FitOutcome outcome = outcome_of(*std::move(pm));
-    outcome.filled = !in_short || completes(request);
+    outcome.filled = !in_short || fills_gaps(request);
     return outcome;
 }
 
@@ -308,7 +309,7 @@ Result<std::vector<std::vector<float>>> cross_validate(const ScatteredSamples& s
                                                        const FitToSamples& fit) {
     std::array<std::optional<Result<std::vector<Model>>>, k_folds> models;
     const StandardArithmetic mode;
-    // As many as there are; incidences may be fewer than five.
+    // There may be fewer than five incidences.
     const int folds = 1 + *std::ranges::max_element(fold);
     parallel_for(std::size_t(folds), [&](std::size_t left_out) {
         models[left_out] = fit(without_fold(samples, fold, int(left_out)), left_out);

@@ -9,16 +9,16 @@
 
 namespace srbf {
 
-/// What a fit of the request to samples observes of them.
+/// The options by which a fit of the request observes samples.
 ObserveSamplesOptions observe_options(const FitRequest& request);
 
 /// The requested fit to samples. If the request has no number of lobes, several are tried; whether to follow
-/// interpolated values between the samples, if these are not completed, is determined too. `observed` holds all
+/// interpolated values between the samples, if these are not filled, is determined too. `observed` holds all
 /// samples, for the request's objective; it is required for PM and GGX.
 Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
                                   const FitRequest& request, const ProgressToken& progress);
 
-/// A fit without cross-validation that follows completed or interpolated values; with `in_short`, a short search.
+/// A fit without cross-validation that follows filled or interpolated values; with `in_short`, a short search.
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
                                     const FitRequest& request, bool in_short, const ProgressToken& progress);
 

@@ -1,4 +1,4 @@
-// What a multivariate fit minimises, and in which stages, as text.
+// Prints the terms that a multivariate fit minimises, and its stages.
 #include <fmt/format.h>
 
 #include "fit/requests.h"
@@ -41,15 +41,15 @@ std::vector<Term> terms_of(Objective objective) {
 
 std::string work_of(const Stage& stage, const FitOptions& options) {
     switch (stage.work) {
-        case Work::grow:
+        case StageKind::grow:
             return fmt::format("{} lobes, one by one", options.lobes);
-        case Work::perturb:
+        case StageKind::perturb:
             return fmt::format("until {} lobes or variates were replaced", stage.perturbations_until(options));
-        case Work::polish:
+        case StageKind::polish:
             return fmt::format("{} steps; useless lobes are replaced", stage.steps);
-        case Work::by_pictures:
+        case StageKind::by_pictures:
             return fmt::format("{} steps, ordered by delta E ITP", stage.steps);
-        case Work::finish:
+        case StageKind::finish:
             return "steps while they pay, rounding to 16 bits; bounds begin anew";
     }
     return "";

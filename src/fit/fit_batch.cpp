@@ -1,4 +1,5 @@
 #include "srbf/fit_batch.h"
+#include "errors/measures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +8,8 @@
 #include "base/parallel.h"
 #include "base/reporter.h"
 #include "fit/requests.h"
-#include "samples/completed_samples.h"
 #include "samples/fit_pm_to_samples.h"
+#include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"
 #include "srbf/half.h"
 #include "srbf/sampling.h"
@@ -23,7 +24,7 @@ Error refused(const char* what, const char* expected, std::string found) {
 /// With fewer pairs than 4096, lobes are found that the samples do not show; with more the error falls by little.
 constexpr std::size_t k_texel_pairs = 4096;
 
-/// What all texels have in common.
+/// Everything that all texels have in common.
 struct Batch {
     const SharedPairs& pairs;
     FitRequest request;
@@ -112,7 +113,7 @@ TexelFit fit_texel(const Batch& batch, std::span<const Rgb> f, const ProgressTok
     if (std::ranges::all_of(samples.colour, [](const Rgb& of) { return !(largest_of(of) > 0); }))
         return without(batch, TexelState::black, {});
     ObserveSamplesOptions observing{batch.request.objective, batch.request.theta(), batch.request.seed};
-    observing.threads = 1, observing.only_completed = k_texel_pairs;
+    observing.threads = 1, observing.only_gap_filled = k_texel_pairs;
     const auto observed = observe(samples, observing, progress);
     if (!observed) return without(batch, TexelState::failed, observed.error());
     auto fitted = fit_pm(*observed, {batch.options, false}, progress);

@@ -23,7 +23,7 @@ constexpr double k_compared_theta = 80 * k_degree;
 /// Angles of incidence of directional-hemispherical sums where a measurement has none [degrees].
 constexpr double k_incidences[] = {0, 10, 20, 30, 40, 50, 60, 70, 80};
 
-/// What is known of a part.
+/// A part as it was measured.
 struct Input {
     Evaluate f;  ///< none: nothing
     std::shared_ptr<const Measured> measured;
@@ -43,7 +43,7 @@ std::vector<Rgb> sampled(const Evaluate& f, bool exchanged) {
     return all;
 }
 
-/// Of values at these pairs, weighted with the cosines of both.
+/// The energy of values at these pairs, weighted with the cosines of both.
 double energy_between(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
     const auto directions = fibonacci_directions(k_compared, k_compared_theta);
     double energy = 0;
@@ -54,7 +54,7 @@ double energy_between(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
 }
 double energy(const std::vector<Rgb>& a) { return energy_between(a, std::vector<Rgb>(a.size())); }
 
-/// Whether the front part may answer for the back part.
+/// True if the front part may answer for the back part.
 bool alike(const Input& front, const Input& back, Part part) {
     const auto a = sampled(front.f, false), b = sampled(back.f, is_transmission(part));
     return energy_between(a, b) <= k_same_part * energy(a);
@@ -133,7 +133,7 @@ void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
     }
 }
 
-/// Whether sums are of several azimuths.
+/// True if sums are of several azimuths.
 bool is_turned(const std::vector<Hemispherical>& sums) {
     return std::ranges::any_of(sums, [](const Hemispherical& sum) { return sum.phi != 0; });
 }

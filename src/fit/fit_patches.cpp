@@ -150,7 +150,7 @@ class PatchFits {
         }
         return Done{};
     }
-    /// Whether the best fit so far is good enough.
+    /// True if the best fit so far is good enough.
     bool is_enough() const {
         return error_ <= k_good_error &&
                std::ranges::all_of(scattered(table_, incident_, integrals_, evaluator(best_->model)), is_good);

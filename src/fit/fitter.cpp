@@ -8,6 +8,7 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
+#include "errors/measures.h"
 #include "fit/choose.h"
 #include "fit/cross_validated_fits.h"
 #include "fit/noise.h"
@@ -39,7 +40,7 @@ constexpr Draft k_draft[Fitter::k_drafts] = {{4096, 3, 0}, {16384, 4, 8}};
 /// Approximate shares of the time of a fit until something is observed or fitted.
 constexpr double k_smoothed = 0.5, k_observed = 0.1, k_samples_observed = 0.05, k_drafts_observed = 0.3,
                  k_fitted = 0.75;
-/// The same of measuring the errors.
+/// Approximate shares of the time of measuring the errors.
 constexpr double k_matrix_measured = 0.75, k_heldout_measured = 0.9, k_albedo_measured = 0.95;
 
 /// f(wv, wl).
@@ -106,10 +107,10 @@ Result<FitOutcome> fit_openpbr(const Observations& observations, const FitReques
 
 // ---- The fitter ----
 
-struct Fitter::Work {
-    explicit Work(const Measured& measured)
+struct Fitter::State {
+    explicit State(const Measured& measured)
         : measured_(&measured), signed_(signed_evaluator(measured)), clamped_(evaluator(measured)) {}
-    explicit Work(Evaluate f) : signed_(std::move(f)) {
+    explicit State(Evaluate f) : signed_(std::move(f)) {
         clamped_ = [f = signed_](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
             f(wl, wv, values);
             for (Rgb& value : values) clamp_negative(value);  // NaN is kept
@@ -135,15 +136,15 @@ struct Fitter::Work {
         return Done{};
     }
 
-    /// Measures the errors of `outcome`: of a fit to samples, against these, completed where nothing was measured.
+    /// Measures the errors of `outcome`: of a fit to samples, against these, with gaps filled.
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
         Evaluate reference = clamped_;
         if (samples()) {
             const auto at = sample_observations_.find(key(request));
-            if (at != sample_observations_.end() && at->second.completion) {
-                reference = evaluator(*at->second.completion);
+            if (at != sample_observations_.end() && at->second.gap_filled) {
+                reference = evaluator(*at->second.gap_filled);
             } else {
-                auto made = complete(*samples(), request.theta(), request.threads);
+                auto made = fill_gaps(*samples(), request.theta(), request.threads);
                 if (!made) return made.error();
                 reference = evaluator(*std::move(made));
             }
@@ -184,7 +185,7 @@ struct Fitter::Work {
         if (smoothed_ && !request.spectral)
             outcome.against_smoothed = compare_pictures(smoothed_, std::span(others).first(1), request.threads)[0];
     }
-    /// What is fitted, and what the errors are measured against.
+    /// The channels that are fitted, and that errors are measured against.
     Channels channels_of(const FitRequest& request) const {
         return request.spectral ? spectra(*measured_) : rgb_channels(clamped_);
     }
@@ -207,13 +208,13 @@ struct Fitter::Work {
     }
 
     // Observations, by everything that they depend on: the objective, θmax, the seed, whether they are spectral, and
-    // whether they are of completed samples.
+    // whether they are of gap-filled samples.
     using Key = std::tuple<Objective, double, std::uint64_t, bool, bool>;
     Key key(const FitRequest& request) const {
-        return {request.objective, request.theta(), request.seed, request.spectral, samples() && completes(request)};
+        return {request.objective, request.theta(), request.seed, request.spectral, samples() && fills_gaps(request)};
     }
 
-    /// What `make()` observes for the request, kept for the next one.
+    /// Keeps what `make()` observes for the request, for the next one.
     template <typename Kept, typename Make>
     Result<const Kept*> observed_once(std::map<Key, Kept>& all, const FitRequest& request, const Make& make) const {
         if (const auto at = all.find(key(request)); at != all.end()) return &at->second;
@@ -323,7 +324,7 @@ struct Fitter::Work {
     Result<FitOutcome> fit_best_size(const Observations& observations, FitOptions options, const FitRequest& request,
                                      const ProgressToken& progress) const {
         FitOutcome outcome;
-        std::vector<Step> path;
+        std::vector<Trial> path;
         double least = std::numeric_limits<double>::infinity(), done = 0, all = 0;
         for (const int lobes : k_tried_lobes) all += lobes;
         for (const int lobes : k_tried_lobes) {
@@ -332,7 +333,7 @@ struct Fitter::Work {
             if (!fitted) return fitted.error();
             if (progress.cancelled()) return cancelled_error("fit");
             done += lobes;
-            path.push_back(step_of(fitted->model, error_of_model(fitted->model, request, false), true));
+            path.push_back(trial_of(fitted->model, error_of_model(fitted->model, request, false), true));
             const double trade = double(path.back().bytes) * path.back().error;
             if (trade < least) least = trade, outcome = outcome_of(*std::move(fitted));
         }
@@ -383,34 +384,34 @@ struct Fitter::Work {
     std::map<double, bool> isotropic_;  // by θmax
 };
 
-Fitter::Fitter(const Measured& measured) : work_(std::make_unique<Work>(measured)) {}
-Fitter::Fitter(Evaluate f) : work_(std::make_unique<Work>(std::move(f))) {}
+Fitter::Fitter(const Measured& measured) : state_(std::make_unique<State>(measured)) {}
+Fitter::Fitter(Evaluate f) : state_(std::make_unique<State>(std::move(f))) {}
 Fitter::Fitter(Fitter&&) noexcept = default;
 Fitter& Fitter::operator=(Fitter&&) noexcept = default;
 Fitter::~Fitter() = default;
 
 Result<FitOutcome> Fitter::fit(const FitRequest& request, const ProgressToken& progress) {
     const auto start = std::chrono::steady_clock::now();
-    if (const auto valid = work_->validate(request); !valid) return valid.error();
-    const ScatteredSamples* samples = work_->samples();
-    auto outcome = samples ? work_->fit_to(*samples, request, progress) : work_->fit_table(request, progress);
-    return work_->finished(std::move(outcome), request, start, progress);
+    if (const auto valid = state_->validate(request); !valid) return valid.error();
+    const ScatteredSamples* samples = state_->samples();
+    auto outcome = samples ? state_->fit_to(*samples, request, progress) : state_->fit_table(request, progress);
+    return state_->finished(std::move(outcome), request, start, progress);
 }
 
 Result<FitOutcome> Fitter::draft(const FitRequest& request, int draft, const ProgressToken& progress) {
     const auto start = std::chrono::steady_clock::now();
-    if (const auto valid = work_->validate(request); !valid) return valid.error();
+    if (const auto valid = state_->validate(request); !valid) return valid.error();
     if (!std::holds_alternative<PmRequest>(request.model) || draft < 0 || draft >= k_drafts)
         return argument_error("fit", "draft", "one of a multivariate model", "another");
-    const ScatteredSamples* samples = work_->samples();
-    auto outcome = samples ? work_->draft_to(*samples, request, draft == 0, progress)
-                           : work_->draft_table(request, k_draft[draft], progress);
-    return work_->finished(std::move(outcome), request, start, progress);
+    const ScatteredSamples* samples = state_->samples();
+    auto outcome = samples ? state_->draft_to(*samples, request, draft == 0, progress)
+                           : state_->draft_table(request, k_draft[draft], progress);
+    return state_->finished(std::move(outcome), request, start, progress);
 }
 
 Result<Done> Fitter::measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
     const StandardArithmetic mode;
-    if (const auto measured = work_->measure(outcome, request, progress); !measured) return measured.error();
+    if (const auto measured = state_->measure(outcome, request, progress); !measured) return measured.error();
     if (!progress.report("measuring the error", 1)) {
         outcome.errors.reset(), outcome.unrounded_errors.reset();
         return cancelled_error("measure");

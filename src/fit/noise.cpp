@@ -23,18 +23,18 @@ constexpr double k_noise_step = 3 * k_degree;
 /// Both directions of a pair, and the light's when it is turned.
 constexpr double k_noise_theta = 80 * k_degree;
 constexpr std::size_t k_noise_pairs = 8192;
-/// Of a normal distribution: the median of |x| in standard deviations; and the variance of x0 − (x1 + x2) / 2.
+/// A normal distribution has this median of |x| in standard deviations, and this variance of x0 − (x1 + x2) / 2.
 constexpr double k_median_of_normal = 0.6745, k_variance_of_difference = 1.5;
 /// Noise of a tenth of dark values changes a fit less than another seed does; noise of all of them doubles its error.
 constexpr double k_noisy = 0.3;
-/// Of clean tables hardly a value is below 0 among others that are not.
+/// Clean tables have almost no isolated negative values.
 constexpr double k_negative = 0.01;
 /// A value within so many deviations of the fitted one differs by noise.
 constexpr float k_noise_limit = 3;
 /// Values of less than so many deviations get similar weights before anything is fitted.
 constexpr float k_alike = 5;
 constexpr int k_rounds = 3;
-/// Of the short fits, by pairs alone.
+/// The options of the short fits, by pairs alone.
 constexpr int k_noise_starts = 4, k_noise_perturbations = 20;
 
 double median(std::vector<double> x) {
@@ -92,7 +92,7 @@ Evaluate above_noise(const Evaluate& f, const Rgb& deviation) {
     };
 }
 
-/// What a fit expects at each pair. `of_clamped`: it is of values that were clamped, with this deviation before.
+/// The values that a fit expects at each pair. `of_clamped`: it is of values that were clamped, with this deviation before.
 Evaluate expected_by(PmModel fitted, bool of_clamped, const Rgb& clamped) {
     return [fitted = std::move(fitted), of_clamped, clamped](std::span<const Vec3f> wl, std::span<const Vec3f> wv,
                                                              std::span<Rgb> values) {

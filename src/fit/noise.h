@@ -13,7 +13,7 @@ void add_clamped(Noise& noise, const Measured& measured);
 /// Both, of a table.
 Noise noise_of(const Measured& measured);
 
-/// Whether noise biases a fit that takes each value for what it is: much of it, values below 0 by it, or values that were
+/// True if noise biases a fit that takes each value for what it is: much of it, values below 0 by it, or values that were
 /// set to 0 because they were below.
 bool is_noisy(const Noise& noise);
 
@@ -26,7 +26,7 @@ struct Smoothed {
     /// The measurement as it is; where its maker set values below 0 to 0, less what that adds to their mean at the fitted f̂:
     /// f − (E[max(0, f̂ + n)] − f̂).
     Evaluate unbiased;
-    /// The same smoothed to its noise: f − λ clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps what f̂ lacks.
+    /// f smoothed to its noise: f − λ clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps what f̂ lacks.
     /// λ = min(1, σ²/ρ²) is how much of the difference f − f̂, of deviation ρ, is noise where it is dark.
     Evaluate smooth;
 };

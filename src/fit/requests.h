@@ -1,4 +1,4 @@
-// What a request asks of the stages of a fit, and their outcomes.
+// Options of the stages of a fit from a request, and outcomes from their fits.
 #pragma once
 #include <chrono>
 
@@ -48,7 +48,7 @@ template <typename Fit> FitOutcome outcome_of(Fit fit) {
 }
 
 /// A model that was tried, with this error.
-inline Step step_of(const PmModel& model, double error, bool whole) {
+inline Trial trial_of(const PmModel& model, double error, bool whole) {
     return {model.form, model.axial, model.lobes, model.variates, payload_bytes(model), error, whole};
 }
 
@@ -64,7 +64,7 @@ inline Error of_source(Error error, const Measured& measured) {
     return error;
 }
 
-// What is the same for tables and samples.
+// Fits that tables and samples share.
 Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress);
 Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& request, const ProgressToken& progress);
 Result<FitOutcome> fit_openpbr(const Observations& observations, const FitRequest& request, bool is_isotropic,

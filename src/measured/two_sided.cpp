@@ -12,7 +12,7 @@ namespace srbf {
 Rgb value(const BsdfTable& table, Vec3f wl, Vec3f wv) { return value(table.band().part, wl, wv); }
 
 Rgb signed_value(const BsdfTable& table, Vec3f wl, Vec3f wv) {
-    const auto at = folded(wl, wv);
+    const auto at = to_part_frame(wl, wv);
     if (!at) return {};
     const Answering<Measured> of = answering(table.band().part, at->part);
     if (!of.brdf) return {};

@@ -16,8 +16,8 @@ struct Importance {
 // Weights of pairs: an error of 100 % of all pairs by these, relative to one by the objective's own weights.
 inline constexpr Importance k_highlights{1, 3};  ///< appearance: cube roots, for what a display clips
 inline constexpr double k_peaks = 0.03;          ///< appearance: squares; one seed of ten had a peak of its own without
-/// Cosine: cube roots, without which the body under a highlight has hardly any weight.
-inline constexpr double k_body = 5e-3;
+/// Cosine: cube roots, without which the diffuse base under a highlight has hardly any weight.
+inline constexpr double k_diffuse_base = 5e-3;
 /// An error at all horizon pairs (beyond θmax) of the largest measured f cosθl cosθv.
 inline constexpr double k_horizon_importance = 1e-2;
 

@@ -21,7 +21,7 @@ double cosine_weight(double, double, double cos_l, double cos_v) { return cos_l 
 double cube_root_weight(double f, double mean, double, double) {
     return elementary::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3);
 }
-double body_weight(double f, double mean, double cos_l, double cos_v) {
+double diffuse_weight(double f, double mean, double cos_l, double cos_v) {
     return cos_l * cos_v * cube_root_weight(f, mean, cos_l, cos_v);
 }
 double cube_root_slope(double f, double mean, double) {
@@ -42,7 +42,7 @@ double displayed_slope(double f, double bright, double cos_l) {
     return cos_l * elementary::pow(above_dark(f, bright, cos_l), -5.0 / 6) / 6;
 }
 /// The squared slope of ∛(f cosθl + bright), but for a factor, weighted by √cosθv: measurements brighten towards the
-/// rim of what is seen, which is narrow.
+/// rim of a picture, which is narrow.
 double highlight_weight(double f, double bright, double cos_l, double cos_v) {
     return cos_l * cos_l * elementary::pow(std::max(1 + f * cos_l / bright, k_least_left), -4.0 / 3) * std::sqrt(cos_v);
 }
@@ -60,7 +60,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .measure = &Measures::squared_error_ratio_cosine,
      .max_theta = 89,
      .weight = cosine_weight,
-     .further = {{{"body", "cube root of f", body_weight, k_body}}}},
+     .further = {{{"diffuse", "cube root of f", diffuse_weight, k_diffuse_base}}}},
     {.objective = Objective::log,
      .name = "log",
      .summary = "squared error of log(1 + f cos(theta_l)), weighted by cos(theta_v)",

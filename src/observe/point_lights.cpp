@@ -13,7 +13,7 @@
 namespace srbf {
 namespace {
 
-/// Phases that are told apart: equal intervals of [0, π].
+/// Phase angles are distinguished by equal intervals of [0, π].
 constexpr std::size_t k_phases = 16;
 using OfPhases = std::array<double, k_phases>;
 /// Area of a pixel [squared radii of the sphere], 64 across.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <mutex>
 
@@ -74,8 +75,14 @@ struct PreparedBrdf::Contents {
     mutable std::once_flag has_albedo = {};
     mutable AlbedoTable albedo = {};
 
+    mutable std::atomic<int> uses = 1;
+
     explicit Contents(BrdfParts of) : parts(std::move(of)) {}
 };
+void add_use(const PreparedBrdf::Contents& of) { of.uses.fetch_add(1, std::memory_order_relaxed); }
+void end_use(const PreparedBrdf::Contents& of) {
+    if (of.uses.fetch_sub(1, std::memory_order_acq_rel) == 1) delete &of;
+}
 
 namespace {
 
@@ -123,14 +130,12 @@ Rgb value(const Diffuse& brdf, Vec3f wl, Vec3f wv) { return above_horizon(wl, wv
 
 }  // namespace
 
-PreparedBrdf::PreparedBrdf(std::shared_ptr<const Contents> contents)
+PreparedBrdf::PreparedBrdf(Shared<Contents> contents)
     : contents_(std::move(contents)), held_(contents_->parts.held.get()), value_(contents_->parts.value) {}
 
-const Proposal& PreparedBrdf::proposal() const { return contents_->parts.proposal; }
+const Proposal& proposal(const PreparedBrdf& brdf) { return brdf.contents().parts.proposal; }
 
-PreparedBrdf prepare(BrdfParts parts) {
-    return PreparedBrdf(std::make_shared<const PreparedBrdf::Contents>(std::move(parts)));
-}
+PreparedBrdf prepare(BrdfParts parts) { return PreparedBrdf(Shared(new PreparedBrdf::Contents(std::move(parts)))); }
 
 PreparedBrdf prepare(const Model& model, CosineProposal) { return prepare(parts_of(model)); }
 
@@ -158,18 +163,21 @@ PreparedBrdf diffuse(Rgb reflectance) {
 }
 
 void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    brdf.contents_->parts.evaluate(wl, wv, f);
+    brdf.contents().parts.evaluate(wl, wv, f);
 }
 
 Evaluate evaluator(PreparedBrdf brdf) {
     return [brdf = std::move(brdf)](auto wl, auto wv, auto f) { evaluate(brdf, wl, wv, f); };
 }
 
-float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) { return pdf(brdf.proposal(), wl, wv); }
+LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector) {
+    return sample(brdf, proposal(brdf), wv, u, selector);
+}
+float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) { return pdf(proposal(brdf), wl, wv); }
 
 Rgb albedo(const PreparedBrdf& brdf, float cos_v) {
     if (!(cos_v > 0)) return {};
-    const PreparedBrdf::Contents& contents = *brdf.contents_;
+    const PreparedBrdf::Contents& contents = brdf.contents();
     if (contents.parts.albedo) {
         const float cosine = std::min(cos_v, 1.f), sine = std::sqrt(1 - cosine * cosine);
         Rgb mean;

@@ -37,7 +37,7 @@ PreparedBsdf::PreparedBsdf(PreparedBrdf of_both_sides) : is_brdf_(true) {
 PreparedBsdf::PreparedBsdf(PreparedParts parts, Beams beams) : parts_(std::move(parts)), beams_(std::move(beams)) {}
 
 Rgb value(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {
-    const auto at = folded(wl, wv);
+    const auto at = to_part_frame(wl, wv);
     if (!at) return {};
     const auto& part = bsdf.parts_[std::size_t(at->part)];
     return part ? value(*part, at->wl, at->wv) : Rgb{};
@@ -73,7 +73,7 @@ PreparedBsdf::Chances PreparedBsdf::chances(Vec3f wv) const {
 
 BsdfSample sample(const PreparedBsdf& bsdf, Vec3f wv, Vec2f u, float selector) {
     BsdfSample drawn;
-    const auto side = folded(wv, wv);
+    const auto side = to_part_frame(wv, wv);
     if (!side) return drawn;
     const float of_viewer = wv.z < 0 ? -1.f : 1.f;
     const PreparedBsdf::Chances chances = bsdf.chances(wv);
@@ -102,7 +102,7 @@ BsdfSample sample(const PreparedBsdf& bsdf, Vec3f wv, Vec2f u, float selector) {
 }
 
 float pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {
-    const auto at = folded(wl, wv);
+    const auto at = to_part_frame(wl, wv);
     if (!at || !bsdf.parts_[std::size_t(at->part)]) return 0;
     const auto chances = bsdf.chances(wv);
     return chances.of_part[std::size_t(is_transmission(at->part))] *

@@ -51,7 +51,7 @@ PreparedMap prepare_map(const Library& map, const ProposeOptions& of_caller) {
     const auto proposal_of = [&](std::vector<Rgb> coefficient) {
         return prepare({with_coefficients(map.basis, std::move(coefficient)), {}}, options);
     };
-    const auto mixture_of = [](const PreparedBrdf& brdf) { return std::get<MixtureProposal>(brdf.proposal()); };
+    const auto mixture_of = [](const PreparedBrdf& brdf) { return std::get<MixtureProposal>(proposal(brdf)); };
     auto contents = std::make_shared<PreparedMap::Contents>(
         PreparedMap::Contents{width, map.count() / width, map.coefficient, PmLanes(map.basis),
                               mixture_of(proposal_of(mean_coefficients(map)))});

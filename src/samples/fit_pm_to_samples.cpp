@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/floating_point.h"
+#include "errors/measures.h"
 #include "models/pm/search/search.h"
 #include "observe/large_errors.h"
 #include "observe/pair_weights.h"
@@ -53,14 +54,14 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
     const Objective objective = observations.options.objective;
     const double max_theta = observations.options.max_theta;
     const std::uint64_t seed = observations.options.seed;
-    const bool completed = !observations.completed.f.empty();
+    const bool filled = !observations.gap_filled_table.f.empty();
     FitOptions bounded = options.pm;
     const double finest = observations.finest * (traits(objective).of_scatter ? k_finest_of_scatter : 1);
-    if (!completed) bounded.finest = std::max(bounded.finest, finest);
+    if (!filled) bounded.finest = std::max(bounded.finest, finest);
     const std::size_t parameters = parameter_count(bounded), values = 3 * observations.groups;
     if (values < parameters)
         return Error{"fit", {}, "samples", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
-    if (completed) return fit_pm(observations.completed, bounded, progress);
+    if (filled) return fit_pm(observations.gap_filled_table, bounded, progress);
     if (!options.fill) return fit_pm(together(observations, 0, seed), bounded, progress);
 
     const Observations alone = together(observations, 0, seed);

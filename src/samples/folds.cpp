@@ -1,4 +1,5 @@
 #include "samples/folds.h"
+#include "errors/measures.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,5 @@
 #include "samples/observe_samples.h"
+#include "errors/measures.h"
 
 #include <algorithm>
 #include <array>
@@ -18,21 +19,21 @@ namespace {
 
 /// Bound pairs about the mirror direction: a quarter of those of a table, as they are interpolated one by one.
 constexpr std::size_t k_sampled_mirror_pairs = k_mirror_pairs / 4;
-/// Completed samples are interpolated too, and known less well than a table.
-constexpr std::size_t k_completed_pairs = 16384, k_fewer_of_completed = 2;
+/// Gap-filled samples are interpolated too, and known less well than a table.
+constexpr std::size_t k_gap_filled_pairs = 16384, k_fewer_of_gap_filled = 2;
 /// Pairs near the horizon, where both directions are beyond 66°, of each band of elevation: enough to cover the highlight.
 constexpr std::size_t k_grazing_bands = 8, k_pairs_of_band = 64, k_grazing_tried = 65536;
 constexpr double k_grazing_cos = 0.4;
 /// Share of Σ w |f|² for all bands. With less, lobes follow less closely; with more, they look worse elsewhere.
 constexpr double k_grazing_share = 0.6;
-/// The completed samples are level at the largest sample but for rounding.
+/// The gap-filled samples are level at the largest sample but for rounding.
 constexpr double k_level = 0.999;
 /// Number of pairs of the grid (of ten thousand) that also constrain lobes.
 constexpr std::size_t k_most_between_samples = 4096;
 /// Extrapolation beyond θmax gets a smaller weight than values of a table.
 constexpr double k_extrapolated_share = 0.1;
 
-/// The first pairs where the completed samples are at least as large as every sample, or the largest, of those of a band
+/// The first pairs where the gap-filled samples are at least as large as every sample, or the largest, of those of a band
 /// that were tried. Σ w |f|² = 1.
 Observations largest_of_band(const Observations& tried, double level) {
     Observations largest;
@@ -49,9 +50,9 @@ Observations largest_of_band(const Observations& tried, double level) {
     return largest;
 }
 
-/// Adds pairs of directions near the horizon where the completed samples are largest, with `k_grazing_share` of Σ w |f|². A
+/// Adds pairs of directions near the horizon where the gap-filled samples are largest, with `k_grazing_share` of Σ w |f|². A
 /// table's pairs are few there, so that lobes are free to exceed what they follow.
-void add_grazing(Observations& to, const CompletedSamples& completed, double max_theta, std::uint64_t seed) {
+void add_grazing(Observations& to, const GapFilledSamples& filled, double max_theta, std::uint64_t seed) {
     const MirrorMixture lights(max_theta);
     std::mt19937_64 random(seed);
     RSequence<6> points = random_sequence(random);
@@ -62,28 +63,28 @@ void add_grazing(Observations& to, const CompletedSamples& completed, double max
         if (!(highest < k_grazing_cos)) continue;
         const auto band = std::size_t(highest / k_grazing_cos * double(k_grazing_bands));
         const double area = cosines(pair->wl, pair->wv);
-        tried[band].add(pair->wl, pair->wv, value(completed, pair->wl, pair->wv), area * area);
+        tried[band].add(pair->wl, pair->wv, value(filled, pair->wl, pair->wv), area * area);
     }
     Observations grazing;  // f A rises towards the horizon: without equal shares the lowest band would count most
-    for (const Observations& band : tried) grazing.append(largest_of_band(band, completed.allowed));
+    for (const Observations& band : tried) grazing.append(largest_of_band(band, filled.allowed));
     grazing.normalise();
     for (double& weight : grazing.weight) weight *= k_grazing_share;
     to.append(grazing);
 }
 
-/// The completed samples within θmax observed like a table, as much Σ w |f|² of the samples themselves unless they are matte
+/// The gap-filled samples within θmax observed like a table, as much Σ w |f|² of the samples themselves unless they are matte
 /// and Lambert takes their place, and pairs near the horizon.
-Result<Observations> observe_completed(const CompletedSamples& completed, const Observations& observed,
-                                       const ObserveSamplesOptions& options, const ProgressToken& progress) {
-    const bool is_short = options.only_completed > 0;
-    const auto table = observe(evaluator(completed),
+Result<Observations> observe_gap_filled(const GapFilledSamples& filled, const Observations& observed,
+                                        const ObserveSamplesOptions& options, const ProgressToken& progress) {
+    const bool is_short = options.only_gap_filled > 0;
+    const auto table = observe(evaluator(filled),
                                {.objective = options.objective,
                                 .max_theta = options.max_theta,
-                                .count = is_short ? options.only_completed : k_completed_pairs,
+                                .count = is_short ? options.only_gap_filled : k_gap_filled_pairs,
                                 .seed = options.seed,
                                 .threads = options.threads,
                                 .horizon_albedos = false,
-                                .fewer = is_short ? 1 : k_fewer_of_completed},
+                                .fewer = is_short ? 1 : k_fewer_of_gap_filled},
                                progress);
     if (!table) return table.error();
     Observations all = *table;
@@ -91,8 +92,8 @@ Result<Observations> observe_completed(const CompletedSamples& completed, const 
     if (is_short) all.views.clear();
     all.resize(table->fitted());
     // Where Lambert takes the place of all, lobes would follow the samples' noise between the pairs.
-    if (completed.continuation.from > 0) all.append(observed);
-    if (!is_short) add_grazing(all, completed, options.max_theta, options.seed);
+    if (filled.continuation.from > 0) all.append(observed);
+    if (!is_short) add_grazing(all, filled, options.max_theta, options.seed);
     std::mt19937_64 random(options.seed);
     all.shuffle(random);
     for (std::size_t i = table->fitted(); i < table->f.size(); ++i) all.add(table->wl[i], table->wv[i], table->f[i], 0);
@@ -233,23 +234,23 @@ void weigh_all(Observations& of, int threads) {
     of.normalise();
 }
 
-/// Sets `completion`, continued as folds find best.
-Result<Done> complete(SampleObservations& observed, const ScatteredSamples& samples, const SampleGroups& groups) {
+/// Sets `gap_filled`, continued as folds find best.
+Result<Done> fill_gaps(SampleObservations& observed, const ScatteredSamples& samples, const SampleGroups& groups) {
     const ObserveSamplesOptions& options = observed.options;
-    if (options.completion) {
-        observed.completion = *options.completion;
+    if (options.gap_filled) {
+        observed.gap_filled = *options.gap_filled;
         return Done{};
     }
     const auto fold = assign_folds(samples, groups, options.max_theta, options.seed);
     if (!fold) return fold.error();
-    auto all = complete(samples, options.max_theta, options.threads, options.only_completed > 0);
+    auto all = fill_gaps(samples, options.max_theta, options.threads, options.only_gap_filled > 0);
     if (!all) return all.error();
-    observed.completion = *std::move(all);
-    if (options.only_completed > 0) return Done{};
-    auto without = complete_without_folds(samples, *fold, options.max_theta, options.threads);
+    observed.gap_filled = *std::move(all);
+    if (options.only_gap_filled > 0) return Done{};
+    auto without = fill_gaps_without_folds(samples, *fold, options.max_theta, options.threads);
     if (!without) return without.error();
     observed.without_fold = *std::move(without);
-    observed.completion->continuation = observed.without_fold.front().continuation;
+    observed.gap_filled->continuation = observed.without_fold.front().continuation;
     return Done{};
 }
 
@@ -302,11 +303,11 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     if (!(observed.samples.typical > 0)) return no_data_error("samples", "values", "some above 0");
     weigh_all(observed.samples, options.threads);
 
-    if (options.complete && traits(options.objective).of_pictures && !options.spectral) {
-        if (const auto done = complete(observed, samples, groups); !done) return done.error();
-        auto completed = observe_completed(*observed.completion, observed.samples, observed.options, progress);
-        if (!completed) return completed.error();
-        observed.completed = *std::move(completed);
+    if (options.fill_gaps && traits(options.objective).of_pictures && !options.spectral) {
+        if (const auto done = fill_gaps(observed, samples, groups); !done) return done.error();
+        auto filled = observe_gap_filled(*observed.gap_filled, observed.samples, observed.options, progress);
+        if (!filled) return filled.error();
+        observed.gap_filled_table = *std::move(filled);
         return observed;  // fits follow nothing else
     }
     const auto fold = assign_folds(samples, groups, *theta_max, options.seed);

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "observe/observations.h"
-#include "samples/completed_samples.h"
+#include "samples/gap_filled_samples.h"
 
 namespace srbf {
 
@@ -12,13 +12,13 @@ struct ObserveSamplesOptions {
     double max_theta = 0;  ///< [rad], in (0, π/2); 0: the objective's default
     std::uint64_t seed = 0;
     bool spectral = false;  ///< also observe the spectra of spectral samples, not only their colours
-    /// Also observe the completed samples, for lobes; only for an objective of pictures, in colours.
-    bool complete = true;
+    /// Also observe the gap-filled samples, for lobes; only for an objective of pictures, in colours.
+    bool fill_gaps = true;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
-    /// If not 0, for fits of many: only the samples completed by one g, at this many pairs and without views.
-    std::size_t only_completed = 0;
-    /// These samples completed, if that is known already. Not of `only_completed`.
-    const CompletedSamples* completion = nullptr;
+    /// If not 0, for fits of many: only the samples filled by one g, at this many pairs and without views.
+    std::size_t only_gap_filled = 0;
+    /// These samples filled, if that is known already. Not of `only_gap_filled`.
+    const GapFilledSamples* gap_filled = nullptr;
 };
 
 /// The indices of the samples within `sample_cap` of max_theta [rad].
@@ -41,12 +41,12 @@ struct SampleObservations {
     /// Interpolated values on a grid of pairs within θmax, with Σ w |f|² = 1; of scatter those of a `FacetMixture`, at pairs
     /// about the mirror direction and elsewhere
     Observations between;
-    /// The completed samples observed like a table, with as much weight again on the samples themselves, and pairs near
+    /// The gap-filled samples observed like a table, with as much weight again on the samples themselves, and pairs near
     /// the horizon; or none. A fit uses either these or all the others.
-    Observations completed;
-    /// The completed samples that were observed, and those without each fold, unless they were given.
-    std::optional<CompletedSamples> completion;
-    std::vector<CompletedSamples> without_fold;
+    Observations gap_filled_table;
+    /// The gap-filled samples that were observed, and those without each fold, unless they were given.
+    std::optional<GapFilledSamples> gap_filled;
+    std::vector<GapFilledSamples> without_fold;
     /// Errors of interpolation at samples that were left out, or of the mixture at the samples.
     Measures interpolation;
     double finest = 0;       ///< lower bound on the width of a lobe [rad]: the spacing of the samples

@@ -25,9 +25,9 @@ constexpr float k_least_weight = 1e-3f;
 /// relative to the second moment.
 constexpr double k_most_lost = 0.0075;
 constexpr double k_costs_of_loss[] = {0, 10, 20, 40, 80, 160, 320, 640};
-/// So many of them with a grain, whose variance at 75° the next ones double.
+/// Anisotropic BRDFs use only the first ones; larger penalties double the variance at 75°.
 constexpr std::size_t k_costs_with_grain = 4;
-// Of the second moment, for which there is a grain, and a step of a lobe's shape.
+// The gains of the second moment that justify an anisotropy axis, and a step of a lobe's shape.
 constexpr double k_least_gain = 0.01, k_least_change = 0.002;
 
 /// Splits u, uniform in [0,1), by shares that sum to 1: the first whose running sum exceeds u, and u uniform again
@@ -183,7 +183,7 @@ double least_moment(const SamplingPoints& points) {
 /// k_most_step.
 constexpr int k_most_step = 6;
 
-/// The shape whose moment at these views is least among its neighbours, found by descent. Along a grain the stretch
+/// The shape whose moment at these views is least among its neighbours, found by descent. Along an anisotropy axis the stretch
 /// remains.
 ProposalShape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, const ProposalShape& start) {
     constexpr int count = 12;
@@ -193,7 +193,7 @@ ProposalShape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, con
         shape.power = float(elementary::pow(0.8, 2 - 2 * j));
         return shape;
     };
-    // The same points for all of them, drawn from a wide shape and a narrow one.
+    // All shapes use the same points, drawn from a wide shape and a narrow one.
     SamplingPoints points = points_at(brdf, views, count, {shape_at(0, 1), shape_at(4, 3)});
     std::array<std::array<double, k_most_step + 1>, 2 * k_most_step + 1> known{};
     const auto moment = [&](int i, int j) {
@@ -232,7 +232,7 @@ void make_node(const Evaluate& brdf, std::size_t node, int azimuths, MixtureProp
     proposal.stretch[node] = shape.stretch, proposal.power[node] = shape.power;
 }
 
-/// Sets the grain, and the stretch along it.
+/// Sets the anisotropy axis, and the stretch along it.
 void find_grain(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
     constexpr std::size_t azimuths = 12;
     constexpr int count = 32;
@@ -277,10 +277,10 @@ MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
 namespace {
 
 constexpr int k_view_points = 32;
-// What every view has beside its lobes: the cosine and the mixture.
+// Every view has these beside its lobes: the cosine and the mixture.
 constexpr std::size_t k_common = 2;
 
-float folded_pdf(const ViewProposal::Lobe& lobe, Vec3f wl) {
+float reflected_pdf(const ViewProposal::Lobe& lobe, Vec3f wl) {
     return K::vmf_pdf(wl, lobe.centre, lobe.bandwidth) + K::vmf_pdf({wl.x, wl.y, -wl.z}, lobe.centre, lobe.bandwidth);
 }
 
@@ -321,11 +321,12 @@ void propose_view(std::size_t i, ViewProposal& proposal) {
     for (const ViewProposal::Lobe& lobe : of_view)
         add_lattice(
             k_view_points,
-            [&](float u1, float u2) { return K::folded(K::sample_vmf(lobe.centre, lobe.bandwidth, u1, u2)); }, drawn);
+            [&](float u1, float u2) { return K::reflected_up(K::sample_vmf(lobe.centre, lobe.bandwidth, u1, u2)); },
+            drawn);
     std::vector<double> density(drawn.size());
     for (std::size_t m = 0; m < drawn.size(); ++m) {
         for (std::size_t k = 0; k < k_common; ++k) density[m] += double(K::power_cosine_pdf(drawn[m], float(k + 1)));
-        for (const ViewProposal::Lobe& lobe : of_view) density[m] += double(folded_pdf(lobe, drawn[m]));
+        for (const ViewProposal::Lobe& lobe : of_view) density[m] += double(reflected_pdf(lobe, drawn[m]));
         density[m] *= k_view_points;
     }
     const Evaluate brdf = [&](std::span<const Vec3f> wl, std::span<const Vec3f>, std::span<Rgb> f) {
@@ -343,7 +344,7 @@ void propose_view(std::size_t i, ViewProposal& proposal) {
         const Vec3f w = points.light(m);
         points.density[0][m] = K::power_cosine_pdf(w, 1);
         points.density[1][m] = pdf(proposal.mixture, w, wv);
-        for (std::size_t j = 0; j < J; ++j) points.density[k_common + j][m] = folded_pdf(of_view[j], w);
+        for (std::size_t j = 0; j < J; ++j) points.density[k_common + j][m] = reflected_pdf(of_view[j], w);
     }
     const std::vector<float> weight = best_weights(points, k_common + J, k_steps);
     proposal.cosine[i] = weight[0], proposal.whole[i] = weight[1];
@@ -389,7 +390,7 @@ std::array<Neighbour, k_neighbours> neighbours_at(const ViewProposal& proposal, 
             all[std::size_t(k)] = {nearest[std::size_t(k)], K::su_plain_weight(model, nearest, wv, model.neighbours, k),
                                    1, 0};
     }
-    // What is black is drawn from as well, though it is of no use.
+    // Keep a small probability for black views so that the pdf stays positive.
     float sum = 0;
     for (Neighbour& n : all) sum += n.share *= std::max(proposal.albedo[std::size_t(n.view)], 1e-6f);
     for (Neighbour& n : all) n.share /= sum;
@@ -411,7 +412,7 @@ Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector) {
     if (chosen.k == 0) return K::sample_cosine(u.x, u.y);
     if (chosen.k == 1) return sample(proposal.mixture, wv, u, chosen.u);
     const ViewProposal::Lobe& lobe = proposal.lobes[view * J + std::size_t(chosen.k) - k_common];
-    return K::folded(
+    return K::reflected_up(
         K::turned(K::sample_vmf(lobe.centre, lobe.bandwidth, u.x, u.y), neighbour.cosine, -neighbour.sine));
 }
 
@@ -426,7 +427,7 @@ float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv) {
         const Vec3f turned = K::turned(wl, neighbour.cosine, neighbour.sine);
         float of_view = proposal.cosine[view] * by_cosine + proposal.whole[view] * by_mixture;
         for (const ViewProposal::Lobe& lobe : std::span(proposal.lobes).subspan(view * J, J))
-            if (lobe.weight > 0) of_view += lobe.weight * folded_pdf(lobe, turned);
+            if (lobe.weight > 0) of_view += lobe.weight * reflected_pdf(lobe, turned);
         sum += neighbour.share * of_view;
     }
     return sum;

@@ -42,7 +42,7 @@ struct ViewOfMixture {
     Vec3f wv;
     NodesAbout nodes;
     Kernel<float>::Stretch map;
-    float pull;
+    float sharpness;
 };
 
 }  // namespace srbf
@@ -62,9 +62,9 @@ template <typename Lanes> HWY_INLINE Vec3<Lanes> in_all(const Vec3f& w) {
     return {in_all<Lanes>(w.x), in_all<Lanes>(w.y), in_all<Lanes>(w.z)};
 }
 template <typename Lanes> HWY_INLINE auto in_all(const Kernel<float>::Stretch& map) {
-    return
-        typename Formulas<Lanes, PmModel>::Stretch{in_all<Lanes>(map.x), in_all<Lanes>(map.y), in_all<Lanes>(map.more),
-                                                   in_all<Lanes>(map.less), in_all<Lanes>(map.shrink)};
+    return typename Formulas<Lanes, PmModel>::Stretch{in_all<Lanes>(map.x), in_all<Lanes>(map.y),
+                                                      in_all<Lanes>(map.stretch_minus_1),
+                                                      in_all<Lanes>(map.inverse_minus_1), in_all<Lanes>(map.inverse)};
 }
 // The first few lanes.
 template <typename D> HWY_INLINE Few the_first(hn::Vec<D> v) {
@@ -88,7 +88,7 @@ HWY_INLINE ViewOfMixture view_of(const MixtureProposal& proposal, const Vec3f& w
         return row[nodes.below] + nodes.part * (row[nodes.below + 1] - row[nodes.below]);
     };
     return {wv, nodes, Kernel<float>::stretch_along(tangent(proposal, wv), between(proposal.stretch)),
-            Kernel<float>::pull_of_visibility(wv, between(proposal.power))};
+            Kernel<float>::visibility_sharpness(wv, between(proposal.power))};
 }
 
 HWY_INLINE Lobes between(const MixtureProposal::Row& low, const MixtureProposal::Row& high, float part, int first) {
@@ -115,8 +115,8 @@ struct Seen {
         const Vec3<Lobes> stretched = in_all<Lobes>(Kernel<float>::stretched(view.wv, view.map));
         for (int i = 0; i < k_vectors; ++i) {
             const int k = i * int(Lobes::size());
-            const Lobes pull = everywhere(view.pull) * at(table.weighted, k);
-            half[i] = F::half_vector_lobe(stretched, map.shrink, at(table.half_bandwidth, k), pull);
+            const Lobes sharpness = everywhere(view.sharpness) * at(table.weighted, k);
+            half[i] = F::half_vector_lobe(stretched, map.inverse, at(table.half_bandwidth, k), sharpness);
         }
     }
     HWY_INLINE F::ProposalLobe of_directions(int k) const {
@@ -137,9 +137,9 @@ HWY_INLINE float density(const MixtureProposal& proposal, const Seen& seen, cons
         const Lobes constant = at(seen.table.constant, k);
         const Lobes factor = constant + l.z * (at(seen.table.linear, k) + l.z * at(seen.table.square, k));
         sum = sum + between(low, high, view.nodes.part, k) *
-                        F::folded_pdf(seen.of_directions(k), {l, factor}, {mirrored, constant});
-        sum = sum +
-              between(low, high, view.nodes.part, LobeTable::k_of_kind + k) * F::folded_pdf(seen.half[i], above, below);
+                        F::reflected_pdf(seen.of_directions(k), {l, factor}, {mirrored, constant});
+        sum = sum + between(low, high, view.nodes.part, LobeTable::k_of_kind + k) *
+                        F::reflected_pdf(seen.half[i], above, below);
     }
     return sum.sum();
 }
@@ -204,7 +204,7 @@ HWY_INLINE Vec3f draw(const MixtureProposal& proposal, const Seen& seen, const V
         const Vec3<Few> centre(in_all<Few>(drawn.x[k]), in_all<Few>(drawn.y[k]), in_all<Few>(drawn.z[k]));
         const Vec3<Few> w = F::off_centre(centre, max(below, Few(-2.0)), u2);
         const Vec3<Few> light = F::light_of(F::stretched(w, in_all<Few>(view.map)), in_all<Few>(view.wv));
-        wl = F::folded(select(in_all<Few>(LobeTable::k_of_kind - 1) < in_all<Few>(float(k)), light, w));
+        wl = F::reflected_up(select(in_all<Few>(LobeTable::k_of_kind - 1) < in_all<Few>(float(k)), light, w));
     }
     return {hn::GetLane(wl.x.v), hn::GetLane(wl.y.v), hn::GetLane(wl.z.v)};
 }
@@ -295,7 +295,7 @@ const LobeTable& lobe_table() {
             table.scale[i] = lobe.scale, table.rest[i] = lobe.rest;
             table.constant[i] = k > 1, table.linear[i] = k == 0, table.square[i] = k == 1;
             table.half_bandwidth[i] = K::proposal_bandwidth(LobeTable::k_of_kind + k);
-            table.weighted[i] = K::proposal_pull(LobeTable::k_of_kind + k, 1);
+            table.weighted[i] = K::proposal_sharpness(LobeTable::k_of_kind + k, 1);
         }
         return table;
     }();

@@ -40,7 +40,7 @@ struct SamplingPoints {
     }
 };
 
-// Of padded points:
+// Padded points have
 /// sets the densities of MixtureProposal's lobes, so shaped;
 void set_densities(SamplingPoints& points, const ProposalShape& shape);
 /// slope_k = Σ_i weight_i density_ki / pdf_i², pdf_i = Σ_k of_lobe_k density_ki; returns Σ_i weight_i / pdf_i.

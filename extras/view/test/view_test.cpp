@@ -9,6 +9,7 @@
 #include <chrono>
 #include <thread>
 
+#include "errors/measures.h"
 #include "extras/view/ink.h"
 #include "extras/view/lobes.h"
 #include "extras/view/look.h"
@@ -64,7 +65,8 @@ TEST(Session, AChoiceIsFittedMeasuredAndSwapped) {
     // The measures are those of the library for the same model.
     const Evaluate others[] = {evaluator(session.fitted()->model)};
     const Evaluate reference = evaluator(*session.subjects()[0]);
-    EXPECT_EQ(measure_heldout(reference, others, {80 * k_degree, 0})[0].squared_error_ratio, error);
+    EXPECT_EQ(measure_heldout(rgb_channels(reference), rgb_channels(others), {80 * k_degree, 0})[0].squared_error_ratio,
+              error);
 
     // A better choice: what was on display stays there until the other one is there.
     FitChoice better = k_small;
@@ -261,7 +263,7 @@ TEST(Lobes, TheirSumIsTheModelAndTheirSharesAreOne) {
 }
 
 TEST(Slice, IsTheFunctionTimesTheCosine) {
-    const auto subject = load(k_film);
+    const auto subject = load_subject(k_film);
     ASSERT_TRUE(subject);
     const Slice of = slice(evaluator(*subject), 30 * k_degree, 0, false);
     const Slice around = slice(evaluator(*subject), 30 * k_degree, 0, true);

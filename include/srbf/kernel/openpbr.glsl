@@ -1,12 +1,12 @@
 // Surfaces of renderers' parameters.
 
 // The product of two colours, and a + t (b - a).
-SRBF_FN Vec3 tinted(Vec3 a, Vec3 b) { return Vec3(a.x * b.x, a.y * b.y, a.z * b.z); }
-SRBF_FN Vec3 blended(Vec3 a, Vec3 b, Real t) { return (Real(1.0) - t) * a + t * b; }
+SRBF_FN Vec3 product_of(Vec3 a, Vec3 b) { return Vec3(a.x * b.x, a.y * b.y, a.z * b.z); }
+SRBF_FN Vec3 interpolated(Vec3 a, Vec3 b, Real t) { return (Real(1.0) - t) * a + t * b; }
 
 // a + b y + c y^2, and x at least 0 and at most 1.
-SRBF_FN Real quadratic(Real y, Real a, Real b, Real c) { return a + y * (b + y * c); }
-SRBF_FN Real saturated(Real x) { return min(max(x, Real(0.0)), Real(1.0)); }
+SRBF_FN Real polynomial(Real y, Real a, Real b, Real c) { return a + y * (b + y * c); }
+SRBF_FN Real clamped_to_unit(Real x) { return min(max(x, Real(0.0)), Real(1.0)); }
 
 // The reflectance of an interface for unpolarised light at an angle of cosine c, from the side outside of a medium with
 // relative index of refraction ior >= 1 (Fresnel's equations, in the form of Cook & Torrance 1982), and at c = 1.
@@ -21,46 +21,46 @@ SRBF_FN Real normal_reflectance(Real ior) {
     return share * share;
 }
 
-// The directional albedo of GGX facets with Schlick's Fresnel term, F0 facing + F90 grazing, at cosine x to the normal
-// and roughness alpha = y: the rational functions that MaterialX 1.38 uses. Their sum errs by less than 0.02 from the
+// The directional albedo of GGX facets with Schlick's Fresnel term, F0 scale + F90 bias, at cosine x to the normal
+// and roughness alpha = y: the rational functions that MaterialX 1.38 uses. Their sum differs by less than 0.02 from the
 // integral for x >= 0.5, by less than 0.03 for x >= 0.2, where y >= 0.01.
 struct FacetAlbedo {
-    Real facing;
-    Real grazing;
+    Real scale;
+    Real bias;
 };
 SRBF_FN FacetAlbedo facet_albedo(Real x, Real y) {
     FacetAlbedo albedo_;
-    albedo_.facing = saturated(
-        quadratic(x, quadratic(y, Real(0.1003), Real(9.748), Real(-8.245)),
-                  quadratic(y, Real(-0.6303), Real(-2.038), Real(19.99)),
-                  quadratic(y, Real(29.34), Real(-26.44), Real(-5.448))) /
-        quadratic(x, quadratic(y, Real(1.0), Real(8.263), Real(-7.507)),
-                  quadratic(y, Real(-1.765), Real(11.53), Real(15.86)),
-                  quadratic(y, Real(28.96), Real(-36.11), Real(33.37))));
-    albedo_.grazing = saturated(
-        quadratic(x, quadratic(y, Real(0.9345), Real(2.229), Real(-0.7684)),
-                  quadratic(y, Real(-2.323), Real(-3.748), Real(0.2913)),
-                  quadratic(y, Real(1.424), Real(1.436), Real(0.6286))) /
-        quadratic(x, quadratic(y, Real(1.0), Real(15.94), Real(41.26)),
-                  quadratic(y, Real(0.2281), Real(-55.83), Real(300.2)),
-                  quadratic(y, Real(13.08), Real(54.9), Real(-285.1))));
+    albedo_.scale = clamped_to_unit(
+        polynomial(x, polynomial(y, Real(0.1003), Real(9.748), Real(-8.245)),
+                  polynomial(y, Real(-0.6303), Real(-2.038), Real(19.99)),
+                  polynomial(y, Real(29.34), Real(-26.44), Real(-5.448))) /
+        polynomial(x, polynomial(y, Real(1.0), Real(8.263), Real(-7.507)),
+                  polynomial(y, Real(-1.765), Real(11.53), Real(15.86)),
+                  polynomial(y, Real(28.96), Real(-36.11), Real(33.37))));
+    albedo_.bias = clamped_to_unit(
+        polynomial(x, polynomial(y, Real(0.9345), Real(2.229), Real(-0.7684)),
+                  polynomial(y, Real(-2.323), Real(-3.748), Real(0.2913)),
+                  polynomial(y, Real(1.424), Real(1.436), Real(0.6286))) /
+        polynomial(x, polynomial(y, Real(1.0), Real(15.94), Real(41.26)),
+                  polynomial(y, Real(0.2281), Real(-55.83), Real(300.2)),
+                  polynomial(y, Real(13.08), Real(54.9), Real(-285.1))));
     return albedo_;
 }
 // (1 - E) / E, with E the albedo of facets that reflect all. Light that is scattered more than once multiplies a
 // lobe by 1 + F0 (1 - E) / E (Turquin, "Practical multiple scattering compensation for microfacet models", 2019).
-SRBF_FN Real scattered_again(FacetAlbedo albedo_) {
-    Real whole = max(albedo_.facing + albedo_.grazing, Real(0.1));
+SRBF_FN Real multiple_scattering(FacetAlbedo albedo_) {
+    Real whole = max(albedo_.scale + albedo_.bias, Real(0.1));
     return max(Real(1.0) - whole, Real(0.0)) / whole;
 }
 // The albedo of facets of normal reflectance f0, with what they scatter again.
 SRBF_FN Real lobe_albedo(FacetAlbedo albedo_, Real f0) {
-    return saturated((f0 * albedo_.facing + albedo_.grazing * saturated(Real(50.0) * f0)) *
-                     (Real(1.0) + f0 * scattered_again(albedo_)));
+    return clamped_to_unit((f0 * albedo_.scale + albedo_.bias * clamped_to_unit(Real(50.0) * f0)) *
+                     (Real(1.0) + f0 * multiple_scattering(albedo_)));
 }
 
 // The energy-preserving Oren-Nayar model, EON (Portsmouth, Kutz & Hill 2025) [1/sr], of roughness r from 0 (Lambert) to
 // 1. White reflects all light; other colours reflect less if they are rough. eon_share is the albedo of white's first
-// scattering, by the paper's polynomial, which errs by 1e-3.
+// scattering, by the paper's polynomial, whose error is 1e-3.
 SRBF_FN Real eon_share(Real cosine, Real r) {
     Real m = Real(1.0) - cosine;
     Real g = m * (Real(0.0571085289) + m * (Real(0.491881867) + m * (Real(-0.332181442) + m * Real(0.0714429953))));
@@ -91,7 +91,7 @@ SRBF_FN Real fuzz_albedo(Real x, Real y) {
     Real rest = y * (Real(0.000654023) + (Real(-0.0207818) + Real(0.119681) * y) * y) /
                 (Real(1.26264) + y * (Real(-1.92021) + y));
     Real at = (x - m) / s;
-    return saturated(exp_of_lobe(Real(-0.5) * at * at) * Real(0.3989422804) / s + rest);
+    return clamped_to_unit(exp_of_lobe(Real(-0.5) * at * at) * Real(0.3989422804) / s + rest);
 }
 SRBF_FN Real fuzz_value(Vec3 wl, Vec3 wv, Real y) {
     Real x = wv.z;
@@ -268,31 +268,31 @@ SRBF_FN OpenPbrFacets openpbr_facets(OpenPbrSurface of, OpenPbrBase base, Vec3 w
 SRBF_FN OpenPbrFacets openpbr_film_facets(OpenPbrSurface of, OpenPbrFilm film, OpenPbrBase base, Vec3 wl, Vec3 wv) {
     OpenPbrFacets facets = openpbr_facets(of, base, wl, wv);
     Real c = half_cosine(wl, wv);
-    facets.dielectric = blended(facets.dielectric, film_reflectance(film, facets.dielectric_f0, c), film.weight);
-    facets.metal = blended(facets.metal, film_reflectance(film, facets.metal_f0, c), film.weight);
+    facets.dielectric = interpolated(facets.dielectric, film_reflectance(film, facets.dielectric_f0, c), film.weight);
+    facets.metal = interpolated(facets.metal, film_reflectance(film, facets.metal_f0, c), film.weight);
     Vec3 f0 = facets.dielectric_f0;
-    facets.dielectric_f0 = blended(f0, film_reflectance(film, f0, Real(1.0)), film.weight);
+    facets.dielectric_f0 = interpolated(f0, film_reflectance(film, f0, Real(1.0)), film.weight);
     f0 = facets.metal_f0;
-    facets.metal_f0 = blended(f0, film_reflectance(film, f0, Real(1.0)), film.weight);
+    facets.metal_f0 = interpolated(f0, film_reflectance(film, f0, Real(1.0)), film.weight);
     return facets;
 }
 
 // The base: a dielectric over EON, blended with a metal by base_metalness [1/sr]. What the dielectric reflects towards the
 // viewer is taken from the diffuse part (albedo scaling): a factor 1 - E(wv).
-SRBF_FN Vec3 scattered_again_by(Vec3 f0, Real again) {
+SRBF_FN Vec3 multiple_scattering_by(Vec3 f0, Real again) {
     return Vec3(Real(1.0) + f0.x * again, Real(1.0) + f0.y * again, Real(1.0) + f0.z * again);
 }
 SRBF_FN Vec3 openpbr_base_value(OpenPbrSurface of, OpenPbrBase base, OpenPbrFacets facets, Real density, Vec3 wl, Vec3 wv) {
     FacetAlbedo whole = facet_albedo(wv.z, base.alpha);
-    Real again = scattered_again(whole);
+    Real again = multiple_scattering(whole);
     Vec3 f0 = facets.dielectric_f0;
-    Vec3 dielectric = density * tinted(facets.dielectric, scattered_again_by(f0, again));
+    Vec3 dielectric = density * product_of(facets.dielectric, multiple_scattering_by(f0, again));
     Vec3 through = Vec3(Real(1.0) - lobe_albedo(whole, f0.x), Real(1.0) - lobe_albedo(whole, f0.y),
                         Real(1.0) - lobe_albedo(whole, f0.z));
-    Vec3 glossy = tinted(dielectric, of.specular_color) +
-                  tinted(through, eon_value(of.base_color, of.base_diffuse_roughness, wl, wv));
-    Vec3 metal = (of.specular_weight * density) * tinted(facets.metal, scattered_again_by(facets.metal_f0, again));
-    return blended(glossy, metal, of.base_metalness);
+    Vec3 glossy = product_of(dielectric, of.specular_color) +
+                  product_of(through, eon_value(of.base_color, of.base_diffuse_roughness, wl, wv));
+    Vec3 metal = (of.specular_weight * density) * product_of(facets.metal, multiple_scattering_by(facets.metal_f0, again));
+    return interpolated(glossy, metal, of.base_metalness);
 }
 
 // The share that a coat leaves of light that is reflected between it and a base of this colour, relative to a base without it:
@@ -310,14 +310,14 @@ SRBF_FN Vec3 openpbr_layers_value(OpenPbrSurface of, Vec3 base, Vec3 wl, Vec3 wv
     FacetAlbedo whole = facet_albedo(wv.z, alpha);
     Real f0 = normal_reflectance(of.coat_ior);
     Real coat = of.coat_weight * ggx_facets(wl, wv, alpha) * dielectric_reflectance(c, of.coat_ior) *
-                (Real(1.0) + f0 * scattered_again(whole));
+                (Real(1.0) + f0 * multiple_scattering(whole));
     Real k = Real(1.0) - (Real(1.0) - f0) / (of.coat_ior * of.coat_ior);
     Real strength = of.coat_weight * of.coat_darkening;
     Vec3 dark = Vec3(darkened(of.base_color.x, k, strength), darkened(of.base_color.y, k, strength),
                      darkened(of.base_color.z, k, strength));
-    Vec3 passed = tinted(dark, blended(Vec3(Real(1.0), Real(1.0), Real(1.0)), of.coat_color, of.coat_weight));
+    Vec3 passed = product_of(dark, interpolated(Vec3(Real(1.0), Real(1.0), Real(1.0)), of.coat_color, of.coat_weight));
     Real through = Real(1.0) - of.coat_weight * lobe_albedo(whole, f0);
-    Vec3 coated = Vec3(coat, coat, coat) + through * tinted(passed, base);
+    Vec3 coated = Vec3(coat, coat, coat) + through * product_of(passed, base);
 
     Real y = max(of.fuzz_roughness, Real(0.01));
     Real below = Real(1.0) - of.fuzz_weight * fuzz_albedo(wv.z, y);

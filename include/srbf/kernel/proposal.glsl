@@ -19,39 +19,39 @@ SRBF_FN Real below_power_cosine(Real width, Real u1) {
 }
 
 // A map that multiplies the component of directions along a tangent of the surface, the unit vector t along (x, y):
-// M = I + (stretch - 1) t t^T. (more, less) are (stretch - 1, 1 / stretch - 1) over x^2 + y^2, and shrink is
-// 1 / stretch. With (x, y) = (0, 0) nothing is mapped.
+// M = I + (stretch - 1) t t^T. stretch_minus_1 and inverse_minus_1 are divided by x^2 + y^2; inverse is 1 / stretch. With (x, y) = (0, 0) nothing is mapped.
 struct Stretch {
     Real x;
     Real y;
-    Real more;
-    Real less;
-    Real shrink;
+    Real stretch_minus_1;
+    Real inverse_minus_1;
+    Real inverse;
 };
 SRBF_FN Stretch stretch_along(Vec3 tangent, Real stretch) {
     Stretch map;
     map.x = tangent.x;
     map.y = tangent.y;
     Real reciprocal = Real(1.0) / max(tangent.x * tangent.x + tangent.y * tangent.y, Real(1.0e-20));
-    map.shrink = Real(1.0) / stretch;
-    map.more = (stretch - Real(1.0)) * reciprocal;
-    map.less = (map.shrink - Real(1.0)) * reciprocal;
+    map.inverse = Real(1.0) / stretch;
+    map.stretch_minus_1 = (stretch - Real(1.0)) * reciprocal;
+    map.inverse_minus_1 = (map.inverse - Real(1.0)) * reciprocal;
     return map;
 }
 SRBF_FN Vec3 grown_along(Vec3 w, Real x, Real y, Real gain) {
     Real along = gain * (w.x * x + w.y * y);
     return Vec3(w.x + along * x, w.y + along * y, w.z);
 }
-SRBF_FN Vec3 stretched(Vec3 w, Stretch map) { return grown_along(w, map.x, map.y, map.more); }
+SRBF_FN Vec3 stretched(Vec3 w, Stretch map) { return grown_along(w, map.x, map.y, map.stretch_minus_1); }
 
 // A lobe G(g . z | lambda) of directions g, which a map M takes to half vectors h along M g, weighted by a power of the
 // visibility of these: G(g . z | lambda) (M g . wv)^power. With viewer = M wv, M g . wv is g . viewer. With its
-// logarithm linearised about the normal this is again a lobe, along lambda z + pull viewer with
-// pull = power / (n . wv). For a view direction close to the horizon its centre is not beyond halfway between the
+// logarithm linearised about the normal this is again a lobe, along lambda z + sharpness viewer with
+// sharpness = power / (n . wv). For a view direction close to the horizon its centre is not beyond halfway between the
 // normal and the viewer.
-SRBF_FN Real pull_of_visibility(Vec3 wv, Real power) { return power / max(wv.z, Real(1.0e-6)); }
-SRBF_FN GaussianProduct visible_lobe(Vec3 viewer, Real shrink, Real bandwidth, Real pull) {
-    return gaussian_product(Vec3(Real(0.0), Real(0.0), Real(1.0)), bandwidth, viewer, min(pull, shrink * bandwidth));
+SRBF_FN Real visibility_sharpness(Vec3 wv, Real power) { return power / max(wv.z, Real(1.0e-6)); }
+SRBF_FN GaussianProduct visible_lobe(Vec3 viewer, Real inverse, Real bandwidth, Real sharpness) {
+    return gaussian_product(Vec3(Real(0.0), Real(0.0), Real(1.0)), bandwidth, viewer,
+                            min(sharpness, inverse * bandwidth));
 }
 
 // For half vectors h from a lobe that is stretched: the direction g = M^-1 h / |M^-1 h| before, and the factor that
@@ -64,11 +64,11 @@ struct HalfVector {
 SRBF_FN HalfVector half_vector(Vec3 wl, Vec3 wv, Stretch map) {
     Vec3 sum = wl + wv;
     Real squared = dot(sum, sum);
-    Vec3 back = grown_along(sum, map.x, map.y, map.less);
+    Vec3 back = grown_along(sum, map.x, map.y, map.inverse_minus_1);
     Real reciprocal = inversesqrt(max(dot(back, back), Real(1.0e-20)));
     HalfVector h;
     h.direction = reciprocal * back;
-    Real exists = select(Real(1.0e-12) < squared, Real(0.5), Real(0.0)) * map.shrink;
+    Real exists = select(Real(1.0e-12) < squared, Real(0.5), Real(0.0)) * map.inverse;
     h.factor = (exists * squared) * (reciprocal * reciprocal * reciprocal);
     return h;
 }
@@ -76,7 +76,7 @@ SRBF_FN HalfVector half_vector(Vec3 wl, Vec3 wv, Stretch map) {
 // The density of wl = 2 (h . wv) h - wv [1/sr], with h from the stretched lobe, as visible from wv.
 SRBF_FN Real half_vector_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Stretch map, Real power) {
     HalfVector at = half_vector(wl, wv, map);
-    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.shrink, bandwidth, pull_of_visibility(wv, power));
+    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, visibility_sharpness(wv, power));
     return vmf_pdf(at.direction, lobe.centre, lobe.bandwidth) * at.factor;
 }
 
@@ -90,7 +90,7 @@ SRBF_FN Vec3 light_of(Vec3 h, Vec3 wv) {
 
 // Samples half_vector_pdf. The result is the zero vector where there is no direction.
 SRBF_FN Vec3 sample_half_vector(Vec3 wv, Real bandwidth, Stretch map, Real power, Real u1, Real u2) {
-    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.shrink, bandwidth, pull_of_visibility(wv, power));
+    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, visibility_sharpness(wv, power));
     return light_of(stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), map), wv);
 }
 
@@ -108,7 +108,7 @@ SRBF_FN Real proposal_bandwidth(int k) {
     if (k == 15) bandwidth = Real(128.0);
     return bandwidth;
 }
-SRBF_FN Real proposal_pull(int k, Real pull) { return k == 15 ? Real(0.0) : pull; }
+SRBF_FN Real proposal_sharpness(int k, Real sharpness) { return k == 15 ? Real(0.0) : sharpness; }
 // Common subexpressions of the components' densities at (wl, wv): wl above the horizon and reflected at it, with their
 // half vectors.
 struct ProposalPoint {
@@ -116,8 +116,8 @@ struct ProposalPoint {
     Vec3 mirrored;
     Vec3 specular;
     Vec3 viewer;
-    Real shrink;
-    Real pull;
+    Real inverse;
+    Real sharpness;
     HalfVector above;
     HalfVector below;
 };
@@ -127,8 +127,8 @@ SRBF_FN ProposalPoint proposal_point(Vec3 wl, Vec3 wv, Stretch map, Real power) 
     at.mirrored = Vec3(wl.x, wl.y, -wl.z);
     at.specular = Vec3(-wv.x, -wv.y, wv.z);
     at.viewer = stretched(wv, map);
-    at.shrink = map.shrink;
-    at.pull = pull_of_visibility(wv, power);
+    at.inverse = map.inverse;
+    at.sharpness = visibility_sharpness(wv, power);
     at.above = half_vector(wl, wv, map);
     at.below = half_vector(at.mirrored, wv, map);
     return at;
@@ -152,8 +152,8 @@ SRBF_FN ProposalLobe mirror_lobe(Vec3 specular, Real bandwidth) {
 }
 // A lobe as visible from the viewer is at least as narrow as the lobe itself. With lambda >= 8, e^(-2 lambda) is at
 // most 1.2e-7 and is replaced by 0.
-SRBF_FN ProposalLobe half_vector_lobe(Vec3 viewer, Real shrink, Real bandwidth, Real pull) {
-    GaussianProduct product = visible_lobe(viewer, shrink, bandwidth, pull);
+SRBF_FN ProposalLobe half_vector_lobe(Vec3 viewer, Real inverse, Real bandwidth, Real sharpness) {
+    GaussianProduct product = visible_lobe(viewer, inverse, bandwidth, sharpness);
     ProposalLobe lobe;
     lobe.centre = product.centre;
     lobe.bandwidth = product.bandwidth;
@@ -163,7 +163,7 @@ SRBF_FN ProposalLobe half_vector_lobe(Vec3 viewer, Real shrink, Real bandwidth, 
     return lobe;
 }
 // Its density [1/sr] for a direction sampled at `above`, or at `below` and then reflected.
-SRBF_FN Real folded_pdf(ProposalLobe lobe, HalfVector above, HalfVector below) {
+SRBF_FN Real reflected_pdf(ProposalLobe lobe, HalfVector above, HalfVector below) {
     return lobe.scale * (gaussian(above.direction, lobe.centre, lobe.bandwidth) * above.factor +
                          gaussian(below.direction, lobe.centre, lobe.bandwidth) * below.factor);
 }
@@ -178,25 +178,25 @@ SRBF_FN HalfVector itself(Vec3 direction) {
 SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint at) {
     Real bandwidth = proposal_bandwidth(k);
     if (k >= SRBF_FIRST_HALF_VECTOR_LOBE)
-        return folded_pdf(half_vector_lobe(at.viewer, at.shrink, bandwidth, proposal_pull(k, at.pull)), at.above,
-                          at.below);
-    if (k > 1) return folded_pdf(mirror_lobe(at.specular, bandwidth), itself(at.wl), itself(at.mirrored));
+        return reflected_pdf(
+            half_vector_lobe(at.viewer, at.inverse, bandwidth, proposal_sharpness(k, at.sharpness)), at.above, at.below);
+    if (k > 1) return reflected_pdf(mirror_lobe(at.specular, bandwidth), itself(at.wl), itself(at.mirrored));
     return power_cosine_pdf(at.wl, k == 0 ? Real(1.0) : Real(2.0));
 }
 // Samples component k from u1, u2 uniform in [0,1). z = 0 where there is no direction.
-SRBF_FN Vec3 folded(Vec3 wl) { return Vec3(wl.x, wl.y, max(wl.z, -wl.z)); }
+SRBF_FN Vec3 reflected_up(Vec3 wl) { return Vec3(wl.x, wl.y, max(wl.z, -wl.z)); }
 SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Stretch map, Real power, Real u1, Real u2) {
     Real below = below_power_cosine(k == 0 ? Real(0.5) : Real(1.0 / 3.0), u1);
     Vec3 wl = off_centre(Vec3(Real(0.0), Real(0.0), Real(1.0)), below, u2);
     if (k >= SRBF_FIRST_HALF_VECTOR_LOBE) {
-        Real pull = proposal_pull(k, pull_of_visibility(wv, power));
-        ProposalLobe lobe = half_vector_lobe(stretched(wv, map), map.shrink, proposal_bandwidth(k), pull);
+        Real sharpness = proposal_sharpness(k, visibility_sharpness(wv, power));
+        ProposalLobe lobe = half_vector_lobe(stretched(wv, map), map.inverse, proposal_bandwidth(k), sharpness);
         wl = light_of(stretched(sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2), map), wv);
     } else if (k > 1) {
         ProposalLobe lobe = mirror_lobe(Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k));
         wl = sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2);
     }
-    return folded(wl);
+    return reflected_up(wl);
 }
 
 // A lobe of the light times the cosine to the normal, approximated as 1.17 G(wl . z | 2.133) with an error of up to .06

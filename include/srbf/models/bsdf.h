@@ -1,4 +1,4 @@
-// A model of reflection and transmission on both sides.
+// A model of reflection and transmission, front and back.
 #pragma once
 #include <cstddef>
 #include <span>

@@ -69,7 +69,7 @@ inline constexpr int k_least_views = 8, k_most_views = 8192;
 /// ρ(wl, wv) in single precision; 0 below the horizon. Continuous in both directions, except for plain interpolation
 /// where the K+1 nearest views are equally near.
 Rgb value(const SuModel& model, Vec3f wl, Vec3f wv);
-/// The same by plain interpolation, from the nearest of the eight views that the texture holds for the direction.
+/// f_r by plain interpolation, from the nearest of the eight views that the texture holds for the direction.
 Rgb value(const SuModel& model, const IndexTexture& index, Vec3f wl, Vec3f wv);
 
 /// f[i] = value(model, wl[i], wv[i]), in SIMD over consecutive pairs that share the sampled direction. The spans have

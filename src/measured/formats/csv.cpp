@@ -295,7 +295,7 @@ Result<Collected> collect(std::span<const std::byte> bytes, const std::string& f
         }
         if (row.error()) return *row.error();
         azimuths.add(wl);
-        const auto part = both_sides ? folded(to_float(wl), to_float(wv)) : std::nullopt;
+        const auto part = both_sides ? to_part_frame(to_float(wl), to_float(wv)) : std::nullopt;
         if (part)
             collected.part[std::size_t(part->part)]->add({wl.x, wl.y, std::abs(wl.z)}, {wv.x, wv.y, std::abs(wv.z)}, f);
         else

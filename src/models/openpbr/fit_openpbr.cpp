@@ -13,8 +13,8 @@
 namespace srbf {
 namespace {
 
-/// A parameter that fits vary, and of which surfaces. Colours are searched by their root, which is closer to what is
-/// seen; x is the share of the parameter's range or of the root's. A start has a number drawn from a range of its own.
+/// A parameter that fits vary, and of which surfaces. Colours are searched by their root, which is closer to visible
+/// differences; x is the share of the parameter's range or of the root's. A start has a number drawn from a range of its own.
 struct FittedParameter {
     std::string_view name;
     bool openpbr, gltf, principled;
@@ -423,8 +423,8 @@ struct OpenPbrFound {
     OpenPbrCandidate best;
     std::vector<OpenPbrVariable> variables;
 };
-/// Drops the parts without which the surface, adapted, is as good, or its loss at most `bearable`.
-void drop_unseen_parts(OpenPbrFound& found, const OpenPbrData& data, const OpenPbrModel& defaults, double bearable) {
+/// Drops the parts without which the surface, adapted, is as good, or its loss at most `most_loss`.
+void prune_parts(OpenPbrFound& found, const OpenPbrData& data, const OpenPbrModel& defaults, double most_loss) {
     for (const OpenPbrPart& part : openpbr_parts(defaults)) {
         OpenPbrModel less = found.best.model;
         for (const OpenPbrParameter& of : k_openpbr_parameters)
@@ -436,7 +436,7 @@ void drop_unseen_parts(OpenPbrFound& found, const OpenPbrData& data, const OpenP
         Eigen::VectorXd x = problem.x_of(less);
         const double loss =
             levenberg_marquardt(problem, x, {.max_iterations = k_steps_without, .adapts_to_bounds = true}).loss;
-        if (loss > std::max((1 + k_least_gain_of_parts) * found.best.loss, bearable)) continue;
+        if (loss > std::max((1 + k_least_gain_of_parts) * found.best.loss, most_loss)) continue;
         found = {{problem.model(x), loss}, left};
     }
 }
@@ -475,7 +475,7 @@ class OpenPbrSearch {
             if (const auto done = search(candidates, {&k_last_openpbr_round, 1}); !done) return done.error();
         }
         OpenPbrFound found{candidates[0], variables_of(candidates[0])};
-        drop_unseen_parts(found, OpenPbrData(weighed_, 1), defaults_, observations_.views.empty() ? 0 : k_unseen);
+        prune_parts(found, OpenPbrData(weighed_, 1), defaults_, observations_.views.empty() ? 0 : k_unseen);
         return found;
     }
     /// The data that were fitted to in the end.

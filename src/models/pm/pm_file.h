@@ -18,7 +18,7 @@ template <> struct Stored<PmModel> {
 // Files with the lobes of several models:
 /// The tensors of a model, always with log scales, and the metadata that determine their meaning.
 Safetensors lobes_content(const PmModel& model);
-/// Those metadata.
+/// The metadata of a model, by the names above.
 struct LobesHeader {
     PmForm form;
     bool axial;

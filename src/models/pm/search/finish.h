@@ -6,7 +6,7 @@
 
 namespace srbf {
 
-/// Factors of the terms beside that of pairs, see Extent.
+/// Factors of the terms beside that of pairs, see RowOptions.
 struct TermFactors {
     double integrals = 0, pictures = 0;
     bool has_point_lights = false;  ///< whether the weights of pairs have those of point lights

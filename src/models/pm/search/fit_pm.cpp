@@ -63,12 +63,12 @@ struct Effort {
     double search = 0, rest = 0, polish = 0;  ///< polish: of each stage between the search and the last
     double all() const { return search + 2 * rest; }
 };
-bool is_polish(const Stage& stage) { return stage.work == Work::by_pictures || stage.work == Work::polish; }
+bool is_polish(const Stage& stage) { return stage.work == StageKind::by_pictures || stage.work == StageKind::polish; }
 Effort effort_of(const Observations& observations, const FitOptions& options) {
     int perturbations = 0, before = 0, polishes = 0;
     for (const Stage& stage : schedule(!observations.views.empty())) {
         polishes += is_polish(stage);
-        if (stage.work != Work::perturb) continue;
+        if (stage.work != StageKind::perturb) continue;
         const int until = stage.perturbations_until(options);
         perturbations += int(stage.candidates(options)) * (until - before);
         before = until;
@@ -91,7 +91,7 @@ class Fit {
 
     /// A stage before the last, a candidate a thread.
     void search(const Stage& stage) {
-        if (stage.work == Work::by_pictures && reporter_.cancelled()) return;
+        if (stage.work == StageKind::by_pictures && reporter_.cancelled()) return;
         prepare(stage);
         const Rows rows = rows_of(stage);
         parallel_for(found_.size(), [&](std::size_t i) {
@@ -99,11 +99,11 @@ class Fit {
             search(stage, problem, found_[i]);
         });
         std::ranges::stable_sort(found_, {}, &Candidate::loss);
-        if (stage.work == Work::by_pictures) last_ = &stage;
+        if (stage.work == StageKind::by_pictures) last_ = &stage;
         if (is_polish(stage)) reporter_.advance("polishing", effort_.polish);
     }
     /// The last stage: the first candidate, or of those that are nearly as good the best. Of noisy tables the best of all that are
-    /// left: albedos cost most then, and pictures do not tell which candidate can follow them.
+    /// left: albedos cost most then, and pictures do not show which candidate can follow them.
     PmFit finished(const Stage& stage) {
         if (stage.lights) add_point_lights(stage);
         if (!stage.pictures) sort_by_all();
@@ -138,16 +138,16 @@ class Fit {
 
     void search(const Stage& stage, LobeProblem& problem, Candidate& candidate) const {
         switch (stage.work) {
-            case Work::grow:
+            case StageKind::grow:
                 return grow(problem, options_, candidate, reporter_);
-            case Work::perturb:
+            case StageKind::perturb:
                 return perturb(problem, options_, stage.perturbations_until(options_), candidate, reporter_);
-            case Work::polish:
+            case StageKind::polish:
                 return polish(problem, options_, stage.steps, candidate);
-            case Work::by_pictures:
+            case StageKind::by_pictures:
                 if (!reporter_.cancelled()) take_steps(problem, stage.steps, candidate);
                 return;
-            case Work::finish:  // of all candidates: `finished`
+            case StageKind::finish:  // of all candidates: `finished`
                 return;
         }
     }
@@ -210,8 +210,8 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
     on_threads(options.threads, [&] {
         Fit fit(observations, options, begin, reporter);
         for (const Stage& stage : schedule(!observations.views.empty())) {
-            if (begin && (stage.work == Work::grow || stage.work == Work::perturb)) continue;
-            if (stage.work == Work::finish)
+            if (begin && (stage.work == StageKind::grow || stage.work == StageKind::perturb)) continue;
+            if (stage.work == StageKind::finish)
                 done = fit.finished(stage);
             else
                 fit.search(stage);

@@ -11,7 +11,7 @@
 namespace srbf {
 
 /// The work of a stage on each of its candidates.
-enum class Work {
+enum class StageKind {
     grow,         ///< J lobes one by one, each the best of 256 random ones
     perturb,      ///< replaces the least useful lobe or variate by a random one, if that lowers the loss
     polish,       ///< steps, and replaces lobes that become useless
@@ -27,7 +27,7 @@ enum class Pairs : std::size_t { few = 2048, some = 4096, more = 16384, all = 0 
 /// A stage of a fit, a row of the tables below.
 struct Stage {
     std::string_view name = {};
-    Work work = Work::by_pictures;
+    StageKind work = StageKind::by_pictures;
     bool bounds = false;  ///< beforehand, pairs at which candidates exceed the measurement are added to the rows
     bool lights = false;  ///< beforehand, weights of point lights are added, relative to the best candidate's errors
     Pairs pairs = Pairs::all;                ///< the rows
@@ -57,24 +57,24 @@ using enum Pairs;
 inline constexpr Stage by_pairs[] = {
     // name      work            bounds   pairs albedos share   most   perturbations
     //                              lights         pictures                  steps
-    {"grow",     Work::grow,        o, o, few,  o, o, 1,     every},
-    {"perturb",  Work::perturb,     x, o, few,  x, o, 1,     every, 0.2},
-    {"perturb",  Work::perturb,     x, o, some, x, o, 0.5,   every, 0.5},
-    {"perturb",  Work::perturb,     x, o, some, x, o, 0.25,  every, 1},
-    {"polish",   Work::polish,      x, o, more, x, o, 1,     4,     0,    25},
-    {"finish",   Work::finish,      o, o, all,  x, o, 1,     3},
+    {"grow",     StageKind::grow,        o, o, few,  o, o, 1,     every},
+    {"perturb",  StageKind::perturb,     x, o, few,  x, o, 1,     every, 0.2},
+    {"perturb",  StageKind::perturb,     x, o, some, x, o, 0.5,   every, 0.5},
+    {"perturb",  StageKind::perturb,     x, o, some, x, o, 0.25,  every, 1},
+    {"polish",   StageKind::polish,      x, o, more, x, o, 1,     4,     0,    25},
+    {"finish",   StageKind::finish,      o, o, all,  x, o, 1,     3},
 };
 /// With pictures. Candidates with the same loss of pairs look different, and further perturbations lower that loss by
 /// little: all of them remain for pictures to choose from. The best after all their steps are nearly always among the
 /// best after three.
 inline constexpr Stage with_pictures[] = {
-    {"grow",     Work::grow,        o, o, few,  o, o, 1,     every},
-    {"perturb",  Work::perturb,     x, o, few,  x, o, 1,     every, 0.12},
-    {"perturb",  Work::perturb,     x, o, few,  x, o, 1,     every, 0.28},
-    {"pictures", Work::by_pictures, x, x, some, x, x, 1,     every, 0,    3},
-    {"pictures", Work::by_pictures, o, o, some, x, x, 0.25,  every, 0,    4},
-    {"pictures", Work::by_pictures, o, o, some, x, x, 0.125, every, 0,    8},
-    {"finish",   Work::finish,      o, x, all,  x, x, 1,     1},
+    {"grow",     StageKind::grow,        o, o, few,  o, o, 1,     every},
+    {"perturb",  StageKind::perturb,     x, o, few,  x, o, 1,     every, 0.12},
+    {"perturb",  StageKind::perturb,     x, o, few,  x, o, 1,     every, 0.28},
+    {"pictures", StageKind::by_pictures, x, x, some, x, x, 1,     every, 0,    3},
+    {"pictures", StageKind::by_pictures, o, o, some, x, x, 0.25,  every, 0,    4},
+    {"pictures", StageKind::by_pictures, o, o, some, x, x, 0.125, every, 0,    8},
+    {"finish",   StageKind::finish,      o, x, all,  x, x, 1,     1},
 };
 // clang-format on
 
@@ -84,7 +84,7 @@ static_assert(std::ranges::all_of(with_pictures, [](const Stage& stage) {
 // Weights of point lights are added to the subset once, and to all observations once.
 static_assert(std::ranges::count_if(with_pictures,
                                     [](const Stage& stage) { return stage.lights && stage.pairs != all; }) <= 1);
-static_assert(std::ranges::none_of(by_pairs, [](const Stage& stage) { return stage.work == Work::by_pictures; }));
+static_assert(std::ranges::none_of(by_pairs, [](const Stage& stage) { return stage.work == StageKind::by_pictures; }));
 
 }  // namespace stages
 

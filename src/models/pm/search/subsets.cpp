@@ -97,7 +97,7 @@ Rows Subsets::rows(const Stage& stage, double picture_importance) const {
     const Part& part = stage.pairs == Pairs::few ? few_ : stage.pairs == Pairs::some ? some_ : more_;
     if (!stage.albedos) return Rows(part.observations);
     return Rows(part.observations, {.integral_importance = integral_importance(stage.pictures && has_point_lights_),
-                                    .roughly = stage.pairs != Pairs::more,
+                                    .subsampled_integrals = stage.pairs != Pairs::more,
                                     .picture_importance = stage.pictures ? picture_importance : 0});
 }
 

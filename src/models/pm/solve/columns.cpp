@@ -99,7 +99,7 @@ double residual(const float* y, std::span<const float> beta, std::span<const flo
 // to[k] = Σ over the lanes of x[k], k < 4.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE void sum_lanes(const Batch (&x)[4], float* to) {
-    for (std::size_t k = 0; k < 4; ++k) to[k] = folded_lanes(x[k]);
+    for (std::size_t k = 0; k < 4; ++k) to[k] = reduced_lanes(x[k]);
 }
 #else
 // The matrix of four vectors of four lanes is transposed while lanes are added.
@@ -160,7 +160,7 @@ HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const fl
                 for (std::size_t u = 0; u < 4; ++u) {
                     Batch parts[k_sum_parts];
                     for (std::size_t p = 0; p < k_sum_parts; ++p) parts[p] = sums[p][t][u];
-                    whole[u] = folded(parts);
+                    whole[u] = reduced(parts);
                 }
                 HWY_ALIGN float sum[4];
                 sum_lanes(whole, sum);

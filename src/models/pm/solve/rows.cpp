@@ -9,7 +9,7 @@ namespace srbf {
 namespace {
 
 /// A search sees every so many nodes of an integral.
-constexpr std::size_t k_rough_step = 9;
+constexpr std::size_t k_integral_step = 9;
 
 }  // namespace
 
@@ -20,13 +20,13 @@ template <typename Value> void Rows::set(std::size_t i, Vec3f l, Vec3f v, double
     for (std::size_t c = 0; c < y.size(); ++c) y[c][i] = float(factor * double(f(c)));
 }
 
-Rows::Rows(const Observations& observations, const Extent& extent) {
+Rows::Rows(const Observations& observations, const RowOptions& options) {
     const std::size_t count = observations.fitted();
     blocks = blocks_for(count), pairs = count;
-    const std::size_t step = extent.roughly ? k_rough_step : 1;
+    const std::size_t step = options.subsampled_integrals ? k_integral_step : 1;
     std::vector<const ObservedIntegral*> some;
     for (const ObservedIntegral& of : observations.integrals)
-        if (extent.integral_importance > 0 && (of.in_search || !extent.roughly)) some.push_back(&of);
+        if (options.integral_importance > 0 && (of.in_search || !options.subsampled_integrals)) some.push_back(&of);
     integrals = some.size();
     double costs = 0;
     for (const ObservedIntegral* of : some) {
@@ -34,8 +34,8 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
         costs += of->cost;
     }
     const auto has_pixels = [](const ObservedView& view) { return !view.pixels.empty(); };
-    if (extent.picture_importance > 0 && !extent.spectra && std::ranges::any_of(observations.views, has_pixels)) {
-        picture_importance = extent.picture_importance;
+    if (options.picture_importance > 0 && !options.spectra && std::ranges::any_of(observations.views, has_pixels)) {
+        picture_importance = options.picture_importance;
         views = observations.views.size(), view_rows = k_row_multiple;
         for (const ObservedView& view : observations.views)
             view_rows = std::max(view_rows, std::bit_ceil(view.wl.size()));
@@ -46,10 +46,10 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
         wl[k].assign(rows, k == 2 ? 1.f : 0.f);
         wv[k].assign(rows, k == 2 ? 1.f : 0.f);
     }
-    const std::size_t C = extent.spectra ? observations.wavelengths.size() : 3;
+    const std::size_t C = options.spectra ? observations.wavelengths.size() : 3;
     y.assign(C, Aligned<float>(rows, 0.f));
     // Channel c of an observation or of a node of an integral.
-    const auto value_of = [C, spectra = extent.spectra](const auto& of, std::size_t i) {
+    const auto value_of = [C, spectra = options.spectra](const auto& of, std::size_t i) {
         return [&of, i, C, spectra](std::size_t c) { return spectra ? of.spectrum[i * C + c] : of.f[i][int(c)]; };
     };
     root_weight.assign(rows, 0.f);
@@ -64,7 +64,7 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
         for (std::size_t i = 0; i < seen.wl.size(); i += step) whole += seen.weight[i] * double(luminance(seen.f[i]));
         whole = std::max({whole, seen.least_unit / double(step), seen.noise_unit / std::sqrt(double(step))});
         if (!(whole > 0)) continue;
-        const double factor = std::sqrt(extent.integral_importance * seen.cost / costs) / whole;
+        const double factor = std::sqrt(options.integral_importance * seen.cost / costs) / whole;
         std::size_t row = (blocks + k * integral_blocks) * k_block;
         for (std::size_t i = 0; i < seen.wl.size(); i += step)
             set(row++, seen.wl[i], seen.wv[i], factor * seen.weight[i], value_of(seen, i));

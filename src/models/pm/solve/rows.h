@@ -14,12 +14,12 @@
 namespace srbf {
 
 /// Which parts of the observations Rows hold.
-struct Extent {
+struct RowOptions {
     double integral_importance =
         0;  ///< increase of the sum if every integral is off by its luminance in one channel; 0: no integrals
-    bool roughly = false;           ///< only the integrals of a search, and of each every ninth node
-    bool spectra = false;           ///< the spectra of spectral observations instead of their colours
-    double picture_importance = 0;  ///< factor of the mean error of all `Pixels`; 0, or with spectra: no views
+    bool subsampled_integrals = false;  ///< only the integrals of a search, and of each every ninth node
+    bool spectra = false;               ///< the spectra of spectral observations instead of their colours
+    double picture_importance = 0;      ///< factor of the mean error of all `Pixels`; 0, or with spectra: no views
 };
 
 /// Observations in the layout of the loops: an array per component, padded to whole blocks with rows of weight 0. First
@@ -27,7 +27,7 @@ struct Extent {
 /// contributes the square of a sum; then the blocks of views, whose pixels are sums over rows.
 struct Rows {
     /// All observations except the bound pairs.
-    explicit Rows(const Observations& observations, const Extent& extent = {});
+    explicit Rows(const Observations& observations, const RowOptions& options = {});
     std::size_t pairs = 0, blocks = 0;               ///< number of pairs, and of their blocks
     std::size_t integrals = 0, integral_blocks = 0;  ///< number of integrals, blocks per integral
     std::array<Aligned<float>, 3> wl, wv;

@@ -9,6 +9,7 @@
 
 #include "base/errors.h"
 #include "base/parallel.h"
+#include "errors/measures.h"
 #include "models/ggx/fit_ggx.h"
 #include "observe/bound.h"
 #include "observe/pair_weights.h"
@@ -45,10 +46,10 @@ constexpr double k_most_agreed = 1.8;
 
 /// The value expected at a pair of directions.
 struct Expected {
-    std::array<double, 3> root{};  ///< e of `CompletedSamples`
-    double bound = 0;              ///< b of `CompletedSamples`
+    std::array<double, 3> root{};  ///< e of `GapFilledSamples`
+    double bound = 0;              ///< b of `GapFilledSamples`
 };
-Expected expected(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
+Expected expected(const GapFilledSamples& samples, Vec3f wl, Vec3f wv) {
     const double area = cosines(wl, wv);
     Expected all;
     double agreed = samples.most;
@@ -117,33 +118,33 @@ Result<std::array<GgxModel, k_most_ggx_lobes>> fitted_priors(Objective objective
 
 }  // namespace
 
-Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_theta, int threads, bool of_one) {
+Result<GapFilledSamples> fill_gaps(const ScatteredSamples& samples, double max_theta, int threads, bool of_one) {
     const Observations observed = observations_of(samples, samples_within(samples, max_theta), true, false);
-    CompletedSamples completed;
+    GapFilledSamples filled;
     auto seen = fitted_priors(Objective::appearance, observed, threads);
     if (!seen) return seen.error();
-    completed.priors = {(*seen)[1]};
+    filled.priors = {(*seen)[1]};
     if (!of_one) {
         auto in_image = fitted_priors(Objective::cosine, observed, threads);
         if (!in_image) return in_image.error();
-        completed.priors.insert(completed.priors.end(), {(*seen)[0], (*in_image)[1]});
+        filled.priors.insert(filled.priors.end(), {(*seen)[0], (*in_image)[1]});
     }
     const double largest = largest_measured(observed);
-    completed.allowed = (of_one ? k_most_excess : 1) * largest;
-    completed.most = (of_one ? k_most_excess : k_most_agreed) * largest;
-    ScatteredSamples& rest = completed.rest;
+    filled.allowed = (of_one ? k_most_excess : 1) * largest;
+    filled.most = (of_one ? k_most_excess : k_most_agreed) * largest;
+    ScatteredSamples& rest = filled.rest;
     rest.isotropic = samples.isotropic;
     rest.wl = observed.wl, rest.wv = observed.wv;
     for (std::size_t i = 0; i < rest.wl.size(); ++i) {
         const double area = cosines(rest.wl[i], rest.wv[i]);
-        const auto root = expected(completed, rest.wl[i], rest.wv[i]).root;
+        const auto root = expected(filled, rest.wl[i], rest.wv[i]).root;
         Rgb r;
         for (int c = 0; c < 3; ++c)
             r[c] = float((elementary::cbrt(double(observed.f[i][c]) * area) - root[std::size_t(c)]) / area);
         rest.colour.push_back(r);
     }
     make_index(rest);
-    return completed;
+    return filled;
 }
 
 std::string words(const Continuation& continuation) {
@@ -153,7 +154,7 @@ std::string words(const Continuation& continuation) {
                        continuation.from < 1 ? "" : " beyond the largest sample");
 }
 
-std::string words(const CompletedSamples& samples) {
+std::string words(const GapFilledSamples& samples) {
     const bool is_matte = std::ranges::all_of(samples.priors, [](const GgxModel& g) { return g.lobes.empty(); });
     return is_matte ? std::string(k_no_highlight) : words(samples.continuation);
 }
@@ -161,7 +162,7 @@ std::string words(const CompletedSamples& samples) {
 namespace {
 
 /// f without continuation, above the horizon.
-Rgb filled_value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
+Rgb filled_value(const GapFilledSamples& samples, Vec3f wl, Vec3f wv) {
     const double area = cosines(wl, wv);
     const Expected here = expected(samples, wl, wv);
     const Rgb rest = signed_value(samples.rest, wl, wv);
@@ -174,7 +175,7 @@ Rgb filled_value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
 }
 
 /// That value, continued.
-Rgb continued_value(const CompletedSamples& samples, const Continuation& by, Rgb f, Vec3f wl, Vec3f wv) {
+Rgb continued_value(const GapFilledSamples& samples, const Continuation& by, Rgb f, Vec3f wl, Vec3f wv) {
     if (!std::isfinite(by.from)) return f;
     const Rgb g = value(samples.priors[by.prior], wl, wv);
     const double largest = std::max(largest_of(f), largest_of(g)) * cosines(wl, wv) / (by.from * samples.allowed);
@@ -185,11 +186,11 @@ Rgb continued_value(const CompletedSamples& samples, const Continuation& by, Rgb
 
 }  // namespace
 
-Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
+Rgb value(const GapFilledSamples& samples, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return {};
     Rgb f = continued_value(samples, samples.continuation, filled_value(samples, wl, wv), wl, wv);
-    const auto brink = float(cosines(wl, wv) / bound_cosines(wl, wv));
-    for (int c = 0; c < 3; ++c) f[c] *= brink;
+    const auto grazing = float(cosines(wl, wv) / bound_cosines(wl, wv));
+    for (int c = 0; c < 3; ++c) f[c] *= grazing;
     return f;
 }
 
@@ -197,12 +198,12 @@ namespace {
 
 /// By what they predict of each sample, from those of the other folds; the last one is GGX alone.
 Continuation best_continuation(const ScatteredSamples& samples, std::span<const int> fold, double max_theta,
-                               std::span<const CompletedSamples> without) {
+                               std::span<const GapFilledSamples> without) {
     constexpr std::size_t count = k_continuations.size();
     std::array<std::vector<Rgb>, count + 1> predicted;
     predicted.fill(std::vector<Rgb>(fold.size()));
     for (std::size_t i = 0; i < fold.size(); ++i) {
-        const CompletedSamples& others = without[std::size_t(fold[i])];
+        const GapFilledSamples& others = without[std::size_t(fold[i])];
         const Vec3f wl = samples.wl[i], wv = samples.wv[i];
         const Rgb f = filled_value(others, wl, wv);
         for (std::size_t k = 0; k < count; ++k)
@@ -216,7 +217,7 @@ Continuation best_continuation(const ScatteredSamples& samples, std::span<const 
     const Measures &ggx = of[count], &neighbours = of[count - 1];
     // On a matte surface, neighbours may add only noise to Lambert. Where folds disagree whether there is a
     // highlight at all, it is not continued.
-    const auto is_matte = [](const CompletedSamples& one) { return one.priors[k_one_lobe].lobes.empty(); };
+    const auto is_matte = [](const GapFilledSamples& one) { return one.priors[k_one_lobe].lobes.empty(); };
     if (std::ranges::any_of(without, is_matte))
         return std::ranges::all_of(without, is_matte) && ggx.cube_root_error_ratio <= neighbours.cube_root_error_ratio
                    ? Continuation{k_one_lobe, 0}
@@ -238,19 +239,20 @@ Continuation best_continuation(const ScatteredSamples& samples, std::span<const 
 
 }  // namespace
 
-Result<std::vector<CompletedSamples>> complete_without_folds(const ScatteredSamples& samples, std::span<const int> fold,
-                                                             double max_theta, int threads) {
-    std::vector<CompletedSamples> without(k_folds);
+Result<std::vector<GapFilledSamples>> fill_gaps_without_folds(const ScatteredSamples& samples,
+                                                              std::span<const int> fold, double max_theta,
+                                                              int threads) {
+    std::vector<GapFilledSamples> without(k_folds);
     std::array<std::optional<Error>, k_folds> errors;
     parallel_for(k_folds, threads, [&](std::size_t left_out) {
-        auto completed = complete(without_fold(samples, fold, int(left_out)), max_theta, threads);
-        if (!completed) return void(errors[left_out] = completed.error());
-        without[left_out] = *std::move(completed);
+        auto filled = fill_gaps(without_fold(samples, fold, int(left_out)), max_theta, threads);
+        if (!filled) return void(errors[left_out] = filled.error());
+        without[left_out] = *std::move(filled);
     });
     for (const auto& error : errors)
         if (error) return *error;
     const Continuation best = best_continuation(samples, fold, max_theta, without);
-    for (CompletedSamples& completed : without) completed.continuation = best;
+    for (GapFilledSamples& filled : without) filled.continuation = best;
     return without;
 }
 

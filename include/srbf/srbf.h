@@ -1,0 +1,116 @@
+// The core on one page: load, fit, prepare, value, sample, pdf, albedo, save, export. The other headers have what stands
+// behind it: fit.h requests and errors of fits, model.h and measured.h what is stored, prepared.h BRDFs of your own.
+#pragma once
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "srbf/result.h"
+#include "srbf/shared.h"
+#include "srbf/vec.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// True if both directions are above the horizon: every component is finite, and z is at least the least normal float,
+/// whether the processor takes subnormal numbers for 0 or not.
+inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
+    constexpr float least = std::numeric_limits<float>::min();
+    const float sum = (wl.x + wl.y) + (wv.x + wv.y) + (wl.z + wv.z);
+    return wl.z >= least && wv.z >= least && sum - sum == 0;  // ∞ − ∞ is no number
+}
+
+// ---- Files ----
+
+/// A measurement or a fitted model. load.h has its content. Copies share it.
+struct LoadedBrdf {
+    struct Contents;
+    Shared<Contents> contents;
+};
+void add_use(const LoadedBrdf::Contents& of);
+void end_use(const LoadedBrdf::Contents& of);
+/// Reads a measurement of any format or a model file, recognised by its content. Errors: the file is unreadable, of no
+/// known format or malformed.
+Result<LoadedBrdf> load(const std::string& path);
+
+/// A model with its size and its error.
+struct FittedBrdf {
+    LoadedBrdf model;
+    std::size_t bytes;  ///< of the numbers of the model
+    double delta_e;     ///< mean ΔE_ITP of pictures of a sphere against the measurement; 1 is just noticeable
+};
+/// Fits the model that `srbf fit` fits without options, in about a second on two cores. Errors: `measured` is a model, or
+/// a two-sided measurement; there is nothing to fit.
+Result<FittedBrdf> fit(const LoadedBrdf& measured);
+
+/// Writes a model file, or leaves the previous file. Errors: `model` is a measurement; the file cannot be written.
+Result<Done> save(const LoadedBrdf& model, const std::string& path);
+
+/// The functions of a model in "glsl", "hlsl", "wgsl", "msl" or "c": a text that stands alone, with NAME_brdf(wl, wv) for
+/// an identifier `name`. Of the component srbf::shader. Errors: `model` is a measurement; another language.
+Result<std::string> shading_code(const LoadedBrdf& model, const std::string& name, std::string_view language);
+
+// ---- Evaluation and sampling ----
+
+/// A sampled direction to the light.
+struct LightSample {
+    Vec3f wl;       ///< unit vector with wl.z > 0 if pdf > 0; otherwise there is no direction, and wl must not be used
+    Rgb weight;     ///< f cosθl / pdf, or 0 where pdf is 0: its mean over samples is the directional albedo
+    float pdf = 0;  ///< [1/sr]; 0: the sample has no direction, and counts with the weight 0
+};
+
+/// A BRDF ready for a renderer: value, batch evaluation, importance sampling with its density, directional albedo. It is
+/// made by `prepare` from a model, a measurement or any other BRDF (prepared.h), of which it holds a copy; its own copies
+/// share that. Directions are unit vectors, which is not checked. Several threads may call all functions at once, and no
+/// result depends on whether the processor flushes subnormal numbers to 0.
+class PreparedBrdf {
+  public:
+    /// Writes R, G, B of f_r and one number to spare to `colour`, which is aligned to 16 bytes.
+    using Value = void (*)(const void* brdf, const Vec3f& wl, const Vec3f& wv, float* colour);
+    struct Contents;  ///< Value and the rest for one type of BRDF
+    explicit PreparedBrdf(Shared<Contents> contents);
+
+    const Contents& contents() const { return *contents_; }
+    friend Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv);
+
+  private:
+    Shared<Contents> contents_;
+    const void* held_;  // in them, as is its function
+    Value value_;
+};
+void add_use(const PreparedBrdf::Contents& of);
+void end_use(const PreparedBrdf::Contents& of);
+/// Also computes a density to sample by, which takes about 75 ms of one processor core for a model.
+PreparedBrdf prepare(const LoadedBrdf& brdf);
+
+/// f_r(wl, wv) [1/sr], without the cosine: of a model within 1e-4 of its `value` or 1e-6 of its peak. It is 0 if wl.z
+/// or wv.z is 0, negative or subnormal, and NaN where a measurement has no value.
+inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
+    if (!above_horizon(wl, wv)) return {};
+    alignas(16) float colour[4];
+    brdf.value_(brdf.held_, wl, wv, colour);
+    Rgb f;
+    std::memcpy(&f, colour, sizeof f);  // as it was stored
+    return f;
+}
+/// f_r at pairs of directions, in spans of one length.
+void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
+
+/// Samples a direction to the light from independent numbers, uniform in [0,1): a point u and the selector of a lobe.
+/// The `pdf` of the result is 0 if wv.z ≤ 0, and if the sample has no direction.
+LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector);
+/// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0.
+float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
+
+/// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths. Of a view-by-view model whose sampled
+/// direction is the view it is interpolated, as the model is, from the integrals of the lobes: within 1 % or 0.002. Of any
+/// other BRDF it is linear in ∜cosθv − √(1 − cosθv) between 129 nodes, sums over 16384 points each: up to 85° within 1 % or
+/// 0.002 for the fits of measured materials and for tables. Errors are larger beyond 85°, for highlights narrower than the points,
+/// and for scattered samples, up to a factor of 2 (docs/sampling.md).
+/// A cosine of 0, below it or NaN gives 0; above 1 counts as 1. The first call makes the nodes on one thread, and other
+/// threads that call it wait: about 0.3 s for a multivariate model or a table (docs/performance.md).
+Rgb albedo(const PreparedBrdf& brdf, float cos_v);
+
+}  // namespace srbf

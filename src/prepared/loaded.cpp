@@ -1,0 +1,50 @@
+// The page srbf.h by the functions of the other headers.
+#include <atomic>
+
+#include "base/errors.h"
+#include "srbf/fit.h"
+#include "srbf/load.h"
+#include "srbf/prepared.h"
+
+namespace srbf {
+
+struct LoadedBrdf::Contents {
+    AnyBrdf brdf;
+    mutable std::atomic<int> uses = 1;
+
+    explicit Contents(AnyBrdf of) : brdf(std::move(of)) {}
+};
+void add_use(const LoadedBrdf::Contents& of) { of.uses.fetch_add(1, std::memory_order_relaxed); }
+void end_use(const LoadedBrdf::Contents& of) {
+    if (of.uses.fetch_sub(1, std::memory_order_acq_rel) == 1) delete &of;
+}
+
+const AnyBrdf& content(const LoadedBrdf& brdf) { return brdf.contents->brdf; }
+LoadedBrdf loaded_brdf(AnyBrdf content) { return {Shared(new LoadedBrdf::Contents(std::move(content)))}; }
+
+Result<LoadedBrdf> load(const std::string& path) {
+    auto brdf = load_brdf(path);
+    if (!brdf) return brdf.error();
+    return loaded_brdf(*std::move(brdf));
+}
+
+Result<FittedBrdf> fit(const LoadedBrdf& measured) {
+    const auto* measurement = std::get_if<Measured>(&content(measured));
+    if (!measurement) return Error{"fit", {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
+    auto outcome = fit(*measurement, FitRequest{});
+    if (!outcome) return outcome.error();
+    const std::size_t bytes = payload_bytes(outcome->model);
+    return FittedBrdf{loaded_brdf(std::move(outcome->model)), bytes, judged(*outcome->errors).mean.delta_e};
+}
+
+Result<Done> save(const LoadedBrdf& model, const std::string& path) {
+    const auto* fitted = std::get_if<Model>(&content(model));
+    if (!fitted) return Error{path, {}, "output", "a fitted model", "a measurement", ErrorCode::wrong_kind};
+    return save_model(*fitted, path);
+}
+
+PreparedBrdf prepare(const LoadedBrdf& brdf) {
+    return std::visit([](const auto& of) { return prepare(of, ProposeOptions{}); }, content(brdf));
+}
+
+}  // namespace srbf

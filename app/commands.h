@@ -32,9 +32,6 @@ template <typename T> Check within(T least, T most) {
     };
 }
 
-/// The range of an option of fits.
-template <typename T> Check within(const FitOptionRow& row) { return within(T(row.least), T(row.most)); }
-
 /// Accepts "x.png", "x.PNG" and names without an extension, such as that of a pipe.
 inline Check png_name() {
     return [](const std::string& name) -> std::string {

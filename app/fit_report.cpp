@@ -146,17 +146,12 @@ void print_against_ggx(const Measures& lobes, const Measures& ggx) {
 
 }  // namespace
 
-std::string_view kind_of(const FitRequest& request) {
-    constexpr std::string_view names[] = {"pm", "su", "ggx", "openpbr"};
-    return names[request.model.index()];
-}
-
 Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& outcome) {
     const FitRequest& request = fit.request;
     const Peak peak = peak_of(measured);
     Json json{
         {"source", fit.input},  {"source_format", measured.format}, {"source_bytes", measured.bytes},
-        {"output", fit.output}, {"version", SRBF_VERSION},          {"model", kind_of(request)},
+        {"output", fit.output}, {"version", SRBF_VERSION},          {"model", model_name(request)},
     };
     std::visit([&](const auto& model) { describe(json, model); }, outcome.model.model);
     json.update(Json{

@@ -1,5 +1,6 @@
 // Fits of measurements with measured errors, in one call.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -69,6 +70,11 @@ struct FitRequest {
 
     double theta() const { return max_theta.value_or(default_max_theta(objective)); }  ///< [rad]
 };
+
+/// The names of the models that a request can ask for, in the order of `FitRequest::model`.
+inline constexpr std::array<std::string_view, 4> k_model_names{"pm", "su", "ggx", "openpbr"};
+static_assert(k_model_names.size() == std::variant_size_v<decltype(FitRequest::model)>);
+inline std::string_view model_name(const FitRequest& request) { return k_model_names[request.model.index()]; }
 
 /// Whether a fit of this request to scattered samples follows the completed samples: PM in colours, by an objective of
 /// pictures. Fits by `relative` follow microfacets, others interpolated values if cross-validation finds them useful.

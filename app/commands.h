@@ -59,8 +59,8 @@ void add_compare(CommandLine& app, int& status);
 void add_convert(CommandLine& app, int& status);
 void add_render(CommandLine& app, int& status);
 void add_export(CommandLine& app, int& status);
-/// The manual page and the completions of shells; after the others, which they tell of.
-void add_manual(CommandLine& app, int& status);
+/// The completions of shells; after the others, which they tell of.
+void add_completion(CommandLine& app, int& status);
 /// All of them.
 void add_subcommands(CommandLine& app, int& status);
 

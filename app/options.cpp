@@ -152,6 +152,10 @@ CommandLine::CommandLine(const std::string& name, const std::string& version, co
     app_->name(name);
     app_->set_version_flag("--version", version)->disable_flag_override();
     app_->get_help_ptr()->disable_flag_override();
+    app_->add_flag_callback(
+            "--help-all", [this] { print_all_help(); }, "Print the help of all subcommands and exit")
+        ->disable_flag_override()
+        ->trigger_on_parse();
     app_->require_subcommand(1);
     app_->footer(footer);
 }
@@ -166,6 +170,25 @@ Subcommand CommandLine::add_subcommand(const std::string& name, const std::strin
     CLI::App* const sub = app_->add_subcommand(name, about);
     sub->get_help_ptr()->disable_flag_override();
     return Subcommand(sub);
+}
+
+void CommandLine::print_all_help() const {
+    std::string all = app_->help();
+    const auto replace = [](std::string& text, const std::string& from, const std::string& to) {
+        for (auto at = text.find(from); at != text.npos; at = text.find(from, at + to.size()))
+            text.replace(at, from.size(), to);
+    };
+    for (const CLI::App* sub : app_->get_subcommands([](CLI::App*) { return true; })) {
+        std::string help = sub->help(app_->get_name());
+        replace(help, "\nUsage", "\n\nUsage");
+        replace(help, "\nPositionals", "\nIts arguments");
+        replace(help, "\nOptions", "\nIts options");
+        replace(help, "\nExample", "\nIts example");
+        all += fmt::format("\n*{} {}*\n\n{}", app_->get_name(), sub->get_name(), help);
+    }
+    replace(all, "\n  srbf ", "\n  $ srbf ");  // lines as they stand
+    fmt::print("{}", all);
+    throw CLI::Success();
 }
 
 Help CommandLine::help() const {

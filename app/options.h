@@ -97,7 +97,7 @@ class Subcommand {
     CLI::App* app_;
 };
 
-/// What --help says, for a manual page and for the shells.
+/// What --help says, for the shells.
 struct OptionHelp {
     std::vector<std::string> names;  ///< with their dashes; of a positional argument its name
     std::string type;  ///< of its text, and its default, as in NAME=pm; empty: a flag or a positional argument
@@ -131,6 +131,9 @@ class CommandLine {
     std::optional<std::string> parse(int argc, char** argv);
 
   private:
+    /// Prints the help of all subcommands, with headings of which help2man makes sections.
+    void print_all_help() const;
+
     std::unique_ptr<CLI::App> app_;
 };
 

@@ -83,7 +83,7 @@ PYBIND11_MODULE(_srbf, module) {
              [](const Held& brdf, float vx, float vy, float vz, float u, float v, float selector) {
                  return drawn_at(brdf, {vx, vy, vz}, {u, v, selector});
              })
-        .def("parameters", &parameters)
+        .def("parameters", [](const Held& brdf) { return to_python(parameters(brdf.require_model())); })
         .def("pickled", &pickled)
         .def("numbers", &numbers)
         .def("is_model", [](const Held& brdf) { return brdf.model() != nullptr; })
@@ -150,17 +150,6 @@ PYBIND11_MODULE(_srbf, module) {
         return choices;
     });
     module.def("lightings", [] { return names_of(standard_lightings()); });
-    module.def("terms_of_forms", [] {
-        std::map<std::string, std::size_t> terms;
-        for (const FormRow& row : k_form_rows) terms[std::string(row.name)] = row.terms;
-        return terms;
-    });
-    module.def("openpbr_parameters", [] {
-        std::map<std::string, int> counts;
-        for (const OpenPbrParameter& of : k_openpbr_parameters) counts[std::string(of.name)] = of.count();
-        return counts;
-    });
-    module.def("view_directions", [](int n) { return array_of(floats(fibonacci_directions(n, k_pi / 2)), {n, 3}); });
     module.def("code_languages", [] { return names_of(k_code_languages); });
     module.attr("most_threads") = k_most_threads;
     module.attr("version") = SRBF_VERSION;

@@ -122,8 +122,8 @@ struct FitOutcome {
     std::uint64_t clamped = 0;       ///< number of negative channel values among them; set to 0 unless they are noise
     std::optional<Noise> noise;      ///< of a table; above 30 % the fit takes negative values for noise about a mean
     std::uint64_t raw_bytes =
-        0;                     ///< of f in floats at all pairs of 1536 (SU: the sampled) directions, or at the samples
-    int empty_directions = 0;  ///< SU: number of sampled directions without data
+        0;  ///< of f in floats at all pairs of 1536 (SU: the sampled) directions, or at the samples
+    std::optional<int> empty_directions;   ///< SU: number of sampled directions without data
     std::optional<std::uint64_t> samples;  ///< for scattered samples: number of samples within θmax
     /// for scattered samples, PM: whether the fit follows values between them: completed, interpolated, of microfacets
     std::optional<bool> filled;

@@ -37,7 +37,7 @@ class Error(ValueError):
 
 
 from . import _srbf  # noqa: E402  (it raises Error)
-from . import _options, _parameters  # noqa: E402
+from . import _options  # noqa: E402
 from ._options import Language, Lighting, Path, Progress  # noqa: E402
 
 if int(np.__version__.split(".")[0]) >= 2 and not _srbf.knows_numpy_2:
@@ -206,7 +206,7 @@ class Model(Brdf):
         """The model of these numbers, named as in `parameters`, whose inverse it is. They are rounded to the 16-bit floats of the model
         file. Of a multivariate model `log_scale`, `centre`, `exponent`, `form` and `axial` may be left out (0, +z, none, and what
         follows from the arrays). Raises ValueError, of a number out of its range Error."""
-        return cls(_parameters.held_of(parameters, provenance or {}))
+        return cls(_srbf.model_of(dict(parameters), dict(provenance or {})))
 
     def replace(self, **parameters: Any) -> "Model":
         """The model with some of its numbers replaced, rounded as in `from_parameters`."""

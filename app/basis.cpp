@@ -24,22 +24,22 @@ namespace fs = std::filesystem;
 struct BasisCommand {
     std::vector<std::string> inputs;
     std::string output, lobes = std::to_string(BasisOptions{}.lobes);  // a number, or the library whose lobes are used
-    LobeSettings lobe;
-    int active = 0;                            // 0: all
-    double max_theta = 0, target_delta_e = 0;  // [degrees], and 0: no target
-    std::uint64_t seed = 0;
-    int threads = 0;
+    FitTexts texts;
+    FitRequest request;         // of the texts
+    int active = 0;             // 0: all
+    double target_delta_e = 0;  // 0: none
 
     std::optional<int> count() const { return to_number<int>(lobes); }
     BasisOptions options() const {
-        return {.form = *form_named(lobe.form),
-                .axial = lobe.axial >= 0,
+        const auto& lobe = std::get<PmRequest>(request.model);
+        return {.form = lobe.form,
+                .axial = lobe.axial.value_or(true),
                 .lobes = count().value_or(BasisOptions{}.lobes),
                 .variates = lobe.variates,
                 .active = active,
-                .max_theta = max_theta * k_degree,
-                .seed = seed,
-                .threads = threads};
+                .max_theta = request.max_theta.value_or(0),
+                .seed = request.seed,
+                .threads = request.threads};
     }
 };
 
@@ -156,21 +156,23 @@ void add_basis(CommandLine& app, int& status) {
                        "The fewest lobes, up to J, with at most this mean visible error of the materials: Delta E\n"
                        "(ITP) of pictures of a sphere, where 1 is just noticeable")
             .type_name("E")
-            .check(within<double>(fit_option("target_delta_e")));
-    const LobeOptions of = add_lobe_options(sub, fit->lobe);
-    add_max_theta(sub, fit->max_theta);
-    add_seed(sub, fit->seed);
-    add_threads(sub, fit->threads);
+            .check(within(k_finest_delta_e, k_most_delta_e));
+    const OptionsByName of =
+        add_fit_options(sub, fit->texts, {"form", "variates", "axial", "max_theta", "seed", "threads"});
     sub.footer(
         "Examples:\n  srbf basis materials/*.binary --lobes 32 --active 16 -o library.srbf\n"
         "  srbf basis new.binary --lobes library.srbf -o more.srbf");
-    sub.callback([fit, &status] { status = fit_basis(*fit); },
-                 {{{active},
-                   "at most the number of shared lobes",
-                   [fit] { return fit->active <= fit->count().value_or(k_most_basis_lobes); }},
-                  {{target, of.form, of.variates, of.axial}, "only with a number of lobes", [fit] {
-                       return fit->count().has_value();
-                   }}});
+    sub.callback(
+        [sub, fit, &status] {
+            fit->request = requested(sub, fit->texts);
+            status = fit_basis(*fit);
+        },
+        {{{active},
+          "at most the number of shared lobes",
+          [fit] { return fit->active <= fit->count().value_or(k_most_basis_lobes); }},
+         {{target, of.at("form"), of.at("variates"), of.at("axial")}, "only with a number of lobes", [fit] {
+              return fit->count().has_value();
+          }}});
 }
 
 }  // namespace srbf

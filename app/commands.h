@@ -32,9 +32,6 @@ template <typename T> Check within(T least, T most) {
     };
 }
 
-/// The range of an option of fits.
-template <typename T> Check within(const FitOptionRow& row) { return within(T(row.least), T(row.most)); }
-
 /// Accepts "x.png", "x.PNG" and names without an extension, such as that of a pipe.
 inline Check png_name() {
     return [](const std::string& name) -> std::string {
@@ -62,8 +59,8 @@ void add_compare(CommandLine& app, int& status);
 void add_convert(CommandLine& app, int& status);
 void add_render(CommandLine& app, int& status);
 void add_export(CommandLine& app, int& status);
-/// The manual page and the completions of shells; after the others, which they tell of.
-void add_manual(CommandLine& app, int& status);
+/// The completions of shells; after the others, which they tell of.
+void add_completion(CommandLine& app, int& status);
 /// All of them.
 void add_subcommands(CommandLine& app, int& status);
 

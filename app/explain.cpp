@@ -3,31 +3,22 @@
 
 #include "app/commands.h"
 #include "app/fit_options.h"
-#include "srbf/directions.h"
 
 namespace srbf {
 
 void add_explain(CommandLine& app, int& status) {
-    struct State {
-        int lobes = LobeCount{}.lobes, variates = PmRequest{}.variates;
-        std::string objective = std::string(name(FitRequest{}.objective));
-        double max_theta = 0;
-    };
-    const auto state = std::make_shared<State>();
+    const auto texts = std::make_shared<FitTexts>();
     const Subcommand sub = app.add_subcommand("explain", "Print the terms that a fit minimises, and its stages");
-    add_objective(sub, state->objective);
-    add_max_theta(sub, state->max_theta);
-    sub.add_option("--lobes", state->lobes, fmt::format("Number of lobes, 1 to {}", k_most_fitted_lobes))
+    add_fit_options(sub, *texts, {"objective", "max_theta"});
+    sub.add_option(
+           "--lobes", [texts](const std::string& text) { (*texts)["lobes"] = text; },
+           fmt::format("Number of lobes, 1 to {}", k_most_fitted_lobes))
         .type_name("J")
-        .check(within<int>(fit_option("lobes")))
-        .capture_default_str();
-    add_number_of_variates(sub, state->variates);
+        .default_text(std::to_string(LobeCount{}.lobes));
+    add_fit_options(sub, *texts, {"variates"});
     sub.footer("Example:\n  srbf explain --objective cube-root --lobes 16");
-    sub.callback([state, &status] {
-        FitRequest request{.model = PmRequest{.variates = state->variates, .size = LobeCount{state->lobes}}};
-        request.objective = *objective_named(state->objective);
-        if (state->max_theta > 0) request.max_theta = state->max_theta * k_degree;
-        fmt::print("{}", explain(request));
+    sub.callback([sub, texts, &status] {
+        fmt::print("{}", explain(requested(sub, *texts)));
         status = k_done;
     });
 }

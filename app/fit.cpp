@@ -4,35 +4,12 @@
 #include <functional>
 
 #include "app/commands.h"
-#include "app/fit_command.h"
+#include "app/fit.h"
 #include "render/preview.h"
 #include "srbf/file.h"
 
 namespace srbf {
 namespace {
-
-int fit_file(FileFit fit) {
-    const auto measured = load_measured(fit);
-    if (!measured) return complain(measured.error());
-    const auto writable = check_outputs({fit.input}, {fit.output, fit.preview, fit.json == "-" ? "" : fit.json});
-    if (!writable) return complain(writable.error());
-
-    if (std::holds_alternative<BsdfTable>(measured->table)) return fit_both_sides(fit, *measured);
-
-    ProgressLine line;
-    const auto show = [&](const Progress& now) { return line.show(now.stage, now.fraction), true; };
-    auto outcome = srbf::fit(*measured, fit.request, show);
-    if (!outcome) return line.clear(), complain(outcome.error());
-    Image8 picture;
-    if (!fit.preview.empty()) {
-        line.show("drawing", 1);
-        picture = preview_of(fit, *measured, outcome->model);
-    }
-    line.clear();
-    const auto written = write_fit(fit, outcome->model, picture, report_of(fit, *measured, *outcome),
-                                   [&] { return print_report(fit, *measured, *outcome); });
-    return written ? k_done : complain(written.error());
-}
 
 /// Which measurements an option is read for. Those of fit_command.cpp are of what depends on the command line alone.
 struct ReadFor {
@@ -70,7 +47,28 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
 
 }  // namespace
 
-int FitCommand::run() const { return into_folder() ? fit_files(folder_fit()) : fit_file(file_fit()); }
+int fit_file(FileFit fit) {
+    const auto measured = load_measured(fit);
+    if (!measured) return complain(measured.error());
+    const auto writable = check_outputs({fit.input}, {fit.output, fit.preview, fit.json == "-" ? "" : fit.json});
+    if (!writable) return complain(writable.error());
+
+    if (std::holds_alternative<BsdfTable>(measured->table)) return fit_both_sides(fit, *measured);
+
+    ProgressLine line;
+    const auto show = [&](const Progress& now) { return line.show(now.stage, now.fraction), true; };
+    auto outcome = srbf::fit(*measured, fit.request, show);
+    if (!outcome) return line.clear(), complain(outcome.error());
+    Image8 picture;
+    if (!fit.preview.empty()) {
+        line.show("drawing", 1);
+        picture = preview_of(fit, *measured, outcome->model);
+    }
+    line.clear();
+    const auto written = write_fit(fit, outcome->model, picture, report_of(fit, *measured, *outcome),
+                                   [&] { return print_report(fit, *measured, *outcome); });
+    return written ? k_done : complain(written.error());
+}
 
 Result<Measured> load_measured(FileFit& fit) {
     const Stopwatch loading;

@@ -23,9 +23,8 @@ struct FileFit {
     double load_seconds = 0;
 };
 
-/// "pm", "su" or "ggx".
-std::string_view kind_of(const FitRequest& request);
-
+/// Fits the measurement in a file, writes the outputs and prints the report; returns the exit status.
+int fit_file(FileFit fit);
 /// Fits a measurement of both sides, writes the outputs and prints the report; returns the exit status.
 int fit_both_sides(const FileFit& fit, const Measured& measured);
 Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome);

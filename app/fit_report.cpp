@@ -14,60 +14,6 @@
 namespace srbf {
 namespace {
 
-/// The description of a model by its kind, in JSON and in text.
-void describe(Json& json, const PmModel& model) {
-    json["form"] = stored_name(model.form);
-    json["lobes"] = model.lobes;
-    json["variates"] = model.variates;
-    json["axial"] = model.axial;
-    json["reciprocal"] = is_reciprocal(model);
-}
-void describe(Json& json, const SuModel& model) {
-    json["form"] = model.shape.empty() ? stored_name(PmForm::gaussian) : "shaped";
-    json["lobes"] = model.lobes;
-    json["variates"] = 1;
-    json["axial"] = false;
-    json["discretise"] = name(model.discretise);
-    json["directions"] = model.direction.size();
-    json["interpolation"] = name(model.interpolation);
-    json["index"] = model.index ? Json(name(model.index->map)) : Json();
-}
-void describe(Json& json, const GgxModel& model) {
-    json["form"] = "ggx";
-    json["lobes"] = model.lobes.size();
-    json["variates"] = 1;
-    json["axial"] = true;
-}
-void describe(Json& json, const OpenPbrModel& model) {
-    json["form"] = "openpbr";
-    json["lobes"] = 1;
-    json["variates"] = 1;
-    json["axial"] = model.specular_roughness_anisotropy == 0;
-    for (const OpenPbrParameter& of : k_openpbr_parameters) {
-        Json& numbers = json["parameters"][std::string(of.name)];
-        if (of.colour)
-            for (int c = 0; c < 3; ++c) numbers.push_back(number(model, of, c));
-        else
-            numbers = number(model, of, 0);
-    }
-}
-void describe(Json& json, const BsdfModel&) { json["form"] = "bsdf"; }
-std::string words(const BsdfModel&) { return "bsdf"; }
-std::string words(const PmModel& model) {
-    return fmt::format("pm, form {}, {} lobes, {} variates, {}{}", name(model.form), model.lobes, model.variates,
-                       model.axial ? "axial" : "general",
-                       model.wavelength.empty() ? "" : fmt::format(", {} wavelengths", model.wavelength.size()));
-}
-std::string words(const SuModel& model) {
-    return fmt::format("su, {} lobes for each of {} directions to the {}, interpolation {}", model.lobes,
-                       model.direction.size(), model.discretise == Discretise::view ? "viewer" : "light",
-                       name(model.interpolation));
-}
-std::string words(const OpenPbrModel&) { return "openpbr, a surface by parameters of OpenPBR"; }
-std::string words(const GgxModel& model) {
-    return fmt::format("ggx, {} and Lambert", model.lobes.size() == 1 ? "one lobe" : "two lobes");
-}
-
 /// A goal of the size in JSON and in text.
 struct GoalWords {
     const char* key;
@@ -146,19 +92,14 @@ void print_against_ggx(const Measures& lobes, const Measures& ggx) {
 
 }  // namespace
 
-std::string_view kind_of(const FitRequest& request) {
-    constexpr std::string_view names[] = {"pm", "su", "ggx", "openpbr"};
-    return names[request.model.index()];
-}
-
 Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& outcome) {
     const FitRequest& request = fit.request;
     const Peak peak = peak_of(measured);
     Json json{
         {"source", fit.input},  {"source_format", measured.format}, {"source_bytes", measured.bytes},
-        {"output", fit.output}, {"version", SRBF_VERSION},          {"model", kind_of(request)},
+        {"output", fit.output}, {"version", SRBF_VERSION},          {"model", model_name(request)},
     };
-    std::visit([&](const auto& model) { describe(json, model); }, outcome.model.model);
+    for (const Parameter& of : report_members(outcome.model)) json[of.name] = json_of(of);
     json.update(Json{
         {"channels", channels(outcome.model).count()},
         {"objective", name(request.objective)},
@@ -177,7 +118,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
         {"peak", name(peak.place)},
         {"peak_ratio", peak.ratio},
     });
-    if (std::holds_alternative<SuModel>(outcome.model.model)) json["empty_directions"] = outcome.empty_directions;
+    if (outcome.empty_directions) json["empty_directions"] = *outcome.empty_directions;
     add_measures(json, *outcome.errors, "");
     add_measures(json, *outcome.unrounded_errors, "unrounded_");
     if (outcome.noise) json["noise"] = outcome.noise->share();
@@ -210,7 +151,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
 Result<Done> print_report(const FileFit& fit, const Measured& measured, const FitOutcome& outcome) {
     const FitRequest& request = fit.request;
     fmt::print("{}  ({}, {} bytes)\n", printable(fit.input), measured.format, grouped(measured.bytes));
-    fmt::print("  model     {}\n", std::visit([](const auto& model) { return words(model); }, outcome.model.model));
+    fmt::print("  model     {}\n", summary(outcome.model));
     fmt::print("  fitted    objective {}, directions within {:g}° of the normal, in {:.2f} s ({})\n",
                name(request.objective), degrees(outcome.max_theta), outcome.fit_seconds,
                outcome.stop ? name(*outcome.stop) : "solved");
@@ -221,7 +162,8 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
                outcome.samples ? " of " + grouped(*outcome.samples) + " samples" : "",
                ratio < 10 ? fmt::format("{:.2g}", ratio) : grouped(measured.bytes / payload));
     if (auxiliary > 0) fmt::print("  run time  {} bytes of index texture and direction table\n", grouped(auxiliary));
-    if (outcome.empty_directions > 0) fmt::print("  empty     {} directions without data\n", outcome.empty_directions);
+    if (outcome.empty_directions.value_or(0) > 0)
+        fmt::print("  empty     {} directions without data\n", *outcome.empty_directions);
     if (outcome.masked > 0) fmt::print("  masked    {} samples that were not measured\n", grouped(outcome.masked));
     fmt::print("  peak      {}\n", peak_text(peak_of(measured)));
     print_repeatability(outcome);

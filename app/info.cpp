@@ -8,7 +8,7 @@
 
 #include "app/commands.h"
 #include "app/read_options.h"
-#include "app/rows.h"
+#include "app/output.h"
 #include "render/slices.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
@@ -309,7 +309,7 @@ int run(const std::string& file, const ReadOptions& read) {
         std::visit([](const auto& table) { print_table(table); }, measured->table);
     } else {
         const auto& model = std::get<Model>(subject->content);
-        fmt::print("{}", parameters_text(model));
+        fmt::print("{}", rows_text(model));
         if (!model.provenance.empty()) fmt::print("\n");
         for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", printable(key), printable(text));
     }

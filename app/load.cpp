@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "app/commands.h"
-#include "app/rows.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"

@@ -11,8 +11,8 @@ namespace srbf {
 namespace {
 
 struct MapOptions {
-    Option texels, pairs, output, resume, range, slab, lobes, objective, basis, width, threads;
-    LobeOptions lobe;
+    Option texels, pairs, output, resume, range, slab, lobes, basis, width;
+    OptionsByName fit;
 };
 
 constexpr std::size_t k_most_texels_of_a_slab = std::size_t(1) << 20;
@@ -49,9 +49,8 @@ void add_own_lobes(const Subcommand& sub, MapCommand& to, MapOptions& of) {
         sub.add_option("--lobes", to.lobes,
                        fmt::format("Number of lobes of each texel, 1 to {}; a short search", k_most_fitted_lobes))
             .type_name("J")
-            .check(within<int>(fit_option("lobes")))
+            .check(within(1, k_most_fitted_lobes))
             .capture_default_str();
-    of.objective = add_objective(sub, to.objective);
     const auto take = [&to](const std::string& text) {
         const auto at = text.find(':');
         to.first = std::stoull(text.substr(0, at));
@@ -78,8 +77,8 @@ void add_shared_lobes(const Subcommand& sub, MapCommand& to, MapOptions& of) {
 }
 
 std::vector<Reading> map_readings(const MapOptions& of, const MapCommand& fit) {
-    std::vector<Reading> all{
-        {{of.lobes, of.lobe.reciprocal, of.lobe.no_scale, of.objective, of.range, of.slab},
+    return {
+        {{of.lobes, of.fit.at("reciprocal"), of.fit.at("no_scale"), of.fit.at("objective"), of.range, of.slab},
          "not with --basis",
          [&] { return fit.basis == 0; }},
         {{of.width}, "only with --basis", [&] { return fit.basis > 0; }},
@@ -87,8 +86,6 @@ std::vector<Reading> map_readings(const MapOptions& of, const MapCommand& fit) {
          "a folder, not the name of a model",
          [&] { return fit.basis > 0 || is_folder(fit.output) || !fit.output.ends_with(".srbf"); }},
     };
-    for (Reading& of_lobes : lobe_readings(of.lobe, fit.lobe)) all.push_back(std::move(of_lobes));
-    return all;
 }
 
 }  // namespace
@@ -103,11 +100,9 @@ void add_map(CommandLine& app, int& status) {
     const Subcommand sub =
         app.add_subcommand("map", "Fit the texels of a surface: of their own lobes, or of lobes that they share");
     for (const auto add : {add_texel_files, add_own_lobes, add_shared_lobes}) add(sub, fit, of);
-    of.lobe = add_lobe_options(sub, fit.lobe);
-    add_single_lobe_options(sub, fit.lobe, of.lobe);
-    add_max_theta(sub, fit.max_theta);
-    add_seed(sub, fit.seed);
-    of.threads = add_threads(sub, fit.threads);
+    of.fit = add_fit_options(
+        sub, fit.texts,
+        {"form", "variates", "axial", "reciprocal", "no_scale", "objective", "max_theta", "seed", "threads"});
     sub.footer(
         "Examples:\n  srbf map texels.npy --pairs pairs.csv -o slabs --resume\n"
         "  srbf map texels.npy --pairs pairs.csv --basis 16 --width 512 -o map.srbf --resume");
@@ -115,9 +110,11 @@ void add_map(CommandLine& app, int& status) {
         [sub, state, &status] {
             const MapOptions& given = state->of;
             MapCommand& map = state->fit;
+            map.request = requested(sub, map.texts);
+            std::get<PmRequest>(map.request.model).size = LobeCount{map.lobes};
             // The key has the content of inputs; texels and the width only tell where coefficients stand.
-            map.settings = sub.settings(
-                {given.texels, given.pairs, given.output, given.resume, given.range, given.width, given.threads});
+            map.settings = sub.settings({given.texels, given.pairs, given.output, given.resume, given.range,
+                                         given.width, given.fit.at("threads")});
             status = map.basis > 0 ? fit_map(map) : fit_slabs(map);
         },
         map_readings(of, fit));

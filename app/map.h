@@ -11,16 +11,15 @@ namespace srbf {
 struct MapCommand {
     std::string texels, pairs, output;
     std::string settings;  // the options that results depend on
-    LobeSettings lobe;
-    std::string objective = std::string(name(FitRequest{}.objective));
-    double max_theta = 0;  // [degrees], 0: the objective's default
+    FitTexts texts;
+    FitRequest request;  // of the texts, with the number of each texel's lobes
     int lobes = std::get<LobeCount>(*std::get<PmRequest>(BatchOptions{}.request.model).size).lobes;
     int basis = 0;                    // the number of lobes that the texels share; 0: each has its own
     std::size_t first = 0, last = 0;  // the texels; last 0: all
     std::size_t slab = TexelStream{}.slab, width = 0;
     bool resume = false;
-    std::uint64_t seed = 0;
-    int threads = 0;
+
+    const PmRequest& lobe() const { return std::get<PmRequest>(request.model); }
 };
 
 /// Writes a stack of models (model.h) for each slab of texels; returns the exit status.

@@ -95,14 +95,14 @@ Result<Library> texel_basis(const BasisOptions& options, const SharedPairs& pair
 }
 
 BasisOptions map_options(const MapCommand& fit) {
-    return {.form = *form_named(fit.lobe.form),
-            .axial = fit.lobe.axial >= 0,
+    return {.form = fit.lobe().form,
+            .axial = fit.lobe().axial.value_or(true),
             .lobes = fit.basis,
-            .variates = fit.lobe.variates,
+            .variates = fit.lobe().variates,
             .active = 0,
-            .max_theta = fit.max_theta * k_degree,
-            .seed = fit.seed,
-            .threads = fit.threads};
+            .max_theta = fit.request.max_theta.value_or(0),
+            .seed = fit.request.seed,
+            .threads = fit.request.threads};
 }
 
 struct FittedMap {
@@ -133,7 +133,7 @@ Result<FittedMap> fit_rest(const MapCommand& fit, const SharedPairs& pairs, cons
         f.resize(std::min(k_texels_at_once, texels.count() - first) * pairs.wl.size());
         if (const auto done = texels.read(first, f); !done) return done.error();
         const auto numbers =
-            numbers_of(fit_texels_to_basis(*basis, pairs, f, fit.threads), std::size_t(basis->basis.lobes));
+            numbers_of(fit_texels_to_basis(*basis, pairs, f, fit.request.threads), std::size_t(basis->basis.lobes));
         const auto record = std::as_bytes(std::span(numbers));
         if (const auto done = journal.add(record); !done) return done.error();
         if (const auto done = add_texels(library, record, fit.output); !done) return done.error();
@@ -158,7 +158,7 @@ void print_map(const MapCommand& fit, const FittedMap& map) {
 int fit_map(const MapCommand& fit) {
     const auto read = load_pairs(fit.pairs);
     if (!read) return complain(read.error());
-    const SharedPairs pairs{read->wl, read->wv, fit.lobe.axial >= 0};
+    const SharedPairs pairs{read->wl, read->wv, fit.lobe().axial.value_or(true)};
     const auto texels = Texels::open(fit.texels, pairs.wl.size());
     if (!texels) return complain(texels.error());
     if (fit.width > 0 && texels->count() % fit.width != 0)

@@ -84,16 +84,6 @@ Result<Done> check_slabs(const MapCommand& fit, const std::string& stem, std::si
     return Done{};
 }
 
-FitRequest slab_request(const MapCommand& fit) {
-    PmRequest pm = fit.lobe.request();
-    pm.size = LobeCount{fit.lobes};
-    FitRequest request{.model = pm};
-    request.objective = *objective_named(fit.objective);
-    if (fit.max_theta > 0) request.max_theta = fit.max_theta * k_degree;
-    request.seed = fit.seed, request.threads = fit.threads;
-    return request;
-}
-
 /// The files of slabs: reads texels, and writes the fits of a slab with the key of all that they depend on.
 class Slabs {
   public:
@@ -120,7 +110,7 @@ class Slabs {
         return true;
     }
     Result<Done> take(std::size_t first, std::span<const TexelFit> fits) {
-        const Objective objective = *objective_named(fit_.objective);
+        const Objective objective = fit_.request.objective;
         ModelStack stack;
         for (const TexelFit& of : fits) {
             stack.models.push_back(of.model);
@@ -167,7 +157,7 @@ int print_slabs(const MapCommand& fit, const SlabSummary& summary, double second
                grouped(summary.fitted), seconds, double(summary.fitted) / seconds, grouped(summary.kept),
                grouped(summary.black), grouped(summary.failed));
     if (with_error > 0)
-        fmt::print("  {}: mean {}\n", measure_named_for(*objective_named(fit.objective)).title,
+        fmt::print("  {}: mean {}\n", measure_named_for(fit.request.objective).title,
                    percent(summary.error / with_error));
     fmt::print("  models        {}\n", printable(fit.output));
     if (summary.failed > 0) fmt::print(stderr, "srbf: {} texels: {}\n", summary.failed, summary.first_failure);
@@ -202,8 +192,8 @@ int fit_slabs(const MapCommand& fit) {
     const Stopwatch watch;
     ProgressLine line;
     BatchOptions options;
-    options.request = slab_request(fit);
-    const auto done = fit_batch({pairs->wl, pairs->wv, fit.lobe.axial >= 0}, stream, options,
+    options.request = fit.request;
+    const auto done = fit_batch({pairs->wl, pairs->wv, fit.lobe().axial.value_or(true)}, stream, options,
                                 [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
     line.clear();
     if (!done) return complain(done.error());

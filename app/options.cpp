@@ -57,7 +57,7 @@ Check one_of(const std::vector<std::string>& names) {
     };
 }
 
-Option Option::type_name(const std::string& name) const { return Option(option_->type_name(name)); }
+Option Option::type_name(std::string_view name) const { return Option(option_->type_name(std::string(name))); }
 Option Option::required() const { return Option(option_->required()); }
 Option Option::check(const Check& check, const std::vector<std::string>& choices) const {
     const std::string between(1, k_between_choices);
@@ -65,6 +65,10 @@ Option Option::check(const Check& check, const std::vector<std::string>& choices
 }
 Option Option::one_of(const std::vector<std::string>& names) const { return check(srbf::one_of(names), names); }
 Option Option::capture_default_str() const { return Option(option_->capture_default_str()); }
+Option Option::default_text(const std::string& text) const { return Option(option_->default_str(text)); }
+Option Option::offers(const std::vector<std::string>& choices) const {
+    return choices.empty() ? *this : check([](std::string&) { return std::string(); }, choices);
+}
 Option Option::hidden() const { return Option(option_->group("")); }
 Option Option::one_at_a_time() const { return Option(option_->allow_extra_args(false)); }
 bool Option::given() const { return option_->count() > 0; }
@@ -95,10 +99,10 @@ Option Subcommand::add_option(const std::string& names, const std::string& about
 Option Subcommand::add_flag(const std::string& names, bool& to, const std::string& about) const {
     return Option(app_->add_flag(names, to, about)->disable_flag_override());
 }
-Option Subcommand::add_flag(const std::string& names, int& to, const std::string& about) const {
+Option Subcommand::add_flag(const std::string& names, std::function<void(int)> take, const std::string& about) const {
     // With a variable in place of a function, CLI11 from 2.2 on counts a flag as given where it is not.
-    const auto take = [&to](std::int64_t value) { to = int(value); };
-    return Option(app_->add_flag_function(names, take, about)
+    return Option(app_->add_flag_function(
+                          names, [take](std::int64_t value) { take(int(value)); }, about)
                       ->multi_option_policy(CLI::MultiOptionPolicy::Throw)
                       ->disable_flag_override());
 }
@@ -132,6 +136,7 @@ std::string Subcommand::settings(const std::vector<Option>& besides) const {
     }
     return text;
 }
+void Subcommand::fail(const std::string& what) const { throw CLI::ValidationError("", what); }
 void Subcommand::footer(const std::string& text) const { app_->footer(text); }
 void Subcommand::callback(std::function<void()> run, std::vector<Reading> readings) const {
     app_->callback([app = app_, run = std::move(run), readings = std::move(readings)] {
@@ -147,6 +152,10 @@ CommandLine::CommandLine(const std::string& name, const std::string& version, co
     app_->name(name);
     app_->set_version_flag("--version", version)->disable_flag_override();
     app_->get_help_ptr()->disable_flag_override();
+    app_->add_flag_callback(
+            "--help-all", [this] { print_all_help(); }, "Print the help of all subcommands and exit")
+        ->disable_flag_override()
+        ->trigger_on_parse();
     app_->require_subcommand(1);
     app_->footer(footer);
 }
@@ -161,6 +170,25 @@ Subcommand CommandLine::add_subcommand(const std::string& name, const std::strin
     CLI::App* const sub = app_->add_subcommand(name, about);
     sub->get_help_ptr()->disable_flag_override();
     return Subcommand(sub);
+}
+
+void CommandLine::print_all_help() const {
+    std::string all = app_->help();
+    const auto replace = [](std::string& text, const std::string& from, const std::string& to) {
+        for (auto at = text.find(from); at != text.npos; at = text.find(from, at + to.size()))
+            text.replace(at, from.size(), to);
+    };
+    for (const CLI::App* sub : app_->get_subcommands([](CLI::App*) { return true; })) {
+        std::string help = sub->help(app_->get_name());
+        replace(help, "\nUsage", "\n\nUsage");
+        replace(help, "\nPositionals", "\nIts arguments");
+        replace(help, "\nOptions", "\nIts options");
+        replace(help, "\nExample", "\nIts example");
+        all += fmt::format("\n*{} {}*\n\n{}", app_->get_name(), sub->get_name(), help);
+    }
+    replace(all, "\n  srbf ", "\n  $ srbf ");  // lines as they stand
+    fmt::print("{}", all);
+    throw CLI::Success();
 }
 
 Help CommandLine::help() const {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace CLI {
@@ -25,14 +26,16 @@ class Option {
   public:
     explicit Option(CLI::Option* option = nullptr) : option_(option) {}
 
-    Option type_name(const std::string& name) const;
+    Option type_name(std::string_view name) const;
     Option required() const;
     /// `choices`: texts that a shell offers.
     Option check(const Check& check, const std::vector<std::string>& choices = {}) const;
     /// Accepts these texts alone, which a shell offers.
     Option one_of(const std::vector<std::string>& names) const;
     Option capture_default_str() const;
-    Option hidden() const;         ///< from --help
+    Option default_text(const std::string& text) const;            ///< for --help and `settings`
+    Option offers(const std::vector<std::string>& choices) const;  ///< texts for a shell
+    Option hidden() const;                                         ///< from --help
     Option one_at_a_time() const;  ///< for a list: the option takes one text each time it is given
 
     /// Whether it was on the command line.
@@ -70,7 +73,7 @@ class Subcommand {
     Option add_option(const std::string& names, const std::string& about) const;
     Option add_flag(const std::string& names, bool& to, const std::string& about) const;
     /// Names are followed by their values, as in --yes{1},--no{-1}.
-    Option add_flag(const std::string& names, int& to, const std::string& about) const;
+    Option add_flag(const std::string& names, std::function<void(int)> take, const std::string& about) const;
     Option add_flag(const std::string& names, std::function<void()> when_given, const std::string& about) const;
 
     /// Former options, not in --help: to give one is a usage error that says what is used `instead`.
@@ -84,6 +87,8 @@ class Subcommand {
     std::string settings(const std::vector<Option>& besides) const;
 
     void footer(const std::string& text) const;
+    /// Ends the parsing with a usage error.
+    [[noreturn]] void fail(const std::string& what) const;
     /// The action of the subcommand, once all its options are read. Before it are refused empty arguments, names of
     /// options in their place, and options that the chosen mode does not read.
     void callback(std::function<void()> run, std::vector<Reading> readings = {}) const;
@@ -92,7 +97,7 @@ class Subcommand {
     CLI::App* app_;
 };
 
-/// What --help says, for a manual page and for the shells.
+/// What --help says, for the shells.
 struct OptionHelp {
     std::vector<std::string> names;  ///< with their dashes; of a positional argument its name
     std::string type;  ///< of its text, and its default, as in NAME=pm; empty: a flag or a positional argument
@@ -126,6 +131,9 @@ class CommandLine {
     std::optional<std::string> parse(int argc, char** argv);
 
   private:
+    /// Prints the help of all subcommands, with headings of which help2man makes sections.
+    void print_all_help() const;
+
     std::unique_ptr<CLI::App> app_;
 };
 

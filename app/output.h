@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "app/load.h"
+#include "base/rows.h"
 #include "srbf/metrics.h"
 #include "srbf/objective.h"
+#include "srbf/parameters.h"
 
 namespace srbf {
 
@@ -28,6 +30,7 @@ void add_measures(Json& json, const Measures& measures, std::string_view prefix)
 void add_measures(Json& json, const Comparison& comparison, std::string_view prefix);
 /// Errors of pictures: their means and worst, and those under each lighting.
 Json json_of(const Appearance& appearance);
+Json json_of(const Parameter& of);
 
 /// The pictures in the report of a fit that it is judged by (`judged`); null: it has none.
 const Json* judged_pictures(const Json& report);
@@ -52,9 +55,6 @@ inline constexpr const char* k_model_hash = "model_hash";
 /// Whether `report` is that of the model in the file, which can be read.
 bool is_report_of(const Json& report, const std::string& model_file);
 
-/// A description of a model in lines, as in `srbf info`.
-std::string parameters_text(const Model& model);
-
 /// Returns an error if one of `outputs` cannot be written: its folder is missing, it is a folder, an input, or the same
 /// file as another output. Empty names are ignored. To be called before long computations; the write itself may still
 /// fail.
@@ -64,8 +64,6 @@ Result<Done> make_folder(const std::string& path);
 /// Returns an error if standard output has not accepted everything that was printed (disk full).
 Result<Done> flush_standard_output();
 
-/// "1,234,567".
-std::string grouped(std::uint64_t n);
 /// "0.741 %", with three digits.
 std::string percent(double ratio);
 

@@ -40,7 +40,7 @@ PageMaterial shown(const Subject& subject) {
     PageMaterial of{stem_of(subject.path), kind_of(subject), {}, evaluator(subject), is_two_sided(subject.content), {}};
     if (const auto* model = std::get_if<Model>(&subject.content)) {
         of.material = material_of(*model);
-        of.parameters = parameters_text(*model);
+        of.parameters = rows_text(*model);
         for (const auto& [key, text] : model->provenance)
             of.parameters += fmt::format("  {:<36}{}\n", printable(key), printable(text));
     }

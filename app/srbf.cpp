@@ -69,7 +69,7 @@ void add_subcommands(CommandLine& app, int& status) {
     add_render(app, status);
     add_export(app, status);
     for (const auto add : k_extra_subcommands) add(app, status);
-    add_manual(app, status);
+    add_completion(app, status);
 }
 
 int run_program(int argc, char** argv) {

@@ -16,6 +16,7 @@
 #include <variant>
 #include <vector>
 
+#include "models/kinds.h"
 #include "srbf/load.h"
 
 namespace srbf {
@@ -73,26 +74,11 @@ template <typename Each> void members(Measured& of, const Each& each) {
     each(of.source), each(of.format), each(of.bytes), each(of.exchanged), each(of.table);
 }
 
-template <typename Each> void members(PmModel& of, const Each& each) {
-    each(of.form), each(of.axial), each(of.lobes), each(of.variates), each(of.coefficient), each(of.wavelength);
-    each(of.spectrum), each(of.log_scale), each(of.centre), each(of.bandwidth), each(of.parameterization);
-    each(of.exponent);
-}
-template <typename Each> void members(IndexTexture& of, const Each& each) {
-    each(of.map), each(of.size), each(of.texels);
-}
-template <typename Each> void members(SuModel& of, const Each& each) {
-    each(of.discretise), each(of.interpolation), each(of.neighbours), each(of.lobes), each(of.direction);
-    each(of.coefficient), each(of.centre), each(of.bandwidth), each(of.shape), each(of.index);
-}
-template <typename Each> void members(GgxModel& of, const Each& each) { each(of.diffuse), each(of.lobes); }
-template <typename Each> void members(OpenPbrModel& of, const Each& each) {
-    for (const OpenPbrParameter& parameter : k_openpbr_parameters)
-        for (int c = 0; c < parameter.count(); ++c) each(number(of, parameter, c));
-    each(of.is_exchanged);
-}
-template <typename Each> void members(BsdfModel& of, const Each& each) { each(of.part), each(of.beam); }
 template <typename Each> void members(Model& of, const Each& each) { each(of.model), each(of.provenance); }
+/// Kinds of models have such a list themselves.
+template <typename M, typename Each>
+requires requires(M& of, const Each& each) { Stored<M>::for_members(of, each); }
+void members(M& of, const Each& each) { Stored<M>::for_members(of, each); }
 
 template <typename T> inline constexpr bool is_list = false;
 template <typename T> inline constexpr bool is_list<std::vector<T>> = true;

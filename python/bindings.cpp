@@ -83,7 +83,7 @@ PYBIND11_MODULE(_srbf, module) {
              [](const Held& brdf, float vx, float vy, float vz, float u, float v, float selector) {
                  return drawn_at(brdf, {vx, vy, vz}, {u, v, selector});
              })
-        .def("parameters", &parameters)
+        .def("parameters", [](const Held& brdf) { return to_python(parameters(brdf.require_model())); })
         .def("pickled", &pickled)
         .def("numbers", &numbers)
         .def("is_model", [](const Held& brdf) { return brdf.model() != nullptr; })
@@ -123,23 +123,9 @@ PYBIND11_MODULE(_srbf, module) {
                 return save_model(model, path);
             }());
         });
-    py::class_<Request>(module, "Request")
-        .def(py::init())
-        .def_readwrite("model", &Request::model)
-        .def_readwrite("form", &Request::form)
-        .def_readwrite("surface", &Request::surface)
-        .def_readwrite("objective", &Request::objective)
-        .def_readwrite("channels", &Request::channels)
-        .def_readwrite("lobes", &Request::lobes)
-        .def_readwrite("variates", &Request::variates)
-        .def_readwrite("automatic", &Request::automatic)
-        .def_readwrite("reciprocal", &Request::reciprocal)
-        .def_readwrite("axial", &Request::axial)
-        .def_readwrite("budget", &Request::budget)
-        .def_readwrite("target_delta_e", &Request::target_delta_e)
-        .def_readwrite("max_theta", &Request::max_theta)
-        .def_readwrite("seed", &Request::seed)
-        .def_readwrite("threads", &Request::threads);
+    py::class_<FitRequest>(module, "Request").def(py::init([](const FitTexts& texts) {
+        return required(fit_request(texts));
+    }));
     module.def("load", &loaded);
     module.def("unpickled", &unpickled);
     module.def("model_of", &model_of);
@@ -159,32 +145,13 @@ PYBIND11_MODULE(_srbf, module) {
     module.def("python_code", [](const Held& brdf) { return required(python_code(brdf.require_model())); });
     module.def("identifier", [](const std::string& text) { return identifier(text); });
     module.def("fit_options", [] {
-        std::vector<std::tuple<std::string, std::string, double, double, bool>> rows;
-        for (const FitOptionRow& row : k_fit_options)
-            rows.emplace_back(row.name, row.model, row.least, row.most, row.is_whole);
-        return rows;
+        py::dict choices;  // of each name
+        for (const FitOption& option : fit_options()) choices[py::str(std::string(option.name))] = option.choices;
+        return choices;
     });
     module.def("lightings", [] { return names_of(standard_lightings()); });
-    module.def("terms_of_forms", [] {
-        std::map<std::string, std::size_t> terms;
-        for (const FormRow& row : k_form_rows) terms[std::string(row.name)] = row.terms;
-        return terms;
-    });
-    module.def("openpbr_parameters", [] {
-        std::map<std::string, int> counts;
-        for (const OpenPbrParameter& of : k_openpbr_parameters) counts[std::string(of.name)] = of.count();
-        return counts;
-    });
-    module.def("openpbr_surfaces",
-               [] { return std::vector<std::string>(k_openpbr_surfaces.begin(), k_openpbr_surfaces.end()); });
-    module.def("view_directions", [](int n) { return array_of(floats(fibonacci_directions(n, k_pi / 2)), {n, 3}); });
-    module.def("forms", [] { return names_of(k_form_rows); });
     module.def("code_languages", [] { return names_of(k_code_languages); });
-    module.def("objectives", [] {
-        std::vector<std::string> names;
-        for (const Objective objective : objectives()) names.emplace_back(name(objective));
-        return names;
-    });
+    module.attr("most_threads") = k_most_threads;
     module.attr("version") = SRBF_VERSION;
     module.attr("knows_numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;
 }

@@ -15,42 +15,6 @@
 
 namespace srbf {
 
-/// What Python asks for, within its ranges: empty or no value is the library's default.
-struct Request {
-    std::string model = "pm", surface = std::string(name(OpenPbrRequest{}.surface)), form, objective, channels = "rgb";
-    std::optional<int> lobes, variates;
-    bool automatic = false, reciprocal = false;
-    std::optional<bool> axial;
-    std::optional<std::size_t> budget;
-    std::optional<double> target_delta_e, max_theta;
-    std::uint64_t seed = 0;
-    int threads = 0;
-
-    PmRequest pm() const {
-        PmRequest pm;
-        if (!form.empty()) pm.form = form_named(form).value();
-        if (variates) pm.variates = *variates;
-        if (lobes) pm.size = LobeCount{*lobes};
-        if (automatic) pm.size = AutomaticLobes{};
-        if (budget) pm.size = ByteBudget{*budget};
-        if (target_delta_e) pm.size = TargetDeltaE{*target_delta_e};
-        pm.axial = axial, pm.reciprocal = reciprocal;
-        return pm;
-    }
-    FitRequest fit_request() const {
-        FitRequest request;
-        if (model == "pm") request.model = pm();
-        if (model == "su") request.model = SuRequest{.lobes = lobes.value_or(SuRequest{}.lobes)};
-        if (model == "ggx") request.model = GgxRequest{lobes.value_or(GgxRequest{}.lobes)};
-        if (model == "openpbr") request.model = OpenPbrRequest{openpbr_surface_named(surface).value()};
-        if (!objective.empty()) request.objective = objective_named(objective).value();
-        if (max_theta) request.max_theta = *max_theta * k_degree;
-        request.spectral = channels == "spectral";
-        request.seed = seed, request.threads = threads;
-        return request;
-    }
-};
-
 inline py::dict measures_of(const Comparison& of) {
     py::dict errors;
     for (const MeasureName& measure : k_measures) {
@@ -86,9 +50,8 @@ inline py::dict outcome_of(FitOutcome outcome) {
     return of;
 }
 
-inline py::dict fit_brdf(const Held& brdf, const Request& asked, const py::object& progress) {
+inline py::dict fit_brdf(const Held& brdf, const FitRequest& request, const py::object& progress) {
     if (!brdf.measured()) raise({"srbf.fit", {}, "input", "a measurement", "a model", ErrorCode::wrong_kind});
-    const FitRequest request = asked.fit_request();
     if (is_two_sided(brdf.content())) {
         BsdfOutcome outcome = required(in_background(
             progress, [&](const ProgressToken& token) { return fit_bsdf(*brdf.measured(), request, token); }));
@@ -158,13 +121,12 @@ auto with_function(const py::function& function, const py::object& progress, con
     return result;
 }
 
-inline py::dict fit_function(const py::function& function, const Request& asked, const py::object& progress) {
-    const FitRequest request = asked.fit_request();
+inline py::dict fit_function(const py::function& function, const FitRequest& request, const py::object& progress) {
     return outcome_of(required(with_function(
         function, progress, [&](const Evaluate& f, const ProgressToken& token) { return fit(f, request, token); })));
 }
 
-inline py::list fit_texels(const Array& wl, const Array& wv, const Array& f, const Request& asked, bool isotropic,
+inline py::list fit_texels(const Array& wl, const Array& wv, const Array& f, const FitRequest& request, bool isotropic,
                            const py::object& progress) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
@@ -172,7 +134,7 @@ inline py::list fit_texels(const Array& wl, const Array& wv, const Array& f, con
     const SharedPairs pairs{{l.begin(), l.end()}, {v.begin(), v.end()}, isotropic};
     const std::span<const Rgb> values(reinterpret_cast<const Rgb*>(f.data()), std::size_t(f.size()) / 3);
     BatchOptions options;
-    options.request = asked.fit_request();
+    options.request = request;
     const auto start = std::chrono::steady_clock::now();
     auto fits = required(
         in_background(progress, [&](const ProgressToken& token) { return fit_batch(pairs, values, options, token); }));

@@ -38,7 +38,7 @@ inline Arguments words(const std::string& text) {
 /// The long names of all options by subcommand, as the completion for bash lists them.
 inline std::map<std::string, Arguments> long_options(const TemporaryFolder& folder) {
     std::map<std::string, Arguments> all;
-    std::istringstream lines(run(folder, {"manual", "--for", "bash"}).out);
+    std::istringstream lines(run(folder, {"completion", "bash"}).out);
     for (std::string line; std::getline(lines, line);) {
         const auto at = line.find(":*:-*) words='");
         if (at == line.npos) continue;

@@ -327,7 +327,7 @@ TEST_F(Failures, FilesBeyondTheLimitAreOneLine) {
                                        {"render", "m.srbf", "-o", "x.exr", "--size", "16x16", "--spp", "1"},
                                        {"export", "m.srbf", "--to", "glsl", "-o", "x.glsl"},
                                        k_quick_fit + Arguments{"a.binary", "b.binary", "-o", "models"},
-                                       {"manual"}}) {
+                                       {"completion", "bash"}}) {
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
         const auto files_before = files();
         const rlimit low{512, before.rlim_max};

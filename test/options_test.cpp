@@ -49,7 +49,6 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"a surface", "export q.srbf --to mtlx -o o.mtlx"},
     {"page", "export m.srbf --to html -o o.html"},
     {"page, mesh", "export m.srbf --to html -o o.html --mesh m.obj"},
-    {"manual", "manual"},
 };
 
 /// An argument for each option, other than its default. Every option must be here.
@@ -109,7 +108,6 @@ const std::map<std::string, std::string> k_argument{
     {"--to", "hlsl"},
     {"--with", "sampling"},
     {"--reference", "m.binary"},
-    {"--for", "zsh"},
 };
 /// Those of `srbf convert` and of `srbf map` have one name.
 std::string argument_of(const std::string& subcommand, const std::string& option) {

@@ -75,12 +75,12 @@ TEST_F(CommandLine, usage_errors_of_choices) {
     expect_failure(2, {"fit", k_paper, "--target-error", "0.1"}, "--target-error is now --target-delta-e");
     expect_failure(2, {"fit", k_paper, "--target-delta-e", "0"}, "--target-delta-e");
     expect_failure(2, {"fit", k_paper, "--target-delta-e", "2", "--budget", "160"}, "not together with");
-    expect_failure(2, {"fit", k_paper, "--model", "ggx", "--lobes", "3"}, "of ggx 1 or 2");
+    expect_failure(2, {"fit", k_paper, "--model", "ggx", "--lobes", "3"}, "--lobes: expected 1 to 2 with --model ggx, found 3");
     expect_failure(2, {"fit", k_paper, "--model", "ggx", "--form", "source"}, "only with --model pm");
     expect_failure(2, {"fit", k_paper, "--form", "sauce"}, "expected gaussian or horizon or extended, found sauce");
     expect_failure(2, {"fit", k_paper, "--no-scale"}, "only with --form gaussian");
     expect_failure(2, {"fit", k_paper, "--model", "su", "--budget", "100"}, "only with --model pm");
-    expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64, found many");
+    expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64 or auto, found many");
     expect_failure(2, {"fit", k_paper, "--reciprocal", "--variates", "3"}, "--variates: an even number");
     expect_failure(2, {"fit", k_paper, "--axial", "--no-axial"}, "--axial");
     expect_failure(2, {"fit", k_paper, "--resume", "-o", "x.srbf"}, "not the name of a model");

@@ -3,9 +3,9 @@
 // error, one line; otherwise a number above 0, and the content is what it made.
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,9 +17,9 @@
 #include "render/material.h"
 #include "render/slices.h"
 #include "srbf/file.h"
+#include "srbf/fit.h"
 #include "srbf/fit_bsdf.h"
 #include "srbf/fit_options.h"
-#include "srbf/fit.h"
 #include "srbf/metrics.h"
 #include "srbf/shading_code.h"
 #include "srbf/text.h"
@@ -74,92 +74,33 @@ const Measured* measured_of(const Subject* subject) {
     return subject ? std::get_if<Measured>(&subject->content) : nullptr;
 }
 
-// ---- Options of a fit --------------------------------------------------------------------------------------------
-
-/// Reads the members of an object of JSON one by one; the first that is wrong is the error.
-class Options {
-  public:
-    explicit Options(std::string_view text) : json_(Json::parse(text.begin(), text.end(), nullptr, false)) {
-        if (!json_.is_object()) refuse("", "an object of JSON", std::string(text.substr(0, 40)));
+/// "maxTheta" of "max_theta".
+std::string in_camel_case(std::string_view name) {
+    std::string text;
+    bool begins_word = false;
+    for (const char c : name) {
+        if (c != '_') text += begins_word ? char(std::toupper(c)) : c;
+        begins_word = c == '_';
     }
-    void refuse(std::string name, std::string expected, std::string found) {
-        if (!error_)
-            error_ = Error{"options", {}, std::move(name), std::move(expected), std::move(found), ErrorCode::argument};
-    }
-    /// The number by that name within [least, most], if it is given.
-    std::optional<double> number(const char* name, double least, double most, bool whole) {
-        const auto at = json_.find(name);
-        if (error_ || at == json_.end()) return {};
-        ++read_;
-        const double value = at->is_number() ? at->get<double>() : std::numeric_limits<double>::quiet_NaN();
-        if (value >= least && value <= most && (!whole || value == std::floor(value))) return value;
-        refuse(name, fmt::format("{} {:g} to {:g}", whole ? "a whole number" : "a number", least, most), at->dump());
-        return {};
-    }
-    std::optional<std::string> word(const char* name) {
-        const auto at = json_.find(name);
-        if (error_ || at == json_.end()) return {};
-        ++read_;
-        if (at->is_string()) return at->get<std::string>();
-        refuse(name, "a word", at->dump());
-        return {};
-    }
-    /// The error, if there is one; names that nothing has read are wrong.
-    std::optional<Error> error() {
-        if (!error_ && read_ < json_.size())
-            refuse("names", "model, lobes, variates, form, objective, seed, maxTheta, targetDeltaE or budget",
-                   json_.dump());
-        return error_;
-    }
-
-  private:
-    Json json_;
-    std::size_t read_ = 0;
-    std::optional<Error> error_;
-};
-
-/// An option that is also one of `srbf fit`, in its range.
-std::optional<double> option_of(Options& options, const char* name, const FitOptionRow& row) {
-    return options.number(name, row.least, row.most, row.is_whole);
+    return text;
 }
 
+/// The request of an object of JSON whose members are options of a fit.
 Result<FitRequest> request_of(std::string_view text) {
-    Options options(text);
-    FitRequest request;
-    const std::string model = options.word("model").value_or("pm");
-    const auto lobes = option_of(options, "lobes", fit_option("lobes"));
-    if (model == "pm") {
-        PmRequest pm;
-        if (lobes) pm.size = LobeCount{int(*lobes)};
-        if (const auto n = option_of(options, "variates", fit_option("variates"))) pm.variates = int(*n);
-        if (const auto form = options.word("form")) {
-            const auto named = form_named(*form);
-            if (named) pm.form = *named;
-            if (!named) options.refuse("form", "gaussian, horizon or extended", *form);
-        }
-        if (const auto goal = option_of(options, "targetDeltaE", fit_option("target_delta_e")))
-            pm.size = TargetDeltaE{*goal};
-        if (const auto bytes = option_of(options, "budget", fit_option("budget")))
-            pm.size = ByteBudget{std::size_t(*bytes)};
-        request.model = pm;
-    } else if (model == "ggx") {
-        GgxRequest ggx;
-        if (lobes) ggx.lobes = int(*lobes);
-        if (ggx.lobes > k_most_ggx_lobes) options.refuse("lobes", "1 or 2 of ggx", std::to_string(ggx.lobes));
-        request.model = ggx;
-    } else {
-        options.refuse("model", "pm or ggx", model);
+    const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
+    if (!json.is_object())
+        return Error{"options", {}, {}, "an object of JSON", std::string(text.substr(0, 40)), ErrorCode::argument};
+    FitTexts texts;
+    for (const auto& [key, value] : json.items()) {
+        std::string name;
+        for (const char c : key) name += std::isupper(c) ? std::string{'_', char(std::tolower(c))} : std::string{c};
+        texts[name] = value.is_string() ? value.get<std::string>() : value.dump();
     }
-    if (const auto word = options.word("objective")) {
-        const auto objective = objective_named(*word);
-        if (objective) request.objective = *objective;
-        if (!objective) options.refuse("objective", "appearance, cosine, raw, log, cube-root or relative", *word);
-    }
-    if (const auto seed = options.number("seed", 0, 9e15, true)) request.seed = std::uint64_t(*seed);
-    if (const auto theta = option_of(options, "maxTheta", fit_option("max_theta")))
-        request.max_theta = *theta * k_degree;
-    if (const auto error = options.error()) return *error;
-    return request;
+    auto request = fit_request(texts, in_camel_case);
+    if (request) return request;
+    Error error = request.error();
+    error.source = "options";
+    return error;
 }
 
 // ---- Fits --------------------------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@
 
 #include "srbf/file.h"
 #include "srbf/fit_bsdf.h"
+#include "srbf/fit_options.h"
 
 namespace srbf {
 /// The worker thread: one job at a time, the newest.
@@ -138,11 +139,10 @@ class Session::Worker {
 };
 
 FitRequest FitChoice::request() const {
-    PmRequest pm;
-    pm.form = form, pm.variates = variates, pm.size = LobeCount{lobes};
-    FitRequest request;
-    request.model = pm, request.objective = objective;
-    return request;
+    return *fit_request({{"form", std::string(name(form))},
+                         {"variates", std::to_string(variates)},
+                         {"lobes", std::to_string(lobes)},
+                         {"objective", std::string(name(objective))}});
 }
 
 Session::Session() : worker_(std::make_unique<Worker>()) {}

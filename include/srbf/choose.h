@@ -13,7 +13,7 @@ namespace [[gnu::visibility("default")]] srbf {
 
 /// Minimise the held-out error among models of at most `bytes` bytes.
 struct ByteBudget {
-    std::size_t bytes = 160;  ///< 12..k_most_chosen_bytes
+    std::size_t bytes = 160;  ///< k_least_chosen_bytes..k_most_chosen_bytes
 };
 /// Minimise the bytes among models without a visible difference: whose pictures of a sphere have at most this mean ΔE_ITP under
 /// `standard_lightings`. For tables.
@@ -32,8 +32,8 @@ struct Trial {
     bool whole = false;  ///< a full fit, as `fit_pm` does by itself; false: a short fit, whose error only ranks models
 };
 
-inline constexpr std::size_t k_most_chosen_bytes = 512;
-inline constexpr double k_most_delta_e = 100;
+inline constexpr std::size_t k_least_chosen_bytes = 12, k_most_chosen_bytes = 512;
+inline constexpr double k_finest_delta_e = 0.01, k_most_delta_e = 100;
 
 inline constexpr int k_most_chosen_variates = 6;
 

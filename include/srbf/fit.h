@@ -1,5 +1,6 @@
 // Fits of measurements with measured errors, in one call.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -70,6 +71,11 @@ struct FitRequest {
     double theta() const { return max_theta.value_or(default_max_theta(objective)); }  ///< [rad]
 };
 
+/// The names of the models that a request can ask for, in the order of `FitRequest::model`.
+inline constexpr std::array<std::string_view, 4> k_model_names{"pm", "su", "ggx", "openpbr"};
+static_assert(k_model_names.size() == std::variant_size_v<decltype(FitRequest::model)>);
+inline std::string_view model_name(const FitRequest& request) { return k_model_names[request.model.index()]; }
+
 /// True if a fit of this request to scattered samples follows the gap-filled samples: PM in colours, by an objective of
 /// pictures. Fits by `relative` follow microfacets, others interpolated values if cross-validation finds them useful.
 bool fills_gaps(const FitRequest& request);
@@ -116,8 +122,8 @@ struct FitOutcome {
     std::uint64_t clamped = 0;       ///< number of negative channel values among them; set to 0 unless they are noise
     std::optional<Noise> noise;      ///< of a table; above 30 % the fit takes negative values for noise about a mean
     std::uint64_t raw_bytes =
-        0;                     ///< of f in floats at all pairs of 1536 (SU: the sampled) directions, or at the samples
-    int empty_directions = 0;  ///< SU: number of sampled directions without data
+        0;  ///< of f in floats at all pairs of 1536 (SU: the sampled) directions, or at the samples
+    std::optional<int> empty_directions;   ///< SU: number of sampled directions without data
     std::optional<std::uint64_t> samples;  ///< for scattered samples: number of samples within θmax
     /// for scattered samples, PM: whether the fit follows values between them: gap-filled or interpolated
     std::optional<bool> filled;

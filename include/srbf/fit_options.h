@@ -1,42 +1,43 @@
-// The options of a fit that the command line and Python share.
+// The options of a fit by their names, for fronts that are given texts: the command line, Python, pages and the window.
 #pragma once
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
-#include "srbf/choose.h"
-#include "srbf/model.h"
-#include "srbf/models/ggx.h"
-#include "srbf/models/su.h"
-#include "srbf/objective.h"
+#include "srbf/fit.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 
 inline constexpr int k_most_threads = 1024;
 
-/// An option, the kind of models that reads it (pm, su or ggx; empty: any), and the range of its numbers, or
-/// `least` > `most` if it is none. In a name '_' separates words; the command line has '-'.
-struct FitOptionRow {
-    std::string_view name, model;
-    double least = 1, most = 0;
-    bool is_whole = true;
+/// An option of a fit. Models that read different texts of an option have rows of their own.
+struct FitOption {
+    std::string_view name;                      ///< '_' separates words: "max_theta"
+    std::vector<std::string_view> models = {};  ///< the names of the models that read it; empty: all
+    std::string_view type = {};                 ///< of its text, as help names it; empty: a flag, "true" or "false"
+    std::string about = {};                     ///< what help says, in lines
+    std::string preset = {};                ///< the text of the default; empty: a flag that is not given, or it depends
+    std::string expected = {};              ///< the texts that are accepted, in words: "1 to 8"
+    std::vector<std::string> choices = {};  ///< the texts, if they can be listed
+    std::string_view negation = {};         ///< how command lines name a flag that is "false"; empty: they need not
+    /// Sets it in a request for one of `models`. False: the text is not accepted.
+    std::function<bool(FitRequest&, std::string_view text)> set = {};
 };
-inline constexpr FitOptionRow k_fit_options[] = {
-    {"lobes", "pm", 1, k_most_fitted_lobes},
-    {"lobes", "su", 1, k_most_view_lobes},
-    {"lobes", "ggx", 1, k_most_ggx_lobes},
-    {"variates", "pm", 1, k_most_variates},
-    {"form", "pm"},
-    {"axial", "pm"},
-    {"reciprocal", "pm"},
-    {"budget", "pm", 12, k_most_chosen_bytes},
-    {"target_delta_e", "pm", 0.01, k_most_delta_e, false},
-    {"max_theta", "", 1, 89.9, false},  // [degrees]
-    {"threads", "", 0, k_most_threads},
-};
-/// The row of an option that is a number, of models of that kind.
-constexpr const FitOptionRow& fit_option(std::string_view name, std::string_view model = "pm") {
-    for (const FitOptionRow& row : k_fit_options)
-        if (row.name == name && (row.model.empty() || row.model == model)) return row;
-    throw "no such option";  // which does not compile where it is a constant
-}
+/// In the order of help. The first is "model".
+std::span<const FitOption> fit_options();
+/// The first row of that name, which must exist.
+const FitOption& fit_option(std::string_view name);
+
+/// The texts of the options that are given, by name.
+using FitTexts = std::map<std::string, std::string, std::less<>>;
+/// How a front spells the name of an option, as in "--max-theta".
+using Spelling = std::function<std::string(std::string_view name)>;
+
+/// The request of these options. Errors, of one line with names in the front's spelling: a name that is none; a text that
+/// is not accepted; an option that the model does not read; options that exclude each other.
+Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelled = {});
 
 }  // namespace srbf

@@ -37,8 +37,8 @@ class Error(ValueError):
 
 
 from . import _srbf  # noqa: E402  (it raises Error)
-from . import _options, _parameters  # noqa: E402
-from ._options import Channels, Form, Kind, Language, Lighting, Objective, Path, Progress, Surface  # noqa: E402
+from . import _options  # noqa: E402
+from ._options import Language, Lighting, Path, Progress  # noqa: E402
 
 if int(np.__version__.split(".")[0]) >= 2 and not _srbf.knows_numpy_2:
     raise ImportError(f"srbf was built with a pybind11 before 2.12, which NumPy {np.__version__} does not fit; build it with `pip install .`")
@@ -206,7 +206,7 @@ class Model(Brdf):
         """The model of these numbers, named as in `parameters`, whose inverse it is. They are rounded to the 16-bit floats of the model
         file. Of a multivariate model `log_scale`, `centre`, `exponent`, `form` and `axial` may be left out (0, +z, none, and what
         follows from the arrays). Raises ValueError, of a number out of its range Error."""
-        return cls(_parameters.held_of(parameters, provenance or {}))
+        return cls(_srbf.model_of(dict(parameters), dict(provenance or {})))
 
     def replace(self, **parameters: Any) -> "Model":
         """The model with some of its numbers replaced, rounded as in `from_parameters`."""
@@ -359,26 +359,17 @@ def _fit_of(outcome: dict[str, Any]) -> Fit:
     return Fit(Model(outcome["model"]), outcome["errors"], outcome["seconds"], outcome["stop_reason"], outcome["reached"])
 
 
-def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]], *, model: Kind = "pm", surface: Optional[Surface] = None,
-        lobes: Union[int, Literal["auto"], None] = None, variates: Optional[int] = None, form: Optional[Form] = None,
-        budget: Optional[int] = None, target_delta_e: Optional[float] = None, objective: Optional[Objective] = None,
-        max_theta: Optional[float] = None, axial: Optional[bool] = None, reciprocal: Optional[bool] = None,
-        channels: Channels = "rgb", seed: int = 0, threads: int = 0, progress: Progress = False) -> Fit:
+def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]], *, progress: Progress = False, **options: Any) -> Fit:
     """Fits a measurement, a file of one, or a function f(wl, wv) of arrays [n, 3] that returns f_r as [n, 3] or [n, 1].
 
-    The options are those of `srbf fit`: `model` "pm", "su", "ggx" or "openpbr" (of OpenPBR, or of another `surface`); `lobes` a number or "auto", or instead of it the size by `budget`
-    [bytes] or `target_delta_e`; `form` one of `forms()`; `objective` one of `objectives()`; `max_theta` [degrees];
-    `channels` "rgb" or "spectral"; `threads` 0: all. The outcome depends on `seed` alone.
+    The options are those of `srbf fit --help`, by their names with "_" for "-": `model` "pm", "su", "ggx" or "openpbr" (of OpenPBR, or
+    of another `surface`); `lobes` a number or "auto", or instead of it the size by `budget` [bytes] or `target_delta_e`; `form` one of
+    `forms()`; `objective` one of `objectives()`; `max_theta` [degrees]; `channels` "rgb" or "spectral"; flags as `axial` True or False;
+    `threads` 0: all. None: the default. The outcome depends on `seed` alone.
 
     `progress`: True for a bar of tqdm, or a function of (stage, fraction) that may return False to cancel. Ctrl-C cancels.
     """
-    sizes = {"lobes": lobes, "budget": budget, "target_delta_e": target_delta_e}
-    given = [name for name, value in sizes.items() if value is not None]
-    if len(given) > 1:
-        raise ValueError(f"expected one of {', '.join(sizes)}, found {' and '.join(given)}")
-    request = _options.request(model, lobes=lobes, variates=variates, form=form, budget=budget,
-                               target_delta_e=target_delta_e, objective=objective, max_theta=max_theta, axial=axial,
-                               reciprocal=reciprocal, channels=channels, seed=seed, threads=threads, surface=surface)
+    request = _options.request(options)
     with _Shown(progress) as callback:
         measured = load_measurement(brdf) if isinstance(brdf, (str, os.PathLike)) else brdf
         if isinstance(measured, Brdf):
@@ -388,24 +379,29 @@ def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]],
         return _fit_of(_srbf.fit_function(measured, request, callback))
 
 
-def fit_batch(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, *, lobes: int = 4, variates: Optional[int] = None,
-              form: Optional[Form] = None, axial: Optional[bool] = None, reciprocal: Optional[bool] = None, isotropic: bool = True,
-              objective: Optional[Objective] = None, max_theta: Optional[float] = None, seed: int = 0, threads: int = 0,
-              progress: Progress = False) -> list[Fit]:
+_options.show_options(fit)
+
+
+def fit_batch(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, *, lobes: int = 4, isotropic: bool = True,
+              progress: Progress = False, **options: Any) -> list[Fit]:
     """Fits T materials or texels measured at the same M pairs: wl, wv [M, 3], f [T, M, 3], NaN where nothing was measured. Each takes one
     thread, and a shorter search than `fit`; its errors are those at its own values. A texel that cannot be fitted, a black one, say, has
     a model of coefficients 0, errors None and `reached` False. The options are those of `fit`. Warns as `from_arrays` does."""
     lights, views, values = _numbers(wl, "wl"), _numbers(wv, "wv"), _numbers(f, "f")
     if lights.ndim != 2 or views.shape != lights.shape or values.ndim != 3 or values.shape[1:] != lights.shape:
         raise ValueError(f"expected wl [M, 3], wv [M, 3], f [T, M, 3], found {list(lights.shape)}, {list(views.shape)}, {list(values.shape)}")
-    request = _options.request("pm", lobes=_options.option("lobes", lobes), variates=variates, form=form, axial=axial,
-                               reciprocal=reciprocal, objective=objective, max_theta=max_theta, channels="rgb", seed=seed, threads=threads)
+    if isinstance(lobes, str):
+        raise ValueError(f"lobes: expected a number, found {lobes!r}")
+    request = _options.request({"lobes": lobes, **options})
     rows = [np.ascontiguousarray(array) for array in (lights, views, values)]
     is_isotropic = _options.flag("isotropic", isotropic)
     if is_isotropic and values.size > 0:
         _warn_of_change(_srbf.change_by_azimuth(rows[0], rows[1], np.ascontiguousarray(values.mean(axis=0))))
     with _Shown(progress) as callback:
         return [_fit_of(outcome) for outcome in _srbf.fit_batch(rows[0], rows[1], rows[2], request, is_isotropic, callback)]
+
+
+_options.show_options(fit_batch)
 
 
 def load_texels(path: Path) -> list[Fit]:
@@ -419,7 +415,7 @@ def errors(reference: Brdf, other: Union[Brdf, Callable[[Array, Array], npt.Arra
            threads: int = 0) -> dict[str, Any]:
     """The measures of docs/accuracy.md of `other` against `reference`, both directions within `max_theta` [degrees] of the normal, as
     `srbf compare --json` names them. `other` may be a function f(wl, wv) as `fit` takes one: a model of your own."""
-    theta, count = _options.number("max_theta", max_theta, 1, 90), _options.option("threads", threads)
+    theta, count = _options.number("max_theta", max_theta, 1, 90), _options.threads(threads)
     if isinstance(other, Brdf):
         return _srbf.errors(reference._held, other._held, theta, count)
     if not callable(other):
@@ -429,12 +425,12 @@ def errors(reference: Brdf, other: Union[Brdf, Callable[[Array, Array], npt.Arra
 
 def forms() -> list[str]:
     """The names of the forms of multivariate models that `fit` takes."""
-    return _srbf.forms()
+    return _srbf.fit_options()["form"]
 
 
 def objectives() -> list[str]:
     """The names of the objectives of `fit`."""
-    return _srbf.objectives()
+    return _srbf.fit_options()["objective"]
 
 
 def code_languages() -> list[str]:
@@ -456,7 +452,7 @@ def convert(brdf: Brdf, path: Path, *, spectra: bool = True, threads: int = 0) -
     """Writes the BRDF as a table: MERL (.binary), RGL (.bsdf), MDL (.mbsdf), samples (.csv), WINDOW and Radiance (.xml), Zemax
     (.zemax.bsdf), Speos (.anisotropicbsdf) or OpenMATERIAL (.xompt), by the ending of `path`. RGL files have spectra of the same
     material beside the colours unless `spectra` is False, as Mitsuba's RGB variants need it. `threads`: of all but samples."""
-    _srbf.convert(brdf._held, _file_name(path), _options.flag("spectra", spectra), _options.option("threads", threads))
+    _srbf.convert(brdf._held, _file_name(path), _options.flag("spectra", spectra), _options.threads(threads))
 
 
 def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, Literal["three"]], *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:

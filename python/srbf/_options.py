@@ -1,21 +1,15 @@
-"""The options of fits, checked by their names before anything is computed, within the ranges of the command line."""
+"""Options, checked by their names before anything is computed."""
 from __future__ import annotations
 
+import inspect
 import operator
 import os
-from typing import Any, Callable, Literal, Optional, Sequence, Union, get_args
+from typing import Any, Callable, Literal, Mapping, Optional, Sequence, Union, get_args
 
 import numpy as np
 
 from . import _srbf
 
-#: "pm" (parameterized multivariate), "su" (view by view), "ggx" (Lambert and GGX) or "openpbr" (parameters of OpenPBR)
-Kind = Literal["pm", "su", "ggx", "openpbr"]
-Form = Literal["gaussian", "horizon", "extended"]
-#: whose parameters a surface (model "openpbr") has: all of OpenPBR, those of glTF, or of Blender's Principled BSDF
-Surface = Literal["openpbr", "gltf", "principled"]
-Objective = Literal["raw", "cosine", "log", "cube-root", "relative", "appearance"]
-Channels = Literal["rgb", "spectral"]
 Lighting = Literal["overcast", "window", "sunset", "studio", "flash", "lamp", "side", "back"]
 #: values of samples: f [1/sr], the reflectance factor π f, or f cosθ of the viewer
 Quantity = Literal["bsdf", "factor", "cosine"]
@@ -23,23 +17,19 @@ Language = Literal["glsl", "hlsl", "wgsl", "msl", "c"]
 Progress = Union[bool, Callable[[str, float], Optional[bool]]]
 Path = Union[str, "os.PathLike[str]"]
 
-#: [name, kind of models or "" for all] → least, most, whether it is a whole number; least > most: not a number
-_RANGES = {(name, model): (least, most, whole) for name, model, least, most, whole in _srbf.fit_options()}
-
-
 def one_of(name: str, value: Any, names: Sequence[str]) -> str:
     if not isinstance(value, str) or value not in names:
         raise ValueError(f"{name}: expected one of {', '.join(names)}, found {value!r}")
     return value
 
 
-def whole(name: str, value: Any, least: int, most: int, or_else: str = "") -> int:
+def whole(name: str, value: Any, least: int, most: int) -> int:
     try:
         number = operator.index(value)
     except TypeError:
         number = None
     if number is None or isinstance(value, bool) or not least <= number <= most:
-        raise ValueError(f"{name}: expected a whole number {least} to {most}{or_else}, found {value!r}")
+        raise ValueError(f"{name}: expected a whole number {least} to {most}, found {value!r}")
     return number
 
 
@@ -55,21 +45,8 @@ def flag(name: str, value: Any) -> bool:
     return bool(value)
 
 
-def _quoted(name: str) -> str:
-    return f'"{name}"'
-
-
-def option(name: str, value: Any, model: str = "pm", or_else: str = "") -> Any:
-    """The value of an option of the table, of models of that kind; `or_else` is what else is taken, for the message."""
-    kinds = [kind for option, kind in _RANGES if option == name]
-    if "" not in kinds and model not in kinds:
-        raise ValueError(f'{name}: only with model={" or ".join(map(_quoted, kinds))}, found model={_quoted(model)}')
-    least, most, is_whole = _RANGES[name, "" if "" in kinds else model]
-    if least > most:
-        return one_of(name, value, _srbf.forms()) if name == "form" else flag(name, value)
-    if not is_whole:
-        return number(name, value, least, most)
-    return whole(name, value, int(least), int(most), or_else)
+def threads(value: Any) -> int:
+    return whole("threads", value, 0, _srbf.most_threads)
 
 
 def read(columns: Any, quantity: Any, floor: Any) -> tuple[str, str, float]:
@@ -85,28 +62,29 @@ def check_progress(value: Any) -> None:
         raise ValueError(f"progress: expected True, False or a function of (stage, fraction), found {value!r}")
 
 
-def request(model: str, *, lobes: Any, objective: Optional[str], channels: str, seed: Any, surface: Optional[str] = None,
-            **options: Any) -> _srbf.Request:
+def _text(value: Any) -> str:
+    """As command lines have it. A number that is a string stays in quotes, so that it is refused."""
+    if isinstance(value, (bool, np.bool_)):
+        return str(bool(value)).lower()
+    if isinstance(value, str):
+        return value if value[:1].isalpha() else repr(value)
+    if hasattr(value, "__index__"):
+        return str(operator.index(value))
+    return repr(float(value)) if hasattr(value, "__float__") else repr(value)
+
+
+def request(options: Mapping[str, Any]) -> _srbf.Request:
     """What a fit is asked for; an option that is None is not given."""
-    made = _srbf.Request()
-    made.model = one_of("model", model, get_args(Kind))
-    if surface is not None:
-        if model != "openpbr":
-            raise ValueError(f'surface: only with model="openpbr", found model="{model}"')
-        made.surface = one_of("surface", surface, _srbf.openpbr_surfaces())
-    made.channels = one_of("channels", channels, get_args(Channels))
-    if objective is not None:
-        made.objective = one_of("objective", objective, _srbf.objectives())
-    made.seed = whole("seed", seed, 0, 2**64 - 1)
-    if channels != "rgb" and model != "pm":
-        raise ValueError(f'channels: "{channels}" only with model="pm", found model="{model}"')
-    if isinstance(lobes, str) and lobes == "auto" and model == "pm":
-        made.automatic = True
-    elif lobes is not None:
-        made.lobes = option("lobes", lobes, model, ' or "auto"' if model == "pm" else "")
-    for name, value in options.items():
-        if value is not None:
-            setattr(made, name, option(name, value, model))
-    if made.reciprocal and (variates := options.get("variates")) is not None and variates % 2 == 1:
-        raise ValueError(f"variates: expected an even number with reciprocal=True, found {variates}")
-    return made
+    for name in options:
+        if name not in _srbf.fit_options():
+            raise TypeError(f"unexpected keyword argument {name!r}; expected one of {', '.join(_srbf.fit_options())}")
+    return _srbf.Request({name: _text(value) for name, value in options.items() if value is not None})
+
+
+def show_options(function: Callable[..., Any]) -> None:
+    """Names the options of fits in the signature that `help` shows."""
+    signature = inspect.signature(function)
+    own = [of for of in signature.parameters.values() if of.kind != of.VAR_KEYWORD]
+    options = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None)
+               for name in _srbf.fit_options() if name not in signature.parameters]
+    setattr(function, "__signature__", signature.replace(parameters=own + options))

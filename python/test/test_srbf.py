@@ -1,4 +1,5 @@
 """The package on the bundled measurements."""
+import inspect
 import os
 import pathlib
 import pickle
@@ -245,7 +246,7 @@ class NotRead(srbf.Measurement):
 
 
 @pytest.mark.parametrize("name, value, options", [
-    ("model", "mlp", {}), ("model", None, {}), ("channels", "bogus", {}), ("channels", "spectral", {"model": "ggx"}),
+    ("model", "mlp", {}), ("channels", "bogus", {}), ("channels", "spectral", {"model": "ggx"}),
     ("max_theta", 0, {}), ("max_theta", 90, {}), ("max_theta", np.nan, {}), ("max_theta", "80", {}), ("progress", 5, {}),
     ("progress", "yes", {}), ("lobes", "many", {}), ("lobes", 0, {}), ("lobes", 65, {}), ("lobes", 2.5, {}), ("lobes", True, {}),
     ("lobes", 3, {"model": "ggx"}), ("lobes", "auto", {"model": "su"}), ("lobes", 65, {"model": "su"}), ("seed", -1, {}),
@@ -257,7 +258,7 @@ class NotRead(srbf.Measurement):
         ("variates", 2), ("form", "horizon"), ("axial", True), ("reciprocal", True), ("budget", 100), ("target_delta_e", 2.0))),
 ])
 def test_options_are_refused_by_name_at_once(name, value, options):
-    with pytest.raises(ValueError, match=f"^{name}: .*(found|missing)"):
+    with pytest.raises(ValueError, match=f"^{name}: (expected .*, found|only with model .*, found|spectral only with|an even number)"):
         srbf.fit(NotRead(), **{name: value}, **options)
 
 
@@ -266,8 +267,14 @@ def test_a_surface_has_the_parameters_of_its_program(paper):
     assert of["coat_ior"] == 1.5 and (of["coat_color"] == 1).all() and of["base_diffuse_roughness"] == 0
 
 
+def test_options_are_those_of_the_program(paper):
+    assert {"lobes", "directions", "no_scale"} <= set(inspect.signature(srbf.fit).parameters)
+    sampled = srbf.fit(paper, model="su", lobes=1, directions=9, interpolation="plain", objective="raw").model.parameters
+    assert sampled["direction"].shape == (9, 3) and sampled["interpolation"] == "plain"
+
+
 def test_sizes_exclude_each_other(paper):
-    with pytest.raises(ValueError, match="lobes, budget, target_delta_e, found lobes and budget"):
+    with pytest.raises(ValueError, match="budget: chooses the number of lobes; not together with lobes"):
         srbf.fit(paper, lobes=3, budget=100)
 
 
@@ -283,9 +290,11 @@ def test_options_of_other_functions_are_refused_by_name(paper, facets, tmp_path)
                         ("picture", lambda: srbf.png(np.zeros((4, 4)))), ("picture", lambda: srbf.png(np.zeros((4, 3))))):
         with pytest.raises(ValueError, match=f"^{name}: "):
             wrong()
-    with pytest.raises(TypeError, match="budget"):
+    with pytest.raises(ValueError, match="budget: chooses the number of lobes"):
         srbf.fit_batch(wl, wl, wl[None], budget=100)
-    with pytest.raises(ValueError, match='lobes: only with model="pm" or "su" or "ggx", found model="openpbr"'):
+    with pytest.raises(TypeError, match="'lobs'; expected one of model, surface"):
+        srbf.fit(paper, lobs=2)
+    with pytest.raises(ValueError, match="lobes: only with model pm or su or ggx, found openpbr"):
         srbf.fit(paper, model="openpbr", lobes=2)
     assert srbf.errors(facets, facets, max_theta=90)["heldout_squared_error_ratio_cosine"] == 0
 
@@ -293,8 +302,7 @@ def test_options_of_other_functions_are_refused_by_name(paper, facets, tmp_path)
 def test_literals_are_the_librarys_names():
     from typing import get_args
     from srbf import _options
-    for literal, names in ((_options.Form, srbf.forms()), (_options.Objective, srbf.objectives()), (_options.Lighting, srbf.lightings()),
-                           (_options.Language, srbf.code_languages()), (_options.Surface, srbf._srbf.openpbr_surfaces())):
+    for literal, names in ((_options.Lighting, srbf.lightings()), (_options.Language, srbf.code_languages())):
         assert list(get_args(literal)) == names
 
 

@@ -6,14 +6,11 @@
 #include <type_traits>
 
 #include "base/floating_point.h"
+#include "base/parameters.h"
 #include "base/safetensors.h"
-#include "models/bsdf/bsdf_file.h"
-#include "models/ggx/ggx_file.h"
+#include "models/kinds.h"
 #include "models/lobes_file.h"
-#include "models/openpbr/openpbr_file.h"
-#include "models/pm/pm_file.h"
 #include "models/range.h"
-#include "models/su/su_file.h"
 #include "srbf/file.h"
 #include "srbf/half.h"
 
@@ -25,35 +22,31 @@ Result<Model> model_of(Safetensors content, bool is_part, const std::string& fil
 
 }  // namespace
 
-// A BSDF holds models.
-template <> struct Stored<BsdfModel> {
-    static constexpr std::string_view name = "bsdf", words = "reflection and transmission";
-    static Safetensors content(const BsdfModel& bsdf) {
-        Safetensors content{encode_beams(bsdf.beam), {}};
-        for (std::size_t p = 0; p < k_parts; ++p)
-            if (bsdf.part[p]) add_part(content_of(*bsdf.part[p]), Part(p), content);
-        return content;
-    }
-    static Result<BsdfModel> read(Safetensors& content, const std::string& file_name) {
-        BsdfModel bsdf;
-        for (std::size_t p = 0; p < k_parts; ++p) {
-            Safetensors of_part = take_part(content, Part(p));
-            if (of_part.tensors.empty() && of_part.metadata.empty()) continue;
-            auto part = model_of(std::move(of_part), true, file_name);
-            if (!part) {
-                Error of = part.error();
-                of.what = fmt::format("{}: {}", k_part_names[p], of.what);
-                return of;
-            }
-            bsdf.part[p] = std::make_shared<const Model>(*std::move(part));
+Safetensors Stored<BsdfModel>::content(const BsdfModel& bsdf) {
+    Safetensors content{encode_beams(bsdf.beam), {}};
+    for (std::size_t p = 0; p < k_parts; ++p)
+        if (bsdf.part[p]) add_part(content_of(*bsdf.part[p]), Part(p), content);
+    return content;
+}
+
+Result<BsdfModel> Stored<BsdfModel>::read(Safetensors& content, const std::string& file_name) {
+    BsdfModel bsdf;
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        Safetensors of_part = take_part(content, Part(p));
+        if (of_part.tensors.empty() && of_part.metadata.empty()) continue;
+        auto part = model_of(std::move(of_part), true, file_name);
+        if (!part) {
+            Error of = part.error();
+            of.what = fmt::format("{}: {}", k_part_names[p], of.what);
+            return of;
         }
-        auto beams = decode_beams(content.tensors, file_name);
-        if (!beams) return beams.error();
-        bsdf.beam = *std::move(beams);
-        return bsdf;
+        bsdf.part[p] = std::make_shared<const Model>(*std::move(part));
     }
-    static double largest(const BsdfModel& model);
-};
+    auto beams = decode_beams(content.tensors, file_name);
+    if (!beams) return beams.error();
+    bsdf.beam = *std::move(beams);
+    return bsdf;
+}
 
 namespace {
 
@@ -96,6 +89,31 @@ template <typename... M> struct Kinds<std::variant<M...>> {
         (read_one(std::type_identity<M>()), ...);
         return *std::move(model);
     }
+    /// The model of these parameters, by which a kind recognises its own.
+    static Result<Model> made_of(ParameterReader of) {
+        std::optional<Result<Model>> model;
+        const auto make_one = [&]<typename K>(std::type_identity<K>) {
+            if (!model && Stored<K>::is_of(of)) model.emplace(rounded_of<K>(of));
+        };
+        (make_one(std::type_identity<M>()), ...);
+        if (model) return *std::move(model);
+        return Error{{}, {}, "parameters", "those of a model", "others", ErrorCode::argument};
+    }
+
+  private:
+    template <typename K> static Result<Model> rounded_of(ParameterReader& of) {
+        K given = Stored<K>::made_of(of);
+        if (const auto error = of.error()) return *error;
+        Safetensors content = Stored<K>::content(given);
+        auto rounded = Stored<K>::read(content, "parameters");
+        if (!rounded) return rounded.error();
+        if constexpr (requires { given.centre; })
+            for (std::size_t i = 0; i < given.centre.size(); ++i)
+                if (const Vec3f apart = given.centre[i] - rounded->centre[i]; dot(apart, apart) < 1e-13f)
+                    rounded->centre[i] = given.centre[i];
+        if constexpr (requires { given.part; }) rounded->part = std::move(given.part);  // which are such models
+        return Model{*std::move(rounded), {}};
+    }
 };
 using AllKinds = Kinds<decltype(Model::model)>;
 
@@ -126,6 +144,30 @@ std::string_view kind(const Model& model) {
 
 std::string_view kind_words(const Model& model) {
     return std::visit([](const auto& m) { return StoredAs<decltype(m)>::words; }, model.model);
+}
+
+std::string summary(const Model& model) {
+    return std::visit([](const auto& m) { return StoredAs<decltype(m)>::summary(m); }, model.model);
+}
+
+std::string rows_text(const Model& model) {
+    std::string text;
+    std::visit([&](const auto& m) { StoredAs<decltype(m)>::add_rows(text, m); }, model.model);
+    return text;
+}
+
+Parameters report_members(const Model& model) {
+    return std::visit([](const auto& m) { return StoredAs<decltype(m)>::members(m); }, model.model);
+}
+
+Parameters parameters(const Model& model) {
+    return std::visit([](const auto& m) { return StoredAs<decltype(m)>::parameters(m); }, model.model);
+}
+
+Result<Model> model_from(const Parameters& parameters, std::map<std::string, std::string> provenance) {
+    auto model = AllKinds::made_of(ParameterReader(parameters));
+    if (model) model->provenance = std::move(provenance);
+    return model;
 }
 
 Rgb value(const Model& model, Vec3f wl, Vec3f wv) {

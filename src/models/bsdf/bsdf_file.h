@@ -1,7 +1,7 @@
 // The parts and beams of a BSDF as tensors of a model file.
 #pragma once
 #include "base/safetensors.h"
-#include "srbf/bsdf.h"
+#include "srbf/models/bsdf.h"
 
 namespace srbf {
 
@@ -14,5 +14,21 @@ Safetensors take_part(Safetensors& content, Part of);
 std::map<std::string, Tensor16> encode_beams(const Beams& beams);
 /// The beams of the tensors that are left; errors: there are others.
 Result<Beams> decode_beams(const std::map<std::string, Tensor16>& tensors, const std::string& file_name);
+
+// A BSDF holds models; model.cpp writes and reads them.
+template <> struct Stored<BsdfModel> {
+    static constexpr std::string_view name = "bsdf", words = "reflection and transmission";
+    static Safetensors content(const BsdfModel& bsdf);
+    static Result<BsdfModel> read(Safetensors& content, const std::string& file_name);
+    static double largest(const BsdfModel& model);
+    static std::string summary(const BsdfModel& model);
+    static void add_rows(std::string& text, const BsdfModel& model);
+    static Parameters members(const BsdfModel& model);
+    static Parameters parameters(const BsdfModel& model);
+    static bool is_of(const ParameterReader& of);
+    static BsdfModel made_of(ParameterReader& of);
+    /// Calls each(member) for all members.
+    template <typename Each> static void for_members(BsdfModel& of, const Each& each) { each(of.part), each(of.beam); }
+};
 
 }  // namespace srbf

@@ -13,6 +13,16 @@ template <> struct Stored<GgxModel> {
     static Safetensors content(const GgxModel& model);
     static Result<GgxModel> read(Safetensors& content, const std::string& file_name);
     static double largest(const GgxModel& model);
+    static std::string summary(const GgxModel& model);
+    static void add_rows(std::string& text, const GgxModel& model);
+    static Parameters members(const GgxModel& model);
+    static Parameters parameters(const GgxModel& model);
+    static bool is_of(const ParameterReader& of);
+    static GgxModel made_of(ParameterReader& of);
+    /// Calls each(member) for all members.
+    template <typename Each> static void for_members(GgxModel& of, const Each& each) {
+        each(of.diffuse), each(of.lobes);
+    }
 };
 
 }  // namespace srbf

@@ -13,6 +13,18 @@ template <> struct Stored<OpenPbrModel> {
     static Safetensors content(const OpenPbrModel& model);
     static Result<OpenPbrModel> read(Safetensors& content, const std::string& file_name);
     static double largest(const OpenPbrModel&) { return 0; }  // its parameters have limits of their own
+    static std::string summary(const OpenPbrModel& model);
+    static void add_rows(std::string& text, const OpenPbrModel& model);
+    static Parameters members(const OpenPbrModel& model);
+    static Parameters parameters(const OpenPbrModel& model);
+    static bool is_of(const ParameterReader& of);
+    static OpenPbrModel made_of(ParameterReader& of);
+    /// Calls each(member) for all members.
+    template <typename Each> static void for_members(OpenPbrModel& of, const Each& each) {
+        for (const OpenPbrParameter& parameter : k_openpbr_parameters)
+            for (int c = 0; c < parameter.count(); ++c) each(number(of, parameter, c));
+        each(of.is_exchanged);
+    }
 };
 
 }  // namespace srbf

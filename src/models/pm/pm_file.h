@@ -13,6 +13,18 @@ template <> struct Stored<PmModel> {
     static Safetensors content(const PmModel& model);
     static Result<PmModel> read(Safetensors& content, const std::string& file_name);
     static double largest(const PmModel& model);
+    static std::string summary(const PmModel& model);
+    static void add_rows(std::string& text, const PmModel& model);
+    static Parameters members(const PmModel& model);
+    static Parameters parameters(const PmModel& model);
+    static bool is_of(const ParameterReader& of);
+    static PmModel made_of(ParameterReader& of);
+    /// Calls each(member) for all members.
+    template <typename Each> static void for_members(PmModel& of, const Each& each) {
+        each(of.form), each(of.axial), each(of.lobes), each(of.variates), each(of.coefficient), each(of.wavelength);
+        each(of.spectrum), each(of.log_scale), each(of.centre), each(of.bandwidth), each(of.parameterization);
+        each(of.exponent);
+    }
 };
 
 // Files with the lobes of several models:

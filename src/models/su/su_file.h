@@ -13,6 +13,23 @@ template <> struct Stored<SuModel> {
     static Safetensors content(const SuModel& model);
     static Result<SuModel> read(Safetensors& content, const std::string& file_name);
     static double largest(const SuModel& model);
+    static std::string summary(const SuModel& model);
+    static void add_rows(std::string& text, const SuModel& model);
+    static Parameters members(const SuModel& model);
+    static Parameters parameters(const SuModel& model);
+    static bool is_of(const ParameterReader& of);
+    static SuModel made_of(ParameterReader& of);
+    /// Calls each(member) for all members.
+    template <typename Each> static void for_members(SuModel& of, const Each& each) {
+        each(of.discretise), each(of.interpolation), each(of.neighbours), each(of.lobes), each(of.direction);
+        each(of.coefficient), each(of.centre), each(of.bandwidth), each(of.shape), each(of.index);
+    }
+};
+
+template <> struct Stored<IndexTexture> {
+    template <typename Each> static void for_members(IndexTexture& of, const Each& each) {
+        each(of.map), each(of.size), each(of.texels);
+    }
 };
 
 }  // namespace srbf

@@ -1,54 +1,8 @@
-// srbf manual: the manual page and the completions of shells, made of what --help says.
+// srbf completion: the completions of shells, made of what --help says.
 #include "app/commands.h"
 
 namespace srbf {
 namespace {
-
-/// Text as roff shows it unchanged.
-std::string roff(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        if ((out.empty() || out.back() == '\n') && (c == '.' || c == '\'')) out += "\\&";
-        if (c == '\\')
-            out += "\\e";
-        else if (c == '-')
-            out += "\\-";
-        else
-            out += c;
-    }
-    return out;
-}
-
-/// Lines as they stand.
-std::string roff_lines(const std::string& text) { return ".nf\n" + roff(text) + "\n.fi\n"; }
-
-std::string roff(const OptionHelp& option) {
-    std::vector<std::string> names;
-    for (const std::string& name : option.names) names.push_back("\\fB" + roff(name) + "\\fR");
-    const std::string type = option.type.empty() ? "" : " \\fI" + roff(option.type) + "\\fR";
-    return fmt::format(".TP\n{}{}\n{}\n", fmt::join(names, ", "), type, roff(option.about));
-}
-
-std::string manual_page(const Help& help) {
-    const std::size_t colon = help.about.find(": ");
-    std::string options;
-    for (const OptionHelp& option : help.options) options += roff(option);
-    std::string page = fmt::format(
-        ".TH {} 1 \"{}\" \"{} {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n.B {}\n"
-        ".I SUBCOMMAND\n[\\fIOPTIONS\\fR]\n.SH DESCRIPTION\n{}\n.SH OPTIONS BEFORE THE SUBCOMMAND\n{}.SH SUBCOMMANDS\n",
-        "SRBF", SRBF_DATE, help.name, SRBF_VERSION, help.name,
-        roff(help.about.substr(colon + 2, help.about.find(".\n") - colon - 2)), help.name,
-        roff(help.about.substr(help.about.find('\n') + 1)), options);
-    for (const SubcommandHelp& sub : help.subcommands) {
-        std::string positionals;
-        for (const OptionHelp& option : sub.options)
-            if (option.positional) positionals += " " + option.names[0];
-        page += fmt::format(".SS {} {} [OPTIONS]{}\n{}.\n", help.name, sub.name, positionals, roff(sub.about));
-        for (const OptionHelp& option : sub.options) page += roff(option);
-        page += ".PP\n" + roff_lines(sub.footer);
-    }
-    return page + ".SH EXAMPLE AND EXIT STATUS\n" + roff_lines(help.footer);
-}
 
 /// Names of options, without those of positional arguments.
 std::vector<std::string> dashed(const SubcommandHelp& sub) {
@@ -175,29 +129,24 @@ std::string fish(const Help& help) {
     return text;
 }
 
-struct Manual {
+struct Shell {
     const char* name;
-    std::string (*text)(const Help&);
+    std::string (*completion)(const Help&);
 };
-constexpr Manual k_manuals[] = {{"man", manual_page}, {"bash", bash}, {"zsh", zsh}, {"fish", fish}};
+constexpr Shell k_shells[] = {{"bash", bash}, {"zsh", zsh}, {"fish", fish}};
 
 }  // namespace
 
-void add_manual(CommandLine& app, int& status) {
-    const auto as = std::make_shared<std::string>("man");
-    const Subcommand sub = app.add_subcommand("manual", "Print the manual page, or a shell's completion of options");
+void add_completion(CommandLine& app, int& status) {
+    const auto as = std::make_shared<std::string>();
+    const Subcommand sub = app.add_subcommand("completion", "Print a shell's completion of options");
     std::vector<std::string> all;
-    for (const Manual& manual : k_manuals) all.emplace_back(manual.name);
-    sub.add_option("--for", *as, "man: the manual page; otherwise the completion of that shell")
-        .type_name("NAME")
-        .one_of(all)
-        .capture_default_str();
-    sub.footer(
-        "Examples:\n  srbf manual | man -l -\n"
-        "  srbf manual --for bash > ~/.local/share/bash-completion/completions/srbf");
+    for (const Shell& shell : k_shells) all.emplace_back(shell.name);
+    sub.add_option("SHELL", *as, "bash, zsh or fish").type_name("").required().one_of(all);
+    sub.footer("Example:\n  srbf completion bash > ~/.local/share/bash-completion/completions/srbf");
     sub.callback([&app, as, &status] {
-        for (const Manual& manual : k_manuals)
-            if (*as == manual.name) fmt::print("{}", manual.text(app.help()));
+        for (const Shell& shell : k_shells)
+            if (*as == shell.name) fmt::print("{}", shell.completion(app.help()));
         status = k_done;
     });
 }

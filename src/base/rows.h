@@ -1,0 +1,81 @@
+// Rows of text that describe a file or a model.
+#pragma once
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "srbf/bsdf.h"
+#include "srbf/directions.h"
+#include "srbf/printable.h"
+
+namespace srbf {
+
+inline void add_row(std::string& text, std::string_view name, const std::string& what) {
+    fmt::format_to(std::back_inserter(text), "  {:<18}{}\n", printable(name), printable(what));
+}
+
+/// "1,234,567".
+inline std::string grouped(std::uint64_t n) {
+    std::string digits = std::to_string(n);
+    for (int at = int(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), 1, ',');
+    return digits;
+}
+
+struct Range {
+    float least = std::numeric_limits<float>::infinity(), most = -least;
+    void add(float x) {
+        if (std::isnan(x)) return;
+        least = std::min(least, x);
+        most = std::max(most, x);
+    }
+    std::string text() const { return least > most ? "none" : fmt::format("{:.4g} to {:.4g}", least, most); }
+};
+
+/// The names of the channels to show: NAME R, G and B, or NAME alone where no pixel has a colour, as where there is one
+/// wavelength. NaN is a masked pixel.
+template <typename Pixels> std::vector<std::string> channel_names(const std::string& name, const Pixels& pixels) {
+    const bool grey =
+        std::ranges::all_of(pixels, [](const Rgb& f) { return !(f.r < f.g || f.r > f.g || f.g < f.b || f.g > f.b); });
+    if (grey) return {name};
+    return {name + " R", name + " G", name + " B"};
+}
+template <typename Pixels> void add_channel_ranges(std::string& text, std::string_view name, const Pixels& pixels) {
+    const std::vector<std::string> names = channel_names(std::string(name), pixels);
+    for (int c = 0; c < int(names.size()); ++c) {
+        Range range;
+        std::uint64_t negative = 0;
+        for (const Rgb& f : pixels) range.add(f[c]), negative += f[c] < 0;
+        add_row(text, names[std::size_t(c)], range.text() + (negative ? ", " + grouped(negative) + " negative" : ""));
+    }
+}
+
+inline std::string wavelengths_text(const std::vector<float>& nm) {
+    return fmt::format("{}, {:g} to {:g} nm", nm.size(), nm.front(), nm.back());
+}
+
+/// Light that is not scattered: a row for each beam.
+inline void add_beams(std::string& text, const Beams& beams) {
+    for (std::size_t b = 0; b < beams.size(); ++b) {
+        if (beams[b].empty()) continue;
+        std::string row;
+        for (std::size_t ring = 0, first = 0; ring < beams[b].theta.size(); ++ring) {
+            const auto nodes = std::span(beams[b].share).subspan(first, std::size_t(beams[b].nodes(ring)));
+            const auto [least, most] = std::ranges::minmax(nodes, {}, &Rgb::g);
+            row += fmt::format("{}{:.4g}{} at {:.3g}°", ring ? ", " : "", least.g,
+                               nodes.size() > 1 ? fmt::format(" to {:.4g}", most.g) : "",
+                               double(beams[b].theta[ring]) / k_degree);
+            first += nodes.size();
+        }
+        add_row(text, "beam", fmt::format("{}: {}", k_beam_names[b], row));
+    }
+}
+
+}  // namespace srbf

@@ -1,0 +1,330 @@
+// The table of the options of a fit. The command line, Python and pages have what stands here.
+#include "srbf/fit_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "srbf/directions.h"
+#include "srbf/text.h"
+
+namespace srbf {
+namespace {
+
+using Text = std::string_view;
+using Models = std::vector<Text>;
+const Models k_all, k_of_pm{"pm"}, k_of_su{"su"}, k_of_ggx{"ggx"}, k_of_openpbr{"openpbr"};
+
+PmRequest& pm(FitRequest& request) { return std::get<PmRequest>(request.model); }
+SuRequest& su(FitRequest& request) { return std::get<SuRequest>(request.model); }
+
+/// Stores a value if there is one.
+template <typename T, typename To> bool store(const std::optional<T>& value, To& to) {
+    if (value) to = *value;
+    return value.has_value();
+}
+
+/// A number within [least, most], which `set` stores.
+template <typename T>
+FitOption number(FitOption option, T least, T most, std::type_identity_t<void (*)(FitRequest&, T)> set) {
+    option.expected = fmt::format("{} to {}", least, most);
+    option.set = [=](FitRequest& request, Text text) {
+        const auto value = to_number<T>(text);
+        const bool is_accepted = value && *value >= least && *value <= most;
+        if (is_accepted) set(request, *value);
+        return is_accepted;
+    };
+    return option;
+}
+
+/// One of some words, which `set` stores unless it knows no such word.
+template <typename Words> FitOption word(FitOption option, const Words& words, bool (*set)(FitRequest&, Text)) {
+    option.choices.assign(std::begin(words), std::end(words));
+    option.expected = fmt::format("{}", fmt::join(option.choices, " or "));
+    option.set = set;
+    return option;
+}
+
+FitOption flag(FitOption option, void (*set)(FitRequest&, bool)) {
+    option.expected = "true or false";
+    option.set = [set](FitRequest& request, Text text) {
+        if (text != "true" && text != "false") return false;
+        set(request, text == "true");
+        return true;
+    };
+    return option;
+}
+
+template <typename T> std::string preset(const T& value) { return fmt::format("{}", value); }
+const FitRequest k_request{};
+const PmRequest k_pm{};
+const SuRequest k_su{};
+
+template <std::size_t... i> bool set_model(FitRequest& request, Text name, std::index_sequence<i...>) {
+    return ((k_model_names[i] == name && (request.model.emplace<i>(), true)) || ...);
+}
+
+FitOption model() {
+    constexpr Text about =
+        "pm: parameterized multivariate SRBFs, one sum of lobes for the whole BRDF;\n"
+        "su: scattered univariate SRBFs, a sum of lobes for each of many view directions;\n"
+        "ggx: Lambert and GGX, the baseline;\n"
+        "openpbr: a surface by the parameters of OpenPBR, which renderers share";
+    return word(
+        {"model", k_all, "NAME", std::string(about), preset(model_name(k_request))}, k_model_names,
+        [](FitRequest& r, Text name) { return set_model(r, name, std::make_index_sequence<k_model_names.size()>()); });
+}
+
+FitOption surface() {
+    return word({"surface", k_of_openpbr, "NAME",
+                 "Whose parameters are fitted: of OpenPBR, of glTF with its extensions, or of Blender's\n"
+                 "Principled BSDF",
+                 preset(name(OpenPbrRequest{}.surface))},
+                k_openpbr_surfaces, [](FitRequest& r, Text text) {
+                    return store(openpbr_surface_named(text), std::get<OpenPbrRequest>(r.model).surface);
+                });
+}
+
+/// The options of multivariate lobes.
+void add_lobes(std::vector<FitOption>& to) {
+    std::vector<std::string_view> forms;
+    std::vector<std::string> summaries;
+    for (const FormRow& row : k_form_rows) {
+        forms.push_back(row.name);
+        summaries.push_back(fmt::format("{}: {}", row.name, row.summary));
+    }
+    to.push_back(word({"form", k_of_pm, "NAME", fmt::format("{}", fmt::join(summaries, "; ")), preset(name(k_pm.form))},
+                      forms, [](FitRequest& r, Text text) { return store(form_named(text), pm(r).form); }));
+    to.push_back(number<int>(
+        {"variates", k_of_pm, "N", fmt::format("Number of variates, the factors of a lobe, 1 to {}", k_most_variates),
+         preset(k_pm.variates)},
+        1, k_most_variates, [](FitRequest& r, int n) { pm(r).variates = n; }));
+    to.push_back(flag({.name = "axial",
+                       .models = k_of_pm,
+                       .about = "Centres only at +z or -z; or general centres, which take 4 J N more bytes.\n"
+                                "Default: general for anisotropic measurements",
+                       .negation = "no_axial"},
+                      [](FitRequest& r, bool is) { pm(r).axial = is; }));
+    to.push_back(
+        flag({.name = "reciprocal",
+              .models = k_of_pm,
+              .about = "f(wl, wv) = f(wv, wl): pairs of variates share bandwidths; N must be even. Larger errors"},
+             [](FitRequest& r, bool is) { pm(r).reciprocal = is; }));
+    to.push_back(flag({.name = "no_scale",
+                       .models = k_of_pm,
+                       .about = "Store no log scales: bounds the coefficients in the fit.\n"
+                                "Saves 2 J bytes; larger errors"},
+                      [](FitRequest& r, bool is) { pm(r).log_scale = !is; }));
+}
+
+/// The number of lobes, of each model that has one.
+void add_counts(std::vector<FitOption>& to) {
+    FitOption lobes =
+        number<int>({"lobes", k_of_pm, "J|auto",
+                     fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
+                                 "auto: for a table the best\n"
+                                 "compromise between bytes and error; for samples by cross-validation, or the most. "
+                                 "Default: {}; for samples auto; for ggx 1",
+                                 k_most_fitted_lobes, LobeCount{}.lobes)},
+                    1, k_most_fitted_lobes, [](FitRequest& r, int n) { pm(r).size = LobeCount{n}; });
+    lobes.expected += " or auto";
+    lobes.set = [set = lobes.set](FitRequest& r, Text text) {
+        if (text != "auto") return set(r, text);
+        pm(r).size = AutomaticLobes{};
+        return true;
+    };
+    to.push_back(lobes);
+    to.push_back(
+        number<int>({"lobes", k_of_su, "J"}, 1, k_most_view_lobes, [](FitRequest& r, int n) { su(r).lobes = n; }));
+    to.push_back(number<int>({"lobes", k_of_ggx, "J"}, 1, k_most_ggx_lobes,
+                             [](FitRequest& r, int n) { std::get<GgxRequest>(r.model).lobes = n; }));
+}
+
+/// What the fit minimises, and where.
+void add_objective(std::vector<FitOption>& to) {
+    std::string about = "What the fit minimises:";
+    std::vector<std::string_view> names;
+    std::vector<std::string> angles;
+    for (const Objective of : objectives()) {
+        names.push_back(name(of));
+        about += fmt::format("\n{}: {}", name(of), summary(of));
+        angles.push_back(fmt::format("{} {:g}", name(of), default_max_theta(of) / k_degree));
+    }
+    to.push_back(word({"objective", k_all, "NAME", about, preset(name(k_request.objective))}, names,
+                      [](FitRequest& r, Text text) { return store(objective_named(text), r.objective); }));
+    to.push_back(number<double>({"max_theta", k_all, "DEG",
+                                 fmt::format("Largest angle from the normal in the fit and in all errors,\n"
+                                             "1 to 89.9 degrees; default: {}",
+                                             fmt::join(angles, ", "))},
+                                1, 89.9, [](FitRequest& r, double degrees) { r.max_theta = degrees * k_degree; }));
+}
+
+/// The options of view-by-view models.
+void add_views(std::vector<FitOption>& to) {
+    using Words = std::vector<Text>;
+    to.push_back(
+        word({"discretise", k_of_su, "view|light", "su: the sampled direction; lobes are functions of the other one",
+              preset(name(k_su.discretise))},
+             Words{"view", "light"},
+             [](FitRequest& r, Text text) { return store(discretise_named(text), su(r).discretise); }));
+    to.push_back(number<int>({"directions", k_of_su, "N",
+                              fmt::format("su: number of sampled directions, {} to {}", k_least_views, k_most_views),
+                              preset(k_su.directions)},
+                             k_least_views, k_most_views, [](FitRequest& r, int n) { su(r).directions = n; }));
+    to.push_back(word({"interpolation", k_of_su, "NAME",
+                       "su: rotated: between the two samples adjacent in elevation, rotated to the azimuth of the\n"
+                       "direction, for isotropic measurements; plain: between the nearest samples",
+                       preset(name(k_su.interpolation))},
+                      Words{"rotated", "plain"},
+                      [](FitRequest& r, Text text) { return store(interpolation_named(text), su(r).interpolation); }));
+    to.push_back(
+        number<int>({"neighbours", k_of_su, "K",
+                     fmt::format("su: number of samples of the plain interpolation, 1 to {}", k_most_neighbours),
+                     preset(k_su.neighbours)},
+                    1, k_most_neighbours, [](FitRequest& r, int n) { su(r).neighbours = n; }));
+    to.push_back(word(
+        {"with_index", k_of_su, "cube|parabolic", "su: store an index texture, the samples nearest to each direction"},
+        Words{"cube", "parabolic"}, [](FitRequest& r, Text text) { return store(map_named(text), su(r).index); }));
+}
+
+/// The channels, and goals of the size.
+void add_goals(std::vector<FitOption>& to) {
+    to.push_back(
+        word({"channels", k_all, "NAME",
+              "rgb: colours; spectral: lobes with a coefficient for each wavelength of the measurement", "rgb"},
+             std::vector<Text>{"rgb", "spectral"}, [](FitRequest& r, Text text) {
+                 r.spectral = text == "spectral";
+                 return r.spectral || text == "rgb";
+             }));
+    to.push_back(number<double>(
+        {"target_delta_e", k_of_pm, "E",
+         "pm: the smallest model of all forms and sizes with at most this visible error, the mean\n"
+         "Delta E (ITP) of pictures of a sphere, where 1 is just noticeable"},
+        k_finest_delta_e, k_most_delta_e, [](FitRequest& r, double e) { pm(r).size = TargetDeltaE{e}; }));
+    to.push_back(number<std::size_t>(
+        {"budget", k_of_pm, "BYTES", "pm: the best model of all forms and sizes with at most this many bytes"},
+        k_least_chosen_bytes, k_most_chosen_bytes,
+        [](FitRequest& r, std::size_t bytes) { pm(r).size = ByteBudget{bytes}; }));
+}
+
+void add_running(std::vector<FitOption>& to) {
+    to.push_back(number<std::uint64_t>({"seed", k_all, "SEED", "Seed of the random numbers", preset(k_request.seed)}, 0,
+                                       std::numeric_limits<std::uint64_t>::max(),
+                                       [](FitRequest& r, std::uint64_t seed) { r.seed = seed; }));
+    to.push_back(
+        number<int>({"threads", k_all, "T", "Number of threads; 0: all of the machine. The model does not depend on it",
+                     preset(k_request.threads)},
+                    0, k_most_threads, [](FitRequest& r, int n) { r.threads = n; }));
+}
+
+/// To give one of `options` where `holds` does not is an error that says `where` they are read. Names of options are in
+/// braces there.
+struct Rule {
+    std::vector<Text> options;
+    Text where;
+    bool (*holds)(const FitRequest&, const FitTexts&);
+};
+const Rule k_rules[] = {
+    {{"neighbours"},
+     "only with {interpolation} plain or {with_index}",
+     [](const FitRequest& r, const FitTexts& texts) {
+         return std::get<SuRequest>(r.model).interpolation == SuInterpolation::plain || texts.contains("with_index");
+     }},
+    {{"channels"},
+     "spectral only with {model} pm",
+     [](const FitRequest& r, const FitTexts&) { return !r.spectral || std::holds_alternative<PmRequest>(r.model); }},
+    {{"target_delta_e", "budget"},
+     "not together with another goal of the size",
+     [](const FitRequest&, const FitTexts& texts) {
+         return !texts.contains("target_delta_e") || !texts.contains("budget");
+     }},
+    {{"target_delta_e", "budget"},
+     "only with {channels} rgb",
+     [](const FitRequest& r, const FitTexts&) { return !r.spectral; }},
+    {{"target_delta_e", "budget"},
+     "chooses the number of lobes; not together with {lobes}",
+     [](const FitRequest&, const FitTexts& texts) { return !texts.contains("lobes"); }},
+    {{"no_scale"},
+     "only with {form} gaussian; other forms always store log scales",
+     [](const FitRequest& r, const FitTexts&) { return std::get<PmRequest>(r.model).form == PmForm::gaussian; }},
+    {{"variates"},
+     "an even number with {reciprocal}",
+     [](const FitRequest& r, const FitTexts&) {
+         const auto& of = std::get<PmRequest>(r.model);
+         return !of.reciprocal || of.variates % 2 == 0;
+     }},
+};
+
+Error wrong(std::string what, std::string expected = {}, std::string found = {}) {
+    return {{}, {}, std::move(what), std::move(expected), std::move(found), ErrorCode::argument};
+}
+
+/// An error if there is no such option, or if the model does not read it.
+Result<Done> check_reads(Text name, Text model, const Spelling& spelled) {
+    Models models;
+    std::vector<std::string> names;
+    bool exists = false;
+    for (const FitOption& option : fit_options()) {
+        if (names.empty() || names.back() != spelled(option.name)) names.push_back(spelled(option.name));
+        if (option.name != name) continue;
+        if (option.models.empty() || std::ranges::count(option.models, model) > 0) return Done{};
+        exists = true;
+        std::ranges::copy(option.models, std::back_inserter(models));
+    }
+    if (!exists) return wrong("options", fmt::format("{}", fmt::join(names, ", ")), spelled(name));
+    return wrong(fmt::format("{}: only with {} {}, found {}", spelled(name), spelled("model"),
+                             fmt::join(models, " or "), model));
+}
+
+Result<Done> check_rules(const FitRequest& request, const FitTexts& texts, const Spelling& spelled) {
+    for (const Rule& rule : k_rules)
+        for (const Text option : rule.options) {
+            if (!texts.contains(option) || rule.holds(request, texts)) continue;
+            std::string where(rule.where);
+            for (std::size_t at = 0; (at = where.find('{', at)) != where.npos;) {
+                const std::size_t end = where.find('}', at);
+                where.replace(at, end + 1 - at, spelled(where.substr(at + 1, end - at - 1)));
+            }
+            return wrong(fmt::format("{}: {}", spelled(option), where));
+        }
+    return Done{};
+}
+
+}  // namespace
+
+std::span<const FitOption> fit_options() {
+    static const std::vector<FitOption> options = [] {
+        std::vector<FitOption> all{model(), surface()};
+        for (const auto add : {add_lobes, add_counts, add_objective, add_views, add_goals, add_running}) add(all);
+        return all;
+    }();
+    return options;
+}
+
+const FitOption& fit_option(std::string_view name) {
+    const auto all = fit_options();
+    const auto at = std::ranges::find(all, name, &FitOption::name);
+    if (at == all.end()) misused("an option of fits that there is not");
+    return *at;
+}
+
+Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelling) {
+    const Spelling spelled = spelling ? spelling : [](Text name) { return std::string(name); };
+    FitRequest request;
+    for (const FitOption& option : fit_options()) {
+        const auto at = texts.find(option.name);
+        const bool is_read = option.models.empty() || std::ranges::count(option.models, model_name(request)) > 0;
+        if (at == texts.end() || !is_read || option.set(request, at->second)) continue;
+        const bool is_first = &option == &fit_option(option.name);
+        const std::string with = is_first ? "" : fmt::format(" with {} {}", spelled("model"), model_name(request));
+        return wrong(spelled(option.name), option.expected + with, at->second);
+    }
+    for (const auto& [name, text] : texts)
+        if (const auto reads = check_reads(name, model_name(request), spelled); !reads) return reads.error();
+    if (const auto valid = check_rules(request, texts, spelled); !valid) return valid.error();
+    return request;
+}
+
+}  // namespace srbf

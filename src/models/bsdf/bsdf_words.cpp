@@ -1,0 +1,78 @@
+// What programs and people are told of a BSDF.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/parameters.h"
+#include "base/rows.h"
+#include "models/bsdf/bsdf_file.h"
+#include "srbf/model.h"
+
+namespace srbf {
+
+std::string Stored<BsdfModel>::summary(const BsdfModel&) { return "bsdf"; }
+
+void Stored<BsdfModel>::add_rows(std::string& text, const BsdfModel& model) {
+    add_row(text, "model", fmt::format("bsdf: models of reflection and transmission, {} bytes", payload_bytes(model)));
+    add_beams(text, model.beam);
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        const Answering<Model> of = answering(model.part, Part(p));
+        if (model.part[p])
+            text += fmt::format("\n  {}\n{}", k_part_names[p], rows_text(*model.part[p]));
+        else
+            text += fmt::format("\n  {}: {}\n", k_part_names[p],
+                                !of.brdf       ? "0"
+                                : of.exchanged ? "by reciprocity"
+                                               : "that of the other side");
+    }
+}
+
+Parameters Stored<BsdfModel>::members(const BsdfModel&) { return {{"form", std::string("bsdf")}}; }
+
+Parameters Stored<BsdfModel>::parameters(const BsdfModel& model) {
+    Parameters all;
+    for (std::size_t p = 0; p < k_parts; ++p)
+        if (model.part[p]) all.push_back({std::string(k_part_names[p]), srbf::parameters(*model.part[p])});
+    for (std::size_t b = 0; b < model.beam.size(); ++b) {
+        const Beam& beam = model.beam[b];
+        if (beam.empty()) continue;
+        const std::string name = fmt::format("beam_{}_", k_beam_names[b]);
+        all.push_back({name + "angle", array_of({beam.theta.size()}, beam.theta)});
+        all.push_back({name + "share", array_of({beam.share.size(), 3}, beam.share)});
+        const std::vector<float> azimuths(beam.azimuths.begin(), beam.azimuths.end());
+        if (!azimuths.empty()) all.push_back({name + "azimuths", array_of({azimuths.size()}, azimuths)});
+    }
+    return all;
+}
+
+bool Stored<BsdfModel>::is_of(const ParameterReader& of) {
+    return std::ranges::any_of(k_part_names, [&](std::string_view name) { return of.has(name); });
+}
+
+BsdfModel Stored<BsdfModel>::made_of(ParameterReader& of) {
+    BsdfModel model;
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        const Parameters* of_part = of.part(k_part_names[p]);
+        if (!of_part) continue;
+        auto part = model_from(*of_part);
+        if (!part) of.refuse(part.error());
+        if (part) model.part[p] = std::make_shared<const Model>(*std::move(part));
+    }
+    for (std::size_t b = 0; b < model.beam.size(); ++b) {
+        const std::string name = fmt::format("beam_{}_", k_beam_names[b]);
+        const std::string angle = name + "angle", share = name + "share", azimuths = name + "azimuths";
+        if (!of.has(angle) && !of.has(share) && !of.has(azimuths)) continue;
+        const char ring = char('a' + 2 * b),
+                   node = char(ring + 1);  // letters of shapes, which each beam has of its own
+        Beam& beam = model.beam[b];
+        beam.theta = of.numbers(angle, {&ring, 1});
+        beam.share = of.vectors<Rgb>(share, std::string{of.has(azimuths) ? node : ring, '3'});
+        if (!of.has(azimuths)) continue;
+        for (const float n :
+             of.numbers(azimuths, {&ring, 1}))  // what is not a number of nodes becomes 0, which is refused
+            beam.azimuths.push_back(n >= 1 && n <= float(k_most_beam_nodes) ? int(n) : 0);
+    }
+    return model;
+}
+
+}  // namespace srbf

@@ -1,0 +1,59 @@
+// What programs and people are told of Lambert and GGX.
+#include <fmt/format.h>
+
+#include "base/parameters.h"
+#include "base/rows.h"
+#include "models/ggx/ggx_file.h"
+
+namespace srbf {
+namespace {
+
+std::string number_of_lobes(const GgxModel& model) { return model.lobes.size() == 1 ? "one lobe" : "two lobes"; }
+
+}  // namespace
+
+std::string Stored<GgxModel>::summary(const GgxModel& model) {
+    return fmt::format("ggx, {} and Lambert", number_of_lobes(model));
+}
+
+void Stored<GgxModel>::add_rows(std::string& text, const GgxModel& model) {
+    add_row(text, "model", "ggx: Lambert and GGX");
+    add_row(text, "size", fmt::format("{} of GGX, {} bytes", number_of_lobes(model), payload_bytes(model)));
+    add_row(text, "diffuse RGB",
+            fmt::format("{:.4g}  {:.4g}  {:.4g}", model.diffuse.r, model.diffuse.g, model.diffuse.b));
+    for (const GgxModel::Lobe& lobe : model.lobes) {
+        add_row(text, "roughness α", fmt::format("{:.4g}", lobe.roughness));
+        add_row(text, "F0 RGB", fmt::format("{:.4g}  {:.4g}  {:.4g}", lobe.f0.r, lobe.f0.g, lobe.f0.b));
+        add_row(text, "F90", fmt::format("{:.4g}", lobe.f90));
+    }
+}
+
+Parameters Stored<GgxModel>::members(const GgxModel& model) {
+    return {{"form", std::string("ggx")}, {"lobes", int(model.lobes.size())}, {"variates", 1}, {"axial", true}};
+}
+
+Parameters Stored<GgxModel>::parameters(const GgxModel& model) {
+    std::vector<float> roughness, f90;
+    std::vector<Rgb> f0;
+    for (const GgxModel::Lobe& lobe : model.lobes)
+        roughness.push_back(lobe.roughness), f0.push_back(lobe.f0), f90.push_back(lobe.f90);
+    const std::size_t L = model.lobes.size();
+    return {{"diffuse", array_of({3}, std::vector{model.diffuse})},
+            {"roughness", array_of({L}, roughness)},
+            {"f0", array_of({L, 3}, f0)},
+            {"f90", array_of({L}, f90)}};
+}
+
+bool Stored<GgxModel>::is_of(const ParameterReader& of) { return of.has("diffuse"); }
+
+GgxModel Stored<GgxModel>::made_of(ParameterReader& of) {
+    const auto roughness = of.numbers("roughness", "L"), f90 = of.numbers("f90", "L");
+    const auto diffuse = of.vectors<Rgb>("diffuse", "3"), f0 = of.vectors<Rgb>("f0", "L3");
+    GgxModel model;
+    if (of.error()) return model;
+    model.diffuse = diffuse[0];
+    for (std::size_t i = 0; i < roughness.size(); ++i) model.lobes.push_back({roughness[i], f0[i], f90[i]});
+    return model;
+}
+
+}  // namespace srbf

@@ -1,0 +1,156 @@
+// What programs and people are told of a multivariate model.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "base/parameters.h"
+#include "base/rows.h"
+#include "models/pm/pm_file.h"
+#include "srbf/half.h"
+
+namespace srbf {
+namespace {
+
+/// What multiplies a lobe besides its variates.
+void add_terms(std::string& text, std::span<const ExponentTerm> terms) {
+    if (terms.empty()) return;
+    text += "  A lobe is also multiplied by";
+    for (const ExponentTerm& term : terms) fmt::format_to(std::back_inserter(text), " {}", term.factor);
+    for (const ExponentTerm& term : terms)
+        if (!term.definition.empty()) fmt::format_to(std::back_inserter(text), ",\n  {}", term.definition);
+    text += ".\n";
+}
+
+/// The lobes, a row each.
+void add_table(std::string& text, const PmModel& model) {
+    fmt::format_to(std::back_inserter(text), "\n  {:>4}  {:>31}  {:>10}", "lobe", "coefficient R, G, B", "log scale");
+    for (int n = 0; n < model.variates; ++n)
+        fmt::format_to(std::back_inserter(text), "  {:>{}}", fmt::format("λ{}", n + 1), model.axial ? 10 : 26);
+    const std::span<const ExponentTerm> terms = std::span(k_terms).first(row_of(model.form).terms);
+    for (const ExponentTerm& term : terms) fmt::format_to(std::back_inserter(text), "  {:>9}", term.symbol);
+    fmt::format_to(std::back_inserter(text), "\n");
+    for (int j = 0; j < model.lobes; ++j) {
+        const Rgb beta = model.coefficient[std::size_t(j)];
+        fmt::format_to(std::back_inserter(text), "  {:>4}  {:>9.4g}  {:>9.4g}  {:>9.4g}  {:>10.4g}", j + 1, beta.r,
+                       beta.g, beta.b, model.log_scale[std::size_t(j)]);
+        for (int n = 0; n < model.variates; ++n) {
+            const auto i = std::size_t(j * model.variates + n);
+            const Vec3f xi = model.centre[i];
+            if (model.axial)
+                fmt::format_to(std::back_inserter(text), "  {:>10.5g}",
+                               xi.z < 0 ? -model.bandwidth[i] : model.bandwidth[i]);
+            else
+                fmt::format_to(std::back_inserter(text), "  {:>26}",
+                               fmt::format("{:.4g} at ({:.2f}, {:.2f}, {:.2f})", model.bandwidth[i], xi.x, xi.y, xi.z));
+        }
+        for (int k = 0; k < features(model.form); ++k)
+            fmt::format_to(std::back_inserter(text), "  {:>9.4g}",
+                           model.exponent[std::size_t(j * features(model.form) + k)]);
+        fmt::format_to(std::back_inserter(text), "\n");
+    }
+    if (model.axial) fmt::format_to(std::back_inserter(text), "  A bandwidth λ below 0 is that of a lobe about -z.\n");
+    add_terms(text, terms);
+}
+
+}  // namespace
+
+std::string Stored<PmModel>::summary(const PmModel& model) {
+    return fmt::format("pm, form {}, {} lobes, {} variates, {}{}", srbf::name(model.form), model.lobes, model.variates,
+                       model.axial ? "axial" : "general",
+                       model.wavelength.empty() ? "" : fmt::format(", {} wavelengths", model.wavelength.size()));
+}
+
+void Stored<PmModel>::add_rows(std::string& text, const PmModel& model) {
+    add_row(text, "model",
+            fmt::format("pm: parameterized multivariate SRBFs, form {}, {} centres", srbf::name(model.form),
+                        model.axial ? "axial" : "general"));
+    add_row(text, "size",
+            fmt::format("{} lobes × {} variates, {} bytes", model.lobes, model.variates, payload_bytes(model)));
+    if (!model.wavelength.empty()) add_row(text, "wavelengths", wavelengths_text(model.wavelength));
+    for (int n = 0; n < model.variates; ++n) {
+        const Parameterization p = model.parameterization[std::size_t(n)];
+        add_row(text, fmt::format("ψ{}", n + 1), fmt::format("normalize({:.5g} wl + {:.5g} wv)", p.a, p.b));
+    }
+    add_table(text, model);
+}
+
+Parameters Stored<PmModel>::members(const PmModel& model) {
+    return {{"form", std::string(stored_name(model.form))},
+            {"lobes", model.lobes},
+            {"variates", model.variates},
+            {"axial", model.axial},
+            {"reciprocal", is_reciprocal(model)}};
+}
+
+Parameters Stored<PmModel>::parameters(const PmModel& model) {
+    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), C = model.wavelength.size();
+    Parameters all{{"form", std::string(srbf::name(model.form))},
+                   {"axial", model.axial},
+                   {"coefficient", array_of({J, 3}, model.coefficient)},
+                   {"log_scale", array_of({J}, model.log_scale)},
+                   {"centre", array_of({J, N, 3}, model.centre)},
+                   {"bandwidth", array_of({J, N}, model.bandwidth)},
+                   {"parameterization", array_of({N, 2}, model.parameterization)},
+                   {"exponent", array_of({J, std::size_t(features(model.form))}, model.exponent)}};
+    if (C > 0) all.push_back({"wavelength", array_of({C}, model.wavelength)});
+    if (C > 0) all.push_back({"spectrum", array_of({J, C}, model.spectrum)});
+    return all;
+}
+
+namespace {
+
+/// The form with as many terms as the exponents have; `exponent` is refused if there is none.
+PmForm form_of(ParameterReader& of) {
+    std::vector<std::string> known;
+    for (const FormRow& row : k_form_rows) {
+        if (row.terms == of.length('F')) return row.form;
+        known.push_back(std::to_string(row.terms));
+    }
+    of.refuse("exponent", fmt::format("shape [J, F], F one of {}", fmt::join(known, ", ")),
+              fmt::format("F = {}", of.length('F')));
+    return {};
+}
+
+/// Makes up for what rounding takes from log scales.
+void round_log_scales(PmModel& model, std::vector<float>& coefficient) {
+    const std::size_t channels = coefficient.size() / std::max<std::size_t>(model.log_scale.size(), 1);
+    for (std::size_t i = 0; i < coefficient.size(); ++i) {
+        const float s = std::clamp(model.log_scale[i / channels], -k_half_max, k_half_max);
+        coefficient[i] *= std::exp(s - from_half(to_half(s)));
+    }
+}
+
+}  // namespace
+
+bool Stored<PmModel>::is_of(const ParameterReader& of) { return of.has("parameterization"); }
+
+PmModel Stored<PmModel>::made_of(ParameterReader& of) {
+    PmModel model;
+    model.bandwidth = of.numbers("bandwidth", "JN");
+    model.parameterization = of.vectors<Parameterization>("parameterization", "N2");
+    const std::size_t J = of.length('J'), N = of.length('N');
+    model.lobes = int(J), model.variates = int(N);
+    const bool is_spectral = of.has("spectrum");
+    std::vector<float> coefficient;
+    if (!is_spectral || of.has("coefficient")) coefficient = of.numbers("coefficient", "J3");
+    model.log_scale = of.has("log_scale") ? of.numbers("log_scale", "J") : std::vector<float>(J);
+    model.centre = of.has("centre") ? of.units("centre", "JN3") : std::vector<Vec3f>(J * N, {0, 0, 1});
+    if (of.has("exponent")) model.exponent = of.numbers("exponent", "JF");
+    if (is_spectral) model.wavelength = of.numbers("wavelength", "C"), coefficient = of.numbers("spectrum", "JC");
+    model.form = form_of(of);
+    of.word("form", {srbf::name(model.form)}, srbf::name(model.form));
+    const bool along_z = std::ranges::all_of(model.centre, [](const Vec3f& xi) { return std::abs(xi.z) == 1; });
+    model.axial = of.flag("axial", along_z);
+    if (model.axial && !along_z) of.refuse("centre", "(0, 0, 1) or (0, 0, -1) of an axial model", "others");
+    if (of.error()) return model;
+    round_log_scales(model, coefficient);
+    if (is_spectral)
+        model.spectrum = std::move(coefficient);
+    else
+        model.coefficient = rows_of<Rgb>(coefficient);
+    return model;
+}
+
+}  // namespace srbf

@@ -1,0 +1,103 @@
+// What programs and people are told of a view-by-view model.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/parameters.h"
+#include "base/rows.h"
+#include "models/su/su_file.h"
+
+namespace srbf {
+
+std::string Stored<SuModel>::summary(const SuModel& model) {
+    return fmt::format("su, {} lobes for each of {} directions to the {}, interpolation {}", model.lobes,
+                       model.direction.size(), model.discretise == Discretise::view ? "viewer" : "light",
+                       srbf::name(model.interpolation));
+}
+
+void Stored<SuModel>::add_rows(std::string& text, const SuModel& model) {
+    const auto J = std::size_t(model.lobes);
+    const bool by_view = model.discretise == Discretise::view;
+    add_row(text, "model", "su: scattered univariate SRBFs, a sum of lobes for each sampled direction");
+    add_row(text, "size",
+            fmt::format("{} lobes × {} sampled directions to the {}, {} bytes", J, model.direction.size(),
+                        by_view ? "viewer" : "light", grouped(payload_bytes(model))));
+    add_row(text, "between samples",
+            model.interpolation == SuInterpolation::rotated
+                ? "the two adjacent in elevation, rotated to the azimuth of the direction"
+                : fmt::format("the {} nearest, not rotated", model.neighbours));
+    add_row(
+        text, "index texture",
+        fmt::format("{}, {} bytes with the direction table",
+                    model.index ? fmt::format("{} of {} texels a side", srbf::name(model.index->map), model.index->size)
+                                : "built on load, a cube",
+                    grouped(auxiliary_bytes(model))));
+    Range bandwidth, shape;
+    std::size_t empty = 0;
+    for (std::size_t i = 0; i < model.direction.size(); ++i) {
+        const auto first = model.coefficient.begin() + std::ptrdiff_t(i * J);
+        empty += std::all_of(first, first + std::ptrdiff_t(J), [](const Rgb& beta) { return beta == Rgb{}; });
+    }
+    for (std::size_t k = 0; k < model.bandwidth.size(); ++k)
+        if (!(model.coefficient[k] == Rgb{})) bandwidth.add(model.bandwidth[k]);
+    for (std::size_t k = 0; k < model.shape.size(); ++k)
+        if (!(model.coefficient[k] == Rgb{})) shape.add(model.shape[k]);
+    add_row(text, "empty samples", empty ? grouped(empty) : "none");
+    add_row(text, "bandwidth", bandwidth.text());
+    if (!model.shape.empty()) add_row(text, "shape", shape.text());
+    add_channel_ranges(text, "coefficient", model.coefficient);
+}
+
+Parameters Stored<SuModel>::members(const SuModel& model) {
+    Parameters all{{"form", std::string(model.shape.empty() ? "source" : "shaped")},
+                   {"lobes", model.lobes},
+                   {"variates", 1},
+                   {"axial", false},
+                   {"discretise", std::string(srbf::name(model.discretise))},
+                   {"directions", int(model.direction.size())},
+                   {"interpolation", std::string(srbf::name(model.interpolation))},
+                   {"index", {}}};
+    if (model.index) all.back().value = std::string(srbf::name(model.index->map));
+    return all;
+}
+
+Parameters Stored<SuModel>::parameters(const SuModel& model) {
+    const std::size_t J = std::size_t(model.lobes), n = model.direction.size();
+    Parameters all{{"interpolation", std::string(srbf::name(model.interpolation))},
+                   {"neighbours", model.neighbours},
+                   {"discretise", std::string(srbf::name(model.discretise))}};
+    if (model.index) all.push_back({"index", std::string(srbf::name(model.index->map))});
+    if (model.index) all.push_back({"index_size", model.index->size});
+    all.push_back({"direction", array_of({n, 3}, model.direction)});
+    all.push_back({"coefficient", array_of({n, J, 3}, model.coefficient)});
+    all.push_back({"centre", array_of({n, J, 3}, model.centre)});
+    all.push_back({"bandwidth", array_of({n, J}, model.bandwidth)});
+    if (!model.shape.empty()) all.push_back({"shape", array_of({n, J}, model.shape)});
+    return all;
+}
+
+bool Stored<SuModel>::is_of(const ParameterReader& of) { return of.has("bandwidth"); }
+
+SuModel Stored<SuModel>::made_of(ParameterReader& of) {
+    SuModel model;
+    model.bandwidth = of.numbers("bandwidth", "nJ");
+    model.coefficient = of.vectors<Rgb>("coefficient", "nJ3");
+    model.centre = of.units("centre", "nJ3");
+    if (of.has("shape")) model.shape = of.numbers("shape", "nJ");
+    const int n = int(of.length('n'));
+    model.lobes = int(of.length('J'));
+    if (n > 0) model.direction = fibonacci_directions(n, k_pi / 2);
+    const auto is_near = [](const Vec3f& a, const Vec3f& b) { return dot(a - b, a - b) <= 1e-10f; };
+    if (of.has("direction") && !std::ranges::equal(of.vectors<Vec3f>("direction", "n3"), model.direction, is_near))
+        of.refuse("direction", "the Fibonacci set of the hemisphere", "others");
+    model.interpolation = *interpolation_named(of.word("interpolation", {"rotated", "plain"}, "rotated"));
+    model.discretise = *discretise_named(of.word("discretise", {"view", "light"}, "view"));
+    model.neighbours = of.whole("neighbours", 1, k_most_neighbours, 3);
+    if (!of.has("index")) return model;
+    const auto map = map_named(of.word("index", {"cube", "parabolic"}, "cube"));
+    const int size = of.whole("index_size", 0, k_largest_texture, 0);
+    if (!of.error() && n >= k_least_views) model.index = index_texture(model, *map, size);
+    return model;
+}
+
+}  // namespace srbf

@@ -6,7 +6,7 @@
 
 #include "app/commands.h"
 #include "app/fit_command.h"
-#include "render/preview.h"
+#include "extras/render/preview.h"
 #include "srbf/file.h"
 
 namespace srbf {

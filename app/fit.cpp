@@ -5,7 +5,7 @@
 
 #include "app/commands.h"
 #include "app/fit.h"
-#include "render/preview.h"
+#include "extras/render/preview.h"
 #include "srbf/file.h"
 
 namespace srbf {

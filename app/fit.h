@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/output.h"
-#include "render/image.h"
+#include "app/image.h"
 #include "srbf/fit.h"
 #include "srbf/fit_bsdf.h"
 

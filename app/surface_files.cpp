@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "render/html.h"
+#include "app/html.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 #include "srbf/printable.h"

@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "render/offscreen.h"
-#include "render/path.h"
-#include "render/raster.h"
+#include "extras/render/offscreen.h"
+#include "extras/render/path.h"
+#include "extras/render/raster.h"
 #include "srbf/convert.h"
 #include "srbf/likeness.h"
 #include "srbf/load.h"

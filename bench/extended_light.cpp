@@ -13,10 +13,10 @@
 
 #include "src/base/parallel.h"
 #include "src/base/r_sequence.h"
-#include "render/filtered_environment.h"
-#include "render/path.h"
-#include "render/rays.h"
-#include "render/shading.h"
+#include "extras/environment/filtered_environment.h"
+#include "extras/render/path.h"
+#include "extras/render/rays.h"
+#include "extras/render/shading.h"
 #include "src/sampling/elevation_nodes.h"
 #include "srbf/extended_light.h"
 #include "srbf/kernel.h"
@@ -83,7 +83,7 @@ struct ExportedLight {
         const Rgb f = value(material, {wl.x, wl.y, wl.z}, {wv.x, wv.y, wv.z});
         return {f.r, f.g, f.b};
     }
-#include "src/code/extended.glsl"
+#include "extras/environment/code/extended.glsl"
 };
 Triple<float> ExportedLight::radiance(Vec3 direction, float roughness) {
     const Rgb light = map->at(to_float(map_axes.to(surface->from(to_double(direction)))), roughness);

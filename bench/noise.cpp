@@ -11,7 +11,7 @@
 #include <filesystem>
 
 #include "models/pm/search/fit_pm.h"
-#include "render/path.h"
+#include "extras/render/path.h"
 #include "srbf/measured.h"
 
 namespace srbf {

@@ -9,7 +9,7 @@
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "one_target.h"
-#include "render/path.h"
+#include "extras/render/path.h"
 #include "srbf/convert.h"
 #include "srbf/measured.h"
 

@@ -24,7 +24,7 @@
 
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
-#include "render/frames.h"
+#include "extras/render/frames.h"
 #include "srbf/metrics.h"
 
 namespace srbf {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "in_process.h"
-#include "render/environment.h"
-#include "render/mesh.h"
-#include "render/path.h"
+#include "extras/render/environment.h"
+#include "extras/render/mesh.h"
+#include "extras/render/path.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/library.h"

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "render/offscreen.h"
+#include "extras/render/offscreen.h"
 
 namespace srbf {
 

@@ -2,7 +2,7 @@
 #include "srbf/fit_bsdf.h"
 #include "bsdf_files.h"
 #include "properties.h"
-#include "render/path.h"
+#include "extras/render/path.h"
 #include "srbf/file.h"
 #include "srbf/kernel.h"
 #include "srbf/prepared_bsdf.h"

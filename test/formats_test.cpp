@@ -7,7 +7,7 @@
 #include "measured_files.h"
 #include "models.h"
 #include "program.h"
-#include "render/map_layers.h"
+#include "app/map_layers.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
 

@@ -27,9 +27,12 @@ const std::vector<std::vector<std::string>> k_levels{
     {"src/samples"},
     {"src/models"},
     {"src/prepared", "src/fit"},
-    {"src/code", "extras/maps", "extras/environment"},
-    {"render"},
+    {"src/code", "extras/maps"},
+    {"extras/environment/code"},
     {"app"},
+    {"extras/render"},
+    {"extras/environment"},
+    {"extras/render/app", "extras/maps/app"},
     {"extras/view", "extras/report"},
 };
 
@@ -39,7 +42,7 @@ int level_of(const fs::path& path) {
         if (std::ranges::find(k_levels[level], path.parent_path().string()) != k_levels[level].end()) return int(level);
     return -1;
 }
-bool is_public(const fs::path& path) { return path.string().starts_with("include/"); }
+bool is_public(const fs::path& path) { return path.string().find("include/srbf/") != std::string::npos; }
 
 bool is_of(const fs::path& path, const char* noun) { return path.string().find(noun) != std::string::npos; }
 
@@ -51,7 +54,10 @@ struct Source {
 std::vector<Source> sources() {
     std::vector<Source> all;
     const std::regex include(R"(^\s*#include\s+([<"])([^>"]+)[>"])");
-    for (const char* folder : {"include", "src", "extras", "render", "app"})
+    std::vector<fs::path> roots{"include", "src", "."};
+    for (const auto& extra : fs::directory_iterator(k_root / "extras"))
+        roots.push_back(fs::relative(extra.path() / "include", k_root));
+    for (const char* folder : {"include", "src", "extras", "app"})
         for (const auto& entry : fs::recursive_directory_iterator(k_root / folder)) {
             if (!entry.is_regular_file() || is_of(entry.path(), "/test/")) continue;
             Source source{fs::relative(entry.path(), k_root), {}, {}};
@@ -64,9 +70,8 @@ std::vector<Source> sources() {
                     source.system.push_back(name);
                     continue;
                 }
-                for (const char* root : {"include", "src", "."})
-                    if (fs::exists(k_root / root / name))
-                        source.included.push_back((fs::path(root) / name).lexically_normal());
+                for (const fs::path& root : roots)
+                    if (fs::exists(k_root / root / name)) source.included.push_back((root / name).lexically_normal());
             }
             all.push_back(std::move(source));
         }

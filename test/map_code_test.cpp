@@ -7,13 +7,13 @@
 
 #include "compiled_code.h"
 #include "models.h"
-#include "render/map_layers.h"
+#include "app/map_layers.h"
 #include "srbf/prepared.h"
 #include "srbf/sampling.h"
 #include "srbf/shading_code.h"
 #ifdef SRBF_RASTER
 #include "compute.h"
-#include "render/offscreen.h"
+#include "extras/render/offscreen.h"
 #endif
 
 namespace srbf::map_code_test {

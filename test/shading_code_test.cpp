@@ -15,7 +15,7 @@
 #ifdef SRBF_RASTER
 #include "compute.h"
 #include "observe/observations.h"
-#include "render/offscreen.h"
+#include "extras/render/offscreen.h"
 #endif
 
 namespace srbf::shading_code_test {

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "app/output.h"
-#include "app/page_of.h"
-#include "render/environment.h"
-#include "render/material.h"
-#include "render/slices.h"
+#include "extras/render/app/page_of.h"
+#include "extras/render/environment.h"
+#include "extras/render/material.h"
+#include "extras/render/slices.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
 #include "srbf/fit_bsdf.h"

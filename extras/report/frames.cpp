@@ -6,10 +6,10 @@
 #include <filesystem>
 
 #include "app/memory.h"
-#include "app/raster.h"
+#include "extras/render/app/raster.h"
 #include "extras/report/study.h"
 #ifdef SRBF_RASTER
-#include "render/frames.h"
+#include "extras/render/frames.h"
 #endif
 
 namespace srbf {

@@ -5,7 +5,7 @@
 
 #include "extras/report/page.h"
 #include "extras/report/parts.h"
-#include "render/chart.h"
+#include "extras/render/chart.h"
 #include "report/report_text.h"
 #include "srbf/printable.h"
 

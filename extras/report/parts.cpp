@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "render/html.h"
+#include "app/html.h"
 #include "render/page_text.h"
 #include "report/report_text.h"
 #include "srbf/pictures.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "render/slices.h"
+#include "extras/render/slices.h"
 
 namespace srbf {
 namespace {

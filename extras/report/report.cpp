@@ -12,7 +12,7 @@
 #include "app/jobs.h"
 #include "extras/report/page.h"
 #include "extras/report/parts.h"
-#include "render/mesh.h"
+#include "extras/render/mesh.h"
 #include "srbf/file.h"
 #include "srbf/printable.h"
 

@@ -7,10 +7,10 @@
 #include <filesystem>
 
 #include "app/hash.h"
-#include "app/page_of.h"
-#include "app/path.h"
-#include "render/page.h"
-#include "render/slices.h"
+#include "extras/render/app/page_of.h"
+#include "extras/render/app/path.h"
+#include "extras/render/page.h"
+#include "extras/render/slices.h"
 #include "srbf/file.h"
 #include "srbf/likeness.h"
 #include "srbf/shading_code.h"

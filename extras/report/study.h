@@ -8,7 +8,7 @@
 
 #include "app/output.h"
 #include "extras/report/plan.h"
-#include "render/scene.h"
+#include "extras/render/scene.h"
 #include "srbf/result.h"
 
 namespace srbf {

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "extras/view/ink.h"
-#include "render/environment.h"
+#include "extras/render/environment.h"
 
 namespace srbf {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/environment.h"
+#include "extras/render/environment.h"
 
 namespace srbf {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "extras/view/session.h"
-#include "render/scene.h"
+#include "extras/render/scene.h"
 
 namespace srbf {
 

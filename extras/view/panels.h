@@ -6,7 +6,7 @@
 #include <string>
 
 #include "extras/view/look.h"
-#include "render/raster.h"
+#include "extras/render/raster.h"
 
 namespace srbf {
 

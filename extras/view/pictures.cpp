@@ -7,7 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "app/raster.h"
+#include "extras/render/app/raster.h"
 #include "extras/view/ink.h"
 
 namespace srbf {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "extras/view/ink.h"
-#include "render/pixel_shader.h"
+#include "extras/render/pixel_shader.h"
 
 namespace srbf {
 namespace {

@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "render/image.h"
+#include "app/image.h"
 
 struct GLFWwindow;
 

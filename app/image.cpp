@@ -1,0 +1,132 @@
+#include "app/image.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include "srbf/file.h"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
+#include <stb/stb_easy_font.h>
+#include <stb/stb_image_write.h>
+#pragma GCC diagnostic pop
+
+namespace srbf {
+
+namespace {
+
+/// `text` in the encoding of the font.
+std::string printable(std::string_view text) {
+    std::string out(text);
+    for (char& c : out)
+        if (c < ' ' || c > '~') c = '?';
+    return out;
+}
+
+/// A corner of a rectangle in the font's format.
+struct Corner {
+    float x, y, z;
+    std::array<unsigned char, 4> colour;
+};
+
+}  // namespace
+
+int text_width(std::string_view text) { return stb_easy_font_width(printable(text).data()); }
+
+void draw_text(Image8& image, int x, int y, std::string_view text, Rgb8 colour, int scale) {
+    assert(scale >= 1);
+    std::string line = printable(text);
+    // A glyph has at most 11 strokes, each a rectangle; corner 0 is its upper left, 2 its lower right.
+    std::vector<std::array<Corner, 4>> strokes(11 * line.size() + 1);
+    const int count =
+        stb_easy_font_print(0, 0, line.data(), nullptr, strokes.data(), int(strokes.size() * sizeof strokes[0]));
+    for (const auto& stroke : std::span(strokes).first(std::size_t(count))) {
+        const auto within = [scale](int origin, float offset, int end) {
+            return int(std::clamp(origin + std::int64_t(scale) * int(offset), std::int64_t(0), std::int64_t(end)));
+        };
+        const auto column = [&](const Corner& corner) { return within(x, corner.x, image.width); };
+        const auto row = [&](const Corner& corner) { return within(y, corner.y, image.height); };
+        for (int j = row(stroke[0]); j < row(stroke[2]); ++j)
+            for (int i = column(stroke[0]); i < column(stroke[2]); ++i) image.at(i, j) = colour;
+    }
+}
+
+namespace {
+
+constexpr Rgb8 k_strip{38, 38, 38}, k_ink{225, 225, 225};
+
+/// A strip with centred `text`.
+Image8 caption(int width, int height, const std::string& text) {
+    Image8 out(width, height, k_strip);
+    const int columns = text_width(text), rows = 9;  // the font's twelve rows without the line spacing
+    const int scale = std::max(1, std::min(height / 20, width / std::max(1, columns)));
+    draw_text(out, (width - scale * columns) / 2, (height - scale * rows) / 2, text, k_ink, scale);
+    return out;
+}
+
+/// Copies `part` into `image` with its upper left corner at (x, y).
+void paste(const Image8& part, int x, int y, Image8& image) {
+    for (int row = 0; row < part.height; ++row) std::copy_n(&part.at(0, row), part.width, &image.at(x, y + row));
+}
+
+}  // namespace
+
+Image8 side_by_side(std::span<const Image8> images, std::span<const std::string> captions) {
+    assert(!images.empty() && captions.size() == images.size());
+    const int width = images[0].width, height = images[0].height, strip = std::max(12, width / 8);
+    Image8 all(int(images.size()) * width, height + strip);
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        assert(images[i].width == width && images[i].height == height);
+        paste(images[i], int(i) * width, 0, all);
+        paste(caption(width, strip, captions[i]), int(i) * width, height, all);
+    }
+    return all;
+}
+
+namespace {
+
+/// Output callback of stb; `context` is a vector of bytes.
+void append(void* context, void* data, int size) {
+    auto& all = *static_cast<std::vector<std::byte>*>(context);
+    all.insert(all.end(), static_cast<std::byte*>(data), static_cast<std::byte*>(data) + size);
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> png(const Image8& image, const std::string& path) {
+    assert(image.pixels.size() == std::size_t(image.width) * std::size_t(image.height));
+    constexpr std::int64_t largest = std::int64_t(1) << 29;  // stb counts bytes in an int and doubles its buffers
+    if (image.pixels.empty() || (3 * std::int64_t(image.width) + 1) * image.height > largest)
+        return Error{path,
+                     {},
+                     "size of a PNG",
+                     fmt::format("1 to {} bytes", largest),
+                     fmt::format("{} x {} pixels", image.width, image.height)};
+    std::vector<std::byte> bytes;
+    if (stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, image.pixels.data(), 3 * image.width) == 0)
+        return Error{path, {}, "cannot be written", "memory for a PNG", ""};
+    return bytes;
+}
+
+Result<Done> write_png(const Image8& image, const std::string& path) {
+    const auto bytes = png(image, path);
+    if (!bytes) return bytes.error();
+    return write_file(path, *bytes);
+}
+
+std::vector<std::byte> jpeg(const Image8& image, int quality) {
+    assert(!image.pixels.empty() && image.width <= k_largest_jpeg && image.height <= k_largest_jpeg);
+    std::vector<std::byte> bytes;
+    stbi_write_jpg_to_func(append, &bytes, image.width, image.height, 3, image.pixels.data(), quality);
+    return bytes;
+}
+
+}  // namespace srbf

@@ -1,0 +1,49 @@
+// Environments filtered for surfaces, as engines look them up.
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "extras/render/environment.h"
+#include "srbf/extended_light.h"
+
+namespace srbf {
+
+/// An image on the faces of a cube, +x −x +y −y +z −z, each of `side` × `side` texels in rows as OpenGL and Direct3D
+/// have them.
+struct CubeImage {
+    int side = 0;
+    std::vector<Rgb> texels;  ///< 6 side²
+    /// Linear between texels, also across edges of the cube.
+    Rgb at(const Vec3d& w) const;
+};
+
+/// A cube map of an environment whose levels are blurred by K of srbf/extended_light.h, more and more: level k for
+/// roughness (k / (k_levels − 1))², with size / 2ᵏ texels along a side. Level 0 is the environment itself, the last
+/// irradiance / π.
+class FilteredEnvironment {
+  public:
+    static constexpr int k_levels = ExtendedLight::k_levels;
+    /// With 256 texels irradiance has 8 along a side: pictures of white paper in a studio are off by ΔE_ITP 6.1, not 4.0.
+    static constexpr int k_usual_size = 512, k_least_size = 64, k_largest_size = 2048;
+    /// `size` is a power of two in that range; `progress` is called as in PathOptions.
+    explicit FilteredEnvironment(const Environment& of, int size = k_usual_size, int threads = 0,
+                                 const std::function<void(double)>& progress = {});
+
+    const CubeImage& level(int k) const { return levels_[std::size_t(k)]; }
+    /// ∫ K(r, w · w') L(w') dω': linear between levels.
+    Rgb at(Vec3f w, float roughness) const;
+
+  private:
+    std::vector<CubeImage> levels_;
+};
+
+/// A DirectDraw Surface (.dds) of a filtered environment: a cube map with its levels, 16-bit floats R, G, B, A = 1.
+/// What is larger than these hold, 65504, is set to that; `clamped` is the number of such texels.
+struct CubeFile {
+    std::vector<std::byte> bytes;
+    std::size_t clamped = 0;
+};
+CubeFile to_dds(const FilteredEnvironment& environment);
+
+}  // namespace srbf

@@ -1,0 +1,7 @@
+in_program(extended_light -O1)
+srbf_test(extended_light       one  unit)
+srbf_test(filtered_environment one  unit)
+if(EPOXY_LIBRARY)
+  in_program(three)
+  srbf_test(three                one  program)
+endif()

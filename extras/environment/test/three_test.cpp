@@ -1,0 +1,384 @@
+// The material of three.js shows what the desktop's renderer shows.
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "models.h"
+#include "models/pm/search/fit_pm.h"
+#include "app/html.h"
+#include "app/map_layers.h"
+#include "extras/render/offscreen.h"
+#include "extras/render/page.h"
+#include "extras/render/path.h"
+#include "extras/render/preview.h"
+#include "extras/render/raster.h"
+#include "extras/render/scene.h"
+#include "srbf/convert.h"
+#include "srbf/file.h"
+#include "srbf/shading_code.h"
+#include "temporary_folder.h"
+
+namespace srbf::three_test {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr int k_width = 320, k_height = 240;
+
+/// What three.js is given of a scene.
+Json json_of(const Scene& scene, const std::string& material, float exposure, bool as_instance, int width = k_width,
+             int height = k_height) {
+    Json of{{"width", width},
+            {"height", height},
+            {"material", material},
+            {"exposure", exposure},
+            {"many", as_instance},
+            {"fov", scene.camera.fov / k_degree},
+            {"eye", {scene.camera.eye.x, scene.camera.eye.y, scene.camera.eye.z}},
+            {"target", {scene.camera.target.x, scene.camera.target.y, scene.camera.target.z}}};
+    for (const DirectionalLight& light : scene.lights)
+        of["lights"].push_back({{"towards", {light.towards.x, light.towards.y, light.towards.z}},
+                                {"irradiance", {light.irradiance.r, light.irradiance.g, light.irradiance.b}}});
+    of["positions"] = base64(std::as_bytes(std::span(scene.mesh.positions)));
+    of["normals"] = base64(std::as_bytes(std::span(scene.mesh.normals)));
+    of["triangles"] = base64(std::as_bytes(std::span(scene.mesh.triangles)));
+    return of;
+}
+
+/// PSNR [dB] over the pixels that the mesh covers.
+double psnr(const std::string& rgba, const Image8& picture, const std::vector<float>& coverage) {
+    double squares = 0, count = 0;
+    for (std::size_t i = 0; i < picture.pixels.size() && rgba.size() == 4 * picture.pixels.size(); ++i)
+        for (std::size_t c = 0; c < 3 && coverage[i] >= 1; ++c, ++count) {
+            const double apart = double(std::uint8_t(rgba[4 * i + c])) - double(picture.pixels[i][c]);
+            squares += apart * apart;
+        }
+    return count > 0 ? 10 * std::log10(255 * 255 * count / std::max(squares, 1e-3)) : 0;
+}
+
+// A sphere before the viewer, under light that has an options.
+constexpr int k_small = 96;
+PathScene sphere_under(const Scene& scene, const Model& model) {
+    PathScene of;
+    of.bodies = {{&scene.mesh, 0}};
+    of.materials.push_back(prepare(model));
+    of.camera = scene.camera;
+    return of;
+}
+/// Its picture by paths that reach all light.
+Rendering traced(const PathScene& scene) {
+    PathOptions options;
+    options.width = options.height = k_small, options.samples = 256, options.bounces = 1, options.occlusion = false;
+    return render_paths(scene, options).rendering;
+}
+/// An environment as three.js holds it: rows from the bottom, columns from -x.
+Json json_of(const Environment& environment) {
+    const Image& image = environment.texels();
+    std::vector<Float4> texels;
+    for (int y = image.height; y-- > 0;)
+        for (int x = 0; x < image.width; ++x) {
+            const Rgb& of = image.at((x + image.width / 4) % image.width, y);
+            texels.push_back({of.r, of.g, of.b, 1});
+        }
+    return {{"width", image.width}, {"height", image.height}, {"texels", base64(std::as_bytes(std::span(texels)))}};
+}
+
+/// What the script says, after it has run on the folder.
+struct Said {
+    int status;
+    std::string text;
+};
+Said run_script(const char* name, const TemporaryFolder& folder) {
+    const int status =
+        std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='{0}/test' python3 "
+                                "'{0}/extras/environment/test/{1}' '{2}' > '{3}' 2>&1",
+                                SRBF_SOURCE_DIR, name, folder.path.string(), (folder / "said").string())
+                        .c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(folder / "said")};
+}
+
+TEST(Three, ShowsWhatTheDesktopShows) {
+    const fs::path three = shared_data().parent_path() / "peers" / "three";
+    if (!fs::exists(three)) GTEST_SKIP() << "no three.js at " << three;
+    auto context = OffscreenContext::make();
+    if (!context) GTEST_SKIP() << message(context.error());
+
+    std::mt19937_64 random(1);
+    const Measured film = *load_measured(bundled_data() / "cc_ibiza_sunset_rgb.bsdf");
+    const std::vector<Model> models{
+        {rounded(fit_pm(*observe(signed_evaluator(film), {}), {.lobes = 4, .variates = 3, .starts = 2})->model), {}},
+        {rounded(random_model(random, {.axial = false, .lobes = 4, .most_bandwidth = 60})), {{"note", "`${a}\\"}}},
+        {rounded(GgxModel{{0.1f, 0.2f, 0.4f}, {{0.1f, {0.1f, 0.05f, 0.02f}, 0.9f}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}}),
+         {}},
+        {rounded(GgxModel{{0.5f, 0.25f, 0.125f}, {{0.5f, {0, 0, 0}, 0}}}), {}}};
+    const std::vector<NamedModel> named{
+        {"film", &models[0]}, {"brushed_x", &models[1]}, {"ggx", &models[2]}, {"lambert", &models[3]}};
+    const std::array<const char*, 3> classes{"FilmMaterial", "BrushedXMaterial", "GgxMaterial"},
+        meshes{"ball", "knot", "sphere"};
+
+    const TemporaryFolder folder;
+    const auto module = three_module(named, "materials"), one = three_module(std::span(named).first(1), "film");
+    ASSERT_TRUE(module && one);
+    write(folder / "materials.js", *module);
+    write(folder / "film.js", *one);
+    for (const char* name : {"three.module.js", "three.core.js"}) fs::copy_file(three / name, folder / name);
+    fs::copy_file(fs::path(SRBF_SOURCE_DIR) / "examples" / "three.html", folder / "three.html");
+
+    Json scenes;
+    std::vector<Image8> expected;
+    std::vector<std::vector<float>> covered;
+    for (std::size_t i = 0; i < classes.size(); ++i) {
+        const Scene scene = scene_of(page_mesh(meshes[i]), {}, double(k_width) / k_height);
+        const float exposure = automatic_exposure(render_sphere(evaluator(models[i]), {.size = 80, .samples = 1}));
+        const RasterView view{scene.camera, double(k_width) / k_height, scene.lights, exposure};
+        const RasterMesh mesh(scene.mesh);
+        const Material content = std::visit(
+            [](const auto& of) {
+                if constexpr (std::is_same_v<decltype(of), const BsdfModel&>)
+                    return Material();
+                else
+                    return Material(of);
+            },
+            models[i].model);
+        const auto material = RasterMaterial::make(content, {.dialect = context->dialect()});
+        const auto target = RasterTarget::make(k_width, k_height, 1, RasterTarget::Format::bytes);
+        const auto surface = RasterSurface::make(context->dialect(), k_width, k_height);
+        ASSERT_TRUE(material && target && surface);
+        surface->draw(mesh, view);
+        target->begin();
+        material->draw(mesh, view);
+        expected.push_back(target->read_bytes());
+        covered.emplace_back();
+        for (const Float4& position : surface->read_positions()) covered.back().push_back(position[3] > 0 ? 1.f : 0.f);
+        scenes.push_back(json_of(scene, classes[i], exposure, i == 1));
+    }
+    // Under an environment, and by a soft box.
+    Image map = load_environment("studio")->texels();
+    while (map.width > 128) map = halved(map);
+    const Environment environment(map);
+    Scene scene = scene_of(page_mesh("sphere"), {.azimuth = 0, .elevation = 0}, 1);
+    scene.lights.clear();
+    const double radius = scene.mesh.positions[0].y;
+    for (const std::size_t i : {0, 2}) {
+        const bool is_area = i == 2;
+        PathScene of = sphere_under(scene, models[i]);
+        Json light;
+        if (is_area) {
+            const Vec3f centre{2, 2, 2}, x{std::sqrt(2.f), 0, -std::sqrt(2.f)}, y{-0.8f, 1.6f, -0.8f};
+            of.area_lights.push_back({to_float(radius * to_double(centre + 0.5f * x - 0.5f * y)),
+                                      to_float(-radius * to_double(x)),
+                                      to_float(radius * to_double(y)),
+                                      {3, 4, 5}});
+            light = {{"radiance", {3, 4, 5}},
+                     {"centre", {2 * radius, 2 * radius, 2 * radius}},
+                     {"width", 2 * radius},
+                     {"height", std::sqrt(3.84) * radius}};
+        } else {
+            of.environment = &environment;
+        }
+        const Rendering rendering = traced(of);
+        Image lit = rendering.radiance;
+        for (std::size_t k = 0; k < lit.pixels.size(); ++k)
+            if (rendering.coverage[k] < 1) lit.pixels[k] = {};
+        const float exposure = automatic_exposure(lit);
+        expected.push_back(shown(rendering, exposure));
+        covered.push_back(rendering.coverage);
+        Json& json = scenes.emplace_back(json_of(scene, classes[i], exposure, false, k_small, k_small));
+        json["lights"] = Json::array();
+        json[is_area ? "area" : "environment"] = is_area ? light : json_of(environment);
+    }
+    write(folder / "scenes.json", scenes.dump());
+
+    const Said said = run_script("three.py", folder);
+    if (said.status == 77) GTEST_SKIP() << said.text;
+    ASSERT_EQ(said.status, 0) << said.text;
+    const Json result = Json::parse(said.text);
+    EXPECT_EQ(result["problems"], Json::array());
+    EXPECT_GT(result["colours"], 100);
+    EXPECT_GE(result["psnr"], 45);
+    // Of the crude fit of a film, and of a model by the terminator of an area light; without these lights 10 to 15.
+    const std::array<double, 5> least{45, 45, 45, 24, 30};
+    for (std::size_t i = 0; i < least.size(); ++i)
+        EXPECT_GE(psnr(contents(folder / fmt::format("{}.rgba", i)), expected[i], covered[i]), least[i]) << i;
+}
+
+// A plane of 2 × 2 of a map under a directional light.
+constexpr double k_irradiance = 2, k_fov = 35 * k_degree;
+const Vec3d k_towards = normalize(Vec3d{-1, 2, 3}), k_eye{0, -2, 3};
+struct MapScene {
+    Json json;
+    int size;
+    double lod;  ///< of its pixels
+    std::array<double, 2> repeat, offset;
+    double rotation;
+};
+/// The coefficients that a texture's filter makes at a place.
+class FilteredMap {
+  public:
+    explicit FilteredMap(const Library& map)
+        : map_(map), levels_{{map.width, map.count() / map.width, map.coefficient}} {
+        while (levels_.back().width * levels_.back().height > 1) levels_.push_back(coarser(levels_.back()));
+    }
+    Model at(double u, double v, double lod, bool repeats) const {
+        PmModel model = map_.basis;
+        model.coefficient.assign(std::size_t(model.lobes), {});
+        const auto below = std::size_t(lod);
+        const double part = lod - double(below);
+        add(levels_[below], 1 - part, u, v, repeats, model);
+        if (part > 0) add(levels_[below + 1], part, u, v, repeats, model);
+        return {model, {}};
+    }
+
+  private:
+    static void add(const MapLevel& level, double share, double u, double v, bool repeats, PmModel& model) {
+        const auto texel = [&](double i, std::size_t n) {
+            const auto count = std::int64_t(n), at = std::int64_t(i);
+            return std::size_t(repeats ? (at % count + count) % count : std::clamp<std::int64_t>(at, 0, count - 1));
+        };
+        const std::size_t J = model.coefficient.size();
+        const double x = u * double(level.width) - 0.5, y = v * double(level.height) - 0.5;
+        for (const double column : {std::floor(x), std::floor(x) + 1})
+            for (const double row : {std::floor(y), std::floor(y) + 1}) {
+                const auto weight = float(share * (1 - std::abs(x - column)) * (1 - std::abs(y - row)));
+                const std::size_t t = texel(row, level.height) * level.width + texel(column, level.width);
+                for (std::size_t j = 0; j < J; ++j)
+                    for (int c = 0; c < 3; ++c) model.coefficient[j][c] += weight * level.coefficient[t * J + j][c];
+            }
+    }
+    const Library& map_;
+    std::vector<MapLevel> levels_;
+};
+std::vector<Float4> floats(const std::string& bytes) {
+    std::vector<Float4> pixels(bytes.size() / sizeof(Float4));
+    std::memcpy(pixels.data(), bytes.data(), pixels.size() * sizeof(Float4));
+    return pixels;
+}
+
+/// The largest difference of a picture's radiance from that of the map's models at these levels, and the largest radiance.
+struct Differences {
+    double most, largest;
+};
+Differences differences(const std::vector<Float4>& pixels, const MapScene& of, const FilteredMap& map, double lod) {
+    Differences found{};
+    Camera camera;
+    camera.eye = k_eye, camera.fov = k_fov;
+    const bool is_perspective = of.json.contains("fov");
+    for (int y = 0; y < of.size; ++y)
+        for (int x = 0; x < of.size; ++x) {
+            const double s = (2 * x + 1.0) / of.size - 1, t = 1 - (2 * y + 1.0) / of.size;
+            Vec3d p{s, t, 0}, to_viewer{0, 0, 1};
+            if (is_perspective) {
+                to_viewer = -1.0 * direction_through(camera, 1, s, t);
+                p = camera.eye - camera.eye.z / to_viewer.z * to_viewer;
+            }
+            if (std::max(std::abs(p.x), std::abs(p.y)) > 0.98) continue;
+            // As three's Matrix3.setUvTransform.
+            const double c = std::cos(of.rotation), sine = std::sin(of.rotation), u = (p.x + 1) / 2, v = (p.y + 1) / 2;
+            const Model model =
+                map.at(of.repeat[0] * (c * u + sine * v) + of.offset[0],
+                       of.repeat[1] * (c * v - sine * u) + of.offset[1], lod, of.json.contains("repeat"));
+            const Rgb f = value(model, to_float(k_towards), to_float(to_viewer));
+            for (int channel = 0; channel < 3; ++channel) {
+                const double expected = k_irradiance * k_towards.z * double(f[channel]);
+                const double drawn = double(pixels[std::size_t(y * of.size + x)][std::size_t(channel)]);
+                found.largest = std::max(found.largest, expected);
+                found.most = std::max(found.most, std::abs(drawn - expected));
+            }
+        }
+    return found;
+}
+
+TEST(Three, ShowsAMapAsItsTexels) {
+    const fs::path three = shared_data().parent_path() / "peers" / "three";
+    if (!fs::exists(three)) GTEST_SKIP() << "no three.js at " << three;
+    std::mt19937_64 random(1);
+    const RandomModelOptions lobes{.axial = false, .lobes = 5, .variates = 3, .most_bandwidth = 60};
+    const Library map = random_map(random, lobes, 8, 4), fine = random_map(random, lobes, 32, 32);
+    Library constant = random_map(random, lobes, 1, 1);
+    // Environments show no more of a material alone than all the light; of maps, whose sum is linear, they do.
+    const PreparedBrdf bright = prepare(material(constant, 0), CosineProposal{});
+    float most = 0;
+    for (const float cosine : {0.01f, 0.1f, 0.2f, 0.4f, 0.6f, 0.8f, 1.f})
+        for (int c = 0; c < 3; ++c) most = std::max(most, albedo(bright, cosine)[c]);
+    for (Rgb& f : constant.coefficient)
+        for (int c = 0; c < 3; ++c) f[c] *= std::exp2(-std::ceil(std::log2(most)) - 1);  // still 16-bit floats
+    const Model alone = material(constant, 0);
+    const NamedModel named{"alone", &alone};
+
+    const TemporaryFolder folder;
+    for (const char* name : {"three.module.js", "three.core.js"}) fs::copy_file(three / name, folder / name);
+    write(folder / "alone.js", *three_module(std::span(&named, 1), "alone"));
+    for (const auto& [name, of] : {std::pair("map", &map), {"fine", &fine}, {"constant", &constant}}) {
+        const std::string file = fmt::format("{}.ktx2", name);
+        write(folder / fmt::format("{}.js", name), *three_map_module(*of, name, file));
+        ASSERT_TRUE(write_file((folder / file).string(), map_ktx2(*of)));
+    }
+    const auto scene = [&](const char* module, const char* class_, int size, double lod) {
+        return MapScene{{{"module", module},
+                         {"class", class_},
+                         {"is_map", true},
+                         {"size", size},
+                         {"towards", {k_towards.x, k_towards.y, k_towards.z}},
+                         {"eye", {0, 0, 3}}},
+                        size,
+                        lod,
+                        {1, 1},
+                        {0, 0},
+                        0};
+    };
+    std::vector<MapScene> scenes{scene("map", "MapMaterial", 96, 0), scene("map", "MapMaterial", 96, 0),
+                                 scene("fine", "FineMaterial", 8, 2),
+                                 scene("fine", "FineMaterial", 12, std::log2(32. / 12))};
+    const Json oblique{{"eye", {k_eye.x, k_eye.y, k_eye.z}}, {"fov", k_fov / k_degree}};
+    for (const std::size_t i : {0, 1}) scenes[i].json.update(oblique);
+    scenes[1].repeat = {2, 3}, scenes[1].offset = {0.1, 0.2}, scenes[1].rotation = 0.5;
+    scenes[1].json.update({{"repeat", {2, 3}}, {"offset", {0.1, 0.2}}, {"rotation", 0.5}});
+    const std::size_t first_constant = scenes.size();
+    for (const char* more : {"more_lights", "environment"})
+        for (const bool is_map : {true, false}) {
+            scenes.push_back(is_map ? scene("constant", "ConstantMaterial", 32, 0)
+                                    : scene("alone", "AloneMaterial", 32, 0));
+            scenes.back().json.update({{"is_map", is_map}, {more, true}});
+            scenes.back().json.update(oblique);
+        }
+    Json all;
+    for (const MapScene& of : scenes) all.push_back(of.json);
+    write(folder / "scenes.json", all.dump());
+    const Said said = run_script("three_map.py", folder);
+    if (said.status == 77) GTEST_SKIP() << said.text;
+    ASSERT_EQ(said.status, 0) << said.text;
+    const Json checks = Json::parse(said.text);
+    EXPECT_EQ(checks["problems"], Json::array());
+    EXPECT_EQ(checks["said"].size(), 1u);
+    EXPECT_EQ(checks["share_a_program"], false);
+
+    for (std::size_t i = 0; i < first_constant; ++i) {
+        const MapScene& of = scenes[i];
+        const FilteredMap filtered(of.json["module"] == "map" ? map : fine);
+        const std::vector<Float4> pixels = floats(contents(folder / fmt::format("{}.rgba", i)));
+        ASSERT_EQ(pixels.size(), std::size_t(of.size * of.size));
+        // Between two levels renderers take the logarithm only subsampled_integrals: Mesa 1.389 instead of 1.415.
+        Differences found = differences(pixels, of, filtered, of.lod);
+        for (double apart = -0.04; apart < 0.04 && of.lod != std::floor(of.lod); apart += 0.004)
+            found.most = std::min(found.most, differences(pixels, of, filtered, of.lod + apart).most);
+        EXPECT_GT(found.largest, 0.01);
+        EXPECT_LT(found.most, found.largest / 256) << i;  // what textures' filters keep of their weights
+    }
+    for (std::size_t i = first_constant; i < scenes.size(); i += 2) {
+        const auto of_map = floats(contents(folder / fmt::format("{}.rgba", i))),
+                   single = floats(contents(folder / fmt::format("{}.rgba", i + 1)));
+        double sum = 0, apart = 0;
+        for (std::size_t k = 0; k < single.size(); ++k)
+            for (std::size_t c = 0; c < 3; ++c)
+                sum += double(single[k][c]), apart += std::abs(double(of_map[k][c]) - double(single[k][c]));
+        EXPECT_GT(sum, 0);
+        EXPECT_LT(apart, (i == first_constant ? 1e-4 : 0.15) * sum) << i;  // lobes of environments are not the same
+    }
+}
+
+}  // namespace
+}  // namespace srbf::three_test

@@ -1,0 +1,203 @@
+// `srbf map`: texels with lobes of their own, in stacks of models.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+
+#include "app/commands.h"
+#include "app/hash.h"
+#include "extras/maps/app/map.h"
+#include "app/output.h"
+#include "app/pairs.h"
+#include "extras/maps/app/texels.h"
+#include "srbf/directions.h"
+#include "srbf/file.h"
+#include "srbf/printable.h"
+#include "srbf/text.h"
+
+namespace srbf {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What is kept of the slabs for the summary.
+struct SlabSummary {
+    std::size_t fitted = 0, black = 0, failed = 0, kept = 0;
+    double error = 0;  ///< sum over fitted and kept texels
+    std::string first_failure;
+};
+
+constexpr char k_hash[] = "hash";
+
+/// The file of a stack with the hash of the file without it.
+std::vector<std::byte> write_hashed(ModelStack stack) {
+    stack.provenance[k_hash] = hash_of(write_stack(stack));
+    return write_stack(stack);
+}
+
+/// A stack that an earlier run made of the same values by the same options; none if it is missing or has changed.
+std::optional<ModelStack> done_before(const std::string& path, const std::string& key, std::size_t count) {
+    const auto bytes = read_file(path);
+    if (!bytes) return {};
+    auto stack = read_stack(*bytes, path);
+    if (!stack || stack->models.size() != count || stack->provenance["key"] != key) return {};
+    ModelStack without = *stack;
+    without.provenance.erase(k_hash);
+    if (write_hashed(std::move(without)) != *bytes) return {};
+    return *std::move(stack);
+}
+
+/// Slabs in the folder that are of another division of the texels, or of more of them than there are: readers would take
+/// them for slabs of this file.
+Result<Done> check_slabs(const MapCommand& fit, const std::string& stem, std::size_t texels, std::size_t end) {
+    std::map<std::size_t, std::string> slabs;  // by their first texel
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(fit.output, none)) {
+        const std::string name = entry.path().stem().string();
+        if (entry.path().extension() != ".srbf" || !name.starts_with(stem + "-")) continue;
+        if (const auto first = to_number<std::size_t>(std::string_view(name).substr(stem.size() + 1)))
+            slabs[*first] = entry.path().string();
+    }
+    const auto refused = [](const std::string& path, std::string expected) {
+        return Error{path,
+                     {},
+                     "slab",
+                     std::move(expected),
+                     "one of another --slab or another file; delete it or write to another folder"};
+    };
+    for (const auto& [first, path] : slabs) {
+        const bool is_within = first >= fit.first && first < end && (first - fit.first) % fit.slab != 0;
+        if (is_within || first >= texels) return refused(path, "none that begins at this texel");
+    }
+    std::vector<std::size_t> bounds{fit.first};
+    if (end < texels) bounds.insert(bounds.end(), {end, texels});  // otherwise the last slab is replaced
+    for (const std::size_t bound : bounds) {
+        const auto after = slabs.lower_bound(bound);
+        if (after == slabs.begin()) continue;
+        const auto& [first, path] = *std::prev(after);
+        const auto bytes = read_file(path);
+        if (!bytes) continue;
+        const auto stack = read_stack(*bytes, path);
+        if (stack && first + stack->models.size() > bound)
+            return refused(path, fmt::format("none across texel {}", bound));
+    }
+    return Done{};
+}
+
+/// The files of slabs: reads texels, and writes the fits of a slab with the key of all that they depend on.
+class Slabs {
+  public:
+    Slabs(const MapCommand& fit, const Pairs& pairs, const Texels& texels)
+        : fit_(fit), pairs_(pairs), texels_(texels), of_all_("slab", fit.settings) {
+        of_all_.add(std::as_bytes(std::span(pairs.wl))), of_all_.add(std::as_bytes(std::span(pairs.wv)));
+        of_all_.add(source());
+    }
+    std::string stem() const { return fs::path(fit_.texels).stem().string(); }
+    Result<Done> read(std::size_t first, std::span<Rgb> f) {
+        auto read = texels_.read(first, f);
+        key_ = key_of(first, f);
+        return read;
+    }
+    bool is_done(std::size_t first, std::size_t count) {
+        std::error_code none;
+        if (!fit_.resume || !fs::exists(name_of(first), none)) return false;
+        std::vector<Rgb> f(count * pairs_.wl.size());
+        if (!texels_.read(first, f)) return false;
+        const auto stack = done_before(name_of(first), key_of(first, f), count);
+        if (!stack) return false;
+        summary.kept += stack->models.size();
+        for (const float error : stack->error) summary.error += double(error);
+        return true;
+    }
+    Result<Done> take(std::size_t first, std::span<const TexelFit> fits) {
+        const Objective objective = fit_.request.objective;
+        ModelStack stack;
+        for (const TexelFit& of : fits) {
+            stack.models.push_back(of.model);
+            const bool fitted = of.state == TexelState::fitted;
+            stack.error.push_back(fitted ? float(error_of(of.errors, objective)) : 0.f);
+            stack.state.push_back(std::uint16_t(of.state));
+            summary.fitted += fitted, summary.black += of.state == TexelState::black;
+            summary.failed += of.state == TexelState::failed;
+            summary.error += double(stack.error.back());
+            if (of.failure && summary.first_failure.empty()) summary.first_failure = message(*of.failure);
+        }
+        stack.provenance = {{"generator", "srbf " SRBF_VERSION},
+                            {"source", source()},
+                            {"first", std::to_string(first)},
+                            {"objective", std::string(name(objective))},
+                            {"key", key_}};
+        return write_file(name_of(first), write_hashed(std::move(stack)));
+    }
+
+    SlabSummary summary;
+
+  private:
+    std::string source() const { return fs::path(fit_.texels).filename().string(); }
+    std::string name_of(std::size_t first) const {
+        return (fs::path(fit_.output) / fmt::format("{}-{:09}.srbf", stem(), first)).string();
+    }
+    std::string key_of(std::size_t first, std::span<const Rgb> f) const {
+        ResultKey key = of_all_;
+        key.add(std::to_string(first));
+        key.add(std::as_bytes(f));
+        return key.text();
+    }
+
+    const MapCommand& fit_;
+    const Pairs& pairs_;
+    const Texels& texels_;
+    ResultKey of_all_;
+    std::string key_;  // of the slab that was read last
+};
+
+int print_slabs(const MapCommand& fit, const SlabSummary& summary, double seconds) {
+    const double with_error = double(summary.fitted + summary.kept);
+    fmt::print("  {} texels fitted in {:.1f} s, {:.3g} a second; {} kept, {} black, {} failed\n",
+               grouped(summary.fitted), seconds, double(summary.fitted) / seconds, grouped(summary.kept),
+               grouped(summary.black), grouped(summary.failed));
+    if (with_error > 0)
+        fmt::print("  {}: mean {}\n", measure_named_for(fit.request.objective).title,
+                   percent(summary.error / with_error));
+    fmt::print("  models        {}\n", printable(fit.output));
+    if (summary.failed > 0) fmt::print(stderr, "srbf: {} texels: {}\n", summary.failed, summary.first_failure);
+    if (const auto written = flush_standard_output(); !written) return complain(written.error());
+    return summary.failed > 0 ? k_input_error : k_done;
+}
+
+}  // namespace
+
+int fit_slabs(const MapCommand& fit) {
+    const auto pairs = load_pairs(fit.pairs);
+    if (!pairs) return complain(pairs.error());
+    const auto texels = Texels::open(fit.texels, pairs->wl.size());
+    if (!texels) return complain(texels.error());
+    if (fit.first >= texels->count() || fit.last > texels->count())
+        return complain({fit.texels,
+                         {},
+                         "texels",
+                         fmt::format("a range of 0:{}", texels->count()),
+                         fmt::format("{}:{}", fit.first, fit.last),
+                         ErrorCode::argument});
+    if (const auto folder = make_folder(fit.output); !folder) return complain(folder.error());
+
+    Slabs slabs(fit, *pairs, *texels);
+    const std::size_t end = fit.last > 0 ? fit.last : texels->count();
+    if (const auto alike = check_slabs(fit, slabs.stem(), texels->count(), end); !alike) return complain(alike.error());
+    TexelStream stream{fit.first, end, fit.slab, {}, {}, {}};
+    stream.read = [&](std::size_t first, std::span<Rgb> f) { return slabs.read(first, f); };
+    stream.is_done = [&](std::size_t first, std::size_t count) { return slabs.is_done(first, count); };
+    stream.take = [&](std::size_t first, std::span<const TexelFit> fits) { return slabs.take(first, fits); };
+
+    const Stopwatch watch;
+    ProgressLine line;
+    BatchOptions options;
+    options.request = fit.request;
+    const auto done = fit_batch({pairs->wl, pairs->wv, fit.lobe().axial.value_or(true)}, stream, options,
+                                [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+    line.clear();
+    if (!done) return complain(done.error());
+    return print_slabs(fit, slabs.summary, watch.seconds());
+}
+
+}  // namespace srbf

@@ -1,0 +1,2 @@
+in_program(maps -O1)
+srbf_test(basis                all  fit)

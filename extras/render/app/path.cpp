@@ -1,0 +1,163 @@
+#include "extras/render/app/path.h"
+
+#include "app/output.h"
+#include "extras/render/room.h"
+#include "srbf/printable.h"
+
+namespace srbf {
+namespace {
+
+constexpr Rgb k_ground{0.35f, 0.35f, 0.35f};  // reflectance
+constexpr Rgb k_walls{0.7f, 0.7f, 0.68f}, k_floor{0.3f, 0.24f, 0.18f}, k_ball{0.5f, 0.15f, 0.1f};
+
+/// A square light above the scene, to the left and in front of it, as large as the scene.
+AreaLight softbox(const Scene& scene) {
+    const Bounds box = bounds(scene.mesh);
+    const Vec3d least = to_double(box.least), most = to_double(box.most), across = most - least;
+    const double size = std::max({across.x, across.y, across.z});
+    const Frame axes = frame(scene.camera);
+    const Vec3d z = normalize(axes.from({0.5, -0.7, -0.5}));  // direction of emission
+    const Vec3d x = normalize(cross(axes.y, z)), y = cross(z, x);
+    const Vec3d corner = 0.5 * (least + most) - (1.6 * size) * z - (0.4 * size) * (x + y);
+    return {to_float(corner), to_float(0.8 * size * x), to_float(0.8 * size * y), {12, 12, 12}};
+}
+
+PreparedBsdf by_cosine(const Subject& subject) {
+    return std::visit([](const auto& content) { return prepare(content, CosineProposal{}); }, subject.content);
+}
+
+/// Errors of a map that cannot be drawn so.
+Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const PathCommand& asked) {
+    if (!std::holds_alternative<const Library*>(pictured)) return Done{};
+    const auto refused = [](const char* what, const char* expected, const char* found) {
+        return Error{"render", {}, what, expected, found, ErrorCode::argument};
+    };
+    if (asked.scene_name != "object") return refused("scene of a map", "object", "room");
+    if (asked.draw == "cosine") return refused("draws of a map", "by the brdf", "by the cosine");
+    if (mesh.texture.empty())
+        return refused("mesh of a map", "one with texture coordinates", "none of a corner at least");
+    return Done{};
+}
+
+}  // namespace
+
+Result<std::optional<Environment>> load_light(const std::string& name) {
+    if (name == "none") return std::optional<Environment>();
+    auto loaded = load_environment(name);
+    if (!loaded) return loaded.error();
+    if (loaded->clamped() > 0)
+        fmt::print(stderr, "srbf: {}: {} texels with channels below 0 or not finite, which count as 0\n",
+                   printable(name), grouped(loaded->clamped()));
+    return std::optional(*std::move(loaded));
+}
+
+PreparedBsdf prepared(const Subject& subject, int threads) {
+    const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
+    return std::visit([&](const auto& content) { return prepare_bsdf(content, options); }, subject.content);
+}
+
+PreparedMap prepared(const Library& map, int threads) {
+    return prepare_map(map, {.azimuths = map.basis.axial ? 1 : k_anisotropic_azimuths, .threads = threads});
+}
+
+std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
+                                              std::function<bool()> is_path) {
+    sub.add_option("--env", environment,
+                   "Environment map, a .hdr or .exr file, or studio (default of path) or none (default of raster)")
+        .type_name("FILE");
+    const Option of_lights =
+        sub.add_option("--lights", lights,
+                       "Further lights: three (directional; default without environment), behind (one behind the "
+                       "object,\nfor what light passes through), softbox (path: a square) or none")
+            .type_name("NAME")
+            .one_of({"none", "three", "behind", "softbox"});
+    sub.add_option("--spp", samples,
+                   "Samples per pixel, 1 to 1048576: paths, or of raster (64; 4 without environment) directions")
+        .type_name("S")
+        .check(within(1, 1 << 20));
+    const Option most_bounces = sub.add_option("--bounces", bounces, "path: maximum number of bounces, 1 to 1000")
+                                    .type_name("N")
+                                    .check(within(1, 1000))
+                                    .capture_default_str();
+    const Option drawn =
+        sub.add_option("--draw", draw, "path: sample directions by the brdf or, for comparison, by the cosine")
+            .type_name("BY")
+            .one_of({"brdf", "cosine"})
+            .capture_default_str();
+    const Option scene =
+        sub.add_option("--scene", scene_name,
+                       "path: object: the mesh; room: a room lit through a shade of the material, which is as large as "
+                       "its window")
+            .type_name("NAME")
+            .one_of({"object", "room"})
+            .capture_default_str();
+    const Option without_ground = sub.add_flag("--no-ground", no_ground, "path: omit the ground below the mesh");
+    const Option without_occlusion =
+        sub.add_flag("--no-occlusion", no_occlusion,
+                     "path: let all light reach every point, in one bounce, as the renderer raster does");
+    const Option of_seed =
+        sub.add_option("--seed", seed, "path: seed of the random numbers").type_name("N").capture_default_str();
+    const Option of_threads =
+        sub.add_option("--threads", threads,
+                       "path: number of threads; 0: all of the machine. The picture does not depend on it")
+            .type_name("T")
+            .check(within(0, k_most_threads))
+            .capture_default_str();
+    std::vector<Option> of_object = about_mesh;
+    of_object.push_back(without_ground);
+    return {
+        {{most_bounces, drawn, scene, without_ground, without_occlusion, of_seed, of_threads},
+         "only with --renderer path",
+         is_path},
+        {{of_lights}, "softbox only with --renderer path", [=, this] { return is_path() || lights != "softbox"; }},
+        {{most_bounces}, "not with --no-occlusion, in one bounce", [this] { return !no_occlusion; }},
+        {of_object, "only with --scene object", [this] { return scene_name == "object"; }},
+    };
+}
+
+Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::span<const Pictured> subjects, int width,
+                                                     int height, const std::function<void(double)>& progress) const {
+    for (const Pictured& pictured : subjects)
+        if (const auto valid = check_pictured(pictured, scene.mesh, *this); !valid) return valid.error();
+    const auto loaded = load_light(environment.empty() ? std::string(k_built_in_environment) : environment);
+    if (!loaded) return loaded.error();
+    const std::optional<Environment>& light = *loaded;
+    const Mesh floor = ground_below(scene.mesh, scene.camera.up);
+    PathScene paths{{{&scene.mesh, 0}}, {}, scene.camera, {}, {}, light ? &*light : nullptr};
+    if (!no_ground) paths.bodies.push_back({&floor, 1});
+    if (lights == "three" || (lights.empty() && !light)) paths.lights = scene.lights;
+    if (lights == "behind") paths.lights = {light_behind(scene.camera)};
+    if (lights == "softbox") paths.area_lights = {softbox(scene)};
+    const Room behind_shade = room();
+    std::vector<PreparedBsdf> others{diffuse(k_ground)};
+    if (scene_name == "room") {
+        paths.bodies = {
+            {&behind_shade.shade, 0}, {&behind_shade.walls, 1}, {&behind_shade.floor, 2}, {&behind_shade.ball, 3}};
+        others = {diffuse(k_walls), diffuse(k_floor), diffuse(k_ball)};
+        paths.camera = behind_shade.camera;
+    }
+
+    std::vector<PathPicture> pictures;
+    for (const Pictured& pictured : subjects) {
+        if (const auto* subject = std::get_if<const Subject*>(&pictured))
+            paths.materials = {draw == "cosine" ? by_cosine(**subject) : prepared(**subject, threads)};
+        else
+            paths.materials = {prepared(*std::get<const Library*>(pictured), threads)};
+        paths.materials.insert(paths.materials.end(), others.begin(), others.end());
+        const auto before = double(pictures.size()), all = double(subjects.size());
+        const auto of_all = [&](double part) {
+            if (progress) progress((before + part) / all);
+        };
+        pictures.push_back(render_paths(paths, {.width = width,
+                                                .height = height,
+                                                .samples = samples > 0 ? samples : k_samples,
+                                                .bounces = bounces,
+                                                .occlusion = !no_occlusion,
+                                                .seed = seed,
+                                                .threads = threads,
+                                                .progress = of_all}));
+    }
+    return pictures;
+}
+
+}  // namespace srbf

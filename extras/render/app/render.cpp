@@ -1,0 +1,334 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "app/commands.h"
+#include "app/load.h"
+#include "app/memory.h"
+#include "app/output.h"
+#include "extras/render/app/path.h"
+#include "extras/render/app/raster.h"
+#include "extras/render/exr.h"
+#include "app/image.h"
+#include "extras/render/scene.h"
+#include "srbf/file.h"
+#include "srbf/likeness.h"
+#include "srbf/printable.h"
+
+namespace srbf {
+namespace {
+
+struct RenderCommand {
+    std::vector<std::string> files;
+    std::string renderer, mesh = "ball", up = "y", output, compare, json;
+    int width = 640, height = 480;  ///< of each picture
+    bool aov = false;
+    PathCommand path;
+
+    int run() const;
+    /// The output's name with this inserted before its extension.
+    std::string beside(std::string_view what) const {
+        return std::filesystem::path(output).replace_extension(fmt::format("{}.png", what)).string();
+    }
+    bool is_exr() const { return std::filesystem::path(output).extension() == ".exr"; }
+};
+
+/// The results of a renderer for each subject; first hits only from the path tracer.
+struct RenderedPictures {
+    std::vector<Rendering> renderings;
+    std::vector<FirstHits> first;
+};
+
+Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Pictured> subjects,
+                                      const RenderCommand& options) {
+    ProgressLine line;
+    auto pictures = options.path.render(scene, subjects, options.width, options.height,
+                                        [&](double part) { line.show("tracing paths", part); });
+    if (!pictures) return pictures.error();
+    RenderedPictures all;
+    for (PathPicture& picture : *pictures) {
+        all.renderings.push_back(std::move(picture.rendering));
+        all.first.push_back(std::move(picture.first));
+    }
+    return all;
+}
+
+Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictured> pictured,
+                                       const RenderCommand& options) {
+    if (const auto can_draw = check_drawing(); !can_draw) return can_draw.error();
+    std::vector<const Subject*> subjects;
+    for (std::size_t i = 0; i < pictured.size(); ++i) {
+        const auto* subject = std::get_if<const Subject*>(&pictured[i]);
+        if (!subject)
+            return Error{i < options.files.size() ? options.files[i] : options.compare,
+                         {},
+                         "input of raster",
+                         "a measurement or model",
+                         "a map"};
+        subjects.push_back(*subject);
+    }
+    const PathCommand& asked = options.path;
+    const auto environment = load_light(asked.environment.empty() ? "none" : asked.environment);
+    if (!environment) return environment.error();
+    RasterLight light;
+    ProgressLine line;
+    if (*environment) {
+        light.environment = &**environment;
+        light.samples = k_samples;
+        light.progress = [&](double part) { line.show("drawing", part); };
+    }
+    if (asked.samples > 0) light.samples = asked.samples;
+    Scene lit = scene;
+    if (asked.lights == "behind") lit.lights = {light_behind(scene.camera)};
+    if (asked.lights == "none" || (asked.lights.empty() && *environment)) lit.lights.clear();
+    auto renderings = rasterize(lit, subjects, options.width, options.height, light);
+    if (!renderings) return renderings.error();
+    return RenderedPictures{*std::move(renderings), {}};
+}
+
+/// A renderer: pictures of the scene, one for each subject.
+struct Renderer {
+    std::string_view name;
+    Result<RenderedPictures> (*render)(const Scene& scene, std::span<const Pictured> subjects,
+                                       const RenderCommand& options);
+};
+
+/// The first one is the default.
+constexpr std::array<Renderer, 2> k_renderers{{{"path", render_paths}, {"raster", render_raster}}};
+
+/// Images of equal size side by side.
+template <typename Pixel> Picture<Pixel> abreast(const std::vector<Picture<Pixel>>& images) {
+    const int width = images[0].width, height = images[0].height;
+    Picture<Pixel> all(width * int(images.size()), height);
+    for (std::size_t i = 0; i < images.size(); ++i)
+        for (int y = 0; y < height; ++y) std::copy_n(&images[i].at(0, y), width, &all.at(int(i) * width, y));
+    return all;
+}
+
+Result<Done> write_float(const RenderedPictures& pictures, const RenderCommand& options) {
+    std::vector<Image> radiance, normal, albedo, depth;
+    for (const Rendering& rendering : pictures.renderings) radiance.push_back(rendering.radiance);
+    std::vector<Channel> channels = channels_of(abreast(radiance));
+    const Image all = abreast(radiance);
+    if (options.aov) {
+        for (const FirstHits& first : pictures.first) {
+            normal.push_back(first.normal), albedo.push_back(first.albedo);
+            depth.emplace_back(first.normal.width, first.normal.height);
+            for (std::size_t i = 0; i < first.depth.size(); ++i) depth.back().pixels[i].r = first.depth[i];
+        }
+        for (Channel& channel : channels_of(abreast(normal), "normal.", "XYZ")) channels.push_back(std::move(channel));
+        for (Channel& channel : channels_of(abreast(albedo), "albedo.")) channels.push_back(std::move(channel));
+        channels.push_back({"Z", channels_of(abreast(depth))[0].pixels});
+    }
+    return write_exr(all.width, all.height, channels, options.output);
+}
+
+/// First hits of paths as pictures: normals from −1 to 1, depths from the nearest (white) to the farthest.
+Result<Done> write_first_hits(const RenderedPictures& pictures, const RenderCommand& options) {
+    std::vector<Image8> normal, albedo, depth;
+    for (const FirstHits& first : pictures.first) {
+        for (auto* images : {&normal, &albedo, &depth}) images->emplace_back(options.width, options.height);
+        float nearest = std::numeric_limits<float>::infinity(), furthest = 0;
+        for (const float z : first.depth)
+            if (z > 0) nearest = std::min(nearest, z), furthest = std::max(furthest, z);
+        for (std::size_t i = 0; i < first.depth.size(); ++i) {
+            const Rgb n = first.normal.pixels[i];
+            const float z = first.depth[i],
+                        near = z > 0 && furthest > nearest ? (furthest - z) / (furthest - nearest) : z > 0;
+            const auto byte = [](float x) { return std::uint8_t(255 * std::clamp(x, 0.f, 1.f) + 0.5f); };
+            normal.back().pixels[i] = {byte(0.5f + 0.5f * n.r), byte(0.5f + 0.5f * n.g), byte(0.5f + 0.5f * n.b)};
+            albedo.back().pixels[i] = to_srgb8(first.albedo.pixels[i]);
+            depth.back().pixels[i] = {byte(near), byte(near), byte(near)};
+        }
+    }
+    for (const auto& [what, images] : {std::pair(".normal", &normal), {".albedo", &albedo}, {".depth", &depth}})
+        if (const auto written = write_png(abreast(*images), options.beside(what)); !written) return written.error();
+    return Done{};
+}
+
+/// Reports the difference of each image from the reference, and writes it.
+Result<Done> compare_pictures(const Image8& reference, std::span<const Image8> images,
+                              std::span<const std::string> captions, const RenderCommand& options) {
+    std::vector<Image8> differences;
+    Json json;
+    const bool quiet = options.json == "-";
+    if (!quiet)
+        fmt::print("{:<40}  {:>8}  {:>8}  {:>8}\n", printable("against " + options.compare), "PSNR, dB", "SSIM",
+                   "FLIP");
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const Likeness of = likeness(reference, images[i]);
+        differences.push_back(in_false_colours(flip_map(reference, images[i]), reference.width, reference.height));
+        if (!quiet)
+            fmt::print("{:<40}  {:>8.2f}  {:>8.4f}  {:>8.4f}\n", printable(captions[i]), of.psnr, of.ssim, of.flip);
+        json.push_back({{"file", options.files[i]}, {"psnr", of.psnr}, {"ssim", of.ssim}, {"flip", of.flip}});
+    }
+    if (!options.json.empty())
+        if (const auto written = write_json(json, options.json); !written) return written.error();
+    return write_png(side_by_side(differences, captions), options.beside(".difference"));
+}
+
+/// What is drawn: a measurement or model, or a map of texels.
+using Loaded = std::variant<Subject, Library>;
+Result<Loaded> load_pictured(const std::string& file) {
+    auto map = library_in(file);
+    if (!map) return map.error();
+    if (*map && (*map)->dense() && (*map)->width > 0) return Loaded(**std::move(map));
+    auto subject = load_subject(file);
+    if (!subject) return subject.error();
+    return Loaded(*std::move(subject));
+}
+
+/// The picture in `file`, of the size that is asked for; nothing if the file is none.
+Result<std::optional<Image>> picture_in(const std::string& file, const RenderCommand& options) {
+    const auto bytes = read_file(file, all_if(srbf::is_exr));
+    if (!bytes) return bytes.error();
+    if (!srbf::is_exr(*bytes)) return std::optional<Image>();
+    auto image = read_exr(*bytes, file);
+    if (!image) return image.error();
+    if (image->width != options.width || image->height != options.height)
+        return Error{file,
+                     {},
+                     "size of the reference",
+                     fmt::format("{}x{}", options.width, options.height),
+                     fmt::format("{}x{}", image->width, image->height)};
+    return std::optional(*std::move(image));
+}
+
+/// Writes the pictures, what else is asked for, and their errors against `reference` if there is one. All pictures have
+/// the same exposure, so that they are comparable.
+Result<Done> write_pictures(const RenderedPictures& pictures, const std::optional<Image>& reference,
+                            const std::vector<std::string>& captions, const RenderCommand& options) {
+    const float exposure = automatic_exposure(reference ? *reference : pictures.renderings.front().radiance);
+    std::vector<Image8> images;
+    for (const Rendering& rendering : pictures.renderings) images.push_back(shown(rendering, exposure));
+    const auto written =
+        options.is_exr() ? write_float(pictures, options) : write_png(side_by_side(images, captions), options.output);
+    if (!written) return written.error();
+    if (options.aov && !options.is_exr())
+        if (const auto done = write_first_hits(pictures, options); !done) return done.error();
+    if (!reference) return Done{};
+    const Rendering seen{*reference, pictures.renderings.front().coverage};
+    return compare_pictures(shown(seen, exposure), images, captions, options);
+}
+
+int RenderCommand::run() const {
+    std::vector<std::string> inputs = files, captions;
+    std::vector<Loaded> subjects;
+    std::optional<Image> reference;  // or one more subject
+    if (!compare.empty()) {
+        inputs.push_back(compare);
+        auto picture = picture_in(compare, *this);
+        if (!picture) return complain(picture.error());
+        reference = *std::move(picture);
+    }
+    for (const std::string& file : inputs) {
+        if (reference && subjects.size() == files.size()) break;
+        auto loaded = load_pictured(file);
+        if (!loaded) return complain(loaded.error());
+        subjects.push_back(*std::move(loaded));
+    }
+    for (const std::string& file : files) captions.push_back(std::filesystem::path(file).filename().string());
+    auto loaded = load_mesh(mesh);
+    if (!loaded) return complain(loaded.error());
+    inputs.push_back(mesh);
+    std::vector<std::string> outputs{output, json == "-" ? "" : json};
+    if (!compare.empty()) outputs.push_back(beside(".difference"));
+    if (aov && !is_exr())
+        for (const char* what : {".normal", ".albedo", ".depth"}) outputs.push_back(beside(what));
+    if (const auto writable = check_outputs(inputs, outputs); !writable) return complain(writable.error());
+
+    const Viewpoint viewpoint{.z_up = up == "z"};
+    const Scene scene = scene_of(*std::move(loaded), viewpoint, double(width) / height);
+    const auto chosen = std::ranges::find(k_renderers, renderer, &Renderer::name);
+    std::vector<Pictured> pictured;
+    for (const Loaded& subject : subjects) std::visit([&](const auto& of) { pictured.emplace_back(&of); }, subject);
+    auto pictures = chosen->render(scene, pictured, *this);
+    if (!pictures) return complain(pictures.error());
+    if (subjects.size() > files.size()) {
+        reference = std::move(pictures->renderings.back().radiance);
+        pictures->renderings.pop_back();
+        if (!pictures->first.empty()) pictures->first.pop_back();
+    }
+    const auto written = write_pictures(*pictures, reference, captions, *this);
+    return written ? k_done : complain(written.error());
+}
+
+/// "WxH", each from 1 to `k_most_pixels`.
+constexpr int k_most_pixels = 8192;
+Check size_in_pixels(int& width, int& height) {
+    return [&](std::string& text) -> std::string {
+        const auto number = [](std::string_view word) {
+            int n = 0;
+            const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), n);
+            return error == std::errc() && rest == word.data() + word.size() && n <= k_most_pixels ? n : 0;
+        };
+        const std::string_view all = text;
+        const auto by = std::min(all.find('x'), all.size());
+        width = number(all.substr(0, by)), height = number(all.substr(std::min(by + 1, all.size())));
+        if (width >= 1 && height >= 1) return {};
+        return fmt::format("expected WxH, each from 1 to {}, found {}", k_most_pixels, text);
+    };
+}
+
+}  // namespace
+
+std::vector<Option> add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up) {
+    const Option file =
+        sub.add_option("--mesh", mesh, fmt::format("A .ply or .obj file, or {}", fmt::join(k_built_in_meshes, " or ")))
+            .type_name("FILE")
+            .capture_default_str();
+    return {file, add_up_option(sub, up, "Axis of the mesh that points upwards, y or z")};
+}
+Option add_up_option(const Subcommand& sub, std::string& up, const std::string& about) {
+    return sub.add_option("--up", up, about).type_name("AXIS").one_of({"y", "z"}).capture_default_str();
+}
+
+void add_render(CommandLine& app, int& status) {
+    const auto command = std::make_shared<RenderCommand>();
+    std::vector<std::string> names;
+    for (const Renderer& renderer : k_renderers) names.emplace_back(renderer.name);
+    command->renderer = names.front();
+    const Subcommand sub = app.add_subcommand("render", "Render a mesh with each of the materials, side by side");
+    sub.add_option("FILE", command->files, "Measurements, models and maps of texels, one picture each")
+        .type_name("")
+        .required();
+    sub.add_option("--renderer", command->renderer, fmt::format("{}", fmt::join(names, " or ")))
+        .type_name("NAME")
+        .one_of(names)
+        .capture_default_str();
+    const std::vector<Option> about_mesh = add_mesh_options(sub, command->mesh, command->up);
+    sub.add_option("--size", "Size of each picture in pixels (640x480)")
+        .type_name("WxH")
+        .check(size_in_pixels(command->width, command->height));
+    sub.add_option("-o,--output", command->output, "The picture to write: .png, or .exr for linear radiance")
+        .type_name("FILE")
+        .required()
+        .check([](std::string& name) -> std::string {
+            const auto ending = std::filesystem::path(name).extension();
+            if (ending == ".png" || ending == ".exr") return {};
+            return fmt::format("expected a name that ends in .png or .exr, found {}", name);
+        });
+    const Option aov =
+        sub.add_flag("--aov", command->aov,
+                     "path: also write normal, albedo and depth: as channels of an .exr, or as further pictures");
+    sub.add_option("--compare", command->compare,
+                   "Print PSNR, SSIM and FLIP against this reference, a BRDF to render or an .exr, and write "
+                   "OUTPUT.difference.png")
+        .type_name("REF");
+    const Option json = sub.add_option("--json", command->json, "Write the results of --compare; - is standard output")
+                            .type_name("FILE");
+    const auto is_path = [command] { return command->renderer == "path"; };
+    std::vector<Reading> readings = command->path.add_options(sub, about_mesh, is_path);
+    readings.push_back({{aov}, "only with --renderer path", is_path});
+    readings.push_back({{json}, "only with --compare", [command] { return !command->compare.empty(); }});
+    sub.footer(
+        "Examples:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf -o paper.png\n"
+        "  srbf render film.srbf --compare film.bsdf --env lobby.hdr --mesh bunny.ply --spp 256 -o film.exr");
+    sub.callback([command, &status] { status = command->run(); }, std::move(readings));
+}
+
+}  // namespace srbf

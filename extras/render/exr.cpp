@@ -1,0 +1,250 @@
+#include "extras/render/exr.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <exception>
+#include <optional>
+#include <stdexcept>
+
+#include "src/base/floating_point.h"
+#include "srbf/file.h"
+#include "srbf/text.h"
+
+namespace srbf {
+namespace {
+
+// The type of a file position differs between versions of the library.
+using Position = decltype(std::declval<Imf::IStream&>().tellg());
+
+class Source : public Imf::IStream {
+  public:
+    explicit Source(std::span<const std::byte> bytes) : IStream("memory"), bytes_(bytes) {}
+    bool read(char* to, int count) override {
+        if (count < 0 || std::uint64_t(count) > bytes_.size() - at_) throw std::runtime_error("the file ends early");
+        std::memcpy(to, bytes_.data() + at_, std::size_t(count));
+        at_ += std::size_t(count);
+        return at_ < bytes_.size();
+    }
+    Position tellg() override { return at_; }
+    void seekg(Position to) override {
+        if (to > bytes_.size()) throw std::runtime_error("the file ends early");
+        at_ = std::size_t(to);
+    }
+
+  private:
+    std::span<const std::byte> bytes_;
+    std::size_t at_ = 0;
+};
+
+class Sink : public Imf::OStream {
+  public:
+    Sink() : OStream("memory") {}
+    void write(const char* from, int count) override {
+        bytes.resize(std::max(bytes.size(), at_ + std::size_t(count)));
+        std::memcpy(bytes.data() + at_, from, std::size_t(count));
+        at_ += std::size_t(count);
+    }
+    Position tellp() override { return at_; }
+    void seekp(Position to) override { at_ = std::size_t(to); }
+
+    std::vector<std::byte> bytes;
+
+  private:
+    std::size_t at_ = 0;
+};
+
+/// The first line of the library's message.
+std::string said(const std::exception& error) {
+    const std::string_view all = error.what();
+    return std::string(all.substr(0, std::min(all.find('\n'), std::size_t(200))));
+}
+
+/// Pixels at a distance of `stride` floats, starting at `first`.
+Imf::Slice slice(const float* first, int width, int stride, std::int64_t x0, std::int64_t y0) {
+    const auto step = std::int64_t(sizeof(float)) * stride;
+    const auto* base = reinterpret_cast<const char*>(first) - step * (x0 + y0 * width);
+    return {Imf::FLOAT, const_cast<char*>(base), std::size_t(step), std::size_t(step * width)};
+}
+
+/// Writes what `frame` has of every pixel.
+Result<Done> write_frame(const Imf::Header& header, const Imf::FrameBuffer& frame, int height,
+                         const std::string& path) {
+    Sink sink;
+    try {
+        Imf::OutputFile file(sink, header);
+        file.setFrameBuffer(frame);
+        file.writePixels(height);
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        return Error{path, {}, "cannot be written as EXR", {}, said(error)};
+    }
+    return write_file(path, sink.bytes);
+}
+
+}  // namespace
+
+std::vector<Channel> channels_of(const Image& image, const std::string& layer, std::string_view names) {
+    std::vector<Channel> channels;
+    for (int c = 0; c < 3; ++c) {
+        Channel& channel = channels.emplace_back(Channel{layer + names[std::size_t(c)], {}});
+        for (const Rgb& pixel : image.pixels) channel.pixels.push_back(pixel[c]);
+    }
+    return channels;
+}
+
+Result<Done> write_exr(int width, int height, std::span<const Channel> channels, const std::string& path) {
+    Imf::Header header(width, height);
+    Imf::FrameBuffer frame;
+    for (const Channel& channel : channels) {
+        header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
+        frame.insert(channel.name, slice(channel.pixels.data(), width, 1, 0, 0));
+    }
+    return write_frame(header, frame, height, path);
+}
+
+Result<Done> write_half_exr(int width, int height, std::span<const std::string> names,
+                            std::span<const std::uint16_t> halves, const std::string& path) {
+    Imf::Header header(width, height);
+    Imf::FrameBuffer frame;
+    const std::size_t pixel = sizeof halves[0] * names.size();
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        auto* const first = const_cast<std::uint16_t*>(&halves[i]);
+        header.channels().insert(names[i], Imf::Channel(Imf::HALF));
+        frame.insert(names[i], {Imf::HALF, reinterpret_cast<char*>(first), pixel, pixel * std::size_t(width)});
+    }
+    return write_frame(header, frame, height, path);
+}
+
+bool is_exr(std::span<const std::byte> bytes) {
+    constexpr std::array<unsigned char, 4> magic{0x76, 0x2f, 0x31, 0x01};
+    return bytes.size() >= 4 && std::memcmp(bytes.data(), magic.data(), 4) == 0;
+}
+
+namespace {
+
+/// An attribute of a header: its value lies at `at` in the file.
+struct Attribute {
+    std::string_view name, type, value;
+    std::size_t at;
+};
+
+/// The attributes of the first part; none where the text ends first. Sets `end` to where they end.
+std::optional<std::vector<Attribute>> attributes(std::string_view text, std::size_t& end) {
+    constexpr std::size_t k_before = 8;  // the mark, and version and flags
+    std::vector<Attribute> all;
+    std::size_t at = k_before;
+    const auto word = [&]() -> std::optional<std::string_view> {
+        const std::size_t zero = text.find('\0', at);
+        if (zero == text.npos) return {};
+        const std::string_view found = text.substr(at, zero - at);
+        at = zero + 1;
+        return found;
+    };
+    for (;;) {
+        const auto name = word();
+        if (!name) return {};
+        end = at;
+        if (name->empty()) return all;
+        const auto type = word();
+        std::int32_t size;
+        if (!type || text.size() - at < sizeof size) return {};
+        std::memcpy(&size, text.data() + at, sizeof size);
+        at += sizeof size;
+        if (size < 0 || std::size_t(size) > text.size() - at) return {};
+        all.push_back({*name, *type, text.substr(at, std::size_t(size)), at});
+        at += std::size_t(size);
+    }
+}
+
+/// The numbers of an attribute, if it has that many bytes.
+template <typename T, std::size_t N>
+std::optional<std::array<T, N>> numbers(const std::vector<Attribute>& all, std::string_view name) {
+    const auto of = std::ranges::find(all, name, &Attribute::name);
+    std::array<T, N> numbers;
+    if (of == all.end() || of->value.size() < sizeof numbers) return {};
+    std::memcpy(numbers.data(), of->value.data(), sizeof numbers);
+    return numbers;
+}
+
+/// The rows and columns of a block of pixels, as the file compresses them.
+std::array<std::int64_t, 2> block_of(const std::vector<Attribute>& all) {
+    if (const auto tile = numbers<std::uint32_t, 2>(all, "tiles"))
+        return {std::max<std::int64_t>((*tile)[1], 1), std::max<std::int64_t>((*tile)[0], 1)};
+    constexpr std::array<std::int64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};  // by the kind of compression
+    const auto kind = numbers<std::uint8_t, 1>(all, "compression");
+    return {kind && (*kind)[0] < rows.size() ? rows[(*kind)[0]] : 1, std::int64_t(1) << 32};
+}
+
+}  // namespace
+
+Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t size, const std::string& file_name) {
+    constexpr std::size_t k_most_header = k_head_bytes;
+    const auto text = as_text(start.first(std::min(start.size(), k_most_header)));
+    std::size_t end = 0;
+    const auto all = attributes(text, end);
+    // The library would allocate what an attribute says that it takes.
+    if (!all) return Error{file_name, end, "header", fmt::format("at most {} bytes", text.size()), "more"};
+    const auto window = numbers<std::int32_t, 4>(*all, "dataWindow");
+    if (!window) return Done{};
+    const std::size_t at = std::ranges::find(*all, "dataWindow", &Attribute::name)->at;
+    const std::int64_t width = std::int64_t((*window)[2]) - (*window)[0] + 1,
+                       height = std::int64_t((*window)[3]) - (*window)[1] + 1;
+    if (width < 1 || height < 1 || width > k_most_texels / height)
+        return Error{file_name, at, "dataWindow", fmt::format("1 to {} pixels", k_most_texels),
+                     fmt::format("{} x {}", width, height)};
+    // Compression that may lose something takes a fifth of a byte a pixel of a photograph; a small one may be of one colour.
+    constexpr std::uint64_t k_always = std::uint64_t(1) << 21, k_of_a_byte = 8;
+    const std::uint64_t most = k_always + k_of_a_byte * size;
+    if (std::uint64_t(width * height) > most)
+        return Error{file_name, at, "dataWindow", fmt::format("at most {} pixels in {} bytes", most, size),
+                     fmt::format("{} x {}", width, height)};
+    // The file has the offset of each block, in 8 bytes.
+    const auto [rows, columns] = block_of(*all);
+    const std::int64_t blocks = ((height - 1) / rows + 1) * ((width - 1) / columns + 1);
+    if (std::uint64_t(blocks) <= size / 8) return Done{};
+    return Error{file_name, at, "dataWindow", fmt::format("at most {} blocks of pixels", size / 8),
+                 fmt::format("{}", blocks)};
+}
+
+Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
+    if (const auto sized = check_exr_header(bytes, bytes.size(), file_name); !sized) return sized.error();
+    try {
+        Source stream(bytes);
+        Imf::InputFile file(stream, 1);
+        const auto window = file.header().dataWindow();
+        const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1,
+                           height = std::int64_t(window.max.y) - window.min.y + 1;
+        if (width < 1 || height < 1 || width > k_most_texels / height)
+            return Error{
+                file_name, {}, "pixels", fmt::format("1 to {}", k_most_texels), fmt::format("{} x {}", width, height)};
+        for (const char* name : {"R", "G", "B"}) {
+            const Imf::Channel* channel = file.header().channels().findChannel(name);
+            if (channel && channel->xSampling == 1 && channel->ySampling == 1) continue;
+            return Error{file_name, {}, fmt::format("channel {}", name), "complete", "incomplete"};
+        }
+        Image image(static_cast<int>(width), static_cast<int>(height));
+        Imf::FrameBuffer frame;
+        frame.insert("R", slice(&image.pixels[0].r, image.width, 3, window.min.x, window.min.y));
+        frame.insert("G", slice(&image.pixels[0].g, image.width, 3, window.min.x, window.min.y));
+        frame.insert("B", slice(&image.pixels[0].b, image.width, 3, window.min.x, window.min.y));
+        file.setFrameBuffer(frame);
+        file.readPixels(window.min.y, window.max.y);
+        return image;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        return Error{file_name, {}, "OpenEXR file", "whole", said(error)};
+    }
+}
+
+}  // namespace srbf

@@ -1,0 +1,71 @@
+#include "extras/render/material.h"
+
+#include <algorithm>
+
+namespace srbf {
+
+namespace {
+
+/// Sets each cell without a measurement to the mean of its neighbours with one.
+void grow(MerlTable& table) {
+    const std::size_t n_h = table.size[0], n_d = table.size[1], n_p = table.size[2];
+    const MerlTable before = table;
+    const auto at = [&](std::size_t h, std::size_t d, std::size_t p) { return p + n_p * (d + n_d * h); };
+    for (std::size_t h = 0; h < n_h; ++h)
+        for (std::size_t d = 0; d < n_d; ++d)
+            for (std::size_t p = 0; p < n_p; ++p) {
+                Rgb& f = table.cells[at(h, d, p)];
+                if (is_finite(f)) continue;
+                Rgb sum;
+                int count = 0;
+                const auto add = [&](std::size_t i, std::size_t j, std::size_t k) {
+                    if (i >= n_h || j >= n_d) return;
+                    const Rgb& of = before.cells[at(i, j, k)];
+                    if (!is_finite(of)) return;
+                    for (int c = 0; c < 3; ++c) sum[c] += of[c];
+                    ++count;
+                };
+                add(h - 1, d, p), add(h + 1, d, p), add(h, d - 1, p), add(h, d + 1, p);
+                add(h, d, (p + n_p - 1) % n_p), add(h, d, (p + 1) % n_p);
+                for (int c = 0; count > 0 && c < 3; ++c) f[c] = sum[c] / float(count);
+            }
+}
+
+/// The parts that there are as tables.
+BsdfTables tables_of(const AnyBrdf& bsdf, const Evaluate& values, const Beams& beams) {
+    BsdfTables tables{{}, beams};
+    for (std::size_t p = 0; p < k_parts; ++p)
+        if (has_part(bsdf, Part(p)))
+            tables.part[p] = std::make_shared<const MerlTable>(table_of(part_of(values, Part(p)), k_bsdf_table));
+    return tables;
+}
+
+}  // namespace
+
+MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size) {
+    MerlTable table = to_merl(brdf, size);
+    for (int layer = 0; layer < 2; ++layer) grow(table);
+    return table;
+}
+
+Material material_of(const Model& model) {
+    const auto* bsdf = std::get_if<BsdfModel>(&model.model);
+    const bool by_view = bsdf && std::ranges::any_of(bsdf->part, [](const auto& part) {
+                             return part && std::holds_alternative<SuModel>(part->model);
+                         });
+    if (by_view) return tables_of(model, evaluator(model), bsdf->beam);
+    return std::visit([](const auto& of) { return Material(of); }, model.model);
+}
+
+Result<Material> material_of(const AnyBrdf& brdf, const std::string& path) {
+    if (const auto* model = std::get_if<Model>(&brdf)) return material_of(*model);
+    const Measured& measured = std::get<Measured>(brdf);
+    if (const auto* table = std::get_if<MerlTable>(&measured.table)) return Material(*table);
+    if (!is_isotropic(measured))
+        return Error{path, {}, "measurement for the renderer raster", "an isotropic one", "an anisotropic one"};
+    if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table))
+        return Material(tables_of(brdf, evaluator(measured), bsdf->band().beam));
+    return Material(table_of(evaluator(measured)));
+}
+
+}  // namespace srbf

@@ -1,0 +1,369 @@
+#include "extras/render/page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <nlohmann/json.hpp>
+
+#include "extras/render/environment.h"
+#include "app/html.h"
+#include "render/page_text.h"
+#include "extras/render/preview.h"
+#include "extras/render/scene.h"
+#include "extras/render/slices.h"
+#include "srbf/half.h"
+#include "srbf/printable.h"
+
+namespace srbf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <typename T> std::string base64_of(const std::vector<T>& numbers) {
+    return base64(std::as_bytes(std::span(numbers)));
+}
+
+/// A texture in the form that viewer.js expects.
+Json texture(const char* sampler, const char* target, const char* format, std::vector<std::uint32_t> size,
+             std::string texels) {
+    return {{"sampler", sampler},
+            {"target", target},
+            {"format", format},
+            {"size", std::move(size)},
+            {"texels", std::move(texels)}};
+}
+
+/// The inputs of a material's shader: "block", the numbers of PmNumbers; "vectors", of the uniform "vectors_name";
+/// "textures".
+Json numbers_of(const Flat&) { return Json::object(); }
+Json numbers_of(const PmModel& model) { return {{"block", base64_of(pm_numbers(model))}}; }
+Json numbers_of(const GgxModel& model) {
+    const auto numbers = ggx_numbers(model);
+    return {{"vectors", base64(std::as_bytes(std::span(numbers)))}, {"vectors_name", "ggx_numbers"}};
+}
+Json numbers_of(const OpenPbrModel& model) {
+    const auto numbers = openpbr_numbers(model);
+    return {{"vectors", base64(std::as_bytes(std::span(numbers)))}, {"vectors_name", "openpbr_numbers"}};
+}
+Json numbers_of(const std::vector<Float4>& merl_texels, std::vector<std::uint32_t> size) {
+    std::vector<std::array<std::uint16_t, 4>> halves;
+    for (const Float4& texel : merl_texels) {
+        auto& half = halves.emplace_back();
+        for (std::size_t c = 0; c < 4; ++c) half[c] = to_half(std::min(texel[c], k_half_max));
+    }
+    return {{"textures", {texture("merl_table", "3D", "RGBA16F", std::move(size), base64_of(halves))}}};
+}
+Json numbers_of(const MerlTable& table) {
+    const auto [h, d, p] = table.size;
+    return numbers_of(merl_texels(table), {p, d, h});
+}
+Json numbers_of(const BsdfModel&) { return Json::object(); }
+Json numbers_of(const BsdfTables& tables) {
+    const auto [h, d, p] = size_of(tables);
+    return numbers_of(merl_texels(tables), {p, d, std::uint32_t(k_parts) * h});
+}
+Json numbers_of(const SuModel& model) {
+    const auto n = std::uint32_t(model.direction.size());
+    const SuTexels texels = su_texels(model);
+    Json textures{
+        texture("su_numbers", "2D", "RGBA16F", {std::uint32_t(2 * model.lobes), n}, base64_of(texels.numbers)),
+        texture("su_directions", "2D", "RGBA32F", {1, n}, base64_of(texels.directions))};
+    if (model.interpolation == SuInterpolation::plain) {
+        const IndexTexture index = model.index ? *model.index : index_texture(model, DirectionMap::cube);
+        const auto size = std::uint32_t(index.size);
+        textures.push_back(texture("su_index", index.map == DirectionMap::cube ? "CUBE_MAP" : "2D", "RGBA32UI",
+                                   {size, size}, base64_of(index.texels)));
+    }
+    return {{"textures", std::move(textures)}};
+}
+
+Json json_of(Vec3d w) { return {w.x, w.y, w.z}; }
+
+Json json_of(const Mesh& mesh) {
+    std::vector<std::array<Vec3f, 2>> vertices;
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) vertices.push_back({mesh.positions[i], mesh.normals[i]});
+    const bool is_small = vertices.size() <= 65536;
+    std::vector<std::array<std::uint16_t, 3>> small;
+    for (std::size_t i = 0; is_small && i < mesh.triangles.size(); ++i) {
+        const Triangle& t = mesh.triangles[i];
+        small.push_back({std::uint16_t(t[0]), std::uint16_t(t[1]), std::uint16_t(t[2])});
+    }
+    const Camera camera = camera_of(mesh, {}, k_page_aspect);
+    return {{"vertices", base64_of(vertices)},
+            {"triangles", is_small ? base64_of(small) : base64_of(mesh.triangles)},
+            {"index_bytes", is_small ? 2 : 4},
+            {"target", json_of(camera.target)},
+            {"distance", std::sqrt(dot(camera.eye - camera.target, camera.eye - camera.target))}};
+}
+
+/// The value of the choice of `Page::mesh`.
+constexpr const char* k_own_mesh = "own";
+
+/// What pictures under an environment sample a material by.
+int azimuths_of(const Material& material) {
+    const auto* general = std::get_if<PmModel>(&material);
+    const auto* bsdf = std::get_if<BsdfModel>(&material);
+    const bool isotropic = bsdf ? is_isotropic(Model{*bsdf, {}}) : !general || general->axial;
+    return isotropic ? 1 : k_anisotropic_azimuths;
+}
+
+ShaderText text_of(const Material& material) { return shader_text(material, {.dialect = Dialect::es_300}); }
+
+/// Whether a picture is of a BSDF.
+bool shows_both_sides(const Page& page) {
+    return std::ranges::any_of(page.materials,
+                               [](const PageMaterial& of) { return of.material && is_two_sided(*of.material); });
+}
+
+/// The data of viewer.js but for the materials.
+Json common_data(bool two_sided) {
+    Json data;
+    data["fov"] = Viewpoint{}.fov;
+    data["elevation"] = Viewpoint{}.elevation;
+    data["aspect"] = k_page_aspect;
+    const double grey = double(srgb_encoded(k_background));
+    data["background"] = {grey, grey, grey};
+    for (const DirectionalLight& light : lights_of(camera_of(page_mesh("ball"), {}, k_page_aspect)))
+        data["lights"].push_back({{"towards", json_of(light.towards)},
+                                  {"irradiance", {light.irradiance.r, light.irradiance.g, light.irradiance.b}}});
+    for (const std::string_view name : {"ball", "sphere", "knot"})
+        data["meshes"][std::string(name)] = json_of(page_mesh(name));
+    data["light_behind"] = json_of(k_light_behind.towards);
+    data["vertex"] = text_of(Flat{}).vertex;
+    data["pixel"] = pixel_text({});
+    // Pictures under an environment.
+    const ShaderText develop = develop_shader_text(Dialect::es_300);
+    data["whole"] = develop.vertex;
+    data["develop"] = develop.fragment;
+    data["surface"] = surface_shader_text(Dialect::es_300).fragment;
+    data["environment_pixel"] = pixel_text({.environment = true});
+    if (two_sided) data["environment_pixel_of_both_sides"] = pixel_text({.environment = true, .two_sided = true});
+    data["knee"] = k_knee;
+    data["first_samples"] = k_first_samples;
+    const Image studio = page_environment();
+    data["environment"] = {{"width", studio.width}, {"height", studio.height}, {"rgbe", base64_of(to_rgbe(studio))}};
+    return data;
+}
+
+/// The exposure of pictures under lights.
+float exposure_of(const PageMaterial& of) {
+    return automatic_exposure(render_sphere(of.brdf, {.size = 160, .samples = 2}));
+}
+
+Json data_of(const PageMaterial& of) {
+    if (!of.material) return {};
+    Json numbers = std::visit([](const auto& m) { return numbers_of(m); }, *of.material);
+    const bool two_sided = is_two_sided(*of.material);
+    const ProposeOptions options{.azimuths = azimuths_of(*of.material)};
+    const ProposalNumbers proposal =
+        proposal_numbers(two_sided ? propose_parts(of.brdf, options) : Proposals(propose(of.brdf, options)));
+    numbers["two_sided"] = two_sided;
+    numbers["nodes"] = base64_of(proposal.nodes);
+    numbers["grains"] = base64_of(proposal.grains);
+    return numbers;
+}
+
+/// The data of viewer.js. The shaders of materials stand in the page.
+Json data_of(const Page& page) {
+    Json data = common_data(shows_both_sides(page));
+    const auto pictured =
+        std::ranges::find_if(page.materials, [](const PageMaterial& of) { return of.material.has_value(); });
+    data["exposure"] = exposure_of(pictured == page.materials.end() ? page.materials[0] : *pictured);
+    if (page.mesh) data["meshes"][k_own_mesh] = json_of(*page.mesh);
+    for (const PageMaterial& of : page.materials) data["materials"].push_back(data_of(of));
+    return data;
+}
+
+std::string script_text(const Json& json) {
+    return json_in_script(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+/// The first colour is dark; the others are distinguishable with colour blindness (Okabe & Ito 2008).
+std::string colour_of(std::size_t i) {
+    constexpr std::array<const char*, 6> others{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#b08000"};
+    return i == 0 ? "var(--ink)" : others[(i - 1) % others.size()];
+}
+std::string label_of(const Page& page, std::size_t i) {
+    return fmt::format("<span class='mark' style='background:{}'></span>{}", colour_of(i),
+                       html_escaped(page.materials[i].name));
+}
+
+std::ptrdiff_t count_pictures(const Page& page) {
+    return std::ranges::count_if(page.materials, [](const PageMaterial& of) { return of.material.has_value(); });
+}
+
+std::string figure(std::string_view material, std::string_view name, const std::string& caption) {
+    return fmt::format(
+        "<figure data-material='{}'><canvas tabindex='0' "
+        "aria-label='{}'></canvas><figcaption>{}</figcaption></figure>\n",
+        material, html_escaped(name), caption);
+}
+
+/// What the difference of the first two materials is called.
+constexpr std::string_view k_difference = "difference × 10";
+/// Whether the first two have pictures, whose difference is shown.
+bool has_difference(const Page& page) {
+    return page.materials.size() > 1 && page.materials[0].material && page.materials[1].material;
+}
+
+std::string pictures_of(const Page& page) {
+    std::string html;
+    for (std::size_t i = 0; i < page.materials.size(); ++i)
+        if (page.materials[i].material)
+            html +=
+                figure(std::to_string(i), page.materials[i].name,
+                       fmt::format("{} <small>{}</small>", label_of(page, i), html_escaped(page.materials[i].kind)));
+    if (has_difference(page)) html += figure("difference", k_difference, std::string(k_difference));
+    return html;
+}
+std::string choice(std::string_view show, std::string_view name) {
+    return fmt::format("<button type='button' data-show='{}' aria-pressed='{}'>{}</button>\n", show, show == "all",
+                       html_escaped(name));
+}
+std::string choices_of(const Page& page) {
+    if (count_pictures(page) < 2) return {};
+    std::string buttons = choice("all", "Side by side");
+    if (has_difference(page)) buttons += choice("wipe", "Wipe");
+    for (std::size_t i = 0; i < page.materials.size(); ++i)
+        if (page.materials[i].material) buttons += choice(std::to_string(i), page.materials[i].name);
+    if (has_difference(page)) buttons += choice("difference", k_difference);
+    return fmt::format("<div class='choices' role='group' aria-label='Which pictures are shown'>\n{}</div>\n", buttons);
+}
+bool plots_both_sides(const Page& page) { return std::ranges::any_of(page.materials, &PageMaterial::both_sides); }
+/// What the plots show.
+std::string slices_lead_of(const Page& page) {
+    const std::string scale =
+        plots_both_sides(page)
+            ? "How bright the surface is from each viewing angle, all around: the front above, the back below, for "
+              "light on either side. Every ring is ten times the one within. Light that passes "
+              "unscattered has no width and is not drawn."
+            : "How bright the surface is from each viewing angle, for four positions of the light, on a scale "
+              "where every line is ten times the one below it. The peak is the highlight.";
+    if (page.materials.size() < 2) return scale;
+    return fmt::format("{} Where a thin line leaves the thick black one ({}), that material differs.", scale,
+                       html_escaped(page.materials[0].name));
+}
+std::string slices_of(const Page& page) {
+    std::vector<SliceCurve> curves;
+    std::string html = "<p class='legend'>";
+    for (std::size_t i = 0; i < page.materials.size(); ++i) {
+        curves.push_back({page.materials[i].name, colour_of(i), page.materials[i].brdf, page.materials[i].both_sides});
+        html += fmt::format("<span>{}</span> ", label_of(page, i));
+    }
+    html += "</p>\n<div class='slices'>\n";
+    const bool both_sides = plots_both_sides(page);
+    for (const double theta : k_slice_theta)
+        html += both_sides ? lobe_drawing(curves, theta * k_degree, LobeScale::logarithmic)
+                           : slice_drawing(curves, theta * k_degree);
+    for (const double theta : k_slice_theta_behind)
+        if (both_sides) html += lobe_drawing(curves, theta * k_degree, LobeScale::logarithmic);
+    return html + "</div>";
+}
+std::string table_of(const Page& page) {
+    std::string html = "<div class='wide'><table><thead><tr><td></td>";
+    for (std::size_t i = 0; i < page.materials.size(); ++i)
+        html += fmt::format("<th scope='col'>{}</th>", label_of(page, i));
+    html += "</tr></thead><tbody>\n";
+    std::string meanings;
+    for (const Page::Row& row : page.table) {
+        assert(row.cells.size() == page.materials.size());
+        html += fmt::format("<tr><th scope='row'>{}</th>", html_escaped(row.name));
+        for (const std::string& cell : row.cells) html += fmt::format("<td>{}</td>", html_escaped(cell));
+        html += "</tr>\n";
+        if (!row.meaning.empty())
+            meanings += fmt::format("<dt>{}</dt> <dd>{}</dd>\n", html_escaped(row.name), html_escaped(row.meaning));
+    }
+    html += "</tbody></table></div>\n";
+    return meanings.empty() ? html : fmt::format("{}<dl>\n{}</dl>", html, meanings);
+}
+std::string copied(std::string_view title, std::string_view id, const std::string& text) {
+    return fmt::format(
+        "<details><summary>{}</summary><button type='button' class='copy'>Copy</button><pre "
+        "id='{}'>{}</pre></details>\n",
+        html_escaped(title), id, html_escaped(text));
+}
+/// The named inputs of a shader, four numbers per line.
+using NamedNumbers = std::pair<std::string, std::string>;
+NamedNumbers named(std::string name, std::span<const Float4> numbers) {
+    std::string text;
+    for (const Float4& four : numbers) text += fmt::format("{:.9g}\n", fmt::join(four, ", "));
+    return {std::move(name), std::move(text)};
+}
+template <typename M> NamedNumbers shader_numbers(const M&) { return {}; }
+NamedNumbers shader_numbers(const PmModel& model) { return named("uniform block PmNumbers", pm_numbers(model)); }
+NamedNumbers shader_numbers(const OpenPbrModel& model) {
+    return named("uniform openpbr_numbers", openpbr_numbers(model));
+}
+NamedNumbers shader_numbers(const GgxModel& model) { return named("uniform ggx_numbers", ggx_numbers(model)); }
+
+std::string texts_of(const Page& page) {
+    std::string html;
+    for (std::size_t i = 0; i < page.materials.size(); ++i) {
+        const PageMaterial& of = page.materials[i];
+        if (!of.parameters.empty())
+            html += copied(fmt::format("{}: parameters", of.name), fmt::format("parameters-{}", i), of.parameters);
+        if (of.material) {
+            if (const auto [name, text] = std::visit([](const auto& m) { return shader_numbers(m); }, *of.material);
+                !text.empty())
+                html += copied(fmt::format("{}: numbers of the shader's {}", of.name, name),
+                               fmt::format("numbers-{}", i), text);
+            html += copied(fmt::format("{}: fragment shader (GLSL ES 3.00)", of.name), fmt::format("glsl-{}", i),
+                           text_of(*of.material).fragment);
+        }
+    }
+    return html;
+}
+
+}  // namespace
+
+Mesh page_mesh(std::string_view name) {
+    if (name == "sphere") return sphere(48);
+    if (name == "knot") return knot(200, 32);
+    return ball(48);
+}
+
+std::string viewer_data() { return common_data(true).dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+std::string viewer_material(const PageMaterial& of) {
+    Json data = data_of(of);
+    if (of.material) data["text"] = text_of(*of.material).fragment, data["exposure"] = exposure_of(of);
+    return data.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string page_html(const Page& page) {
+    assert(!page.materials.empty());
+    const auto note = [](const std::string& text) {
+        return text.empty() ? text : fmt::format("<p class='note'>{}</p>", html_escaped(text));
+    };
+    const std::pair<std::string_view, std::string> of_pictures[] = {
+        {"pictures_lead",
+         count_pictures(page) > 1
+             ? "The same object under the same light, in each of the materials. Drag a picture to turn "
+               "it; all of them follow."
+             : "An object of the material. Drag the picture to turn it."},
+        {"pictures", pictures_of(page)},
+        {"choices", choices_of(page)},
+        {"own_shape", page.mesh
+                          ? fmt::format("<option value=\"{}\">{}</option>", k_own_mesh, html_escaped(page.mesh_name))
+                          : std::string()},
+        {"behind", shows_both_sides(page) ? "<button type='button' name='behind'>Light from behind</button>\n" : ""},
+        {"picture_note", note(page.picture_note)},
+    };
+    const std::pair<std::string_view, std::string> parts[] = {
+        {"title", html_escaped(page.title)},
+        {"style", k_style_text},
+        {"viewer", filled(k_pictures_text, of_pictures)},
+        {"slices_lead", slices_lead_of(page)},
+        {"slices", slices_of(page)},
+        {"table", table_of(page)},
+        {"table_note", note(page.table_note)},
+        {"texts", texts_of(page)},
+        {"generator", html_escaped(page.generator)},
+        {"data", script_text(data_of(page))},
+        {"script", std::string(k_light_text) + k_painter_text + k_viewer_text + k_exported_text},
+    };
+    return filled(k_page_text, parts);
+}
+
+}  // namespace srbf

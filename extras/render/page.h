@@ -1,0 +1,63 @@
+// A self-contained HTML page about materials, with WebGL 2 pictures, plots and tables.
+#pragma once
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/image.h"
+#include "extras/render/mesh.h"
+#include "extras/render/pixel_shader.h"
+#include "srbf/brdf.h"
+
+namespace srbf {
+
+/// One of the BRDFs that a page compares.
+struct PageMaterial {
+    std::string name;                  ///< "Measured", "film"
+    std::string kind;                  ///< "multivariate, 208 bytes"
+    std::optional<Material> material;  ///< for its picture; none: only plots and tables
+    Evaluate brdf;                     ///< for the plots
+    bool both_sides = false;           ///< a BSDF, whose plots go all around
+    std::string parameters;            ///< text to read and copy; may be empty
+};
+
+struct Page {
+    std::string title;
+    std::vector<PageMaterial> materials;  ///< at least one; the first is drawn widest in the plots
+    /// A table with a column per material.
+    struct Row {
+        std::string name, meaning;       ///< `meaning` appears below the table; may be empty
+        std::vector<std::string> cells;  ///< one per material
+    };
+    std::vector<Row> table;
+    std::string table_note, picture_note;  ///< below the table, and below the pictures
+    std::string generator;                 ///< the last line: the program that wrote the page
+    std::optional<Mesh> mesh;              ///< with y upwards: the initial shape, beside the built-in ones
+    std::string mesh_name;
+};
+
+/// The page, HTML in UTF-8 without external references. Its shaders are those of `shader_text` in OpenGL ES 3.0; the
+/// page displays their text and compiles it. The initial picture is `mesh`, or `page_mesh("ball")`, seen from
+/// `Viewpoint{}` under `k_three_lights`, at automatic_exposure of the sphere of the first material with a picture.
+std::string page_html(const Page& page);
+
+/// What viewer.js is given apart from the page, for pages that show other materials later, as JSON: meshes, lights, the
+/// environment and shaders; and a material, with the text of its shader and the exposure of its picture under lights.
+std::string viewer_data();
+std::string viewer_material(const PageMaterial& of);
+/// The bundled environment at half its width. Defined apart, for where there are no files.
+Image page_environment();
+
+/// One of `k_built_in_meshes` with fewer triangles, for the page.
+Mesh page_mesh(std::string_view name);
+/// Aspect ratio (width / height) of the initial pictures, and of those of another mesh.
+inline constexpr double k_page_aspect = 4.0 / 3;
+/// The polar angles of the light in the plots [degrees].
+inline constexpr std::array<double, 4> k_slice_theta{0, 30, 60, 75};
+/// Those of the light at the back, from the front's normal, in the plots of a BSDF.
+inline constexpr std::array<double, 4> k_slice_theta_behind{180, 150, 120, 105};
+/// Maximum θ_h, θ_d, φ_d nodes of a table for its picture; `picture_note` should mention the loss.
+inline constexpr std::array<std::uint32_t, 3> k_page_table{128, 45, 24};
+
+}  // namespace srbf

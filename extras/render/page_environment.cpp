@@ -1,0 +1,8 @@
+#include "extras/render/environment.h"
+#include "extras/render/page.h"
+
+namespace srbf {
+
+Image page_environment() { return halved(load_environment(std::string(k_built_in_environment))->texels()); }
+
+}  // namespace srbf

@@ -1,0 +1,42 @@
+// A preview of a fit: three spheres, measured, fitted, and their difference.
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "app/image.h"
+#include "extras/render/scene.h"
+#include "srbf/brdf.h"
+
+namespace srbf {
+
+/// A sphere in a square image, seen from (0,0,1) in orthographic projection.
+struct SphereOptions {
+    int size = 320;   ///< pixels per side, ≥ 1
+    int samples = 4;  ///< a pixel is the mean of samples × samples uniformly spaced points; ≥ 1
+    int threads = 0;  ///< 0: as many as the machine has; the image does not depend on it
+    static constexpr double k_radius = 0.92;  ///< of the sphere, relative to half the image's side
+};
+
+/// The radiance of the sphere towards the viewer,
+///   L = Σ_k f(wl_k, wv) max(0, n·l_k) E_k  over `k_three_lights`, x right, y up, z to the viewer,
+/// averaged over those points of a pixel that lie on the sphere; 0 if none does. The local frame is `surface_frame`,
+/// which has no seam on the visible half. A pixel is NaN if f is NaN at one of its lit points (n·l_k > 0).
+Image render_sphere(const Evaluate& f, const SphereOptions& options);
+/// The fraction of each pixel's points that lie on the sphere.
+std::vector<float> sphere_coverage(const SphereOptions& options);
+
+struct PreviewOptions {
+    int size = 320;   ///< pixels per side of each sphere's square, ≥ 16
+    int samples = 4;  ///< as in SphereOptions
+    int threads = 0;  ///< as in SphereOptions
+    std::array<std::string, 3> captions{"measured", "fit", "10 x difference"};
+};
+
+/// Three squares side by side, each with a caption in a strip of max(12, size/8) rows below it: the sphere of
+/// `measured`, that of `fit`, and 10 |L − L̂| of their radiances per channel. All have the same exposure,
+/// automatic_exposure of the first. The background is a neutral grey; `k_not_measured` marks pixels without a
+/// measurement.
+Image8 preview(const Evaluate& measured, const Evaluate& fit, const PreviewOptions& options = {});
+
+}  // namespace srbf

@@ -1,0 +1,86 @@
+#include "extras/render/raster.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+
+#include "extras/render/offscreen.h"
+
+namespace srbf {
+
+Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
+                                         int samples) {
+    const auto context = OffscreenContext::make();
+    if (!context) return context.error();
+    const auto target = RasterTarget::make(width, height, samples, RasterTarget::Format::floats);
+    if (!target) return target.error();
+    const RasterMesh mesh(scene.mesh);
+    const RasterView view{scene.camera, double(width) / height, scene.lights, 1};
+    std::vector<Rendering> renderings;
+    for (const Material& of : materials) {
+        const auto material = RasterMaterial::make(of, {.dialect = context->dialect(),
+                                                        .output = PixelOutput::radiance,
+                                                        .lights = std::max(1, int(scene.lights.size()))});
+        if (!material) return material.error();
+        target->begin();
+        material->draw(mesh, view);
+        Rendering& rendering = renderings.emplace_back(Rendering{Image(width, height), {}});
+        rendering.coverage.reserve(rendering.radiance.pixels.size());
+        std::size_t i = 0;
+        for (const Float4& pixel : target->read_floats()) {
+            rendering.coverage.push_back(pixel[3]);
+            if (pixel[3] > 0)
+                rendering.radiance.pixels[i] = {pixel[0] / pixel[3], pixel[1] / pixel[3], pixel[2] / pixel[3]};
+            ++i;
+        }
+    }
+    return renderings;
+}
+
+Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& environment,
+                                         std::span<const SampledMaterial> materials,
+                                         const EnvironmentOptions& options) {
+    const int width = options.width, height = options.height;
+    const auto context = OffscreenContext::make();
+    if (!context) return context.error();
+    const Dialect dialect = context->dialect();
+    const auto light = RasterEnvironment::make(environment);
+    if (!light) return light.error();
+    const auto surface = RasterSurface::make(dialect, width, height, RasterSurface::Points::four);
+    if (!surface) return surface.error();
+    std::vector<RasterMaterial> made;
+    std::vector<RasterMean> means;
+    for (const SampledMaterial& of : materials) {
+        auto material = RasterMaterial::make(
+            of.material, {.dialect = dialect, .lights = std::max(1, int(scene.lights.size())), .environment = true});
+        if (!material) return material.error();
+        material->set_proposal(of.proposal);
+        made.push_back(*std::move(material));
+        auto mean = RasterMean::make(*surface);
+        if (!mean) return mean.error();
+        means.push_back(*std::move(mean));
+    }
+    const RasterMesh mesh(scene.mesh);
+    for (int i = 0; i < options.samples; ++i) {
+        const RasterView view{.camera = scene.camera,
+                              .aspect = double(width) / height,
+                              .lights = scene.lights,
+                              .shift = sample_shift(i, width, height)};
+        surface->draw(mesh, view);
+        for (std::size_t k = 0; k < made.size(); ++k)
+            means[k].add(made[k], *surface, view, {&*light, environment_frame(scene.camera), options.draws});
+        glFinish();
+        if (options.progress) options.progress(double(i + 1) / options.samples);
+    }
+    std::vector<Rendering> renderings;
+    for (const RasterMean& mean : means) {
+        const std::vector<Float4> pixels = mean.picture().read_floats();
+        Rendering& rendering = renderings.emplace_back(Rendering{Image(width, height), {}});
+        rendering.coverage.assign(pixels.size(), 1);
+        for (std::size_t i = 0; i < pixels.size(); ++i)
+            rendering.radiance.pixels[i] = {pixels[i][0], pixels[i][1], pixels[i][2]};
+    }
+    return renderings;
+}
+
+}  // namespace srbf

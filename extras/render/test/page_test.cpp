@@ -1,0 +1,507 @@
+// The page holds what it promises, and a browser draws with it what the desktop's OpenGL draws.
+#include "extras/render/page.h"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <unordered_set>
+
+#include "models.h"
+#include "models/pm/search/fit_pm.h"
+#include "extras/render/chart.h"
+#include "app/html.h"
+#include "extras/render/scene.h"
+#include "extras/render/slices.h"
+#include "srbf/convert.h"
+#include "srbf/printable.h"
+#include "su_models.h"
+#include "temporary_folder.h"
+#ifdef SRBF_RASTER
+#include "extras/render/offscreen.h"
+#include "extras/render/raster.h"
+#endif
+
+namespace srbf::page_test {
+namespace {
+
+using Json = nlohmann::json;
+
+/// More corners than 16 bits tell apart.
+Mesh own_mesh() { return knot(1100, 60); }
+
+/// A measurement and a model of each kind: what each material's shader is tried with.
+Page all_kinds() {
+    static const Measured film = *load_measured(bundled_data() / "cc_ibiza_sunset_rgb.bsdf");
+    static const MerlTable table = to_merl(evaluator(film), k_page_table);
+    std::mt19937_64 random(1);
+    static const PmModel lobes =
+        rounded(fit_pm(*observe(signed_evaluator(film), {}), {.lobes = 4, .variates = 3, .starts = 2})->model);
+    const PmModel general = random_model(random, {.axial = false, .lobes = 4, .most_bandwidth = 60});
+    SuModel by_view = isotropic_su(256), plain = by_view, parabolic = by_view;
+    plain.interpolation = parabolic.interpolation = SuInterpolation::plain;
+    parabolic.index = index_texture(parabolic, DirectionMap::parabolic, 64);
+    plain.index = index_texture(plain, DirectionMap::cube, 32);
+    static const GgxModel ggx{{0.1f, 0.2f, 0.4f}, {{0.1f, {0.1f, 0.05f, 0.02f}, 0.9f}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}};
+    static const Model bsdf{rough_bsdf(), {}};
+    Page page;
+    page.title = "<every> kind";
+    page.generator = "test";
+    for (const Material& material :
+         std::initializer_list<Material>{table, lobes, general, by_view, plain, parabolic, ggx, rough_bsdf()}) {
+        const auto i = page.materials.size();
+        page.materials.push_back({fmt::format("m{} & <b>", i), "as long a kind as some materials have, 658,952 bytes",
+                                  material, is_two_sided(material) ? evaluator(bsdf) : evaluator(ggx), false,
+                                  i > 0 ? "numbers" : ""});
+    }
+    page.table.push_back({"bytes", "how many", std::vector<std::string>(page.materials.size(), "1")});
+    page.mesh = own_mesh();
+    page.mesh_name = "<own>";
+    return page;
+}
+
+std::size_t count(const std::string& text, std::string_view what) {
+    std::size_t n = 0;
+    for (std::size_t at = 0; (at = text.find(what, at)) != text.npos; at += what.size()) ++n;
+    return n;
+}
+
+TEST(Page, HoldsItsShadersAndNothingFromOutside) {
+    const Page page = all_kinds();
+    const std::string html = page_html(page);
+    for (const PageMaterial& of : page.materials)
+        EXPECT_NE(
+            html.find(">" + html_escaped(shader_text(*of.material, {.dialect = Dialect::es_300}).fragment) + "</pre>"),
+            html.npos);
+    for (const char* outside : {"http:", "https:", "src=", "href=", "url(", "import ", "fetch(", "XMLHttp"})
+        EXPECT_EQ(html.find(outside), html.npos) << outside;
+    EXPECT_EQ(html.find("<every>"), html.npos);
+    EXPECT_EQ(html.find("{{"), html.npos);
+    EXPECT_EQ(count(html, "<canvas"), page.materials.size() + 1);  // and the difference of the first two
+    EXPECT_EQ(count(html, "<svg"), k_slice_theta.size());
+    EXPECT_EQ(count(html, "<script"), 2u);
+    EXPECT_EQ(count(html, "</script>"), 2u);
+    // Without a picture the plots and the table remain.
+    Page blind = page;
+    for (PageMaterial& of : blind.materials) of.material.reset();
+    const std::string plots = page_html(blind);
+    EXPECT_EQ(count(plots, "<figure"), 0u);
+    EXPECT_EQ(count(plots, "<svg"), k_slice_theta.size());
+    EXPECT_LT(plots.size(), html.size());
+    // What there is but one of is not to be chosen from, nor does it differ.
+    Page one = page;
+    one.materials.resize(1);
+    one.table[0].cells.resize(1);
+    const std::string single = page_html(one);
+    EXPECT_EQ(count(single, "<canvas"), 1u);
+    EXPECT_EQ(count(single, "<button type='button' data-show"), 0u);
+    EXPECT_EQ(count(single, "material differs"), 0u);
+    // A mesh of one's own is what is shown first.
+    EXPECT_EQ(count(html, "<select name=\"mesh\"><option value=\"own\">&lt;own&gt;</option>"), 1u);
+    Page built_in = one;
+    built_in.mesh.reset();
+    EXPECT_EQ(count(page_html(built_in), "<select name=\"mesh\"><option value=\"ball\">"), 1u);
+    // A light behind is for what light passes through.
+    EXPECT_EQ(count(html, "name='behind'"), 1u);
+    EXPECT_EQ(count(single, "name='behind'"), 0u);
+}
+
+/// The points of the drawing's curves.
+std::vector<std::vector<std::array<double, 2>>> curves_of(const std::string& svg) {
+    std::vector<std::vector<std::array<double, 2>>> curves;
+    const std::regex curve("class='curve'[^>]* d='([^']*)'"), point("[ML]([-0-9.]+) ([-0-9.]+)");
+    for (std::sregex_iterator at(svg.begin(), svg.end(), curve), end; at != end; ++at) {
+        const std::string path = (*at)[1];
+        auto& points = curves.emplace_back();
+        for (std::sregex_iterator p(path.begin(), path.end(), point); p != end; ++p)
+            points.push_back({std::stod((*p)[1]), std::stod((*p)[2])});
+    }
+    return curves;
+}
+
+TEST(Slices, AreLogarithmicAndPeakAtTheMirrorDirection) {
+    const auto constant = [](float f) -> Evaluate {
+        return [f](auto, auto, std::span<Rgb> out) { std::ranges::fill(out, Rgb{f, f, f}); };
+    };
+    const Evaluate shiny = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            const float f = std::exp(1000 * (dot(mirror(wl[i]), wv[i]) - 1));
+            out[i] = {f, f, f};
+        }
+    };
+    const Evaluate half_known = [](auto, std::span<const Vec3f> wv, std::span<Rgb> out) {
+        for (std::size_t i = 0; i < out.size(); ++i) out[i] = wv[i].x > 0 ? Rgb{1, 1, 1} : Rgb{NAN, NAN, NAN};
+    };
+    const SliceCurve plotted[] = {
+        {"a", "red", constant(10)}, {"b", "red", constant(0.1f)}, {"c", "red", shiny}, {"d", "red", half_known}};
+    const auto curves = curves_of(slice_drawing(plotted, 60 * k_degree));
+    ASSERT_EQ(curves.size(), 4u);
+    const double ten = curves[0][0][1], tenth = curves[1][0][1];
+    for (const auto& [x, y] : curves[0]) EXPECT_EQ(y, ten);
+    for (const auto& [x, y] : curves[1]) EXPECT_EQ(y, tenth);
+    const auto peak = std::ranges::min(curves[2], {}, [](const auto& point) { return point[1]; });
+    EXPECT_TRUE(near(peak[1], (ten + tenth) / 2, 0.11));  // 1 lies halfway
+    // x is linear from −90° to 90°; the curves end at ±89°.
+    const double left = curves[0].front()[0], right = curves[0].back()[0];
+    EXPECT_TRUE(near(peak[0], left + (60 + 89) / 178.0 * (right - left), 0.01 * (right - left)));
+    // On the far side of the normal nothing was measured.
+    EXPECT_LT(std::ranges::max(curves[3], {}, [](const auto& point) { return point[0]; })[0], (left + right) / 2);
+    EXPECT_GT(curves[3].size(), 150u);
+}
+
+// Two scans over eight decades, one sample out of the plane: points where the model's curve is.
+TEST(Slices, ScansShowSamplesOverTheAngleFromTheMirror) {
+    const auto peak = [](double from_mirror) { return 1e4 * std::pow(10.0, -std::abs(from_mirror) / 10); };
+    const Evaluate model = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            const double l = std::atan2(wl[i].x, wl[i].z), v = std::atan2(-wv[i].x, wv[i].z);
+            out[i].r = out[i].g = out[i].b = float(peak((v - l) / k_degree));
+        }
+    };
+    ScatteredSamples samples;
+    const auto add = [&](double theta_l, double theta_v, double phi) {
+        samples.wl.push_back(to_float(spherical(theta_l * k_degree, 1.0)));
+        samples.wv.push_back(to_float(spherical(theta_v * k_degree, 1 + phi)));
+        const auto f = float(peak(theta_v - theta_l));
+        samples.colour.push_back({f, f, f});
+    };
+    for (const double theta_l : {60.0, 30.0})
+        for (double theta_v = -80; theta_v <= 80; theta_v += 4) add(theta_l, theta_v, k_pi);
+    add(30, 40, 1.0);
+    EXPECT_FALSE(is_in_plane(samples.wl.back(), samples.wv.back()));
+    const std::vector<Scan> scans = scans_in_plane(samples);
+    ASSERT_EQ(scans.size(), 2u);
+    EXPECT_TRUE(near(scans[0].theta_l, 30, 1e-4) && near(scans[1].theta_l, 60, 1e-4));
+    const SliceCurve models[] = {{"fit", "red", model}};
+    for (const Scan& scan : scans) {
+        ASSERT_EQ(scan.degrees.size(), 41u);
+        const std::string svg = scan_drawing(scan, models);
+        const auto curve = curves_of(svg)[0];
+        const std::regex circle("cx='([-0-9.]+)' cy='([-0-9.]+)'");
+        std::size_t points = 0;
+        for (std::sregex_iterator at(svg.begin(), svg.end(), circle), none; at != none; ++at, ++points) {
+            const double x = std::stod((*at)[1]), y = std::stod((*at)[2]);
+            const auto nearest =
+                std::ranges::min(curve, {}, [&](const auto& p) { return std::hypot(p[0] - x, p[1] - y); });
+            EXPECT_LT(std::hypot(nearest[0] - x, nearest[1] - y), 1) << scan.theta_l << " " << x;
+        }
+        EXPECT_EQ(points, 41u);
+    }
+}
+
+TEST(Slices, LobesReachAsFarAsTheyAreBright) {
+    const auto constant = [](float f) -> Evaluate {
+        return [f](auto, auto, std::span<Rgb> out) { std::ranges::fill(out, Rgb{f, f, f}); };
+    };
+    const SliceCurve plotted[] = {{"a", "red", constant(10)},
+                                  {"b", "red", constant(5)},
+                                  {"c", "red", constant(0.1f)},
+                                  {"d", "red", constant(99)}};
+    const double x0 = 180, y0 = 190;
+    const auto radii = [&](LobeScale scale) {
+        std::vector<double> all;
+        for (const auto& curve : curves_of(lobe_drawing(plotted, 0.5, scale))) {
+            const double r = std::hypot(curve[0][0] - x0, curve[0][1] - y0);
+            for (const auto& [x, y] : curve) EXPECT_PRED3(near, std::hypot(x - x0, y - y0), r, 0.15);  // half-circles
+            EXPECT_TRUE(r < 1 ||
+                        (curve.front()[0] < x0 && curve.back()[0] > x0));  // from the light's side to the mirror's
+            all.push_back(r);
+        }
+        return all;
+    };
+    const auto linear = radii(LobeScale::linear), logarithmic = radii(LobeScale::logarithmic);
+    ASSERT_EQ(linear.size(), 4u);
+    EXPECT_PRED3(near, linear[1], linear[0] / 2, 0.2);
+    EXPECT_PRED3(near, linear[2], linear[0] / 100, 0.2);
+    EXPECT_GT(linear[3], linear[0]);  // beyond the scale, but not far
+    EXPECT_LT(linear[3], 1.1 * linear[0]);
+    // The first curve sets the scale, a decade at least.
+    EXPECT_PRED3(near, logarithmic[0], linear[0], 0.2);
+    EXPECT_PRED3(near, logarithmic[1], (1 - std::log10(2)) * linear[0], 0.2);
+    EXPECT_PRED3(near, logarithmic[2], 0, 0.2);
+}
+
+TEST(Slices, OfBothSidesGoAllAround) {
+    // 10 is reflected at the front, 5 at the back, 0.1 transmitted to the back and 1 to the front.
+    const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
+        constexpr float of_part[] = {10, 5, 0.1f, 1};
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            const float value = of_part[std::size_t(to_part_frame(wl[i], wv[i])->part)];
+            out[i] = {value, value, value};
+        }
+    };
+    const SliceCurve plotted[] = {{"a", "red", f, true}};
+    const double x0 = 180, y0 = 186, radius = 140;
+    const auto radii = [&](double theta, LobeScale scale) {  // above and below
+        std::array<double, 2> all{};
+        std::array<int, 2> points{};
+        for (const auto& curve : curves_of(lobe_drawing(plotted, theta, scale)))
+            for (const auto& [x, y] : curve) {
+                if (std::abs(y - y0) < 0.1) continue;  // rounded onto the surface
+                const std::size_t side = y > y0;
+                const double r = std::hypot(x - x0, y - y0);
+                if (points[side]++ == 0) all[side] = r;
+                EXPECT_PRED3(near, r, all[side], 0.2);
+            }
+        EXPECT_GT(points[0], 4);
+        return all;
+    };
+    const auto front = radii(0.5, LobeScale::linear), back = radii(k_pi - 0.5, LobeScale::linear);
+    EXPECT_PRED3(near, front[0], radius, 0.2);
+    EXPECT_PRED3(near, front[1], 0.01 * radius, 0.2);
+    EXPECT_PRED3(near, back[1], radius, 0.2);
+    EXPECT_PRED3(near, back[0], 0.2 * radius, 0.2);
+    // Two decades apart, and one more from the smallest to the centre.
+    EXPECT_PRED3(near, radii(0.5, LobeScale::logarithmic)[1], radius / 3, 0.5);
+    const LuminanceSlice slice = luminance_slice(f, 0.5, true);
+    EXPECT_TRUE(std::ranges::is_sorted(slice.degrees));
+    EXPECT_EQ(slice.degrees.front(), -89);
+    EXPECT_EQ(slice.degrees.back(), 269);
+    EXPECT_EQ(luminance_slice(f, 0.5).degrees.back(), 89);
+
+    Page page;
+    page.title = page.generator = "both";
+    page.materials.push_back({"shade", "kind", {}, f, true, ""});
+    page.table.push_back({"bytes", "", {"1"}});
+    const std::string html = page_html(page);
+    EXPECT_EQ(count(html, "<svg class='slice lobes'"), k_slice_theta.size() + k_slice_theta_behind.size());
+    EXPECT_EQ(count(html, "all around"), 1u);
+}
+
+TEST(Charts, AreLogarithmicInBothDirections) {
+    const Chart chart{"<a> title",
+                      "J",
+                      {1, 4, 16},
+                      {{"a", "red", "", true, {{16, 0.001, "x & y"}, {1, 0.1, ""}, {4, 0.01, ""}}},
+                       {"b", "red", "", false, {{4, 0.02, ""}, {2, 0, ""}, {2, NAN, ""}}}}};
+    const std::string svg = chart_drawing(chart);
+    EXPECT_EQ(svg.find("<a>"), svg.npos);
+    EXPECT_NE(svg.find("x &amp; y"), svg.npos);
+    const auto curves = curves_of(svg);
+    ASSERT_EQ(curves.size(), 1u);  // one of them is joined: in the order of x
+    ASSERT_EQ(curves[0].size(), 3u);
+    for (const int axis : {0, 1})
+        EXPECT_PRED3(near, curves[0][1][std::size_t(axis)],
+                     (curves[0][0][std::size_t(axis)] + curves[0][2][std::size_t(axis)]) / 2, 0.11);
+    EXPECT_LT(curves[0][0][0], curves[0][2][0]);
+    EXPECT_LT(curves[0][0][1], curves[0][2][1]);  // y goes downwards
+    EXPECT_EQ(count(svg, "<circle"), 4u);         // of the second, what can be shown
+    for (const char* label : {">0.1 %<", ">1 %<", ">10 %<", ">16<"}) EXPECT_NE(svg.find(label), svg.npos) << label;
+}
+
+TEST(Html, Base64AndFilledTexts) {
+    const auto encoded = [](std::string_view text) { return base64(std::as_bytes(std::span(text))); };
+    EXPECT_EQ(encoded(""), "");  // RFC 4648
+    EXPECT_EQ(encoded("f"), "Zg==");
+    EXPECT_EQ(encoded("fo"), "Zm8=");
+    EXPECT_EQ(encoded("foobar"), "Zm9vYmFy");
+    const std::pair<std::string_view, std::string> parts[] = {{"a", "{{b}}"}, {"b", "2"}};
+    EXPECT_EQ(filled("x {{a}} {{b}}", parts), "x {{b}} 2");
+}
+
+#ifdef SRBF_RASTER
+RasterMesh mesh_of(const Json& scene) {
+    const std::string name = scene["mesh"];
+    return RasterMesh(name == "own" ? own_mesh() : page_mesh(name));
+}
+
+/// PSNR [dB] over the pixels where either picture is not background.
+double psnr(const std::string& rgba, const Image8& other) {
+    EXPECT_EQ(rgba.size(), 4 * other.pixels.size());
+    double squares = 0, seen = 0;
+    const Rgb8 background = other.pixels[0];
+    for (std::size_t i = 0; i < other.pixels.size(); ++i) {
+        double apart = 0;
+        bool covered = false;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto pixel = std::uint8_t(rgba[4 * i + c]);
+            apart += std::pow(double(pixel) - double(other.pixels[i][c]), 2);
+            covered = covered || pixel != background[c] || other.pixels[i][c] != background[c];
+        }
+        if (covered) squares += apart, seen += 3;
+    }
+    EXPECT_GT(seen, 0.1 * 3 * double(other.pixels.size()));
+    return 10 * std::log10(255 * 255 * seen / std::max(squares, 1e-9));
+}
+
+/// What the desktop's library draws of the scene under the environment that the page says it drew.
+Image8 environment_picture(const Json& of, const PageMaterial& material, Dialect dialect) {
+    const Json& scene = of.at("scene");
+    const auto vector = [](const Json& numbers, std::size_t first) {
+        return Vec3d{numbers[first], numbers[first + 1], numbers[first + 2]};
+    };
+    const int width = of.at("width"), height = of.at("height");
+    std::vector<DirectionalLight> lights;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3f irradiance = to_float(vector(scene["irradiances"], 3 * k));
+        lights.push_back({vector(scene["directions"], 3 * k), {irradiance.x, irradiance.y, irradiance.z}});
+    }
+    RasterView view{.camera = {vector(scene["eye"], 0), vector(scene["target"], 0), {0, 1, 0}, scene["fov"]},
+                    .aspect = double(width) / height,
+                    .lights = lights};
+    const double turned = scene["turned"], s = std::sin(turned), c = std::cos(turned);
+    const Environment studio(halved(load_environment("studio")->texels()));
+    const auto light = RasterEnvironment::make(studio);
+    const auto surface = RasterSurface::make(dialect, width, height, RasterSurface::Points::four);
+    auto shaded = RasterMaterial::make(*material.material, {.dialect = dialect, .environment = true});
+    if (!light || !surface || !shaded) return ADD_FAILURE(), Image8(width, height);
+    const auto* general = std::get_if<PmModel>(&*material.material);
+    const ProposeOptions options{.azimuths = general && !general->axial ? k_anisotropic_azimuths : 1};
+    shaded->set_proposal(is_two_sided(*material.material) ? propose_parts(material.brdf, options)
+                                                          : Proposals(propose(material.brdf, options)));
+    auto mean = RasterMean::make(*surface);
+    if (!mean) return ADD_FAILURE(), Image8(width, height);
+    const RasterMesh mesh = mesh_of(scene);
+    const int samples = scene["samples"];
+    for (int i = 0; i < samples; ++i) {
+        view.shift = sample_shift(i, width, height);
+        surface->draw(mesh, view);
+        mean->add(*shaded, *surface, view, {&*light, {{c, 0, -s}, {0, 1, 0}, {s, 0, c}}, LightDraws::both});
+    }
+    Image radiance(width, height);
+    const auto pixels = mean->picture().read_floats();
+    for (std::size_t i = 0; i < pixels.size(); ++i) radiance.pixels[i] = {pixels[i][0], pixels[i][1], pixels[i][2]};
+    return shown({radiance, std::vector<float>(pixels.size(), 1)}, scene["exposure"]);
+}
+
+/// What the desktop's library draws of the scene that the page says it drew.
+Image8 desktop_picture(const Json& of, const RasterMaterial& material) {
+    const Json& scene = of.at("scene");
+    const auto vector = [](const Json& numbers, std::size_t first) {
+        return Vec3d{numbers[first], numbers[first + 1], numbers[first + 2]};
+    };
+    const int width = of.at("width"), height = of.at("height");
+    const Camera camera{vector(scene["eye"], 0), vector(scene["target"], 0), {0, 1, 0}, scene["fov"]};
+    std::vector<DirectionalLight> lights;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3f irradiance = to_float(vector(scene["irradiances"], 3 * k));
+        lights.push_back({vector(scene["directions"], 3 * k), {irradiance.x, irradiance.y, irradiance.z}});
+    }
+    const auto target = RasterTarget::make(width, height, 4, RasterTarget::Format::bytes);
+    if (!target) return ADD_FAILURE() << message(target.error()), Image8(width, height);
+    const RasterMesh mesh = mesh_of(scene);
+    target->begin();
+    material.draw(mesh, {camera, double(width) / height, lights, float(scene["exposure"])});
+    return target->read_bytes();
+}
+
+/// The horizontal middle of what is brightest.
+double middle_of_highlights(const std::string& rgba, int width) {
+    double sum = 0, weight = 0;
+    for (std::size_t i = 0; i < rgba.size() / 4; ++i) {
+        const double bright = std::pow(double(std::uint8_t(rgba[4 * i + 1])) / 255, 8);
+        sum += bright * double(i % std::size_t(width)), weight += bright;
+    }
+    return sum / weight;
+}
+
+TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
+    auto context = OffscreenContext::make();
+    if (!context) GTEST_SKIP() << message(context.error());
+    const Page page = all_kinds();
+    const TemporaryFolder folder;
+    write(folder / "page.html", page_html(page));
+    const std::string script = (std::filesystem::path(SRBF_SOURCE_DIR) / "extras/render/test/page.py").string();
+    const int status =
+        std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='{}/test' python3 '{}' '{}' '{}' > '{}' 2>&1",
+                                SRBF_SOURCE_DIR, script,
+                                (folder / "page.html").string(), folder.path.string(), (folder / "said").string())
+                        .c_str());
+    const std::string said = contents(folder / "said");
+    if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << said;
+    ASSERT_EQ(status, 0) << said;
+    const Json result = Json::parse(contents(folder / "result.json"));
+    const Json &with = result["with"], &without = result["without"];
+    EXPECT_EQ(with["problems"], Json::array());
+    for (const std::string request : with["requests"])  // a blob is the page's own worker
+        EXPECT_TRUE(request.starts_with("file:") || request.starts_with("blob:") || request == "about:blank")
+            << request;
+    EXPECT_LE(int(with["phone"][0]), int(with["phone"][1]));
+    for (const auto& [state, labels] : with["labels"].items()) {
+        EXPECT_EQ(labels["wrong"], Json::array()) << state;
+        EXPECT_GT(int(labels["seen"]), 100) << state;
+    }
+    // While a file is read, pictures are under the other environment; afterwards nothing is said.
+    EXPECT_EQ(with["read"], Json({"Reading flat.hdr ..", "studio", "file", ""}));
+
+    std::vector<RasterMaterial> materials;
+    for (const PageMaterial& of : page.materials) {
+        auto made = RasterMaterial::make(*of.material, {.dialect = context->dialect()});
+        ASSERT_TRUE(made) << message(made.error());
+        materials.push_back(*std::move(made));
+    }
+    std::map<std::string, Json> of_first;  // of each step the first picture
+    std::map<std::string, std::string> pixels;
+    std::map<std::string, int> count;
+    for (const Json& of : with["pictures"]) {
+        const std::string step = of["step"], rgba = contents(folder / std::string(of["file"]));
+        const std::size_t material = of["material"];
+        const bool lit_around = step.starts_with("studio");
+        const double alike =
+            psnr(rgba, lit_around ? environment_picture(of, page.materials[material], context->dialect())
+                                  : desktop_picture(of, materials[material]));
+        EXPECT_GE(alike, 40) << step << ", material " << material;
+        if (of_first.emplace(step, of).second) pixels[step] = rgba;
+        std::unordered_set<std::uint32_t> colours;  // there is something to see
+        for (std::size_t i = 0; i < rgba.size(); i += 4)
+            colours.insert(std::uint32_t(std::uint8_t(rgba[i])) << 16 | std::uint32_t(std::uint8_t(rgba[i + 1])) << 8 |
+                           std::uint8_t(rgba[i + 2]));
+        EXPECT_GT(colours.size(), 500u) << step << ", material " << material;
+        EXPECT_GE(int(of["scene"]["samples"]), lit_around ? 12 : 0);
+        ++count[step];
+    }
+    EXPECT_EQ(count["opened"], int(page.materials.size()));
+    for (const char* step : {"one", "turned", "lit", "other", "knot"}) EXPECT_EQ(count[step], 1) << step;
+
+    // What a step changes, and what it does not.
+    EXPECT_EQ(of_first["one"]["material"], 1);
+    EXPECT_EQ(of_first["other"]["material"], 0);
+    EXPECT_EQ(of_first["lit"]["scene"], of_first["other"]["scene"]);
+    EXPECT_TRUE(pixels["lit"] != pixels["other"]);
+    EXPECT_NE(of_first["one"]["scene"]["eye"], of_first["turned"]["scene"]["eye"]);
+    EXPECT_EQ(of_first["one"]["scene"]["directions"], of_first["turned"]["scene"]["directions"]);
+    EXPECT_EQ(of_first["turned"]["scene"]["eye"], of_first["lit"]["scene"]["eye"]);
+    EXPECT_TRUE(pixels["turned"] != pixels["lit"]);
+    EXPECT_GT(middle_of_highlights(pixels["lit"], of_first["lit"]["width"]),
+              middle_of_highlights(pixels["turned"], of_first["lit"]["width"]) + 5);
+    EXPECT_EQ(of_first["opened"]["scene"]["mesh"], "own");
+    EXPECT_EQ(of_first["knot"]["scene"]["mesh"], "knot");
+    EXPECT_EQ(of_first["knot"]["scene"]["irradiances"], Json({3, 3, 3, 0, 0, 0, 0, 0, 0}));
+    EXPECT_TRUE(pixels["again"] == pixels["opened"]);
+    // The light behind the object is beyond the plane through its middle, and is seen through it.
+    EXPECT_EQ(count["behind"], 1);
+    const Json behind = of_first["behind"]["scene"];
+    double facing = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+        facing += double(behind["directions"][k]) * (double(behind["eye"][k]) - double(behind["target"][k]));
+    EXPECT_LT(facing, 0);
+    EXPECT_EQ(behind["irradiances"], Json({3, 3, 3, 0, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(count["phone"], 2);  // one over the other
+    EXPECT_NE(of_first["phone one"]["scene"]["eye"], of_first["swiped"]["scene"]["eye"]);
+
+    // Under an environment.
+    EXPECT_EQ(count["studio"], 3);
+    EXPECT_EQ(of_first["studio"]["scene"]["irradiances"], Json(std::vector<int>(9, 0)));
+    EXPECT_EQ(of_first["studio turned"]["scene"]["eye"], of_first["studio"]["scene"]["eye"]);
+    EXPECT_GT(double(of_first["studio turned"]["scene"]["turned"]), 0.1);
+    EXPECT_EQ(of_first["studio and lights"]["scene"]["irradiances"][0], 3);
+    const Json& refused = with["refused"];
+    for (const char* file : {"text.hdr", "cut.hdr", "cut.exr", "huge.hdr"})
+        EXPECT_TRUE(std::string(refused[file]).starts_with(file)) << refused[file];
+    EXPECT_NE(std::string(refused["huge.hdr"]).find("4096 MB"), std::string::npos) << refused["huge.hdr"];
+    EXPECT_NE(std::string(refused["lost"]).find("graphics"), std::string::npos) << refused["lost"];
+    EXPECT_EQ(refused["restored"], "");
+
+    // Where a browser cannot draw.
+    EXPECT_EQ(without["said"], 1);
+    EXPECT_EQ(without["viewer"], 0);
+    EXPECT_EQ(without["rows"], int(page.table.size()));
+    EXPECT_EQ(without["slices"], int(k_slice_theta.size()));
+    EXPECT_EQ(without["problems"], Json::array());
+}
+#endif
+
+}  // namespace
+}  // namespace srbf::page_test

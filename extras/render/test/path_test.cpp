@@ -1,0 +1,530 @@
+// Path tracing: furnace tests, closed forms of direct light, and equal pictures by all sampling strategies.
+#include "extras/render/path.h"
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+
+#include "models.h"
+#include "program.h"
+#include "extras/render/exr.h"
+#include "extras/render/rays.h"
+#include "srbf/file.h"
+#include "su_models.h"
+
+namespace srbf::path_test {
+namespace {
+
+const Environment& even_light() {
+    static const Environment environment(Image(8, 4, {1, 1, 1}));
+    return environment;
+}
+const Mesh& ball_mesh() {
+    static const Mesh mesh = sphere(64);
+    return mesh;
+}
+
+/// A sphere of that BRDF, without ground.
+struct Unmeasured {};
+Rgb value(const Unmeasured&, Vec3f, Vec3f) { return {NAN, NAN, NAN}; }
+
+/// 0.01 / cosθv of the light, without bound where the viewer grazes.
+struct Grazing {};
+Rgb value(const Grazing&, Vec3f, Vec3f wv) {
+    const float f = 0.01f / (float(k_pi) * wv.z);
+    return {f, f, f};
+}
+
+PathScene sphere_scene(const PreparedBrdf& brdf, const Environment* environment) {
+    PathScene scene{{{&ball_mesh(), 0}}, {brdf}, {}, {}, {}, environment};
+    scene.camera = camera_of(ball_mesh(), {}, 1);
+    return scene;
+}
+PathOptions small(int samples, int size = 24) {
+    PathOptions options;
+    options.width = options.height = size;
+    options.samples = samples;
+    return options;
+}
+
+/// A square of 20 × 20 about the origin that faces +z, seen from (0, 0, 5) with a field of view so small that it is a
+/// single point.
+const Mesh& plane_mesh() {
+    static const Mesh mesh{{{-10, -10, 0}, {10, -10, 0}, {10, 10, 0}, {-10, 10, 0}},
+                           std::vector<Vec3f>(4, {0, 0, 1}),
+                           {{0, 1, 2}, {0, 2, 3}},
+                           {}};
+    return mesh;
+}
+PathScene plane_scene(const PreparedBrdf& brdf) {
+    PathScene scene{{{&plane_mesh(), 0}}, {brdf}, {}, {}, {}, nullptr};
+    scene.camera = {{0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 1e-4};
+    return scene;
+}
+
+struct Mean {
+    double value, deviation;
+};
+/// Statistics of the green channel of all pixels, as independent samples of one number.
+Mean mean_of(const Image& image) {
+    double sum = 0, squares = 0;
+    for (const Rgb& pixel : image.pixels) sum += double(pixel.g), squares += double(pixel.g) * double(pixel.g);
+    const double n = double(image.pixels.size()), mean = sum / n;
+    return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / n)};
+}
+
+/// A glossy model, and other representations of it.
+PmModel glossy() {
+    PmModel model;
+    model.lobes = 2;
+    model.variates = 1;
+    model.coefficient = {{0.2f, 0.2f, 0.2f}, {1.5f, 1.5f, 1.5f}};
+    model.log_scale = {0, 0};
+    model.centre = {{0, 0, 1}, {0, 0, 1}};
+    model.bandwidth = {0, 60};
+    model.parameterization = {{1, 1}};
+    return model;
+}
+
+/// A BSDF of both sides that scatters or passes all light: a quarter is reflected, as much transmitted, half passes
+/// unscattered.
+PreparedBsdf lossless() {
+    BsdfModel bsdf;
+    const auto quarter = std::make_shared<const Model>(Model{GgxModel{{0.25f, 0.25f, 0.25f}, {{1, {}, 0}}}, {}});
+    bsdf.part[std::size_t(Part::reflection_front)] = bsdf.part[std::size_t(Part::transmission_front)] = quarter;
+    bsdf.beam[2] = {{0.f, float(k_pi / 2)}, {{0.5f, 0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}}};
+    return prepare_bsdf(Model{bsdf, {}}, {.threads = 1});
+}
+
+TEST(Path, ThinSphereInEvenLightIsWhite) {
+    PathScene scene = sphere_scene(diffuse({}), &even_light());
+    scene.materials = {lossless()};
+    PathOptions options = small(256);
+    options.bounces = 64;
+    const Mean mean = mean_of(render_paths(scene, options).rendering.radiance);
+    EXPECT_PRED3(near, mean.value, 1, 3 * mean.deviation + 0.003);
+}
+
+/// Through a plane in front of light on one side, from either side: what passes unscattered and what is transmitted.
+TEST(Path, LightPassesThroughAPlane) {
+    for (const double eye : {5.0, -5.0}) {
+        PathScene scene = plane_scene(diffuse({}));
+        scene.materials = {lossless()};
+        scene.camera.eye.z = eye;
+        // A square light beyond it, which covers a cone about the axis; E is its irradiance over its radiance.
+        const float z = eye > 0 ? -2.f : 2.f;
+        AreaLight light{{-1, -1, z}, {2, 0, 0}, {0, 2, 0}, {1, 1, 1}};
+        if (eye < 0) std::swap(light.x, light.y);  // towards the plane
+        scene.area_lights = {light};
+        const double h = 2, q = std::sqrt(1 + h * h), form = 4 / k_pi * 1 / q * std::atan(1 / q);
+        const Mean mean = mean_of(render_paths(scene, small(64, 32)).rendering.radiance);
+        EXPECT_PRED3(near, mean.value, 0.5 + 0.25 * form, 4 * mean.deviation + 1e-3) << eye;
+    }
+}
+
+TEST(Path, WhiteSphereInEvenLightIsWhite) {
+    const PmModel model = [] {
+        PmModel white = glossy();
+        white.coefficient = {{float(1 / k_pi), float(1 / k_pi), float(1 / k_pi)}, {0, 0, 0}};
+        return white;
+    }();
+    const MixtureProposal mixture = propose(evaluator(model));
+    for (const PreparedBrdf& brdf : {diffuse({1, 1, 1}), prepare(model, mixture)}) {
+        const PathPicture picture = render_paths(sphere_scene(brdf, &even_light()), small(400, 32));
+        const Mean mean = mean_of(picture.rendering.radiance);
+        EXPECT_TRUE(near(mean.value, 1, 1e-3)) << mean.value;
+    }
+}
+
+TEST(Path, NothingIsLostBetweenWhiteSurfaces) {
+    // A white ball on white ground: after interreflection all light leaves the scene.
+    PathScene scene = sphere_scene(diffuse({1, 1, 1}), &even_light());
+    const Mesh ground = ground_below(ball_mesh(), scene.camera.up, 4);
+    scene.bodies.push_back({&ground, 0});
+    PathOptions options = small(200, 32);
+    options.bounces = 1000;
+    const Mean mean = mean_of(render_paths(scene, options).rendering.radiance);
+    EXPECT_TRUE(near(mean.value, 1, 3e-3)) << mean.value;
+    options.bounces = 1;
+    EXPECT_LT(mean_of(render_paths(scene, options).rendering.radiance).value, 0.97);
+}
+
+TEST(Path, DirectionalLightIsTheClosedForm) {
+    PathScene scene = plane_scene(diffuse({0.5f, 0.5f, 0.5f}));
+    const double theta = 50 * k_degree;
+    scene.lights = {{spherical(theta, 1.0), {3, 3, 3}}};
+    const PathPicture picture = render_paths(scene, small(1, 4));
+    for (const Rgb& pixel : picture.rendering.radiance.pixels)
+        EXPECT_TRUE(near(double(pixel.g), 0.5 / k_pi * 3 * std::cos(theta), 1e-5));
+}
+
+TEST(Path, AreaLightIsTheClosedForm) {
+    // Irradiance at the point below a corner of a square s × s at height d; four of them form the light.
+    const double s = 2, d = 1.5, x = s / d;
+    const double quarter = x / std::sqrt(1 + x * x) * std::atan(x / std::sqrt(1 + x * x));  // times L
+    for (const bool glossy_surface : {false, true}) {
+        const PmModel model = glossy();
+        PathScene scene =
+            plane_scene(glossy_surface ? prepare(model, propose(evaluator(model))) : diffuse({0.5f, 0.5f, 0.5f}));
+        const float t = float(2 * s);
+        scene.area_lights = {{{float(-s), float(-s), float(d)}, {0, t, 0}, {t, 0, 0}, {2, 2, 2}}};  // shines to -z
+        scene.camera.eye = {3, 0, 4};
+        const Mean mean = mean_of(render_paths(scene, small(300)).rendering.radiance);
+        if (!glossy_surface) {
+            EXPECT_TRUE(near_relative(mean.value, 0.5 / k_pi * 2 * 4 * quarter, 4e-3)) << mean.value;
+        } else {
+            double expected = 0;  // by points of the square
+            const Vec3f wv = normalize(Vec3f{3, 0, 4});
+            constexpr int n = 400;
+            for (int i = 0; i < n; ++i)
+                for (int j = 0; j < n; ++j) {
+                    const Vec3d p{s * (2 * (i + 0.5) / n - 1), s * (2 * (j + 0.5) / n - 1), d};
+                    const double r = std::sqrt(dot(p, p));
+                    expected += double(value(model, to_float((1 / r) * p), wv).g) * 2 * (d / r) * (d / r) / (r * r) *
+                                (2 * s / n) * (2 * s / n);
+                }
+            EXPECT_TRUE(near(mean.value, expected, 5 * mean.deviation + 1e-3 * expected))
+                << mean.value << ' ' << expected;
+        }
+        // From behind it is dark, and so it is to a viewer below it.
+        scene.camera.eye = {3, 0, 1};
+        scene.area_lights[0] = {{float(-s), float(-s), float(d)}, {t, 0, 0}, {0, t, 0}, {2, 2, 2}};
+        EXPECT_EQ(mean_of(render_paths(scene, small(4)).rendering.radiance).value, 0);
+    }
+}
+
+TEST(Path, LightsAreSeen) {
+    PathScene scene = plane_scene(diffuse({0, 0, 0}));
+    scene.area_lights = {{{-1, -1, 2}, {2, 0, 0}, {0, 2, 0}, {7, 8, 9}}};
+    const PathPicture picture = render_paths(scene, small(1, 4));
+    EXPECT_EQ(picture.rendering.radiance.at(1, 1), (Rgb{7, 8, 9}));
+}
+
+TEST(Path, AllWaysToDrawGiveOnePicture) {
+    const Environment light([] {
+        Image image(16, 8, {0.2f, 0.2f, 0.2f});
+        image.at(3, 2) = {30, 30, 30};
+        return image;
+    }());
+    const PmModel model = glossy();
+    const SuModel su = isotropic_su(64);
+    const auto with = [&](const auto& brdf, const Proposal& proposal) {
+        return mean_of(render_paths(sphere_scene(prepare(brdf, proposal), &light), small(100, 40)).rendering.radiance);
+    };
+    // The pixels differ by what they show as well, so that the deviation is an upper bound.
+    const auto expect_one = [](Mean a, Mean b) {
+        EXPECT_TRUE(near(a.value, b.value, 0.01 * b.value)) << a.value << ' ' << b.value;
+    };
+    expect_one(with(model, CosineProposal{}), with(model, propose(evaluator(model))));
+    expect_one(with(su, CosineProposal{}), with(su, propose(su)));
+}
+
+/// A map of the two lobes of `glossy`, by the coefficients of each texel.
+Library glossy_map(std::vector<std::array<Rgb, 2>> texels, std::uint64_t width) {
+    Library map;
+    map.basis = glossy();
+    map.basis.coefficient = {{1, 1, 1}, {1, 1, 1}};
+    map.stored = 2, map.width = width;
+    map.error.assign(texels.size(), 0);
+    for (const auto& [diffuse, gloss] : texels) map.coefficient.insert(map.coefficient.end(), {diffuse, gloss});
+    return map;
+}
+
+TEST(Path, AConstantMapIsItsModel) {
+    const std::array<Rgb, 2> texel{{{0.2f, 0.1f, 0.05f}, {1.5f, 1.5f, 1.5f}}};
+    const Library map = glossy_map(std::vector(6, texel), 3);
+    const PreparedMap prepared = prepare_map(map);
+    PathScene scene = sphere_scene(prepare(material(map, 0)), &even_light());
+    const auto drawn = [&](const PathMaterial& material, std::uint64_t seed) {
+        scene.materials = {material};
+        PathOptions options = small(64);
+        options.bounces = 1, options.seed = seed;
+        return render_paths(scene, options).rendering.radiance;
+    };
+    const Mean model = mean_of(drawn(scene.materials[0], 1)), same = mean_of(drawn(prepared, 2));
+    EXPECT_PRED3(near, same.value, model.value, 1e-3);
+    // Values alone, without noise.
+    scene.environment = nullptr;
+    scene.lights = {{normalize(Vec3d{-1, 1, 2}), {1, 1, 1}}};
+    const Image expected = drawn(prepare(material(map, 0)), 1), found = drawn(prepared, 1);
+    for (std::size_t i = 0; i < found.pixels.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            EXPECT_PRED3(near, found.pixels[i][c], expected.pixels[i][c], 1e-5 + 1e-4 * double(expected.pixels[i][c]));
+}
+
+TEST(Path, AMapShowsEachOfItsTexels) {
+    const std::array<Rgb, 2> red{{{0.2f, 0, 0}, {}}}, green{{{0, 0.2f, 0}, {}}};
+    Mesh mesh = plane_mesh();  // u to the right, the first row at the top
+    mesh.texture = {{{{0, 1}, {1, 1}, {1, 0}}}, {{{0, 1}, {1, 0}, {0, 0}}}};
+    PathScene scene{{{&mesh, 0}}, {prepare_map(glossy_map({red, green, green, green}, 2))}, {}, {}, {}, nullptr};
+    scene.lights = {{{0, 0, 1}, {1, 1, 1}}};
+    const auto at = [&](double x, double y) {
+        scene.camera = {{x, y, 5}, {x, y, 0}, {0, 1, 0}, 1e-4};
+        const Rgb f = render_paths(scene, small(1, 1)).rendering.radiance.pixels[0];
+        return std::array<double, 2>{double(f.r), double(f.g)};
+    };
+    const auto expect = [&](double x, double y, double of_red) {
+        EXPECT_PRED3(near, at(x, y)[0], 0.2 * of_red, 1e-5) << x << ' ' << y;
+        EXPECT_PRED3(near, at(x, y)[1], 0.2 * (1 - of_red), 1e-5) << x << ' ' << y;
+    };
+    expect(-5, 5, 1);  // the middles of texels
+    expect(5, 5, 0);
+    expect(-5, -5, 0);
+    expect(0, 5, 0.5);  // between them
+    expect(-2.5, 2.5, 0.75 * 0.75);
+    expect(-10, 5, 0.5);  // where the map is repeated
+}
+
+/// The mean of draws is the albedo, and their variance not much more than by the texel's own mixture.
+TEST(Path, TexelsAreDrawnFromTheirLobes) {
+    std::mt19937_64 random(5);
+    for (const bool axial : {true, false}) {
+        const Library map = random_map(random, {.axial = axial, .lobes = 4, .most_bandwidth = 200}, 4, 2);
+        const PreparedMap prepared = prepare_map(map);
+        const std::size_t t = 5;
+        const PreparedBrdf own = prepare(material(map, t)),
+                           shared = brdf_at(prepared, {(float(t % 4) + 0.5f) / 4, (float(t / 4) + 0.5f) / 2});
+        for (const double z : {0.2, 0.7}) {
+            const Vec3f wv = to_float(spherical(std::acos(z), 1.0));
+            std::array<double, 2> mean{}, squares{};
+            constexpr int draws = 20000;
+            for (int i = 0; i < draws; ++i) {
+                const Vec2f u{float(uniform(random)), float(uniform(random))};
+                const float selector = float(uniform(random));
+                for (const std::size_t k : {0, 1}) {
+                    const LightSample drawn = sample(k == 0 ? own : shared, wv, u, selector);
+                    mean[k] += double(drawn.weight.g) / draws;
+                    squares[k] += double(drawn.weight.g) * double(drawn.weight.g) / draws;
+                }
+            }
+            const auto variance = [&](std::size_t k) { return squares[k] - mean[k] * mean[k]; };
+            EXPECT_PRED3(near, mean[1], mean[0], 4 * std::sqrt((variance(0) + variance(1)) / draws)) << axial;
+            EXPECT_LT(variance(1), 2 * variance(0) + 0.15 * mean[0] * mean[0]) << axial << z;
+        }
+    }
+}
+
+TEST(Path, EnvironmentStandsUpright) {
+    Image image(16, 8);
+    for (int x = 0; x < 16; ++x) image.at(x, 0) = image.at(x, 1) = {1, 1, 1};  // above
+    const Environment above(image);
+    PathScene scene = plane_scene(diffuse({1, 1, 1}));
+    scene.environment = &above;
+    scene.camera.eye = {0, -0.1, 5};
+    // With the plane's normal upwards its light is above; with another axis upwards it comes from the side.
+    scene.camera.up = {0, 0, 1};
+    const double upright = mean_of(render_paths(scene, small(50)).rendering.radiance).value;
+    scene.camera.up = {0, 0, -1};
+    EXPECT_TRUE(near(mean_of(render_paths(scene, small(50)).rendering.radiance).value, 0, 1e-6));
+    // cos² of half the angle: the sine squared of 45°, and a texel's rows beyond by bilinearity.
+    EXPECT_TRUE(upright > 0.45 && upright < 0.6) << upright;
+}
+
+TEST(Path, PictureDoesNotDependOnThreads) {
+    const PmModel model = glossy();
+    const PathScene scene = sphere_scene(prepare(model, propose(evaluator(model))), &even_light());
+    PathOptions options = small(3, 50);
+    options.threads = 1;
+    const PathPicture one = render_paths(scene, options);
+    options.threads = 0;
+    int calls = 0;
+    double last = 0;
+    options.progress = [&](double part) { ++calls, last = part; };
+    const PathPicture all = render_paths(scene, options);
+    EXPECT_EQ(one.rendering.radiance, all.rendering.radiance);
+    EXPECT_EQ(one.first.normal, all.first.normal);
+    EXPECT_EQ(one.rays, all.rays);
+    EXPECT_EQ(calls, 16);
+    EXPECT_EQ(last, 1);
+    options.seed = 1;
+    EXPECT_NE(one.rendering.radiance, render_paths(scene, options).rendering.radiance);
+}
+
+TEST(Path, FirstHitsAreThoseOfTheSphere) {
+    PathScene scene = sphere_scene(diffuse({0.25f, 0.5f, 0.75f}), nullptr);
+    scene.lights = {{{0, 0, 1}, {1, 1, 1}}};
+    const PathPicture picture = render_paths(scene, small(16, 33));
+    const auto middle = std::size_t(16 * 33 + 16);
+    EXPECT_TRUE(near(double(picture.first.normal.pixels[middle].b), 1, 0.01));
+    EXPECT_TRUE(near(double(picture.first.albedo.pixels[middle].g), 0.5, 1e-5));
+    const Vec3d eye = scene.camera.eye;
+    EXPECT_TRUE(near(double(picture.first.depth[middle]), std::sqrt(dot(eye, eye)) - 1, 0.01));
+    EXPECT_EQ(picture.rendering.coverage[middle], 1);
+    EXPECT_EQ(picture.rendering.coverage[0], 0);
+    EXPECT_EQ(picture.first.depth[0], 0);
+    EXPECT_EQ(picture.rendering.radiance.pixels[0], Rgb{});
+}
+
+TEST(Path, WhatWasNotMeasuredIsBlack) {
+    const PreparedBrdf unmeasured = prepare(Unmeasured{}, CosineProposal{});
+    const PathPicture picture = render_paths(sphere_scene(unmeasured, &even_light()), small(2));
+    for (const Rgb& pixel : picture.rendering.radiance.pixels) EXPECT_TRUE(is_finite(pixel));
+    EXPECT_EQ(picture.rendering.radiance.at(12, 12), Rgb{});
+}
+
+/// Nobody grazes a surface by less than 0.01, also not where an interpolated normal points away.
+TEST(Path, TheRimIsBounded) {
+    PathScene scene = sphere_scene(prepare(Grazing{}, CosineProposal{}), &even_light());
+    PathOptions options = small(4, 128);
+    options.occlusion = false;
+    float most = 0, least = 1;
+    for (const Rgb& pixel : render_paths(scene, options).rendering.radiance.pixels)
+        most = std::max(most, pixel.g), least = std::min(least, pixel.g);
+    EXPECT_LE(most, 1.01f);    // that of the environment
+    EXPECT_LE(least, 0.011f);  // that of the middle of the sphere
+}
+
+TEST(Path, RaysLeaveAllThreadsToTheProcess) {
+    using Control = tbb::global_control;
+    const auto most = [] { return Control::active_value(Control::max_allowed_parallelism); };
+    const std::size_t before = most();
+    const Rays rays({&ball_mesh()});
+    EXPECT_EQ(most(), before);
+}
+
+TEST(Path, RaysFindWhatIsNearest) {
+    std::mt19937_64 random(1);
+    const Mesh mesh = sphere(10), other = knot(40, 8);
+    const Rays rays({&mesh, &other});
+    int hits = 0;
+    for (int i = 0; i < 300; ++i) {
+        const Vec3d origin = 3.0 * random_direction(random),
+                    direction = normalize(0.7 * random_direction(random) - origin);
+        // Möller and Trumbore's test of every triangle.
+        double nearest = 1e30;
+        for (const Mesh* m : {&mesh, &other})
+            for (const Triangle& t : m->triangles) {
+                const Vec3d a = to_double(m->positions[t[0]]), e1 = to_double(m->positions[t[1]]) - a,
+                            e2 = to_double(m->positions[t[2]]) - a, p = cross(direction, e2), s = origin - a,
+                            q = cross(s, e1);
+                const double det = dot(e1, p), u = dot(s, p) / det, v = dot(direction, q) / det, at = dot(e2, q) / det;
+                if (u >= 0 && v >= 0 && u + v <= 1 && at > 0) nearest = std::min(nearest, at);
+            }
+        const auto hit = rays.closest(to_float(origin), to_float(direction));
+        ASSERT_EQ(hit.has_value(), nearest < 1e30);
+        if (!hit) continue;
+        ++hits;
+        EXPECT_TRUE(near(double(hit->distance), nearest, 1e-4));
+        EXPECT_TRUE(near(double(dot(hit->geometric_normal, hit->geometric_normal)), 1, 1e-5));
+        EXPECT_TRUE(rays.occluded(to_float(origin), to_float(direction), hit->distance + 0.01f));
+        EXPECT_FALSE(rays.occluded(to_float(origin), to_float(direction), hit->distance - 0.01f));
+    }
+    EXPECT_GT(hits, 100);
+}
+
+/// Of the sizes that a mesh may have when it is read.
+TEST(Path, SceneOfAnySizeIsOnePicture) {
+    std::vector<Image> pictures;
+    for (const float scale : {1.f, 0x1p-23f, 0x1p22f}) {
+        Mesh mesh = ball(24);
+        for (Vec3f& p : mesh.positions) p = scale * p;
+        const Scene of = scene_of(mesh, {}, 1);
+        const Mesh floor = ground_below(of.mesh, of.camera.up);
+        const PathScene scene{
+            {{&of.mesh, 0}, {&floor, 0}}, {diffuse({0.5f, 0.5f, 0.5f})}, of.camera, of.lights, {}, &even_light()};
+        pictures.push_back(render_paths(scene, small(16)).rendering.radiance);
+    }
+    for (const Image& picture : pictures)
+        for (std::size_t i = 0; i < picture.pixels.size(); ++i)
+            EXPECT_TRUE(near(picture.pixels[i].g, pictures[0].pixels[i].g, 0.1)) << i;
+}
+
+TEST(Path, GroundIsBelow) {
+    const Mesh ground = ground_below(ball_mesh(), {0, 1, 0}, 3);
+    for (const Vec3f& p : ground.positions) EXPECT_TRUE(near(double(p.y), -1, 1e-6));
+    const Bounds box = bounds(ground);
+    EXPECT_TRUE(near(double(box.most.x - box.least.x), 6, 1e-4));
+    const Vec3f normal = cross(ground.positions[1] - ground.positions[0], ground.positions[2] - ground.positions[0]);
+    EXPECT_GT(normal.y, 0);
+}
+
+/// The program's way with good and bad input.
+class PathCommand : public testing::Test {
+  protected:
+    void SetUp() override {
+        const PmModel model = glossy();
+        ASSERT_TRUE(save_model({model, {}}, folder / "a.srbf").ok());
+    }
+    ProgramRun render(std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), {"render", "a.srbf", "--size", "32x24", "--spp", "2"});
+        return run(folder, arguments);
+    }
+    void expect_refused(const std::vector<std::string>& arguments, const std::string& part) {
+        const auto before = folder.files();
+        const ProgramRun result = render(arguments);
+        EXPECT_EQ(result.status, 1) << result.err;
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+        EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+        EXPECT_EQ(folder.files(), before);
+    }
+    const TemporaryFolder folder;
+};
+
+TEST_F(PathCommand, PicturesAreWritten) {
+    EXPECT_EQ(render({"-o", "a.png", "--aov"}).status, 0);
+    for (const char* name : {"a.png", "a.normal.png", "a.albedo.png", "a.depth.png"})
+        EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+    EXPECT_EQ(render({"-o", "a.exr", "--aov", "--lights", "softbox", "--env", "none"}).status, 0);
+    const auto image = read_exr(*read_file(folder / "a.exr"), "a.exr");
+    ASSERT_TRUE(image.ok());
+    EXPECT_EQ(image->width, 32);
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.exr.normal.png"));
+}
+
+TEST_F(PathCommand, PicturesAreCompared) {
+    ASSERT_EQ(render({"-o", "a.exr"}).status, 0);
+    // The same picture, from a file and made anew.
+    for (const char* reference : {"a.exr", "a.srbf"}) {
+        const ProgramRun result = render({"-o", "b.png", "--compare", reference, "--json", "-"});
+        EXPECT_EQ(result.status, 0) << result.err;
+        EXPECT_NE(result.out.find("\"flip\": 0.0"), std::string::npos) << result.out;
+        EXPECT_TRUE(std::filesystem::exists(folder / "b.difference.png"));
+    }
+    EXPECT_EQ(render({"-o", "b.png", "--compare", "a.exr", "--json", "c.json", "--seed", "1"}).status, 0);
+    EXPECT_EQ(contents(folder / "c.json").find("\"flip\": 0.0,"), std::string::npos);
+    const Image other(16, 16);
+    ASSERT_TRUE(write_exr(16, 16, channels_of(other), folder / "other.exr").ok());
+    expect_refused({"-o", "d.png", "--compare", "other.exr"}, "size of the reference");
+}
+
+TEST_F(PathCommand, BadInputIsRefused) {
+    write(folder / "bad.hdr", "#?RADIANCE\n\n-Y 4 +X 4\n1234");
+    write(folder / "bad.ply",
+          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+          "element face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n");
+    expect_refused({"-o", "b.png", "--env", "bad.hdr"}, "bad.hdr");
+    expect_refused({"-o", "b.png", "--env", "missing.hdr"}, "missing.hdr");
+    expect_refused({"-o", "b.png", "--mesh", "bad.ply"}, "bad.ply");
+    expect_refused({"-o", "missing/b.png"}, "missing");
+    expect_refused({"-o", "missing/b.exr"}, "missing");
+    expect_refused({"-o", "b.png", "--compare", "missing.bsdf"}, "missing.bsdf");
+    EXPECT_EQ(render({"-o", "b.png", "--spp", "0"}).status, 2);
+    EXPECT_EQ(render({"-o", "b.png", "--lights", "moon"}).status, 2);
+}
+
+TEST_F(PathCommand, MapsAreDrawnOnMeshesWithPlaces) {
+    Library map = glossy_map({{{{0.2f, 0, 0}, {}}}, {{{0, 0.2f, 0}, {}}}}, 2);
+    ASSERT_TRUE(write_file(folder / "map.srbf", write_library(map)).ok());
+    write(folder / "bare.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+    EXPECT_EQ(render({"map.srbf", "-o", "b.png"}).status, 0);
+    EXPECT_EQ(render({"map.srbf#1,0", "-o", "b.png", "--mesh", "bare.obj"}).status, 0);
+    expect_refused({"map.srbf", "-o", "c.png", "--mesh", "bare.obj"}, "texture coordinates");
+    expect_refused({"map.srbf", "-o", "c.png", "--scene", "room"}, "scene of a map");
+    expect_refused({"map.srbf", "-o", "c.png", "--draw", "cosine"}, "draws of a map");
+    map.width = 0;
+    ASSERT_TRUE(write_file(folder / "library.srbf", write_library(map)).ok());
+    expect_refused({"library.srbf", "-o", "c.png"}, "library.srbf");
+}
+
+TEST_F(PathCommand, TexelsThatAreNoRadianceAreCounted) {
+    Image image(8, 4, {1, 1, 1});
+    image.at(2, 1) = {-1, 1, 1};
+    image.at(3, 1) = {NAN, 1, 1};
+    ASSERT_TRUE(write_exr(8, 4, channels_of(image), folder / "e.exr").ok());
+    const ProgramRun result = render({"-o", "b.png", "--env", "e.exr"});
+    EXPECT_EQ(result.status, 0);
+    EXPECT_NE(result.err.find("e.exr: 2 texels"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace srbf::path_test

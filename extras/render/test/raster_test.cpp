@@ -1,0 +1,509 @@
+// Pictures of a graphics library agree with the CPU's evaluation of the same text at the same positions and normals.
+#include "extras/render/raster.h"
+#include "dialects.h"
+#include "extras/render/path.h"
+
+#include <map>
+
+#include "models.h"
+#include "models/pm/search/fit_pm.h"
+#include "models/su/fit_su.h"
+#include "program.h"
+#include "extras/render/exr.h"
+#include "extras/render/shading.h"
+#include "srbf/convert.h"
+#include "srbf/file.h"
+#include "srbf/half.h"
+#include "srbf/kernel.h"
+#include "su_models.h"
+
+namespace srbf::raster_test {
+namespace {
+
+constexpr int k_width = 160, k_height = 120;
+
+/// f_r as the texts that the shader is made of have it, on the CPU.
+Rgb rgb(Vec3f f) { return {f.x, f.y, f.z}; }
+Rgb by_text(const GgxModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
+Rgb by_text(const OpenPbrModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
+Rgb by_text(const PmModel& model, Vec3f wl, Vec3f wv) { return rgb(Kernel<float>::pm_value(model, wl, wv)); }
+Rgb by_text(const SuModel& model, Vec3f wl, Vec3f wv) {
+    const bool by_view = model.discretise == Discretise::view;
+    const Vec3f of_lobes = by_view ? wl : wv, sampled = by_view ? wv : wl;
+    if (model.interpolation == SuInterpolation::rotated)
+        return rgb(Kernel<float>::su_rotated_value(model, of_lobes, sampled));
+    const IndexTexture& index = *model.index;
+    const NearestViews& nearest = index.texels[texel_of(index.map, index.size, sampled)];
+    return rgb(Kernel<float>::su_plain_value(model, nearest, of_lobes, sampled, model.neighbours));
+}
+Rgb by_text(const MerlTable& table, Vec3f wl, Vec3f wv) { return value(table, wl, wv); }
+Rgb by_text(const BsdfModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
+Rgb by_text(const BsdfTables& tables, Vec3f wl, Vec3f wv) { return value(tables.part, wl, wv); }
+Rgb by_text(const Flat&, Vec3f, Vec3f) { return {Flat::k_value, Flat::k_value, Flat::k_value}; }
+
+/// The scene's positions and normals, a pixel each, as the library interpolates them.
+struct Pixels {
+    std::vector<Float4> positions, normals;
+};
+
+class Raster : public InEachDialect {
+  protected:
+    static RasterView view_of(const Scene& scene, float exposure = 1) {
+        return {scene.camera, double(k_width) / k_height, scene.lights, exposure};
+    }
+
+    Pixels pixels_of(const Scene& scene) {
+        const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
+        if (!surface) return ADD_FAILURE() << message(surface.error()), Pixels();
+        surface->draw(RasterMesh(scene.mesh), view_of(scene));
+        return {surface->read_positions(), surface->read_normals()};
+    }
+
+    /// In one pass, or in two.
+    Image8 shown(const Scene& scene, const Material& material, float exposure, PixelInput input) {
+        constexpr auto bytes = RasterTarget::Format::bytes;
+        const RasterMesh mesh(scene.mesh);
+        const RasterView view = view_of(scene, exposure);
+        const auto of = RasterMaterial::make(material, {.dialect = GetParam(), .input = input});
+        const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
+        if (!of || !surface) return ADD_FAILURE() << message(of ? surface.error() : of.error()), Image8();
+        const auto target = input == PixelInput::surface ? RasterTarget::make_for(*surface, bytes)
+                                                         : RasterTarget::make(k_width, k_height, 1, bytes);
+        if (!target) return ADD_FAILURE() << message(target.error()), Image8();
+        target->begin();
+        if (input == PixelInput::surface) {
+            surface->draw(mesh, view);
+            of->draw(*surface, view);
+        } else {
+            of->draw(mesh, view);
+        }
+        return target->read_bytes();
+    }
+
+    /// The radiance of each pixel that the surface covers, else NaN.
+    template <typename B> Image radiance(const Scene& scene, const Pixels& surface, const B& brdf) {
+        using Text = Shading<float>;
+        constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+        Image image(k_width, k_height, {nan, nan, nan});
+        for (std::size_t i = 0; i < surface.positions.size(); ++i) {
+            const auto [x, y, z, covered] = surface.positions[i];
+            const auto [nx, ny, nz, also] = surface.normals[i];
+            if (covered == 0) continue;
+            const Vec3f to_viewer = normalize(to_float(scene.camera.eye) - Vec3f{x, y, z});
+            const auto frame = Text::surface_frame_about(Text::visible_normal({nx, ny, nz}, to_viewer));
+            const Vec3f wv = Text::to_surface(frame, to_viewer);
+            Rgb& sum = image.pixels[i] = {};
+            for (const DirectionalLight& light : scene.lights) {
+                const Vec3f wl = Text::to_surface(frame, to_float(light.towards));
+                if (!(wl.z > 0)) continue;
+                const Rgb f = by_text(brdf, wl, wv);
+                for (int c = 0; c < 3; ++c) sum[c] += wl.z * f[c] * light.irradiance[c];
+            }
+        }
+        return image;
+    }
+
+    /// PSNR [dB] of the library's 8-bit picture against the CPU's, over the pixels that the mesh covers.
+    double psnr(const Material& material, const Scene& scene, PixelInput input = PixelInput::triangles) {
+        Pixels& surface = surfaces[&scene];
+        if (surface.positions.empty()) surface = pixels_of(scene);
+        const Image expected = std::visit([&](const auto& of) { return radiance(scene, surface, of); }, material);
+        const float exposure = automatic_exposure(expected);
+        EXPECT_LT(exposure, 1e6);  // there is something to see
+        const Image8 picture = shown(scene, material, exposure, input);
+        double squares = 0, count = 0;
+        for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
+            if (surface.positions[i][3] == 0) continue;
+            const Rgb8 pixel = to_srgb8(expected.pixels[i], exposure);
+            for (std::size_t c = 0; c < 3; ++c, ++count) {
+                const double apart = double(pixel[c]) - double(picture.pixels[i][c]);
+                squares += apart * apart;
+            }
+        }
+        EXPECT_GT(count, 0.1 * k_width * k_height);
+        return 10 * std::log10(255 * 255 * count / squares);
+    }
+    std::map<const Scene*, Pixels> surfaces;
+};
+
+const Scene& sphere_scene() {
+    static const Scene scene = scene_of(sphere(), {}, double(k_width) / k_height);
+    return scene;
+}
+const Scene& knot_scene() {
+    static const Scene scene = scene_of(knot(), {.azimuth = 0.4}, double(k_width) / k_height);
+    return scene;
+}
+
+const Measured& film() {
+    static const Measured measured = *load_measured(bundled_data() / "cc_ibiza_sunset_rgb.bsdf");
+    return measured;
+}
+const SuModel& film_su() {
+    static const SuModel model = [] {
+        SuFitOptions options;
+        options.lobes = 5;
+        options.objective = Objective::cube_root;
+        return rounded(fit_su(*tabulate(signed_evaluator(film())), options)->model);
+    }();
+    return model;
+}
+
+const PmModel& film_pm() {
+    static const PmModel model = [] {
+        FitOptions options;
+        options.lobes = 8, options.variates = 4, options.starts = 2, options.perturbations = 0;
+        return rounded(fit_pm(*observe(signed_evaluator(film()), {.count = 8192}), options)->model);
+    }();
+    return model;
+}
+
+TEST_P(Raster, MultivariateModelsLookAsOnTheCpu) {
+    std::mt19937_64 random(1);
+    for (const PmForm form : k_forms)
+        for (const bool axial : {true, false})
+            for (const auto& [lobes, variates] : {std::pair{3, 3}, {2, 5}}) {
+                const PmModel model = random_model(random, {.axial = axial,
+                                                            .log_scale = lobes == 3,
+                                                            .lobes = lobes,
+                                                            .variates = variates,
+                                                            .most_bandwidth = 30,
+                                                            .form = form});
+                const auto& [scene, input] = lobes == 3 ? std::pair{&sphere_scene(), PixelInput::triangles}
+                                                        : std::pair{&knot_scene(), PixelInput::surface};
+                EXPECT_GE(psnr(model, *scene, input), 50) << name(form) << ' ' << axial << ' ' << lobes;
+            }
+    EXPECT_GE(psnr(film_pm(), sphere_scene()), 50);
+    EXPECT_GE(psnr(film_pm(), knot_scene()), 50);
+    EXPECT_GE(psnr(film_pm(), knot_scene(), PixelInput::surface), 50);
+}
+
+TEST_P(Raster, LambertAndGgxLookAsOnTheCpu) {
+    const GgxModel model{{0.1f, 0.2f, 0.4f}, {{0.1f, {0.1f, 0.05f, 0.02f}, 0.9f}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}};
+    EXPECT_GE(psnr(model, sphere_scene()), 50);
+    EXPECT_GE(psnr(GgxModel{model.diffuse, {model.lobes[0]}}, knot_scene(), PixelInput::surface), 50);
+}
+
+TEST_P(Raster, SurfacesLookAsOnTheCpu) {
+    OpenPbrModel model;
+    model.base_color = {0.6f, 0.3f, 0.1f}, model.base_metalness = 0.4f, model.base_diffuse_roughness = 0.5f;
+    model.coat_weight = 0.7f, model.coat_color = {0.9f, 0.8f, 0.7f}, model.coat_roughness = 0.2f;
+    model.fuzz_weight = 0.5f, model.fuzz_color = {0.1f, 0.2f, 0.4f};
+    EXPECT_GE(psnr(model, sphere_scene()), 50);
+    model.thin_film_weight = 0.8f, model.thin_film_thickness = 0.4f;
+    EXPECT_GE(psnr(model, knot_scene(), PixelInput::surface), 50);
+    model.specular_roughness_anisotropy = 0.7f, model.specular_rotation = 0.1f;
+    EXPECT_GE(psnr(model, sphere_scene()), 50);
+}
+
+TEST_P(Raster, ViewByViewModelsLookAsOnTheCpu) {
+    SuModel model = film_su();
+    EXPECT_GE(psnr(model, sphere_scene()), 45);
+    EXPECT_GE(psnr(model, knot_scene()), 45);
+    model.interpolation = SuInterpolation::plain;
+    for (const DirectionMap map : {DirectionMap::cube, DirectionMap::parabolic}) {
+        model.index = index_texture(model, map);
+        for (const Discretise discretise : {Discretise::view, Discretise::light})
+            for (const int neighbours : {map == DirectionMap::cube ? 7 : 1, 3}) {
+                model.discretise = discretise, model.neighbours = neighbours;
+                const Scene& scene = neighbours == 3 ? knot_scene() : sphere_scene();
+                EXPECT_GE(psnr(model, scene), 45) << name(map) << ' ' << name(discretise) << ' ' << neighbours;
+            }
+    }
+    EXPECT_GE(psnr(film_su(), knot_scene(), PixelInput::surface), 45);
+    // Sharp lobes, other for each view.
+    std::mt19937_64 random(2);
+    SuModel sharp = random_su(random, 1536, 3, true);
+    for (float& lambda : sharp.bandwidth) lambda *= 30;
+    EXPECT_GE(psnr(sharp, sphere_scene()), 45);
+}
+
+TEST_P(Raster, MeasurementsLookAsOnTheCpu) {
+    MerlTable table = to_merl(evaluator(film()));
+    EXPECT_GE(psnr(table, sphere_scene()), 45);
+    EXPECT_GE(psnr(table, knot_scene()), 45);
+    // What was not measured shows as such, not as what is beside it.
+    for (std::size_t i = 0; i < table.cells.size(); ++i)
+        if (i / 180 % 90 > 20) table.cells[i].r = table.cells[i].g = table.cells[i].b = std::nanf("");
+    EXPECT_GE(psnr(table, sphere_scene()), 30);
+    const Image8 picture = shown(sphere_scene(), table, 1, PixelInput::triangles);
+    EXPECT_GT(std::ranges::count(picture.pixels, k_not_measured), k_width * k_height / 20);
+}
+
+/// Root of the mean square of the differences of two pictures.
+double apart(const Image8& a, const Image8& b) {
+    double squares = 0;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double d = double(a.pixels[i][c]) - double(b.pixels[i][c]);
+            squares += d * d;
+        }
+    return std::sqrt(squares / (3 * double(a.pixels.size())));
+}
+
+TEST_P(Raster, NothingPopsAsTheViewTurns) {
+    // A model's pictures change between frames no more than the measurement's do: over a full turn of 64 frames and,
+    // where the object itself hardly moves, over steps of a quarter of a degree.
+    SuModel plain = film_su();
+    plain.interpolation = SuInterpolation::plain;
+    const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
+    ASSERT_TRUE(surface) << message(surface.error());
+    const auto target = RasterTarget::make_for(*surface, RasterTarget::Format::bytes);
+    ASSERT_TRUE(target) << message(target.error());
+    const RasterMesh mesh(knot_scene().mesh);
+    std::vector<RasterMaterial> made;
+    for (const Material& material : {Material(to_merl(evaluator(film()))), Material(film_su()), Material(plain)}) {
+        auto of = RasterMaterial::make(material, {.dialect = GetParam(), .input = PixelInput::surface});
+        ASSERT_TRUE(of) << message(of.error());
+        made.push_back(*std::move(of));
+    }
+    const auto images_at = [&](double degrees) {
+        const double aspect = double(k_width) / k_height;
+        const Camera camera = camera_of(knot_scene().mesh, {.azimuth = degrees * k_degree}, aspect);
+        const RasterView view{camera, aspect, knot_scene().lights, 3};
+        surface->draw(mesh, view);
+        std::vector<Image8> images;
+        for (const RasterMaterial& of : made) {
+            target->begin();
+            of.draw(*surface, view);
+            images.push_back(target->read_bytes());
+        }
+        return images;
+    };
+    const auto expect_alike = [](const std::vector<Image8>& a, const std::vector<Image8>& b, double degrees) {
+        const double measured = apart(a[0], b[0]);
+        EXPECT_GT(measured, 1);
+        for (const std::size_t i : {1u, 2u}) EXPECT_LE(apart(a[i], b[i]), 1.1 * measured) << i << ' ' << degrees;
+    };
+    std::vector<Image8> last = images_at(0);
+    for (int frame = 1; frame <= 64; ++frame) {
+        const double degrees = frame * 360.0 / 64;
+        if (frame % 4 == 0) expect_alike(last, images_at((frame - 1) * 360.0 / 64 + 0.25), degrees);
+        std::vector<Image8> images = images_at(degrees);
+        expect_alike(last, images, degrees);
+        last = std::move(images);
+    }
+}
+
+TEST_P(Raster, NumbersAreReplacedWithoutANewProgram) {
+    std::mt19937_64 random(3);
+    const RandomModelOptions options{.axial = false, .lobes = 4, .variates = 3, .most_bandwidth = 30};
+    const PmModel first = random_model(random, options), second = random_model(random, options);
+    const auto target = RasterTarget::make(k_width, k_height, 1, RasterTarget::Format::bytes);
+    auto of = RasterMaterial::make(first, {.dialect = GetParam()});
+    ASSERT_TRUE(target && of);
+    const RasterMesh mesh(sphere_scene().mesh);
+    of->update(second);
+    target->begin();
+    of->draw(mesh, view_of(sphere_scene(), 2));
+    const Image8 updated = target->read_bytes();
+    EXPECT_EQ(updated, shown(sphere_scene(), second, 2, PixelInput::triangles));
+    EXPECT_NE(updated, shown(sphere_scene(), first, 2, PixelInput::triangles));
+}
+
+TEST_P(Raster, SamplesSmoothOutlines) {
+    // Only the silhouette pixels of a white sphere lie between object and background.
+    const auto between = [&](int samples) {
+        const auto target = RasterTarget::make(k_width, k_height, samples, RasterTarget::Format::floats);
+        const auto of = RasterMaterial::make(Flat{}, {.dialect = GetParam(), .output = PixelOutput::radiance});
+        if (!target || !of) return ADD_FAILURE(), -1L;
+        EXPECT_EQ(target->samples(), samples);
+        target->begin();
+        of->draw(RasterMesh(sphere_scene().mesh), view_of(sphere_scene()));
+        const auto pixels = target->read_floats();
+        return long(std::ranges::count_if(pixels, [](const Float4& p) { return p[3] > 0 && p[3] < 1; }));
+    };
+    EXPECT_EQ(between(1), 0);
+    EXPECT_GT(between(4), k_height);
+    EXPECT_LT(between(4), 6 * k_height);
+}
+
+TEST_P(Raster, TheInsideOfAnOpenSurfaceIsSeenWithItsNormalTurned) {
+    Scene scene = sphere_scene();  // its back alone
+    std::erase_if(scene.mesh.triangles, [&](const Triangle& t) { return scene.mesh.positions[t[0]].z > 0; });
+    scene.camera = {{0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 0.5};
+    const Pixels inside = pixels_of(scene);
+    double seen = 0;
+    for (std::size_t i = 0; i < inside.positions.size(); ++i) {
+        const auto& [x, y, z, covered] = inside.positions[i];
+        if (covered == 0) continue;
+        ++seen;
+        const auto& n = inside.normals[i];
+        ASSERT_TRUE(near(n[0], -x, 1e-5) && near(n[1], -y, 1e-5) && near(n[2], -z, 1e-5));
+    }
+    EXPECT_GT(seen, 0.3 * k_height * k_height);
+    const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
+    ASSERT_TRUE(surface);
+    RasterView view = view_of(scene);
+    view.back_faces = false;
+    surface->draw(RasterMesh(scene.mesh), view);
+    EXPECT_EQ(std::ranges::count_if(surface->read_positions(), [](const Float4& p) { return p[3] > 0; }), 0);
+}
+
+TEST_P(Raster, WhatIsTooLargeIsRefused) {
+    std::mt19937_64 random(4);
+    const auto model = random_model(random, {.axial = false, .lobes = k_most_lobes, .variates = k_most_variates});
+    const auto material = RasterMaterial::make(model, {.dialect = GetParam()});
+    ASSERT_FALSE(material);
+    EXPECT_NE(message(material.error()).find("uniform buffer: expected at most"), std::string::npos);
+    const auto target = RasterTarget::make(1 << 20, 1, 1, RasterTarget::Format::bytes);
+    ASSERT_FALSE(target);
+    EXPECT_NE(message(target.error()).find("1048576 x 1"), std::string::npos);
+    EXPECT_FALSE(RasterSurface::make(GetParam(), 1, 1 << 20));
+}
+
+TEST(Render, WritesAPictureOfEachFileSideBySide) {
+    if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
+    const TemporaryFolder folder;
+    ASSERT_TRUE(save_model({film_pm(), {}}, folder / "pm.srbf").ok());
+    ASSERT_TRUE(save_model({film_su(), {}}, folder / "su.srbf").ok());
+    const ProgramRun made = run(folder, {"render", bundled_data() / "cc_ibiza_sunset_rgb.bsdf", "su.srbf", "pm.srbf",
+                                         "--renderer", "raster", "--mesh", "knot", "--size", "160x120", "-o", "x.png"});
+    EXPECT_EQ(made.status, 0) << made.err;
+    EXPECT_EQ(made.err, "");
+    const std::string png = contents(folder / "x.png");
+    ASSERT_TRUE(png.starts_with("\x89PNG\r\n\x1a\n"));
+    const auto number = [&](std::size_t at) { return 256 * std::uint8_t(png[at + 2]) + std::uint8_t(png[at + 3]); };
+    EXPECT_EQ(number(16), 3 * 160);
+    EXPECT_EQ(number(20), 120 + 20);  // with a strip of captions
+    // Of what is not isotropic there is no table.
+    write(folder / "a.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
+    const ProgramRun refused = run(folder, {"render", "a.csv", "--renderer", "raster", "-o", "a.png"});
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.err.find("expected an isotropic one, found an anisotropic one"), std::string::npos)
+        << refused.err;
+}
+
+constexpr int k_traced = 96;  // pixels across of pictures of paths
+
+/// Direct light by the path tracer.
+Rendering traced(const Scene& scene, const PreparedBsdf& brdf) {
+    const PathScene paths{{{&scene.mesh, 0}}, {brdf}, scene.camera, scene.lights, {}};
+    PathOptions options;
+    options.width = options.height = k_traced, options.samples = 16, options.bounces = 1, options.occlusion = false,
+    options.threads = 1;
+    return render_paths(paths, options).rendering;
+}
+
+/// PSNR [dB] against the path tracer's, where the object covers pixels as a whole.
+double psnr_to(const Rendering& expected, const Scene& scene, const Material& material) {
+    const auto drawn = rasterize(scene, std::vector<Material>{material}, k_traced, k_traced, 4);
+    if (!drawn) return ADD_FAILURE() << message(drawn.error()), 0;
+    const float exposure = automatic_exposure(expected.radiance);
+    double squares = 0, count = 0;
+    for (std::size_t i = 0; i < expected.coverage.size(); ++i) {
+        if (!(expected.coverage[i] == 1 && (*drawn)[0].coverage[i] == 1)) continue;
+        const Rgb8 a = to_srgb8(expected.radiance.pixels[i], exposure),
+                   b = to_srgb8((*drawn)[0].radiance.pixels[i], exposure);
+        for (std::size_t c = 0; c < 3; ++c, ++count) squares += std::pow(double(a[c]) - double(b[c]), 2);
+    }
+    EXPECT_GT(count, 0.2 * k_traced * k_traced);
+    return 10 * std::log10(255 * 255 * count / squares);
+}
+
+TEST(Rasterize, BothSidesAreLitFromBothSides) {
+    if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
+    const Model ggx{rough_bsdf(), {}};
+    BsdfModel lobes = full_bsdf(5);
+    lobes.part[1].reset(), lobes.part[3].reset();
+    BsdfTables tables;
+    const Evaluate values = evaluator(ggx);
+    for (std::size_t p = 0; p < k_parts; ++p)
+        tables.part[p] = std::make_shared<const MerlTable>(to_merl(part_of(values, Part(p)), {64, 45, 48}));
+    const PreparedBsdf by_ggx = prepare_bsdf(ggx, {.threads = 1}),
+                       by_lobes = prepare_bsdf(Model{lobes, {}}, {.threads = 1});
+    Scene outside = scene_of(sphere(96), {}, 1), inside = outside;
+    std::erase_if(inside.mesh.triangles, [&](const Triangle& t) {
+        return dot(to_double(inside.mesh.positions[t[0]]), inside.camera.eye) > 0;
+    });
+    for (Scene* scene : {&outside, &inside})
+        for (const bool behind : {false, true}) {
+            if (behind) scene->lights = {light_behind(scene->camera)};
+            const Rendering of_ggx = traced(*scene, by_ggx), of_lobes = traced(*scene, by_lobes);
+            EXPECT_GE(psnr_to(of_ggx, *scene, rough_bsdf()), 42) << behind;
+            EXPECT_GE(psnr_to(of_lobes, *scene, lobes), 40) << behind;
+            EXPECT_GE(psnr_to(of_ggx, *scene, tables), 40) << behind;
+            // Another model is told apart.
+            EXPECT_LT(psnr_to(of_ggx, *scene, lobes), 30) << behind;
+        }
+}
+
+TEST(Render, DrawsALightBehind) {
+    if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
+    const TemporaryFolder folder;
+    ASSERT_TRUE(save_model({rough_bsdf(), {}}, folder / "both.srbf").ok());
+    ASSERT_TRUE(save_model(*rough_bsdf().part[0], folder / "front.srbf").ok());
+    const auto render = [&](const char* file, const char* renderer) {
+        std::vector<std::string> command{"render",   file,     "--renderer", renderer, "--env", "none",
+                                         "--lights", "behind", "--mesh",     "sphere", "--spp", "16",
+                                         "--size",   "64x64",  "-o",         "x.exr"};
+        if (renderer == std::string("path")) command.insert(command.end(), {"--no-ground", "--no-occlusion"});
+        const ProgramRun made = run(folder, command);
+        EXPECT_EQ(made.status, 0) << made.err;
+        const auto bytes = read_file(folder / "x.exr");
+        if (!bytes) return Image(64, 64);
+        return *read_exr(*bytes, "x.exr");
+    };
+    const Image by_raster = render("both.srbf", "raster"), by_paths = render("both.srbf", "path"),
+                opaque = render("front.srbf", "raster");
+    // The middle of the picture faces away from the light.
+    EXPECT_GT(by_raster.at(32, 32).g, 0.01f);
+    EXPECT_PRED3(near_relative, by_raster.at(32, 32).g, by_paths.at(32, 32).g, 0.02);
+    EXPECT_EQ(opaque.at(32, 32), Rgb{});
+}
+
+TEST(Rasterize, GivesRadianceAndCoverage) {
+    const auto of = rasterize(sphere_scene(), std::vector<Material>{Flat{}, film_su()}, k_width, k_height);
+    if (!of) GTEST_SKIP() << message(of.error());
+    ASSERT_EQ(of->size(), 2u);
+    double covered = 0;
+    for (const float share : (*of)[0].coverage) covered += double(share);
+    // The sphere fills the picture but for the margin, seen in perspective as a disc.
+    EXPECT_TRUE(near_relative(covered, k_pi * std::pow((1 - k_margin) * k_height / 2, 2), 0.02));
+    EXPECT_EQ((*of)[0].coverage, (*of)[1].coverage);
+    // Where the key light falls straight in, f E.
+    float most = 0;
+    for (const Rgb& pixel : (*of)[0].radiance.pixels) most = std::max(most, pixel.r);
+    EXPECT_GT(most, 2.95f * Flat::k_value);
+    EXPECT_LT(most, 3.6f * Flat::k_value);
+}
+
+// One program draws models of any number of lobes, forms and centres, after others: as their own programs do.
+TEST_P(Raster, AnOpenTextDrawsAnyModel) {
+    std::mt19937_64 random(7);
+    const Scene scene = scene_of(sphere(), {}, double(k_width) / k_height);
+    const RasterMesh mesh(scene.mesh);
+    const auto target = RasterTarget::make(k_width, k_height, 1, RasterTarget::Format::bytes);
+    ASSERT_TRUE(target);
+    for (const bool axial : {true, false}) {
+        const auto first = random_model(random, {.axial = axial, .lobes = 9, .variates = 4});
+        auto open = RasterMaterial::make(first, {.dialect = GetParam(), .open = true});
+        ASSERT_TRUE(open);
+        for (const PmForm form : k_forms)
+            for (const int lobes : {1, 5, k_most_open_lobes}) {
+                const auto model =
+                    random_model(random, {.axial = axial, .lobes = lobes, .variates = 2 + lobes % 3, .form = form});
+                ASSERT_EQ(shader_text(first, {.dialect = GetParam(), .open = true}).fragment,
+                          shader_text(model, {.dialect = GetParam(), .open = true}).fragment);
+                open->update(model);
+                const auto own = RasterMaterial::make(model, {.dialect = GetParam()});
+                ASSERT_TRUE(own);
+                std::array<Image8, 2> pictures;
+                for (std::size_t i = 0; i < 2; ++i) {
+                    target->begin();
+                    (i == 0 ? *open : *own).draw(mesh, view_of(scene, 0.3f));
+                    pictures[i] = target->read_bytes();
+                }
+                int most = 0;
+                for (std::size_t i = 0; i < pictures[0].pixels.size(); ++i)
+                    for (std::size_t c = 0; c < 3; ++c)
+                        most = std::max(most, std::abs(pictures[0].pixels[i][c] - pictures[1].pixels[i][c]));
+                EXPECT_LE(most, 1) << name(form) << ' ' << lobes;
+            }
+    }
+}
+
+IN_EACH_DIALECT(Raster);
+
+}  // namespace
+}  // namespace srbf::raster_test

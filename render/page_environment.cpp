@@ -1,8 +1,0 @@
-#include "render/environment.h"
-#include "render/page.h"
-
-namespace srbf {
-
-Image page_environment() { return halved(load_environment(std::string(k_built_in_environment))->texels()); }
-
-}  // namespace srbf

@@ -27,7 +27,7 @@ const std::vector<std::vector<std::string>> k_levels{
     {"src/samples"},
     {"src/models"},
     {"src/prepared", "src/fit"},
-    {"src/code", "extras/maps", "extras/environment"},
+    {"src/code", "extras/maps", "extras/environment", "extras/optics", "extras/daylight"},
     {"render"},
     {"app"},
     {"extras/view", "extras/report"},

@@ -374,6 +374,7 @@ inline const NamedTarget k_targets[] = {
     {"speos", check_speos},
     {"openmaterial", [](auto bytes) { check_measured(read_openmaterial(bytes, "f")); }},
     {"bird", [](auto bytes) { check_measured(read_bird(bytes, "f")); }},
+    {"fred", [](auto bytes) { check_answers(read_measured(bytes, "f")); }},
     {"columns",
      [](auto bytes) {
          check_answers(

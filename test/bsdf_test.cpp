@@ -1,5 +1,4 @@
 // BSDFs: their parts, models and files, sampling over the sphere, and fits of both sides.
-#include "bsdf_files.h"
 #include "models.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"

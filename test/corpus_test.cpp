@@ -1,6 +1,7 @@
-// Every file that the fuzzers began with or once found: fuzz/corpus/TARGET/.
+// Every file that the fuzzers began with or once found.
 #include "../fuzz/targets.h"
 
+#include "corpus.h"
 #include "properties.h"
 #include "temporary_folder.h"
 
@@ -8,8 +9,9 @@ namespace srbf::corpus_test {
 namespace {
 
 TEST(Corpus, BreaksNoPromise) {
+    const auto folders = corpora();
     for (const NamedTarget& target : k_targets) {
-        const auto folder = std::filesystem::path(SRBF_SOURCE_DIR) / "fuzz" / "corpus" / std::string(target.name);
+        const std::filesystem::path& folder = folders.at(std::string(target.name));
         int files = 0;
         for (const auto& entry : std::filesystem::directory_iterator(folder)) {
             const std::string bytes = contents(entry.path());

@@ -27,7 +27,7 @@ const std::vector<std::vector<std::string>> k_levels{
     {"src/samples"},
     {"src/models"},
     {"src/prepared", "src/fit"},
-    {"src/code", "extras/maps"},
+    {"src/code", "extras/maps", "extras/optics", "extras/daylight"},
     {"extras/environment/code"},
     {"app"},
     {"extras/render"},

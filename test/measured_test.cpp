@@ -1,4 +1,5 @@
 // Damaged files: an Error that says what is wrong, or a table that keeps its contract; never a crash.
+#include "corpus.h"
 #include "measured/formats/formats.h"
 #include "measured_files.h"
 #include "srbf/file.h"
@@ -165,14 +166,14 @@ TEST(DamagedInput, IsToldInPlainWords) {
 Bytes large_file(const Format& format) {
     if (format.name == "UTIA") return Bytes(format.size({}));
     if (format.name == "MERL") return merl_file({50, 50, 50}, [](auto...) { return 1; });
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(SRBF_SOURCE_DIR "/fuzz/corpus")) {
-        if (!entry.is_regular_file()) continue;
-        const std::string text = contents(entry.path());
-        Bytes bytes(as_bytes(text).begin(), as_bytes(text).end());
-        if (format_of(bytes) != &format) continue;
-        bytes.resize(3'000'000, std::byte('\n'));
-        return bytes;
-    }
+    for (const auto& [target, folder] : corpora())
+        for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+            const std::string text = contents(entry.path());
+            Bytes bytes(as_bytes(text).begin(), as_bytes(text).end());
+            if (format_of(bytes) != &format) continue;
+            bytes.resize(3'000'000, std::byte('\n'));
+            return bytes;
+        }
     return {};
 }
 

@@ -8,6 +8,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include "corpus.h"
 #include "models.h"
 #include "one_target.h"
 #include "srbf/fit.h"
@@ -142,11 +143,14 @@ TEST_P(PreparedOn, BelowTheHorizonIsNothing) {
 /// A BRDF or BSDF of each kind and format.
 std::vector<AnyBrdf> all_kinds() {
     std::vector<AnyBrdf> all;
-    for (const char* folder :
-         {"test/models/1", "fuzz/corpus/model", "fuzz/corpus/measured", "fuzz/corpus/bsdf_xml", "fuzz/corpus/bird",
-          "fuzz/corpus/speos", "fuzz/corpus/zemax", "fuzz/corpus/openmaterial"})
-        for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(SRBF_SOURCE_DIR) / folder))
+    const auto add = [&](const std::filesystem::path& folder) {
+        for (const auto& entry : std::filesystem::directory_iterator(folder))
             if (auto brdf = load_brdf(entry.path().string())) all.push_back(*std::move(brdf));
+    };
+    add(std::filesystem::path(SRBF_SOURCE_DIR) / "test/models/1");
+    for (const auto& [target, folder] : corpora())
+        if (target == "model" || target == "measured" || folder.string().find("extras") != std::string::npos)
+            add(folder);
     return all;
 }
 /// Pairs with a direction that is not above the horizon; `on_sides`: on neither side of the surface.

@@ -7,9 +7,9 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
+#include "extras/daylight/klems.h"
+#include "extras/daylight/tree_beam.h"
 #include "fit/requests.h"
-#include "measured/klems.h"
-#include "measured/tree_beam.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/fit_bsdf.h"

@@ -76,10 +76,6 @@ Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, con
 /// Rows of numbers with the names of columns, in the text or in `options`.
 Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name,
                                           const ReadOptions& options);
-Result<ScatteredSamples> read_openmaterial_samples(std::span<const std::byte> bytes, const std::string& file_name);
-Result<ScatteredSamples> read_bird_samples(std::span<const std::byte> bytes, const std::string& file_name);
-/// FRED's text: `type bsdf_data`, `format angles=deg bsdf=value scale=1`, then lines of θ_l φ_l and of θ_v φ_v f [1/sr].
-Result<ScatteredSamples> read_fred_samples(std::span<const std::byte> bytes, const std::string& file_name);
 Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
 
 /// Azimuths [rad] within this are equal: files state them with four digits or more. Components of directions too.
@@ -192,9 +188,5 @@ bool is_alta(std::string_view text);
 bool is_csv(std::string_view text);
 /// True if one of the comments before the header of a CSV is "both sides".
 bool is_csv_of_both_sides(std::string_view text);
-bool is_xml(std::string_view text);
-bool is_fred(std::string_view text);
-bool is_openmaterial(std::string_view text);
-bool is_bird(std::string_view text);
 
 }  // namespace srbf

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 
+#include "extras/daylight/formats.h"
+#include "extras/optics/formats.h"
 #include "measured/bytes.h"
 #include "measured/samples.h"
-#include "measured/scatter.h"
 #include "srbf/file.h"
 
 namespace srbf {

@@ -1,5 +1,5 @@
 // Tensor trees of Radiance: their text and their look-up.
-#include "measured/tensor_tree.h"
+#include "extras/daylight/tensor_tree.h"
 
 #include <fmt/format.h>
 

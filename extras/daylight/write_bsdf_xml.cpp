@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/r_sequence.h"
-#include "measured/klems.h"
+#include "extras/daylight/klems.h"
 #include "srbf/convert.h"
 #include "srbf/elementary.h"
 #include "srbf/printable.h"

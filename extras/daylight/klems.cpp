@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "measured/klems.h"
+#include "extras/daylight/klems.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -1,7 +1,7 @@
 // Tensor trees: their text, their look-up, real ones, and what is refused; BSDF XML that is written.
-#include "measured/tensor_tree.h"
-#include "bsdf_files.h"
-#include "measured/tree_beam.h"
+#include "extras/daylight/tensor_tree.h"
+#include "extras/daylight/test/bsdf_files.h"
+#include "extras/daylight/tree_beam.h"
 #include "properties.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"

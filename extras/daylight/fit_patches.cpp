@@ -6,9 +6,9 @@
 
 #include "base/floating_point.h"
 #include "base/r_sequence.h"
+#include "extras/daylight/klems.h"
 #include "fit/requests.h"
 #include "measured/isotropy.h"
-#include "measured/klems.h"
 #include "models/ggx/fit_ggx.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"

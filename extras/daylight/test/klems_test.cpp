@@ -1,6 +1,6 @@
 // Matrices of patches: bases, look-up, beams, a real roller shade, and what is refused.
-#include "measured/klems.h"
-#include "bsdf_files.h"
+#include "extras/daylight/klems.h"
+#include "extras/daylight/test/bsdf_files.h"
 #include "properties.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"

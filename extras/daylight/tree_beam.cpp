@@ -1,10 +1,10 @@
-#include "measured/tree_beam.h"
+#include "extras/daylight/tree_beam.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/r_sequence.h"
-#include "measured/klems.h"
+#include "extras/daylight/klems.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 

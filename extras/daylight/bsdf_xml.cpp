@@ -8,9 +8,10 @@
 #include <pugixml.hpp>
 
 #include "base/floating_point.h"
-#include "measured/klems.h"
+#include "extras/daylight/formats.h"
+#include "extras/daylight/klems.h"
+#include "extras/daylight/tensor_tree.h"
 #include "measured/samples.h"
-#include "measured/tensor_tree.h"
 #include "srbf/colour.h"
 
 namespace srbf {

@@ -56,7 +56,4 @@ double light_azimuth(const ScatterTable& table, double rotation);
 /// value of 0.
 void mask_gaps(ScatterTable& table);
 
-bool is_zemax(std::string_view text);
-bool is_speos(std::string_view text);
-
 }  // namespace srbf

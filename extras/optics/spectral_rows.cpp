@@ -1,4 +1,4 @@
-#include "measured/spectral_rows.h"
+#include "extras/optics/spectral_rows.h"
 
 #include <fmt/format.h>
 

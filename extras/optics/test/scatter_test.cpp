@@ -1,5 +1,5 @@
 // Zemax', Speos' and OpenMATERIAL's files, and columns of goniometers: values, round trips, and what is refused.
-#include "measured/scatter.h"
+#include "extras/optics/scatter.h"
 
 #include <fmt/format.h>
 

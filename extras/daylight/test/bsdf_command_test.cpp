@@ -1,6 +1,6 @@
 // The command line with BSDFs of both sides.
-#include "bsdf_files.h"
 #include "command.h"
+#include "extras/daylight/test/bsdf_files.h"
 #include "srbf/load.h"
 #include "srbf/text.h"
 

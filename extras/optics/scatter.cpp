@@ -1,5 +1,5 @@
 // Scatter tables: their look-up, and the words of their files.
-#include "measured/scatter.h"
+#include "extras/optics/scatter.h"
 
 #include <fmt/format.h>
 

@@ -5,8 +5,9 @@
 #include <cmath>
 
 #include "base/floating_point.h"
+#include "extras/optics/formats.h"
+#include "extras/optics/scatter.h"
 #include "measured/limits.h"
-#include "measured/scatter.h"
 #include "srbf/convert.h"
 
 namespace srbf {

@@ -1,0 +1,174 @@
+// Fits to averages over patches, a real roller shade, and light behind it.
+#include "extras/daylight/test/bsdf_files.h"
+#include "furnace.h"
+#include "srbf/directions.h"
+#include "srbf/fit_bsdf.h"
+
+namespace srbf::fit_patches_test {
+namespace {
+
+/// Averages over patches of a smooth function are fitted as such: the fit is nearer to the function than the patches
+/// are.
+TEST(FitPatches, AveragesOverPatches) {
+    const AngleBasis basis = small_basis();
+    const auto f = [](Vec3d wl, Vec3d wv) { return 0.1 + 0.3 * elementary::exp(8 * (normalize(wl + wv).z - 1)); };
+    const auto mean = [&](std::size_t o, std::size_t i) {
+        double sum = 0;
+        constexpr int n = 6;
+        for (int k = 0; k < n * n * n * n; ++k) {
+            const auto u = [&](int d) { return (k / int(std::pow(n, d)) % n + 0.5) / n; };
+            const Vec3d in = basis.point_of(i, u(0), u(1)), out = basis.point_of(o, u(2), u(3));
+            sum += f({in.x, -in.y, in.z}, {-out.x, out.y, out.z});
+        }
+        return sum / (n * n * n * n);
+    };
+    const auto measured = read_measured(
+        as_bytes(bsdf_xml(small_basis_xml(), matrix_xml("Reflection Front", "small", basis.patches(), mean))), "f");
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    PmRequest pm;
+    pm.size = LobeCount{2}, pm.variates = 1, pm.form = PmForm::gaussian;
+    const auto fitted = fit_bsdf(*measured, {.model = pm});
+    ASSERT_TRUE(fitted.ok()) << message(fitted.error());
+    EXPECT_LT(fitted->parts[0].squared_error_ratio, 1e-2);
+    std::mt19937_64 random(4);
+    double of_fit = 0, of_patches = 0;
+    for (int k = 0; k < 2000; ++k) {
+        const Vec3d wl = random_direction(random, 0.2), wv = random_direction(random, 0.2);
+        const Vec3f l = to_float(wl), v = to_float(wv);
+        of_fit += elementary::pow(double(value(fitted->model, l, v).r) - f(wl, wv), 2);
+        of_patches += elementary::pow(double(value(*measured, l, v).r) - f(wl, wv), 2);
+    }
+    EXPECT_LT(of_fit, 0.2 * of_patches);
+}
+
+TEST(FitPatches, SmallShade) {
+    const std::string text = small_shade();
+    const auto measured = read_measured(as_bytes(text), "f");
+    ASSERT_TRUE(measured.ok());
+    FitRequest request;
+    request.model = PmRequest{.variates = 2, .size = LobeCount{2}};
+    const auto fitted = fit_bsdf(*measured, request);
+    ASSERT_TRUE(fitted.ok()) << message(fitted.error());
+    ASSERT_EQ(fitted->parts.size(), 4u);
+    EXPECT_FALSE(fitted->parts[1].answered_by.has_value());
+    EXPECT_EQ(fitted->parts[3].answered_by, Part::transmission_front);
+    EXPECT_PRED3(near, fitted->parts[2].hemispherical[0].fitted, 0.05 * k_pi + 0.08, 1e-3);
+    request.threads = 1;
+    const auto again = fit_bsdf(*measured, request);
+    EXPECT_EQ(write_model(again->model), write_model(fitted->model));
+}
+
+/// A matrix that few lobes cannot follow.
+TEST(FitPatches, WhatNoLobesFollowHasAnAnswer) {
+    const std::string text = small_shade();
+    const auto measured = read_measured(as_bytes(text), "f");
+    ASSERT_TRUE(measured.ok());
+    const auto& part = std::get<BsdfTable>(measured->table).band().part[std::size_t(Part::transmission_front)];
+    KlemsTable table = std::get<KlemsTable>(part->table);
+    for (std::size_t i = 0; i < table.cells.size(); ++i) table.cells[i] = i % 7 == 0 ? Rgb{5, 5, 5} : Rgb{};
+    const auto one = fit_patches(table, {.model = PmRequest{.variates = 1, .size = LobeCount{1}}}),
+               any = fit_patches(table, {.model = PmRequest{}});
+    ASSERT_TRUE(one.ok()) << message(one.error());
+    ASSERT_TRUE(any.ok()) << message(any.error());
+    EXPECT_EQ(std::get<PmModel>(one->model.model).lobes, 1);
+    const PatchSums sums = sums_of(table, k_measured_points);
+    EXPECT_LE(sums.error_ratio(evaluator(any->model)), sums.error_ratio(evaluator(one->model)));
+}
+
+// ---- The roller shade ----
+
+struct Shade {
+    Measured measured;
+    BsdfOutcome fitted;
+};
+const Shade* shade() {
+    static const std::optional<Shade> made = []() -> std::optional<Shade> {
+        auto measured = load_measured(shared_data() / "klems" / "2011-SA1.xml");
+        if (!measured) return {};
+        auto fitted = fit_bsdf(*measured, {.model = PmRequest{}});
+        if (!fitted) return {};
+        return Shade{*std::move(measured), *std::move(fitted)};
+    }();
+    return made ? &*made : nullptr;
+}
+
+/// The light that passes to the back for light from these directions, per area: of the function and of the beam.
+double light_behind(const Evaluate& f, const Beam& beam, const std::vector<std::pair<Vec3f, double>>& sky) {
+    constexpr int n = 2000;
+    const auto views = fibonacci_directions(n, k_pi / 2);
+    double sum = 0;
+    for (const auto& [wl, irradiance] : sky) {  // irradiance on the surface
+        std::vector<Vec3f> below;
+        for (const Vec3f& v : views) below.push_back(to_side(v, -1));
+        std::vector<Rgb> values(below.size());
+        f(std::vector<Vec3f>(below.size(), wl), below, values);
+        double through = double(share_at(beam, wl).g);
+        for (std::size_t k = 0; k < values.size(); ++k)
+            through += double(values[k].g) * double(views[k].z) * 2 * k_pi / n;
+        sum += irradiance * through;
+    }
+    return sum;
+}
+
+TEST(FitPatches, RollerShade) {
+    const Shade* of = shade();
+    if (!of) GTEST_SKIP() << "no klems/2011-SA1.xml";
+    EXPECT_LE(payload_bytes(of->fitted.model), 400u);  // of 2 MB
+    ASSERT_EQ(of->fitted.parts.size(), 4u);
+    for (const PartFit& part : of->fitted.parts) {
+        EXPECT_PRED3(near, part.squared_error_ratio, 0, 2e-3) << name(part.part);
+        ASSERT_EQ(part.hemispherical.size(), 9u);
+        for (const Hemispherical& sum : part.hemispherical)
+            EXPECT_PRED3(near, sum.fitted, sum.measured, std::max(0.02 * sum.measured, 0.002)) << name(part.part);
+    }
+    EXPECT_LE(of->fitted.most_fitted, 1);
+    EXPECT_PRED3(near, of->fitted.most_fitted, of->fitted.most_measured, 0.005);
+}
+
+/// Behind a window with the shade, under the standard overcast sky of the CIE and under suns.
+TEST(FitPatches, LightBehindTheRollerShade) {
+    const Shade* of = shade();
+    if (!of) GTEST_SKIP() << "no klems/2011-SA1.xml";
+    const Beam &a = std::get<BsdfTable>(of->measured.table).band().beam[2],
+               &b = std::get<BsdfModel>(of->fitted.model.model).beam[2];
+    std::vector<std::vector<std::pair<Vec3f, double>>> skies(1);
+    constexpr int n = 300;
+    for (const Vec3f& w : fibonacci_directions(n, 89.9 * k_degree))  // y is up
+        if (w.y > 0) skies[0].emplace_back(w, double((1 + 2 * w.y) / 3 * w.z));
+    for (const double altitude : {5.0, 25.0, 45.0, 65.0, 75.0})
+        skies.push_back({{to_float(spherical(altitude * k_degree, k_pi / 2)), 1}});
+    for (const auto& sky : skies) {
+        const double matrix = light_behind(evaluator(of->measured), a, sky),
+                     model = light_behind(evaluator(of->fitted.model), b, sky);
+        // Suns fall between the angles of the matrix, which has steps of 10°.
+        EXPECT_PRED3(near_relative, model, matrix, &sky == &skies[0] ? 0.02 : 0.07);
+    }
+}
+
+TEST(FitPatches, RollerShadeInEvenLight) {
+    const Shade* of = shade();
+    if (!of) GTEST_SKIP() << "no klems/2011-SA1.xml";
+    const double matrix = mean_of(furnace(prepare_bsdf(of->measured, {.threads = 1}), true));
+    EXPECT_PRED3(near_relative, expect_furnace(of->fitted.model), matrix, 0.01);
+}
+
+TEST(FitPatches, RollerShadeIsDrawnWithLittleNoise) {
+    const Shade* of = shade();
+    if (!of) GTEST_SKIP() << "no klems/2011-SA1.xml";
+    const PreparedBsdf bsdf = prepare_bsdf(of->fitted.model, {.threads = 1});
+    std::mt19937_64 random(1);
+    for (const double theta : {45.0, 135.0}) {
+        double sum = 0, squares = 0;
+        constexpr int count = 20000;
+        for (int i = 0; i < count; ++i) {
+            const Vec2f u{float(uniform(random)), float(uniform(random))};
+            const double weight =
+                luminance(sample(bsdf, to_float(spherical(theta * k_degree, 0.3)), u, float(uniform(random))).weight);
+            sum += weight, squares += weight * weight;
+        }
+        EXPECT_LE(squares * count / (sum * sum) - 1, 0.1) << theta;
+    }
+}
+
+}  // namespace
+}  // namespace srbf::fit_patches_test

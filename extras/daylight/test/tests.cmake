@@ -1,0 +1,10 @@
+in_program(daylight SANITIZED)
+srbf_test(klems                one  unit input)
+srbf_test(tensor_tree          one  unit input)
+filtered(tensor_tree -*.MeansOverPatches)
+
+in_program(daylight_fits -O1)
+srbf_test(fit_patches          one  fit)
+if(NOT SRBF_SANITIZE)
+  srbf_test(bsdf_command         one  program)
+endif()

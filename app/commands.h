@@ -42,22 +42,14 @@ inline Check png_name() {
     };
 }
 
-/// Options for the mesh of pictures and its upward axis.
-std::vector<Option> add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up);
-/// The latter alone.
-Option add_up_option(const Subcommand& sub, std::string& up, const std::string& about);
-
 // Each function adds its subcommand. If the subcommand is chosen, parsing runs it and stores its exit status in
 // `status`.
 void add_fit(CommandLine& app, int& status);
-void add_map(CommandLine& app, int& status);
-void add_basis(CommandLine& app, int& status);
 void add_explain(CommandLine& app, int& status);
 void add_info(CommandLine& app, int& status);
 void add_eval(CommandLine& app, int& status);
 void add_compare(CommandLine& app, int& status);
 void add_convert(CommandLine& app, int& status);
-void add_render(CommandLine& app, int& status);
 void add_export(CommandLine& app, int& status);
 /// The completions of shells; after the others, which they tell of.
 void add_completion(CommandLine& app, int& status);

@@ -5,7 +5,7 @@
 
 #include "app/commands.h"
 #include "app/fit.h"
-#include "extras/render/preview.h"
+#include "app/preview.h"
 #include "srbf/file.h"
 
 namespace srbf {
@@ -85,10 +85,9 @@ Result<Measured> load_measured(FileFit& fit) {
 }
 
 Image8 preview_of(const FileFit& fit, const Measured& measured, const Model& model) {
-    PreviewOptions options;
-    options.threads = fit.request.threads;
-    options.captions[1] = fmt::format("fit, {} bytes", payload_bytes(model));
-    return preview(evaluator(measured), evaluator(model), options);
+    return preview(
+        evaluator(measured), evaluator(model),
+        {.threads = fit.request.threads, .caption = fmt::format("fit, {} bytes", payload_bytes(model))});
 }
 
 Result<Done> write_fit(const FileFit& fit, const Model& model, const Image8& picture, const Json& report,

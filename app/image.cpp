@@ -39,6 +39,19 @@ struct Corner {
 
 }  // namespace
 
+float srgb_encoded(float x) {
+    return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, float(1 / 2.4)) - 0.055f;
+}
+
+Rgb8 to_srgb8(Rgb shown) {
+    Rgb8 out{};
+    for (int c = 0; c < 3; ++c) {
+        if (std::isnan(shown[c])) return k_not_measured;
+        out[std::size_t(c)] = std::uint8_t(255 * srgb_encoded(std::clamp(shown[c], 0.0f, 1.0f)) + 0.5f);
+    }
+    return out;
+}
+
 int text_width(std::string_view text) { return stb_easy_font_width(printable(text).data()); }
 
 void draw_text(Image8& image, int x, int y, std::string_view text, Rgb8 colour, int scale) {

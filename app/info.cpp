@@ -9,7 +9,6 @@
 #include "app/commands.h"
 #include "app/read_options.h"
 #include "app/output.h"
-#include "extras/render/slices.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"

@@ -30,6 +30,9 @@ Channels channels(const Subject& subject);
 /// θmax of a model's fit [degrees] if `subject` is a model with that metadata; otherwise 0.
 double fitted_theta(const Subject& subject);
 
+/// "film" for "materials/film.srbf", "nickel" for "metals.srbf#nickel", "map_3,5" for "map.srbf#3,5".
+std::string stem_of(const std::string& path);
+
 /// Loads a file, and prints what its reader masked or assumed to standard error.
 Result<Subject> load_subject(const std::string& path, const ReadOptions& options = {});
 /// The library in a file; none if it holds something else.

@@ -8,20 +8,15 @@
 #include <span>
 #include <string_view>
 
-#include "extras/render/exr.h"
 #include "srbf/half.h"
 
 namespace srbf {
 namespace {
 
-MapLevel first_level(const Library& map) {
-    const auto width = std::size_t(map.width);
-    return {width, map.count() / width, map.coefficient};
-}
-
 /// Levels down to 1 × 1.
 std::vector<MapLevel> levels_of(const Library& map) {
-    std::vector<MapLevel> levels{first_level(map)};
+    const auto width = std::size_t(map.width);
+    std::vector<MapLevel> levels{{width, map.count() / width, map.coefficient}};
     while (levels.back().width * levels.back().height > 1) levels.push_back(coarser(levels.back()));
     return levels;
 }
@@ -139,19 +134,6 @@ std::vector<std::byte> map_ktx2(const Library& map) {
             }
     }
     return std::move(file.bytes);
-}
-
-Result<Done> write_map_exr(const Library& map, const std::string& path) {
-    const MapLevel level = first_level(map);
-    const auto J = std::size_t(map.basis.lobes);
-    const std::size_t digits = fmt::formatted_size("{}", J - 1);
-    std::vector<std::string> names;
-    for (std::size_t j = 0; j < J; ++j)
-        for (const char c : {'R', 'G', 'B'}) names.push_back(fmt::format("lobe{:0{}}.{}", j, digits, c));
-    std::vector<std::uint16_t> halves;
-    for (const Rgb& of : level.coefficient)
-        for (int c = 0; c < 3; ++c) halves.push_back(to_half(of[c]));
-    return write_half_exr(int(level.width), int(level.height), names, halves, path);
 }
 
 }  // namespace srbf

@@ -25,8 +25,5 @@ Result<Done> check_layers(const Library& library, const std::string& file_name);
 /// Such a map as Khronos' texture container 2.0 (.ktx2): an array of J layers with levels down to 1 × 1, uncompressed
 /// 16-bit floats R, G, B, the coefficients of a lobe, and A = 1. Row 0 of texels is the map's Y = 0.
 std::vector<std::byte> map_ktx2(const Library& map);
-/// Such a map as OpenEXR file with 16-bit floats and lossless compression: of lobe 7 of 16 the channels lobe07.R,
-/// lobe07.G, lobe07.B. Errors: those of `write_exr`.
-Result<Done> write_map_exr(const Library& map, const std::string& path);
 
 }  // namespace srbf

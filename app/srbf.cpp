@@ -59,14 +59,11 @@ void add_subcommands(CommandLine& app, int& status) {
         .type_name("MB")
         .check(within<int>(64, 1'000'000'000));
     add_fit(app, status);
-    add_map(app, status);
-    add_basis(app, status);
     add_explain(app, status);
     add_info(app, status);
     add_eval(app, status);
     add_compare(app, status);
     add_convert(app, status);
-    add_render(app, status);
     add_export(app, status);
     for (const auto add : k_extra_subcommands) add(app, status);
     add_completion(app, status);

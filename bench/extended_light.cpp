@@ -13,7 +13,7 @@
 
 #include "src/base/parallel.h"
 #include "src/base/r_sequence.h"
-#include "extras/environment/filtered_environment.h"
+#include "extras/environment/app/filtered_environment.h"
 #include "extras/render/path.h"
 #include "extras/render/rays.h"
 #include "extras/render/shading.h"

@@ -8,9 +8,6 @@
 #include <vector>
 
 #include "in_process.h"
-#include "extras/render/environment.h"
-#include "extras/render/mesh.h"
-#include "extras/render/path.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/library.h"
@@ -19,6 +16,11 @@
 #include "srbf/model.h"
 #include "srbf/prepared.h"
 #include "srbf/sampling.h"
+#ifdef SRBF_RENDER
+#include "extras/render/environment.h"
+#include "extras/render/mesh.h"
+#include "extras/render/path.h"
+#endif
 
 namespace srbf {
 
@@ -190,6 +192,7 @@ inline void check_library(std::span<const std::byte> bytes) {
     if (library->count() > 0) check_answers(Result<Model>(material(*library, 0)));
 }
 
+#ifdef SRBF_RENDER
 /// A mesh has triangles of its own vertices, finite positions and unit normals.
 inline void check_mesh(const Result<Mesh>& mesh) {
     if (!mesh) return check_error(mesh.error());
@@ -236,6 +239,7 @@ inline void check_environment(const Result<Environment>& environment) {
         require(is_finite(light.radiance), "finite between texels, too");
     }
 }
+#endif
 
 /// Directions that are sampled for views down to the horizon: unit vectors of positive density and finite weight, or none.
 inline void check_samples(const PreparedBrdf& brdf) {
@@ -303,7 +307,9 @@ inline Uses uses_of_models() {
 }
 inline Uses uses_of_measurements() {
     Uses uses{{{{"info", "in"}, ""}}, {}};
+#ifdef SRBF_RENDER
     uses.slow.push_back({{"export", "model", "--to", "html", "--reference", "in"}, ""});
+#endif
     for (const TableFormatRow& row : k_table_formats)
         uses.slow.push_back({{"convert", "in"}, std::string(row.extension)});
     return uses;
@@ -391,9 +397,11 @@ inline const NamedTarget k_targets[] = {
     {"header", check_header},
     {"stack", check_stack},
     {"library", check_library},
+#ifdef SRBF_RENDER
     {"ply", [](auto bytes) { check_picture(read_ply(bytes, "f")); }},
     {"obj", [](auto bytes) { check_picture(read_obj(bytes, "f")); }},
     {"environment", [](auto bytes) { check_environment(read_environment(bytes, "f")); }},
+#endif
     {"uses", check_uses},
 };
 

@@ -56,7 +56,8 @@ std::string code(const std::vector<Held>& models, const std::vector<std::string>
                  const std::string& prefix, bool sampling, bool albedo) {
     std::vector<NamedModel> named;
     for (std::size_t i = 0; i < models.size(); ++i) named.push_back({identifier(names[i]), &models[i].require_model()});
-    if (to == "three") return required(three_module(named, prefix));
+    for (const CodeModule& module : code_modules())
+        if (to == module.name) return required(module.text(named, prefix, 0));
     for (const auto& [language, name] : k_code_languages)
         if (to == name)
             return required(

@@ -60,12 +60,14 @@ TEST(Allocations, ThatFailEndAReader) {
             const auto file = std::as_bytes(std::span(bytes));
             const auto read = [&] {
                 try {
+#ifdef SRBF_RENDER
                     // Read alone: what draws a mesh has destructors that allocate too.
                     if (target.name == "ply")
                         (void)bool(read_ply(file, "f"));
                     else if (target.name == "obj")
                         (void)bool(read_obj(file, "f"));
                     else
+#endif
                         target.check(file);
                 } catch (const std::bad_alloc&) {
                 }

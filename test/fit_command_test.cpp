@@ -144,6 +144,7 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
 }
 
 TEST_F(Command, fit_of_texels_resumes_what_is_whole) {
+    if (!is_offered({"map"})) GTEST_SKIP() << "without srbf map";
     constexpr int count = 4, pairs = 30;
     std::mt19937_64 random(4);
     std::string csv = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n";
@@ -301,6 +302,7 @@ TEST_F(Command, fit_keeps_a_budget) {
 }
 
 TEST_F(Command, fit_finds_how_many_shared_lobes_a_mean_error_needs) {
+    if (!is_offered({"basis"})) GTEST_SKIP() << "without srbf basis";
     write(folder / "m.binary", small_merl());
     for (const auto& [target, lobes, is_reached] : {std::tuple("100", 1, true), {"0.01", 4, false}}) {
         const ProgramRun fit = run(

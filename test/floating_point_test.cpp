@@ -18,8 +18,6 @@
 #include "models/su/fit_su.h"
 #include "models/su/view_lobes.h"
 #include "properties.h"
-#include "extras/render/environment.h"
-#include "extras/render/mesh.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"
@@ -29,6 +27,10 @@
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/sampling.h"
+#ifdef SRBF_RENDER
+#include "extras/render/environment.h"
+#include "extras/render/mesh.h"
+#endif
 
 namespace srbf {
 namespace {
@@ -311,8 +313,10 @@ std::string what_is_read(const std::filesystem::path& path) {
         writer(message(brdf.error()));
     }
     const auto bytes = *read_file(path.string());
+#ifdef SRBF_RENDER
     if (const auto environment = read_environment(bytes, "f")) writer(environment->texels().pixels);
     if (const auto mesh = read_mesh(bytes, "f")) writer(mesh->positions), writer(mesh->normals);
+#endif
     if (const auto library = read_library(bytes, "f"))
         for (std::size_t t = 0; t < library->count(); ++t) writer(material(*library, t));
     if (const auto stack = read_stack(bytes, "f"))

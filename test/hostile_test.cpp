@@ -135,6 +135,7 @@ struct ExrHeader {
 
 /// Sizes, counts, kinds and offsets that no file of that length has.
 TEST_F(Hostile, HeadersOfOpenExrAreBounded) {
+    if (!is_offered({"render"})) GTEST_SKIP() << "without srbf render";
     constexpr std::uint32_t k_most = 0x7fffffff, k_tiled = 0x200;
     const auto tiles = [](std::uint32_t side, char mode) {
         return ExrHeader::attribute("tiles", "tiledesc", little_endian(side, 4) + little_endian(side, 4) + mode);
@@ -202,7 +203,9 @@ TEST_F(Hostile, UnknownInputIsRefusedByItsBeginning) {
                                            {"render", k_paper, "-o", "x.png", "--env", name},
                                            {"render", k_paper, "-o", "x.png", "--mesh", name},
                                            {"render", k_paper, "-o", "x.png", "--compare", name}})
-            EXPECT_LT(memory_of(folder, arguments), (k_is_sanitized ? 300 : 100) << 20) << arguments[0] << " " << name;
+            if (is_offered(arguments)) {
+                EXPECT_LT(memory_of(folder, arguments), (k_is_sanitized ? 300 : 100) << 20) << arguments[0] << " " << name;
+            }
         fs::remove(folder / name);
     }
 }
@@ -220,6 +223,7 @@ TEST_F(Hostile, NoMoreMemoryIsTakenThanAllowed) {
                                            {"render", "m.srbf", "-o", "x.png", "--size", "8x8", "--spp", "1"},
                                            {"export", "m.srbf", "--to", "html", "-o", "x.html"},
                                            k_quick_fit + Arguments{"a.binary", "-o", "x.srbf"}}) {
+            if (!is_offered(arguments)) continue;
             SCOPED_TRACE(fmt::format("{} MB: {}", megabytes, fmt::join(arguments, " ")));
             const ProgramRun ended = run(folder, Arguments{"--max-memory", megabytes} + arguments);
             ++(ended.status == 0 ? done : failed);
@@ -229,7 +233,7 @@ TEST_F(Hostile, NoMoreMemoryIsTakenThanAllowed) {
                 << ended.err;
             EXPECT_EQ(ended.err.find('\n'), ended.err.size() - 1) << ended.err;
         }
-    EXPECT_GE(done, 5);
+    EXPECT_GE(done, is_offered({"render", "html"}) ? 5 : 3);
     EXPECT_GE(failed, 1);
     expect_failure(1, {"--max-memory", "500", "render", "m.srbf", "-o", "y.png", "--renderer", "raster"},
                    "no --max-memory");
@@ -391,7 +395,7 @@ TEST_F(Hostile, WhatFilesSayIsNoCode) {
     const PmModel pm = random_model(random, {.lobes = 1, .variates = 1});
     const Library map = random_map(random, {.lobes = 2}, 3, 2);
     const Arguments surfaces{"mtlx", "standard-surface", "gltf", "glb", "usd", "blender"}, all = destinations(folder);
-    ASSERT_GE(all.size(), 15u);
+    ASSERT_GE(all.size(), 12u);
     fs::create_directory(folder / "clean");
     std::set<std::string> tried;
     for (std::size_t i = 0; i < k_fields; i += 2) {
@@ -432,7 +436,7 @@ TEST_F(Hostile, WhatFilesSayIsNoCode) {
                 EXPECT_EQ(code_alone(x, to), code_alone(y, to));
         }
     }
-    EXPECT_EQ(tried.size(), all.size() - 1);
+    EXPECT_EQ(tried.size(), all.size() - (is_offered({"dds"}) ? 1 : 0));
 }
 
 /// The names that lines at the left margin define.
@@ -515,7 +519,7 @@ TEST_F(Hostile, NamesOfFilesAreOneLine) {
               {"export", name + ".srbf", "--to", name, "-o", name},
               {"info", "--" + name},
               {name}})
-            all.push_back(run(folder, arguments));
+            if (is_offered(arguments)) all.push_back(run(folder, arguments));
         return all;
     };
     write(folder / "b.binary", small_merl());

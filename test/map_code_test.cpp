@@ -1,10 +1,5 @@
 // Maps of shared lobes: their code and their textures together are the models of their texels, and what filters make of
 // texels is the mean of the BRDFs.
-#include <ImfChannelList.h>
-#include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
-#include <ImfInputFile.h>
-
 #include "compiled_code.h"
 #include "models.h"
 #include "app/map_layers.h"
@@ -27,9 +22,8 @@ Library map_of(bool axial, std::size_t width = k_width, std::size_t height = k_h
     return random_map(random, {axial, true, 5, 3, 60, PmForm::extended}, width, height);
 }
 
-std::string code(const Library& map, CodeLanguage language, bool albedo = true, bool light = false) {
-    const auto text =
-        map_code(map, "map", {.language = language, .albedo = albedo, .environment = light, .area = light});
+std::string code(const Library& map, CodeLanguage language, bool albedo = true) {
+    const auto text = map_code(map, "map", {.language = language, .albedo = albedo});
     return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
 
@@ -158,27 +152,6 @@ TEST_F(MapCode, LevelsAreMeans) {
     }
 }
 
-TEST_F(MapCode, OpenExrHasTheCoefficients) {
-    const Library map = map_of(true);
-    ASSERT_TRUE(write_map_exr(map, path("map.exr")).ok());
-    Imf::InputFile file(path("map.exr").c_str(), 1);
-    std::size_t channels = 0;
-    for (auto of = file.header().channels().begin(); of != file.header().channels().end(); ++of, ++channels)
-        EXPECT_EQ(of.channel().type, Imf::HALF);
-    EXPECT_EQ(channels, 15u);
-    std::vector<std::uint16_t> halves(map.count());
-    for (std::size_t j = 0; j < 5; ++j)
-        for (int c = 0; c < 3; ++c) {
-            Imf::FrameBuffer frame;
-            frame.insert(fmt::format("lobe{}.{}", j, "RGB"[c]),
-                         {Imf::HALF, reinterpret_cast<char*>(halves.data()), 2, 2 * k_width});
-            file.setFrameBuffer(frame);
-            file.readPixels(0, k_height - 1);
-            for (std::size_t t = 0; t < map.count(); ++t)
-                EXPECT_EQ(from_half(halves[t]), map.coefficient[5 * t + j][c]);
-        }
-}
-
 #ifdef SRBF_RASTER
 /// Of a texture array with the levels of the file: at corners of texels the filter's BRDF is the mean of four, at the
 /// middle of a texel of level k that of the 4ᵏ under it.
@@ -252,47 +225,6 @@ TEST_F(MapCode, FilteredTexturesAreMeansOfBrdfs) {
 }
 #endif
 
-/// The radiance of an even environment is reflected by the albedo, and that of a large quadrilateral near the surface; both
-/// of a mean of coefficients is the mean.
-TEST_F(MapCode, LightIsLinear) {
-    const Library map = map_of(true, 2, 1);
-    void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "light",
-                 code(map, CodeLanguage::c, true, true) +
-                     "static const float* at;\n"
-                     "static srbf_vec3 map_layer(int j, float u, float v) {\n"
-                     "    (void)u, (void)v;\n    return srbf_vec3_of(at[3 * j], at[3 * j + 1], at[3 * j + 2]);\n}\n"
-                     "static srbf_vec3 map_radiance(srbf_vec3 w, float roughness) {\n"
-                     "    (void)w, (void)roughness;\n    return srbf_vec3_of(1, 1, 1);\n}\n"
-                     "void answer(const float* coefficients, const float* w, float* to);\n"
-                     "void answer(const float* coefficients, const float* w, float* to) {\n"
-                     "    const float e = 50.0f;\n    map_Coefficients of;\n    srbf_vec3 f, wv = {w[0], w[1], w[2]};\n"
-                     "    at = coefficients, of = map_coefficients(0, 0);\n"
-                     "    f = map_albedo(wv.z, of), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
-                     "    f = map_environment(wv, of), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n"
-                     "    f = map_area(wv, srbf_vec3_of(-e, -e, 1), srbf_vec3_of(e, -e, 1), srbf_vec3_of(e, e, 1), "
-                     "srbf_vec3_of(-e, e, 1), of);\n    to[6] = f.x, to[7] = f.y, to[8] = f.z;\n}\n");
-    ASSERT_TRUE(library);
-    const auto answer = function<void(const Rgb*, const Vec3f*, Rgb*)>(library, "answer");
-    const std::size_t J = map.coefficient.size() / 2;
-    std::vector<Rgb> mean(J);
-    for (std::size_t j = 0; j < J; ++j)
-        for (int c = 0; c < 3; ++c) mean[j][c] = 0.5f * (map.coefficient[j][c] + map.coefficient[J + j][c]);
-    for (const double z : {0.1, 0.4, 0.75, 0.99}) {
-        const Vec3f wv = to_float(spherical(std::acos(z), 0.3));
-        std::array<std::array<Rgb, 3>, 3> of;
-        answer(map.coefficient.data(), &wv, of[0].data());
-        answer(&map.coefficient[J], &wv, of[1].data());
-        answer(mean.data(), &wv, of[2].data());
-        for (const std::size_t k : {0, 1, 2}) {
-            Rgb half;
-            for (int c = 0; c < 3; ++c) half[c] = 0.5f * (of[0][k][c] + of[1][k][c]);
-            expect_near(of[2][k], half, 1e-5f, "linear");
-            expect_near(of[0][k], of[0][0], 0.05f, fmt::format("albedo {} {}", k, z));
-        }
-    }
-}
-
 TEST_F(MapCode, CompilesWithTexturesOfItsLanguages) {
     const Library map = map_of(true);
     for (const bool albedo : {false, true}) {
@@ -313,15 +245,6 @@ TEST_F(MapCode, CompilesWithTexturesOfItsLanguages) {
                                          "float4 main(float3 a : A, float3 b : B, float2 uv : C) : SV_Target {\n"
                                          "    return float4(map_brdf(a, b, map_coefficients(uv.x, uv.y)), 1.0);\n}\n"));
     }
-    EXPECT_TRUE(compiles_as_glsl(
-        "light.frag",
-        "#version 300 es\nprecision highp float;\nuniform highp sampler2DArray layers;\n" +
-            code(map_of(true, 1, 1), CodeLanguage::glsl, true, true) +
-            "vec3 map_layer(int j, float u, float v) { return texture(layers, vec3(u, v, float(j))).rgb; }\n"
-            "vec3 map_radiance(vec3 w, float roughness) { return w; }\n"
-            "in vec3 a, b; in vec2 uv; out vec4 c;\n"
-            "void main() {\n    map_Coefficients of = map_coefficients(uv.x, uv.y);\n"
-            "    c = vec4(map_environment(a, of) + map_area(a, b, b.yzx, b.zxy, b.xzy, of), 1.0);\n}\n"));
     const std::string metal = code(map, CodeLanguage::msl), wgsl = code(map, CodeLanguage::wgsl);
     EXPECT_EQ(metal.find("map_layer("), metal.npos);  // its functions see no textures
     EXPECT_NE(metal.find("struct map_Coefficients"), metal.npos);

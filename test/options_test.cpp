@@ -212,6 +212,7 @@ TEST_F(Options, are_read_or_refused) {
     std::map<std::string, std::set<std::string>> was_read;  // by a mode of the subcommand
     for (const auto& [name, text] : k_modes) {
         const Arguments base = words(text);
+        if (!is_offered(base)) continue;
         const Written& without = fresh(base);
         if (without.status != 0 && text.find("none.") == text.npos) {
             EXPECT_NE(text.find("raster"), text.npos) << text << '\n' << without.err;  // where there is no OpenGL
@@ -315,6 +316,7 @@ TEST_F(Resuming, mixes_nothing_old_into_the_new) {
     for (const auto& [name, text, files] : k_resuming) {
         SCOPED_TRACE(name);
         const Arguments base = words(text);
+        if (!is_offered(base)) continue;
         std::filesystem::remove_all(left / "o");
         kill_at_the_end(base);
         if (HasFatalFailure()) return;

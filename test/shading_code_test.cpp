@@ -1,6 +1,5 @@
 // Exported code is what its languages' compilers accept, and computes what the library computes.
 #include "srbf/shading_code.h"
-#include "srbf/extended_light.h"
 
 #include <cstdlib>
 #include <map>
@@ -53,7 +52,7 @@ const std::vector<Model>& models() {
 }
 std::string name_of(std::size_t i) { return fmt::format("m{}", i); }
 
-/// What a host supplies for environments, filtered and by draws.
+/// What a host supplies for functions of extras: environments, filtered and by draws.
 std::string host_radiance(CodeLanguage language) {
     switch (language) {
         case CodeLanguage::glsl:
@@ -83,14 +82,16 @@ const std::string& code(CodeLanguage language, bool sampling = true) {
     const auto text = shading_code(named, "all", {.language = language, .sampling = sampling, .albedo = sampling});
     if (!text) return ADD_FAILURE() << message(text.error()), at->second;
     at->second = *text;
-    if (language == CodeLanguage::c) return at->second;
-    // Compiled, not run, where no test of C does: what the code says of area lights and of environments.
+    if (language == CodeLanguage::c || code_features().empty()) return at->second;
+    // Compiled, not run, where no test of C does: the functions of extras.
     const NamedModel last{"lit", &models().back()};
+    std::vector<std::string> features;
+    for (const CodeFeature& feature : code_features()) features.emplace_back(feature.name);
     std::string& more = lit[language];
     if (more.empty())
         more = host_radiance(language) +
                *shading_code(std::span(&last, 1), "lit",
-                             {.language = language, .environment = true, .environment_draws = true, .area = true});
+                             {.language = language, .with = features});
     return at->second += more;
 }
 
@@ -254,165 +255,6 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
     if (!std::strlen(SRBF_CLANG)) GTEST_SKIP() << "no clang (Debian: clang)";
     EXPECT_TRUE(runs(SRBF_CLANG + fmt::format(fmt::runtime(checks), plain)));
     ask_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang");
-}
-
-/// By draws, of an environment whose radiance hardly changes over the solid angle of one.
-TEST_F(ShadingCode, EnvironmentsBySamples) {
-    const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.3f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
-    const NamedModel named{"glossy", &model};
-    const auto text = [&](CodeLanguage language) {
-        return *shading_code(std::span(&named, 1), "glossy", {.language = language, .environment_draws = true});
-    };
-    EXPECT_NE(text(CodeLanguage::wgsl).find("fn glossy_environment_sampled(wv: vec3f, count: i32)"), std::string::npos);
-    EXPECT_EQ(text(CodeLanguage::msl).find("glossy_environment_sampled("), std::string::npos);
-    EXPECT_NE(text(CodeLanguage::msl).find("glossy_environment_draw("), std::string::npos);
-    void* const library = compiled(
-        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "draws",
-        text(CodeLanguage::c) +
-            "static srbf_vec3 glossy_radiance_over(srbf_vec3 direction, float solid_angle) {\n"
-            "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, 1.0f / (1.0f + solid_angle));\n}\n"
-            "void answer(const float* v, int count, float* to);\n"
-            "void answer(const float* v, int count, float* to) {\n"
-            "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment_sampled(wv, count);\n"
-            "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
-    ASSERT_TRUE(library);
-    const auto answer = function<void(const float*, int, float*)>(library, "answer");
-    const PreparedBrdf brdf = prepare(model);
-    std::mt19937_64 random(3);
-    for (int i = 0; i < 50; ++i) {
-        const Vec3f wv = to_float(random_direction(random, 0.1));
-        const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), 1 << 13);
-        Rgb expected, found, of_many;
-        for (std::size_t k = 0; k < points.w.size(); ++k) {
-            const Vec3f wl = points.w[k];
-            const Rgb f = value(brdf, wl, wv);
-            const float weight = float(points.weight[k]) * wl.z;
-            expected.r += weight * f.r * (1 + wl.x), expected.g += weight * f.g * (1 + wl.z),
-                expected.b += weight * f.b;
-        }
-        answer(&wv.x, 64, &found.r), answer(&wv.x, 4096, &of_many.r);
-        EXPECT_NEAR(found.r, expected.r, 0.08f * expected.r) << wv.z;
-        EXPECT_NEAR(found.g, expected.g, 0.08f * expected.g) << wv.z;
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(of_many[c], expected[c], 0.01f * expected[c]) << wv.z;
-    }
-}
-
-const Model& glossy() {
-    static const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.5f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
-    return model;
-}
-const ExtendedLight& light_of_glossy() {
-    static const ExtendedLight light = extended_light(prepare(glossy()));
-    return light;
-}
-
-/// Under an environment that a host supplies, whose radiance tells where and how blurred it is asked.
-TEST_F(ShadingCode, EnvironmentsAreThoseOfTheLibrary) {
-    EXPECT_NE(code(CodeLanguage::wgsl).find("fn lit_environment(wv: vec3f)"), std::string::npos);
-    EXPECT_EQ(code(CodeLanguage::msl).find("lit_environment("), std::string::npos);
-    EXPECT_NE(code(CodeLanguage::msl).find("lit_environment_lobe("), std::string::npos);
-    const NamedModel named{"glossy", &glossy()};
-    void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "environment",
-                 *shading_code(std::span(&named, 1), "glossy", {.language = CodeLanguage::c, .environment = true}) +
-                     "static srbf_vec3 glossy_radiance(srbf_vec3 direction, float roughness) {\n"
-                     "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, roughness);\n}\n"
-                     "void answer(const float* v, float* to);\n"
-                     "void answer(const float* v, float* to) {\n"
-                     "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment(wv);\n"
-                     "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
-    ASSERT_TRUE(library);
-    const auto answer = function<void(const float*, float*)>(library, "answer");
-    const ExtendedLight& light = light_of_glossy();
-    std::mt19937_64 random(3);
-    for (int i = 0; i < 200; ++i) {
-        const Vec3f wv = to_float(random_direction(random, 1e-3));
-        Rgb found, expected;
-        answer(&wv.x, &found.r);
-        for (const ExtendedLight::Lobe& lobe : lobes_at(light, wv.z)) {
-            const Vec3f axis = axis_of(lobe, wv);
-            expected.r += lobe.weight.r * (1 + axis.x);
-            expected.g += lobe.weight.g * (1 + axis.z);
-            expected.b += lobe.weight.b * lobe.roughness;
-        }
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], std::max(expected[c], 0.f), 1e-4f) << wv.z;
-    }
-}
-
-/// GGX's kernel of a roughness, seen along the normal [1/sr].
-double ggx_kernel(double roughness, double cosine) {
-    const double a = std::pow(roughness, 4), b = 1 - a;
-    const double integral = b < 1e-4 ? 1.0 / 8 : ((1 + a) / (2 * a) - 1 + std::log(2 * a / (1 + a))) / (b * b);
-    return cosine > 0 ? cosine / (2 * k_pi * integral * std::pow(1 + a - b * cosine, 2)) : 0;
-}
-
-/// The code's area light against its lobes, integrated over the directions of quadrilaterals near and far, some of them
-/// across the horizon; small ones against the BRDF; all directions together are the albedo.
-TEST_F(ShadingCode, AreaLightsAreIntegralsOfTheLobes) {
-    const Model& model = glossy();
-    const NamedModel named{"glossy", &model};
-    void* const library =
-        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "area",
-                 *shading_code(std::span(&named, 1), "glossy", {.language = CodeLanguage::c, .area = true}) +
-                     "void answer(const float* v, const float* p, float* to);\n"
-                     "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
-                     "void answer(const float* v, const float* p, float* to) {\n"
-                     "    srbf_vec3 f = glossy_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
-                     "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
-    ASSERT_TRUE(library);
-    const auto answer = function<void(const float*, const Vec3f*, float*)>(library, "answer");
-    const ExtendedLight& light = light_of_glossy();
-    const PreparedBrdf brdf = prepare(model);
-    std::mt19937_64 random(3);
-    for (int i = 0; i < 40; ++i) {
-        const Vec3f wv = to_float(random_direction(random, 0.1));
-        const auto lobes = lobes_at(light, wv.z);
-        const Vec3d middle = random_direction(random, -0.2), x = 0.7 * random_direction(random, -1),
-                    y = cross(middle, x);
-        constexpr int steps = 60;
-        constexpr float resolved = 0.16f;  // by these steps; sharper lobes, which hardly weigh here, are in or out
-        double expected = 0, whole = 0, unresolved = 0;
-        for (int s = 0; s < steps; ++s)
-            for (int t = 0; t < steps; ++t) {
-                const Vec3d p = middle + ((2 * s + 1.0) / steps - 1) * x + ((2 * t + 1.0) / steps - 1) * y;
-                const double far = std::sqrt(dot(p, p)),
-                             solid = 4.0 / (steps * steps) * std::abs(dot(cross(x, y), p)) / (far * far * far);
-                for (const ExtendedLight::Lobe& lobe : lobes) {
-                    const float cosine = dot(axis_of(lobe, wv), to_float((1 / far) * p));
-                    if (lobe.roughness < resolved) continue;
-                    expected += double(lobe.weight.g) * ggx_kernel(double(lobe.roughness), double(cosine)) * solid;
-                }
-            }
-        for (const ExtendedLight::Lobe& lobe : lobes) {
-            whole += double(lobe.weight.g);
-            if (lobe.roughness < resolved) unresolved += std::abs(double(lobe.weight.g));
-        }
-        ASSERT_LT(unresolved, 0.1 * whole);
-        const std::array<Vec3f, 4> corners{to_float(middle - x - y), to_float(middle + x - y), to_float(middle + x + y),
-                                           to_float(middle - x + y)};
-        Rgb found;
-        answer(&wv.x, corners.data(), &found.r);
-        EXPECT_NEAR(double(found.g), std::max(expected, 0.0), 0.04 * whole + unresolved) << i;
-    }
-    for (int i = 0; i < 20; ++i) {  // small ones show the BRDF itself
-        const Vec3f wv = to_float(random_direction(random, 0.1));
-        const Vec3d middle = random_direction(random, -0.2), x = 0.02 * random_direction(random, -1),
-                    y = cross(middle, x);
-        const std::array<Vec3f, 4> corners{to_float(2.0 * (middle - x - y)), to_float(2.0 * (middle + x - y)),
-                                           to_float(2.0 * (middle + x + y)), to_float(2.0 * (middle - x + y))};
-        const double solid = 4 * std::abs(dot(cross(x, y), middle));
-        const double expected = double(value(brdf, to_float(middle), wv).g) * std::max(middle.z, 0.0) * solid;
-        Rgb found;
-        answer(&wv.x, corners.data(), &found.r);
-        EXPECT_NEAR(double(found.g), expected, 0.01 * expected + 1e-6) << i;
-    }
-    constexpr float wide = 1e4f;
-    const std::array<Vec3f, 4> sky{Vec3f(-wide, -wide, 0.01f), Vec3f(wide, -wide, 0.01f), Vec3f(wide, wide, 0.01f),
-                                   Vec3f(-wide, wide, 0.01f)};
-    Rgb found;
-    const Vec3f normal(0, 0, 1);
-    answer(&normal.x, sky.data(), &found.r);
-    EXPECT_NEAR(found.g, albedo(brdf, 1).g, 0.01f);
 }
 
 /// Draws of the code against its own density, over bins of half vectors.
@@ -730,9 +572,11 @@ TEST(ShadingCodeText, WhatALanguageCannotHoldIsRefused) {
     };
     expect_refused(shading_code(named, "su", {.sampling = true}));
     expect_refused(shading_code(named, "su", {.language = CodeLanguage::msl}));
-    expect_refused(three_module(named, "su"));
     const Model both{full_bsdf(), {}};
-    expect_refused(three_module(std::vector<NamedModel>{{"both", &both}}, "both"));
+    for (const CodeModule& module : code_modules()) {
+        expect_refused(module.text(named, "su", 0));
+        expect_refused(module.text(std::vector<NamedModel>{{"both", &both}}, "both", 0));
+    }
     std::get<SuModel>(model.model).interpolation = SuInterpolation::plain;
     expect_refused(shading_code(named, "su", {}));
 }

@@ -41,7 +41,7 @@ def shown(path):
 with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "terms.csv"), encoding="utf-8") as file:
     terms = [(re.compile(rf"\b(?:{row['term']})", flags=re.I), row["instead"]) for row in csv.DictReader(file)]
 searched = [(page, prose(page)) for page in PAGES + files("docs", ".md")]
-searched += [(path, strings(path)) for where in ("app", "extras", "render", "src") for path in files(where, ".cpp", ".h")]
+searched += [(path, strings(path)) for where in ("app", "extras", "src") for path in files(where, ".cpp", ".h")]
 searched += [(path, shown(path)) for path in files("web", ".html", ".js", ".mjs") + files("extras", ".html") + files("python/srbf", ".py")]
 problems = []
 for path, of in searched:

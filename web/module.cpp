@@ -259,13 +259,14 @@ SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, i
     if (!model) return fail(unknown("that of a model"));
     const std::string to = text_of(language, size), name = identifier(stem_of(subject->path));
     std::vector<NamedModel> named{{name, model}};
-    if (to == "three") {
+    for (const CodeModule& module : code_modules()) {
+        if (to != module.name) continue;
         if (const auto* bsdf = std::get_if<BsdfModel>(&model->model)) {
             named.clear();
             for (std::size_t p = 0; p < k_parts; ++p)
                 if (bsdf->part[p]) named.push_back({fmt::format("{}_{}", name, k_part_names[p]), bsdf->part[p].get()});
         }
-        return give_or_fail(three_module(named, named.size() == 1 ? named[0].name : name));
+        return give_or_fail(module.text(named, named.size() == 1 ? named[0].name : name, 0));
     }
     for (const CodeLanguageRow& row : k_code_languages)
         if (row.name == to)

@@ -1,4 +1,4 @@
-// An environment map, as of extras/render/environment.h: radiance and importance sampling. To follow any material's text.
+// An environment map, as of render/environment.h: radiance and importance sampling. To follow any material's text.
 uniform sampler2D environment;          // radiance / environment_scale, with mip levels
 uniform sampler2D environment_columns;  // running sums of the light along each row, from 0 to 1: width + 1 numbers
 uniform sampler2D environment_rows;     // running sums over the rows: height + 1 numbers

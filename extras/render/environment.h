@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/image.h"
+#include "extras/render/tone.h"
 
 namespace srbf {
 

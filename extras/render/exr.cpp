@@ -6,6 +6,7 @@
 #include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStdIO.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,23 +45,6 @@ class Source : public Imf::IStream {
     std::size_t at_ = 0;
 };
 
-class Sink : public Imf::OStream {
-  public:
-    Sink() : OStream("memory") {}
-    void write(const char* from, int count) override {
-        bytes.resize(std::max(bytes.size(), at_ + std::size_t(count)));
-        std::memcpy(bytes.data() + at_, from, std::size_t(count));
-        at_ += std::size_t(count);
-    }
-    Position tellp() override { return at_; }
-    void seekp(Position to) override { at_ = std::size_t(to); }
-
-    std::vector<std::byte> bytes;
-
-  private:
-    std::size_t at_ = 0;
-};
-
 /// The first line of the library's message.
 std::string said(const std::exception& error) {
     const std::string_view all = error.what();
@@ -77,7 +61,7 @@ Imf::Slice slice(const float* first, int width, int stride, std::int64_t x0, std
 /// Writes what `frame` has of every pixel.
 Result<Done> write_frame(const Imf::Header& header, const Imf::FrameBuffer& frame, int height,
                          const std::string& path) {
-    Sink sink;
+    Imf::StdOSStream sink;
     try {
         Imf::OutputFile file(sink, header);
         file.setFrameBuffer(frame);
@@ -87,7 +71,7 @@ Result<Done> write_frame(const Imf::Header& header, const Imf::FrameBuffer& fram
     } catch (const std::exception& error) {
         return Error{path, {}, "cannot be written as EXR", {}, said(error)};
     }
-    return write_file(path, sink.bytes);
+    return write_file(path, as_bytes(sink.str()));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/image.h"
+#include "extras/render/tone.h"
 
 namespace srbf {
 

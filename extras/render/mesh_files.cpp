@@ -82,38 +82,36 @@ Vec2f place_in_map(float u, float v) { return std::isfinite(u) && std::isfinite(
 
 // ---- .ply --------------------------------------------------------------------------------------------------------
 
-enum class Type : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
-constexpr std::array<std::pair<std::string_view, Type>, 16> k_types{{
-    {"char", Type::int8},
-    {"int8", Type::int8},
-    {"uchar", Type::uint8},
-    {"uint8", Type::uint8},
-    {"short", Type::int16},
-    {"int16", Type::int16},
-    {"ushort", Type::uint16},
-    {"uint16", Type::uint16},
-    {"int", Type::int32},
-    {"int32", Type::int32},
-    {"uint", Type::uint32},
-    {"uint32", Type::uint32},
-    {"float", Type::float32},
-    {"float32", Type::float32},
-    {"double", Type::float64},
-    {"float64", Type::float64},
-}};
-std::optional<Type> type_named(std::string_view name) {
-    const auto found = std::ranges::find(k_types, name, &std::pair<std::string_view, Type>::first);
-    return found == k_types.end() ? std::nullopt : std::optional(found->second);
+/// A type of numbers by its two names.
+struct Type {
+    std::array<std::string_view, 2> names;
+    std::size_t size;
+    bool is_whole;
+    double (*number)(const std::byte* bytes);
+};
+template <typename T> constexpr Type type_of(std::string_view name, std::string_view other) {
+    return {{name, other}, sizeof(T), std::is_integral_v<T>, [](const std::byte* bytes) {
+                T number;
+                std::memcpy(&number, bytes, sizeof number);
+                return double(number);
+            }};
 }
-constexpr std::size_t size_of(Type type) {
-    constexpr std::array<std::size_t, 8> size{1, 1, 2, 2, 4, 4, 4, 8};
-    return size[std::size_t(type)];
+constexpr std::array<Type, 8> k_types{
+    type_of<std::int8_t>("char", "int8"),    type_of<std::uint8_t>("uchar", "uint8"),
+    type_of<std::int16_t>("short", "int16"), type_of<std::uint16_t>("ushort", "uint16"),
+    type_of<std::int32_t>("int", "int32"),   type_of<std::uint32_t>("uint", "uint32"),
+    type_of<float>("float", "float32"),      type_of<double>("double", "float64")};
+/// None: nullptr.
+const Type* type_named(std::string_view name) {
+    const auto found = std::ranges::find_if(
+        k_types, [&](const Type& type) { return type.names[0] == name || type.names[1] == name; });
+    return found == k_types.end() ? nullptr : &*found;
 }
 
 struct Property {
     std::string name;
-    Type type{};
-    std::optional<Type> count;  ///< for a list: the type of its length
+    const Type* type = nullptr;
+    const Type* count = nullptr;  ///< for a list: the type of its length
 };
 struct Element {
     std::string name;
@@ -132,18 +130,17 @@ constexpr std::size_t k_most_elements = 64, k_most_properties = 256;
 /// A line `property ...` of the header, without its first word.
 Result<Property> read_property(std::string_view words, const std::string& file_name, std::uint64_t line) {
     Property property;
-    const auto type_of = [](std::string_view word) { return type_named(word); };
     std::string_view word = next_word(words);
     if (word == "list") {
         word = next_word(words);
-        property.count = type_of(word);
-        if (!property.count || *property.count >= Type::float32)
+        property.count = type_named(word);
+        if (!property.count || !property.count->is_whole)
             return at_line(file_name, line, "type of a list's length", "a type of integers", quoted(word));
         word = next_word(words);
     }
-    const auto type = type_of(word);
-    if (!type) return at_line(file_name, line, "type of a property", "char, uchar, short to double", quoted(word));
-    property.type = *type;
+    property.type = type_named(word);
+    if (!property.type)
+        return at_line(file_name, line, "type of a property", "char, uchar, short to double", quoted(word));
     property.name = next_word(words);
     return property;
 }
@@ -204,12 +201,14 @@ class Numbers {
         : bytes_(bytes), at_(at), encoding_(encoding) {}
     std::size_t at() const { return at_; }
     /// The minimum size in bytes of a number of that type, including its separator.
-    std::size_t least_bytes(Type type) const { return encoding_ == Encoding::ascii ? 2 : size_of(type); }
+    std::size_t least_bytes(const Type& type) const { return encoding_ == Encoding::ascii ? 2 : type.size; }
     /// Whether `count` numbers of that type may follow; the last number of a text needs no separator.
     bool may_hold(std::uint64_t count, std::uint64_t bytes_each) const {
         return count == 0 || bytes_each == 0 || count <= (bytes_.size() - at_ + 1) / bytes_each;
     }
-    std::optional<double> next(Type type) { return encoding_ == Encoding::ascii ? next_word_() : next_bytes(type); }
+    std::optional<double> next(const Type& type) {
+        return encoding_ == Encoding::ascii ? next_word_() : next_bytes(type);
+    }
     /// The text found instead of a number.
     std::string found() const {
         if (at_ >= bytes_.size() || encoding_ != Encoding::ascii) return "the end of the file";
@@ -229,37 +228,14 @@ class Numbers {
         if (number) at_ = end;
         return number;
     }
-    std::optional<double> next_bytes(Type type) {
-        const std::size_t size = size_of(type);
-        if (bytes_.size() - at_ < size) return {};
+    std::optional<double> next_bytes(const Type& type) {
+        if (bytes_.size() - at_ < type.size) return {};
         std::array<std::byte, 8> raw{};
-        std::copy_n(&bytes_[at_], size, raw.begin());
-        at_ += size;
+        std::copy_n(&bytes_[at_], type.size, raw.begin());
+        at_ += type.size;
         static_assert(std::endian::native == std::endian::little);
-        if (encoding_ == Encoding::big) std::reverse(raw.begin(), raw.begin() + std::ptrdiff_t(size));
-        const auto as = [&]<typename T>(T number) {
-            std::memcpy(&number, raw.data(), sizeof number);
-            return double(number);
-        };
-        switch (type) {
-            case Type::int8:
-                return as(std::int8_t());
-            case Type::uint8:
-                return as(std::uint8_t());
-            case Type::int16:
-                return as(std::int16_t());
-            case Type::uint16:
-                return as(std::uint16_t());
-            case Type::int32:
-                return as(std::int32_t());
-            case Type::uint32:
-                return as(std::uint32_t());
-            case Type::float32:
-                return as(float());
-            case Type::float64:
-                return as(double());
-        }
-        return {};
+        if (encoding_ == Encoding::big) std::reverse(raw.begin(), raw.begin() + std::ptrdiff_t(type.size));
+        return type.number(raw.data());
     }
 
     std::span<const std::byte> bytes_;
@@ -320,7 +296,7 @@ class PlyReader {
     Result<Done> check_count(const Element& element) const {
         std::uint64_t row = 0;
         for (const Property& property : element.properties)
-            row += numbers_.least_bytes(property.count.value_or(property.type));
+            row += numbers_.least_bytes(property.count ? *property.count : *property.type);
         if (numbers_.may_hold(element.count, row) && element.count <= k_most_numbers) return Done{};
         return Error{file_name_, numbers_.at(), fmt::format("number of elements {}", element.name),
                      "as many as the file's size can hold", std::to_string(element.count)};
@@ -356,7 +332,7 @@ class PlyReader {
                     if (auto passed = read_list(element, row, property, nullptr); !passed) return passed.error();
                     continue;
                 }
-                const auto number = numbers_.next(property.type);
+                const auto number = numbers_.next(*property.type);
                 if (!number) return no_number(element, row);
                 of[destination_of(property.name)] = to_float(*number);
             }
@@ -377,11 +353,11 @@ class PlyReader {
         const auto length = numbers_.next(*property.count);
         if (!length) return no_number(element, row);
         if (!(*length >= 0) || *length != std::floor(*length) || *length > double(k_most_numbers) ||
-            !numbers_.may_hold(std::uint64_t(*length), numbers_.least_bytes(property.type)))
+            !numbers_.may_hold(std::uint64_t(*length), numbers_.least_bytes(*property.type)))
             return Error{file_name_, numbers_.at(), fmt::format("length of a list of {} {}", element.name, row + 1),
                          "one that the file's size can hold", fmt::format("{:.12g}", *length)};
         for (std::uint64_t k = 0; k < std::uint64_t(*length); ++k) {
-            const auto number = numbers_.next(property.type);
+            const auto number = numbers_.next(*property.type);
             if (!number) return no_number(element, row);
             if (!list) continue;
             if (!(*number >= 0 && *number <= double(k_most_numbers)) || *number != std::floor(*number))
@@ -400,7 +376,7 @@ class PlyReader {
             for (std::size_t i = 0; i < element.properties.size(); ++i) {
                 const Property& property = element.properties[i];
                 if (!property.count) {
-                    if (!numbers_.next(property.type)) return no_number(element, row);
+                    if (!numbers_.next(*property.type)) return no_number(element, row);
                     continue;
                 }
                 corners.clear();

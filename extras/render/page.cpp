@@ -9,7 +9,7 @@
 #include "extras/render/environment.h"
 #include "app/html.h"
 #include "render/page_text.h"
-#include "extras/render/preview.h"
+#include "extras/render/sphere_picture.h"
 #include "extras/render/scene.h"
 #include "extras/render/slices.h"
 #include "srbf/half.h"

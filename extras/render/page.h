@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/image.h"
+#include "extras/render/tone.h"
 #include "extras/render/mesh.h"
 #include "extras/render/pixel_shader.h"
 #include "srbf/brdf.h"

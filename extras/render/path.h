@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "extras/render/environment.h"
-#include "app/image.h"
+#include "extras/render/tone.h"
 #include "extras/render/scene.h"
 #include "srbf/prepared_bsdf.h"
 #include "srbf/prepared_map.h"

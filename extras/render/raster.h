@@ -9,7 +9,7 @@
 
 #include "extras/render/environment.h"
 #include "extras/render/gl_object.h"
-#include "app/image.h"
+#include "extras/render/tone.h"
 #include "extras/render/scene.h"
 
 namespace srbf {
@@ -126,10 +126,11 @@ class RasterMaterial {
     void load(const MerlTable& table);
     void load(const PmModel& model);
     void load(const SuModel& model);
-    void load(const GgxModel& model);
-    void load(const OpenPbrModel& model);
+    void load(const GgxModel& model) { load_uniforms("ggx_numbers", ggx_numbers(model)); }
+    void load(const OpenPbrModel& model) { load_uniforms("openpbr_numbers", openpbr_numbers(model)); }
     void load(const BsdfModel&) {}  // its numbers are in the text
     void load(const BsdfTables& tables);
+    void load_uniforms(const char* name, std::span<const Float4> numbers);
     void load_table(std::array<std::uint32_t, 3> size, std::vector<Float4> texels);
 
     GlObject program_, numbers_, no_array_;

@@ -10,11 +10,8 @@
 namespace srbf {
 namespace {
 
-/// Whether a material's numbers fit the limits of the library.
-Result<Done> check_limits(const Flat&) { return Done{}; }
-Result<Done> check_limits(const GgxModel&) { return Done{}; }
-Result<Done> check_limits(const OpenPbrModel&) { return Done{}; }
-Result<Done> check_limits(const BsdfModel&) { return Done{}; }
+/// Whether a material's numbers fit the limits of the library; those without a check are few.
+template <typename Few> Result<Done> check_limits(const Few&) { return Done{}; }
 Result<Done> check_limits(const BsdfTables& tables) {
     const auto [h, d, p] = size_of(tables);
     return check_gl_size("nodes of a table along an axis", std::max({std::size_t(d), std::size_t(p), k_parts * h}),
@@ -70,16 +67,9 @@ void RasterMaterial::load(const PmModel& model) {
     glUniformBlockBinding(program_.id(), glGetUniformBlockIndex(program_.id(), "PmNumbers"), 0);
 }
 
-void RasterMaterial::load(const GgxModel& model) {
-    const auto numbers = ggx_numbers(model);
-    data_bytes_ = sizeof numbers;
-    glUniform4fv(glGetUniformLocation(program_.id(), "ggx_numbers"), GLsizei(numbers.size()), numbers[0].data());
-}
-
-void RasterMaterial::load(const OpenPbrModel& model) {
-    const auto numbers = openpbr_numbers(model);
-    data_bytes_ = sizeof numbers;
-    glUniform4fv(glGetUniformLocation(program_.id(), "openpbr_numbers"), GLsizei(numbers.size()), numbers[0].data());
+void RasterMaterial::load_uniforms(const char* name, std::span<const Float4> numbers) {
+    data_bytes_ = numbers.size_bytes();
+    glUniform4fv(glGetUniformLocation(program_.id(), name), GLsizei(numbers.size()), numbers[0].data());
 }
 
 void RasterMaterial::load(const SuModel& model) {

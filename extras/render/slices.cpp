@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "extras/render/drawing.h"
+#include "srbf/directions.h"
 #include "srbf/printable.h"
 
 namespace srbf {
@@ -148,12 +149,6 @@ std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
     svg += plot.caption("seen from this angle; light comes from the left");
     for (std::size_t c = 0; c < curves.size(); ++c) svg += plot.drawn(curves[c], slices[c], 0, c == 0);
     return svg + "</svg>\n";
-}
-
-bool is_in_plane(Vec3f wl, Vec3f wv) {
-    constexpr float most = 0.01f;
-    const float s = std::hypot(wl.x, wl.y), across = wl.x * wv.y - wl.y * wv.x;
-    return std::abs(across) <= most * s || s <= most;
 }
 
 std::vector<Scan> scans_in_plane(const ScatteredSamples& samples) {

@@ -33,8 +33,6 @@ struct SliceCurve {
 std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l);
 inline constexpr int k_slice_decades = 6;
 
-/// Whether the sine of the angle between wv and the plane of wl and the normal is at most 0.01: half a degree.
-bool is_in_plane(Vec3f wl, Vec3f wv);
 /// Samples of one angle of incidence, seen in its plane.
 struct Scan {
     double theta_l = 0;             ///< [degrees]

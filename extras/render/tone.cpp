@@ -1,10 +1,10 @@
+#include "extras/render/tone.h"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 
-#include "app/image.h"
 #include "extras/render/shading.h"
 
 namespace srbf {
@@ -20,17 +20,6 @@ Rgb tone_map(Rgb radiance, float exposure) {
     for (int c = 0; c < 3; ++c) x[c] = std::min(exposure * std::clamp(radiance[c], 0.0f, largest), largest);
     const Vec3f out = Shading<float>::tone_mapped({x.r, x.g, x.b});
     return {out.x, out.y, out.z};
-}
-
-float srgb_encoded(float x) { return Shading<float>::srgb_transfer(x); }
-
-Rgb8 to_srgb8(Rgb shown) {
-    Rgb8 out{};
-    for (int c = 0; c < 3; ++c) {
-        if (std::isnan(shown[c])) return k_not_measured;
-        out[std::size_t(c)] = std::uint8_t(255 * srgb_encoded(std::clamp(shown[c], 0.0f, 1.0f)) + 0.5f);
-    }
-    return out;
 }
 
 Rgb8 to_srgb8(Rgb radiance, float exposure) { return to_srgb8(tone_map(radiance, exposure)); }

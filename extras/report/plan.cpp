@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "extras/render/slices.h"
+#include "srbf/directions.h"
 
 namespace srbf {
 namespace {

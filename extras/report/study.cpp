@@ -233,9 +233,9 @@ class Maker {
             if (const auto done = add(plain(stem) + ending, what, shading_code(one, named.name, options)); !done)
                 return done;
         }
-        if (const auto done = add(plain(stem) + ".js", "three.js", three_module(one, named.name, options_.threads));
-            !done)
-            return done;
+        for (const CodeModule& module : code_modules())
+            if (const auto done = add(plain(stem) + ".js", "three.js", module.text(one, named.name, options_.threads)); !done)
+                return done;
         if (is_two_sided(drawn_.subjects[0].content)) return Done{};
         std::vector<Subject> models{{"fitted", fit->content}};
         if (ggx != nullptr) models.push_back({"GGX", ggx->content});

@@ -11,6 +11,7 @@
 #include "srbf/metrics.h"
 #include "srbf/pictures.h"
 #include "srbf/printable.h"
+#include "srbf/text.h"
 
 namespace srbf {
 
@@ -222,33 +223,18 @@ std::vector<Json> constants() {
     return rows;
 }
 
+/// The words of a text.
+std::vector<std::string> columns_of(std::string_view text) {
+    std::vector<std::string> columns;
+    while (!(text = trimmed(text)).empty()) columns.emplace_back(next_word(text));
+    return columns;
+}
+
 std::vector<std::string> fit_columns() {
-    std::vector<std::string> columns{"material",
-                                     "input",
-                                     "id",
-                                     "role",
-                                     "model",
-                                     "form",
-                                     "lobes",
-                                     "variates",
-                                     "axial",
-                                     "interpolation",
-                                     "index",
-                                     "objective",
-                                     "max_theta",
-                                     "raw_bytes",
-                                     "payload_bytes",
-                                     "auxiliary_bytes",
-                                     "fit_seconds",
-                                     "threads",
-                                     "stop_reason",
-                                     "masked_samples",
-                                     "clamped_samples",
-                                     "empty_directions",
-                                     "samples",
-                                     "folds",
-                                     "directions",
-                                     "seed"};
+    std::vector<std::string> columns = columns_of(
+        "material input id role model form lobes variates axial interpolation index objective max_theta raw_bytes "
+        "payload_bytes auxiliary_bytes fit_seconds threads stop_reason masked_samples clamped_samples empty_directions "
+        "samples folds directions seed");
     for (const char* prefix : {"", "unrounded_"})
         for (const std::string& column : measure_columns(prefix)) columns.push_back(column);
     columns.insert(columns.end(), k_picture_columns.begin(), k_picture_columns.end());
@@ -291,33 +277,28 @@ std::vector<Json> summary_of(const Table& materials) {
 
 Tables tables_of(const std::vector<Reported>& materials) {
     Tables tables;
-    tables.constants = {"constants", {"name", "value"}, constants()};
-    tables.summary = {"summary", {"what", "materials"}, {}};
-    tables.materials = {
-        "materials",
-        {"material",        "label",        "verdict",     "file",         "format",          "input",
-         "isotropic",       "source_bytes", "status",      "error",        "source_material", "masked_samples",
-         "clamped_samples", "fits",         "failed_fits", "pixels",       "paths",           "load_seconds",
-         "study_seconds",   "threads",      "jobs",        "frames_error", "sweep",           "version",
-         "folder"},
-        {}};
+    tables.constants = {"constants", columns_of("name value"), constants()};
+    tables.summary = {"summary", columns_of("what materials"), {}};
+    tables.materials = {"materials",
+                        columns_of("material label verdict file format input isotropic source_bytes status error "
+                                   "source_material masked_samples clamped_samples fits failed_fits pixels paths "
+                                   "load_seconds study_seconds threads jobs frames_error sweep version folder"),
+                        {}};
     tables.fits = {"fits", fit_columns(), {}};
-    tables.failures = {"failures", {"material", "id", "error"}, {}};
-    tables.statistics = {
-        "statistics",
-        {"input", "id", "model", "form", "lobes", "variates", "objective", "max_theta", "payload_bytes", "measure",
-         "materials", "mean", "median", "percentile_95", "worst", "worst_material"},
-        {}};
-    tables.pictures = {
-        "pictures", {"material", "object", "id", "role", "psnr", "ssim", "flip", "picture", "difference"}, {}};
+    tables.failures = {"failures", columns_of("material id error"), {}};
+    tables.statistics = {"statistics",
+                         columns_of("input id model form lobes variates objective max_theta payload_bytes measure "
+                                    "materials mean median percentile_95 worst worst_material"),
+                         {}};
+    tables.pictures = {"pictures", columns_of("material object id role psnr ssim flip picture difference"), {}};
     tables.frames = {"frames",
-                     {"material", "id", "drawn", "data_bytes", "auxiliary_bytes", "total_bytes", "frames_per_second",
-                      "milliseconds", "cpu_milliseconds", "renderer", "mesh", "triangles", "width", "height", "frames"},
+                     columns_of("material id drawn data_bytes auxiliary_bytes total_bytes frames_per_second "
+                                "milliseconds cpu_milliseconds renderer mesh triangles width height frames"),
                      {}};
     tables.source = {"source",
-                     {"material", "model", "lobes", "variates", "raw_bytes", "payload_bytes", "auxiliary_bytes",
-                      "squared_error_ratio", "least_minutes", "most_minutes", "least_frames_per_second",
-                      "most_frames_per_second", "renderer"},
+                     columns_of("material model lobes variates raw_bytes payload_bytes auxiliary_bytes "
+                                "squared_error_ratio least_minutes most_minutes least_frames_per_second "
+                                "most_frames_per_second renderer"),
                      source_rows()};
     for (const Reported& of : materials) add_material(tables, of);
     add_statistics(tables);

@@ -7,7 +7,7 @@
 
 #include "extras/view/ink.h"
 #include "extras/view/plots.h"
-#include "app/image.h"
+#include "extras/render/tone.h"
 #include "srbf/pictures.h"
 
 namespace srbf {

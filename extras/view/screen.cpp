@@ -22,39 +22,15 @@ constexpr double k_share_of_monitor = 0.8;
 
 /// The name of a key for `press`; empty: not used.
 std::string name_of(int key, int scancode, int modifiers) {
+    constexpr std::pair<int, const char*> named[] = {
+        {GLFW_KEY_LEFT, "Left"},          {GLFW_KEY_RIGHT, "Right"}, {GLFW_KEY_UP, "Up"},
+        {GLFW_KEY_DOWN, "Down"},          {GLFW_KEY_ENTER, "Enter"}, {GLFW_KEY_PAGE_UP, "PageUp"},
+        {GLFW_KEY_PAGE_DOWN, "PageDown"}, {GLFW_KEY_F1, "F1"},       {GLFW_KEY_ESCAPE, "Escape"}};
     std::string name;
-    switch (key) {
-        case GLFW_KEY_LEFT:
-            name = "Left";
-            break;
-        case GLFW_KEY_RIGHT:
-            name = "Right";
-            break;
-        case GLFW_KEY_UP:
-            name = "Up";
-            break;
-        case GLFW_KEY_DOWN:
-            name = "Down";
-            break;
-        case GLFW_KEY_PAGE_UP:
-            name = "PageUp";
-            break;
-        case GLFW_KEY_PAGE_DOWN:
-            name = "PageDown";
-            break;
-        case GLFW_KEY_ENTER:
-            name = "Enter";
-            break;
-        case GLFW_KEY_ESCAPE:
-            name = "Escape";
-            break;
-        case GLFW_KEY_F1:
-            name = "F1";
-            break;
-        default:
-            if (const char* text = glfwGetKeyName(key, scancode); text && text[0] != 0 && text[1] == 0)
-                name = char(std::toupper(text[0]));
-    }
+    if (const auto at = std::ranges::find(named, key, [](const auto& of) { return of.first; }); at != std::end(named))
+        name = at->second;
+    else if (const char* text = glfwGetKeyName(key, scancode); text && text[0] != 0 && text[1] == 0)
+        name = char(std::toupper(text[0]));
     return (modifiers & GLFW_MOD_SHIFT) != 0 && !name.empty() ? "Shift+" + name : name;
 }
 

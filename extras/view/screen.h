@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "app/image.h"
+#include "extras/render/tone.h"
 
 struct GLFWwindow;
 

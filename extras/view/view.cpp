@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "app/commands.h"
+#include "app/extra_subcommands.h"
 #include "app/memory.h"
 #include "app/output.h"
 #include "extras/view/window.h"

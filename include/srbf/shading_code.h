@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "srbf/extended_light.h"
 #include "srbf/library.h"
 #include "srbf/model.h"
 
@@ -35,16 +34,8 @@ struct CodeOptions {
     CodeLanguage language = CodeLanguage::glsl;
     bool sampling = false;           ///< also NAME_sample and NAME_pdf
     bool albedo = false;             ///< also NAME_albedo
-    bool environment = false;        ///< also NAME_environment and NAME_environment_lobe
-    bool environment_draws = false;  ///< also NAME_environment_sampled, NAME_environment_draw and those of sampling
-    bool area = false;               ///< also NAME_area and NAME_environment_lobe
-    int extended_lobes = 6;          ///< look-ups for an environment, see extended_light.h
-    MapLevels map_levels = MapLevels::root;  ///< of the map that they look up
-    /// The host supplies the lobes of a model for each of `ExtendedLight::k_views` views, as it has them in a texture:
-    /// Vec3 NAME_light_texel(int i, int view), of lobe k > 0 (p, roughness, width of the view) at i = 2 k - 2 and its
-    /// share at i = 2 k - 1, and from i = 2 `extended_lobes` - 2 the albedos (`light_texels`).
-    bool light_texels = false;
-    int threads = 0;  ///< for weights of sampling, albedos and lobes of environments; 0: as many as the machine has
+    std::vector<std::string> with = {};  ///< also functions of extras, by their names in `code_features()`
+    int threads = 0;  ///< for weights of sampling, albedos and what extras add; 0: as many as the machine has
 };
 
 struct NamedModel {
@@ -62,17 +53,6 @@ std::string identifier(std::string_view text);
 ///                                      uniform in [0,1); z <= 0 where the draw has none
 ///   float NAME_pdf(Vec3 wl, Vec3 wv)   its density [1/sr], 0 where wl or wv is not above the horizon
 ///   Vec3 NAME_albedo(float cosine)     directional albedo of a view at that cosine to the normal
-///   Vec3 NAME_environment(Vec3 wv)     the radiance that leaves towards the viewer under an environment, of which the
-///                                      host supplies Vec3 NAME_radiance(Vec3 direction, float roughness); not for Metal,
-///                                      where a function sees no textures but its arguments
-///   Vec3 NAME_environment_sampled(Vec3 wv, int count)   the same by so many draws of NAME_sample, of an environment that is
-///                                      not filtered for them: the host supplies Vec3 NAME_radiance_over(Vec3 direction,
-///                                      float solid_angle), a look-up in its mip levels; not for Metal
-///   LightDraw NAME_environment_draw(Vec3 wv, int i, int count)   one of them: direction, solid angle [sr], weight
-///   Vec3 NAME_area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d)   the radiance that leaves towards the viewer from a
-///                                      quadrilateral of radiance 1, of corners about the point
-///   LightLobe NAME_environment_lobe(Vec3 wv, int k)   of the `extended_lobes` terms of that sum one: axis, roughness and
-///                                      weight, see extended_light.h
 /// of unit vectors in the local frame: z along the normal, and of anisotropic models x along the tangent. Vec3 is the
 /// language's vector of three floats, in C the structure srbf_vec3. The functions are printed from kernel.glsl, with
 /// the numbers of the model as constants, equal to those of the model file, and contain what the model needs of them.
@@ -96,8 +76,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 ///                                                      supplies: a look-up in layer j of its textures
 ///   NAME_Coefficients NAME_coefficients(float u, float v)   those of all lobes, by NAME_layer
 ///   Vec3 NAME_brdf(Vec3 wl, Vec3 wv, NAME_Coefficients)     f_r [1/sr], as above
-///   and NAME_albedo, NAME_environment, NAME_environment_lobe, NAME_area, if they are wanted, as above with the coefficients
-///   as last argument; of the lobes of environments there are J + 1, the cosine about the normal and one of each lobe
+///   and NAME_albedo and functions of extras, if they are wanted, with the coefficients as last argument
 /// All are linear in the coefficients, so that what a texture's filter makes of texels is the mean of their BRDFs. Not for
 /// Metal, where a function sees no textures but its arguments: NAME_layer and NAME_coefficients. Errors, of code
 /// `argument`: a sparse library; sampling.
@@ -119,21 +98,20 @@ Result<std::string> radiance_text(std::span<const NamedModel> models);
 /// The numbers that NAME_number of a view-by-view model returns.
 std::vector<float> shading_data(const SuModel& model);
 
-/// The texels that NAME_light_texel(i, view) returns of those lobes, R, G, B at 3 (i + view columns).
-struct LightTexels {
-    std::size_t columns;
-    std::vector<float> numbers;
+/// Functions that an extra adds to code, as NAME_environment: a name for `CodeOptions::with`, and what they are.
+struct CodeFeature {
+    std::string_view name, summary;
 };
-LightTexels light_texels(const ExtendedLight& light);
+std::span<const CodeFeature> code_features();
 
-/// The models as an ES module for three.js (release 187) and its WebGLRenderer: for each model a class, such as
-/// FilmMaterial for "film". It extends MeshStandardMaterial and reflects all lights of three by the model, environment
-/// maps and area lights too. Errors: those of `shading_code`.
-Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads = 0);
-/// A dense library (library.h) as such a module: a class, FilmMaterial for "film", whose `coefficients` are a texture, and
-/// a function `loadCoefficients` that reads it from a KTX 2 file, unless told another from `file` beside the module. Errors
-/// as of `map_code`.
-Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file,
-                                     int threads = 0);
+/// A text of whole materials that an extra prints, beside the languages.
+struct CodeModule {
+    std::string_view name, summary;
+    /// The models, of BSDFs the parts. Errors: those of `shading_code`.
+    Result<std::string> (*text)(std::span<const NamedModel> models, std::string_view prefix, int threads);
+    /// A map, whose coefficients are in the KTX 2 file of that name beside the text. Errors: those of `map_code`.
+    Result<std::string> (*map_text)(const Library& map, const std::string& name, std::string_view file, int threads);
+};
+std::span<const CodeModule> code_modules();
 
 }  // namespace srbf

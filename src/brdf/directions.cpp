@@ -165,4 +165,10 @@ Quadrature MirrorMixture::quadrature(Vec3d wv, int count) const {
     return points;
 }
 
+bool is_in_plane(Vec3f wl, Vec3f wv) {
+    constexpr float most = 0.01f;
+    const float s = std::hypot(wl.x, wl.y), across = wl.x * wv.y - wl.y * wv.x;
+    return std::abs(across) <= most * s || s <= most;
+}
+
 }  // namespace srbf

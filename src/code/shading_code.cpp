@@ -7,14 +7,15 @@
 #include <cctype>
 #include <set>
 
+#include "code/added_code.h"
 #include "code/bsdf_code.h"
 #include "code/defined_names.h"
+#include "code/extra_code.h"
 #include "code/print.h"
 #include "code/print_python.h"
 #include "code/syntax.h"
 #include "code/texts.h"
 #include "sampling/elevation_nodes.h"
-#include "srbf/extended_light.h"
 #include "srbf/prepared.h"
 #include "srbf/shader.h"
 
@@ -279,9 +280,6 @@ std::string brdf_of(const GgxModel& model, Program& program) {
     return brdf_of(model, {"Diffuse colour, and of each lobe roughness, F0 (R, G, B), F90.", "facets", {}}, program);
 }
 
-/// The albedo of a node's view; the one at the horizon is that just above it.
-Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine) { return albedo(brdf, std::max(float(cosine), 1e-30f)); }
-
 /// Directional albedos of a BRDF at the nodes. Of the model itself, whose values are the same on every processor, not of
 /// what renderers evaluate.
 std::vector<Rgb> albedos(const Model& model) {
@@ -290,21 +288,8 @@ std::vector<Rgb> albedos(const Model& model) {
     for (int i = 0; i < k_albedo_nodes; ++i) reflected.push_back(albedo_of_node(brdf, albedo_cosine(i)));
     return reflected;
 }
-/// Lobe j with coefficient 1.
-Model lobe_alone(PmModel basis, std::size_t j) {
-    basis.coefficient.assign(std::size_t(basis.lobes), Rgb{}), basis.coefficient[j] = {1, 1, 1};
-    return {std::move(basis), {}};
-}
 /// The text that albedo.glsl requires, to be parsed before it: the sum over lobes where their coefficients are arguments.
-std::string albedo_of(const Model& model, ParameterStorage where, const CodeOptions& options, Program& program) {
-    if (options.light_texels)
-        return "// Lobe k > 0 at a view has (p, roughness, width) at i = 2 k - 2 and its share of the albedo at i = 2 "
-               "k - 1;\n"
-               "// then albedos, of as many nodes in a column as there are views. The host supplies them.\n"
-               "Vec3 light_texel(int i, int view);\n"
-               "Vec3 albedo_node(Pm pm, int i) {\n"
-               "    return light_texel(2 * EXTENDED_LOBES - 2 + i / EXTENDED_NODES, i % EXTENDED_NODES);\n}\n";
-    const bool is_wanted = options.albedo || options.environment || options.area;
+std::string albedo_of(const Model& model, ParameterStorage where, bool is_wanted, Program& program) {
     Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
     if (where != ParameterStorage::arguments) {
         for (const Rgb& of : is_wanted ? albedos(model) : std::vector<Rgb>())
@@ -352,114 +337,19 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
         MixtureProposal::k_numbers, mixture.has_axis() ? vector({mixture.cosine, mixture.sine, 0}) : "wv");
 }
 
-/// A row of `columns` numbers for each node of light_lobes, linear between nodes.
-std::string light_number(std::size_t columns) {
-    return fmt::format(
-        "Real light_number(int i, NodesAbout nodes) {{\n"
-        "    int at = {0} * nodes.below + i;\n"
-        "    return light_lobes[at] + nodes.beyond * (light_lobes[at + {0}] - light_lobes[at]);\n}}\n",
-        columns);
-}
-std::string light_width(std::size_t column) {
-    return fmt::format("Real light_width(NodesAbout nodes) {{ return light_number({}, nodes); }}\n", column);
-}
-/// Weights sum to 1 at most, but of materials of a basis to the albedo, for the sum is linear in their coefficients.
-constexpr std::string_view k_light_whole =
-    "Vec3 light_whole(Vec3 albedo) {\n"
-    "    return Vec3(min(albedo.x, Real(1.0)), min(albedo.y, Real(1.0)), min(albedo.z, Real(1.0)));\n}\n";
-constexpr std::string_view k_light_whole_of_basis = "Vec3 light_whole(Vec3 albedo) { return albedo; }\n";
-/// The text for lobes that the host has.
-constexpr std::string_view k_light_of_host =
-    "Vec3 light_between(int i, NodesAbout nodes) {\n"
-    "    Vec3 here = light_texel(i, nodes.below);\n"
-    "    return here + nodes.beyond * (light_texel(i, nodes.below + 1) - here);\n}\n"
-    "Real light_width(NodesAbout nodes) { return light_between(0, nodes).z; }\n"
-    "Vec3 light_shape(int k, NodesAbout nodes) { return light_between(2 * k - 2, nodes); }\n"
-    "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
-    "    Vec3 share = light_between(2 * k - 1, nodes);\n"
-    "    return Vec3(share.x * whole.x, share.y * whole.y, share.z * whole.z);\n}\n";
-/// The text that extended.glsl requires, to be parsed before it.
-std::string light_of(const Model& model, const CodeOptions& options, Program& program) {
-    if (options.light_texels) return std::string(k_light_whole).append(k_light_of_host);
-    const auto others = std::size_t(options.extended_lobes - 1);
-    Table light{
-        "A row for each node: p, roughness and share of the albedo (R, G, B) of each lobe after the first; width.",
-        "light_lobes",
-        {},
-        5 * others + 1};
-    if (options.environment || options.area) {
-        const ExtendedLight of = extended_light(prepare(model), {.lobes = options.extended_lobes,
-                                                                 .isotropic = is_isotropic(model),
-                                                                 .levels = options.map_levels,
-                                                                 .threads = options.threads});
-        for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
-            for (const auto& lobe : std::span(of.lobe).subspan((others + 1) * node + 1, others))
-                light.numbers.insert(light.numbers.end(),
-                                     {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
-            light.numbers.push_back(of.width[node]);
-        }
-    }
-    program.tables.push_back(std::move(light));
-    return light_number(5 * others + 1) + light_width(5 * others) + std::string(k_light_whole) +
-           "Vec3 light_shape(int k, NodesAbout nodes) {\n"
-           "    return Vec3(light_number(5 * k - 5, nodes), light_number(5 * k - 4, nodes), Real(0.0));\n}\n"
-           "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
-           "    return Vec3(whole.x * light_number(5 * k - 3, nodes), whole.y * light_number(5 * k - 2, nodes),\n"
-           "                whole.z * light_number(5 * k - 1, nodes));\n}\n";
-}
-/// The text where the coefficients are arguments: beside the cosine of all there is one lobe of each of the basis, lobe j + 1
-/// of j, so that the sum is linear in them.
-std::string light_of_basis(const PmModel& basis, const CodeOptions& options, Program& program) {
-    const auto J = std::size_t(basis.lobes), columns = 3 * J + 1;
-    Table light{
-        "A row for each node: p, roughness and weight by its coefficient of each lobe after the first; the least "
-        "width.",
-        "light_lobes",
-        {},
-        columns};
-    if (options.environment || options.area) light.numbers.resize(columns * ExtendedLight::k_views);
-    for (std::size_t j = 0; j < J && !light.numbers.empty(); ++j) {
-        const Model one = lobe_alone(basis, j);
-        const ExtendedLight of = extended_light(
-            prepare(one),
-            {.lobes = 2, .isotropic = is_isotropic(one), .levels = options.map_levels, .threads = options.threads});
-        for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
-            const ExtendedLight::Lobe& lobe = of.lobe[2 * node + 1];
-            const float whole = albedo_of_node(of.brdf, ExtendedLight::cosine(int(node))).g;
-            float* const row = &light.numbers[columns * node];
-            row[3 * j] = lobe.axis, row[3 * j + 1] = lobe.roughness, row[3 * j + 2] = lobe.weight.g * whole;
-            row[columns - 1] = j == 0 ? of.width[node] : std::min(row[columns - 1], of.width[node]);
-        }
-    }
-    program.tables.push_back(std::move(light));
-    return light_number(columns) + light_width(columns - 1) + std::string(k_light_whole_of_basis) +
-           "Vec3 light_shape(int k, NodesAbout nodes) {\n"
-           "    return Vec3(light_number(3 * k - 3, nodes), light_number(3 * k - 2, nodes), Real(0.0));\n}\n"
-           "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
-           "    return light_number(3 * k - 1, nodes) * pm.lobe[k - 1];\n}\n";
-}
-
 /// The entry functions, by their names in the kernel's language and in the code.
 using Names = std::map<std::string, std::string>;
-Names entries(const CodeOptions& options) {
-    Names names{{"brdf", "brdf"}};
+Names entries(const CodeOptions& options, const AddedCode& added) {
+    Names names = added.entries;
+    names.insert({"brdf", "brdf"});
     if (options.sampling) names.insert({{"sample_light", "sample"}, {"light_pdf", "pdf"}});
     if (options.albedo) names.insert({"directional_albedo", "albedo"});
-    if (options.environment || options.area) names.insert({"environment_lobe", "environment_lobe"});
-    if (options.environment_draws) names.insert({"environment_draw", "environment_draw"});
-    if (options.light_texels) names.insert({"light_texel", "light_texel"});
-    if (options.area) names.insert({"area", "area"});
-    // A function sees the host's textures.
-    if (options.environment && syntax::reads_buffers(options.language))
-        names.insert({{"radiance", "radiance"}, {"environment", "environment"}});
-    if (options.environment_draws && syntax::reads_buffers(options.language))
-        names.insert({{"radiance_over", "radiance_over"}, {"environment_sampled", "environment_sampled"}});
     return names;
 }
 
 /// The entries of a map, and its hook.
-Names map_entries(const CodeOptions& options) {
-    Names names = entries(options);
+Names map_entries(const CodeOptions& options, const AddedCode& added) {
+    Names names = entries(options, added);
     // A function sees the host's textures.
     if (syntax::reads_buffers(options.language)) names.insert({{"layer", "layer"}, {"coefficients", "coefficients"}});
     return names;
@@ -487,14 +377,10 @@ struct KindText {
     std::string accessors, brdf;
     int variates = 1, terms = 1;
     std::string handle = "struct Pm { };\n";
-    std::optional<int> light_lobes = {};  ///< of its coefficients, where these are arguments
 };
 KindText text_of(const PmModel& pm, ParameterStorage where, Program& program) {
     KindText text{numbers_of(pm, where, program) + k_no_su, brdf_of(pm), pm.variates, std::max(features(pm.form), 1)};
-    if (where == ParameterStorage::arguments) {
-        text.handle = coefficients_of(pm), text.brdf += look_up(pm);
-        text.light_lobes = pm.lobes + 1;
-    }
+    if (where == ParameterStorage::arguments) text.handle = coefficients_of(pm), text.brdf += look_up(pm);
     return text;
 }
 KindText text_of(const SuModel& su, ParameterStorage, Program& program) {
@@ -509,29 +395,22 @@ KindText text_of(const OpenPbrModel& openpbr, ParameterStorage where, Program& p
 KindText text_of(const BsdfModel&, ParameterStorage, Program&) { return {}; }  // its parts are programs of their own
 
 Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
-                   ParameterStorage where = ParameterStorage::constants) {
+                   const AddedCode& added = {}, ParameterStorage where = ParameterStorage::constants) {
     Program program;
     const KindText of_kind = std::visit([&](const auto& of) { return text_of(of, where, program); }, model.model);
     std::map<std::string, std::string> defines{
         {"SRBF_MAX_VARIATES", std::to_string(of_kind.variates)},
         {"SRBF_TERMS", std::to_string(of_kind.terms)},
         {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
-        {"ALBEDO_NODES", std::to_string(k_albedo_nodes)},
-        {"EXTENDED_NODES", std::to_string(ExtendedLight::k_views)},
-        {"EXTENDED_LOBES", std::to_string(of_kind.light_lobes.value_or(options.extended_lobes))},
-        {"EXTENDED_LEVELS", std::to_string(ExtendedLight::k_levels)}};
-    const bool is_mixture = options.sampling || options.albedo || options.environment || options.area;
+        {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
+    const bool has_albedo = options.albedo || added.albedo, is_mixture = options.sampling || has_albedo;
     const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string(),
-                      nodes = albedo_of(model, where, options, program),
-                      light = where == ParameterStorage::arguments
-                                  ? light_of_basis(std::get<PmModel>(model.model), options, program)
-                                  : light_of(model, options, program);
+                      nodes = added.albedo_node.empty() ? albedo_of(model, where, has_albedo, program) : added.albedo_node,
+                      more = added.text ? added.text(model, where == ParameterStorage::arguments, program, defines) : "";
     syntax::parse(of_kind.handle + of_kind.accessors + k_handles, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(of_kind.brdf, program, defines);
-    if (is_mixture)
-        syntax::parse(mixture + k_mixture_text + nodes + k_albedo_text + light + k_extended_text, program, defines);
-    if (options.environment_draws) syntax::parse(k_sampled_text, program, defines);
+    if (is_mixture) syntax::parse(mixture + k_mixture_text + nodes + k_albedo_text + more, program, defines);
     syntax::specialise(program, roots);
     return program;
 }
@@ -651,24 +530,6 @@ class Printed {
 
 }  // namespace
 
-LightTexels light_texels(const ExtendedLight& light) {
-    constexpr std::size_t k_views = ExtendedLight::k_views;
-    const std::size_t others = std::size_t(light.lobes) - 1,
-                      columns = 2 * others + (k_albedo_nodes + k_views - 1) / k_views;
-    LightTexels texels{columns, std::vector<float>(3 * columns * k_views)};
-    const auto set = [&](std::size_t i, std::size_t view, const Rgb& of) {
-        std::copy_n(&of.r, 3, &texels.numbers[3 * (i + view * columns)]);
-    };
-    for (std::size_t view = 0; view < k_views; ++view)
-        for (std::size_t k = 0; k < others; ++k) {
-            const auto& [axis, roughness, weight] = light.lobe[(others + 1) * view + k + 1];
-            set(2 * k, view, {axis, roughness, light.width[view]}), set(2 * k + 1, view, weight);
-        }
-    for (std::size_t i = 0; i < k_albedo_nodes; ++i)
-        set(2 * others + i / k_views, i % k_views, albedo_of_node(light.brdf, albedo_cosine(int(i))));
-    return texels;
-}
-
 std::vector<float> shading_data(const SuModel& model) {
     std::vector<float> data;
     const auto J = std::size_t(model.lobes);
@@ -705,15 +566,22 @@ std::string identifier(std::string_view text) {
     return name;
 }
 
-Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
-                                 const CodeOptions& asked) {
+Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine) { return albedo(brdf, std::max(float(cosine), 1e-30f)); }
+
+Model lobe_alone(PmModel basis, std::size_t j) {
+    basis.coefficient.assign(std::size_t(basis.lobes), Rgb{}), basis.coefficient[j] = {1, 1, 1};
+    return {std::move(basis), {}};
+}
+
+Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix, const CodeOptions& asked,
+                                 const AddedCode& added) {
     CodeOptions options = asked;
     std::vector<NamedModel> brdfs;  // with the parts of BSDFs
     std::vector<PartModels> parts;
     std::string list, of_bsdfs;
     DefinedNames defined;
     const auto is_bsdf = [](const NamedModel& of) { return std::holds_alternative<BsdfModel>(of.model->model); };
-    if (options.environment_draws) options.sampling = true;
+    if (added.sampling) options.sampling = true;
     // Which part is drawn from follows from their albedos.
     if (options.sampling && std::ranges::any_of(models, is_bsdf)) options.albedo = true;
     const auto add_name = [&](const std::string& name) { list += (list.empty() ? "" : ", ") + name; };
@@ -727,12 +595,12 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
             of_bsdfs += syntax::comment_text(about(of)) + "\n" + *code;
         } else {
             brdfs.push_back(of);
-            for (const auto& [name, printed] : entries(options)) add_name(fmt::format("{}_{}", of.name, printed));
+            for (const auto& [name, printed] : entries(options, added)) add_name(fmt::format("{}_{}", of.name, printed));
         }
     }
     std::vector<NamedProgram> programs;
     std::vector<std::string> roots;
-    for (const auto& [name, printed] : entries(options)) roots.push_back(name);
+    for (const auto& [name, printed] : entries(options, added)) roots.push_back(name);
     for (const NamedModel& of : brdfs) {
         if (const auto* su = std::get_if<SuModel>(&of.model->model)) {
             const auto refused = [&](const char* what, const char* expected, const char* found) {
@@ -744,22 +612,22 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
             if (!syntax::reads_buffers(options.language))
                 return refused("view-by-view model", "a language with global buffers", "one without");
         }
-        programs.push_back({of.name, about(of), program_of(*of.model, options, roots)});
+        programs.push_back({of.name, about(of), program_of(*of.model, options, roots, added)});
     }
-    Printed printed(std::move(programs), prefix, options.language, entries(options));
+    Printed printed(std::move(programs), prefix, options.language, entries(options, added));
     if (const auto distinct = printed.add_to(defined); !distinct) return distinct.error();
     const std::string definitions = printed.text() + of_bsdfs;
     return syntax::whole_text(options.language, list, std::string(prefix) + "_BRDF", definitions);
 }
 
-Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options) {
+Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options,
+                             const AddedCode& added) {
     const auto refused = [&](const char* what, const char* expected, const char* found) {
         return Error{std::string(name), {}, what, expected, found, ErrorCode::argument};
     };
     if (!map.dense()) return refused("library", "a coefficient for each lobe", "some lobes of each material");
-    if (options.sampling || options.environment_draws)
-        return refused("code of a map", "values, albedos and light", "sampling");
-    Names names = map_entries(options);
+    if (options.sampling || added.sampling) return refused("code of a map", "values, albedos and light", "sampling");
+    Names names = map_entries(options, added);
     std::vector<std::string> roots;
     std::string list;
     for (const auto& [of, printed] : names) {
@@ -771,18 +639,65 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
                                     map.basis.lobes, map.basis.variates, srbf::name(map.basis.form), basis_bytes(map));
     if (map.width > 0) about += fmt::format("\n  map {} x {}", map.width, map.count() / map.width);
     for (const auto& [key, value] : map.provenance) about += fmt::format("\n  {}", printable(key + " " + value));
-    NamedProgram program{std::string(name), about, program_of(basis, options, roots, ParameterStorage::arguments)};
+    NamedProgram program{std::string(name), about, program_of(basis, options, roots, added, ParameterStorage::arguments)};
     names.insert({"Pm", "Coefficients"});
     return syntax::whole_text(options.language, list, std::string(name) + "_BRDF",
                               Printed({std::move(program)}, name, options.language, names).text());
 }
 
+namespace {
+
+/// The functions that the options name. Errors: no extra has them.
+Result<AddedCode> added_by(const CodeOptions& options) {
+    AddedCode all;
+    for (const auto extra : k_extra_code) {
+        AddedCode own = extra().functions(options);
+        if (own.entries.empty()) continue;
+        all.entries.merge(own.entries);
+        all.sampling = all.sampling || own.sampling, all.albedo = all.albedo || own.albedo;
+        all.text = [first = std::move(all.text), next = std::move(own.text)](const auto& model, bool of_basis, auto& program,
+                                                                             auto& defines) {
+            const std::string before = first ? first(model, of_basis, program, defines) : "";
+            return before + next(model, of_basis, program, defines);
+        };
+    }
+    for (const std::string& name : options.with)
+        if (std::ranges::find(code_features(), name, &CodeFeature::name) == code_features().end())
+            return Error{"code", {}, "functions", "those of this program", name, ErrorCode::argument};
+    return all;
+}
+/// The rows of a kind of all extras.
+template <typename Row> std::vector<Row> rows_of_extras(std::vector<Row> rows, std::vector<Row> CodeExtra::*of) {
+    for (const auto extra : k_extra_code) rows.insert(rows.end(), (extra().*of).begin(), (extra().*of).end());
+    return rows;
+}
+
+}  // namespace
+
+std::span<const CodeFeature> code_features() {
+    static const std::vector<CodeFeature> all = rows_of_extras({}, &CodeExtra::features);
+    return all;
+}
+std::span<const CodeModule> code_modules() {
+    static const std::vector<CodeModule> all = rows_of_extras({}, &CodeExtra::modules);
+    return all;
+}
+
+Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
+                                 const CodeOptions& options) {
+    const auto added = added_by(options);
+    return added ? shading_code(models, prefix, options, *added) : added.error();
+}
+Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options) {
+    const auto added = added_by(options);
+    return added ? map_code(map, name, options, *added) : added.error();
+}
+
 Result<std::string> python_code(const Model& model, int threads) {
     if (std::holds_alternative<SuModel>(model.model) || std::holds_alternative<BsdfModel>(model.model))
         return Error{"python code", {}, "model", "multivariate, or Lambert and GGX", "another", ErrorCode::argument};
-    const Program program =
-        program_of(model, {.sampling = true, .threads = threads},
-                   {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, ParameterStorage::tables);
+    const Program program = program_of(model, {.sampling = true, .threads = threads},
+                                       {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, {}, ParameterStorage::tables);
     std::string text;
     for (const Table& table : program.tables) text += syntax::python_text(table);
     for (const syntax::Function& function : program.functions) text += "\n\n" + syntax::python_text(function, program);

@@ -4,10 +4,9 @@
 #include <cctype>
 
 #include "code/defined_names.h"
-#include "code/texts.h"
-#include "srbf/extended_light.h"
+#include "extras/environment/texts.h"
+#include "srbf/environment_code.h"
 #include "srbf/printable.h"
-#include "srbf/shading_code.h"
 
 namespace srbf {
 namespace {
@@ -68,14 +67,9 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
         if (std::holds_alternative<BsdfModel>(of.model->model))
             return Error{of.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
     }
-    const auto code = shading_code(models, prefix,
-                                   {.language = CodeLanguage::glsl,
-                                    .albedo = true,
-                                    .environment = true,
-                                    .area = true,
-                                    .extended_lobes = k_three_lobes,
-                                    .light_texels = true,
-                                    .threads = threads});
+    const auto code =
+        environment_code(models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
+                         {.environment = true, .area = true, .lobes = k_three_lobes, .texels = true});
     if (!code) return code.error();
     std::string functions;  // whose environment is three's
     std::string classes;
@@ -92,13 +86,9 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
 }
 
 Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file, int threads) {
-    const auto code = map_code(map, name,
-                               {.language = CodeLanguage::glsl,
-                                .albedo = true,
-                                .environment = true,
-                                .area = true,
-                                .map_levels = MapLevels::three,
-                                .threads = threads});
+    const auto code =
+        environment_map_code(map, name, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
+                             {.environment = true, .area = true, .levels = MapLevels::three});
     if (!code) return code.error();
     std::string classes = k_three_map_text;
     replace_all(classes, "FILE", fmt::format("./{}", file));

@@ -1,5 +1,5 @@
 // Environments filtered as a cube map.
-#include "extras/environment/filtered_environment.h"
+#include "extras/environment/app/filtered_environment.h"
 
 #include <gtest/gtest.h>
 

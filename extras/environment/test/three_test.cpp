@@ -13,12 +13,12 @@
 #include "extras/render/offscreen.h"
 #include "extras/render/page.h"
 #include "extras/render/path.h"
-#include "extras/render/preview.h"
+#include "extras/render/sphere_picture.h"
 #include "extras/render/raster.h"
 #include "extras/render/scene.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
-#include "srbf/shading_code.h"
+#include "srbf/environment_code.h"
 #include "temporary_folder.h"
 
 namespace srbf::three_test {

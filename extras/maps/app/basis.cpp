@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "app/commands.h"
+#include "app/extra_subcommands.h"
 #include "app/fit_options.h"
 #include "app/output.h"
 #include "srbf/basis.h"

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "app/commands.h"
+#include "app/extra_subcommands.h"
 #include "srbf/basis.h"
 #include "srbf/text.h"
 

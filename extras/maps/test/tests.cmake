@@ -1,2 +1,5 @@
 in_program(maps -O1)
 srbf_test(basis                all  fit)
+in_program(texel_files)
+srbf_test(texel_files          all  program fit input)
+filtered(texel_files Npy.*)

@@ -14,17 +14,6 @@
 
 namespace srbf {
 
-std::string stem_of(const std::string& path) {
-    const std::string name = path.substr(path.find_last_of('/') + 1);  // npos + 1 is 0
-    constexpr std::string_view of_file = ".srbf#";
-    if (const auto at = name.find(of_file); at != name.npos) {
-        const std::string one = name.substr(at + of_file.size());
-        return one.find_first_not_of("0123456789,") == one.npos ? name.substr(0, at) + "_" + one : one;
-    }
-    const auto dot = name.rfind('.');
-    return dot == name.npos || dot == 0 ? name : name.substr(0, dot);
-}
-
 namespace {
 
 std::string kind_of(const Subject& subject) {

@@ -8,8 +8,6 @@
 
 namespace srbf {
 
-/// "film" for "materials/film.srbf", "nickel" for "metals.srbf#nickel", "map_3,5" for "map.srbf#3,5".
-std::string stem_of(const std::string& path);
 /// A subject with its plots, and a model with its picture and its parameters.
 PageMaterial shown(const Subject& subject);
 /// The page of at least one model; with a measurement beside them, of one side, the errors against it too. It refers to

@@ -6,7 +6,7 @@
 
 #include "app/load.h"
 #include "extras/render/environment.h"
-#include "app/image.h"
+#include "extras/render/tone.h"
 #include "extras/render/material.h"
 #include "extras/render/pixel_shader.h"
 #include "extras/render/scene.h"

@@ -7,13 +7,15 @@
 #include <span>
 
 #include "app/commands.h"
+#include "app/extra_subcommands.h"
 #include "app/load.h"
 #include "app/memory.h"
 #include "app/output.h"
+#include "extras/render/app/mesh_options.h"
 #include "extras/render/app/path.h"
 #include "extras/render/app/raster.h"
 #include "extras/render/exr.h"
-#include "app/image.h"
+#include "extras/render/tone.h"
 #include "extras/render/scene.h"
 #include "srbf/file.h"
 #include "srbf/likeness.h"

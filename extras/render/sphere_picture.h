@@ -1,10 +1,8 @@
-// A preview of a fit: three spheres, measured, fitted, and their difference.
+// A picture of a sphere under the lights of all pictures.
 #pragma once
-#include <array>
-#include <string>
 #include <vector>
 
-#include "app/image.h"
+#include "extras/render/tone.h"
 #include "extras/render/scene.h"
 #include "srbf/brdf.h"
 
@@ -25,18 +23,5 @@ struct SphereOptions {
 Image render_sphere(const Evaluate& f, const SphereOptions& options);
 /// The fraction of each pixel's points that lie on the sphere.
 std::vector<float> sphere_coverage(const SphereOptions& options);
-
-struct PreviewOptions {
-    int size = 320;   ///< pixels per side of each sphere's square, ≥ 16
-    int samples = 4;  ///< as in SphereOptions
-    int threads = 0;  ///< as in SphereOptions
-    std::array<std::string, 3> captions{"measured", "fit", "10 x difference"};
-};
-
-/// Three squares side by side, each with a caption in a strip of max(12, size/8) rows below it: the sphere of
-/// `measured`, that of `fit`, and 10 |L − L̂| of their radiances per channel. All have the same exposure,
-/// automatic_exposure of the first. The background is a neutral grey; `k_not_measured` marks pixels without a
-/// measurement.
-Image8 preview(const Evaluate& measured, const Evaluate& fit, const PreviewOptions& options = {});
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-#include "extras/environment/filtered_environment.h"
+#include "extras/environment/app/filtered_environment.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "extras/render/preview.h"
+#include "extras/render/sphere_picture.h"
 
 #include <algorithm>
 #include <cassert>
@@ -56,13 +56,6 @@ void render_row(const Evaluate& f, const SphereOptions& options, int y, Image& i
         for (int c = 0; c < 3; ++c) image.at(points.column[i], y)[c] += points.f[i][c] * points.irradiance[i][c];
 }
 
-Image ten_times_difference(const Image& a, const Image& b) {
-    Image out = a;
-    for (std::size_t i = 0; i < out.pixels.size(); ++i)
-        for (int c = 0; c < 3; ++c) out.pixels[i][c] = 10 * std::abs(a.pixels[i][c] - b.pixels[i][c]);
-    return out;
-}
-
 }  // namespace
 
 Image render_sphere(const Evaluate& f, const SphereOptions& options) {
@@ -82,19 +75,6 @@ std::vector<float> sphere_coverage(const SphereOptions& options) {
             coverage.push_back(float(hits) / float(options.samples * options.samples));
         }
     return coverage;
-}
-
-Image8 preview(const Evaluate& measured, const Evaluate& fit, const PreviewOptions& options) {
-    assert(options.size >= 16);
-    const SphereOptions sphere{options.size, options.samples, options.threads};
-    const Image reference = render_sphere(measured, sphere), other = render_sphere(fit, sphere);
-    const std::vector<float> coverage = sphere_coverage(sphere);
-    const float exposure = automatic_exposure(reference);
-
-    const std::array radiance{reference, other, ten_times_difference(reference, other)};
-    std::vector<Image8> images;
-    for (const Image& image : radiance) images.push_back(shown({image, coverage}, exposure));
-    return side_by_side(images, options.captions);
 }
 
 }  // namespace srbf

@@ -1,0 +1,49 @@
+// What extended light adds to `srbf export`: environments that are filtered for its code.
+#include "app/export.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "app/commands.h"
+#include "app/extra_exports.h"
+#include "app/output.h"
+#include "extras/environment/app/filtered_environment.h"
+#include "extras/render/app/path.h"
+#include "srbf/file.h"
+#include "srbf/printable.h"
+
+namespace srbf {
+namespace {
+
+int filter_environment(const ExportCommand& asked) {
+    const auto& files = asked.files;
+    if (files.size() != 1)
+        return complain(
+            {asked.output, {}, "inputs", "one environment", std::to_string(files.size()), ErrorCode::argument});
+    if (const auto writable = check_outputs(files, {asked.output}); !writable) return complain(writable.error());
+    const auto environment = load_light(files[0]);
+    if (!environment) return complain(environment.error());
+    if (!*environment) return complain({files[0], {}, "input", "an environment", "none", ErrorCode::argument});
+    ProgressLine line;
+    const FilteredEnvironment filtered(**environment, FilteredEnvironment::k_usual_size, 0,
+                                       [&](double part) { line.show("filtering", part); });
+    line.clear();
+    const CubeFile file = to_dds(filtered);
+    if (file.clamped > 0)
+        fmt::print(stderr, "srbf: {}: {} texels are brighter than 65504, the largest 16-bit float, and are set to it\n",
+                   printable(asked.output), grouped(file.clamped));
+    const auto written = write_file(asked.output, file.bytes);
+    return written ? int(k_done) : complain(written.error());
+}
+
+}  // namespace
+
+void add_environment_exports(const Subcommand&, const ExportCommand&, Exports& to) {
+    to.kinds.push_back({"dds", filter_environment});
+    to.about +=
+        "\ndds: an environment (.hdr, .exr or studio), which is MODEL here, filtered for NAME_environment, a cube map of\n"
+        "16-bit floats";
+}
+
+}  // namespace srbf

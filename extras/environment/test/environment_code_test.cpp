@@ -1,0 +1,254 @@
+// Functions of extended light in exported code compute what the library computes.
+#include "srbf/environment_code.h"
+
+#include "compiled_code.h"
+#include "models.h"
+#include "srbf/directions.h"
+#include "srbf/prepared.h"
+#include "statistics.h"
+
+namespace srbf::environment_code_test {
+namespace {
+
+class EnvironmentCodes : public WrittenCode {};
+
+/// By draws, of an environment whose radiance hardly changes over the solid angle of one.
+TEST_F(EnvironmentCodes, DrawsAreOfTheEnvironment) {
+    const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.3f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
+    const NamedModel named{"glossy", &model};
+    const auto text = [&](CodeLanguage language) {
+        return *shading_code(std::span(&named, 1), "glossy", {.language = language, .with = {"environment-draws"}});
+    };
+    EXPECT_NE(text(CodeLanguage::wgsl).find("fn glossy_environment_sampled(wv: vec3f, count: i32)"), std::string::npos);
+    EXPECT_EQ(text(CodeLanguage::msl).find("glossy_environment_sampled("), std::string::npos);
+    EXPECT_NE(text(CodeLanguage::msl).find("glossy_environment_draw("), std::string::npos);
+    void* const library = compiled(
+        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "draws",
+        text(CodeLanguage::c) +
+            "static srbf_vec3 glossy_radiance_over(srbf_vec3 direction, float solid_angle) {\n"
+            "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, 1.0f / (1.0f + solid_angle));\n}\n"
+            "void answer(const float* v, int count, float* to);\n"
+            "void answer(const float* v, int count, float* to) {\n"
+            "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment_sampled(wv, count);\n"
+            "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+    ASSERT_TRUE(library);
+    const auto answer = function<void(const float*, int, float*)>(library, "answer");
+    const PreparedBrdf brdf = prepare(model);
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 50; ++i) {
+        const Vec3f wv = to_float(random_direction(random, 0.1));
+        const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), 1 << 13);
+        Rgb expected, found, of_many;
+        for (std::size_t k = 0; k < points.w.size(); ++k) {
+            const Vec3f wl = points.w[k];
+            const Rgb f = value(brdf, wl, wv);
+            const float weight = float(points.weight[k]) * wl.z;
+            expected.r += weight * f.r * (1 + wl.x), expected.g += weight * f.g * (1 + wl.z),
+                expected.b += weight * f.b;
+        }
+        answer(&wv.x, 64, &found.r), answer(&wv.x, 4096, &of_many.r);
+        EXPECT_NEAR(found.r, expected.r, 0.08f * expected.r) << wv.z;
+        EXPECT_NEAR(found.g, expected.g, 0.08f * expected.g) << wv.z;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(of_many[c], expected[c], 0.01f * expected[c]) << wv.z;
+    }
+}
+
+const Model& glossy() {
+    static const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.5f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
+    return model;
+}
+const ExtendedLight& light_of_glossy() {
+    static const ExtendedLight light = extended_light(prepare(glossy()));
+    return light;
+}
+
+/// Under an environment that a host supplies, whose radiance tells where and how blurred it is asked.
+TEST_F(EnvironmentCodes, EnvironmentsAreThoseOfTheLibrary) {
+    const NamedModel named{"glossy", &glossy()};
+    const auto text = [&](CodeLanguage language) {
+        return *shading_code(std::span(&named, 1), "glossy", {.language = language, .with = {"environment"}});
+    };
+    EXPECT_NE(text(CodeLanguage::wgsl).find("fn glossy_environment(wv: vec3f)"), std::string::npos);
+    EXPECT_EQ(text(CodeLanguage::msl).find("glossy_environment("), std::string::npos);
+    EXPECT_NE(text(CodeLanguage::msl).find("glossy_environment_lobe("), std::string::npos);
+    void* const library =
+        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "environment",
+                 text(CodeLanguage::c) +
+                     "static srbf_vec3 glossy_radiance(srbf_vec3 direction, float roughness) {\n"
+                     "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, roughness);\n}\n"
+                     "void answer(const float* v, float* to);\n"
+                     "void answer(const float* v, float* to) {\n"
+                     "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment(wv);\n"
+                     "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+    ASSERT_TRUE(library);
+    const auto answer = function<void(const float*, float*)>(library, "answer");
+    const ExtendedLight& light = light_of_glossy();
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 200; ++i) {
+        const Vec3f wv = to_float(random_direction(random, 1e-3));
+        Rgb found, expected;
+        answer(&wv.x, &found.r);
+        for (const ExtendedLight::Lobe& lobe : lobes_at(light, wv.z)) {
+            const Vec3f axis = axis_of(lobe, wv);
+            expected.r += lobe.weight.r * (1 + axis.x);
+            expected.g += lobe.weight.g * (1 + axis.z);
+            expected.b += lobe.weight.b * lobe.roughness;
+        }
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], std::max(expected[c], 0.f), 1e-4f) << wv.z;
+    }
+}
+
+/// GGX's kernel of a roughness, seen along the normal [1/sr].
+double ggx_kernel(double roughness, double cosine) {
+    const double a = std::pow(roughness, 4), b = 1 - a;
+    const double integral = b < 1e-4 ? 1.0 / 8 : ((1 + a) / (2 * a) - 1 + std::log(2 * a / (1 + a))) / (b * b);
+    return cosine > 0 ? cosine / (2 * k_pi * integral * std::pow(1 + a - b * cosine, 2)) : 0;
+}
+
+/// The code's area light against its lobes, integrated over the directions of quadrilaterals near and far, some of them
+/// across the horizon; small ones against the BRDF; all directions together are the albedo.
+TEST_F(EnvironmentCodes, AreaLightsAreIntegralsOfTheLobes) {
+    const Model& model = glossy();
+    const NamedModel named{"glossy", &model};
+    void* const library =
+        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "area",
+                 *shading_code(std::span(&named, 1), "glossy", {.language = CodeLanguage::c, .with = {"area"}}) +
+                     "void answer(const float* v, const float* p, float* to);\n"
+                     "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
+                     "void answer(const float* v, const float* p, float* to) {\n"
+                     "    srbf_vec3 f = glossy_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
+                     "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+    ASSERT_TRUE(library);
+    const auto answer = function<void(const float*, const Vec3f*, float*)>(library, "answer");
+    const ExtendedLight& light = light_of_glossy();
+    const PreparedBrdf brdf = prepare(model);
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 40; ++i) {
+        const Vec3f wv = to_float(random_direction(random, 0.1));
+        const auto lobes = lobes_at(light, wv.z);
+        const Vec3d middle = random_direction(random, -0.2), x = 0.7 * random_direction(random, -1),
+                    y = cross(middle, x);
+        constexpr int steps = 60;
+        constexpr float resolved = 0.16f;  // by these steps; sharper lobes, which hardly weigh here, are in or out
+        double expected = 0, whole = 0, unresolved = 0;
+        for (int s = 0; s < steps; ++s)
+            for (int t = 0; t < steps; ++t) {
+                const Vec3d p = middle + ((2 * s + 1.0) / steps - 1) * x + ((2 * t + 1.0) / steps - 1) * y;
+                const double far = std::sqrt(dot(p, p)),
+                             solid = 4.0 / (steps * steps) * std::abs(dot(cross(x, y), p)) / (far * far * far);
+                for (const ExtendedLight::Lobe& lobe : lobes) {
+                    const float cosine = dot(axis_of(lobe, wv), to_float((1 / far) * p));
+                    if (lobe.roughness < resolved) continue;
+                    expected += double(lobe.weight.g) * ggx_kernel(double(lobe.roughness), double(cosine)) * solid;
+                }
+            }
+        for (const ExtendedLight::Lobe& lobe : lobes) {
+            whole += double(lobe.weight.g);
+            if (lobe.roughness < resolved) unresolved += std::abs(double(lobe.weight.g));
+        }
+        ASSERT_LT(unresolved, 0.1 * whole);
+        const std::array<Vec3f, 4> corners{to_float(middle - x - y), to_float(middle + x - y), to_float(middle + x + y),
+                                           to_float(middle - x + y)};
+        Rgb found;
+        answer(&wv.x, corners.data(), &found.r);
+        EXPECT_NEAR(double(found.g), std::max(expected, 0.0), 0.04 * whole + unresolved) << i;
+    }
+    for (int i = 0; i < 20; ++i) {  // small ones show the BRDF itself
+        const Vec3f wv = to_float(random_direction(random, 0.1));
+        const Vec3d middle = random_direction(random, -0.2), x = 0.02 * random_direction(random, -1),
+                    y = cross(middle, x);
+        const std::array<Vec3f, 4> corners{to_float(2.0 * (middle - x - y)), to_float(2.0 * (middle + x - y)),
+                                           to_float(2.0 * (middle + x + y)), to_float(2.0 * (middle - x + y))};
+        const double solid = 4 * std::abs(dot(cross(x, y), middle));
+        const double expected = double(value(brdf, to_float(middle), wv).g) * std::max(middle.z, 0.0) * solid;
+        Rgb found;
+        answer(&wv.x, corners.data(), &found.r);
+        EXPECT_NEAR(double(found.g), expected, 0.01 * expected + 1e-6) << i;
+    }
+    constexpr float wide = 1e4f;
+    const std::array<Vec3f, 4> sky{Vec3f(-wide, -wide, 0.01f), Vec3f(wide, -wide, 0.01f), Vec3f(wide, wide, 0.01f),
+                                   Vec3f(-wide, wide, 0.01f)};
+    Rgb found;
+    const Vec3f normal(0, 0, 1);
+    answer(&normal.x, sky.data(), &found.r);
+    EXPECT_NEAR(found.g, albedo(brdf, 1).g, 0.01f);
+}
+
+Library map_of(std::size_t width) {
+    std::mt19937_64 random(1);
+    return random_map(random, {true, true, 5, 3, 60, PmForm::extended}, width, 1);
+}
+std::string lit_code(const Library& map, CodeLanguage language) {
+    const auto text =
+        map_code(map, "map", {.language = language, .albedo = true, .with = {"environment", "area"}});
+    return text ? *text : (ADD_FAILURE() << message(text.error()), "");
+}
+void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, const std::string& of) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << of;
+}
+
+/// The radiance of an even environment is reflected by the albedo, and that of a large quadrilateral near the surface; both
+/// of a mean of coefficients is the mean.
+TEST_F(EnvironmentCodes, LightOfMapsIsLinear) {
+    const Library map = map_of(2);
+    void* const library =
+        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "light",
+                 lit_code(map, CodeLanguage::c) +
+                     "static const float* at;\n"
+                     "static srbf_vec3 map_layer(int j, float u, float v) {\n"
+                     "    (void)u, (void)v;\n    return srbf_vec3_of(at[3 * j], at[3 * j + 1], at[3 * j + 2]);\n}\n"
+                     "static srbf_vec3 map_radiance(srbf_vec3 w, float roughness) {\n"
+                     "    (void)w, (void)roughness;\n    return srbf_vec3_of(1, 1, 1);\n}\n"
+                     "void answer(const float* coefficients, const float* w, float* to);\n"
+                     "void answer(const float* coefficients, const float* w, float* to) {\n"
+                     "    const float e = 50.0f;\n    map_Coefficients of;\n    srbf_vec3 f, wv = {w[0], w[1], w[2]};\n"
+                     "    at = coefficients, of = map_coefficients(0, 0);\n"
+                     "    f = map_albedo(wv.z, of), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
+                     "    f = map_environment(wv, of), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n"
+                     "    f = map_area(wv, srbf_vec3_of(-e, -e, 1), srbf_vec3_of(e, -e, 1), srbf_vec3_of(e, e, 1), "
+                     "srbf_vec3_of(-e, e, 1), of);\n    to[6] = f.x, to[7] = f.y, to[8] = f.z;\n}\n");
+    ASSERT_TRUE(library);
+    const auto answer = function<void(const Rgb*, const Vec3f*, Rgb*)>(library, "answer");
+    const std::size_t J = map.coefficient.size() / 2;
+    std::vector<Rgb> mean(J);
+    for (std::size_t j = 0; j < J; ++j)
+        for (int c = 0; c < 3; ++c) mean[j][c] = 0.5f * (map.coefficient[j][c] + map.coefficient[J + j][c]);
+    for (const double z : {0.1, 0.4, 0.75, 0.99}) {
+        const Vec3f wv = to_float(spherical(std::acos(z), 0.3));
+        std::array<std::array<Rgb, 3>, 3> of;
+        answer(map.coefficient.data(), &wv, of[0].data());
+        answer(&map.coefficient[J], &wv, of[1].data());
+        answer(mean.data(), &wv, of[2].data());
+        for (const std::size_t k : {0, 1, 2}) {
+            Rgb half;
+            for (int c = 0; c < 3; ++c) half[c] = 0.5f * (of[0][k][c] + of[1][k][c]);
+            expect_near_colour(of[2][k], half, 1e-5f, "linear");
+            expect_near_colour(of[0][k], of[0][0], 0.05f, fmt::format("albedo {} {}", k, z));
+        }
+    }
+}
+
+TEST_F(EnvironmentCodes, LightOfMapsCompiles) {
+    EXPECT_TRUE(compiles_as_glsl(
+        "light.frag",
+        "#version 300 es\nprecision highp float;\nuniform highp sampler2DArray layers;\n" +
+            lit_code(map_of(1), CodeLanguage::glsl) +
+            "vec3 map_layer(int j, float u, float v) { return texture(layers, vec3(u, v, float(j))).rgb; }\n"
+            "vec3 map_radiance(vec3 w, float roughness) { return w; }\n"
+            "in vec3 a, b; in vec2 uv; out vec4 c;\n"
+            "void main() {\n    map_Coefficients of = map_coefficients(uv.x, uv.y);\n"
+            "    c = vec4(map_environment(a, of) + map_area(a, b, b.yzx, b.zxy, b.xzy, of), 1.0);\n}\n"));
+}
+
+TEST_F(EnvironmentCodes, WhatIsNotOfferedIsRefused) {
+    const NamedModel named{"glossy", &glossy()};
+    for (const char* unknown : {"sampling", "light", ""}) {
+        const auto text = shading_code(std::span(&named, 1), "glossy", {.with = {unknown}});
+        ASSERT_FALSE(text);
+        EXPECT_EQ(text.error().code, ErrorCode::argument);
+    }
+    EXPECT_FALSE(map_code(map_of(1), "map", {.with = {"environment-draws"}}));
+}
+
+}  // namespace
+}  // namespace srbf::environment_code_test

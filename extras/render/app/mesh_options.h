@@ -1,0 +1,15 @@
+// Options for the mesh of pictures.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "app/options.h"
+
+namespace srbf {
+
+/// Options for the mesh of pictures and its upward axis.
+std::vector<Option> add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up);
+/// The latter alone.
+Option add_up_option(const Subcommand& sub, std::string& up, const std::string& about);
+
+}  // namespace srbf

@@ -1,0 +1,41 @@
+// The coefficients of maps as OpenEXR.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+
+#include "command.h"
+#include "models.h"
+#include "srbf/half.h"
+
+namespace srbf::map_exr_test {
+namespace {
+
+constexpr std::size_t k_width = 8, k_height = 4;
+
+TEST_F(CommandLine, maps_are_written_as_open_exr) {
+    std::mt19937_64 random(1);
+    const Library map = random_map(random, {true, true, 5, 3, 60, PmForm::extended}, k_width, k_height);
+    write(folder / "map.srbf", text_of(write_library(map)));
+    const ProgramRun made = run(folder, {"export", "map.srbf", "--to", "exr", "-o", "map.exr"});
+    ASSERT_EQ(made.status, 0) << made.err;
+    Imf::InputFile file((folder / "map.exr").c_str(), 1);
+    std::size_t channels = 0;
+    for (auto of = file.header().channels().begin(); of != file.header().channels().end(); ++of, ++channels)
+        EXPECT_EQ(of.channel().type, Imf::HALF);
+    EXPECT_EQ(channels, 15u);
+    std::vector<std::uint16_t> halves(map.count());
+    for (std::size_t j = 0; j < 5; ++j)
+        for (int c = 0; c < 3; ++c) {
+            Imf::FrameBuffer frame;
+            frame.insert(fmt::format("lobe{}.{}", j, "RGB"[c]),
+                         {Imf::HALF, reinterpret_cast<char*>(halves.data()), 2, 2 * k_width});
+            file.setFrameBuffer(frame);
+            file.readPixels(0, k_height - 1);
+            for (std::size_t t = 0; t < map.count(); ++t)
+                EXPECT_EQ(from_half(halves[t]), map.coefficient[5 * t + j][c]);
+        }
+}
+
+}  // namespace
+}  // namespace srbf::map_exr_test

@@ -1,0 +1,57 @@
+// Texels that were measured at the same pairs of directions.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "properties.h"
+#include "srbf/directions.h"
+#include "srbf/fit_batch.h"
+#include "srbf/load.h"
+
+namespace srbf {
+
+inline constexpr std::size_t k_pairs = 150;
+
+/// Pairs within 75°, half of the lights uniform and half about the mirror direction.
+inline SharedPairs shared_pairs() {
+    SharedPairs pairs;
+    std::mt19937_64 random(1);
+    const double cap = 75 * k_degree;
+    const MirrorMixture lights(cap);
+    const auto in_cap = [&] {
+        const double u1 = uniform(random), u2 = uniform(random);
+        return spherical(std::acos(1 - (1 - std::cos(cap)) * u1), 2 * k_pi * u2);
+    };
+    while (pairs.wl.size() < k_pairs) {
+        const Vec3d v = in_cap();
+        const double u1 = uniform(random), u2 = uniform(random), u3 = uniform(random);
+        const Vec3d l = pairs.wl.size() % 2 == 0 ? in_cap() : lights.sample(v, u1, u2, u3);
+        if (l.z < std::cos(cap)) continue;
+        pairs.wl.push_back(to_float(l)), pairs.wv.push_back(to_float(v));
+    }
+    return pairs;
+}
+
+/// Texels [T, pairs]: blends of the bundled measurements with noise of 2 %.
+inline std::vector<Rgb> blends(const SharedPairs& pairs, std::size_t count) {
+    const auto a = load_measured(bundled_data() / "paper_white_rgb.bsdf"),
+               b = load_measured(bundled_data() / "cc_ibiza_sunset_rgb.bsdf");
+    EXPECT_TRUE(a && b);
+    std::mt19937_64 random(2);
+    std::vector<Rgb> f;
+    for (std::size_t t = 0; t < count; ++t) {
+        const double share = double(t) / double(std::max<std::size_t>(count - 1, 1));
+        for (std::size_t i = 0; i < pairs.wl.size(); ++i) {
+            const Rgb x = value(*a, pairs.wl[i], pairs.wv[i]), y = value(*b, pairs.wl[i], pairs.wv[i]);
+            Rgb blend;
+            for (int c = 0; c < 3; ++c)
+                blend[c] = float(((1 - share) * double(x[c]) + share * double(y[c])) * (0.96 + 0.08 * uniform(random)));
+            f.push_back(blend);
+        }
+    }
+    return f;
+}
+
+}  // namespace srbf

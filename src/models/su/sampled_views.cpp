@@ -19,7 +19,7 @@ constexpr double k_most_peak = 2, k_most_peak_beyond = 1;
 /// Number of views on either side that count as neighbouring: their cosines differ by less than 1/64 of 1536 views'.
 constexpr std::size_t k_peak_views = 24;
 /// A cosine counts as no less, relative to that of θmax, where a bound is divided by it.
-constexpr double k_least_cosine = 0.5;
+constexpr double k_least_view_cosine = 0.5;
 /// The typical value is that of every eighth view, whose cosines are a 192nd apart.
 constexpr std::size_t k_typical_views = 8;
 
@@ -138,7 +138,7 @@ ViewRows SampledViews::rows_of(std::size_t view) const {
         rows.root_weight[i] = float(root);
         for (int c = 0; c < 3; ++c) rows.y[std::size_t(c)][i] = float(root / rows.scale * double(table.f[i][c]));
     }
-    rows.least_cosine = k_least_cosine * cos_max_;
+    rows.least_cosine = k_least_view_cosine * cos_max_;
     const double most = within(direction(view)) ? k_most_peak : k_most_peak_beyond;
     for (int c = 0; c < 3; ++c) rows.largest[std::size_t(c)] = most * double(largest_[view][c]) / rows.scale;
     return rows;

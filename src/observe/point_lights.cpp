@@ -95,8 +95,7 @@ void add_point_lights(Observations& observations, const Evaluate& fitted, double
         sum += factor[k] * rms[k] * rms[k];
         lit += root_of_lit, relative += root_of_lit * rms[k] / std::sqrt(energy[k]);
     }
-    const double share =
-        k_point_lights.multivariate * std::min(1.0, elementary::square(k_most_relative_rms * lit / relative));
+    const double share = k_point_lights * std::min(1.0, elementary::square(k_most_relative_rms * lit / relative));
     for (std::size_t i = 0; i < count; ++i)
         observations.weight[i] += share * std::min(loss, most_loss) / sum * factor[phase[i]] * added[i];
 }

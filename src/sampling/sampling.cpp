@@ -30,10 +30,9 @@ constexpr std::size_t k_costs_with_grain = 4;
 // Of the second moment, for which there is a grain, and a step of a lobe's shape.
 constexpr double k_least_gain = 0.01, k_least_change = 0.002;
 
-/// Adds to `points` directions drawn for a view, of which `density` [1/sr] are drawn at each; the albedo (luminance) of
-/// the view.
-double add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std::span<const double> density,
-                  SamplingPoints& points) {
+/// Adds to `points` directions drawn for a view, of which `density` [1/sr] are drawn at each.
+void add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std::span<const double> density,
+                SamplingPoints& points) {
     std::vector<Rgb> f(wl.size());
     brdf(wl, std::vector<Vec3f>(wl.size(), wv), f);
     double albedo = 0;
@@ -46,7 +45,6 @@ double add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std
     }
     for (std::size_t i = 0; i < wl.size(); ++i)
         if (squared[i] > 0) points.add(wl[i], wv, float(squared[i] / (albedo * albedo)));
-    return albedo;
 }
 
 /// Adds to `wl` a lattice of `count` directions drawn from a lobe by `sample(u1, u2)`, but for those below the horizon.

@@ -6,8 +6,8 @@
 namespace srbf::view_problem_test {
 namespace {
 
-/// Three lobes in three colours on directions of the hemisphere, of which one in ten was not measured.
-ViewRows rows() {
+/// Three lobes in three colours on directions of the hemisphere, of which one in ten was not measured; with two lights.
+ViewRows rows(bool with_lights) {
     constexpr int count = 900;
     const std::vector<Vec3f> directions = fibonacci_directions(count, 85 * k_degree);
     ViewRows rows;
@@ -15,6 +15,7 @@ ViewRows rows() {
     rows.scale = 0.4;
     rows.root_weight.assign(rows.directions.blocks * k_block, 0.f);
     for (auto& y : rows.y) y.assign(rows.root_weight.size(), 0.f);
+    rows.lights.assign(with_lights ? 2 : 0, Aligned<float>(rows.root_weight.size(), 0.f));
     for (std::size_t i = 0; i < count; ++i) {
         if (i % 10 == 3) continue;
         const Vec3f w = directions[i];
@@ -23,6 +24,8 @@ ViewRows rows() {
         const float lobes[] = {elementary::exp(30 * (0.6f * w.x + 0.8f * w.z - 1)), elementary::exp(4 * (w.z - 1)),
                                0.2f + w.y * w.y};
         for (std::size_t c = 0; c < 3; ++c) rows.y[c][i] = root * (lobes[c] + 0.5f * lobes[(c + 1) % 3]);
+        for (std::size_t k = 0; k < rows.lights.size(); ++k)
+            rows.lights[k][i] = w.z * (k == 0 ? 1.f : elementary::exp(3 * (w.x - 1))) / (100 * root);
     }
     rows.largest.fill(100);
     rows.least_cosine = 0.04;
@@ -31,13 +34,14 @@ ViewRows rows() {
 
 const std::vector<ViewLobe> k_lobes{{normalize(Vec3d{0.5, 0.1, 0.8}), 20}, {normalize(Vec3d{-0.1, 0.3, 1}), 2}};
 
-TEST(ViewProblem, LossIsTheErrorOfThePairs) {
-    const ViewRows view = rows();
+TEST(ViewProblem, LossCountsPairsAndRadiances) {
+    const ViewRows view = rows(true);
     ViewProblem problem(2);
     const double loss = problem.loss(problem.start(view, k_lobes));
     const auto coefficient = problem.coefficients();
     double expected = 0;
     for (int c = 0; c < 3; ++c) {
+        double off[2]{};
         for (std::size_t i = 0; i < view.root_weight.size(); ++i) {
             double rest = double(view.y[std::size_t(c)][i]);
             for (int j = 0; j < 2; ++j) {
@@ -48,15 +52,17 @@ TEST(ViewProblem, LossIsTheErrorOfThePairs) {
                         elementary::exp(bandwidth * (cosine - 1));
             }
             expected += rest * rest;
+            for (std::size_t k = 0; k < 2; ++k) off[k] += double(view.lights[k][i]) * rest;
         }
+        expected += off[0] * off[0] + off[1] * off[1];
     }
     EXPECT_TRUE(near_relative(loss, expected, 1e-3));
+    const ViewRows without = rows(false);
+    EXPECT_LT(problem.loss(problem.start(without, k_lobes)), loss);
 }
 
-TEST(ViewProblem, GradientIsThatOfTheLoss) {
-    const ViewRows view = rows();
-    ViewProblem problem(2);
-    const Eigen::VectorXd x = problem.start(view, k_lobes);
+/// Whether the gradient at x is that of the loss, by differences.
+void expect_gradient(ViewProblem& problem, const Eigen::VectorXd& x) {
     Eigen::MatrixXd H;
     Eigen::VectorXd g;
     problem.loss(x);
@@ -67,6 +73,14 @@ TEST(ViewProblem, GradientIsThatOfTheLoss) {
         more[i] += step, less[i] -= step;
         const double difference = (problem.loss(more) - problem.loss(less)) / (2 * step);
         EXPECT_TRUE(near(2 * g[i], difference, 0.01 * 2 * g.norm())) << "variable " << i;
+    }
+}
+
+TEST(ViewProblem, GradientIsThatOfTheLoss) {
+    for (const bool with_lights : {false, true}) {
+        const ViewRows view = rows(with_lights);
+        ViewProblem problem(2);
+        expect_gradient(problem, problem.start(view, k_lobes));
     }
 }
 

@@ -126,12 +126,12 @@ inline constexpr float k_least_cosine = 0.02f;
 inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};
 
 /// The draw of a view-by-view model (Tsai 2009): a sampled view about wv by its interpolation weight, one of its lobes in
-/// proportion to the integral ∫ ρ_j cosθl dωl (luminance), a von Mises-Fisher direction of that lobe, without its shape; a
-/// quarter of the samples by the cosine, so that f cosθl / pdf is bounded towards the horizon. Below the horizon a sample
-/// has no direction. It refers to the model, whose sampled direction is the view.
+/// proportion to the integral ∫ ρ_j cosθl dωl (luminance), a von Mises-Fisher direction of the lobe that it is times the
+/// cosine, without its shape, reflected to above the horizon. The share v / (v + V) of the samples of each view, at least a
+/// tenth, are drawn by the cosine instead, where V is the relative variance by the cosine alone and v = 0.2. It refers to the model, whose sampled direction is the view.
 struct ViewProposal {
     const SuModel* model = nullptr;
-    std::vector<float> share;  ///< n × J: of the lobes of each view; they sum to 1
+    std::vector<float> share;  ///< n × (1 + J): of the cosine, and of the lobes of each view; they sum to 1
 };
 ViewProposal propose(const SuModel& model);
 ViewProposal propose(const SuModel&&) = delete;

@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "observe/costs.h"
 #include "observe/pair_weights.h"
+#include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -22,6 +23,10 @@ constexpr std::size_t k_peak_views = 24;
 constexpr double k_least_view_cosine = 0.5;
 /// The typical value is that of every eighth view, whose cosines are a 192nd apart.
 constexpr std::size_t k_typical_views = 8;
+/// The height of the light beside the view, relative to its horizontal distance: 27° above the horizon of the normal.
+constexpr double k_elevation = 0.5;
+/// Of broad lights, e^{κ (w·centre − 1)}: about the mirror direction, and those beside and about the view.
+constexpr double k_mirror_light = 2, k_view_light = 4;
 
 void take_largest(Rgb& largest, const Rgb& value, float factor = 1) {
     for (int c = 0; c < 3; ++c) largest[c] = std::max(largest[c], value[c] * factor);
@@ -84,7 +89,7 @@ double SampledViews::density(double pdf_between) const {
 
 SampledViews::Table SampledViews::table_of(std::size_t view) const {
     const std::size_t n = count();
-    Table table{view, matrix_.direction, std::vector<Rgb>(n), {}};
+    Table table{view, matrix_.direction, std::vector<Rgb>(n), {}, {}};
     for (std::size_t i = 0; i < n; ++i) table.f[i] = f(view, i);
     for (const RawMatrix::Between& between : between_of(view)) {
         if (!within(between.direction) || !is_finite(between.f)) continue;
@@ -92,6 +97,11 @@ SampledViews::Table SampledViews::table_of(std::size_t view) const {
         table.f.push_back(between.f);
         table.pdf_between.push_back(double(between.pdf));
     }
+    const MirrorMixture mixture(k_pi / 2);
+    for (std::size_t i = 0; i < table.f.size(); ++i)
+        table.solid_angle.push_back(
+            1 / density(i < n ? mixture.pdf(to_double(table.direction[i]), to_double(direction(view)))
+                              : table.pdf_between[i - n]));
     return table;
 }
 
@@ -138,10 +148,34 @@ ViewRows SampledViews::rows_of(std::size_t view) const {
         rows.root_weight[i] = float(root);
         for (int c = 0; c < 3; ++c) rows.y[std::size_t(c)][i] = float(root / rows.scale * double(table.f[i][c]));
     }
+    if (traits(objective_).of_pictures) add_radiances(rows, table);
     rows.least_cosine = k_least_view_cosine * cos_max_;
     const double most = within(direction(view)) ? k_most_peak : k_most_peak_beyond;
     for (int c = 0; c < 3; ++c) rows.largest[std::size_t(c)] = most * double(largest_[view][c]) / rows.scale;
     return rows;
+}
+
+void SampledViews::add_radiances(ViewRows& rows, const Table& table) const {
+    const Vec3d about = to_double(direction(table.view));
+    const Vec3d beside = normalize(Vec3d{-about.y, about.x, k_elevation});
+    const std::pair<Vec3d, double> lights[] = {
+        {about, 0}, {mirror(about), k_mirror_light}, {beside, k_view_light}, {about, k_view_light}};
+    for (const auto& [centre, kappa] : lights) {
+        Aligned<float> light(rows.root_weight.size(), 0.f);
+        double luminous = 0;
+        for (std::size_t i = 0; i < table.f.size(); ++i) {
+            const Vec3f w = table.direction[i];
+            if (!(rows.root_weight[i] > 0) || !within(w)) continue;
+            const double of_light = elementary::exp(kappa * (dot(to_double(w), centre) - 1)),
+                         measure = table.solid_angle[i] * double(w.z) * of_light;
+            light[i] = float(measure / double(rows.root_weight[i]));
+            luminous += measure * double(luminance(table.f[i]));
+        }
+        if (!(luminous > 0)) continue;
+        const auto factor = float(rows.scale / luminous * std::sqrt(k_lights_of_view / std::size(lights)));
+        for (float& x : light) x *= factor;
+        rows.lights.push_back(std::move(light));
+    }
 }
 
 }  // namespace srbf

@@ -17,8 +17,9 @@ class SampledViews {
     std::size_t valid(std::size_t view) const;
 
     /// The rows of a view. Directions of the matrix within θmax have the weights of the objective. Those beyond are
-    /// horizon pairs with small weights, as in `observe`. Directions between those of the matrix together weigh as much as
-    /// k_between_views_directions times a uniform density of them.
+    /// horizon pairs with small weights, as in `observe`. Directions between those of the matrix together
+    /// weigh as much as k_between_views_directions times a uniform density of them. For an objective of pictures
+    /// radiances are matched too.
     /// Empty (scale 0) if there is no value above 0 within θmax.
     const ViewRows& rows(std::size_t view) const { return rows_[view]; }
 
@@ -42,6 +43,7 @@ class SampledViews {
         std::vector<Vec3f> direction;
         std::vector<Rgb> f;
         std::vector<double> pdf_between;
+        std::vector<double> solid_angle;  ///< if all directions count by their density [sr]
     };
     Table table_of(std::size_t view) const;
     /// The density of a view's directions, of the matrix and between them, where the latter have this one [1/sr].
@@ -55,6 +57,9 @@ class SampledViews {
     Weights weights_of(const Table& table) const;
 
     ViewRows rows_of(std::size_t view) const;
+    /// Adds the radiances that a view reflects under four lights: a uniform one, and broad ones about the mirror
+    /// direction, beside the view, and about it.
+    void add_radiances(ViewRows& rows, const Table& table) const;
 
     void find_typical();
     void find_largest();

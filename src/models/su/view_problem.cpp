@@ -82,17 +82,23 @@ Eigen::VectorXd ViewProblem::longest_step(const Eigen::VectorXd& x) const {
     return longest;
 }
 
-template <typename OfBlock> Eigen::MatrixXd ViewProblem::gram(std::size_t count, const OfBlock& of_block) const {
-    std::vector<double> products(count * count, 0.0);
-    std::vector<const float*> columns;
+template <typename OfBlock> Eigen::MatrixXd ViewProblem::gram(std::size_t count, const OfBlock& of_block) {
+    const std::size_t K = view_->lights.size();
+    std::vector<double> products(count * count, 0.0), lit(K * count, 0.0);
+    std::vector<const float*> columns, lights(K);
     for (std::size_t block = 0; block < blocks(); ++block) {
         columns.clear();
         of_block(block, columns);
         add_gram(columns, products.data());
+        for (std::size_t k = 0; k < K; ++k) lights[k] = &view_->lights[k][block * k_block];
+        if (K > 0) add_products(lights, columns, lit.data());
     }
     // Row-major lower triangles are column-major upper ones.
     const Eigen::Map<const Eigen::MatrixXd> triangle(products.data(), Eigen::Index(count), Eigen::Index(count));
-    return triangle.selfadjointView<Eigen::Upper>();
+    Eigen::MatrixXd G = triangle.selfadjointView<Eigen::Upper>();
+    lit_ = Eigen::Map<const Eigen::MatrixXd>(lit.data(), Eigen::Index(count), Eigen::Index(K));
+    if (K > 0) G += lit_ * lit_.transpose();
+    return G;
 }
 
 double ViewProblem::loss(const Eigen::VectorXd& x) {
@@ -133,7 +139,7 @@ Eigen::RowVector3d ViewProblem::limit_of(const MovingLobe& lobe, double most) co
 
 double ViewProblem::loss_with_residuals() {
     const Eigen::MatrixXd& beta = coefficients_.beta;
-    double sum = 0;
+    double sum = (lit_.bottomRows(3) - beta.transpose() * lit_.topRows(lobes_)).squaredNorm();
     std::vector<const float*> columns(static_cast<std::size_t>(lobes_));
     for (Eigen::Index c = 0; c < 3; ++c) {
         const Eigen::VectorXf of_channel = beta.col(c).cast<float>();

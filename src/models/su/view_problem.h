@@ -19,15 +19,18 @@ struct ViewRows {
     DirectionRows directions;
     Aligned<float> root_weight;       ///< √w, Σ w = 1; 0 where nothing was measured
     std::array<Aligned<float>, 3> y;  ///< √w f / scale for each channel; their squares sum to 1
-    double scale = 0;                 ///< 0: no data to fit
+    /// Of each radiance that is also matched: Σ light √w f / scale over the rows is the reflected radiance under some
+    /// light, in units of which an error of 1 adds 1 to the loss. Where nothing was measured it is dark.
+    std::vector<Aligned<float>> lights;
+    double scale = 0;  ///< 0: no data to fit
     /// Upper bound per lobe and channel: its maximum over the hemisphere times the cosine there, f / scale. Smaller
     /// cosines are replaced by the least cosine.
     std::array<double, 3> largest{};
     double least_cosine = 0;
 };
 
-/// Σ w |f − Σ_j β_j G_j|² / Σ w |f|² over the rows of a view, with J lobes G_j normalised to a largest value of 1 on the
-/// rows. `Coefficients` are eliminated. The variables x of each lobe are two shifts u along the tangents t of its initial
+/// Σ w |f − Σ_j β_j G_j|² / Σ w |f|² over the rows of a view, and the squared errors of its radiances, with J lobes G_j
+/// normalised to a largest value of 1 on the rows. `Coefficients` are eliminated. The variables x of each lobe are two shifts u along the tangents t of its initial
 /// centre, ξ = normalize(ξ_0 + u_1 t_1 + u_2 t_2), and log λ.
 class ViewProblem {
   public:
@@ -73,8 +76,8 @@ class ViewProblem {
     static std::size_t at(std::size_t block, Eigen::Index column, int columns) {
         return (block * std::size_t(columns) + std::size_t(column)) * k_block;
     }
-    /// The Gram matrix of columns, which `of_block` sets.
-    template <typename OfBlock> Eigen::MatrixXd gram(std::size_t columns, const OfBlock& of_block) const;
+    /// The Gram matrix of columns, which `of_block` sets, and of their sums under each light.
+    template <typename OfBlock> Eigen::MatrixXd gram(std::size_t columns, const OfBlock& of_block);
     double loss_with_residuals();
 
     const ViewRows* view_ = nullptr;
@@ -82,6 +85,7 @@ class ViewProblem {
     std::vector<Frame> frame_;
     Aligned<float> exponent_, value_, derivative_, rest_;  ///< rest: residuals of the channels
     std::vector<double> offset_;                           ///< logarithms of the factors 1 / G_j was given
+    Eigen::MatrixXd lit_;                                  ///< columns × lights, of the last call of `gram`
     Coefficients coefficients_;
 };
 

@@ -119,23 +119,16 @@ MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {}
 inline constexpr float k_least_cosine = 0.02f;
 inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};
 
-/// Mixtures for a view-by-view model: for each sampled view its own lobes, each times the cosine and mirrored at the
-/// horizon, the cosine itself, and the mixture for the whole model, with weights of least variance; between the sampled
-/// views by interpolation weight and albedo. It refers to the model, whose sampled direction is the view.
+/// The draw of a view-by-view model (Tsai 2009): a sampled view about wv by its interpolation weight, one of its lobes in
+/// proportion to the integral ∫ ρ_j cosθl dωl (luminance), a von Mises-Fisher direction of the lobe that it is times the
+/// cosine, without its shape, reflected to above the horizon. The share v / (v + V) of the samples of each view, at least a
+/// tenth, are drawn by the cosine instead, where V is the relative variance by the cosine alone and v = 0.2. It refers to the model, whose sampled direction is the view.
 struct ViewProposal {
-    struct Lobe {
-        Vec3f centre;
-        float bandwidth;
-        float weight;
-    };
     const SuModel* model = nullptr;
-    MixtureProposal mixture;           ///< for the whole model
-    std::vector<Lobe> lobes;           ///< n × J
-    std::vector<float> cosine, whole;  ///< n: their weights, which sum to 1 with those of the view's lobes
-    std::vector<float> albedo;         ///< n: ∫ f cosθl dωl, luminance
+    std::vector<float> share;  ///< n × (1 + J): of the cosine, and of the lobes of each view; they sum to 1
 };
-ViewProposal propose(const SuModel& model, const ProposeOptions& options = {});
-ViewProposal propose(const SuModel&&, const ProposeOptions& options = {}) = delete;
+ViewProposal propose(const SuModel& model);
+ViewProposal propose(const SuModel&&) = delete;
 Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv);
 

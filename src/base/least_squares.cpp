@@ -19,15 +19,6 @@ struct ActiveSet {
     std::vector<Place> place = std::vector<Place>(std::size_t(g.size()), at_zero);
     Eigen::VectorXd x = Eigen::VectorXd::Zero(g.size());
 
-    /// Begins with another x within the bounds, of which the variables between their bounds are free.
-    void begin(const Eigen::VectorXd& from) {
-        for (Eigen::Index i = 0; i < g.size(); ++i) {
-            if (!(from[i] > 0 && G(i, i) > k_ridge)) continue;
-            place[std::size_t(i)] = from[i] < upper[i] ? free : at_upper;
-            x[i] = std::min(from[i], upper[i]);
-        }
-        improve();
-    }
     /// Moves the free variables to their optimum, without those that reach a bound on the way.
     void improve() {
         for (Eigen::Index steps = 0; steps <= g.size() && step(); ++steps) {
@@ -80,7 +71,7 @@ struct ActiveSet {
 }  // namespace
 
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::VectorXd& g_in,
-                                      const Eigen::VectorXd& upper_in, const Eigen::VectorXd& from) {
+                                      const Eigen::VectorXd& upper_in) {
     // Columns are scaled to unit length, so that the tolerances are relative.
     const Eigen::Index n = g_in.size();
     if (n == 0) return {};
@@ -92,7 +83,6 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
     const double tolerance = 1e-12 * g.cwiseAbs().maxCoeff();
 
     ActiveSet set{G, g, upper};
-    if (from.size() > 0) set.begin(from.cwiseProduct(length));
     for (int round = 0; round < 6 * int(n) + 6 && set.release(tolerance); ++round) set.improve();
     // Bounds are met exactly; scaling back and forth would lose a digit.
     Eigen::VectorXd x(n);

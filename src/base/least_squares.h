@@ -7,10 +7,8 @@ namespace srbf {
 
 /// The x within 0 ≤ x ≤ upper that minimises ½ xᵀGx − gᵀx, with G symmetric and positive semidefinite: an active-set
 /// method (Lawson & Hanson 1974, bounds as in Stark & Parker). A ridge of 1e-6 of G's diagonal makes the solution
-/// unique if columns coincide; a zero column gets x = 0. `upper` may contain infinities. The search begins with x = 0, or
-/// with `from`, which is soon done where x is at the same bounds.
-Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G, const Eigen::VectorXd& g, const Eigen::VectorXd& upper,
-                                      const Eigen::VectorXd& from = {});
+/// unique if columns coincide; a zero column gets x = 0. `upper` may contain infinities. The search begins with x = 0.
+Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G, const Eigen::VectorXd& g, const Eigen::VectorXd& upper);
 
 /// Solves A x = b, with A symmetric and positive semidefinite.
 Eigen::VectorXd solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);

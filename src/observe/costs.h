@@ -6,26 +6,18 @@
 
 namespace srbf {
 
-/// The cost of a term that multivariate and view-by-view fits share, chosen by measurement (docs/notes). A view has five
-/// lobes for its highlight and its diffuse part, a multivariate model eight for all views: views can follow highlights
-/// closely, and need less weight to follow radiance.
-struct Importance {
-    double multivariate, view;
-};
-
 // Weights of pairs: an error of 100 % of all pairs by these, relative to one by the objective's own weights.
-inline constexpr Importance k_highlights{1, 3};  ///< appearance: cube roots, for what a display clips
-inline constexpr double k_peaks = 0.03;          ///< appearance: squares; one seed of ten had a peak of its own without
+inline constexpr double k_highlights = 1;  ///< appearance: cube roots, for what a display clips
+inline constexpr double k_peaks = 0.03;    ///< appearance: squares; one seed of ten had a peak of its own without
 /// Cosine: cube roots, without which the diffuse base under a highlight has hardly any weight.
 inline constexpr double k_diffuse_base = 5e-3;
 /// An error at all horizon pairs (beyond θmax) of the largest measured f cosθl cosθv.
 inline constexpr double k_horizon_importance = 1e-2;
 
-/// Radiance in pictures by single lights of all phase angles. Of a multivariate fit its present loss; of a view an error
-/// of 100 %.
-inline constexpr Importance k_point_lights{5, 0.3};
+/// Radiance in pictures by single lights of all phase angles, of the fit's present loss.
+inline constexpr double k_point_lights = 5;
 /// Pixels, of the loss of the fit without them; and where there are no point lights, of scattered samples.
-inline constexpr Importance k_pixels{3.5, 4};
+inline constexpr double k_pixels = 3.5;
 inline constexpr double k_pixels_alone = 2;
 
 /// An error of this share in every albedo costs as much as the fit's loss without them: by pairs alone, and with pixels. So
@@ -47,7 +39,8 @@ inline constexpr double k_horizon_albedo = 1;
 /// highlights.
 inline constexpr double k_albedos_beside_point_lights = 8;
 
-/// View by view: an error of 1 % in the radiances under all four lights of a view costs three channels times 1e-4 times this.
+/// View by view: an error of 1 % in the radiances under all four lights of a view costs three channels times 1e-4 times
+/// this.
 inline constexpr double k_lights_of_view = 12;
 /// View by view: directions between those of the matrix, relative to those of the matrix, per solid angle.
 inline constexpr double k_between_views_directions = 0.1;

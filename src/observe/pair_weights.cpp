@@ -92,7 +92,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .max_theta = 89,
      .weight = [](double f, double bright, double cos_l,
                   double cos_v) { return elementary::square(displayed_slope(f, bright, cos_l)) * cos_v; },
-     .further = {{{"highlights", "cube root of f cos(theta_l)", highlight_weight, k_highlights.multivariate},
+     .further = {{{"highlights", "cube root of f cos(theta_l)", highlight_weight, k_highlights},
                   {"peaks", "f cos(theta_l)", cosine_weight, k_peaks}}},
      .seen = displayed,
      .slope = displayed_slope,

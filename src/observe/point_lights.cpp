@@ -42,38 +42,29 @@ double square_of_radiance(const Rgb& f, Vec3f wl) { return square_of(f) * elemen
 
 // A picture of pixels of area a has the energy Σ a g² for g = f cosθl. A highlight of less than a pixel is hit by few of
 // the pictures, whose energy is its then: a pair is seen relative to T + a g², where T is the energy that others have.
-PhaseEnergies::PhaseEnergies(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                             std::span<const double> measure)
-    : others_(k_phases) {
+std::vector<double> point_light_weights(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                                        std::span<const double> measure) {
     std::vector<std::size_t> phase(f.size());
-    std::vector<double> area(f.size()), square(f.size());
+    std::vector<double> area(f.size()), square(f.size()), weight(f.size());
+    OfPhases others{};  // of each phase: T
     for (std::size_t i = 0; i < f.size(); ++i) {
         phase[i] = phase_of(wl[i], wv[i]);
         area[i] = area_of(phase[i], wv[i], measure[i]);
         square[i] = square_of_radiance(f[i], wl[i]);
-        others_[phase[i]] += area[i] * square[i];
+        others[phase[i]] += area[i] * square[i];
     }
     // Σ g² / (T + a g²) over the sphere becomes 1.
     for (int step = 0; step < k_energy_steps; ++step) {
         OfPhases next{};
         for (std::size_t i = 0; i < f.size(); ++i)
             if (square[i] > 0)
-                next[phase[i]] += area[i] * square[i] / (1 + k_pixel_area * square[i] / others_[phase[i]]);
-        others_.assign(next.begin(), next.end());
+                next[phase[i]] += area[i] * square[i] / (1 + k_pixel_area * square[i] / others[phase[i]]);
+        others = next;
     }
-}
-
-double PhaseEnergies::weight(Vec3f wl, Vec3f wv, const Rgb& f, double measure) const {
-    const std::size_t phase = phase_of(wl, wv);
-    const double energy = others_[phase] + k_pixel_area * square_of_radiance(f, wl);
-    return energy > 0 ? area_of(phase, wv, measure) * elementary::square(double(wl.z)) / energy : 0;
-}
-
-std::vector<double> point_light_weights(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                                        std::span<const double> measure) {
-    const PhaseEnergies energies(wl, wv, f, measure);
-    std::vector<double> weight(f.size());
-    for (std::size_t i = 0; i < f.size(); ++i) weight[i] = energies.weight(wl[i], wv[i], f[i], measure[i]);
+    for (std::size_t i = 0; i < f.size(); ++i) {
+        const double energy = others[phase[i]] + k_pixel_area * square[i];
+        weight[i] = energy > 0 ? area[i] * elementary::square(double(wl[i].z)) / energy : 0;
+    }
     return weight;
 }
 
@@ -104,8 +95,7 @@ void add_point_lights(Observations& observations, const Evaluate& fitted, double
         sum += factor[k] * rms[k] * rms[k];
         lit += root_of_lit, relative += root_of_lit * rms[k] / std::sqrt(energy[k]);
     }
-    const double share =
-        k_point_lights.multivariate * std::min(1.0, elementary::square(k_most_relative_rms * lit / relative));
+    const double share = k_point_lights * std::min(1.0, elementary::square(k_most_relative_rms * lit / relative));
     for (std::size_t i = 0; i < count; ++i)
         observations.weight[i] += share * std::min(loss, most_loss) / sum * factor[phase[i]] * added[i];
 }

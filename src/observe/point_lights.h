@@ -8,22 +8,9 @@
 
 namespace srbf {
 
-/// The energies of pictures of a sphere by one light, by its phase.
-class PhaseEnergies {
-  public:
-    PhaseEnergies() = default;
-    /// `measure`: of solid angles of both directions, for each pair [sr²].
-    PhaseEnergies(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                  std::span<const double> measure);
-    /// With these weights Σ w |f−f̂|² over the pairs of a phase is, for pictures at that phase, the mean of the squared
-    /// error of radiance relative to that of the picture; but for a factor that all have.
-    double weight(Vec3f wl, Vec3f wv, const Rgb& f, double measure) const;
-
-  private:
-    std::vector<double> others_;  ///< of each interval of phases, but for a pair's own
-};
-
-/// The weights of all these pairs.
+/// With these weights Σ w |f−f̂|² over the pairs of a phase is, for pictures of a sphere at that phase, the mean of the
+/// squared error of radiance relative to that of the picture; but for a factor that all have. `measure`: of solid angles of
+/// both directions, for each pair [sr²].
 std::vector<double> point_light_weights(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                                         std::span<const double> measure);
 

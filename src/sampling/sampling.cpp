@@ -30,28 +30,9 @@ constexpr std::size_t k_costs_with_grain = 4;
 // The gains of the second moment that justify an anisotropy axis, and a step of a lobe's shape.
 constexpr double k_least_gain = 0.01, k_least_change = 0.002;
 
-/// Splits u, uniform in [0,1), by shares that sum to 1: the first whose running sum exceeds u, and u uniform again
-/// within it.
-struct Choice {
-    int k;
-    float u;
-};
-template <typename Shares> Choice choose(const Shares& shares, float u) {
-    int last = 0;
-    for (int k = 0; k < int(shares.size()); ++k) {
-        const float share = shares[std::size_t(k)];
-        if (!(share > 0)) continue;
-        if (u < share) return {k, std::min(u / share, 0x1.fffffep-1f)};
-        u -= share;
-        last = k;
-    }
-    return {last, 0x1.fffffep-1f};  // what rounding left over
-}
-
-/// Adds to `points` directions drawn for a view, of which `density` [1/sr] are drawn at each; the albedo (luminance) of
-/// the view.
-double add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std::span<const double> density,
-                  SamplingPoints& points) {
+/// Adds to `points` directions drawn for a view, of which `density` [1/sr] are drawn at each.
+void add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std::span<const double> density,
+                SamplingPoints& points) {
     std::vector<Rgb> f(wl.size());
     brdf(wl, std::vector<Vec3f>(wl.size(), wv), f);
     double albedo = 0;
@@ -64,7 +45,6 @@ double add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std
     }
     for (std::size_t i = 0; i < wl.size(); ++i)
         if (squared[i] > 0) points.add(wl[i], wv, float(squared[i] / (albedo * albedo)));
-    return albedo;
 }
 
 /// Adds to `wl` a lattice of `count` directions drawn from a lobe by `sample(u1, u2)`, but for those below the horizon.
@@ -274,165 +254,6 @@ MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
     return proposal;
 }
 
-namespace {
-
-constexpr int k_view_points = 32;
-// Every view has these beside its lobes: the cosine and the mixture.
-constexpr std::size_t k_common = 2;
-
-float reflected_pdf(const ViewProposal::Lobe& lobe, Vec3f wl) {
-    return K::vmf_pdf(wl, lobe.centre, lobe.bandwidth) + K::vmf_pdf({wl.x, wl.y, -wl.z}, lobe.centre, lobe.bandwidth);
-}
-
-/// A lobe times cosθ e^{−τ/cosθ} as a lobe about the maximum of both, where the gradient λξ + (1 + τ/cosθ) ẑ/cosθ
-/// points along the direction itself; its bandwidth is that gradient's length, the curvature across the plane of
-/// incidence.
-auto about_maximum(Vec3f centre, float bandwidth, float depth) {
-    constexpr int k_rounds = 20;
-    float cosine = 0.5f;
-    K::GaussianProduct product{};
-    for (int round = 0; round < k_rounds; ++round) {
-        product = K::gaussian_product(centre, bandwidth, {0, 0, 1}, (1 + depth / cosine) / cosine);
-        cosine = std::sqrt(cosine * std::clamp(product.centre.z, 1e-3f, 1.f));
-    }
-    return product;
-}
-
-/// Makes the lobes of sampled view i.
-void propose_view(std::size_t i, ViewProposal& proposal) {
-    const SuModel& model = *proposal.model;
-    const auto J = std::size_t(model.lobes);
-    const auto of_view = std::span(proposal.lobes).subspan(i * J, J);
-    for (std::size_t j = 0; j < J; ++j) {
-        const std::size_t k = i * J + j;
-        const float shape = K::su_shape(model, int(i), int(j));
-        const auto lobe = shape > 0 ? about_maximum(model.centre[k], model.bandwidth[k], shape)
-                                    : K::times_cosine(model.centre[k], model.bandwidth[k]);
-        // Where the two cancel any centre does.
-        of_view[j] = {lobe.bandwidth > 1e-3f ? lobe.centre : Vec3f(0, 0, 1), lobe.bandwidth, 0};
-    }
-    const Vec3f wv = model.direction[i];
-    // Points by the cosine and its square instead of the mixture.
-    std::vector<Vec3f> drawn;
-    for (std::size_t k = 0; k < k_common; ++k)
-        add_lattice(
-            k_view_points, [&](float u1, float u2) { return K::sample_proposal_lobe(int(k), wv, {}, 1, u1, u2); },
-            drawn);
-    for (const ViewProposal::Lobe& lobe : of_view)
-        add_lattice(
-            k_view_points,
-            [&](float u1, float u2) { return K::reflected_up(K::sample_vmf(lobe.centre, lobe.bandwidth, u1, u2)); },
-            drawn);
-    std::vector<double> density(drawn.size());
-    for (std::size_t m = 0; m < drawn.size(); ++m) {
-        for (std::size_t k = 0; k < k_common; ++k) density[m] += double(K::power_cosine_pdf(drawn[m], float(k + 1)));
-        for (const ViewProposal::Lobe& lobe : of_view) density[m] += double(reflected_pdf(lobe, drawn[m]));
-        density[m] *= k_view_points;
-    }
-    const Evaluate brdf = [&](std::span<const Vec3f> wl, std::span<const Vec3f>, std::span<Rgb> f) {
-        for (std::size_t k = 0; k < wl.size(); ++k) {
-            const Vec3f value = K::su_view_value(model, int(i), wl[k]);
-            f[k] = {value.x, value.y, value.z};
-        }
-    };
-    SamplingPoints points;
-    proposal.albedo[i] = float(add_points(brdf, wv, drawn, density, points));
-    points.pad();
-    points.density.resize(k_common + J);
-    for (auto& of_lobe : points.density) of_lobe.resize(points.size());
-    for (std::size_t m = 0; m < points.size(); ++m) {
-        const Vec3f w = points.light(m);
-        points.density[0][m] = K::power_cosine_pdf(w, 1);
-        points.density[1][m] = pdf(proposal.mixture, w, wv);
-        for (std::size_t j = 0; j < J; ++j) points.density[k_common + j][m] = reflected_pdf(of_view[j], w);
-    }
-    const std::vector<float> weight = best_weights(points, k_common + J, k_steps);
-    proposal.cosine[i] = weight[0], proposal.whole[i] = weight[1];
-    for (std::size_t j = 0; j < J; ++j) of_view[j].weight = weight[k_common + j];
-}
-
-}  // namespace
-
-ViewProposal propose(const SuModel& model, const ProposeOptions& options) {
-    const StandardArithmetic mode;
-    assert(model.discretise == Discretise::view);
-    const std::size_t views = model.direction.size();
-    ViewProposal proposal{&model,
-                          propose(evaluator(model), options),
-                          std::vector<ViewProposal::Lobe>(model.centre.size()),
-                          std::vector<float>(views),
-                          std::vector<float>(views),
-                          std::vector<float>(views)};
-    parallel_for(views, options.threads, [&](std::size_t i) { propose_view(i, proposal); });
-    return proposal;
-}
-
-namespace {
-
-/// The sampled views that a view direction is interpolated from.
-struct Neighbour {
-    int view = 0;
-    float share = 0;             ///< of the reflected light; they sum to 1
-    float cosine = 1, sine = 0;  ///< of the turn from the view direction's azimuth to the sample's
-};
-constexpr int k_neighbours = std::max(SU_ROTATED_NEIGHBOURS, k_most_neighbours);
-std::array<Neighbour, k_neighbours> neighbours_at(const ViewProposal& proposal, Vec3f wv) {
-    const SuModel& model = *proposal.model;
-    std::array<Neighbour, k_neighbours> all;
-    if (model.interpolation == SuInterpolation::rotated) {
-        for (int k = 0; k < SU_ROTATED_NEIGHBOURS; ++k) {
-            const auto part = K::su_rotated_neighbour(model, wv, k);
-            all[std::size_t(k)] = {part.view, part.weight, part.cosine, part.sine};
-        }
-    } else {
-        const NearestViews nearest = nearest_views(model, wv);
-        for (int k = 0; k < model.neighbours; ++k)
-            all[std::size_t(k)] = {nearest[std::size_t(k)], K::su_plain_weight(model, nearest, wv, model.neighbours, k),
-                                   1, 0};
-    }
-    // Keep a small probability for black views so that the pdf stays positive.
-    float sum = 0;
-    for (Neighbour& n : all) sum += n.share *= std::max(proposal.albedo[std::size_t(n.view)], 1e-6f);
-    for (Neighbour& n : all) n.share /= sum;
-    return all;
-}
-
-}  // namespace
-
-Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector) {
-    const auto neighbours = neighbours_at(proposal, wv);
-    std::array<float, k_neighbours> share;
-    for (std::size_t k = 0; k < share.size(); ++k) share[k] = neighbours[k].share;
-    const Choice of_views = choose(share, selector);
-    const Neighbour& neighbour = neighbours[std::size_t(of_views.k)];
-    const auto view = std::size_t(neighbour.view), J = std::size_t(proposal.model->lobes);
-    std::array<float, k_common + k_most_view_lobes> weights{proposal.cosine[view], proposal.whole[view]};
-    for (std::size_t j = 0; j < J; ++j) weights[k_common + j] = proposal.lobes[view * J + j].weight;
-    const Choice chosen = choose(std::span(weights).first(k_common + J), of_views.u);
-    if (chosen.k == 0) return K::sample_cosine(u.x, u.y);
-    if (chosen.k == 1) return sample(proposal.mixture, wv, u, chosen.u);
-    const ViewProposal::Lobe& lobe = proposal.lobes[view * J + std::size_t(chosen.k) - k_common];
-    return K::reflected_up(
-        K::turned(K::sample_vmf(lobe.centre, lobe.bandwidth, u.x, u.y), neighbour.cosine, -neighbour.sine));
-}
-
-float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv) {
-    if (!above_horizon(wl, wv)) return 0;
-    const auto J = std::size_t(proposal.model->lobes);
-    const float by_cosine = K::cosine_pdf(wl), by_mixture = pdf(proposal.mixture, wl, wv);
-    float sum = 0;
-    for (const Neighbour& neighbour : neighbours_at(proposal, wv)) {
-        if (!(neighbour.share > 0)) continue;
-        const auto view = std::size_t(neighbour.view);
-        const Vec3f turned = K::turned(wl, neighbour.cosine, neighbour.sine);
-        float of_view = proposal.cosine[view] * by_cosine + proposal.whole[view] * by_mixture;
-        for (const ViewProposal::Lobe& lobe : std::span(proposal.lobes).subspan(view * J, J))
-            if (lobe.weight > 0) of_view += lobe.weight * reflected_pdf(lobe, turned);
-        sum += neighbour.share * of_view;
-    }
-    return sum;
-}
-
 Vec3f sample(const Proposal& proposal, Vec3f wv, Vec2f u, float selector) {
     return std::visit([&](const auto& p) { return sample(p, wv, u, selector); }, proposal);
 }
@@ -447,7 +268,7 @@ float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv) {
 
 Proposal propose(const Model& model, const ProposeOptions& options) {
     const auto* su = std::get_if<SuModel>(&model.model);
-    if (su && su->discretise == Discretise::view) return propose(*su, options);
+    if (su && su->discretise == Discretise::view) return propose(*su);
     return propose(evaluator(model), options);
 }
 

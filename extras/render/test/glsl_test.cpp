@@ -105,7 +105,6 @@ void main() {
     f += reflected_pdf(mirror_lobe(wl, 4.0), itself(wl), half_vector(wl, wv, map)) *
          half_vector_lobe(wv, 1.0, 8.0, 1.0).centre;
     f += reflected_up(light_of(sample_sharp_vmf(wl, 0.25, u.x, u.x, u.y), wv)) + off_centre(wl, u.x, u.y);
-    f += times_cosine(wl, 4.0).centre;
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
 }
 )";

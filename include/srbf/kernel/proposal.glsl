@@ -198,12 +198,3 @@ SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Stretch map, Real power, Real 
     }
     return reflected_up(wl);
 }
-
-// A lobe of the light times the cosine to the normal, approximated as 1.17 G(wl . z | 2.133) with an error of up to .06
-// (Wang et al. 2009): the contribution of a view's lobe to reflected light, and the distribution to sample the light
-// from.
-SRBF_FN GaussianProduct times_cosine(Vec3 centre, Real bandwidth) {
-    GaussianProduct product = gaussian_product(centre, bandwidth, Vec3(Real(0.0), Real(0.0), Real(1.0)), Real(2.133));
-    product.scale = Real(1.17) * product.scale;
-    return product;
-}

@@ -11,19 +11,7 @@
 
 #include "base/floating_point.h"
 #include "brdf/batch-inl.h"
-
-#ifndef SRBF_EVALUATE_SU
-#define SRBF_EVALUATE_SU
-namespace srbf {
-
-/// Sampled views with weights that sum to 1.
-struct Neighbours {
-    std::array<Kernel<float>::SuNeighbour, k_most_neighbours> of;
-    int count = 0;
-};
-
-}  // namespace srbf
-#endif
+#include "models/su/neighbours.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {
@@ -59,6 +47,8 @@ namespace {
 
 HWY_EXPORT(evaluate_run);
 
+}  // namespace
+
 Neighbours neighbours_at(const SuModel& model, Vec3f w) {
     Neighbours neighbours;
     const auto add = [&](const Kernel<float>::SuNeighbour& neighbour) {
@@ -78,8 +68,6 @@ Neighbours neighbours_at(const SuModel& model, Vec3f w) {
     for (int k = 0; k < neighbours.count; ++k) neighbours.of[std::size_t(k)].weight /= sum;
     return neighbours;
 }
-
-}  // namespace
 
 void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const StandardArithmetic mode;
@@ -122,14 +110,14 @@ DrawnLobe drawn_about(Vec3f xi, float bandwidth, float depth) {
 
 }  // namespace
 
-std::vector<Rgb> view_integrals(const SuModel& model) {
+std::vector<float> lobe_integrals(const SuModel& model) {
     using K = Kernel<float>;
     constexpr int k_points = 512;
     const StandardArithmetic mode;
-    std::vector<Rgb> integrals(model.direction.size());
+    std::vector<float> integrals(model.centre.size());
     for (std::size_t lobe = 0; lobe < model.centre.size(); ++lobe) {
-        const std::size_t view = lobe / std::size_t(model.lobes);
-        const Vec3f xi = model.centre[lobe], tangent = K::tangent_across(model.direction[view]);
+        const Vec3f xi = model.centre[lobe],
+                    tangent = K::tangent_across(model.direction[lobe / std::size_t(model.lobes)]);
         const float bandwidth = model.bandwidth[lobe], shape = model.shape.empty() ? 0 : model.shape[lobe];
         const DrawnLobe drawn = drawn_about(xi, bandwidth, std::max(shape, 0.f));
         double of_cosine = 0;
@@ -144,9 +132,17 @@ std::vector<Rgb> view_integrals(const SuModel& model) {
                                 K::gaussian_exponent(w, drawn.centre, drawn.bandwidth);
             of_cosine += double(w.z * K::exp_of_lobe(ratio));
         }
-        const auto integral = float(double(K::gaussian_integral(drawn.bandwidth)) * of_cosine / k_points);
-        for (int c = 0; c < 3; ++c) integrals[view][c] += integral * model.coefficient[lobe][c];
+        integrals[lobe] = float(double(K::gaussian_integral(drawn.bandwidth)) * of_cosine / k_points);
     }
+    return integrals;
+}
+
+std::vector<Rgb> view_integrals(const SuModel& model) {
+    const std::vector<float> of_lobe = lobe_integrals(model);
+    std::vector<Rgb> integrals(model.direction.size());
+    for (std::size_t lobe = 0; lobe < of_lobe.size(); ++lobe)
+        for (int c = 0; c < 3; ++c)
+            integrals[lobe / std::size_t(model.lobes)][c] += of_lobe[lobe] * model.coefficient[lobe][c];
     return integrals;
 }
 

@@ -11,7 +11,6 @@
 #include "models/su/fit_su.h"
 #include "models/su/fit_view.h"
 #include "models/su/sampled_views.h"
-#include "models/su/view_tracks.h"
 #include "observe/pair_weights.h"
 
 namespace srbf {
@@ -21,8 +20,6 @@ namespace {
 constexpr std::size_t k_chain = 32;
 /// A view starts from nothing if its loss exceeds its predecessor's by far, and what exact fits have, too.
 constexpr double k_much_worse = 4, k_exact_loss = 1e-9;
-/// Work of following one track beside finding all coefficients once, as measured.
-constexpr double k_work_of_track = 6;
 
 Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
     const auto in_range = require_range<double>;
@@ -48,22 +45,14 @@ struct ViewByView {
     const SampledViews& views;
     const SuFitOptions& options;
     Reporter& reporter;
-    bool of_pictures = traits(options.objective).of_pictures;
-    bool shaped = options.shaped.value_or(of_pictures);
     std::size_t lobes = std::size_t(options.lobes);
     std::vector<ViewFit> fits = std::vector<ViewFit>(views.count());
-    double share = 0;  ///< what a pixel of any view costs
-
-    /// All work of a fit, that of a view in the other stages being 1.
-    static double work(std::size_t views, bool of_pictures) {
-        return double(views) * (of_pictures ? 1 + k_work_of_track * double(k_tracks) : 2);
-    }
 
     /// Calls body(problem, chain) for each chain of views, with working memory.
     template <typename Body> void each_chain(std::string_view stage, const Body& body) {
         parallel_for_parts(views.count(), k_chain, [&](std::size_t begin, std::size_t end) {
             if (reporter.cancelled()) return;
-            ViewProblem problem(options.lobes, shaped);
+            ViewProblem problem(options.lobes);
             body(problem, Chain{begin, end});
             reporter.advance(stage, double(end - begin));
         });
@@ -95,15 +84,6 @@ struct ViewByView {
         });
     }
 
-    /// With pictures: one of the tracks in each view.
-    void choose_tracks() {
-        const auto done = [&](double views_done) {
-            return reporter.advance("following lobes", k_work_of_track * double(k_tracks) * views_done);
-        };
-        TrackFits tracks = fit_tracks(views, options.lobes, shaped, options.seed, done);
-        fits = std::move(tracks.view), share = tracks.share;
-    }
-
     void store(SuModel& model) const {
         for (std::size_t i = 0; i < fits.size(); ++i) store(model, i, fits[i]);
     }
@@ -113,7 +93,6 @@ struct ViewByView {
             store_coefficient(model, k, fit.coefficient[j]);
             model.centre[k] = to_float(fit.lobes[j].centre);
             model.bandwidth[k] = float(fit.lobes[j].bandwidth);
-            if (shaped) model.shape[k] = float(fit.lobes[j].shape) + 0.f;  // no negative 0
         }
     }
     static void store_coefficient(SuModel& model, std::size_t k, const std::array<double, 3>& beta) {
@@ -126,11 +105,8 @@ struct ViewByView {
                 if (fits[i].is_empty()) continue;
                 std::vector<ViewLobe> stored;
                 for (std::size_t k = i * lobes; k < (i + 1) * lobes; ++k)
-                    stored.push_back(
-                        {to_double(model.centre[k]), double(model.bandwidth[k]), shaped ? double(model.shape[k]) : 0});
-                const ViewRows& rows = views.rows(i);
-                const double its_share = rows.pixels.reference.count() > 0 ? share : 0;
-                const auto again = fit_coefficients(problem, rows, stored, its_share).coefficient;
+                    stored.push_back({to_double(model.centre[k]), double(model.bandwidth[k])});
+                const auto again = fit_coefficients(problem, views.rows(i), stored).coefficient;
                 for (std::size_t j = 0; j < lobes; ++j) store_coefficient(model, i * lobes + j, again[j]);
             }
         });
@@ -138,7 +114,7 @@ struct ViewByView {
 };
 
 /// A model of the sampled directions with coefficients of 0.
-SuModel black_views(const RawMatrix& matrix, const SuFitOptions& options, bool shaped) {
+SuModel black_views(const RawMatrix& matrix, const SuFitOptions& options) {
     const std::size_t n = matrix.direction.size() * std::size_t(options.lobes);
     SuModel model;
     model.discretise = matrix.discretise;
@@ -149,7 +125,6 @@ SuModel black_views(const RawMatrix& matrix, const SuFitOptions& options, bool s
     model.coefficient.assign(n, {});
     model.centre.assign(n, {0, 0, 1});
     model.bandwidth.assign(n, 0.f);
-    if (shaped) model.shape.assign(n, 0.f);
     return model;
 }
 
@@ -171,7 +146,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
     const StandardArithmetic mode;
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
     if (const auto valid = validate(matrix, options, theta_max); !valid) return valid.error();
-    Reporter reporter(progress, ViewByView::work(matrix.direction.size(), traits(options.objective).of_pictures));
+    Reporter reporter(progress, 2 * double(matrix.direction.size()));  // each view is fitted and rounded
     Result<SuFit> result = SuFit{};
     on_threads(options.threads, [&] {
         const SampledViews views(matrix, options.objective, theta_max);
@@ -180,11 +155,8 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
             return;
         }
         ViewByView all{views, options, reporter};
-        result->unrounded = black_views(matrix, options, all.shaped);
-        if (all.of_pictures)
-            all.choose_tracks();
-        else
-            all.fit_views();
+        result->unrounded = black_views(matrix, options);
+        all.fit_views();
         all.store(result->unrounded);
         // The nonlinear parameters are rounded, then the coefficients are solved again.
         result->model = rounded(result->unrounded);

@@ -1,7 +1,6 @@
 // The fit of a view-by-view model to a measurement as a matrix.
 #pragma once
 #include <cstdint>
-#include <optional>
 
 #include "observe/raw_matrix.h"
 #include "srbf/models/su.h"
@@ -15,8 +14,6 @@ struct SuFitOptions {
     int lobes = 8;  ///< J, 1..k_most_view_lobes
     Objective objective = k_default_objective;
     double max_theta = 0;  ///< [rad], 1 to 89.9°; 0: the objective's default. Pairs beyond it have small weights
-    /// Whether lobes have shapes, see `SuModel`; none: for objective appearance.
-    std::optional<bool> shaped = {};
     SuInterpolation interpolation = SuInterpolation::rotated;  ///< stored in the model; the fit does not depend on it
     int neighbours = 3;                                        ///< K of plain interpolation, 1..k_most_neighbours
     std::uint64_t seed = 0;                                    ///< of the random numbers
@@ -31,9 +28,8 @@ struct SuFit {
 };
 
 /// Fits scattered univariate SRBFs: for each sampled direction of `matrix`, including those beyond θmax, a sum of J
-/// lobes with general centres, by separable least squares as in `fit_pm`. The initial lobes of a view are those of its
-/// neighbour: for an objective of pictures along tracks through all views, of which each view takes one; otherwise from a
-/// view to the next, of which the first of every 32 starts from nothing.
+/// lobes with general centres, by separable least squares as in `fit_pm`. The initial lobes of a view are those of the
+/// view before it; the first of every 32 starts from nothing.
 /// Details: docs/fitting.md.
 /// Errors: options out of range; a matrix of another size; a view with data at fewer than J directions within θmax.
 Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressToken& progress = {});

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "observe/costs.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
@@ -20,22 +19,16 @@ constexpr double k_decrease_tolerance = 1e-4;
 constexpr int k_view_perturbations = 8;
 /// Bandwidth of a random lobe: from the first on, uniform in the logarithm over the second, a factor.
 constexpr double k_least_random_bandwidth = 0.3, k_random_bandwidths = 1e5;
-/// Steps with pixels, to which coefficients adapt: three lower ΔE_ITP by less than 1 % in a sixth more time.
-constexpr int k_pixel_steps = 2;
 /// Beginnings at the brightest direction: lobes of bandwidths 0.5, 0.5 k, 0.5 k², … for each factor k, of at most the
 /// largest. Five lobes reach down to widths of 19°, 3.6° and 0.3°.
 constexpr double k_bandwidth_factors[] = {3, 6, 30}, k_widest = 0.5, k_narrowest = 5e4;
 /// Bandwidth of lobes that begin far apart from each other: a width of 13°.
 constexpr double k_bandwidth_apart = 20;
 
-/// A fit from these lobes; a neighbour's may be narrowed more than those of this view.
-ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, int steps,
-                  double share = 0) {
-    Eigen::VectorXd x = problem.start(rows, start, share);
-    x = x.cwiseMax(problem.lower(x)).eval();
-    const auto summary = levenberg_marquardt(
-        problem, x,
-        {.max_iterations = steps, .decrease_tolerance = k_decrease_tolerance, .adapts_to_bounds = share > 0});
+ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, int steps) {
+    Eigen::VectorXd x = problem.start(rows, start);
+    const auto summary =
+        levenberg_marquardt(problem, x, {.max_iterations = steps, .decrease_tolerance = k_decrease_tolerance});
     return {problem.lobes(x), summary.loss, summary.stop, problem.coefficients()};
 }
 
@@ -121,32 +114,8 @@ std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to)
     return lobes;
 }
 
-std::vector<ViewLobe> moved(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
-    lobes = rotated(std::move(lobes), from, to);
-    const Vec3d tangent = Kernel<double>::tangent_across(to_double(to));
-    const auto theta = [](Vec3f w) {
-        return elementary::atan2(elementary::hypot(double(w.x), double(w.y)), double(w.z));
-    };
-    const double cosine = elementary::cos(theta(from) - theta(to)), sine = elementary::sin(theta(from) - theta(to));
-    for (ViewLobe& lobe : lobes)
-        lobe.centre = normalize(cosine * lobe.centre + sine * cross(tangent, lobe.centre) +
-                                (1 - cosine) * dot(tangent, lobe.centre) * tangent);
-    return lobes;
-}
-
-double pixel_share(ViewProblem& problem, const ViewRows& rows, const ViewFit& fit) {
-    if (rows.pixels.reference.count() == 0) return 0;
-    const Eigen::VectorXd x = problem.start(rows, fit.lobes);
-    const double loss = problem.loss(x), errors = problem.pixel_errors(x);
-    return errors > 0 ? k_pixels.view * loss / errors : 0;
-}
-
-ViewFit fit_with_pixels(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, double share) {
-    return optimised(problem, rows, start, share > 0 ? k_pixel_steps : k_steps, share);
-}
-
-ViewFit fit_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes, double share) {
-    const double loss = problem.loss(problem.start(rows, lobes, share));
+ViewFit fit_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes) {
+    const double loss = problem.loss(problem.start(rows, lobes));
     return {lobes, loss, Stop::decrease, problem.coefficients()};
 }
 

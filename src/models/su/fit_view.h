@@ -1,4 +1,4 @@
-// The fit of one sampled view: from lobes that are nearly right, from scratch, and with its pixels.
+// The fit of one sampled view: from lobes that are nearly right, and from scratch.
 #pragma once
 #include <array>
 #include <limits>
@@ -27,16 +27,8 @@ ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::s
 
 /// The lobes of the view `from` for the view `to` of a BRDF that is invariant under rotation of both directions.
 std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to);
-/// The same moved with the mirror direction too, from one elevation to the other. Neighbours at the normal are a degree
-/// apart, where a highlight may be narrower: no gradient would find it.
-std::vector<ViewLobe> moved(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to);
 
-/// What a pixel of the view costs: all of them a constant times as much as the rest of the loss, for this fit without
-/// them. 0 if the view has none.
-double pixel_share(ViewProblem& problem, const ViewRows& rows, const ViewFit& fit);
-/// From these lobes, such as a neighbour's, a few steps by pairs and pixels. `share`: what a pixel costs.
-ViewFit fit_with_pixels(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, double share);
 /// The coefficients alone, for these lobes.
-ViewFit fit_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes, double share);
+ViewFit fit_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes);
 
 }  // namespace srbf

@@ -1,7 +1,6 @@
 // The measurement of each sampled view in the form that a fit of that view uses.
 #pragma once
 #include "models/su/view_problem.h"
-#include "observe/point_lights.h"
 #include "observe/raw_matrix.h"
 
 namespace srbf {
@@ -18,8 +17,9 @@ class SampledViews {
     std::size_t valid(std::size_t view) const;
 
     /// The rows of a view. Directions of the matrix within θmax have the weights of the objective. Those beyond are
-    /// horizon pairs with small weights, as in `observe`. Directions between those of the matrix together weigh as much as
-    /// k_between_views_directions times a uniform density of them. For an objective of pictures radiances and pixels are matched too.
+    /// horizon pairs with small weights, as in `observe`. Directions between those of the matrix together
+    /// weigh as much as k_between_views_directions times a uniform density of them. For an objective of pictures
+    /// radiances are matched too.
     /// Empty (scale 0) if there is no value above 0 within θmax.
     const ViewRows& rows(std::size_t view) const { return rows_[view]; }
 
@@ -43,7 +43,7 @@ class SampledViews {
         std::vector<Vec3f> direction;
         std::vector<Rgb> f;
         std::vector<double> pdf_between;
-        std::vector<double> solid_angle;  ///< with pictures: if all directions count by their density [sr]
+        std::vector<double> solid_angle;  ///< if all directions count by their density [sr]
     };
     Table table_of(std::size_t view) const;
     /// The density of a view's directions, of the matrix and between them, where the latter have this one [1/sr].
@@ -55,33 +55,19 @@ class SampledViews {
         double energy = 0, whole = 0;
     };
     Weights weights_of(const Table& table) const;
-    double weight(std::size_t view, Vec3f other, const Rgb& f) const;
-    /// For an objective of pictures: the weight, before scaling, that keeps radiance above white in order; otherwise 0.
-    double highlight_weight(std::size_t view, Vec3f other, const Rgb& f) const;
-    /// Adds to the weights those of radiance in pictures by single lights of each phase angle.
-    void add_point_lights(Weights& weights, const Table& table) const;
 
     ViewRows rows_of(std::size_t view) const;
     /// Adds the radiances that a view reflects under four lights: a uniform one, and broad ones about the mirror
     /// direction, beside the view, and about it.
     void add_radiances(ViewRows& rows, const Table& table) const;
-    /// Adds the view's pixels under single lights of uniform phase angles.
-    void add_pixels(ViewRows& rows, const Table& table) const;
-    /// What a picture by a light of this phase angle shows as white: f cosθl.
-    double white_at(double phase_angle) const;
 
     void find_typical();
     void find_largest();
-    /// Finds `white_` and `energies_`.
-    void expose_pictures();
 
     const RawMatrix& matrix_;
     Objective objective_;
     double cos_max_;
     double typical_ = 0;  ///< see `typical_value`
-    std::vector<double>
-        white_;  ///< of each interval of phase angles: the f cosθl that pictures of a sphere show as white
-    PhaseEnergies energies_;  ///< of pictures
     /// maximum of f times the other direction's cosine, per channel, within θmax, over neighbouring views
     std::vector<Rgb> largest_;
     std::vector<ViewRows> rows_;

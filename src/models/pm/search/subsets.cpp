@@ -89,8 +89,7 @@ double Subsets::picture_importance(const Candidate& candidate, const Stage& stag
     const Rows seen = rows(stage, k_negligible);
     LobeProblem problem(seen, shape_of(options), true, log_peak_limit);
     problem.loss(pack(candidate.lobes));
-    return (has_point_lights_ ? k_pixels.multivariate : k_pixels_alone) * loss_ /
-           std::max(problem.delta_e(), k_least_delta_e);
+    return (has_point_lights_ ? k_pixels : k_pixels_alone) * loss_ / std::max(problem.delta_e(), k_least_delta_e);
 }
 
 Rows Subsets::rows(const Stage& stage, double picture_importance) const {

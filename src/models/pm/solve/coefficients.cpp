@@ -32,8 +32,7 @@ void Coefficients::fit_to_pixels(const Eigen::MatrixXd& products, const PixelTer
     double loss = loss_at(beta, products, &pixels, of_pixels, at);
     for (int step = 0; step < k_pixel_steps; ++step) {
         const Eigen::VectorXd now = beta.reshaped();
-        const Eigen::VectorXd towards =
-            bounded_least_squares(at.H, at.H * now - at.g, limit.reshaped(), continues ? now : Eigen::VectorXd()) - now;
+        const Eigen::VectorXd towards = bounded_least_squares(at.H, at.H * now - at.g, limit.reshaped()) - now;
         const double predicted = -2 * towards.dot(at.g) - towards.dot(at.H * towards);
         if (!(predicted > k_tolerance * loss)) return;
         bool lowered = false;

@@ -8,8 +8,6 @@ namespace srbf {
 /// Coefficients β_jc of J lobes in C channels, 0 ≤ β_jc ≤ limit_jc, that minimise Σ_c |y_c − Σ_j β_jc E_j|², and a term of
 /// pixels: variable projection for what the lobes depend on.
 struct Coefficients {
-    /// True: a step with pixels begins with the last β, which takes a fraction of the time.
-    bool continues = false;
     Eigen::MatrixXd limit;  ///< J × C
     // Results of `fit`:
     Eigen::MatrixXd beta, gram;  ///< J × C; E·E

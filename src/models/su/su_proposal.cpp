@@ -1,0 +1,131 @@
+// Draws of a view-by-view model: a sampled view, a lobe, a direction.
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <span>
+
+#include "base/floating_point.h"
+#include "models/su/neighbours.h"
+#include "srbf/sampling.h"
+
+namespace srbf {
+namespace {
+
+using K = Kernel<float>;
+
+/// The share of a view's samples by the cosine: bounds, and the relative variance of it alone for which it
+/// is half.
+constexpr float k_least_by_cosine = 0.1f, k_most_by_cosine = 0.99f, k_variance_of_half = 0.2f;
+constexpr int k_draws = 128;  // of a view, which find that variance
+/// What a lobe that reflects nothing is taken for.
+constexpr float k_least_integral = 1e-20f;
+constexpr float k_last = 0x1.fffffep-1f;  // below 1
+
+/// Splits u, uniform in [0,1), by shares that sum to 1: the first whose running sum exceeds u, and u uniform again
+/// within it.
+struct Choice {
+    int k;
+    float u;
+};
+template <typename Share> Choice choose(int count, float u, const Share& share) {
+    int last = 0;
+    for (int k = 0; k < count; ++k) {
+        const float part = share(k);
+        if (!(part > 0)) continue;
+        if (u < part) return {k, std::min(u / part, k_last)};
+        u -= part;
+        last = k;
+    }
+    return {last, k_last};  // what rounding left over
+}
+
+/// A lobe times the cosine, as a lobe: the cosine is like a lobe of this bandwidth about the normal (Wang et al. 2009).
+auto lobe_of(const SuModel& model, std::size_t k) {
+    return K::gaussian_product(model.centre[k], model.bandwidth[k], {0, 0, 1}, 2.133f);
+}
+
+Vec3f sample_view(const ViewProposal& proposal, std::size_t view, Vec2f u, float selector) {
+    const SuModel& model = *proposal.model;
+    const auto J = std::size_t(model.lobes);
+    const float* const share = &proposal.share[view * (J + 1)];
+    const Choice part = choose(model.lobes + 1, selector, [&](int k) { return share[k]; });
+    if (part.k == 0) return K::sample_cosine(u.x, u.y);
+    const auto lobe = lobe_of(model, view * J + std::size_t(part.k) - 1);
+    return K::reflected_up(K::sample_vmf(lobe.centre, lobe.bandwidth, u.x, u.y));
+}
+float view_pdf(const ViewProposal& proposal, std::size_t view, Vec3f wl) {
+    const auto J = std::size_t(proposal.model->lobes);
+    const float* const share = &proposal.share[view * (J + 1)];
+    float pdf = share[0] * K::cosine_pdf(wl);
+    for (std::size_t j = 0; j < J; ++j) {
+        const auto lobe = lobe_of(*proposal.model, view * J + j);
+        pdf += share[j + 1] * (K::vmf_pdf(wl, lobe.centre, lobe.bandwidth) +
+                               K::vmf_pdf({wl.x, wl.y, -wl.z}, lobe.centre, lobe.bandwidth));
+    }
+    return pdf;
+}
+
+/// The relative variance of f cosθl / pdf by the cosine alone, in this view.
+float variance_by_cosine(const ViewProposal& proposal, std::size_t view) {
+    double sum = 0, squares = 0;
+    for (int i = 0; i < k_draws; ++i) {
+        const auto turns = [i](double step) { return float(i * step - std::floor(i * step)); };
+        const Vec3f wl = sample_view(proposal, view, {turns(0.8191725134), turns(0.6710436067)}, turns(0.5497004779));
+        const Vec3f f = K::su_view_value(*proposal.model, int(view), wl);
+        const double reflected = luminance(Rgb{f.x, f.y, f.z}) * double(wl.z),
+                     pdf = double(view_pdf(proposal, view, wl));
+        if (!(reflected > 0)) continue;
+        sum += reflected / pdf;
+        squares += reflected * reflected / (double(K::cosine_pdf(wl)) * pdf);
+    }
+    return sum > 0 ? float(std::max(squares * k_draws / (sum * sum) - 1, 0.0)) : 0;
+}
+
+}  // namespace
+
+ViewProposal propose(const SuModel& model) {
+    const StandardArithmetic mode;
+    assert(model.discretise == Discretise::view);
+    const std::vector<float> integral = lobe_integrals(model);
+    const auto J = std::size_t(model.lobes);
+    ViewProposal proposal{&model, std::vector<float>(model.direction.size() * (J + 1))};
+    for (std::size_t view = 0; view < model.direction.size(); ++view) {
+        const auto share = std::span(proposal.share).subspan(view * (J + 1), J + 1);
+        for (std::size_t j = 0; j < J; ++j)
+            share[j + 1] =
+                std::max(integral[view * J + j] * float(luminance(model.coefficient[view * J + j])), k_least_integral);
+        const auto set_cosine = [&](float by_cosine) {
+            share[0] = 0;
+            const float sum = std::accumulate(share.begin(), share.end(), 0.f);
+            for (float& of_lobe : share) of_lobe *= (1 - by_cosine) / sum;
+            share[0] = by_cosine;
+        };
+        set_cosine(k_least_by_cosine);
+        const float variance = variance_by_cosine(proposal, view);
+        set_cosine(
+            std::clamp(k_variance_of_half / (k_variance_of_half + variance), k_least_by_cosine, k_most_by_cosine));
+    }
+    return proposal;
+}
+
+Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector) {
+    const Neighbours neighbours = neighbours_at(*proposal.model, wv);
+    const Choice view = choose(neighbours.count, selector, [&](int k) { return neighbours.of[std::size_t(k)].weight; });
+    const auto& neighbour = neighbours.of[std::size_t(view.k)];
+    return K::turned(sample_view(proposal, std::size_t(neighbour.view), u, view.u), neighbour.cosine, -neighbour.sine);
+}
+
+float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv) {
+    if (!above_horizon(wl, wv)) return 0;
+    const Neighbours neighbours = neighbours_at(*proposal.model, wv);
+    float sum = 0;
+    for (int k = 0; k < neighbours.count; ++k) {
+        const auto& neighbour = neighbours.of[std::size_t(k)];
+        const Vec3f turned = K::turned(wl, neighbour.cosine, neighbour.sine);
+        sum += neighbour.weight * view_pdf(proposal, std::size_t(neighbour.view), turned);
+    }
+    return sum;
+}
+
+}  // namespace srbf

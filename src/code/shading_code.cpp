@@ -398,14 +398,14 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                    const AddedCode& added = {}, Numbers where = Numbers::constants) {
     Program program;
     const KindText of_kind = std::visit([&](const auto& of) { return text_of(of, where, program); }, model.model);
-    std::map<std::string, std::string> defines{
-        {"SRBF_MAX_VARIATES", std::to_string(of_kind.variates)},
-        {"SRBF_TERMS", std::to_string(of_kind.terms)},
-        {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
-        {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
+    std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(of_kind.variates)},
+                                               {"SRBF_TERMS", std::to_string(of_kind.terms)},
+                                               {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
+                                               {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
     const bool has_albedo = options.albedo || added.albedo, is_mixture = options.sampling || has_albedo;
     const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string(),
-                      nodes = added.albedo_node.empty() ? albedo_of(model, where, has_albedo, program) : added.albedo_node,
+                      nodes =
+                          added.albedo_node.empty() ? albedo_of(model, where, has_albedo, program) : added.albedo_node,
                       more = added.text ? added.text(model, where == Numbers::arguments, program, defines) : "";
     syntax::parse(of_kind.handle + of_kind.accessors + k_handles, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
@@ -595,7 +595,8 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
             of_bsdfs += syntax::comment_text(about(of)) + "\n" + *code;
         } else {
             brdfs.push_back(of);
-            for (const auto& [name, printed] : entries(options, added)) add_name(fmt::format("{}_{}", of.name, printed));
+            for (const auto& [name, printed] : entries(options, added))
+                add_name(fmt::format("{}_{}", of.name, printed));
         }
     }
     std::vector<NamedProgram> programs;
@@ -655,8 +656,8 @@ Result<AddedCode> added_by(const CodeOptions& options) {
         if (own.entries.empty()) continue;
         all.entries.merge(own.entries);
         all.sampling = all.sampling || own.sampling, all.albedo = all.albedo || own.albedo;
-        all.text = [first = std::move(all.text), next = std::move(own.text)](const auto& model, bool of_basis, auto& program,
-                                                                             auto& defines) {
+        all.text = [first = std::move(all.text), next = std::move(own.text)](const auto& model, bool of_basis,
+                                                                             auto& program, auto& defines) {
             const std::string before = first ? first(model, of_basis, program, defines) : "";
             return before + next(model, of_basis, program, defines);
         };

@@ -232,16 +232,13 @@ Result<std::vector<Subject>> load_models(const std::vector<std::string>& files) 
 }
 
 Result<Library> load_map(const ExportCommand& asked, const std::vector<std::string>& more) {
-    const auto refused = [&](const char* expected, const std::string& found) {
-        return Error{asked.files[0], {}, "input", expected, found, ErrorCode::argument};
-    };
-    if (asked.files.size() != 1)
-        return refused("one map of shared lobes", std::to_string(asked.files.size()) + " files");
-    auto map = library_in(asked.files[0]);
+    const bool is_one = asked.files.size() == 1;
+    auto map = is_one ? library_in(asked.files[0]) : Result<std::optional<Library>>(std::optional<Library>());
     if (!map) return map.error();
     if (!*map) {
         const auto models = load_models(asked.files);
-        return models ? refused("a map of shared lobes", "a model") : models.error();
+        if (!models) return models.error();
+        return Error{asked.files[0], {}, "input", "a map of shared lobes", "a model", ErrorCode::argument};
     }
     if (const auto valid = check_layers(**map, asked.files[0]); !valid) return valid.error();
     std::vector<std::string> outputs = more;

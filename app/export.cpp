@@ -11,9 +11,9 @@
 #include "app/commands.h"
 #include "app/export.h"
 #include "app/extra_exports.h"
+#include "app/map_layers.h"
 #include "app/output.h"
 #include "app/surface_files.h"
-#include "app/map_layers.h"
 #include "srbf/file.h"
 #include "srbf/printable.h"
 #include "srbf/shading_code.h"
@@ -129,8 +129,7 @@ int write_text(const ExportCommand& asked, const TextKind& kind) {
 int write_ktx2(const ExportCommand& asked) {
     const auto map = load_map(asked);
     if (!map) return complain(map.error());
-    const auto written =
-        within_memory(asked.output, [&] { return write_file(asked.output, map_ktx2(*map)); });
+    const auto written = within_memory(asked.output, [&] { return write_file(asked.output, map_ktx2(*map)); });
     return written ? int(k_done) : complain(written.error());
 }
 
@@ -150,7 +149,8 @@ Result<std::string> surface(const ExportCommand& asked, const std::vector<NamedM
 
 CodeOptions code_options(const ExportCommand& asked, CodeLanguage language) {
     CodeOptions options{.language = language, .with = asked.with};
-    options.sampling = std::erase(options.with, "sampling") > 0, options.albedo = std::erase(options.with, "albedo") > 0;
+    options.sampling = std::erase(options.with, "sampling") > 0,
+    options.albedo = std::erase(options.with, "albedo") > 0;
     return options;
 }
 
@@ -169,15 +169,14 @@ std::vector<TextKind> text_kinds() {
              [=](const auto& asked, const auto& map, auto& name) { return map_code(map, name, options(asked)); }});
     }
     for (const CodeModule& row : code_modules())
-        kinds.push_back({std::string(row.name), std::string(row.summary), true,
-                         [=](const auto&, const auto& of, auto& prefix) { return row.text(of, prefix, 0); },
-                         [=](const auto&, const auto& map, auto& name) {
-                             return row.map_text(map, name, name + ".ktx2", 0);
-                         },
-                         true});
+        kinds.push_back(
+            {std::string(row.name), std::string(row.summary), true,
+             [=](const auto&, const auto& of, auto& prefix) { return row.text(of, prefix, 0); },
+             [=](const auto&, const auto& map, auto& name) { return row.map_text(map, name, name + ".ktx2", 0); },
+             true});
     kinds.push_back({"radiance",
-                     "a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them",
-                     false, [](const auto&, const auto& of, auto&) { return radiance_text(of); }});
+                     "a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them", false,
+                     [](const auto&, const auto& of, auto&) { return radiance_text(of); }});
     for (const std::string_view name : k_surface_files)
         kinds.push_back({std::string(name), "", false,
                          [](const auto& asked, const auto& of, auto&) { return surface(asked, of); }});
@@ -233,15 +232,13 @@ Result<std::vector<Subject>> load_models(const std::vector<std::string>& files) 
 }
 
 Result<Library> load_map(const ExportCommand& asked, const std::vector<std::string>& more) {
-    const auto refused = [&](const char* expected, const std::string& found) {
-        return Error{asked.files[0], {}, "input", expected, found, ErrorCode::argument};
-    };
-    if (asked.files.size() != 1) return refused("one map of shared lobes", std::to_string(asked.files.size()) + " files");
-    auto map = library_in(asked.files[0]);
+    const bool is_one = asked.files.size() == 1;
+    auto map = is_one ? library_in(asked.files[0]) : Result<std::optional<Library>>(std::optional<Library>());
     if (!map) return map.error();
     if (!*map) {
         const auto models = load_models(asked.files);
-        return models ? refused("a map of shared lobes", "a model") : models.error();
+        if (!models) return models.error();
+        return Error{asked.files[0], {}, "input", "a map of shared lobes", "a model", ErrorCode::argument};
     }
     if (const auto valid = check_layers(**map, asked.files[0]); !valid) return valid.error();
     std::vector<std::string> outputs = more;
@@ -276,11 +273,9 @@ void add_export(CommandLine& app, int& status) {
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
         "  srbf export map.srbf --to ktx2 -o map.ktx2");
     all.readings.push_back({{with}, "is for source code", [command] { return is_code(command->to); }});
-    sub.callback(
-        [command, kinds = all.kinds, &status] {
-            status = std::ranges::find(kinds, command->to, &ExportKind::name)->run(*command);
-        },
-        all.readings);
+    sub.callback([command, kinds = all.kinds,
+                  &status] { status = std::ranges::find(kinds, command->to, &ExportKind::name)->run(*command); },
+                 all.readings);
 }
 
 }  // namespace srbf

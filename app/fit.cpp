@@ -85,9 +85,8 @@ Result<Measured> load_measured(FileFit& fit) {
 }
 
 Image8 preview_of(const FileFit& fit, const Measured& measured, const Model& model) {
-    return preview(
-        evaluator(measured), evaluator(model),
-        {.threads = fit.request.threads, .caption = fmt::format("fit, {} bytes", payload_bytes(model))});
+    return preview(evaluator(measured), evaluator(model),
+                   {.threads = fit.request.threads, .caption = fmt::format("fit, {} bytes", payload_bytes(model))});
 }
 
 Result<Done> write_fit(const FileFit& fit, const Model& model, const Image8& picture, const Json& report,

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "app/output.h"
 #include "app/image.h"
+#include "app/output.h"
 #include "srbf/fit.h"
 #include "srbf/fit_bsdf.h"
 

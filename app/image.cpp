@@ -39,9 +39,7 @@ struct Corner {
 
 }  // namespace
 
-float srgb_encoded(float x) {
-    return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, float(1 / 2.4)) - 0.055f;
-}
+float srgb_encoded(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, float(1 / 2.4)) - 0.055f; }
 
 Rgb8 to_srgb8(Rgb shown) {
     Rgb8 out{};

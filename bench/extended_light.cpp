@@ -11,17 +11,17 @@
 #include <cmath>
 #include <filesystem>
 
-#include "src/base/parallel.h"
-#include "src/base/r_sequence.h"
 #include "extras/environment/app/filtered_environment.h"
 #include "extras/render/path.h"
 #include "extras/render/rays.h"
 #include "extras/render/shading.h"
-#include "src/sampling/elevation_nodes.h"
 #include "srbf/extended_light.h"
 #include "srbf/kernel.h"
 #include "srbf/load.h"
 #include "srbf/pictures.h"
+#include "src/base/parallel.h"
+#include "src/base/r_sequence.h"
+#include "src/sampling/elevation_nodes.h"
 
 namespace srbf {
 namespace kernel {

@@ -10,8 +10,8 @@
 #include <ctime>
 #include <filesystem>
 
-#include "models/pm/search/fit_pm.h"
 #include "extras/render/path.h"
+#include "models/pm/search/fit_pm.h"
 #include "srbf/measured.h"
 
 namespace srbf {

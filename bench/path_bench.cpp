@@ -6,10 +6,10 @@
 
 #include <ctime>
 
+#include "extras/render/path.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "one_target.h"
-#include "extras/render/path.h"
 #include "srbf/convert.h"
 #include "srbf/measured.h"
 

@@ -22,9 +22,9 @@
 #include <thread>
 #include <vector>
 
+#include "extras/render/frames.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
-#include "extras/render/frames.h"
 #include "srbf/metrics.h"
 
 namespace srbf {

@@ -50,8 +50,8 @@ inline std::map<std::string, Arguments> long_options(const TemporaryFolder& fold
     return all;
 }
 
-/// Whether the program has what the command line names of extras, which may be left out: subcommands, kinds of `srbf export`
-/// and functions of its code.
+/// Whether the program has what the command line names of extras, which may be left out: subcommands, kinds of
+/// `srbf export` and functions of its code.
 inline bool is_offered(const Arguments& arguments) {
     static const std::set<std::string> extras{"render", "map", "basis", "report", "view",        "html",
                                               "exr",    "dds", "three", "area",   "environment", "environment-draws"};
@@ -77,8 +77,8 @@ inline const Arguments k_quick_fit{"fit", "--model",     "su",  "--directions", 
 /// The command line in a folder of its own.
 class CommandLine : public testing::Test {
   protected:
-    /// Runs in `folder`, expects `status`, one line on standard error that holds `named`, and nothing else. What an extra
-    /// has that was left out is not tried.
+    /// Runs in `folder`, expects `status`, one line on standard error that holds `named`, and nothing else. What an
+    /// extra has that was left out is not tried.
     void expect_failure(int status, const Arguments& arguments, const std::string& named, std::string out = {}) {
         if (!is_offered(arguments)) return;
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));

@@ -305,8 +305,8 @@ TEST_F(Command, fit_finds_how_many_shared_lobes_a_mean_error_needs) {
     if (!is_offered({"basis"})) GTEST_SKIP() << "without srbf basis";
     write(folder / "m.binary", small_merl());
     for (const auto& [target, lobes, is_reached] : {std::tuple("100", 1, true), {"0.01", 4, false}}) {
-        const ProgramRun fit = run(
-            folder, {"basis", "m.binary", "-o", "l.srbf", "--lobes", "4", "--variates", "1", "--target-delta-e", target});
+        const ProgramRun fit = run(folder, {"basis", "m.binary", "-o", "l.srbf", "--lobes", "4", "--variates", "1",
+                                            "--target-delta-e", target});
         ASSERT_EQ(fit.status, 0) << fit.err;
         EXPECT_NE(fit.out.find(fmt::format("1 materials of {} shared lobes", lobes)), std::string::npos) << fit.out;
         EXPECT_EQ(fit.out.find("above the target") == std::string::npos, is_reached) << fit.out;

@@ -4,10 +4,10 @@
 
 #include <cstdio>
 
+#include "app/map_layers.h"
 #include "measured_files.h"
 #include "models.h"
 #include "program.h"
-#include "app/map_layers.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
 

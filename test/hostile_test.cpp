@@ -204,7 +204,8 @@ TEST_F(Hostile, UnknownInputIsRefusedByItsBeginning) {
                                            {"render", k_paper, "-o", "x.png", "--mesh", name},
                                            {"render", k_paper, "-o", "x.png", "--compare", name}})
             if (is_offered(arguments)) {
-                EXPECT_LT(memory_of(folder, arguments), (k_is_sanitized ? 300 : 100) << 20) << arguments[0] << " " << name;
+                EXPECT_LT(memory_of(folder, arguments), (k_is_sanitized ? 300 : 100) << 20)
+                    << arguments[0] << " " << name;
             }
         fs::remove(folder / name);
     }

@@ -1,8 +1,8 @@
 // Maps of shared lobes: their code and their textures together are the models of their texels, and what filters make of
 // texels is the mean of the BRDFs.
+#include "app/map_layers.h"
 #include "compiled_code.h"
 #include "models.h"
-#include "app/map_layers.h"
 #include "srbf/prepared.h"
 #include "srbf/sampling.h"
 #include "srbf/shading_code.h"

@@ -13,8 +13,8 @@
 #include "su_models.h"
 #ifdef SRBF_RASTER
 #include "compute.h"
-#include "observe/observations.h"
 #include "extras/render/offscreen.h"
+#include "observe/observations.h"
 #endif
 
 namespace srbf::shading_code_test {
@@ -90,8 +90,7 @@ const std::string& code(CodeLanguage language, bool sampling = true) {
     std::string& more = lit[language];
     if (more.empty())
         more = host_radiance(language) +
-               *shading_code(std::span(&last, 1), "lit",
-                             {.language = language, .with = features});
+               *shading_code(std::span(&last, 1), "lit", {.language = language, .with = features});
     return at->second += more;
 }
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/base/floating_point.h"
 #include "extras/render/exr.h"
 #include "srbf/file.h"
 #include "srbf/text.h"
+#include "src/base/floating_point.h"
 
 /// data/studio.hdr, embedded into the program by studio.S.
 extern "C" const std::byte srbf_studio_begin[], srbf_studio_end[];

@@ -15,9 +15,9 @@
 #include <optional>
 #include <stdexcept>
 
-#include "src/base/floating_point.h"
 #include "srbf/file.h"
 #include "srbf/text.h"
+#include "src/base/floating_point.h"
 
 namespace srbf {
 namespace {

@@ -8,9 +8,9 @@
 #include <limits>
 #include <map>
 
-#include "src/base/floating_point.h"
 #include "extras/render/mesh.h"
 #include "srbf/text.h"
+#include "src/base/floating_point.h"
 
 namespace srbf {
 namespace {
@@ -103,8 +103,8 @@ constexpr std::array<Type, 8> k_types{
     type_of<float>("float", "float32"),      type_of<double>("double", "float64")};
 /// None: nullptr.
 const Type* type_named(std::string_view name) {
-    const auto found = std::ranges::find_if(
-        k_types, [&](const Type& type) { return type.names[0] == name || type.names[1] == name; });
+    const auto found =
+        std::ranges::find_if(k_types, [&](const Type& type) { return type.names[0] == name || type.names[1] == name; });
     return found == k_types.end() ? nullptr : &*found;
 }
 

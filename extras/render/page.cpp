@@ -6,12 +6,12 @@
 #include <cassert>
 #include <nlohmann/json.hpp>
 
-#include "extras/render/environment.h"
 #include "app/html.h"
-#include "render/page_text.h"
-#include "extras/render/sphere_picture.h"
+#include "extras/render/environment.h"
 #include "extras/render/scene.h"
 #include "extras/render/slices.h"
+#include "extras/render/sphere_picture.h"
+#include "render/page_text.h"
 #include "srbf/half.h"
 #include "srbf/printable.h"
 

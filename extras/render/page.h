@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "extras/render/tone.h"
 #include "extras/render/mesh.h"
 #include "extras/render/pixel_shader.h"
+#include "extras/render/tone.h"
 #include "srbf/brdf.h"
 
 namespace srbf {

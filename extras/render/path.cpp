@@ -6,9 +6,9 @@
 #include <cmath>
 #include <mutex>
 
-#include "src/base/parallel.h"
 #include "extras/render/rays.h"
 #include "extras/render/shading.h"
+#include "src/base/parallel.h"
 
 namespace srbf {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "extras/render/environment.h"
-#include "extras/render/tone.h"
 #include "extras/render/scene.h"
+#include "extras/render/tone.h"
 #include "srbf/prepared_bsdf.h"
 #include "srbf/prepared_map.h"
 

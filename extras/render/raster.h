@@ -9,8 +9,8 @@
 
 #include "extras/render/environment.h"
 #include "extras/render/gl_object.h"
-#include "extras/render/tone.h"
 #include "extras/render/scene.h"
+#include "extras/render/tone.h"
 
 namespace srbf {
 

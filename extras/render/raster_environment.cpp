@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <bit>
 
-#include "src/base/r_sequence.h"
 #include "extras/render/raster.h"
 #include "srbf/half.h"
+#include "src/base/r_sequence.h"
 
 namespace srbf {
 namespace {

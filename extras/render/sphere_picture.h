@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "extras/render/tone.h"
 #include "extras/render/scene.h"
+#include "extras/render/tone.h"
 #include "srbf/brdf.h"
 
 namespace srbf {

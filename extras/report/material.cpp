@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "extras/render/chart.h"
 #include "extras/report/page.h"
 #include "extras/report/parts.h"
-#include "extras/render/chart.h"
 #include "report/report_text.h"
 #include "srbf/printable.h"
 

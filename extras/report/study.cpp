@@ -234,7 +234,8 @@ class Maker {
                 return done;
         }
         for (const CodeModule& module : code_modules())
-            if (const auto done = add(plain(stem) + ".js", "three.js", module.text(one, named.name, options_.threads)); !done)
+            if (const auto done = add(plain(stem) + ".js", "three.js", module.text(one, named.name, options_.threads));
+                !done)
                 return done;
         if (is_two_sided(drawn_.subjects[0].content)) return Done{};
         std::vector<Subject> models{{"fitted", fit->content}};

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "app/output.h"
-#include "extras/report/plan.h"
 #include "extras/render/scene.h"
+#include "extras/report/plan.h"
 #include "srbf/result.h"
 
 namespace srbf {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "extras/view/ink.h"
 #include "extras/render/environment.h"
+#include "extras/view/ink.h"
 
 namespace srbf {
 namespace {

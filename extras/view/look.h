@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "extras/view/session.h"
 #include "extras/render/scene.h"
+#include "extras/view/session.h"
 
 namespace srbf {
 

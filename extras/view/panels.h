@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "extras/view/look.h"
 #include "extras/render/raster.h"
+#include "extras/view/look.h"
 
 namespace srbf {
 

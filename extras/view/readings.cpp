@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extras/render/tone.h"
 #include "extras/view/ink.h"
 #include "extras/view/plots.h"
-#include "extras/render/tone.h"
 #include "srbf/pictures.h"
 
 namespace srbf {

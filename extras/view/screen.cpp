@@ -11,8 +11,8 @@
 #include <cctype>
 #include <vector>
 
-#include "extras/view/ink.h"
 #include "extras/render/pixel_shader.h"
+#include "extras/view/ink.h"
 
 namespace srbf {
 namespace {

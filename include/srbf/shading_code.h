@@ -32,8 +32,8 @@ inline constexpr CodeLanguageRow k_code_languages[] = {{CodeLanguage::glsl, "gls
 
 struct CodeOptions {
     CodeLanguage language = CodeLanguage::glsl;
-    bool sampling = false;           ///< also NAME_sample and NAME_pdf
-    bool albedo = false;             ///< also NAME_albedo
+    bool sampling = false;               ///< also NAME_sample and NAME_pdf
+    bool albedo = false;                 ///< also NAME_albedo
     std::vector<std::string> with = {};  ///< also functions of extras, by their names in `code_features()`
     int threads = 0;  ///< for weights of sampling, albedos and what extras add; 0: as many as the machine has
 };

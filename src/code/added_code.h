@@ -16,8 +16,8 @@ struct AddedCode {
     std::map<std::string, std::string> entries;  ///< by their names in the kernel's language: those in the code
     bool sampling = false, albedo = false;       ///< whether they call the core's functions of these
     std::string albedo_node = {};                ///< the text of that function; empty: a table's
-    /// Their text, which follows albedo.glsl. Tables go into the program, and what the text calls numbers of the model into
-    /// `defines`. `of_basis`: the coefficients of the model's lobes are arguments.
+    /// Their text, which follows albedo.glsl. Tables go into the program, and what the text calls numbers of the model
+    /// into `defines`. `of_basis`: the coefficients of the model's lobes are arguments.
     std::function<std::string(const Model& model, bool of_basis, syntax::Program& program,
                               std::map<std::string, std::string>& defines)>
         text = {};

@@ -398,15 +398,16 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                    const AddedCode& added = {}, ParameterStorage where = ParameterStorage::constants) {
     Program program;
     const KindText of_kind = std::visit([&](const auto& of) { return text_of(of, where, program); }, model.model);
-    std::map<std::string, std::string> defines{
-        {"SRBF_MAX_VARIATES", std::to_string(of_kind.variates)},
-        {"SRBF_TERMS", std::to_string(of_kind.terms)},
-        {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
-        {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
+    std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(of_kind.variates)},
+                                               {"SRBF_TERMS", std::to_string(of_kind.terms)},
+                                               {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
+                                               {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
     const bool has_albedo = options.albedo || added.albedo, is_mixture = options.sampling || has_albedo;
     const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string(),
-                      nodes = added.albedo_node.empty() ? albedo_of(model, where, has_albedo, program) : added.albedo_node,
-                      more = added.text ? added.text(model, where == ParameterStorage::arguments, program, defines) : "";
+                      nodes =
+                          added.albedo_node.empty() ? albedo_of(model, where, has_albedo, program) : added.albedo_node,
+                      more =
+                          added.text ? added.text(model, where == ParameterStorage::arguments, program, defines) : "";
     syntax::parse(of_kind.handle + of_kind.accessors + k_handles, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(of_kind.brdf, program, defines);
@@ -595,7 +596,8 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
             of_bsdfs += syntax::comment_text(about(of)) + "\n" + *code;
         } else {
             brdfs.push_back(of);
-            for (const auto& [name, printed] : entries(options, added)) add_name(fmt::format("{}_{}", of.name, printed));
+            for (const auto& [name, printed] : entries(options, added))
+                add_name(fmt::format("{}_{}", of.name, printed));
         }
     }
     std::vector<NamedProgram> programs;
@@ -639,7 +641,8 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
                                     map.basis.lobes, map.basis.variates, srbf::name(map.basis.form), basis_bytes(map));
     if (map.width > 0) about += fmt::format("\n  map {} x {}", map.width, map.count() / map.width);
     for (const auto& [key, value] : map.provenance) about += fmt::format("\n  {}", printable(key + " " + value));
-    NamedProgram program{std::string(name), about, program_of(basis, options, roots, added, ParameterStorage::arguments)};
+    NamedProgram program{std::string(name), about,
+                         program_of(basis, options, roots, added, ParameterStorage::arguments)};
     names.insert({"Pm", "Coefficients"});
     return syntax::whole_text(options.language, list, std::string(name) + "_BRDF",
                               Printed({std::move(program)}, name, options.language, names).text());
@@ -655,8 +658,8 @@ Result<AddedCode> added_by(const CodeOptions& options) {
         if (own.entries.empty()) continue;
         all.entries.merge(own.entries);
         all.sampling = all.sampling || own.sampling, all.albedo = all.albedo || own.albedo;
-        all.text = [first = std::move(all.text), next = std::move(own.text)](const auto& model, bool of_basis, auto& program,
-                                                                             auto& defines) {
+        all.text = [first = std::move(all.text), next = std::move(own.text)](const auto& model, bool of_basis,
+                                                                             auto& program, auto& defines) {
             const std::string before = first ? first(model, of_basis, program, defines) : "";
             return before + next(model, of_basis, program, defines);
         };
@@ -696,8 +699,9 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
 Result<std::string> python_code(const Model& model, int threads) {
     if (std::holds_alternative<SuModel>(model.model) || std::holds_alternative<BsdfModel>(model.model))
         return Error{"python code", {}, "model", "multivariate, or Lambert and GGX", "another", ErrorCode::argument};
-    const Program program = program_of(model, {.sampling = true, .threads = threads},
-                                       {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, {}, ParameterStorage::tables);
+    const Program program =
+        program_of(model, {.sampling = true, .threads = threads},
+                   {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, {}, ParameterStorage::tables);
     std::string text;
     for (const Table& table : program.tables) text += syntax::python_text(table);
     for (const syntax::Function& function : program.functions) text += "\n\n" + syntax::python_text(function, program);

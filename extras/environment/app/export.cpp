@@ -42,7 +42,8 @@ int filter_environment(const ExportCommand& asked) {
 void add_environment_exports(const Subcommand&, const ExportCommand&, Exports& to) {
     to.kinds.push_back({"dds", filter_environment});
     to.about +=
-        "\ndds: an environment (.hdr, .exr or studio), which is MODEL here, filtered for NAME_environment, a cube map of\n"
+        "\ndds: an environment (.hdr, .exr or studio), which is MODEL here, filtered for NAME_environment, a cube map "
+        "of\n"
         "16-bit floats";
 }
 

@@ -9,8 +9,8 @@
 #include <mutex>
 #include <span>
 
-#include "src/base/parallel.h"
 #include "srbf/half.h"
+#include "src/base/parallel.h"
 
 namespace srbf {
 namespace {

@@ -179,8 +179,7 @@ Library map_of(std::size_t width) {
     return random_map(random, {true, true, 5, 3, 60, PmForm::extended}, width, 1);
 }
 std::string lit_code(const Library& map, CodeLanguage language) {
-    const auto text =
-        map_code(map, "map", {.language = language, .albedo = true, .with = {"environment", "area"}});
+    const auto text = map_code(map, "map", {.language = language, .albedo = true, .with = {"environment", "area"}});
     return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
 void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, const std::string& of) {

@@ -6,19 +6,19 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "models.h"
-#include "models/pm/search/fit_pm.h"
 #include "app/html.h"
 #include "app/map_layers.h"
 #include "extras/render/offscreen.h"
 #include "extras/render/page.h"
 #include "extras/render/path.h"
-#include "extras/render/sphere_picture.h"
 #include "extras/render/raster.h"
 #include "extras/render/scene.h"
+#include "extras/render/sphere_picture.h"
+#include "models.h"
+#include "models/pm/search/fit_pm.h"
 #include "srbf/convert.h"
-#include "srbf/file.h"
 #include "srbf/environment_code.h"
+#include "srbf/file.h"
 #include "temporary_folder.h"
 
 namespace srbf::three_test {
@@ -93,11 +93,10 @@ struct Said {
     std::string text;
 };
 Said run_script(const char* name, const TemporaryFolder& folder) {
-    const int status =
-        std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='{0}/test' python3 "
-                                "'{0}/extras/environment/test/{1}' '{2}' > '{3}' 2>&1",
-                                SRBF_SOURCE_DIR, name, folder.path.string(), (folder / "said").string())
-                        .c_str());
+    const int status = std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='{0}/test' python3 "
+                                               "'{0}/extras/environment/test/{1}' '{2}' > '{3}' 2>&1",
+                                               SRBF_SOURCE_DIR, name, folder.path.string(), (folder / "said").string())
+                                       .c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(folder / "said")};
 }
 

@@ -8,10 +8,10 @@
 
 #include "app/commands.h"
 #include "app/hash.h"
-#include "extras/maps/app/journal.h"
-#include "extras/maps/app/map.h"
 #include "app/output.h"
 #include "app/pairs.h"
+#include "extras/maps/app/journal.h"
+#include "extras/maps/app/map.h"
 #include "extras/maps/app/texels.h"
 #include "srbf/basis.h"
 #include "srbf/directions.h"

@@ -6,9 +6,9 @@
 
 #include "app/commands.h"
 #include "app/hash.h"
-#include "extras/maps/app/map.h"
 #include "app/output.h"
 #include "app/pairs.h"
+#include "extras/maps/app/map.h"
 #include "extras/maps/app/texels.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"

@@ -89,8 +89,7 @@ void add_render_exports(const Subcommand& sub, const ExportCommand& asked, Expor
         sub.add_option("--mesh", options->mesh, "html: a .ply or .obj file, the object that is shown at first")
             .type_name("FILE");
     const Option up = add_up_option(sub, options->up, "html: axis of that mesh that points upwards, y or z");
-    to.kinds.push_back(
-        {"html", [options](const ExportCommand& of) { return status_of(write_page(of, *options)); }});
+    to.kinds.push_back({"html", [options](const ExportCommand& of) { return status_of(write_page(of, *options)); }});
     to.kinds.push_back({"exr", [](const ExportCommand& of) {
                             return status_of(within_memory(of.output, [&] { return write_map_exr(of); }));
                         }});

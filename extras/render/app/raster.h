@@ -6,10 +6,10 @@
 
 #include "app/load.h"
 #include "extras/render/environment.h"
-#include "extras/render/tone.h"
 #include "extras/render/material.h"
 #include "extras/render/pixel_shader.h"
 #include "extras/render/scene.h"
+#include "extras/render/tone.h"
 #include "srbf/sampling.h"
 
 namespace srbf {

@@ -3,8 +3,8 @@
 
 #include <cstring>
 
-#include "properties.h"
 #include "extras/render/exr.h"
+#include "properties.h"
 #include "srbf/file.h"
 #include "statistics.h"
 #include "temporary_folder.h"

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <set>
 
-#include "models.h"
 #include "extras/render/pixel_shader.h"
+#include "models.h"
 #include "srbf/file.h"
 #include "su_models.h"
 #include "temporary_folder.h"

@@ -9,12 +9,12 @@
 #include <regex>
 #include <unordered_set>
 
-#include "models.h"
-#include "models/pm/search/fit_pm.h"
-#include "extras/render/chart.h"
 #include "app/html.h"
+#include "extras/render/chart.h"
 #include "extras/render/scene.h"
 #include "extras/render/slices.h"
+#include "models.h"
+#include "models/pm/search/fit_pm.h"
 #include "srbf/convert.h"
 #include "srbf/printable.h"
 #include "su_models.h"
@@ -406,8 +406,8 @@ TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
     const std::string script = (std::filesystem::path(SRBF_SOURCE_DIR) / "extras/render/test/page.py").string();
     const int status =
         std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='{}/test' python3 '{}' '{}' '{}' > '{}' 2>&1",
-                                SRBF_SOURCE_DIR, script,
-                                (folder / "page.html").string(), folder.path.string(), (folder / "said").string())
+                                SRBF_SOURCE_DIR, script, (folder / "page.html").string(), folder.path.string(),
+                                (folder / "said").string())
                         .c_str());
     const std::string said = contents(folder / "said");
     if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << said;

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
-#include "models.h"
-#include "program.h"
 #include "extras/render/exr.h"
 #include "extras/render/rays.h"
+#include "models.h"
+#include "program.h"
 #include "srbf/file.h"
 #include "su_models.h"
 

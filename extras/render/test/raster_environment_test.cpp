@@ -3,11 +3,11 @@
 #include <map>
 
 #include "dialects.h"
+#include "extras/render/path.h"
+#include "extras/render/raster.h"
 #include "models.h"
 #include "models/pm/search/fit_pm.h"
 #include "program.h"
-#include "extras/render/path.h"
-#include "extras/render/raster.h"
 #include "srbf/convert.h"
 #include "srbf/likeness.h"
 #include "su_models.h"

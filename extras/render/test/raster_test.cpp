@@ -5,12 +5,12 @@
 
 #include <map>
 
+#include "extras/render/exr.h"
+#include "extras/render/shading.h"
 #include "models.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "program.h"
-#include "extras/render/exr.h"
-#include "extras/render/shading.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/half.h"

@@ -3,8 +3,8 @@
 #include <atomic>
 #include <limits>
 
-#include "properties.h"
 #include "extras/render/sphere_picture.h"
+#include "properties.h"
 #include "srbf/file.h"
 #include "srbf/measured.h"
 

@@ -14,10 +14,10 @@ namespace [[gnu::visibility("default")]] srbf {
 /// What is added to the functions of `shading_code`: with "environment", "environment-draws" and "area" of
 /// `CodeOptions::with`, the first members by themselves; others by the functions below.
 struct EnvironmentCode {
-    bool environment = false;  ///< NAME_environment and NAME_environment_lobe
-    bool draws = false;        ///< NAME_environment_sampled, NAME_environment_draw and those of sampling
-    bool area = false;         ///< NAME_area and NAME_environment_lobe
-    int lobes = 6;             ///< look-ups for an environment, see extended_light.h
+    bool environment = false;            ///< NAME_environment and NAME_environment_lobe
+    bool draws = false;                  ///< NAME_environment_sampled, NAME_environment_draw and those of sampling
+    bool area = false;                   ///< NAME_area and NAME_environment_lobe
+    int lobes = 6;                       ///< look-ups for an environment, see extended_light.h
     MapLevels levels = MapLevels::root;  ///< of the map that they look up
     /// The host supplies the lobes of a model for each of `ExtendedLight::k_views` views, as it has them in a texture:
     /// Vec3 NAME_light_texel(int i, int view), of lobe k > 0 (p, roughness, width of the view) at i = 2 k - 2 and its

@@ -64,8 +64,6 @@ Result<Done> make_folder(const std::string& path);
 /// Returns an error if standard output has not accepted everything that was printed (disk full).
 Result<Done> flush_standard_output();
 
-/// "1,234,567".
-std::string grouped(std::uint64_t n);
 /// "0.741 %", with three digits.
 std::string percent(double ratio);
 

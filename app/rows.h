@@ -3,27 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "app/output.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 
 void add_row(std::string& text, std::string_view name, const std::string& what);
-
-struct Range {
-    float least = std::numeric_limits<float>::infinity(), most = -least;
-    void add(float x) {
-        if (std::isnan(x)) return;
-        least = std::min(least, x);
-        most = std::max(most, x);
-    }
-    std::string text() const { return least > most ? "none" : fmt::format("{:.4g} to {:.4g}", least, most); }
-};
 
 /// The names of the channels to show: NAME R, G and B, or NAME alone where no pixel has a colour, as where there is one
 /// wavelength. NaN is a masked pixel.
@@ -36,7 +25,7 @@ template <typename Pixels> std::vector<std::string> channel_names(const std::str
 template <typename Pixels> void add_channel_ranges(std::string& text, std::string_view name, const Pixels& pixels) {
     const std::vector<std::string> names = channel_names(std::string(name), pixels);
     for (int c = 0; c < int(names.size()); ++c) {
-        Range range;
+        ValueRange range;
         std::uint64_t negative = 0;
         for (const Rgb& f : pixels) range.add(f[c]), negative += f[c] < 0;
         add_row(text, names[std::size_t(c)], range.text() + (negative ? ", " + grouped(negative) + " negative" : ""));

@@ -60,12 +60,6 @@ void add_measures(Json& json, const Comparison& comparison, std::string_view pre
         json[fmt::format("{}heldout_pictures", prefix)] = json_of(*comparison.heldout_appearance);
 }
 
-std::string grouped(std::uint64_t n) {
-    std::string digits = std::to_string(n);
-    for (int at = int(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), 1, ',');
-    return digits;
-}
-
 std::string percent(double ratio) { return fmt::format("{:.3g} %", 100 * ratio); }
 
 void add_row(std::string& text, std::string_view name, const std::string& what) {
@@ -155,7 +149,7 @@ void add_model(std::string& text, const SuModel& model) {
                         model.index ? fmt::format("{} of {} texels a side", name(model.index->map), model.index->size)
                                     : "built on load, a cube",
                         grouped(auxiliary_bytes(model))));
-    Range bandwidth, shape;
+    ValueRange bandwidth, shape;
     std::size_t empty = 0;
     for (std::size_t i = 0; i < model.direction.size(); ++i) {
         const auto first = model.coefficient.begin() + std::ptrdiff_t(i * J);

@@ -27,10 +27,10 @@ const std::vector<std::vector<std::string>> k_levels{
     {"src/samples"},
     {"src/models"},
     {"src/prepared", "src/fit"},
-    {"src/code", "extras/maps", "extras/environment", "extras/optics", "extras/daylight"},
+    {"src/code", "extras/maps", "extras/environment"},
     {"render"},
     {"app"},
-    {"extras/view", "extras/report"},
+    {"extras/view", "extras/report", "extras/optics", "extras/daylight"},
 };
 
 /// The level of a file's folder; −1: none.
@@ -39,7 +39,15 @@ int level_of(const fs::path& path) {
         if (std::ranges::find(k_levels[level], path.parent_path().string()) != k_levels[level].end()) return int(level);
     return -1;
 }
-bool is_public(const fs::path& path) { return path.string().starts_with("include/"); }
+/// An extra has public headers of its own, for its own files and for programs.
+bool is_of_extra(const fs::path& path) { return path.string().starts_with("extras/"); }
+bool is_public(const fs::path& path) {
+    return path.string().starts_with("include/") || (is_of_extra(path) && path.parent_path().filename() == "srbf");
+}
+/// "extras/NAME"; of the core nothing.
+fs::path extra_of(const fs::path& path) {
+    return is_of_extra(path) ? *path.begin() / *std::next(path.begin()) : fs::path();
+}
 
 bool is_of(const fs::path& path, const char* noun) { return path.string().find(noun) != std::string::npos; }
 
@@ -53,7 +61,7 @@ std::vector<Source> sources() {
     const std::regex include(R"(^\s*#include\s+([<"])([^>"]+)[>"])");
     for (const char* folder : {"include", "src", "extras", "render", "app"})
         for (const auto& entry : fs::recursive_directory_iterator(k_root / folder)) {
-            if (!entry.is_regular_file() || is_of(entry.path(), "/test/")) continue;
+            if (!entry.is_regular_file() || is_of(entry.path(), "/test/") || is_of(entry.path(), "/corpus/")) continue;
             Source source{fs::relative(entry.path(), k_root), {}, {}};
             std::ifstream in(entry.path());
             std::smatch match;
@@ -64,9 +72,11 @@ std::vector<Source> sources() {
                     source.system.push_back(name);
                     continue;
                 }
-                for (const char* root : {"include", "src", "."})
-                    if (fs::exists(k_root / root / name))
-                        source.included.push_back((fs::path(root) / name).lexically_normal());
+                std::vector<fs::path> roots{"include", "src", "."};
+                for (const auto& extra : fs::directory_iterator(k_root / "extras"))
+                    roots.push_back(fs::relative(extra.path() / "include", k_root));
+                for (const fs::path& root : roots)
+                    if (fs::exists(k_root / root / name)) source.included.push_back((root / name).lexically_normal());
             }
             all.push_back(std::move(source));
         }
@@ -85,6 +95,18 @@ TEST(Layers, OnlyLowerFoldersAreIncluded) {
             EXPECT_TRUE(is_public(included) || !is_public(source.path)) << source.path << " includes " << included;
             if (is_public(included) || included.parent_path() == source.path.parent_path()) continue;
             EXPECT_LT(level_of(included), level_of(source.path)) << source.path << " includes " << included;
+        }
+}
+
+/// What may be left out is named by itself alone. `maps` and `environment` are parts of the library.
+TEST(Layers, NoExtraIsNamedElsewhere) {
+    for (const Source& source : sources())
+        for (const fs::path& included : source.included) {
+            const fs::path extra = extra_of(included);
+            if (extra.empty() ||
+                (!fs::exists(k_root / extra / "formats.h") && !fs::exists(k_root / extra / "CMakeLists.txt")))
+                continue;
+            EXPECT_EQ(extra, extra_of(source.path)) << source.path << " includes " << included;
         }
 }
 
@@ -134,12 +156,12 @@ TEST(Layers, PublicHeadersNeedTheStandardLibraryAlone) {
 
 // A shared library offers no other names than these headers declare in a namespace that says so.
 TEST(Layers, PublicHeadersAreVisible) {
-    for (const auto& entry : fs::recursive_directory_iterator(k_root / "include/srbf")) {
-        if (entry.path().extension() != ".h") continue;
-        std::ifstream in(entry.path());
+    for (const Source& source : sources()) {
+        if (!is_public(source.path) || source.path.extension() != ".h") continue;
+        std::ifstream in(k_root / source.path);
         const std::string text{std::istreambuf_iterator<char>(in), {}};
-        EXPECT_NE(text.find("\nnamespace [[gnu::visibility(\"default\")]] srbf {\n"), text.npos) << entry.path();
-        EXPECT_EQ(text.find("\nnamespace srbf {\n"), text.npos) << entry.path();
+        EXPECT_NE(text.find("\nnamespace [[gnu::visibility(\"default\")]] srbf {\n"), text.npos) << source.path;
+        EXPECT_EQ(text.find("\nnamespace srbf {\n"), text.npos) << source.path;
     }
 }
 

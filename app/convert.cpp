@@ -15,15 +15,12 @@
 namespace srbf {
 namespace {
 
-/// In the order of `KlemsBasis`.
-const std::vector<std::string> k_bases{"full", "half", "quarter"};
-
 struct ConvertCommand {
-    std::string input, output, basis = "full";
+    std::string input, output, choice;
     ReadOptions read;
     int directions = 64, threads = 0;
     double max_theta = 89;  // [degrees], for CSV
-    bool exchange = false, smooth = false, rgb_alone = false, chooses_directions = false, chooses_basis = false;
+    bool exchange = false, smooth = false, rgb_alone = false, chooses_directions = false;
 
     int run() const;
     Result<Measured> smoothed(const Subject& subject) const;
@@ -61,7 +58,7 @@ Result<Measured> ConvertCommand::smoothed(const Subject& subject) const {
 
 Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject) const {
     const auto* measured = std::get_if<Measured>(&subject.content);
-    const TableFormatRow& format = *table_format(output);
+    const Format& format = *format_written_to(output);
     if (chooses_directions && measured && std::holds_alternative<ScatteredSamples>(measured->table))
         return Error{input,
                      {},
@@ -70,12 +67,11 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject)
                      "samples, which are written as they are"};
     // A file that already has the format is copied unchanged, after it was read successfully and nothing was assumed.
     if (measured && measured->format == format.name && notes(*measured).empty() && !exchange && !rgb_alone &&
-        !chooses_basis && !read.any())
+        choice.empty() && !read.any())
         return read_file(input);
-    auto bytes = table_file(
-        subject.content, format.format,
-        {description_of(subject) + (smooth ? ", smoothed to its noise" : ""), directions, max_theta * k_degree,
-         KlemsBasis(std::ranges::find(k_bases, basis) - k_bases.begin()), !rgb_alone, threads});
+    auto bytes = table_file(subject.content, format,
+                            {description_of(subject) + (smooth ? ", smoothed to its noise" : ""), directions,
+                             max_theta * k_degree, choice, !rgb_alone, threads});
     if (bytes) return bytes;
     Error error = bytes.error();
     error.source = input, error.expected += fmt::format(", as {} tables are", format.name);
@@ -98,6 +94,17 @@ int ConvertCommand::run() const {
     return written ? k_done : complain(written.error());
 }
 
+/// ".bsdf (RGL), .mbsdf (MDL), ..".
+std::string written_formats() {
+    std::string all;
+    for (const Format& format : formats()) {
+        if (!format.write) continue;
+        all += fmt::format("{}{}", all.empty() ? "" : ", ", format.extension);
+        if (!format.used_by.empty()) all += fmt::format(" ({})", format.used_by);
+    }
+    return all;
+}
+
 }  // namespace
 
 void add_convert(CommandLine& app, int& status) {
@@ -105,17 +112,13 @@ void add_convert(CommandLine& app, int& status) {
     const Subcommand sub = app.add_subcommand("convert", "Convert a measurement or a model to another format");
     sub.add_option("INPUT", command->input, "A measurement or a model").type_name("").required();
     sub.add_option("-o,--output", command->output,
-                   "The file to write; its extension determines the format: .binary (MERL), .bsdf (RGL), .mbsdf (MDL), "
-                   ".csv, .xml (WINDOW and Radiance), .zemax.bsdf, .anisotropicbsdf (Speos), .xompt (OpenMATERIAL)")
+                   "The file to write; its extension determines the format: " + written_formats())
         .type_name("FILE")
         .required()
         .check([](std::string& name) -> std::string {
-            return table_format(name) == nullptr
-                       ? fmt::format(
-                             "expected a name that ends in .binary, .bsdf, .mbsdf, .csv, .xml, .zemax.bsdf, "
-                             ".anisotropicbsdf or .xompt, found {}",
-                             name)
-                       : "";
+            return format_written_to(name)
+                       ? ""
+                       : fmt::format("expected a name that ends in {}, found {}", extensions_of_formats(), name);
         });
     const Option directions = sub.add_option("--directions", command->directions,
                                              "CSV of tables and models: all pairs of this many directions, 1 to 1536")
@@ -127,11 +130,17 @@ void add_convert(CommandLine& app, int& status) {
                                  .type_name("DEG")
                                  .check(within(1.0, 90.0))
                                  .capture_default_str();
-    const Option basis = sub.add_option("--basis", command->basis,
-                                        "XML: Klems' patches, of which there are 145 (full), 77 (half) or 41 (quarter)")
-                             .type_name("NAME")
-                             .one_of(k_bases)
-                             .capture_default_str();
+    std::vector<Reading> readings;
+    for (const Format& format : formats()) {
+        if (!format.option) continue;
+        const auto& [name, help, values] = *format.option;
+        const Option choice = sub.add_option(
+            std::string(name), [command](const std::string& value) { command->choice = value; }, std::string(help));
+        choice.type_name(fmt::format("NAME={}", values.front())).one_of({values.begin(), values.end()});
+        readings.push_back({{choice}, fmt::format("only with an output {}", format.extension), [command, &format] {
+                                return format_written_to(command->output) == &format;
+                            }});
+    }
     const Option rgb_alone =
         sub.add_flag("--rgb-alone", command->rgb_alone,
                      "RGL: colours without the spectra of the same material, as Mitsuba 3 needs them in its\n"
@@ -148,20 +157,21 @@ void add_convert(CommandLine& app, int& status) {
             .capture_default_str();
     sub.footer(
         "A file that already has the format, of which nothing was assumed, is copied byte for byte, unless --exchange, "
-        "--smooth, --basis or "
-        "--rgb-alone is given.\n\n"
+        "--smooth, --rgb-alone or an option of the format "
+        "is given.\n\n"
         "Examples:\n  srbf convert nickel.binary -o nickel.bsdf\n  srbf convert paper_white_rgb.srbf -o paper.binary");
-    const auto writes = [command](TableFormat format) { return table_format(command->output)->format == format; };
+    const auto writes = [command](std::string_view extension) {
+        return format_written_to(command->output)->extension == extension;
+    };
+    readings.push_back({{directions, max_theta}, "only with an output .csv", [=] { return writes(".csv"); }});
+    readings.push_back({{rgb_alone}, "only with an output .bsdf", [=] { return writes(".bsdf"); }});
+    readings.push_back({{threads}, "not with an output .csv", [=] { return !writes(".csv"); }});
     sub.callback(
-        [command, directions, max_theta, basis, &status] {
-            command->chooses_basis = basis.given();
+        [command, directions, max_theta, &status] {
             command->chooses_directions = directions.given() || max_theta.given();
             status = command->run();
         },
-        {{{directions, max_theta}, "only with an output .csv", [=] { return writes(TableFormat::csv); }},
-         {{basis}, "only with an output .xml", [=] { return writes(TableFormat::bsdf_xml); }},
-         {{rgb_alone}, "only with an output .bsdf", [=] { return writes(TableFormat::rgl); }},
-         {{threads}, "not with an output .csv", [=] { return !writes(TableFormat::csv); }}});
+        std::move(readings));
 }
 
 }  // namespace srbf

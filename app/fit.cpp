@@ -15,15 +15,17 @@ namespace {
 struct ReadFor {
     std::vector<std::string_view> options;
     bool are_read;
-    std::string_view expected, found;
+    std::string expected, found;
 };
 
 /// An error if an option was given that the fit of such a measurement does not read.
 Result<Done> check_read(const Measured& measured, const FileFit& fit) {
     const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
-    const bool of_patches = bsdf && std::ranges::any_of(bsdf->band().part, [](const auto& part) {
-                                return part && std::holds_alternative<KlemsTable>(part->table);
-                            });
+    const OwnFit* own = nullptr;
+    if (bsdf)
+        for (const auto& part : bsdf->band().part)
+            if (part && own_fit_of(*part)) own = own_fit_of(*part);
+    const std::string fitted(own ? own->fitted : "");
     const auto* pm = std::get_if<PmRequest>(&fit.request.model);
     const bool of_views = std::holds_alternative<SuRequest>(fit.request.model);
     const bool tries_kinds =
@@ -31,17 +33,17 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
     const ReadFor rows[] = {
         {{"--form", "--variates"}, !tries_kinds, "samples", "a table, of which all forms and variates are tried"},
         {{"--variates"},
-         !(of_patches && pm && !pm->size),
+         !(own && pm && !pm->size),
          "a number of lobes too",
-         "none, so that sizes of patches are tried"},
-        {{"--target-delta-e", "--budget"}, !of_patches, "a table or samples", "patches"},
-        {{"--objective", "--max-theta"}, !of_patches || of_views, "a table or samples", "patches"},
-        {{"--channels"}, !(of_patches && fit.request.spectral), "rgb", "spectral, of patches"},
+         fmt::format("none, so that sizes of {} are tried", fitted)},
+        {{"--target-delta-e", "--budget"}, !own, "a table or samples", fitted},
+        {{"--objective", "--max-theta"}, !own || of_views, "a table or samples", fitted},
+        {{"--channels"}, !(own && fit.request.spectral), "rgb", "spectral, of " + fitted},
     };
     for (const ReadFor& row : rows)
         for (const std::string_view option : row.options)
             if (!row.are_read && std::ranges::count(fit.given, option) > 0)
-                return Error{fit.input, {}, std::string(option), std::string(row.expected), std::string(row.found)};
+                return Error{fit.input, {}, std::string(option), row.expected, row.found};
     return Done{};
 }
 

@@ -91,7 +91,7 @@ void print_table(const ScatteredSamples& samples) {
                                      samples.isotropic ? "isotropic" : "anisotropic"));
     if (!samples.wavelengths.empty()) print_row("wavelengths", wavelengths_text(samples.wavelengths));
     print_geometry(samples);
-    Range theta_l, theta_v, spectrum;
+    ValueRange theta_l, theta_v, spectrum;
     for (const Vec3f& w : samples.wl) theta_l.add(float(std::acos(double(w.z)) / k_degree));
     for (const Vec3f& w : samples.wv) theta_v.add(float(std::acos(double(w.z)) / k_degree));
     for (const float f : samples.spectrum) spectrum.add(f);
@@ -103,47 +103,9 @@ void print_table(const ScatteredSamples& samples) {
     print_channel_ranges("value [1/sr]", samples.colour);
 }
 
-void print_table(const KlemsTable& table) {
-    print_row("patches", fmt::format("{} outgoing ({}) × {} incident ({})", table.outgoing.patches(),
-                                     table.outgoing.name, table.incident.patches(), table.incident.name));
-    print_channel_ranges("value [1/sr]", table.cells);
-}
-
-void print_table(const TreeTable& table) {
-    print_row("tensor tree",
-              fmt::format("rank {}, {} leaves of {:g} at least, {}", table.y.rank, grouped(table.y.leaves.size()),
-                          table.y.smallest_leaf(), table.chromaticity.empty() ? "grey" : "in colour"));
-    Range range;
-    for (const float f : table.y.leaves) range.add(f);
-    print_row("value [1/sr]", range.text());
-}
-
-void print_table(const ScatterTable& table) {
-    const ScatterTable::Slice& of = table.slices.front();
-    print_row(
-        "dimensions",
-        fmt::format("{} rotations of the sample, {} angles of incidence in all, {} polar × {} azimuths about the {}{}",
-                    table.rotation.size(), table.slices.size(), of.polar.size(), of.azimuth.size(),
-                    table.about_mirror ? "mirror direction" : "normal", table.channels == 1 ? "" : ", CIE X, Y, Z"));
-    Range theta_l, polar, value;
-    std::uint64_t values = 0;
-    std::string tis;
-    for (std::size_t k = 0; k < table.slices.size(); ++k) {
-        const ScatterTable::Slice& slice = table.slices[k];
-        theta_l.add(float(double(slice.theta_l) / k_degree));
-        for (const float p : slice.polar) polar.add(float(double(p) / k_degree));
-        for (const float f : slice.f) value.add(f);
-        values += slice.f.size() / table.channels;
-        if (k < table.first[1] && k < 20)
-            tis += fmt::format("{}{:.4g} at {:.3g}°", k ? ", " : "",
-                               scatter_integral(table, slice, table.channels == 1 ? 0 : 1),
-                               double(slice.theta_l) / k_degree);
-    }
-    print_row("θl", theta_l.text() + " degrees");
-    print_row("polar angle", polar.text() + " degrees");
-    print_row("masked entries", fmt::format("{} of {}, 0 in the file", grouped(table.masked), grouped(values)));
-    print_row("value [1/sr]", value.text());
-    print_row("TIS", "∫ f cosθ of what was measured: " + tis);
+void print_table(const EvaluatedTable& table) {
+    for (const auto& [name, what, colours] : table.lines())
+        colours.empty() ? print_row(name, what) : print_channel_ranges(name, colours);
 }
 
 void print_table(const BsdfTable& table) {
@@ -200,7 +162,7 @@ void print_behaviour(const Subject& subject) {
     const Evaluate as_measured = measured ? signed_evaluator(*measured) : brdf;
     const std::vector<Vec3f> directions = fibonacci_directions(512, max_theta * k_degree);
     std::vector<Rgb> f(directions.size());
-    Range range;
+    ValueRange range;
     for (const Vec3f& wv : directions) {
         as_measured(directions, std::vector<Vec3f>(f.size(), wv), f);
         for (const Rgb& value : f)
@@ -259,7 +221,7 @@ int describe_library(std::span<const std::byte> bytes, const std::string& file) 
     if (library->width > 0)
         print_row("map", fmt::format("{} × {} texels", library->width, library->count() / library->width));
     print_row("bytes", fmt::format("{} shared, {} each", grouped(basis_bytes(*library)), material_bytes(*library)));
-    Range error;
+    ValueRange error;
     for (const float of_one : library->error) error.add(of_one);
     print_row("error", error.text());
     print_row("one of them", file + "#" + (library->names.empty() ? "0" : printable(library->names.front())));
@@ -284,7 +246,7 @@ int describe_stack(std::span<const std::byte> bytes, const std::string& file) {
                           count(TexelState::fitted), count(TexelState::black), count(TexelState::failed)));
     print_row("each", fmt::format("form {}, {} centres, {} lobes × {} variates", name(first.form),
                                   first.axial ? "axial" : "general", first.lobes, first.variates));
-    Range error;
+    ValueRange error;
     for (std::size_t i = 0; i < stack->error.size(); ++i)
         if (stack->state[i] == std::uint16_t(TexelState::fitted)) error.add(stack->error[i]);
     print_row("error", error.text());

@@ -75,9 +75,9 @@ int run_program(int argc, char** argv) {
     CommandLine app(
         "srbf", "srbf " SRBF_VERSION " (" SRBF_DATE ")",
         "srbf: measured BRDFs as a few spherical radial basis functions.\n"
-        "Reads measurements (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax,\n"
-        "FRED, Speos, OpenMATERIAL, BiRD), fits models to them and reports the errors; evaluates, compares, converts,\n"
-        "renders and exports BRDFs.",
+        "Reads measurements, fits models to them and reports the errors; evaluates, compares, converts, renders and\n"
+        "exports BRDFs. A measurement is a file of " +
+            names_of_formats() + ".",
         "Example:\n  srbf fit paper_white_rgb.bsdf --preview paper.png\n\n"
         "Exit status: 0 done; 2 wrong usage, which is so whatever files hold; 1 any other error, of a file, a folder\n"
         "or the machine. An error is one line. Of several inputs the others are done.");

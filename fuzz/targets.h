@@ -81,7 +81,11 @@ template <typename B> void check_answers(const Result<B>& brdf) {
     if constexpr (std::is_same_v<B, Model> || std::is_same_v<B, Measured>) check_spectra(*brdf, lights, views);
 }
 
-using FuzzTarget = void (*)(std::span<const std::byte>);
+/// A target's name is that of its folder of a corpus.
+struct NamedTarget {
+    std::string name;
+    std::function<void(std::span<const std::byte>)> check;
+};
 
 /// A UTIA table has a fixed size: the bytes are repeated to fill it.
 inline void check_utia(std::span<const std::byte> bytes) {
@@ -107,47 +111,6 @@ inline void check_mbsdf(std::span<const std::byte> bytes) {
     const auto again = read_mbsdf(written, "f");
     require(again.ok() && again->metadata.size() == table->metadata.size() && write_mbsdf(*again) == written,
             "write(read(written)) = written");
-}
-
-/// Matrices that are written are read, with as many parts.
-inline void check_written_xml(const BsdfTable& table) {
-    const std::string written = write_bsdf_xml(table);
-    const auto again = read_bsdf_xml(std::as_bytes(std::span(written)), "f");
-    require(again.ok() && again->bands.size() == table.bands.size(), "what is written is read");
-}
-
-/// Beams are shares of the light, which the patches that they were taken from keep apart.
-inline void check_bsdf_xml(std::span<const std::byte> bytes) {
-    auto table = read_bsdf_xml(bytes, "f");
-    if (table) {
-        for (const Beam& beam : table->band().beam)
-            for (const Vec3f& wl : {Vec3f{1, 0, 0}, {-0.5f, -0.5f, 1e-4f}, {0.6f, -0.7f, 0.3f}, {0, 0, 1}})
-                for (int c = 0; c < 3; ++c)
-                    require(share_at(beam, wl)[c] >= 0 && share_at(beam, wl)[c] <= 1, "a share");
-        const auto& parts = table->band().part;
-        if (std::ranges::none_of(parts,
-                                 [](const auto& of) { return of && std::holds_alternative<TreeTable>(of->table); }))
-            check_written_xml(*table);
-    }
-    check_measured(std::move(table));
-}
-
-/// A scatter table is written and read again.
-inline void check_scatter(const ScatterTable& table) {
-    const std::string zemax = write_zemax(table);
-    const auto again = read_zemax(std::as_bytes(std::span(zemax)), "f");
-    require(again.ok() && again->slices.size() == table.slices.size(), "what is written is read");
-}
-inline void check_zemax(std::span<const std::byte> bytes) {
-    auto table = read_zemax(bytes, "f");
-    if (table) check_scatter(*table);
-    check_measured(std::move(table));
-}
-inline void check_speos(std::span<const std::byte> bytes) {
-    auto tables = read_speos(bytes, "f");
-    if (!tables) return check_error(tables.error());
-    for (auto& table : *tables)
-        if (table) check_measured(Result<ScatterTable>(*std::move(table)));
 }
 
 /// A model that was read can be written; the written bytes can be read, and written again to the same bytes. (A file
@@ -295,14 +258,17 @@ struct Use {
 struct Uses {
     std::vector<Use> quick, slow;
 };
+inline void add_conversions(Uses& uses) {
+    for (const Format& format : formats())
+        if (format.write) uses.slow.push_back({{"convert", "in"}, std::string(format.extension)});
+}
 inline Uses uses_of_models() {
     Uses uses;
     for (const std::string& kind : choices_of_export("--to"))
         (kind == "html" || kind == "three" ? uses.slow : uses.quick).push_back({{"export", "in", "--to", kind}, ""});
     for (const std::string& extra : choices_of_export("--with"))
         uses.slow.push_back({{"export", "in", "--to", "c", "--with", extra}, ""});
-    for (const TableFormatRow& row : k_table_formats)
-        uses.slow.push_back({{"convert", "in"}, std::string(row.extension)});
+    add_conversions(uses);
     return uses;
 }
 inline Uses uses_of_measurements() {
@@ -310,8 +276,7 @@ inline Uses uses_of_measurements() {
 #ifdef SRBF_RENDER
     uses.slow.push_back({{"export", "model", "--to", "html", "--reference", "in"}, ""});
 #endif
-    for (const TableFormatRow& row : k_table_formats)
-        uses.slow.push_back({{"convert", "in"}, std::string(row.extension)});
+    add_conversions(uses);
     return uses;
 }
 
@@ -365,22 +330,10 @@ inline void check_uses(std::span<const std::byte> bytes) {
         std::filesystem::remove_all(entry.path());
 }
 
-struct NamedTarget {
-    std::string_view name;
-    FuzzTarget check;
-};
-/// A target for each reader, one for the recognition of formats, and one for what is read.
+/// What is more than a reader that answers.
 inline const NamedTarget k_targets[] = {
-    {"merl", [](auto bytes) { check_answers(read_merl(bytes, "f")); }},
-    {"rgl", [](auto bytes) { check_measured(read_rgl(bytes, "f")); }},
     {"utia", check_utia},
     {"mbsdf", check_mbsdf},
-    {"bsdf_xml", check_bsdf_xml},
-    {"zemax", check_zemax},
-    {"speos", check_speos},
-    {"openmaterial", [](auto bytes) { check_measured(read_openmaterial(bytes, "f")); }},
-    {"bird", [](auto bytes) { check_measured(read_bird(bytes, "f")); }},
-    {"fred", [](auto bytes) { check_answers(read_measured(bytes, "f")); }},
     {"columns",
      [](auto bytes) {
          check_answers(
@@ -388,10 +341,6 @@ inline const NamedTarget k_targets[] = {
          check_answers(
              read_measured(bytes, "f", {"theta_i theta_s 532nm phi_l_deg=180 phi_v_deg=0", Quantity::cosine, 0}));
      }},
-    {"cornell", [](auto bytes) { check_measured(read_cornell(bytes, "f")); }},
-    {"astm", [](auto bytes) { check_answers(read_astm(bytes, "f")); }},
-    {"alta", [](auto bytes) { check_answers(read_alta(bytes, "f")); }},
-    {"csv", [](auto bytes) { check_measured(read_csv(bytes, "f")); }},
     {"measured", [](auto bytes) { check_answers(read_measured(bytes, "f")); }},
     {"model", check_model},
     {"header", check_header},
@@ -404,5 +353,24 @@ inline const NamedTarget k_targets[] = {
 #endif
     {"uses", check_uses},
 };
+
+}  // namespace srbf
+
+#include "fuzz/extra_targets.h"
+
+namespace srbf {
+
+/// All targets: those above, those of extras, and the reader of each other format, "astm_e1392" of ASTM E1392.
+inline std::vector<NamedTarget> all_targets() {
+    std::vector<NamedTarget> all(std::begin(k_targets), std::end(k_targets));
+    for (const std::span<const NamedTarget> extra : k_extra_targets) all.insert(all.end(), extra.begin(), extra.end());
+    for (const Format& format : formats()) {
+        std::string name;
+        for (const char c : format.name) name += c == ' ' ? '_' : char(std::tolower(static_cast<unsigned char>(c)));
+        if (std::ranges::find(all, name, &NamedTarget::name) != all.end()) continue;
+        all.push_back({name, [&format](auto bytes) { check_answers(read_as(format, bytes, "f")); }});
+    }
+    return all;
+}
 
 }  // namespace srbf

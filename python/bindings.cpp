@@ -28,18 +28,13 @@ void convert(const Held& brdf, const std::string& path, bool spectra, int thread
     const auto refused = [&](const char* what, std::string expected) {
         raise({"", {}, what, std::move(expected), path, ErrorCode::argument});
     };
-    const TableFormatRow* row = table_format(path);
-    if (!row) {
-        std::string extensions;
-        for (const TableFormatRow& known : k_table_formats)
-            extensions += (extensions.empty() ? "" : ", ") + std::string(known.extension);
-        refused("path", "a name that ends in one of " + extensions);
-    }
-    if (!spectra && row->format != TableFormat::rgl) refused("spectra", "False only with a path that ends in .bsdf");
-    if (threads != 0 && row->format == TableFormat::csv) refused("threads", "no number with a path that ends in .csv");
+    const Format* format = format_written_to(path);
+    if (!format) refused("path", "a name that ends in " + extensions_of_formats());
+    if (!spectra && format->extension != ".bsdf") refused("spectra", "False only with a path that ends in .bsdf");
+    if (threads != 0 && format->extension == ".csv") refused("threads", "no number with a path that ends in .csv");
     required(in_background(py::none(), [&](const ProgressToken& token) -> Result<Done> {
         const auto bytes =
-            table_file(brdf.content(), row->format, {.spectra = spectra, .threads = threads, .progress = token});
+            table_file(brdf.content(), *format, {.spectra = spectra, .threads = threads, .progress = token});
         if (!bytes) return bytes.error();
         return write_file(path, *bytes);
     }));
@@ -149,6 +144,11 @@ PYBIND11_MODULE(_srbf, module) {
         py::dict choices;  // of each name
         for (const FitOption& option : fit_options()) choices[py::str(std::string(option.name))] = option.choices;
         return choices;
+    });
+    module.def("formats", [] {
+        std::map<std::string, std::string> extensions;
+        for (const Format& format : formats()) extensions[std::string(format.name)] = format.extension;
+        return extensions;
     });
     module.def("lightings", [] { return names_of(standard_lightings()); });
     module.def("code_languages", [] { return names_of(k_code_languages); });

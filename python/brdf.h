@@ -226,7 +226,7 @@ inline Held samples_of(const Array& wl, const Array& wv, const Array& f, bool is
 }
 
 inline py::bytes pickled(const Held& brdf) {
-    Writer writer;
+    ArchiveWriter writer;
     {
         const py::gil_scoped_release released;
         writer(brdf.content());
@@ -236,11 +236,11 @@ inline py::bytes pickled(const Held& brdf) {
 inline Held unpickled(const py::bytes& bytes, bool exchanged) {
     const auto text = std::string_view(bytes);
     const py::gil_scoped_release released;
-    return Held(Reader{text}.next<AnyBrdf>(), exchanged);
+    return Held(ArchiveReader{text}.next<AnyBrdf>(), exchanged);
 }
 /// What determines the values: `pickled` without where they come from.
 inline py::bytes numbers(const Held& brdf) {
-    Writer writer;
+    ArchiveWriter writer;
     {
         const py::gil_scoped_release released;
         if (brdf.model())

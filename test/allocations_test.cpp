@@ -53,9 +53,9 @@ constexpr std::size_t k_step = 5;
 
 TEST(Allocations, ThatFailEndAReader) {
     const auto folders = corpora();
-    for (const NamedTarget& target : k_targets) {
+    for (const NamedTarget& target : all_targets()) {
         if (target.name == "uses") continue;  // no reader, but the program
-        for (const auto& entry : fs::directory_iterator(folders.at(std::string(target.name)))) {
+        for (const auto& entry : fs::directory_iterator(folders.at(target.name))) {
             const std::string bytes = contents(entry.path());
             const auto file = std::as_bytes(std::span(bytes));
             const auto read = [&] {

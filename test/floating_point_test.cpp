@@ -302,7 +302,7 @@ TEST(CallersMode, ChangesNoResultAndStaysAsItIs) {
 
 /// All numbers of what a file holds, of whatever kind, and values at some pairs.
 std::string what_is_read(const std::filesystem::path& path) {
-    Writer writer;
+    ArchiveWriter writer;
     if (const auto brdf = load_brdf(path.string())) {
         writer(*brdf);
         static const std::vector<Vec3f> wl = fibonacci_directions(40, 1.5), wv(wl.rbegin(), wl.rend());

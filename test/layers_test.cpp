@@ -27,11 +27,11 @@ const std::vector<std::vector<std::string>> k_levels{
     {"src/samples"},
     {"src/models"},
     {"src/prepared", "src/fit"},
-    {"src/code", "extras/maps", "extras/environment", "extras/optics", "extras/daylight"},
+    {"src/code", "extras/maps", "extras/environment"},
     {"extras/environment/code", "app"},
     {"extras/render", "extras/maps/app"},
     {"extras/render/app"},
-    {"extras/view", "extras/report", "extras/environment/app"},
+    {"extras/view", "extras/report", "extras/environment/app", "extras/optics", "extras/daylight"},
 };
 
 /// The level of a file's folder; −1: none.
@@ -40,7 +40,15 @@ int level_of(const fs::path& path) {
         if (std::ranges::find(k_levels[level], path.parent_path().string()) != k_levels[level].end()) return int(level);
     return -1;
 }
-bool is_public(const fs::path& path) { return path.string().find("include/srbf/") != std::string::npos; }
+/// An extra has public headers of its own, for its own files and for programs.
+bool is_of_extra(const fs::path& path) { return path.string().starts_with("extras/"); }
+bool is_public(const fs::path& path) {
+    return path.string().find("include/srbf/") != std::string::npos;
+}
+/// "extras/NAME"; of the core nothing.
+fs::path extra_of(const fs::path& path) {
+    return is_of_extra(path) ? *path.begin() / *std::next(path.begin()) : fs::path();
+}
 
 bool is_of(const fs::path& path, const char* noun) { return path.string().find(noun) != std::string::npos; }
 
@@ -57,7 +65,7 @@ std::vector<Source> sources() {
         roots.push_back(fs::relative(extra.path() / "include", k_root));
     for (const char* folder : {"include", "src", "extras", "app"})
         for (const auto& entry : fs::recursive_directory_iterator(k_root / folder)) {
-            if (!entry.is_regular_file() || is_of(entry.path(), "/test/")) continue;
+            if (!entry.is_regular_file() || is_of(entry.path(), "/test/") || is_of(entry.path(), "/corpus/")) continue;
             Source source{fs::relative(entry.path(), k_root), {}, {}};
             std::ifstream in(entry.path());
             std::smatch match;
@@ -88,6 +96,18 @@ TEST(Layers, OnlyLowerFoldersAreIncluded) {
             EXPECT_TRUE(is_public(included) || !is_public(source.path)) << source.path << " includes " << included;
             if (is_public(included) || included.parent_path() == source.path.parent_path()) continue;
             EXPECT_LT(level_of(included), level_of(source.path)) << source.path << " includes " << included;
+        }
+}
+
+/// What may be left out is named by itself alone. `maps` and `environment` are parts of the library.
+TEST(Layers, NoExtraIsNamedElsewhere) {
+    for (const Source& source : sources())
+        for (const fs::path& included : source.included) {
+            const fs::path extra = extra_of(included);
+            if (extra.empty() ||
+                (!fs::exists(k_root / extra / "formats.h") && !fs::exists(k_root / extra / "CMakeLists.txt")))
+                continue;
+            EXPECT_EQ(extra, extra_of(source.path)) << source.path << " includes " << included;
         }
 }
 

@@ -1,8 +1,8 @@
 // Damaged files: an Error that says what is wrong, or a table that keeps its contract; never a crash.
 #include "corpus.h"
-#include "measured/formats/formats.h"
 #include "measured_files.h"
 #include "srbf/file.h"
+#include "srbf/formats.h"
 #include "srbf/text.h"
 #include "temporary_folder.h"
 
@@ -146,9 +146,9 @@ TEST(DamagedInput, IsToldInPlainWords) {
         const auto measured = read_measured(bytes, "f");
         return measured ? "" : message(measured.error());
     };
-    EXPECT_EQ(say({}),
-              "f: unknown format: expected RGL, MBSDF, MERL, Speos, Zemax, FRED, OpenMATERIAL, BiRD, ALTA, ASTM E1392, "
-              "BSDF XML, Cornell, CSV or UTIA, found an empty file");
+    EXPECT_EQ(say({}), "f: unknown format: expected " + names_of_formats() + ", found an empty file");
+    EXPECT_TRUE(names_of_formats().starts_with("RGL, MBSDF, MERL, "));
+    EXPECT_TRUE(names_of_formats().ends_with("ALTA, ASTM E1392, Cornell, CSV or UTIA"));
     EXPECT_NE(say(as_bytes("theta phi\n1 2\n")).find("unknown format"), std::string::npos);
 
     Bytes cut = merl_file({90, 90, 180}, [](int, int, int, int) { return 0.1; });
@@ -179,7 +179,7 @@ Bytes large_file(const Format& format) {
 
 TEST(Formats, AreReadWhole) {
     const TemporaryFolder folder;
-    EXPECT_GE(formats().size(), 14u);
+    EXPECT_GE(formats().size(), 8u);
     for (const Format& format : formats()) {
         const Bytes bytes = large_file(format);
         ASSERT_FALSE(bytes.empty()) << "the corpus lacks a file of " << format.name;

@@ -8,6 +8,7 @@
 
 #include "command.h"
 #include "models.h"
+#include "srbf/formats.h"
 
 namespace srbf::options_test {
 namespace {
@@ -33,7 +34,6 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"to MERL", "convert m.srbf -o o.binary"},
     {"to RGL", "convert m.srbf -o o.bsdf"},
     {"to CSV", "convert m.srbf -o o.csv"},
-    {"to XML", "convert b.srbf -o o.xml --basis quarter"},
     {"samples to CSV", "convert s.csv -o o.csv"},
     {"RGL to RGL", "convert r.bsdf -o o.bsdf"},
     {"paths", "render m.srbf -o o.exr --size 9x8 --spp 2"},
@@ -87,7 +87,7 @@ const std::map<std::string, std::string> k_argument{
     {"--seed", "1"},
     {"--threads", "1"},
     {"--rgb-alone", ""},
-    {"--basis", "half"},
+    {"--basis", "2"},
     {"--columns", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value"},
     {"--quantity", "factor"},
     {"--floor", "0.1"},
@@ -109,9 +109,22 @@ const std::map<std::string, std::string> k_argument{
     {"--with", "sampling"},
     {"--reference", "m.binary"},
 };
-/// Those of `srbf convert` and of `srbf map` have one name.
+/// Formats have options of `srbf convert`, with values of their own.
 std::string argument_of(const std::string& subcommand, const std::string& option) {
-    return subcommand == "map" && option == "--basis" ? "2" : k_argument.at(option);
+    for (const Format& format : formats())
+        if (subcommand == "convert" && format.option && format.option->name == option)
+            return std::string(format.option->values[1]);
+    return k_argument.at(option);
+}
+/// Those above, and a conversion to each format that has an option.
+std::vector<std::pair<std::string, std::string>> all_modes() {
+    std::vector<std::pair<std::string, std::string>> all(std::begin(k_modes), std::end(k_modes));
+    for (const Format& format : formats())
+        if (format.option)
+            all.emplace_back("to " + std::string(format.name),
+                             fmt::format("convert b.srbf -o o{} {} {}", format.extension, format.option->name,
+                                         format.option->values.back()));
+    return all;
 }
 /// Whether what a subcommand prints has durations.
 bool takes_time(const std::string& subcommand) {
@@ -210,7 +223,7 @@ TEST_F(Options, are_read_or_refused) {
     const auto all = long_options(folder);
     ASSERT_GE(all.at("fit").size(), 25u);
     std::map<std::string, std::set<std::string>> was_read;  // by a mode of the subcommand
-    for (const auto& [name, text] : k_modes) {
+    for (const auto& [name, text] : all_modes()) {
         const Arguments base = words(text);
         if (!is_offered(base)) continue;
         const Written& without = fresh(base);

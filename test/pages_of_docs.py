@@ -5,12 +5,20 @@ import sys
 
 folder = sys.argv[1]
 PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "data/README.md"] + sorted(
-    os.path.join(where, name)[len(folder) + 1:] for where, _, names in os.walk(os.path.join(folder, "docs")) for name in names if name.endswith(".md"))
+    os.path.join(where, name)[len(folder) + 1:] for where, _, names in os.walk(os.path.join(folder, "docs")) for name in names if name.endswith(".md")) + sorted(
+    os.path.join("extras", name, "README.md") for name in os.listdir(os.path.join(folder, "extras"))
+    if os.path.exists(os.path.join(folder, "extras", name, "README.md")))
 
 
 def text(page):
     with open(os.path.join(folder, page), encoding="utf-8") as file:
         return file.read()
+
+
+def is_left_out(path):
+    """True for what is in a folder of extras that was deleted, as may be done."""
+    extra = re.match(r"extras/[a-z_]+", path)
+    return bool(extra) and not os.path.exists(os.path.join(folder, extra[0]))
 
 
 def anchors(page):
@@ -31,6 +39,8 @@ for page in PAGES:
         if re.match(r"[a-z]+:", link):
             continue
         target = os.path.normpath(os.path.join(os.path.dirname(page), path)) if path else page
+        if is_left_out(target):
+            continue
         if not os.path.exists(os.path.join(folder, target)):
             problems.append(f"{page}: no {link}")
         elif anchor and target.endswith(".md") and anchor not in anchors(target):
@@ -39,7 +49,7 @@ for page in PAGES:
 NAMED = re.compile(r"`((?:[a-z_.]+/)+[a-z_0-9]+\.(?:cpp|h|glsl))`")
 for page in (page for page in PAGES if page != "CHANGELOG.md" and not page.startswith("docs/notes/")):
     for name in NAMED.findall(text(page)):
-        if not any(os.path.exists(os.path.join(folder, root, name)) for root in ("", "src", "include")):
+        if not is_left_out(name) and not any(os.path.exists(os.path.join(folder, root, name)) for root in ("", "src", "include")):
             problems.append(f"{page}: no file {name}")
 print("\n".join(problems) or f"{len(PAGES)} pages: links resolve")
 sys.exit(bool(problems))

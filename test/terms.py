@@ -40,7 +40,7 @@ def shown(path):
 
 with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "terms.csv"), encoding="utf-8") as file:
     terms = [(re.compile(rf"\b(?:{row['term']})", flags=re.I), row["instead"]) for row in csv.DictReader(file)]
-searched = [(page, prose(page)) for page in PAGES + files("docs", ".md")]
+searched = [(page, prose(page)) for page in PAGES + files("docs", ".md") + files("extras", ".md")]
 searched += [(path, strings(path)) for where in ("app", "extras", "src") for path in files(where, ".cpp", ".h")]
 searched += [(path, shown(path)) for path in files("web", ".html", ".js", ".mjs") + files("extras", ".html") + files("python/srbf", ".py")]
 problems = []

@@ -278,18 +278,18 @@ SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, i
 SRBF_EXPORT(table) int table(int number, const char* file, std::size_t size) {
     const Subject* subject = subject_of(number);
     if (!subject) return fail(unknown("that of a measurement or a model"));
-    const TableFormatRow* row = table_format(text_of(file, size));
-    if (!row)
+    const Format* format = format_written_to(text_of(file, size));
+    if (!format)
         return fail({"table",
                      {},
                      "name",
-                     "one that ends in .binary, .bsdf, .mbsdf or .csv",
+                     "one that ends in " + extensions_of_formats(),
                      text_of(file, size),
                      ErrorCode::argument});
-    auto bytes = table_file(subject->content, row->format, {.description = stem_of(subject->path)});
+    auto bytes = table_file(subject->content, *format, {.description = stem_of(subject->path)});
     if (bytes) return give_or_fail(bytes);
     Error error = bytes.error();
-    error.source = subject->path, error.expected += fmt::format(", as {} tables are", row->name);
+    error.source = subject->path, error.expected += fmt::format(", as {} tables are", format->name);
     return fail(error);
 }
 

@@ -220,12 +220,9 @@ Result<Done> parse(std::span<const std::byte> bytes, const std::string& file_nam
                  parsed.description()};
 }
 
-/// WINDOW's words for the parts.
 std::optional<Part> part_named(std::string_view text) {
-    constexpr std::array<std::string_view, k_parts> names{"Reflection Front", "Reflection Back", "Transmission Front",
-                                                          "Transmission Back"};
     for (std::size_t p = 0; p < k_parts; ++p)
-        if (same(text, names[p])) return Part(p);
+        if (same(text, k_window_names[p])) return Part(p);
     return {};
 }
 
@@ -284,12 +281,9 @@ BsdfTable::Band band_of(std::string name, XmlBlocks&& blocks, const std::string&
     band.beam = separate_beams(matrices);
     for (std::size_t p = 0; p < k_parts; ++p) {
         if (!blocks[p]) continue;
-        if (auto* tree = std::get_if<TreeTable>(&*blocks[p])) {
-            band.part[p] = std::make_shared<const Measured>(Measured{file_name, "BSDF tree", 0, std::move(*tree)});
-            continue;
-        }
-        band.part[p] = std::make_shared<const Measured>(
-            Measured{file_name, "BSDF XML", 0, std::get<KlemsTable>(*std::move(blocks[p]))});
+        const char* const format = std::holds_alternative<TreeTable>(*blocks[p]) ? "BSDF tree" : "BSDF XML";
+        EvaluatedTable table = std::visit([](auto& of) { return evaluated(std::move(of)); }, *blocks[p]);
+        band.part[p] = std::make_shared<const Measured>(Measured{file_name, format, 0, std::move(table)});
     }
     return band;
 }
@@ -416,6 +410,15 @@ Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::str
         table.bands.push_back(band_of(name, std::move(blocks), file_name));
     }
     return table;
+}
+
+Result<Measured> read_as_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&) {
+    auto measured = measurement_of(read_bsdf_xml(bytes, file_name));
+    if (!measured) return measured;
+    const auto& parts = std::get<BsdfTable>(measured->table).band().part;
+    if (std::ranges::any_of(parts, [](const auto& part) { return part && own_table<TreeTable>(*part); }))
+        measured->format = "BSDF tree";
+    return measured;
 }
 
 }  // namespace srbf

@@ -16,7 +16,6 @@
 #include "observe/pairs.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
-#include "srbf/fit_bsdf.h"
 
 namespace srbf {
 namespace {
@@ -43,10 +42,6 @@ constexpr double k_good_error = 1e-3, k_good_share = 0.01, k_good_sum = 0.001;
 constexpr double k_far = 100;
 /// The least width of a lobe in those of the narrowest ring of patches.
 constexpr double k_finest = 0.5;
-
-/// The directions of a pair of points (bsdf.h, `KlemsTable`).
-Vec3f light_at(Vec3d p) { return to_float({p.x, -p.y, p.z}); }
-Vec3f view_at(Vec3d p) { return to_float({-p.x, p.y, p.z}); }
 
 /// The first incident patch of each ring.
 std::vector<std::size_t> first_patches(const KlemsTable& table) {

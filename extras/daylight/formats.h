@@ -1,9 +1,31 @@
-// The reader of daylighting tables: its recognition.
+// The formats of daylighting.
 #pragma once
-#include <string_view>
+#include <variant>
+
+#include "measured/formats/rows.h"
+#include "srbf/daylight.h"
 
 namespace srbf {
 
 bool is_xml(std::string_view text);
+Result<Measured> read_as_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&);
+Result<std::vector<std::byte>> write_as_bsdf_xml(const TableSource& source, const TableOptions& options);
+EvaluatedTable unpack_bsdf_xml(std::string_view bytes);
+
+inline constexpr std::string_view k_klems_bases[] = {"full", "half", "quarter"};  ///< in the order of `KlemsBasis`
+inline constexpr WriterOption k_klems_option{
+    "--basis", "XML: Klems' patches, of which there are 145 (full), 77 (half) or 41 (quarter)", k_klems_bases};
+inline constexpr Format k_daylight_formats[] = {
+    {.name = "BSDF XML",
+     .is_text = true,
+     .recognise = in_text<is_xml>,
+     .read = read_as_bsdf_xml,
+     .extension = ".xml",
+     .used_by = "WINDOW and Radiance",
+     .anisotropic = true,
+     .write = write_as_bsdf_xml,
+     .option = &k_klems_option,
+     .unpack = unpack_bsdf_xml},
+};
 
 }  // namespace srbf

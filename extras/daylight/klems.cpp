@@ -4,6 +4,8 @@
 #include <map>
 
 #include "extras/daylight/klems.h"
+#include "measured/two_sided.h"
+#include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -64,12 +66,6 @@ std::size_t KlemsTable::straight_ahead(std::size_t i) const {
 Rgb signed_value(const KlemsTable& table, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return {};
     return table.cell(table.outgoing.patch_of({-wv.x, wv.y, wv.z}), table.incident.patch_of({wl.x, -wl.y, wl.z}));
-}
-
-Rgb value(const KlemsTable& table, Vec3f wl, Vec3f wv) {
-    Rgb f = signed_value(table, wl, wv);
-    for (int c = 0; c < 3; ++c) f[c] = f[c] < 0 ? 0 : f[c];  // a NaN is kept
-    return f;
 }
 
 std::vector<PatchClass> patch_classes(const KlemsTable& table, bool isotropic) {
@@ -217,20 +213,6 @@ void separate_beam(KlemsTable& table, const std::vector<bool>& patches) {
     }
 }
 
-/// Shares of a ring, and of the front and the back, are one if they differ by no more than this or by so much of their mean: as
-/// near as a fit is to a sum.
-constexpr float k_same_share = 0.01f, k_same_beam = 0.001f;
-bool alike(float a, float b) { return std::abs(a - b) <= std::max(k_same_share * 0.5f * (a + b), k_same_beam); }
-bool alike(const Rgb& a, const Rgb& b) { return alike(a.r, b.r) && alike(a.g, b.g) && alike(a.b, b.b); }
-
-Rgb mean_of(std::span<const Rgb> values) {
-    std::array<double, 3> sum{};
-    for (const Rgb& value : values)
-        for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += double(value[c]);
-    const double n = double(values.size());
-    return {float(sum[0] / n), float(sum[1] / n), float(sum[2] / n)};
-}
-
 /// A node for each incident patch, or one for a ring whose nodes hardly differ.
 Beam beam_of(const KlemsTable& table) {
     Beam beam;
@@ -240,8 +222,9 @@ Beam beam_of(const KlemsTable& table) {
         std::vector<Rgb> nodes(n);
         // A patch at the azimuth φ of the basis has its light at −φ in the frame of a part.
         for (std::size_t k = 0; k < n; ++k) nodes[(n - k) % n] = table.beam[table.incident.first_of(ring) + k];
-        const Rgb mean = mean_of(nodes);
-        if (n > k_most_beam_nodes || std::ranges::all_of(nodes, [&](const Rgb& node) { return alike(node, mean); }))
+        const Rgb mean = mean_share(nodes);
+        if (n > k_most_beam_nodes ||
+            std::ranges::all_of(nodes, [&](const Rgb& node) { return are_same_share(node, mean); }))
             nodes = {mean};
         beam.theta.push_back(table.incident.rings[ring].theta);
         beam.azimuths.push_back(int(nodes.size()));
@@ -268,21 +251,6 @@ Beams separate_beams(const std::array<KlemsTable*, k_parts>& matrices) {
     }
     unite_transmissions(beams);
     return beams;
-}
-
-void unite_transmissions(Beams& beams) {
-    Beam &front = beams[std::size_t(Part::transmission_front)], &back = beams[std::size_t(Part::transmission_back)];
-    if (front.empty() || back.empty()) return;
-    std::vector<Rgb> means;
-    for (std::size_t ring = 0; ring < front.theta.size(); ++ring)
-        for (int k = 0; k < front.nodes(ring); ++k) {
-            const Vec3f wl = to_float(spherical(double(front.theta[ring]), 2 * k_pi * k / front.nodes(ring)));
-            const Rgb a = front.share[means.size()], b = share_at(back, mirror(wl));
-            if (!alike(a, b)) return;
-            means.push_back(mean_of(std::array{a, b}));
-        }
-    front.share = std::move(means);
-    back = {};
 }
 
 }  // namespace srbf

@@ -205,10 +205,4 @@ Rgb signed_value(const TreeTable& table, Vec3f wl, Vec3f wv) {
     return to_rgb(Xyz{xyz.x * white.x, xyz.y, xyz.z * white.z});
 }
 
-Rgb value(const TreeTable& table, Vec3f wl, Vec3f wv) {
-    Rgb f = signed_value(table, wl, wv);
-    for (int c = 0; c < 3; ++c) f[c] = std::max(f[c], 0.0f);
-    return f;
-}
-
 }  // namespace srbf

@@ -2,9 +2,16 @@
 #pragma once
 #include <string_view>
 
-#include "srbf/measured.h"
+#include "srbf/daylight.h"
 
 namespace srbf {
+
+template <typename Each> void members(TensorTree& of, const Each& each) {
+    each(of.rank), each(of.root), each(of.nodes), each(of.leaves);
+}
+template <typename Each> void members(TreeTable& of, const Each& each) { each(of.y), each(of.chromaticity); }
+
+std::vector<TableLine> lines_about(const TreeTable& table);
 
 /// Bytes that a tree of this text takes in memory at most.
 std::size_t most_tree_bytes(std::string_view text);

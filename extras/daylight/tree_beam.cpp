@@ -34,10 +34,10 @@ std::optional<Vec3f> on_hemisphere(double x, double y) {
 
 /// A tree, and how far about the mirror direction its peak is in the disc.
 struct Peaked {
-    const TreeTable& tree;
+    std::shared_ptr<const TreeTable> tree;
     double reach;
 
-    Rgb f(Vec3f wl, Vec3f wv) const { return value(tree, wl, wv); }
+    Rgb f(Vec3f wl, Vec3f wv) const { return value(*tree, wl, wv); }
     /// At the edge of the peak on the viewer's side, on the other one where that is below the horizon.
     Rgb rest(Vec3f wl, Vec3f wv) const {
         const double x = double(wl.x) + double(wv.x), y = double(wl.y) + double(wv.y), apart = elementary::hypot(x, y);
@@ -89,10 +89,10 @@ Rgb mean_share(const Peaked& peaked, double theta, double phi) {
 
 }  // namespace
 
-std::optional<SeparatedTree> separated_beam(const TreeTable& tree) {
+std::optional<SeparatedBeam> separated_beam(const std::shared_ptr<const TreeTable>& tree) {
     // The unit square has the area of the disc, π.
-    const Peaked peaked{tree, k_peak_reach * double(tree.y.smallest_leaf()) * std::sqrt(k_pi)};
-    const int nodes = tree.y.rank == 3 ? 1 : k_beam_nodes;
+    const Peaked peaked{tree, k_peak_reach * double(tree->y.smallest_leaf()) * std::sqrt(k_pi)};
+    const int nodes = tree->y.rank == 3 ? 1 : k_beam_nodes;
     Beam beam;
     bool is_beam = false;
     for (int ring = 0; ring < k_beam_rings; ++ring) {
@@ -111,7 +111,7 @@ std::optional<SeparatedTree> separated_beam(const TreeTable& tree) {
     const Evaluate rest = [peaked](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         for (std::size_t i = 0; i < f.size(); ++i) f[i] = peaked.rest(wl[i], wv[i]);
     };
-    return SeparatedTree{rest, std::move(beam)};
+    return SeparatedBeam{rest, std::move(beam)};
 }
 
 }  // namespace srbf

@@ -6,8 +6,8 @@
 
 #include "base/parallel.h"
 #include "base/r_sequence.h"
+#include "extras/daylight/formats.h"
 #include "extras/daylight/klems.h"
-#include "srbf/convert.h"
 #include "srbf/elementary.h"
 #include "srbf/printable.h"
 
@@ -49,8 +49,8 @@ KlemsTable to_klems(const Evaluate& part, const AngleBasis& basis, int threads) 
             RSequence<4> points;
             for (std::size_t k = is_near ? k_mirror_pair_points : k_pair_points; k > 0; --k) {
                 const auto u = points.next();
-                const Vec3d p = basis.point_of(i, u[0], u[1]), q = basis.point_of(o, u[2], u[3]);
-                wl.push_back(to_float({p.x, -p.y, p.z})), wv.push_back(to_float({-q.x, q.y, q.z}));
+                wl.push_back(light_at(basis.point_of(i, u[0], u[1])));
+                wv.push_back(view_at(basis.point_of(o, u[2], u[3])));
             }
             f.resize(wl.size());
             part(wl, wv, f);
@@ -72,17 +72,11 @@ void add_beam(KlemsTable& table, const Beams& beams, Part part) {
     if (beams[std::size_t(part)].empty() && !(is_transmission(part) && !beams[std::size_t(counterpart(part))].empty()))
         return;
     table.beam.clear();
-    for (std::size_t i = 0; i < table.incident.patches(); ++i) {
-        const Vec3d middle = table.incident.middle_of(i);
-        table.beam.push_back(share_at(beams, part, to_float({middle.x, -middle.y, middle.z})));
-    }
+    for (std::size_t i = 0; i < table.incident.patches(); ++i)
+        table.beam.push_back(share_at(beams, part, light_at(table.incident.middle_of(i))));
 }
 
 namespace {
-
-/// WINDOW's words for the parts, in the order of `Part`, and for the kind of a matrix.
-constexpr std::array<std::string_view, k_parts> k_window_names{"Reflection Front", "Reflection Back",
-                                                               "Transmission Front", "Transmission Back"};
 
 /// Degrees with as many digits as files give them.
 std::string degrees_of(float radians) { return fmt::format("{:.7g}", double(radians) / k_degree); }
@@ -143,7 +137,7 @@ std::string write_bsdf_xml(const BsdfTable& table) {
              {Part::transmission_front, Part::transmission_back, Part::reflection_front, Part::reflection_back}) {
             const auto& of = band.part[std::size_t(part)];
             if (!of) continue;
-            const auto& matrix = std::get<KlemsTable>(of->table);
+            const KlemsTable& matrix = *own_table<KlemsTable>(*of);
             for (const AngleBasis* basis : {&matrix.incident, &matrix.outgoing})
                 if (std::ranges::find(bases, basis->name, &AngleBasis::name) == bases.end()) bases.push_back(*basis);
             if (band.name == k_colours) {
@@ -168,6 +162,55 @@ std::string write_bsdf_xml(const BsdfTable& table) {
         table.description.empty() ? "BSDF" : html_escaped(table.description));
     for (const AngleBasis& basis : bases) text += basis_text(basis);
     return text + "\t</DataDefinition>\n" + blocks + "</Layer>\n</Optical>\n</WindowElement>\n";
+}
+
+namespace {
+
+/// The basis that is chosen.
+AngleBasis basis_of(const TableOptions& options) {
+    const auto* const found = std::ranges::find(k_klems_bases, options.choice);
+    return klems_basis(found == std::end(k_klems_bases) ? KlemsBasis::full
+                                                        : KlemsBasis(found - std::begin(k_klems_bases)));
+}
+
+/// A part as a matrix of the basis that is chosen: the measured one, if it has it.
+KlemsTable klems_of(const Measured* own, const TableSource& source, Part part, const TableOptions& options) {
+    const AngleBasis basis = basis_of(options);
+    const auto* matrix = own ? own_table<KlemsTable>(*own) : nullptr;
+    if (matrix && matrix->incident.name == basis.name && matrix->outgoing.name == basis.name) return *matrix;
+    const auto values = [of = part_of(non_negative(source.values), part), &options](auto wl, auto wv, auto f) {
+        if (!options.progress.cancelled()) of(wl, wv, f);
+    };
+    KlemsTable table = to_klems(values, basis, options.threads);
+    add_beam(table, source.beams, part);
+    return table;
+}
+
+/// A band of matrices; a beam is that of the part.
+BsdfTable::Band patches_of(std::string name, const TableSource& source, const TableOptions& options) {
+    const auto* own =
+        source.measured && !source.measured->exchanged ? std::get_if<BsdfTable>(&source.measured->table) : nullptr;
+    BsdfTable::Band band{std::move(name), {}, {}};
+    for (std::size_t p = 0; p < k_parts; ++p)
+        if (source.has[p])
+            band.part[p] = std::make_shared<const Measured>(Measured{
+                {}, {}, 0, evaluated(klems_of(own ? own->band().part[p].get() : nullptr, source, Part(p), options))});
+    return band;
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> write_as_bsdf_xml(const TableSource& source, const TableOptions& options) {
+    BsdfTable all;
+    all.description = options.description;
+    const auto* bsdf = source.measured ? std::get_if<BsdfTable>(&source.measured->table) : nullptr;
+    if (!bsdf) all.bands.push_back(patches_of("Visible", source, options));
+    for (std::size_t b = 0; bsdf && b < bsdf->bands.size(); ++b) {
+        Measured of = *source.measured;
+        std::get<BsdfTable>(of.table).chosen = b;
+        all.bands.push_back(patches_of(bsdf->bands[b].name, table_source(of), options));
+    }
+    return bytes_of(write_bsdf_xml(all));
 }
 
 }  // namespace srbf

@@ -8,6 +8,7 @@
 
 #include "base/floating_point.h"
 #include "extras/optics/formats.h"
+#include "extras/optics/json_rows.h"
 #include "extras/optics/spectral_rows.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
@@ -20,63 +21,40 @@ constexpr std::array<std::string_view, std::tuple_size_v<SpectralRow>> k_names{
     "theta_i", "phi_i", "theta_r", "phi_r", "wavelength_i", "BRDF", "uBRDF"};
 
 /// Takes "unit" and "values" of these arrays in "data", and "description" in "metadata"; the rest is passed over.
-struct BirdSax : nlohmann::json_sax<nlohmann::json> {
+struct BirdRows : JsonRows {
     struct Array {
         std::string unit;
         std::vector<float> values;
     };
-    std::vector<std::string> path;  ///< keys of what is open, of arrays too
-    std::string last_key, description, wrong;
+    std::string description;
     std::array<Array, k_names.size()> arrays;
     Array* filled = nullptr;  ///< the array whose numbers come
 
-    static constexpr std::size_t k_deepest = 64;
-
-    bool refuse(std::string what) { return wrong = std::move(what), false; }
-    bool take(double x) {
-        if (filled) filled->values.push_back(float(x));
-        return true;
-    }
     /// The array whose object is open.
     Array* array() {
         if (path.size() != 3 || path[1] != "data") return nullptr;
         const auto found = std::ranges::find(k_names, path[2]);
         return found == k_names.end() ? nullptr : &arrays[std::size_t(found - k_names.begin())];
     }
-    bool null() override { return take(double(k_nan)); }
-    bool boolean(bool) override { return take(double(k_nan)); }
-    bool number_integer(number_integer_t x) override { return take(double(x)); }
-    bool number_unsigned(number_unsigned_t x) override { return take(double(x)); }
-    bool number_float(number_float_t x, const string_t&) override { return take(x); }
-    bool string(string_t& text) override {
+    bool take(double x) override {
+        if (filled) filled->values.push_back(float(x));
+        return true;
+    }
+    bool take_text(const std::string& text) override {
         if (filled) return refuse("a text among values");
         if (Array* of = array(); of && last_key == "unit") of->unit = text.substr(0, 20);
         if (path.size() == 2 && path[1] == "metadata" && last_key == "description") description = text.substr(0, 200);
         return true;
     }
-    bool binary(binary_t&) override { return refuse("bytes"); }
-    bool key(string_t& text) override { return last_key = text.substr(0, 100), true; }
-    bool start() {
+    bool open(bool is_array) override {
         if (filled) return refuse("something else than numbers among values");
-        if (path.size() == k_deepest) return refuse("more than 64 levels");
-        path.push_back(last_key);
-        return true;
-    }
-    bool end() { return path.pop_back(), true; }
-    bool start_object(std::size_t) override { return start(); }
-    bool end_object() override { return end(); }
-    bool start_array(std::size_t) override {
         Array* const of = array();
-        if (!start()) return false;
-        if (!of || last_key != "values") return true;
+        if (!is_array || !of || last_key != "values") return true;
         if (!of->values.empty()) return refuse("the same values again");
         filled = of;
         return true;
     }
-    bool end_array() override { return filled = nullptr, end(); }
-    bool parse_error(std::size_t at, const std::string&, const nlohmann::detail::exception&) override {
-        return refuse(fmt::format("a mistake at byte {}", at));
-    }
+    bool close(bool) override { return filled = nullptr, true; }
 };
 
 /// The factor that converts values to radians, nanometres or 1/sr; 0: there is no such unit.
@@ -117,8 +95,8 @@ bool is_bird(std::string_view text) {
            (head.find("brdf_json_schema") != head.npos || head.find("\"theta_i\"") != head.npos);
 }
 
-Result<ScatteredSamples> read_bird_samples(std::span<const std::byte> bytes, const std::string& file_name) {
-    BirdSax sax;
+Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::string& file_name) {
+    BirdRows sax;
     const std::string_view text = as_text(bytes);
     const auto error = [&](std::string what, std::string expected, std::string found) {
         return Error{file_name, {}, std::move(what), std::move(expected), std::move(found)};
@@ -159,11 +137,6 @@ Result<ScatteredSamples> read_bird_samples(std::span<const std::byte> bytes, con
     for (auto& [unit, values] : sax.arrays) std::vector<float>().swap(values);
     weigh(rows);
     return samples_of_rows(rows, bytes.size(), file_name, std::move(sax.description), lights.are_one());
-}
-
-Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::string& file_name) {
-    const StandardArithmetic mode;
-    return indexed(read_bird_samples(bytes, file_name));
 }
 
 }  // namespace srbf

@@ -39,7 +39,7 @@ bool is_fred(std::string_view text) {
     return line && line->starts_with("type bsdf_data");
 }
 
-Result<ScatteredSamples> read_fred_samples(std::span<const std::byte> bytes, const std::string& file_name) {
+Result<ScatteredSamples> read_fred(std::span<const std::byte> bytes, const std::string& file_name) {
     Lines lines(as_text(bytes));
     FredFormat format;
     SampleBuilder builder(Values::grey, {}, bytes.size(), lines_of(bytes));

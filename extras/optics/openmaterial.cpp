@@ -9,10 +9,10 @@
 
 #include "base/floating_point.h"
 #include "extras/optics/formats.h"
+#include "extras/optics/json_rows.h"
 #include "extras/optics/spectral_rows.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
-#include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 
@@ -46,10 +46,8 @@ struct FollowedText {
 };
 
 /// Takes the rows of "lookupTable" in "brdf" and "name" in "metadata"; the rest is passed over.
-struct OpenMaterialSax : nlohmann::json_sax<nlohmann::json> {
-    std::vector<std::string> path;  ///< keys of the objects that are open
-    std::vector<char> open;         ///< '{' and '['
-    std::string last_key, name, wrong;
+struct OpenMaterialRows : JsonRows {
+    std::string name;
     ReadPlace place;
     std::optional<std::string> expected;  ///< where a number is out of its range
     bool in_table = false, has_table = false;
@@ -57,11 +55,9 @@ struct OpenMaterialSax : nlohmann::json_sax<nlohmann::json> {
     SpectralRow row{};
     std::vector<SpectralRow> rows;
 
-    static constexpr std::size_t k_deepest = 64;
     /// The columns of a file: wavelength, θ_l, θ_v, φ_v, f.
     static constexpr std::array<std::size_t, 5> k_order{k_of_wavelength, 0, 2, 3, k_of_value};
 
-    bool refuse(std::string what) { return wrong = std::move(what), false; }
     /// The line of the number that was read last; a parser has read the character after it.
     std::uint64_t line() const { return place.line - (place.last == '\n'); }
     /// Angles of a row within their ranges, of which older versions of the format have zenith angles to −π/2.
@@ -72,54 +68,33 @@ struct OpenMaterialSax : nlohmann::json_sax<nlohmann::json> {
         expected = fmt::format("{:.4g} to {:.4g} rad in column {} of a row", lower, upper, column + 1);
         return refuse(fmt::format("{:g}", x));
     }
-    bool take(double x) {
+    bool take(double x) override {
         if (!in_table) return true;
-        if (open.size() != table_depth + 2) return refuse("a number outside of a row");
+        if (path.size() != table_depth + 2) return refuse("a number outside of a row");
         if (column == k_order.size()) return refuse("a row of more than five numbers");
         if (column > 0 && column < 4 && !check_angle(x)) return false;
         row[k_order[column]] = float(column == 0 ? x / k_nanometre : x);
         ++column;
         return true;
     }
-    bool null() override { return take(double(k_nan)); }
     bool boolean(bool) override { return !in_table || refuse("a truth value in a row"); }
-    bool number_integer(number_integer_t x) override { return take(double(x)); }
-    bool number_unsigned(number_unsigned_t x) override { return take(double(x)); }
-    bool number_float(number_float_t x, const string_t&) override { return take(x); }
-    bool string(string_t& text) override {
+    bool take_text(const std::string& text) override {
         if (in_table) return refuse("a text in a row");
         if (last_key == "name" && !path.empty() && path.back() == "metadata") name = text.substr(0, 200);
         return true;
     }
-    bool binary(binary_t&) override { return refuse("bytes"); }
-    bool key(string_t& text) override { return last_key = text.substr(0, 100), true; }
-    bool start(char kind) {
-        if (in_table && (kind == '{' || open.size() != table_depth + 1)) return refuse("something else than rows");
-        if (open.size() == k_deepest) return refuse("more than 64 levels");
-        open.push_back(kind);
-        if (in_table) column = 0;
+    bool open(bool is_array) override {
+        if (in_table && (!is_array || path.size() != table_depth + 1)) return refuse("something else than rows");
+        column = 0;
+        if (in_table || !is_array || last_key != "lookupTable" || path.empty() || path.back() != "brdf") return true;
+        if (has_table) return refuse("a second table");
+        in_table = has_table = true;
+        table_depth = path.size();
         return true;
     }
-    bool start_object(std::size_t) override {
-        if (!start('{')) return false;
-        path.push_back(last_key);
-        return true;
-    }
-    bool end_object() override { return open.pop_back(), path.pop_back(), true; }
-    bool start_array(std::size_t) override {
-        if (!in_table && last_key == "lookupTable" && !path.empty() && path.back() == "brdf") {
-            if (has_table) return refuse("a second table");
-            in_table = has_table = true;
-            table_depth = open.size();
-            open.push_back('[');
-            return true;
-        }
-        return start('[');
-    }
-    bool end_array() override {
-        open.pop_back();
+    bool close(bool) override {
         if (!in_table) return true;
-        if (open.size() == table_depth) return in_table = false, true;
+        if (path.size() == table_depth + 1) return in_table = false, true;
         if (column != k_order.size()) return refuse("a row of fewer than five numbers");
         // The light's azimuth is 0; f is not below 0. A direction at −θ is that at θ in the other half of its plane.
         row[1] = 0, row[k_of_weight] = 1;
@@ -128,9 +103,6 @@ struct OpenMaterialSax : nlohmann::json_sax<nlohmann::json> {
         if (row[k_of_value] < 0) row[k_of_value] = k_nan;
         rows.push_back(row);
         return true;
-    }
-    bool parse_error(std::size_t at, const std::string&, const nlohmann::detail::exception&) override {
-        return refuse(fmt::format("a mistake at byte {}", at));
     }
 };
 
@@ -141,8 +113,8 @@ bool is_openmaterial(std::string_view text) {
     return first != text.npos && text[first] == '{' && text.substr(0, 4096).find("OpenMATERIAL") != text.npos;
 }
 
-Result<ScatteredSamples> read_openmaterial_samples(std::span<const std::byte> bytes, const std::string& file_name) {
-    OpenMaterialSax sax;
+Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, const std::string& file_name) {
+    OpenMaterialRows sax;
     const std::string_view text = as_text(bytes);
     sax.rows.reserve(std::size_t(std::ranges::count(text, '[')));
     const bool parsed = nlohmann::json::sax_parse(FollowedText{text.data(), &sax.place},
@@ -155,11 +127,6 @@ Result<ScatteredSamples> read_openmaterial_samples(std::span<const std::byte> by
         if (!std::isfinite(row[k_of_wavelength]))
             return Error{file_name, {}, "OpenMATERIAL", "a wavelength and three angles in each row", "others"};
     return samples_of_rows(sax.rows, bytes.size(), file_name, sax.name, true);
-}
-
-Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, const std::string& file_name) {
-    const StandardArithmetic mode;
-    return indexed(read_openmaterial_samples(bytes, file_name));
 }
 
 namespace {
@@ -223,6 +190,33 @@ std::string write_openmaterial(const ScatteredSamples& samples) {
         "\"unknown\",\n        \"authors\": [\"unknown\"],\n        \"sources\": \"converted by srbf\"\n    }},\n"
         "    \"brdf\": {{\n        \"wavelengths\": [{}],\n        \"lookupTable\": [{}\n        ]\n    }}\n}}\n",
         name, uuid_of(table), wavelengths, table);
+}
+
+namespace {
+
+/// Samples at a grid of angles every 5°, of azimuths every 15°, without those that were not measured.
+ScatteredSamples gridded(const Evaluate& brdf, const std::string& description) {
+    std::vector<Vec3f> wl, wv;
+    for (int l = 0; l < 18; ++l)
+        for (int v = 0; v < 18; ++v)
+            for (int phi = 0; phi <= (v == 0 ? 0 : 12); ++phi) {
+                wl.push_back(to_float(spherical(5 * l * k_degree, 0.0)));
+                wv.push_back(to_float(spherical(5 * v * k_degree, 15 * phi * k_degree)));
+            }
+    std::vector<Rgb> f(wl.size());
+    brdf(wl, wv, f);
+    ScatteredSamples samples;
+    samples.description = description;
+    for (std::size_t i = 0; i < f.size(); ++i)
+        if (is_finite(f[i])) samples.wl.push_back(wl[i]), samples.wv.push_back(wv[i]), samples.colour.push_back(f[i]);
+    return samples;
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> write_as_openmaterial(const TableSource& source, const TableOptions& options) {
+    const auto* own = source.measured ? std::get_if<ScatteredSamples>(&source.measured->table) : nullptr;
+    return bytes_of(write_openmaterial(own ? *own : gridded(source.values, options.description)));
 }
 
 }  // namespace srbf

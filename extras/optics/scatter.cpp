@@ -1,5 +1,5 @@
 // Scatter tables: their look-up, and the words of their files.
-#include "extras/optics/scatter.h"
+#include "extras/optics/formats.h"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,9 @@
 #include "measured/angles.h"
 #include "measured/limits.h"
 #include "srbf/colour.h"
-#include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 
@@ -174,12 +174,6 @@ Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
     return {table.tint.r * f.r, table.tint.g * f.g, table.tint.b * f.b};
 }
 
-Rgb value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
-    Rgb f = signed_value(table, wl, wv);
-    for (int c = 0; c < 3; ++c) f[c] = f[c] < 0 ? 0 : f[c];  // a NaN is kept
-    return f;
-}
-
 double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& slice, std::size_t channel) {
     // Cells of a degree of the hemisphere about the normal, of which the table answers for each middle.
     constexpr int k_polar = 180, k_turn = 360;
@@ -267,6 +261,71 @@ ScatterTable to_scatter(const Evaluate& part, bool about_mirror, bool isotropic,
                                   : k_nan);
     });
     return table;
+}
+
+// ---- Measurements ----
+
+bool is_isotropic(const ScatterTable& table) { return table.rotation.size() == 1; }
+
+std::vector<TableLine> lines_about(const ScatterTable& table) {
+    const ScatterTable::Slice& of = table.slices.front();
+    ValueRange theta_l, polar, value;
+    std::uint64_t values = 0;
+    std::string tis;
+    for (std::size_t k = 0; k < table.slices.size(); ++k) {
+        const ScatterTable::Slice& slice = table.slices[k];
+        theta_l.add(float(double(slice.theta_l) / k_degree));
+        for (const float p : slice.polar) polar.add(float(double(p) / k_degree));
+        for (const float f : slice.f) value.add(f);
+        values += slice.f.size() / table.channels;
+        if (k < table.first[1] && k < 20)
+            tis += fmt::format("{}{:.4g} at {:.3g}°", k ? ", " : "",
+                               scatter_integral(table, slice, table.channels == 1 ? 0 : 1),
+                               double(slice.theta_l) / k_degree);
+    }
+    return {
+        {"dimensions",
+         fmt::format("{} rotations of the sample, {} angles of incidence in all, {} polar × {} azimuths about the {}{}",
+                     table.rotation.size(), table.slices.size(), of.polar.size(), of.azimuth.size(),
+                     table.about_mirror ? "mirror direction" : "normal", table.channels == 1 ? "" : ", CIE X, Y, Z")},
+        {"θl", theta_l.text() + " degrees"},
+        {"polar angle", polar.text() + " degrees"},
+        {"masked entries", fmt::format("{} of {}, 0 in the file", grouped(table.masked), grouped(values))},
+        {"value [1/sr]", value.text()},
+        {"TIS", "∫ f cosθ of what was measured: " + tis}};
+}
+
+EvaluatedTable evaluated(ScatterTable table) {
+    return evaluated_as<ScatterTable>("Zemax", std::make_shared<const ScatterTable>(std::move(table)));
+}
+
+Measured measured_of(std::array<std::optional<ScatterTable>, 2> tables, const std::string& file_name,
+                     const char* format) {
+    if (!tables[1]) return {file_name, format, 0, evaluated(*std::move(tables[0]))};
+    BsdfTable all{{{}}, 0, {}};
+    for (std::size_t s = 0; s < 2; ++s)
+        if (tables[s])
+            all.bands[0].part[std::size_t(s == 0 ? Part::reflection_front : Part::transmission_front)] =
+                std::make_shared<const Measured>(Measured{file_name, format, 0, evaluated(*std::move(tables[s]))});
+    return {file_name, format, 0, std::move(all)};
+}
+
+std::vector<ScatterTable> scatter_tables(const TableSource& source, bool about_mirror, int threads) {
+    std::vector<ScatterTable> tables;
+    for (const Part part : {Part::reflection_front, Part::transmission_front}) {
+        if (!source.has[std::size_t(part)]) continue;
+        const Measured* own = source.measured && !source.measured->exchanged ? source.measured : nullptr;
+        const auto* bsdf = own ? std::get_if<BsdfTable>(&own->table) : nullptr;
+        if (bsdf) own = bsdf->band().part[std::size_t(part)].get();
+        const auto* table = own ? own_table<ScatterTable>(*own) : nullptr;
+        if (table && table->about_mirror == about_mirror) {
+            tables.push_back(*table);
+            continue;
+        }
+        tables.push_back(to_scatter(part_of(source.values, part), about_mirror, source.isotropic, threads));
+        tables.back().transmission = is_transmission(part);
+    }
+    return tables;
 }
 
 // ---- Text ----

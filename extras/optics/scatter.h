@@ -4,9 +4,20 @@
 #include <string_view>
 
 #include "measured/samples.h"
-#include "srbf/measured.h"
+#include "srbf/formats.h"
+#include "srbf/optics.h"
 
 namespace srbf {
+
+template <typename Each> void members(ScatterTable::Slice& of, const Each& each) {
+    each(of.theta_l), each(of.polar), each(of.azimuth), each(of.f);
+}
+template <typename Each> void members(ScatterTable& of, const Each& each) {
+    each(of.about_mirror), each(of.transmission), each(of.rotation), each(of.first), each(of.slices), each(of.tint);
+    each(of.masked), each(of.channels);
+}
+
+std::vector<TableLine> lines_about(const ScatterTable& table);
 
 /// The numbers of a text, line by line or word by word, with errors that name the line. After its first error, which is
 /// kept, all numbers are 0.
@@ -47,6 +58,12 @@ class ScatterText {
     bool comments_;
     std::optional<Error> error_;
 };
+
+/// Tables of reflection and transmission as a measurement: of reflection alone a BRDF.
+Measured measured_of(std::array<std::optional<ScatterTable>, 2> tables, const std::string& file_name,
+                     const char* format);
+/// The tables of reflection and transmission of light from the front: measured ones, if they are of that kind.
+std::vector<ScatterTable> scatter_tables(const TableSource& source, bool about_mirror, int threads);
 
 /// Degrees with the digits that a float has.
 std::string written_degrees(float radians);

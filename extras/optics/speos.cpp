@@ -6,10 +6,8 @@
 
 #include "base/floating_point.h"
 #include "extras/optics/formats.h"
-#include "extras/optics/scatter.h"
 #include "measured/limits.h"
 #include "srbf/colour.h"
-#include "srbf/convert.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -272,6 +270,19 @@ std::string write_speos(std::span<const ScatterTable* const> tables) {
             }
         }
     return text + "End of file\n";
+}
+
+Result<Measured> read_as_speos(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&) {
+    auto tables = read_speos(bytes, file_name);
+    if (!tables) return tables.error();
+    return measured_of(*std::move(tables), file_name, "Speos");
+}
+
+Result<std::vector<std::byte>> write_as_speos(const TableSource& source, const TableOptions& options) {
+    const auto tables = scatter_tables(source, false, options.threads);
+    std::vector<const ScatterTable*> all;
+    for (const ScatterTable& table : tables) all.push_back(&table);
+    return bytes_of(write_speos(all));
 }
 
 }  // namespace srbf

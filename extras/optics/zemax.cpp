@@ -6,9 +6,7 @@
 
 #include "base/floating_point.h"
 #include "extras/optics/formats.h"
-#include "extras/optics/scatter.h"
 #include "measured/limits.h"
-#include "srbf/convert.h"
 
 namespace srbf {
 
@@ -177,6 +175,23 @@ std::string write_zemax(const ScatterTable& table) {
         text += "DataEnd\n";
     }
     return text;
+}
+
+Result<Measured> read_as_zemax(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&) {
+    auto table = read_zemax(bytes, file_name);
+    if (!table) return table.error();
+    const bool transmission = table->transmission;
+    std::array<std::optional<ScatterTable>, 2> tables;
+    tables[std::size_t(transmission)] = *std::move(table);
+    return measured_of(std::move(tables), file_name, "Zemax");
+}
+
+/// The file of a BRDF, or of a BSDF that only transmits light from the front.
+Result<std::vector<std::byte>> write_as_zemax(const TableSource& source, const TableOptions& options) {
+    const auto tables = scatter_tables(source, true, options.threads);
+    if (tables.size() > 1)
+        return Error{"table", {}, "input", "reflection or transmission alone", "both", ErrorCode::argument};
+    return bytes_of(write_zemax(tables[0]));
 }
 
 }  // namespace srbf

@@ -26,6 +26,18 @@ concept Brdf = requires(const B& brdf, Vec3f wl, Vec3f wv) {
 /// end the program. Safe to call from several threads at once.
 using Evaluate = std::function<void(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f)>;
 
+/// f with negative channels set to 0; NaN is kept.
+inline Rgb non_negative(Rgb f) {
+    for (int c = 0; c < 3; ++c) f[c] = f[c] < 0 ? 0 : f[c];
+    return f;
+}
+inline Evaluate non_negative(Evaluate values) {
+    return [values = std::move(values)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        values(wl, wv, f);
+        for (Rgb& c : f) c = non_negative(c);
+    };
+}
+
 /// Ends the program unless there are as many of each.
 inline void require_equal_lengths(std::size_t wl, std::size_t wv, std::size_t f) {
     if (wl != wv || wl != f) misused("arrays of pairs: expected as many wl, wv and values");

@@ -42,12 +42,6 @@ struct MbsdfOptions {
 /// and φ. `grey` if all channels of all samples are equal.
 MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options = {});
 
-/// A part of a BSDF, in its own frame, as means over pairs of patches of `basis`, weighted by both cosines: of 256 points of a
-/// pair, about the mirror direction 4096. What is not known is left out of a mean.
-KlemsTable to_klems(const Evaluate& part, const AngleBasis& basis, int threads = 0);
-/// Gives each incident patch the share of the part's beam at its middle.
-void add_beam(KlemsTable& table, const Beams& beams, Part part);
-
 /// `brdf` at all pairs of n directions of the Fibonacci set on the cap θ ≤ θmax [rad], without the pairs that were not
 /// measured.
 ScatteredSamples to_samples(const Evaluate& brdf, bool isotropic, int n, double theta_max);
@@ -64,18 +58,6 @@ std::vector<std::byte> write_rgl(const RglTable& table, bool spectra = true);
 /// other than line ends, become blanks. read_mbsdf(write_mbsdf(table)) is `table` but for `has_transmission`. With
 /// `transmission` a block of it follows, of which the metadata do not matter.
 std::vector<std::byte> write_mbsdf(const MbsdfTable& table, const MbsdfTable* transmission = nullptr);
-/// The XML of WINDOW and Radiance of a BSDF whose parts are all matrices of patches, in their bands. A beam is put back into
-/// the patch of its mirror direction. Numbers are luminances with six digits: write(read(written)) is `written`.
-std::string write_bsdf_xml(const BsdfTable& table);
-/// A part of a BSDF, in its own frame, as a scatter table: 18 angles of incidence, of anisotropic ones at 25 rotations, about the
-/// mirror direction dense near it.
-ScatterTable to_scatter(const Evaluate& part, bool about_mirror, bool isotropic, int threads = 0);
-/// Zemax' text. TIS is ∫ f cosθ dω. Slices have one grid. read_zemax(write_zemax(table)) is `table`.
-std::string write_zemax(const ScatterTable& table);
-/// Speos' text of anisotropic BSDFs, of one table of reflection or transmission, or both. read_speos gives the same again.
-std::string write_speos(std::span<const ScatterTable* const> tables);
-/// A table of ASAM OpenMATERIAL 3D, of isotropic samples; of colours the smoothest spectra (`reflectance_spectrum`).
-std::string write_openmaterial(const ScatteredSamples& samples);
 /// CSV with a row per sample: wl_x .. wv_z, then r,g,b, or a spectrum in columns such as 450nm.
 /// read_csv(write_csv(samples)) is `samples`. Once cancelled it ends early.
 std::string write_csv(const ScatteredSamples& samples, const ProgressToken& token = {});

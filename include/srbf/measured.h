@@ -1,8 +1,10 @@
 // Measured BRDFs in the form of their files.
 #pragma once
+#include <any>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -138,109 +140,31 @@ struct ScatteredSamples {
 /// Builds the search structure of `value`. Call it again after any change of the samples.
 void make_index(ScatteredSamples& samples);
 
-/// A division of the hemisphere into patches, after Klems ("A new method for predicting the solar heat gain of complex
-/// fenestration systems", 1994): rings of polar angles, and in a ring patches of one width, the first about azimuth 0.
-struct AngleBasis {
-    struct Ring {
-        float theta = 0;             ///< [rad], by which the file names it
-        float from = 0, to = 0;      ///< [rad]
-        std::uint32_t azimuths = 1;  ///< number of patches
-        friend bool operator==(const Ring&, const Ring&) = default;
-    };
-    std::string name;
-    std::vector<Ring> rings;  ///< from 0 to π/2
-
-    std::size_t patches() const;
-    /// The first patch of a ring; `rings.size()`: the number of patches.
-    std::size_t first_of(std::size_t ring) const;
-    std::size_t ring_of(std::size_t patch) const;
-    /// The patch that contains a direction above the horizon.
-    std::size_t patch_of(Vec3f w) const;
-    /// The middle of a patch in azimuth [rad].
-    double azimuth_of(std::size_t patch) const;
-    /// The direction at the azimuth of a patch and the θ of its ring.
-    Vec3d middle_of(std::size_t patch) const;
-    /// ∫ cosθ dω over a patch of the ring [sr].
-    double projected_solid_angle(std::size_t ring) const;
-    /// A point of a patch, (s, t) in [0, 1]²: uniform in ∫ cosθ dω.
-    Vec3d point_of(std::size_t patch, double s, double t) const;
+/// A part of a BSDF without the light that its table keeps as a peak though it is not scattered.
+struct SeparatedBeam {
+    Evaluate rest;  ///< f with the peak cut off at the level about it
+    Beam beam;      ///< the share that is cut off
 };
-
-/// The bases of WINDOW with 145, 77 and 41 patches.
-enum class KlemsBasis { full, half, quarter };
-AngleBasis klems_basis(KlemsBasis basis);
-
-/// A matrix of patches: one part of a BSDF in WINDOW's and Radiance's XML, in the frame of that part (bsdf.h). Cell
-/// (o, i) is the mean of f over the outgoing patch o and the incident patch i, both weighted by their cosines. In that
-/// frame the light that belongs to point (x, y, z) of an incident patch comes from (x, −y, z), and point (x, y, z) of
-/// an outgoing patch is the view direction (−x, y, z): the mirror direction has the same patch. Look-up is constant
-/// over patches.
-struct KlemsTable {
-    AngleBasis incident, outgoing;
-    std::vector<Rgb> cells;    ///< f [1/sr] without the beam, outgoing × incident
-    std::vector<Rgb> beam;     ///< of each incident patch: the share that was a peak within one patch; or empty
-    std::uint64_t masked = 0;  ///< cells without a measurement, NaN: none in files
-    Rgb cell(std::size_t o, std::size_t i) const { return cells[o * incident.patches() + i]; }
-    /// The outgoing patch of the mirror direction of an incident patch, or straight through.
-    std::size_t straight_ahead(std::size_t i) const;
+/// A line of what `srbf info` says about a table: a text, or the ranges of colours, channel by channel.
+struct TableLine {
+    std::string name, text;
+    std::span<const Rgb> colours = {};
 };
+struct OwnFit;  // fit_bsdf.h
 
-/// A function on the unit cube of 3 or 4 dimensions that is constant over leaves, as in Radiance's tensor trees. A branch
-/// halves its cube along each coordinate: child n is the upper half along coordinate i if bit i of n is set. A grid divides
-/// it into (2^level)^rank leaves, coordinate 0 slowest.
-struct TensorTree {
-    int rank = 3;
-    /// A node is its level in the upper 5 bits, or k_branch, and in the others the first of its nodes or leaves.
-    std::uint32_t root = 0;
-    std::vector<std::uint32_t> nodes;
-    std::vector<float> leaves;
-
-    static constexpr std::uint32_t k_branch = 31, k_most_leaves = (1u << 27) - 1;
-    static constexpr std::uint32_t branch(std::uint32_t first) { return k_branch << 27 | first; }
-    static constexpr std::uint32_t grid(int level, std::uint32_t first) { return std::uint32_t(level) << 27 | first; }
-    static constexpr std::uint32_t level_of(std::uint32_t node) { return node >> 27; }
-    static constexpr std::uint32_t first_of(std::uint32_t node) { return node & k_most_leaves; }
-    /// The leaf at x in [0, 1)^rank; what is outside counts as the border.
-    float at(std::array<double, 4> x) const;
-    /// The width of the smallest leaf.
-    float smallest_leaf() const;
+/// A table whose layout the files of its format alone know: its values, and what else is asked of any table.
+struct EvaluatedTable {
+    /// f_r [1/sr] as `signed_value` has it: 0 below the horizon, NaN in every channel where nothing was measured
+    Evaluate values;
+    bool isotropic = true;
+    std::function<std::vector<TableLine>()> lines;
+    /// The part without its peaks of unscattered light, if it has any; null: it has none.
+    std::function<std::optional<SeparatedBeam>()> separated_beam = {};
+    std::shared_ptr<const OwnFit> own_fit = {};  ///< how a part of a BSDF is fitted; null: to its values
+    std::any own = {};                           ///< a std::shared_ptr<const T> of the format's own table
+    std::string_view format = {};                ///< the name of the format that has `unpack` for `packed`
+    std::function<std::string()> packed = {};    ///< the table as bytes, for copies in other processes
 };
-
-/// Tensor trees: one part of a BSDF in Radiance's XML, in the frame of that part (bsdf.h). With p = (wl.x, −wl.y), q =
-/// (−wv.x, wv.y) and `square` the map of Shirley and Chiu from the unit disc to the unit square, which keeps areas, so that
-/// area × π is the projected solid angle:
-///   rank 4: x = (square(p), square(q));   rank 3, isotropic: x = ((1 − |p|)/2, square(q turned so that p lies on +x)).
-/// f [1/sr] is the leaf of `y`. Its colour is that of CIE 1976 u′, v′, of which (4/19, 9/19), equal energy, is white.
-struct TreeTable {
-    TensorTree y;
-    std::vector<TensorTree> chromaticity;  ///< u′ and v′; or empty: grey
-};
-
-/// Scatter on grids of angles, as Zemax and Speos keep it: for rotations of the sample and angles of incidence, values at
-/// polar angles and azimuths about the mirror direction of the light or about the normal. With the light at azimuth φ_l the
-/// rotation is φ_l − 90° about the mirror direction, from x to the normal of the plane of incidence (Zemax), and 180° − φ_l
-/// about the normal, from the plane of incidence to x (Speos). Rotations to 180° alone repeat after a half turn, those to
-/// 90° are mirrored too. About the normal azimuth 0 is the side of the mirror direction; about the mirror direction 180°
-/// goes on towards grazing, 0 back towards the normal. Look-up is linear in both angles of a slice over what was measured,
-/// and between slices and rotations at the same place about the mirror direction. Before the first angle of incidence and
-/// beyond the last one it is constant. Beyond the angles of a slice nothing was measured.
-struct ScatterTable {
-    struct Slice {
-        float theta_l = 0;                  ///< [rad]
-        std::vector<float> polar, azimuth;  ///< [rad], rising; azimuths to π alone: mirrored at the plane of incidence
-        std::vector<float> f;               ///< [1/sr], channel × polar × azimuth. NaN: a gap
-    };
-    std::size_t channels = 1;          ///< 1: grey; 3: CIE X, Y, Z
-    bool about_mirror = false;         ///< otherwise about the normal
-    bool transmission = false;         ///< the viewer is behind the surface, and stands mirrored at it (bsdf.h)
-    std::vector<float> rotation;       ///< [rad], rising; one: isotropic
-    std::vector<std::uint32_t> first;  ///< the first slice of each rotation, and the number of slices
-    std::vector<Slice> slices;
-    Rgb tint{1, 1, 1};         ///< of all values
-    std::uint64_t masked = 0;  ///< values that were 0 in the file
-};
-/// ∫ f cosθ dω of a channel of a slice [1], over cells of half a degree by a degree. What was not measured counts as 0.
-double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& slice, std::size_t channel = 0);
 
 struct Measured;
 
@@ -260,22 +184,22 @@ struct BsdfTable {
 
 /// Any measurement.
 struct Measured {
-    std::string source;  ///< the file name
-    /// "MERL", "RGL", "UTIA", "MBSDF", "Cornell", "ASTM E1392", "ALTA", "CSV", "BSDF XML", of trees "BSDF tree",
-    /// "Zemax", "Speos" or "OpenMATERIAL"
-    std::string format;
+    std::string source;       ///< the file name
+    std::string format;       ///< the name of one of `formats()` (formats.h), unless its reader gives another
     std::uint64_t bytes = 0;  ///< size of the file
-    std::variant<MerlTable, RglTable, UtiaTable, MbsdfTable, ScatteredSamples, KlemsTable, TreeTable, ScatterTable,
-                 BsdfTable>
-        table;
+    std::variant<MerlTable, RglTable, UtiaTable, MbsdfTable, ScatteredSamples, EvaluatedTable, BsdfTable> table;
     bool exchanged = false;  ///< all functions of a `Measured` look up the table at (wv, wl)
 };
 /// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument.
 void exchange(Measured& measured);
-/// True if f_r depends only on the difference of the azimuths; for patches, as far as their centres have the same
-/// difference, up to 1 % of the root mean square.
+/// The format's own table of a measurement, if it is a `T`; otherwise null.
+template <typename T> const T* own_table(const Measured& measured) {
+    const auto* table = std::get_if<EvaluatedTable>(&measured.table);
+    const auto* own = table ? std::any_cast<std::shared_ptr<const T>>(&table->own) : nullptr;
+    return own ? own->get() : nullptr;
+}
+/// True if f_r depends only on the difference of the azimuths.
 bool is_isotropic(const Measured& measured);
-bool is_isotropic(const KlemsTable& table);
 /// A line for each thing that the reader masked or assumed beyond the format.
 std::vector<std::string> notes(const Measured& measured);
 /// How far samples change with the azimuth, which isotropic ones do not: √(Σ |g_i − g_k|² / Σ |g_i|²) of g = f cosθl cosθv,
@@ -284,49 +208,39 @@ std::vector<std::string> notes(const Measured& measured);
 /// by more than 0.4 of it: then they differ by noise, or by their distance.
 double change_by_azimuth(const ScatteredSamples& samples);
 
-// f_r [1/sr] of unit vectors, which is not checked: 0 if wl.z ≤ 0 or wv.z ≤ 0, and otherwise finite and not negative,
-// or NaN where each function says so.
-/// f_r by trilinear interpolation over the measured ones of the eight surrounding nodes; NaN if none was measured.
-Rgb value(const MerlTable& table, Vec3f wl, Vec3f wv);
+// f_r [1/sr] of unit vectors, which is not checked: 0 if wl.z ≤ 0 or wv.z ≤ 0, and otherwise finite, or NaN in every channel
+// where each function says so. Negative channels occur where a saturated colour lies outside of the gamut.
+/// f_r by trilinear interpolation over the measured ones of the eight surrounding nodes, not negative; NaN if none was
+/// measured.
+Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv);
 /// f_r at the nearest node.
 Rgb nearest(const MerlTable& table, Vec3f wl, Vec3f wv);
-/// f_r, with negative values clamped to 0. Never NaN.
-Rgb value(const RglTable& table, Vec3f wl, Vec3f wv);
+/// f_r. Never NaN.
+Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv);
 /// f_r, linear in all four angles between the nodes, like the look-up of the database's own code. Between 75 and 90° it
-/// is extrapolated from 60 to 75°. Negative values are clamped to 0; NaN where one of the nodes was not measured.
-Rgb value(const UtiaTable& table, Vec3f wl, Vec3f wv);
-/// f_r by linear interpolation, with negative values clamped to 0; NaN where one of the samples is masked.
-Rgb value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
-/// f_r by interpolation, with negative values clamped to 0. Never NaN: masked samples are left out.
-Rgb value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
-/// f_r of the pair of patches, with negative values clamped to 0; NaN where the table has it.
-Rgb value(const KlemsTable& table, Vec3f wl, Vec3f wv);
-/// f_r of the leaf, with negative values clamped to 0. Never NaN.
-Rgb value(const TreeTable& table, Vec3f wl, Vec3f wv);
-/// f_r by interpolation over the measured ones of the surrounding nodes, with negative values clamped to 0; NaN if none
-/// was measured, or beyond the nodes.
-Rgb value(const ScatterTable& table, Vec3f wl, Vec3f wv);
+/// is extrapolated from 60 to 75°. NaN where one of the nodes was not measured.
+Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv);
+/// f_r by linear interpolation; NaN where one of the samples is masked.
+Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
+/// f_r by interpolation. Never NaN: masked samples are left out.
+Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
+/// f_r of its function.
+Rgb signed_value(const EvaluatedTable& table, Vec3f wl, Vec3f wv);
 /// f of the chosen band on either side: `value` of the part, or of its counterpart if the part is missing; 0 without
 /// both.
-Rgb value(const BsdfTable& table, Vec3f wl, Vec3f wv);
-/// `value` of the table, with light and viewer exchanged if `exchanged`.
-Rgb value(const Measured& measured, Vec3f wl, Vec3f wv);
-
-/// f_r without clamping of negative channels, which occur where a saturated colour lies outside of the gamut.
-Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv);
-Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv);
-Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv);
-Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
-Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
-Rgb signed_value(const KlemsTable& table, Vec3f wl, Vec3f wv);
-Rgb signed_value(const TreeTable& table, Vec3f wl, Vec3f wv);
-Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const BsdfTable& table, Vec3f wl, Vec3f wv);
+/// `signed_value` of the table, with light and viewer exchanged if `exchanged`.
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
+
+/// `signed_value` of a table or a measurement, with negative channels set to 0.
+template <typename Table>
+requires requires(const Table& table, Vec3f w) { signed_value(table, w, w); }
+Rgb value(const Table& table, Vec3f wl, Vec3f wv) { return non_negative(signed_value(table, wl, wv)); }
+
 /// f[i] = signed_value(table, wl[i], wv[i]). The spans have the same length. Isotropic tables use the widest SIMD
 /// instructions of the machine, within 1e-4 relative or 1e-5 of the table's largest colour over cosθv.
 void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
-/// `evaluate_signed` of a MERL table, whose values are not negative: the bits of `value`.
+/// `evaluate_signed` of a MERL table: the bits of `signed_value`.
 void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 /// `signed_value` as an `Evaluate`, the input of a fit. It keeps a reference to `measured`.
 Evaluate signed_evaluator(const Measured& measured);
@@ -361,13 +275,6 @@ Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string&
 /// n_φ, and n_θ n_θ n_φ samples. A block of transmission may follow; its size is checked, and it is left out. A sample
 /// that is not finite is masked.
 Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads BSDF data in the XML of LBNL's WINDOW and of Radiance: matrices of patches in Klems' bases or in bases that
-/// the file defines, or Radiance's tensor trees, for reflection and transmission at front and back, in bands of wavelengths
-/// ("Visible" is chosen if there is one). WINDOW's front is +z. A peak of one patch about the mirror direction, of which the neighbouring
-/// patches see less than a tenth, is a `Beam`. Errors: not well-formed XML; a document type (with which entities are
-/// defined); a matrix of another size than its bases; a tree of the wrong shape; numbers that are not finite.
-Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name);
-inline constexpr std::size_t k_largest_xml = std::size_t(1) << 28;
 /// Reads CSV (see `read_csv`) of samples on both sides, for each part those of its own.
 Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name);
 /// Reads both blocks of an MBSDF file as reflection and transmission of light from the front, whose frame is that of
@@ -392,23 +299,6 @@ Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::
 /// `# isotropic` declares the samples isotropic. docs/formats.md lists other names, separators, and what is assumed of
 /// azimuths and units that are missing, which `notes` tells.
 Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name);
-
-/// Reads Zemax' text of BSDFs: PlaneSymmetrical, Asymmetrical or Asymmetrical4D, Monochrome, BRDF or BTDF. The TIS that it states
-/// is not used.
-Result<ScatterTable> read_zemax(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads Speos' texts of anisotropic BSDFs, and of isotropic ones by wavelength: reflection and transmission of light
-/// from the front, of which at least one is there. Values are π f or f cosθ; where their integral is off the percentage
-/// that the file states by more than a tenth of it, they are scaled to it. By wavelength the table is the mean, tinted
-/// by the percentages. Errors: a binary file.
-Result<std::array<std::optional<ScatterTable>, 2>> read_speos(std::span<const std::byte> bytes,
-                                                              const std::string& file_name);
-/// Reads a BRDF table of ASAM OpenMATERIAL 3D: rows of wavelength [m], θ_l, θ_v, φ_v relative to the light [rad], f [1/sr].
-/// Pairs of directions that lack a wavelength are masked.
-Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, const std::string& file_name);
-
-/// Reads the JSON of the project BiRD (national metrology institutes): theta_i, phi_i, theta_r, phi_r, wavelength_i, BRDF, a
-/// number a point. Polarizations of a pair are averaged; uBRDF weighs samples.
-Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::string& file_name);
 
 /// The quantity of the values of samples.
 enum class Quantity {

@@ -1,6 +1,9 @@
 // Text of unknown origin, such as names of files and what files say, for people and within languages. A function for each
 // place where such text goes.
 #pragma once
+#include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -32,5 +35,20 @@ std::string csv_field(std::string_view text);
 std::string printable_json(std::string_view json);
 /// `printable_json` within a script of HTML, which it does not end.
 std::string json_in_script(std::string_view json);
+
+/// "1,234,567".
+std::string grouped(std::uint64_t n);
+
+/// The least and the largest of numbers, without those that are not a number.
+struct ValueRange {
+    float least = std::numeric_limits<float>::infinity(), most = -least;
+    void add(float x) {
+        if (x != x) return;
+        least = std::min(least, x);
+        most = std::max(most, x);
+    }
+    /// "0.1 to 23", with four digits; "none" without a number.
+    std::string text() const;
+};
 
 }  // namespace srbf

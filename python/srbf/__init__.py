@@ -16,7 +16,7 @@ from typing import Any, Callable, Literal, Mapping, Optional, Sequence, TypeVar,
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Brdf", "Error", "Fit", "Measurement", "Model", "code", "code_languages", "convert", "errors", "fit", "fit_batch", "forms",
+__all__ = ["Brdf", "Error", "Fit", "Measurement", "Model", "code", "code_languages", "convert", "errors", "fit", "fit_batch", "formats", "forms",
            "from_arrays", "lightings", "load", "load_measurement", "load_model", "load_texels", "objectives", "png", "render"]
 
 Array = npt.NDArray[np.float32]
@@ -181,7 +181,7 @@ class Measurement(Brdf):
 
     @property
     def format(self) -> str:
-        """"MERL", "RGL", "UTIA", "Cornell", "ASTM E1392", "ALTA", "CSV" or "arrays"."""
+        """One of `formats()`, or "arrays"; of columns that were named "columns", of tensor trees "BSDF tree"."""
         return self._held.kind()
 
     @property
@@ -278,8 +278,7 @@ def _file_name(path: Path) -> bytes:
 
 
 def load(path: Path, *, columns: str = "", quantity: Optional[_options.Quantity] = None, floor: float = 0) -> Union[Model, Measurement]:
-    """Reads a measurement (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax, Speos, OpenMATERIAL)
-    or a model, recognised by its content. Raises Error."""
+    """Reads a measurement in one of `formats()`, or a model, recognised by its content. Raises Error."""
     return _brdf(_srbf.load(_file_name(path), *_options.read(columns, quantity, floor)))
 
 
@@ -443,15 +442,19 @@ def lightings() -> list[str]:
     return _srbf.lightings()
 
 
+def formats() -> dict[str, str]:
+    """The measured formats, and the endings of the files that `convert` writes; "": it writes none."""
+    return _srbf.formats()
+
+
 def render(brdf: Brdf, lighting: Lighting = "studio", size: int = 256) -> Array:
     """Linear radiance [size, size, 3] of a sphere by direct light, seen from far away; 0 beside it. Without noise."""
     return _srbf.render(brdf._held, _options.one_of("lighting", lighting, lightings()), _options.whole("size", size, 1, 4096), False)
 
 
 def convert(brdf: Brdf, path: Path, *, spectra: bool = True, threads: int = 0) -> None:
-    """Writes the BRDF as a table: MERL (.binary), RGL (.bsdf), MDL (.mbsdf), samples (.csv), WINDOW and Radiance (.xml), Zemax
-    (.zemax.bsdf), Speos (.anisotropicbsdf) or OpenMATERIAL (.xompt), by the ending of `path`. RGL files have spectra of the same
-    material beside the colours unless `spectra` is False, as Mitsuba's RGB variants need it. `threads`: of all but samples."""
+    """Writes the BRDF as a table in one of `formats()`, by the ending of `path`. RGL files have spectra of the same material
+    beside the colours unless `spectra` is False, as Mitsuba's RGB variants need it. `threads`: of all but samples."""
     _srbf.convert(brdf._held, _file_name(path), _options.flag("spectra", spectra), _options.threads(threads))
 
 

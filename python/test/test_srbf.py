@@ -364,9 +364,9 @@ def test_measurements_are_pickled_and_compared(paper, both_sides, facets, tmp_pa
     wl, wv = directions(60), directions(60, seed=1)
     samples = srbf.from_arrays(wl, wv, np.linspace(0.1, 0.2, 60))
     tables = [paper, both_sides, samples, samples.exchanged(), paper.exchanged()]
-    for ending in ("binary", "mbsdf", "csv"):
-        srbf.convert(facets, tmp_path / f"m.{ending}")
-        tables.append(srbf.load(tmp_path / f"m.{ending}"))
+    for ending in sorted(filter(None, srbf.formats().values())):
+        srbf.convert(facets, tmp_path / f"m{ending}")
+        tables.append(srbf.load(tmp_path / f"m{ending}"))
     for i, table in enumerate(tables):
         copy = pickle.loads(pickle.dumps(table))
         assert copy == table and hash(copy) == hash(table) and repr(copy) == repr(table)

@@ -148,4 +148,12 @@ std::string json_in_script(std::string_view json) {
     return text;
 }
 
+std::string grouped(std::uint64_t n) {
+    std::string digits = std::to_string(n);
+    for (int at = int(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), 1, ',');
+    return digits;
+}
+
+std::string ValueRange::text() const { return least > most ? "none" : fmt::format("{:.4g} to {:.4g}", least, most); }
+
 }  // namespace srbf

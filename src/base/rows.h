@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <iterator>
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,23 +20,6 @@ inline void add_row(std::string& text, std::string_view name, const std::string&
     fmt::format_to(std::back_inserter(text), "  {:<18}{}\n", printable(name), printable(what));
 }
 
-/// "1,234,567".
-inline std::string grouped(std::uint64_t n) {
-    std::string digits = std::to_string(n);
-    for (int at = int(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), 1, ',');
-    return digits;
-}
-
-struct Range {
-    float least = std::numeric_limits<float>::infinity(), most = -least;
-    void add(float x) {
-        if (std::isnan(x)) return;
-        least = std::min(least, x);
-        most = std::max(most, x);
-    }
-    std::string text() const { return least > most ? "none" : fmt::format("{:.4g} to {:.4g}", least, most); }
-};
-
 /// The names of the channels to show: NAME R, G and B, or NAME alone where no pixel has a colour, as where there is one
 /// wavelength. NaN is a masked pixel.
 template <typename Pixels> std::vector<std::string> channel_names(const std::string& name, const Pixels& pixels) {
@@ -50,7 +31,7 @@ template <typename Pixels> std::vector<std::string> channel_names(const std::str
 template <typename Pixels> void add_channel_ranges(std::string& text, std::string_view name, const Pixels& pixels) {
     const std::vector<std::string> names = channel_names(std::string(name), pixels);
     for (int c = 0; c < int(names.size()); ++c) {
-        Range range;
+        ValueRange range;
         std::uint64_t negative = 0;
         for (const Rgb& f : pixels) range.add(f[c]), negative += f[c] < 0;
         add_row(text, names[std::size_t(c)], range.text() + (negative ? ", " + grouped(negative) + " negative" : ""));

@@ -19,7 +19,6 @@ inline int clamp_negative(std::span<float> f) {
     return clamped;
 }
 inline int clamp_negative(Rgb& f) { return clamp_negative({&f[0], 3}); }
-inline Rgb non_negative(Rgb f) { return clamp_negative(f), f; }
 
 inline double square_of(const Rgb& f) { return double(f.r) * f.r + double(f.g) * f.g + double(f.b) * f.b; }
 inline double squared_distance(const Rgb& a, const Rgb& b) { return square_of({a.r - b.r, a.g - b.g, a.b - b.b}); }

@@ -7,9 +7,8 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
-#include "extras/daylight/klems.h"
-#include "extras/daylight/tree_beam.h"
 #include "fit/requests.h"
+#include "measured/two_sided.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/fit_bsdf.h"
@@ -27,7 +26,7 @@ constexpr double k_incidences[] = {0, 10, 20, 30, 40, 50, 60, 70, 80};
 struct Input {
     Evaluate f;  ///< none: nothing
     std::shared_ptr<const Measured> measured;
-    const KlemsTable* patches() const { return measured ? std::get_if<KlemsTable>(&measured->table) : nullptr; }
+    const OwnFit* own_fit() const { return measured ? own_fit_of(*measured) : nullptr; }
 };
 using Inputs = std::array<Input, k_parts>;
 
@@ -64,7 +63,7 @@ bool alike(const Input& front, const Input& back, Part part) {
 Model black() { return {GgxModel{{}, {GgxModel::Lobe{}}}, {}}; }
 
 std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fitted, const Beams& beams, Part part) {
-    if (input.patches()) return srbf::hemispherical(*input.patches(), fitted, beams, part);
+    if (const OwnFit* own = input.own_fit()) return own->hemispherical(fitted, beams, part);
     const auto exchanged = [](const Evaluate& f) -> Evaluate {
         return [&f](auto wl, auto wv, auto to) { f(wv, wl, to); };
     };
@@ -79,7 +78,7 @@ std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fit
 }
 
 Result<FitOutcome> fit_part(const Input& input, Part part, const FitRequest& request, const ProgressToken& progress) {
-    auto fitted = input.patches()  ? fit_patches(*input.patches(), request, progress)
+    auto fitted = input.own_fit()  ? input.own_fit()->fit(request, progress)
                   : input.measured ? srbf::fit(*input.measured, request, progress)
                                    : srbf::fit(input.f, request, progress);
     if (fitted) return fitted;
@@ -125,8 +124,8 @@ void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
             of.exchanged ? evaluate(*of.brdf, wv, wl, f) : evaluate(*of.brdf, wl, wv, f);
     };
     fit.hemispherical = hemispherical(input, fitted, bsdf.beam, fit.part);
-    if (input.patches()) {
-        fit.squared_error_ratio = sums_of(*input.patches(), k_measured_points).error_ratio(fitted);
+    if (const OwnFit* own = input.own_fit()) {
+        fit.squared_error_ratio = own->error_ratio(fitted);
     } else if (!fit.black) {
         const auto a = sampled(input.f, false);
         fit.squared_error_ratio = energy_between(a, sampled(fitted, false)) / energy(a);
@@ -181,6 +180,11 @@ Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const F
 
 }  // namespace
 
+const OwnFit* own_fit_of(const Measured& part) {
+    const auto* table = std::get_if<EvaluatedTable>(&part.table);
+    return table ? table->own_fit.get() : nullptr;
+}
+
 Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
     const auto* table = std::get_if<BsdfTable>(&measured.table);
     if (!table) return argument_error("fit", "measurement", "reflection and transmission", "a BRDF");
@@ -190,8 +194,8 @@ Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request
         const auto& part = table->band().part[p];
         if (!part) continue;
         inputs[p] = {evaluator(*part), part};
-        const auto* tree = std::get_if<TreeTable>(&part->table);
-        if (auto separated = tree ? separated_beam(*tree) : std::nullopt)
+        const auto* own = std::get_if<EvaluatedTable>(&part->table);
+        if (auto separated = own && own->separated_beam ? own->separated_beam() : std::nullopt)
             inputs[p] = {std::move(separated->rest), nullptr}, beams[p] = std::move(separated->beam);
     }
     unite_transmissions(beams);

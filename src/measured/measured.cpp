@@ -1,4 +1,4 @@
-#include "srbf/measured.h"
+#include "srbf/formats.h"
 
 #include <algorithm>
 #include <cassert>
@@ -15,9 +15,7 @@ Quantity quantity_named(std::string_view name) {
 bool is_isotropic(const Measured& measured) {
     if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return rgl->phi_l.empty();
     if (const auto* samples = std::get_if<ScatteredSamples>(&measured.table)) return samples->isotropic;
-    if (const auto* klems = std::get_if<KlemsTable>(&measured.table)) return is_isotropic(*klems);
-    if (const auto* scatter = std::get_if<ScatterTable>(&measured.table)) return scatter->rotation.size() == 1;
-    if (const auto* tree = std::get_if<TreeTable>(&measured.table)) return tree->y.rank == 3;
+    if (const auto* table = std::get_if<EvaluatedTable>(&measured.table)) return table->isotropic;
     if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table))
         return std::ranges::all_of(bsdf->band().part, [](const auto& part) { return !part || is_isotropic(*part); });
     return !std::holds_alternative<UtiaTable>(measured.table);
@@ -43,9 +41,10 @@ void exchange(Measured& measured) {
     }
 }
 
-Rgb value(const Measured& measured, Vec3f wl, Vec3f wv) {
-    if (measured.exchanged) std::swap(wl, wv);
-    return std::visit([&](const auto& table) { return value(table, wl, wv); }, measured.table);
+Rgb signed_value(const EvaluatedTable& table, Vec3f wl, Vec3f wv) {
+    Rgb f;
+    table.values({&wl, 1}, {&wv, 1}, {&f, 1});
+    return f;
 }
 
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
@@ -59,7 +58,9 @@ Evaluate signed_evaluator(const Measured& measured) {
         require_equal_lengths(wl.size(), wv.size(), f.size());
         if (measured.exchanged) std::swap(wl, wv);
         const auto each = [&](const auto& table) {
-            if constexpr (requires { evaluate_signed(table, wl, wv, f); })
+            if constexpr (std::is_same_v<decltype(table), const EvaluatedTable&>)
+                table.values(wl, wv, f);
+            else if constexpr (requires { evaluate_signed(table, wl, wv, f); })
                 evaluate_signed(table, wl, wv, f);
             else
                 for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
@@ -68,12 +69,15 @@ Evaluate signed_evaluator(const Measured& measured) {
     };
 }
 
-Evaluate evaluator(const Measured& measured) {
-    return [of = signed_evaluator(measured)](auto wl, auto wv, auto f) {
-        of(wl, wv, f);
-        for (Rgb& c : f)
-            for (int k = 0; k < 3; ++k) c[k] = c[k] < 0 ? 0 : c[k];  // NaN is kept
-    };
+Evaluate evaluator(const Measured& measured) { return non_negative(signed_evaluator(measured)); }
+
+TableSource table_source(const Measured& measured) {
+    const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
+    TableSource source{signed_evaluator(measured), is_isotropic(measured), bsdf != nullptr, {true}, {}, &measured};
+    if (!bsdf) return source;
+    for (std::size_t p = 0; p < k_parts; ++p) source.has[p] = answering(bsdf->band().part, Part(p)).brdf != nullptr;
+    source.beams = bsdf->band().beam;
+    return source;
 }
 
 std::span<const float> wavelengths(const Measured& measured) {

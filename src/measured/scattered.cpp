@@ -212,9 +212,4 @@ void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::s
         f[c] = between.of([&](std::size_t i) { return samples.spectrum[i * f.size() + c]; });
 }
 
-Rgb value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
-    const Rgb f = signed_value(samples, wl, wv);
-    return {std::max(f.r, 0.0f), std::max(f.g, 0.0f), std::max(f.b, 0.0f)};
-}
-
 }  // namespace srbf

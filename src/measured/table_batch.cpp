@@ -107,7 +107,7 @@ HWY_INLINE Vec3<Batch> rgl_value(const RglTable& table, Vec3<Batch> wl, Vec3<Bat
     return {finite(channel(0)), finite(channel(1)), finite(channel(2))};
 }
 
-/// `value` of merl.cpp, bit by bit, for tables whose indices fit in 32 bits.
+/// `signed_value` of merl.cpp, bit by bit, for tables whose indices fit in 32 bits.
 HWY_INLINE Vec3<Batch> merl_value(const MerlTable& table, Vec3<Batch> wl, Vec3<Batch> wv) {
     const Batch none(0.0), one(1.0);
     const std::size_t n_h = table.size[0], n_d = table.size[1], n_p = table.size[2];
@@ -194,7 +194,7 @@ void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::spa
     require_equal_lengths(wl.size(), wv.size(), f.size());
     if (3 * table.cells.size() < k_most_numbers)
         return HWY_DYNAMIC_DISPATCH(evaluate_merl)(table, wl.data(), wv.data(), f.data(), f.size());
-    for (std::size_t i = 0; i < f.size(); ++i) f[i] = value(table, wl[i], wv[i]);
+    for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
 }
 
 }  // namespace srbf

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "srbf/measured.h"
+#include "srbf/daylight.h"
 
 namespace srbf {
 

@@ -64,7 +64,7 @@ TEST(FitPatches, WhatNoLobesFollowHasAnAnswer) {
     const auto measured = read_measured(as_bytes(text), "f");
     ASSERT_TRUE(measured.ok());
     const auto& part = std::get<BsdfTable>(measured->table).band().part[std::size_t(Part::transmission_front)];
-    KlemsTable table = std::get<KlemsTable>(part->table);
+    KlemsTable table = *own_table<KlemsTable>(*part);
     for (std::size_t i = 0; i < table.cells.size(); ++i) table.cells[i] = i % 7 == 0 ? Rgb{5, 5, 5} : Rgb{};
     const auto one = fit_patches(table, {.model = PmRequest{.variates = 1, .size = LobeCount{1}}}),
                any = fit_patches(table, {.model = PmRequest{}});

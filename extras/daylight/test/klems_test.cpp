@@ -1,9 +1,10 @@
 // Matrices of patches: bases, look-up, beams, a real roller shade, and what is refused.
 #include "extras/daylight/klems.h"
 #include "extras/daylight/test/bsdf_files.h"
-#include "properties.h"
-#include "srbf/convert.h"
+#include "peaks.h"
 #include "srbf/file.h"
+#include "srbf/formats.h"
+#include "temporary_folder.h"
 
 namespace srbf::klems_test {
 namespace {
@@ -26,7 +27,7 @@ TEST(Klems, BasesCoverTheHemisphere) {
         const auto of = read(
             bsdf_xml("", matrix_xml("Reflection Front", name, std::size_t(count), [](auto, auto) { return 0.25; })));
         ASSERT_TRUE(of.ok()) << message(of.error());
-        const auto& part = std::get<KlemsTable>(std::get<BsdfTable>(of->table).band().part[0]->table);
+        const auto& part = *own_table<KlemsTable>(*std::get<BsdfTable>(of->table).band().part[0]);
         const AngleBasis& basis = part.incident;
         ASSERT_EQ(basis.patches(), std::size_t(count));
         double sum = 0;
@@ -116,7 +117,7 @@ TEST(Klems, BeamsDependOnAzimuth) {
         // Written as a matrix, model or not, each patch has its beam again.
         BsdfTable again = std::get<BsdfTable>(measured->table);
         for (const Part part : {Part::transmission_front, Part::transmission_back}) {
-            KlemsTable table = std::get<KlemsTable>(again.band().part[std::size_t(part)]->table);
+            KlemsTable table = *own_table<KlemsTable>(*again.band().part[std::size_t(part)]);
             const std::vector<Rgb> before = table.beam;
             add_beam(table, beams, part);
             for (std::size_t i = 0; i < n; ++i) EXPECT_PRED3(near, table.beam[i].g, before[i].g, 1e-6);
@@ -129,7 +130,7 @@ TEST(Klems, KeepsWideLobes) {
     const char* name = "LBNL/Klems Full";
     const auto even = read(bsdf_xml("", matrix_xml("Transmission Front", name, 145, [](auto, auto) { return 0.1; })));
     ASSERT_TRUE(even.ok());
-    const AngleBasis basis = std::get<KlemsTable>(std::get<BsdfTable>(even->table).band().part[2]->table).incident;
+    const AngleBasis basis = own_table<KlemsTable>(*std::get<BsdfTable>(even->table).band().part[2])->incident;
     const auto wide = [&](std::size_t o, std::size_t i) {
         const Vec3d a = basis.point_of(o, 0.5, 0.5), b = basis.point_of(i, 0.5, 0.5);
         return 0.02 + std::exp(50 * (dot(a, b) - 1));
@@ -286,7 +287,7 @@ TEST(Klems, RollerShade) {
     // Directional-hemispherical sums of the file at 0° and 82.5°, added up apart from this library.
     const double expected[k_parts][2] = {{0.48246, 0.64137}, {0.56, 0.71018}, {0.09587, 0.05868}, {0.09432, 0.01227}};
     for (std::size_t p = 0; p < k_parts; ++p) {
-        const auto& table = std::get<KlemsTable>(band.part[p]->table);
+        const auto& table = *own_table<KlemsTable>(*band.part[p]);
         for (int k = 0; k < 2; ++k) {
             const std::size_t ring = k ? 8 : 0, i = table.incident.first_of(ring);
             double sum = table.beam.empty() ? 0 : double(table.beam[i].g);
@@ -297,6 +298,32 @@ TEST(Klems, RollerShade) {
     }
     EXPECT_TRUE(band.beam[0].empty() && band.beam[1].empty());
     EXPECT_PRED3(near, share_at(band.beam[2], {0, 0, 1}).g, 0.0489, 2e-4);  // it is sold as 5 % open
+}
+
+/// Bytes for another process give the table again, of matrices and of trees.
+TEST(Klems, IsUnpacked) {
+    const auto matrix = read(small_shade());
+    const std::string text = contents(SRBF_SOURCE_DIR "/extras/daylight/corpus/bsdf_xml/tree.xml");
+    const auto tree = read(text);
+    ASSERT_TRUE(matrix.ok() && tree.ok());
+    for (const Measured* measured : {&*matrix, &*tree})
+        for (const auto& part : std::get<BsdfTable>(measured->table).band().part) {
+            if (!part) continue;
+            const auto& table = std::get<EvaluatedTable>(part->table);
+            const EvaluatedTable again = format_written_to("x.xml")->unpack(table.packed());
+            EXPECT_EQ(again.packed(), table.packed());
+            EXPECT_EQ(again.own_fit != nullptr, measured == &*matrix);
+            EXPECT_EQ(value(again, {0, 0.6f, 0.8f}, {0, 0, 1}), value(table, {0, 0.6f, 0.8f}, {0, 0, 1}));
+        }
+}
+
+TEST(Klems, KeepsTheHighlight) {
+    expect_peaks_kept([](const Evaluate& brdf) {
+        const Measured part{"f", "BSDF XML", 0, evaluated(to_klems(brdf, klems_basis(KlemsBasis::quarter)))};
+        BsdfTable bsdf{{{}}, 0, {}};
+        bsdf.bands[0].part[std::size_t(Part::transmission_front)] = std::make_shared<const Measured>(part);
+        return std::vector<Measured>{part, {"f", "BSDF", 0, bsdf}};
+    });
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include "extras/daylight/test/bsdf_files.h"
 #include "extras/daylight/tree_beam.h"
 #include "properties.h"
-#include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
@@ -153,7 +152,7 @@ TEST(TensorTree, RealShade) {
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
     const auto measured = load_measured(path);
     ASSERT_TRUE(measured.ok()) << message(measured.error());
-    const auto& tree = std::get<TreeTable>(std::get<BsdfTable>(measured->table).band().part[3]->table).y;
+    const auto& tree = own_table<TreeTable>(*std::get<BsdfTable>(measured->table).band().part[3])->y;
     double sum = 0;
     const int n = 64;
     for (int i = 0; i < n; ++i)
@@ -173,8 +172,8 @@ TEST(BsdfXml, WriteReadIdentity) {
     EXPECT_EQ(b.description, a.description);
     for (std::size_t band = 0; band < a.bands.size(); ++band)
         for (std::size_t p = 0; p < k_parts; ++p) {
-            const auto &of_a = std::get<KlemsTable>(a.bands[band].part[p]->table),
-                       &of_b = std::get<KlemsTable>(b.bands[band].part[p]->table);
+            const auto &of_a = *own_table<KlemsTable>(*a.bands[band].part[p]),
+                       &of_b = *own_table<KlemsTable>(*b.bands[band].part[p]);
             ASSERT_EQ(of_a.cells.size(), of_b.cells.size());
             for (std::size_t k = 0; k < of_a.cells.size(); ++k)
                 EXPECT_PRED3(near_relative, of_b.cells[k].g, of_a.cells[k].g, 1e-5);
@@ -227,7 +226,7 @@ TEST(TensorTree, ItsBeamIsSeparated) {
     constexpr double share = 0.05, level = 0.01, leaf = k_pi / (64 * 64);
     const TreeTable tree =
         tree_about_mirror([](int i, int j) { return level + (i == 0 && j == 0 ? share / (2 * leaf) : 0); });
-    const auto separated = separated_beam(tree);
+    const auto separated = evaluated(tree).separated_beam();
     ASSERT_TRUE(separated);
     for (const double degrees : {0.0, 10.0, 25.0, 40.0, 60.0}) {
         const Vec3f wl = to_float(spherical(degrees * k_degree, 0.3)), wv = mirror(wl);
@@ -237,9 +236,10 @@ TEST(TensorTree, ItsBeamIsSeparated) {
         EXPECT_PRED3(near, rest.g, level, 1e-6) << degrees;
     }
     // A lobe some leaves wide is none, nor is an even level.
-    EXPECT_FALSE(
-        separated_beam(tree_about_mirror([](int i, int j) { return level + std::exp(-(i * i + j * j) / 50.); })));
-    EXPECT_FALSE(separated_beam(tree_about_mirror([](int, int) { return level; })));
+    EXPECT_FALSE(evaluated(tree_about_mirror([](int i, int j) {
+                     return level + std::exp(-(i * i + j * j) / 50.);
+                 })).separated_beam());
+    EXPECT_FALSE(evaluated(tree_about_mirror([](int, int) { return level; })).separated_beam());
 }
 
 }  // namespace

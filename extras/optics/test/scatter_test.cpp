@@ -3,9 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "properties.h"
+#include "peaks.h"
 #include "srbf/colour.h"
-#include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
@@ -47,7 +46,7 @@ TEST(Zemax, LooksUpAboutTheMirrorDirection) {
     ASSERT_TRUE(of.ok()) << message(of.error());
     EXPECT_EQ(of->format, "Zemax");
     EXPECT_TRUE(is_isotropic(*of));
-    EXPECT_EQ(std::get<ScatterTable>(of->table).masked, 2u);
+    EXPECT_EQ(own_table<ScatterTable>(*of)->masked, 2u);
     const auto at = [&](double theta_l, double theta_v, double phi) {
         return double(value(*of, to_float(spherical(theta_l * k_degree, k_pi)),
                             to_float(spherical(theta_v * k_degree, phi * k_degree)))
@@ -79,7 +78,7 @@ TEST(Zemax, BeyondItsAnglesNothingWasMeasured) {
     for (int k = 0; k < 2; ++k) text += "TIS 0.4\n0.5 0.5 0.5\n0.5 0.5 0.5\n0.5 0.5 0.5\n0.5 0.5 0.5\n";
     const auto of = read(text + "DataEnd\n");
     ASSERT_TRUE(of.ok()) << message(of.error());
-    const auto& table = std::get<ScatterTable>(of->table);
+    const auto& table = *own_table<ScatterTable>(*of);
     // ∫ cosθ over a cone of half angle α about θ is π sin²α cosθ.
     EXPECT_PRED3(near, scatter_integral(table, table.slices[0]), 0.5 * k_pi * 0.25, 0.003);
     EXPECT_PRED3(near, scatter_integral(table, table.slices[1]), 0.5 * k_pi * 0.25 * std::sqrt(0.75), 0.003);
@@ -130,7 +129,7 @@ TEST(Zemax, ColoursAreTristimulusValues) {
     text.replace(text.find("PlaneSymmetrical"), 16, "ASymmetrical");
     const auto of = read(text);
     ASSERT_TRUE(of.ok()) << message(of.error());
-    const auto& table = std::get<ScatterTable>(of->table);
+    const auto& table = *own_table<ScatterTable>(*of);
     EXPECT_EQ(table.masked, 2u);
     const Vec3f wl = to_float(spherical(60 * k_degree, k_pi));
     const Rgb f = value(*of, wl, mirror(wl)), expected = to_rgb(Xyz{2, 2, 2});
@@ -140,8 +139,8 @@ TEST(Zemax, ColoursAreTristimulusValues) {
     const std::string written = write_zemax(table);
     const auto again = read(written);
     ASSERT_TRUE(again.ok()) << message(again.error());
-    EXPECT_EQ(write_zemax(std::get<ScatterTable>(again->table)), written);
-    EXPECT_EQ(std::get<ScatterTable>(again->table).channels, 3u);
+    EXPECT_EQ(write_zemax(*own_table<ScatterTable>(*again)), written);
+    EXPECT_EQ(own_table<ScatterTable>(*again)->channels, 3u);
     EXPECT_NE(error_of(text.substr(0, text.find("TristimulusZ"))).find("TristimulusZ, found the end"), text.npos);
 }
 
@@ -181,14 +180,13 @@ TEST(Scatter, RotationsAreOfTheFormats) {
     for (const double phi : {30.0, 75.0, 200.0, 290.0, 350.0})
         EXPECT_PRED3(near, at(*zemax, phi), of_light_azimuth(phi * k_degree), 4e-3) << phi;
     // Rotations of a quarter turn are mirrored too, with the viewer.
-    ScatterTable quarter = std::get<ScatterTable>(speos->table);
+    ScatterTable quarter = *own_table<ScatterTable>(*speos);
     quarter.rotation.resize(7), quarter.first.resize(8), quarter.slices.resize(quarter.first.back());
     for (ScatterTable::Slice& slice : quarter.slices)
         slice.azimuth = {0, float(k_pi / 2), float(k_pi), float(1.5 * k_pi), float(2 * k_pi)},
         slice.f = {1, 2, 3, 4, 1, 1, 2, 3, 4, 1};
-    const Measured mirrored{"f", "Speos", 0, quarter};
     const auto seen = [&](double phi_l, double relative) {
-        return double(value(mirrored, to_float(spherical(0.5, phi_l)), to_float(spherical(0.5, phi_l + relative))).g);
+        return double(value(quarter, to_float(spherical(0.5, phi_l)), to_float(spherical(0.5, phi_l + relative))).g);
     };
     EXPECT_PRED3(near, seen(2.0, -k_pi / 2), seen(2.0 + k_pi, -k_pi / 2), 1e-4);
     EXPECT_PRED3(near, seen(2.0, -k_pi / 2), seen(-2.0, k_pi / 2), 1e-4);
@@ -201,14 +199,13 @@ TEST(Scatter, WriteReadIdentity) {
         for (const bool isotropic : {true, false}) {
             const Evaluate brdf = isotropic ? lobe_brdf() : turning_brdf();
             ScatterTable table = to_scatter(brdf, about_mirror, isotropic, 1);
-            const Measured measured{"f", "", 0, table};
             std::mt19937_64 random(2);
             double error = 0, sum = 0;
             for (int i = 0; i < 300; ++i) {
                 const Vec3f wl = to_float(random_direction(random, 0.2)), wv = to_float(random_direction(random, 0.2));
                 Rgb f;
                 brdf(std::span(&wl, 1), std::span(&wv, 1), std::span(&f, 1));
-                const Rgb found = value(measured, wl, wv);
+                const Rgb found = value(table, wl, wv);
                 error += std::abs(double(found.g - f.g)), sum += double(f.g);
             }
             EXPECT_LT(error, 0.05 * sum) << about_mirror << isotropic;
@@ -217,7 +214,7 @@ TEST(Scatter, WriteReadIdentity) {
             const std::string text = about_mirror ? write_zemax(table) : write_speos(one);
             const auto again = read(text);
             ASSERT_TRUE(again.ok()) << message(again.error());
-            const auto& of = std::get<ScatterTable>(again->table);
+            const auto& of = *own_table<ScatterTable>(*again);
             ASSERT_EQ(of.slices.size(), table.slices.size());
             for (std::size_t s = 0; s < of.slices.size(); ++s) {
                 ASSERT_EQ(of.slices[s].f.size(), table.slices[s].f.size());
@@ -538,7 +535,7 @@ TEST(Scatter, RealFiles) {
                sensor = load_measured(folder / "IMX455.bsdf");
     ASSERT_TRUE(zemax.ok() && speos.ok() && sensor.ok());
     EXPECT_FALSE(is_isotropic(*sensor));
-    const auto& table = std::get<ScatterTable>(zemax->table);
+    const auto& table = *own_table<ScatterTable>(*zemax);
     EXPECT_PRED3(near, scatter_integral(table, table.slices[0]), 0.1309, 0.001);  // stated: 0.1345, of all directions
     // Speos' twin was made of it with a factor for each incidence: directions agree.
     std::mt19937_64 random(4);
@@ -558,6 +555,28 @@ TEST(Scatter, RealFiles) {
               std::string::npos);
     EXPECT_TRUE(load_measured(folder / "aniso_bsdf.anisotropicbsdf").ok());
     EXPECT_TRUE(load_measured(folder / "AnoBlackEC1onAlum.txt").ok());
+}
+
+/// Bytes for another process give the table again.
+TEST(Scatter, IsUnpacked) {
+    const EvaluatedTable table = evaluated(to_scatter(lobe_brdf(), true, true, 1));
+    const std::string packed = table.packed();
+    for (const char* name : {"x.zemax.bsdf", "x.anisotropicbsdf"})
+        EXPECT_EQ(format_written_to(name)->unpack(packed).packed(), packed);
+    EXPECT_EQ(table.format, format_written_to("x.zemax.bsdf")->name);
+    EXPECT_THROW((void)format_written_to("x.zemax.bsdf")->unpack("short"), std::invalid_argument);
+}
+
+TEST(Scatter, FormatsAreListed) {
+    for (const char* name : {"Speos", "Zemax", "FRED", "OpenMATERIAL", "BiRD"})
+        EXPECT_NE(std::ranges::find(formats(), name, &Format::name), formats().end()) << name;
+}
+
+TEST(Scatter, KeepsTheHighlight) {
+    expect_peaks_kept([](const Evaluate& brdf) {
+        return std::vector<Measured>{{"f", "Zemax", 0, evaluated(to_scatter(brdf, true, true))},
+                                     {"f", "Speos", 0, evaluated(to_scatter(brdf, false, true))}};
+    });
 }
 
 }  // namespace

@@ -231,10 +231,4 @@ Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
     return sum;
 }
 
-Rgb value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
-    Rgb f = signed_value(table, wl, wv);
-    for (int c = 0; c < 3; ++c) f[c] = f[c] < 0 ? 0 : f[c];  // a NaN is kept
-    return f;
-}
-
 }  // namespace srbf

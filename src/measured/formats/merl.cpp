@@ -106,7 +106,7 @@ Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string&
     return table;
 }
 
-Rgb value(const MerlTable& table, Vec3f wl, Vec3f wv) {
+Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return {};
     const Position at = position(table, wl, wv);
     const auto [n_h, n_d, n_p] = table.size;
@@ -145,7 +145,5 @@ Rgb nearest(const MerlTable& table, Vec3f wl, Vec3f wv) {
     return cell(table, std::uint32_t(at.h + 0.5f), std::uint32_t(at.d + 0.5f),
                 std::uint32_t(at.p + 0.5f) % table.size[2]);
 }
-
-Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv) { return value(table, wl, wv); }
 
 }  // namespace srbf

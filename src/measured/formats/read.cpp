@@ -4,10 +4,9 @@
 #include <algorithm>
 
 #include "base/floating_point.h"
-#include "measured/formats/formats.h"
 #include "measured/samples.h"
 #include "srbf/file.h"
-#include "srbf/measured.h"
+#include "srbf/formats.h"
 
 namespace srbf {
 namespace {
@@ -21,6 +20,15 @@ std::string opening(std::span<const std::byte> bytes) {
     return text;
 }
 
+Result<Measured> read_unindexed(const Format& format, std::span<const std::byte> bytes, const std::string& file_name,
+                                const ReadOptions& options) {
+    auto measured = format.read(bytes, file_name, options);
+    if (!measured) return measured;
+    measured->source = file_name, measured->bytes = bytes.size();
+    if (measured->format.empty()) measured->format = format.name;
+    return measured;
+}
+
 /// Reads a measurement of any format, without the index of samples.
 Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::string& file_name,
                                 const ReadOptions& options) {
@@ -29,7 +37,7 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
         if (!samples) return samples.error();
         return Measured{file_name, "columns", bytes.size(), *std::move(samples)};
     }
-    if (const Format* format = format_of(bytes)) return read_as(*format, bytes, file_name, options);
+    if (const Format* format = format_of(bytes)) return read_unindexed(*format, bytes, file_name, options);
     if (is_safetensors(bytes))
         return Error{file_name, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
     const bool may_be_rows = !bytes.empty() && is_text(bytes);
@@ -85,6 +93,12 @@ Result<std::vector<std::byte>> read_input(const std::string& path, const ReadOpt
     if (!options.columns.empty()) return read_file(path);
     return read_file(
         path, [](std::span<const std::byte> head) { return is_safetensors(head) ? k_largest_file : most_bytes(head); });
+}
+
+Result<Measured> read_as(const Format& format, std::span<const std::byte> bytes, const std::string& file_name,
+                         const ReadOptions& options) {
+    const StandardArithmetic mode;
+    return indexed(read_unindexed(format, bytes, file_name, options));
 }
 
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,

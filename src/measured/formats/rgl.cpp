@@ -334,9 +334,4 @@ void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float>
     for (float& x : f) x = finite(scale * double(x));
 }
 
-Rgb value(const RglTable& table, Vec3f wl, Vec3f wv) {
-    const Rgb f = signed_value(table, wl, wv);
-    return {std::max(f.r, 0.0f), std::max(f.g, 0.0f), std::max(f.b, 0.0f)};
-}
-
 }  // namespace srbf

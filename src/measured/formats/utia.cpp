@@ -75,13 +75,8 @@ Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv) {
             const Rgb& cell = table.cells[std::size_t(light.node[l]) * UtiaTable::k_directions + view.node[v]];
             for (int c = 0; c < 3; ++c) f[c] += weight * cell[c];
         }
+    for (int c = 0; c < 3; ++c) f[c] = std::min(f[c], k_most_float);
     return f;
-}
-
-Rgb value(const UtiaTable& table, Vec3f wl, Vec3f wv) {
-    const Rgb f = signed_value(table, wl, wv);
-    const auto clamped = [](float x) { return x > 0 ? std::min(x, k_most_float) : x <= 0 ? 0 : x; };
-    return {clamped(f.r), clamped(f.g), clamped(f.b)};
 }
 
 }  // namespace srbf

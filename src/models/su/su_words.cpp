@@ -32,7 +32,7 @@ void Stored<SuModel>::add_rows(std::string& text, const SuModel& model) {
                     model.index ? fmt::format("{} of {} texels a side", srbf::name(model.index->map), model.index->size)
                                 : "built on load, a cube",
                     grouped(auxiliary_bytes(model))));
-    Range bandwidth, shape;
+    ValueRange bandwidth, shape;
     std::size_t empty = 0;
     for (std::size_t i = 0; i < model.direction.size(); ++i) {
         const auto first = model.coefficient.begin() + std::ptrdiff_t(i * J);

@@ -1,0 +1,62 @@
+// Matrices and trees as tables of parts.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "extras/daylight/formats.h"
+#include "extras/daylight/klems.h"
+#include "extras/daylight/tensor_tree.h"
+#include "extras/daylight/tree_beam.h"
+#include "srbf/printable.h"
+
+namespace srbf {
+
+namespace {
+
+/// A table of a file of XML.
+using PackedXml = std::variant<KlemsTable, TreeTable>;
+
+}  // namespace
+
+bool is_isotropic(const TreeTable& table) { return table.y.rank == 3; }
+
+std::vector<TableLine> lines_about(const KlemsTable& table) {
+    return {{"patches", fmt::format("{} outgoing ({}) × {} incident ({})", table.outgoing.patches(),
+                                    table.outgoing.name, table.incident.patches(), table.incident.name)},
+            {"value [1/sr]", {}, table.cells}};
+}
+
+std::vector<TableLine> lines_about(const TreeTable& table) {
+    ValueRange range;
+    for (const float f : table.y.leaves) range.add(f);
+    return {{"tensor tree",
+             fmt::format("rank {}, {} leaves of {:g} at least, {}", table.y.rank, grouped(table.y.leaves.size()),
+                         table.y.smallest_leaf(), table.chromaticity.empty() ? "grey" : "in colour")},
+            {"value [1/sr]", range.text()}};
+}
+
+EvaluatedTable evaluated(KlemsTable of) {
+    const auto table = std::make_shared<const KlemsTable>(std::move(of));
+    EvaluatedTable evaluated = evaluated_as<PackedXml>("BSDF XML", table);
+    evaluated.own_fit = std::make_shared<const OwnFit>(OwnFit{
+        "patches",
+        [table](const FitRequest& request, const ProgressToken& progress) {
+            return fit_patches(*table, request, progress);
+        },
+        [table](const Evaluate& f) { return sums_of(*table, k_measured_points).error_ratio(f); },
+        [table](const Evaluate& f, const Beams& beams, Part part) { return hemispherical(*table, f, beams, part); }});
+    return evaluated;
+}
+
+EvaluatedTable evaluated(TreeTable of) {
+    const auto table = std::make_shared<const TreeTable>(std::move(of));
+    EvaluatedTable evaluated = evaluated_as<PackedXml>("BSDF XML", table);
+    evaluated.separated_beam = [table] { return separated_beam(table); };
+    return evaluated;
+}
+
+EvaluatedTable unpack_bsdf_xml(std::string_view bytes) {
+    return std::visit([](auto&& table) { return evaluated(std::move(table)); }, ArchiveReader{bytes}.next<PackedXml>());
+}
+
+}  // namespace srbf

@@ -1,0 +1,31 @@
+// Targets of fuzzers.
+#pragma once
+#include "srbf/daylight.h"
+
+namespace srbf {
+
+/// Matrices that are written are read, with as many parts.
+inline void check_written_xml(const BsdfTable& table) {
+    const std::string written = write_bsdf_xml(table);
+    const auto again = read_bsdf_xml(std::as_bytes(std::span(written)), "f");
+    require(again.ok() && again->bands.size() == table.bands.size(), "what is written is read");
+}
+
+/// Beams are shares of the light, which the patches that they were taken from keep apart.
+inline void check_bsdf_xml(std::span<const std::byte> bytes) {
+    auto table = read_bsdf_xml(bytes, "f");
+    if (table) {
+        for (const Beam& beam : table->band().beam)
+            for (const Vec3f& wl : {Vec3f{1, 0, 0}, {-0.5f, -0.5f, 1e-4f}, {0.6f, -0.7f, 0.3f}, {0, 0, 1}})
+                for (int c = 0; c < 3; ++c)
+                    require(share_at(beam, wl)[c] >= 0 && share_at(beam, wl)[c] <= 1, "a share");
+        const auto& parts = table->band().part;
+        if (std::ranges::none_of(parts, [](const auto& of) { return of && own_table<TreeTable>(*of); }))
+            check_written_xml(*table);
+    }
+    check_measured(std::move(table));
+}
+
+inline const NamedTarget k_daylight_targets[] = {{"bsdf_xml", check_bsdf_xml}};
+
+}  // namespace srbf

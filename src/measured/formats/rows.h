@@ -1,0 +1,47 @@
+// What rows of the table of formats are made of: private to it and to the rows of extras.
+#pragma once
+#include <memory>
+
+#include "base/archive.h"
+#include "srbf/formats.h"
+#include "srbf/text.h"
+
+namespace srbf {
+
+template <typename Table> Result<Measured> measurement_of(Result<Table> table) {
+    if (!table) return table.error();
+    return Measured{{}, {}, 0, *std::move(table)};
+}
+
+template <auto read>
+Result<Measured> read_by(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&) {
+    return measurement_of(read(bytes, file_name));
+}
+
+template <auto is_format> bool in_text(std::span<const std::byte> head) { return is_format(as_text(head)); }
+
+inline std::vector<std::byte> bytes_of(std::string_view text) {
+    const auto bytes = std::as_bytes(std::span(text));
+    return {bytes.begin(), bytes.end()};
+}
+
+/// A table of a format as what others ask of it, by its `signed_value`, `is_isotropic` and `lines_about`. It is packed as a
+/// `Packed`.
+template <typename Packed, typename Table>
+EvaluatedTable evaluated_as(std::string_view format, const std::shared_ptr<const Table>& table) {
+    EvaluatedTable evaluated;
+    evaluated.values = [table](auto wl, auto wv, auto f) {
+        for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(*table, wl[i], wv[i]);
+    };
+    evaluated.isotropic = is_isotropic(*table);
+    evaluated.lines = [table] { return lines_about(*table); };
+    evaluated.own = table;
+    evaluated.format = format;
+    evaluated.packed = [table] { return archived(Packed(*table)); };
+    return evaluated;
+}
+template <typename Table> EvaluatedTable unpack_as(std::string_view bytes) {
+    return evaluated(ArchiveReader{bytes}.next<Table>());
+}
+
+}  // namespace srbf

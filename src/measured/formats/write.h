@@ -1,0 +1,12 @@
+// The writers of the core's formats: private to the table of formats.
+#pragma once
+#include "srbf/formats.h"
+
+namespace srbf {
+
+Result<std::vector<std::byte>> write_as_merl(const TableSource& source, const TableOptions& options);
+Result<std::vector<std::byte>> write_as_rgl(const TableSource& source, const TableOptions& options);
+Result<std::vector<std::byte>> write_as_mbsdf(const TableSource& source, const TableOptions& options);
+Result<std::vector<std::byte>> write_as_csv(const TableSource& source, const TableOptions& options);
+
+}  // namespace srbf

@@ -1,0 +1,42 @@
+// Synthetic BRDFs with a highlight, and tables that keep its place.
+#pragma once
+#include "properties.h"
+#include "srbf/directions.h"
+#include "srbf/measured.h"
+#include "srbf/peak.h"
+
+namespace srbf {
+
+using Function = std::function<double(const Vec3d&, const Vec3d&)>;
+
+inline Evaluate brdf_of(Function f) {
+    return [f = std::move(f)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const auto y = wl[i].z > 0 && wv[i].z > 0 ? float(f(to_double(wl[i]), to_double(wv[i]))) : 0.f;
+            values[i] = {y, y, y};
+        }
+    };
+}
+/// A lobe about a direction that the light determines.
+inline Function lobe(double bandwidth, double height, Vec3d (*centre)(const Vec3d&)) {
+    return [=](const Vec3d& wl, const Vec3d& wv) {
+        return 0.1 + height * std::exp(bandwidth * (dot(centre(wl), wv) - 1));
+    };
+}
+inline Vec3d mirrored(const Vec3d& wl) { return mirror(wl); }
+inline Vec3d to_light(const Vec3d& wl) { return wl; }
+inline Vec3d turned(const Vec3d& wl) { return {-wl.y, wl.x, wl.z}; }
+
+/// The tables that are made of a BRDF have its highlight at the same place, with light and viewer exchanged too.
+inline void expect_peaks_kept(const std::function<std::vector<Measured>(const Evaluate&)>& tables) {
+    for (const auto& [f, place] : {std::pair<Function, PeakPlace>{lobe(40, 2, mirrored), PeakPlace::mirror},
+                                   {lobe(40, 2, to_light), PeakPlace::retro},
+                                   {[](const Vec3d&, const Vec3d&) { return 0.2; }, PeakPlace::none}})
+        for (Measured measured : tables(brdf_of(f))) {
+            EXPECT_EQ(peak_of(measured).place, place) << measured.format;
+            exchange(measured);
+            EXPECT_EQ(peak_of(measured).place, place) << measured.format << " exchanged";
+        }
+}
+
+}  // namespace srbf

@@ -30,7 +30,7 @@ std::string parts_text(const Subject& subject) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// The same measures for each part that both have. Unscattered light is not a part of f, and of no measure.
+/// The measures for each part that both have. Unscattered light is not a part of f, and of no measure.
 int CompareCommand::of_both_sides(const Subject& a, const Subject& b, double theta) const {
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
     bool any = false;

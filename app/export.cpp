@@ -67,7 +67,7 @@ std::vector<NamedModel> names_of(const std::vector<Subject>& models) {
     return named;
 }
 
-/// The same with a BSDF's parts in its place, as in its code.
+/// The models with a BSDF's parts in its place, as in its code.
 std::vector<NamedModel> with_parts(const std::vector<NamedModel>& named) {
     std::vector<NamedModel> all;
     for (const NamedModel& of : named) {
@@ -183,7 +183,7 @@ std::vector<TextKind> text_kinds() {
     return kinds;
 }
 
-/// What each kind is, for the help.
+/// Describes each kind, for the help.
 std::string about_code() {
     std::vector<std::string_view> names;
     for (const CodeLanguageRow& row : k_code_languages) names.push_back(row.name);

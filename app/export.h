@@ -1,4 +1,4 @@
-// What `srbf export` writes: kinds of the core, and those that extras add.
+// The kinds of files that `srbf export` writes: kinds of the core, and those that extras add.
 #pragma once
 #include <functional>
 #include <string>

@@ -18,14 +18,14 @@ struct FileFit {
     FitRequest request;
     bool exchange = false;                // light and viewer of the measurement
     ReadOptions read = {};                // what its file does not state
-    std::string band = {};                // of a measurement of both sides; empty: the default
+    std::string band = {};                // of a two-sided measurement; empty: the default
     std::vector<std::string> given = {};  // the options of the command line
     double load_seconds = 0;
 };
 
 /// Fits the measurement in a file, writes the outputs and prints the report; returns the exit status.
 int fit_file(FileFit fit);
-/// Fits a measurement of both sides, writes the outputs and prints the report; returns the exit status.
+/// Fits a two-sided measurement, writes the outputs and prints the report; returns the exit status.
 int fit_both_sides(const FileFit& fit, const Measured& measured);
 Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome);
 /// Loads the measurement of a fit, with light and viewer exchanged if that is asked.

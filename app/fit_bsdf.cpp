@@ -1,4 +1,4 @@
-// `srbf fit` of a measurement of both sides.
+// `srbf fit` of a two-sided measurement.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
 
-/// What is kept of a fit: the numbers of its line. A report without one of them is not whole; of both sides there is
+/// The numbers of a fit's line, which are kept. A report without one of them is not whole; of a BSDF there is
 /// the largest error of a part alone, which is weighted by both cosines like that of images.
 struct Line {
     std::size_t bytes = 0;

@@ -19,7 +19,7 @@ OptionsByName add_fit_options(const Subcommand& sub, FitTexts& to);
 /// The request of these texts, once they are parsed. Ends the parsing with a usage error if they do not fit together.
 FitRequest requested(const Subcommand& sub, const FitTexts& texts);
 
-/// Whether an output is a folder, or is to be one.
+/// True if an output is a folder, or is to be one.
 bool is_folder(const std::string& output);
 
 }  // namespace srbf

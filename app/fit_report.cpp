@@ -45,7 +45,7 @@ void print_path(const FitRequest& request, const FitOutcome& outcome) {
     }
 }
 
-/// Whether the table was smoothed to its noise before the fit.
+/// True if the table was smoothed to its noise before the fit.
 bool is_smoothed(const FitOutcome& outcome) { return outcome.against_smoothed.has_value(); }
 
 /// How far the measurement determines a fit: what is negative, its noise, and how it differs from itself.
@@ -72,7 +72,7 @@ void print_repeatability(const FitOutcome& outcome) {
 /// An angle [rad] in degrees, rounded to what was given.
 double degrees(double angle) { return std::round(angle / k_degree * 1e9) / 1e9; }
 
-/// What the fit of a request follows between samples.
+/// Names the values that the fit of a request follows between samples.
 std::string_view followed(const FitRequest& request) {
     if (request.objective == Objective::relative) return "microfacets";
     return fills_gaps(request) ? "microfacet models" : "interpolated values";

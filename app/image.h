@@ -22,7 +22,7 @@ float srgb_encoded(float x);
 
 /// A colour in [0,1]³ as 8-bit sRGB, rounded to nearest; k_not_measured if it contains a NaN.
 Rgb8 to_srgb8(Rgb shown);
-/// What pictures of an object have beside it, a neutral grey.
+/// Pictures of an object have this neutral grey beside it.
 inline constexpr float k_background = 0.16f;
 
 /// Draws a line of text with its upper left corner at (x, y), in a bitmap font of 12 `scale` rows, clipped to the
@@ -37,7 +37,7 @@ Image8 side_by_side(std::span<const Image8> images, std::span<const std::string>
 
 /// The bytes of a PNG of 8-bit RGB. Errors: an empty image, or more than 2²⁹ bytes.
 Result<std::vector<std::byte>> png(const Image8& image, const std::string& path);
-/// The same, written. Errors: those of write_file, too.
+/// Writes the picture. Errors: those of write_file, too.
 Result<Done> write_png(const Image8& image, const std::string& path);
 /// The image as a JPEG of `quality` 1..100, reduced to at most k_largest_jpeg pixels per side, for pages.
 std::vector<std::byte> jpeg(const Image8& image, int quality);

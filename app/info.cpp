@@ -7,8 +7,8 @@
 #include <span>
 
 #include "app/commands.h"
-#include "app/read_options.h"
 #include "app/output.h"
+#include "app/read_options.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"
@@ -66,7 +66,7 @@ void print_table(const MbsdfTable& table) {
     print_channel_ranges("value [1/sr]", table.cells);
 }
 
-/// What a fit may lack: other planes than that of incidence, views on one side of it, values above the instrument's floor.
+/// Warns of a fit that lacks data: other planes than that of incidence, views on one side of it, values above the instrument's floor.
 void print_geometry(const ScatteredSamples& samples) {
     std::size_t inside = 0, at_least = 0;
     float least = std::numeric_limits<float>::infinity();
@@ -171,7 +171,7 @@ void print_behaviour(const Subject& subject) {
     print_row("smallest value", fmt::format("{:.4g} 1/sr, θ ≤ {}°", range.least, max_theta));
 }
 
-/// What becomes of light that comes from a direction: directional-hemispherical sums of each part, with its beam.
+/// The light that leaves for light from a direction: directional-hemispherical sums of each part, with its beam.
 void print_sides(const Subject& subject) {
     const Evaluate bsdf = evaluator(subject);
     const auto* measured = std::get_if<Measured>(&subject.content);

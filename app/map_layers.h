@@ -17,7 +17,7 @@ struct MapLevel {
 /// the area, so that a BRDF is the mean of the finer BRDFs there.
 MapLevel coarser(const MapLevel& finer);
 
-/// As many layers as each of OpenGL ES 3, WebGL 2, WebGPU, Vulkan and Direct3D 11 has in an array.
+/// Each of OpenGL ES 3, WebGL 2, WebGPU, Vulkan and Direct3D 11 has this number of layers in an array.
 inline constexpr int k_most_layers = 256;
 /// Errors, of `file_name`: a sparse library, one that is no map, more lobes than that.
 Result<Done> check_layers(const Library& library, const std::string& file_name);

@@ -38,7 +38,7 @@ class Option {
     Option hidden() const;                                         ///< from --help
     Option one_at_a_time() const;  ///< for a list: the option takes one text each time it is given
 
-    /// Whether it was on the command line.
+    /// True if it was on the command line.
     bool given() const;
     /// Ends the parsing with a usage error that names the option.
     [[noreturn]] void fail(const std::string& what) const;
@@ -97,7 +97,7 @@ class Subcommand {
     CLI::App* app_;
 };
 
-/// What --help says, for the shells.
+/// The content of --help, for the shells.
 struct OptionHelp {
     std::vector<std::string> names;  ///< with their dashes; of a positional argument its name
     std::string type;  ///< of its text, and its default, as in NAME=pm; empty: a flag or a positional argument

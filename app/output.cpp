@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether two names refer to one file, existing or not; a device or a pipe may be named twice.
+/// True if two names refer to one file, existing or not; a device or a pipe may be named twice.
 bool is_same_file(const fs::path& a, const fs::path& b) {
     std::error_code ignored;
     if (fs::is_other(a, ignored)) return false;

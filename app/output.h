@@ -35,7 +35,7 @@ Json json_of(const Parameter& of);
 /// The pictures in the report of a fit that it is judged by (`judged`); null: it has none.
 const Json* judged_pictures(const Json& report);
 
-/// What is seen of a table if light and viewer are exchanged; none of what is reciprocal or no table.
+/// Picture errors of a table against its transpose; none if it is reciprocal or no table.
 std::optional<Appearance> repeatability(const AnyBrdf& of, int threads = 0);
 /// "within ΔE_ITP 14.4 (worst 21.4) where light and viewer are exchanged"
 std::string repeats_text(const Appearance& exchanged);
@@ -52,7 +52,7 @@ std::optional<Json> read_json(const std::string& path);
 
 /// A report names its model by the hash of the model's file.
 inline constexpr const char* k_model_hash = "model_hash";
-/// Whether `report` is that of the model in the file, which can be read.
+/// True if `report` is that of the model in the file, which can be read.
 bool is_report_of(const Json& report, const std::string& model_file);
 
 /// Returns an error if one of `outputs` cannot be written: its folder is missing, it is a folder, an input, or the same

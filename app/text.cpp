@@ -1,4 +1,4 @@
-// What the program says of measures and models, as text and as JSON.
+// Texts and JSON of measures and models.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What takes long, while Python is served.
+// Runs what takes long, while Python is served.
 #pragma once
 #include <pybind11/pybind11.h>
 

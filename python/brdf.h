@@ -28,7 +28,7 @@ class Held {
         if (!model()) raise({"srbf", {}, "brdf", "a model", "a measurement", ErrorCode::wrong_kind});
         return *model();
     }
-    /// Whether light and viewer are those of the file, or of the data of a model, exchanged.
+    /// True if light and viewer are those of the file, or of the data of a model, exchanged.
     bool is_exchanged() const { return model() ? model()->provenance.contains("exchanged") : exchanged_; }
     Held exchanged() const {
         AnyBrdf content = *content_;
@@ -38,7 +38,7 @@ class Held {
     bool isotropic() const {
         return std::visit([](const auto& of) { return is_isotropic(of); }, *content_);
     }
-    /// Whether each value is searched for among samples, slices or patches, which takes up to twelve times as long as
+    /// True if each value is searched for among samples, slices or patches, which takes up to twelve times as long as
     /// from a table or a model.
     bool is_searched() const {
         if (!measured()) return false;
@@ -58,14 +58,14 @@ class Held {
     const PreparedBrdf& prepared() const {
         return front_->of(*this, [](const auto& of, const ProposeOptions& options) { return prepare(of, options); });
     }
-    /// Of something of both sides.
+    /// The part of something with front and back.
     const PreparedBsdf& prepared_sides() const {
         return sides_->of(*this,
                           [](const auto& of, const ProposeOptions& options) { return prepare_bsdf(of, options); });
     }
 
   private:
-    /// What is prepared when it is first asked for.
+    /// The prepared BRDF, made when it is first asked for.
     template <typename Prepared> struct Once {
         std::once_flag flag;
         std::optional<Prepared> prepared;
@@ -187,7 +187,7 @@ inline std::array<float, 7> drawn_at(const Held& brdf, const Vec3f& wv, const Ve
     return {drawn.wl.x, drawn.wl.y, drawn.wl.z, drawn.weight.r, drawn.weight.g, drawn.weight.b, drawn.pdf};
 }
 
-/// Of samples that are said to be isotropic; otherwise 0.
+/// The change by azimuth of samples that are said to be isotropic; otherwise 0.
 inline double change_by_azimuth(const Held& brdf) {
     const auto* samples = brdf.measured() ? std::get_if<ScatteredSamples>(&brdf.measured()->table) : nullptr;
     if (!samples || !samples->isotropic) return 0;
@@ -195,7 +195,7 @@ inline double change_by_azimuth(const Held& brdf) {
     return change_by_azimuth(*samples);
 }
 
-/// Those of the samples that are finite and above the horizon, without an index.
+/// The samples that are finite and above the horizon, without an index.
 inline ScatteredSamples samples_at(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
@@ -238,7 +238,7 @@ inline Held unpickled(const py::bytes& bytes, bool exchanged) {
     const py::gil_scoped_release released;
     return Held(ArchiveReader{text}.next<AnyBrdf>(), exchanged);
 }
-/// What determines the values: `pickled` without where they come from.
+/// The members that determine the values: `pickled` without where they come from.
 inline py::bytes numbers(const Held& brdf) {
     ArchiveWriter writer;
     {

@@ -56,7 +56,7 @@ inline bool is_offered(const Arguments& arguments) {
     static const std::set<std::string> extras{"render", "map", "basis", "report", "view",        "html",
                                               "exr",    "dds", "three", "area",   "environment", "environment-draws"};
     static const std::set<std::string> offered = [] {
-        std::string text = run(TemporaryFolder(), {"manual", "--for", "bash"}).out;
+        std::string text = run(TemporaryFolder(), {"completion", "bash"}).out;
         std::ranges::replace(text, '\'', ' ');
         const Arguments all = words(text);
         return std::set<std::string>(all.begin(), all.end());

@@ -1,7 +1,8 @@
 """Pages, help texts and messages have none of the terms of terms.csv: python3 test/terms.py FOLDER.
 
-A line of terms.csv is a regular expression, of words, and what to write instead. Searched are the prose of the documentation and what
-programs print or show: strings of C++, and the text of web pages, scripts and the Python package. `code` and blocks of code are not prose.
+A line of terms.csv is a regular expression, of words, and what to write instead. Searched are the prose of the documentation, what
+programs print or show (strings of C++, and the text of web pages, scripts and the Python package) and comments of C++ and GLSL, which also
+begin with a subject, not with "Of", "What", "Whether" or "The same". `code` and blocks of code are not prose.
 """
 import csv
 import os
@@ -11,6 +12,8 @@ import sys
 folder = sys.argv[1]
 PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "data/README.md"]
 STRINGS = re.compile(r'(?<!\w)"((?:[^"\\\n]|\\.)*)"')  # of one line of C++; adjacent ones are one string
+COMMENT = re.compile(r"(^|\s)//+<?(.*)$")
+BARE = re.compile(r"(Of|What|Whether|The same|Those|As many|So many)\b")
 SHOWN = re.compile(r'"([^"\n]*)"|`([^`]*)`|>([^<>]*)<|"""(.*?)"""', flags=re.S)  # of scripts and pages
 
 
@@ -38,14 +41,27 @@ def shown(path):
     return "\n".join(" ".join(filter(None, groups)) for groups in SHOWN.findall(text(path)))
 
 
+def comments(path):
+    """The comments of a file of C++ or GLSL; the lines of one are joined."""
+    lines = [re.sub(r'"(?:[^"\\\n]|\\.)*"', '""', line) for line in text(path).split("\n")]
+    found = [COMMENT.search(line) for line in lines]
+    blocks = "\n".join(of.group(2) if of else "\f" for of in found)
+    return [" ".join(re.sub(r"`[^`]*`", "", block).split()) for block in blocks.split("\f") if block.strip()]
+
+
 with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "terms.csv"), encoding="utf-8") as file:
     terms = [(re.compile(rf"\b(?:{row['term']})", flags=re.I), row["instead"]) for row in csv.DictReader(file)]
 searched = [(page, prose(page)) for page in PAGES + files("docs", ".md") + files("extras", ".md")]
 searched += [(path, strings(path)) for where in ("app", "extras", "src") for path in files(where, ".cpp", ".h")]
 searched += [(path, shown(path)) for path in files("web", ".html", ".js", ".mjs") + files("extras", ".html") + files("python/srbf", ".py")]
 problems = []
+for path in (path for where in ("src", "include", "extras", "app", "python", "web") for path in files(where, ".cpp", ".h", ".inl", ".glsl")):
+    for comment in comments(path) if "/test/" not in path else []:
+        searched.append((path, comment))
+        if BARE.match(comment):
+            problems.append(f"{path}: '{comment[:60]}'; write: a sentence with a subject and a verb")
 for path, of in searched:
     for term, instead in terms:
         problems += [f"{path}: '{' '.join(found.group().split())}'; write: {instead}" for found in term.finditer(of)]
-print("\n".join(problems) or f"{len(searched)} files: none of {len(terms)} terms")
+print("\n".join(problems) or f"{len(searched)} texts: none of {len(terms)} terms")
 sys.exit(bool(problems))

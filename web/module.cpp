@@ -26,7 +26,7 @@
 
 #define SRBF_EXPORT(name) __attribute__((export_name("srbf_" #name)))
 
-/// What the host does with progress; 0 cancels.
+/// The host's function for progress; 0 cancels.
 extern "C" __attribute__((import_module("srbf"), import_name("progress"))) int srbf_host_progress(const char* stage,
                                                                                                   std::size_t size,
                                                                                                   double fraction);
@@ -112,7 +112,7 @@ Fitter& fitter_of(int number, const Measured& measured) {
     return g_fitters.try_emplace(number, measured).first->second;
 }
 
-/// What is seen of a fit and what it takes, for people.
+/// Describes the visible error of a fit and its size, for people.
 Json summary_of(const Measured& measured, const Model& model) {
     return {{"format", measured.format}, {"sourceBytes", measured.bytes}, {"bytes", payload_bytes(model)}};
 }
@@ -173,7 +173,7 @@ Result<Model> as_stored(const Model& model, const std::string& name) { return re
 
 }  // namespace
 
-/// What pages show at first: the host's.
+/// The settings that pages show at first: the host's.
 Image page_environment() { return g_studio; }
 
 SRBF_EXPORT(allocate) void* allocate(std::size_t size) { return std::malloc(size); }
@@ -308,7 +308,7 @@ SRBF_EXPORT(set_studio) int set_studio(const std::byte* bytes, std::size_t size)
     g_studio = halved(*image);
     return 1;
 }
-/// What web/viewer.js is given: what all pictures have in common, and what the subject's has.
+/// The data of web/viewer.js: what all pictures have in common, and what the subject's has.
 SRBF_EXPORT(viewer_data) int give_viewer_data() { return give(std::string_view(viewer_data())); }
 SRBF_EXPORT(viewer_material) int give_viewer_material(int number) {
     const Subject* subject = subject_of(number);

@@ -71,18 +71,18 @@ constexpr int k_draws_of_a_light = 64;   ///< of what a light sends
 /// not fitted as closely as the others; and of what else lights the surface, which is this all round where the light
 /// has radiance 1.
 constexpr double k_luminance_share = 0.3, k_ambient = 0.1 / k_pi;
-/// Of squared shares, next to squared relative errors of .02 to .2. Lobes of either sign that nearly cancel each other would
+/// The weight of squared shares, next to squared relative errors of .02 to .2. Lobes of either sign that nearly cancel each other would
 /// fit the lights of one view, but neither others nor the views between.
 constexpr double k_ridge_of_lobes = 5e-2;
 /// More lights of the least size, side by side along the plane of incidence, in which all lobes lie: a lobe that is sharper than
 /// the BRDF would show a small lamp as a dot, which the other lights miss. They stand for a band of this solid angle [sr];
-/// with 1 pictures of metals err by a tenth more.
+/// with 1 errors of pictures of metals are a tenth larger.
 constexpr int k_lights_along = 120;
 constexpr double k_band = 0.3;
 constexpr int k_lobe_starts = 12;
 /// Over all views, each towards the mean of its neighbours; a third changes pictures by less than .01 ΔE_ITP.
 constexpr int k_view_sweeps = 2;
-/// Of squared distances of p, by the angle of the axis, and of r from the neighbours', beside relative squared errors of .02 to
+/// The weights of squared distances of p, by the angle of the axis, and of r from the neighbours', beside relative squared errors of .02 to
 /// .2, of views `k_usual_step` [rad] apart, and of shares. Nodes are closer to each other at the horizon, where all lobes
 /// would change within a degree of the view: there both count for more.
 constexpr double k_smoothness = 3e-3, k_share_smoothness = 0.2, k_usual_step = 4 * k_pi / 180;
@@ -167,7 +167,7 @@ struct Light {
     double share;
 };
 
-/// What a view shows of the lights.
+/// The radiance of a view under the lights.
 struct View {
     Vec3d wv;
     Rgb albedo;
@@ -291,7 +291,7 @@ float width_of(const Vec3d& albedo, const std::vector<Reflected>& reflected) {
     return float((albedo.x + albedo.y + albedo.z) / most);
 }
 
-/// What errors of R, G, B weigh beside the radiance that is seen.
+/// The weight of errors of R, G, B relative to errors of luminance.
 Vec3d weight_beside(const Vec3d& seen) {
     const double of_luminance = k_luminance_share * double(luminance(Rgb{float(seen.x), float(seen.y), float(seen.z)}));
     const auto weight = [&](double of) { return 1 / std::max((1 - k_luminance_share) * of + of_luminance, 1e-9); };

@@ -11,9 +11,9 @@ namespace {
 
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
-/// Of the surplus one lobe in so many is dropped before the coefficients adapt.
+/// One lobe in this number of the surplus is dropped before the coefficients adapt.
 constexpr std::size_t k_surplus_per_drop = 4;
-/// Of a lobe's square what is not a combination of others, at least: smaller shares are noise.
+/// The least share of a lobe's square that is not a combination of others: smaller shares are noise.
 constexpr double k_least_across = 1e-4;
 
 /// The minimum of bᵀHb − 2yᵀb over b ≥ 0 that is 0 for all lobes but some. The coefficients of channel c follow those of

@@ -18,7 +18,7 @@
 namespace srbf {
 namespace {
 
-/// Of so many tables the observations are kept in memory, 8 MB each; those of further ones are made again.
+/// The observations of this number of tables are kept in memory, 8 MB each; those of further ones are made again.
 constexpr std::size_t k_kept_tables = 64;
 
 Error basis_error(const char* what, std::string expected, std::string found) {

@@ -10,10 +10,10 @@
 namespace srbf {
 namespace {
 
-/// Of the largest √L_t, as R_k of the point lights (docs/fitting.md): a material that the lobes match perfectly does not
+/// The share of the largest √L_t, as R_k of the point lights (docs/fitting.md): a material that the lobes match perfectly does not
 /// outweigh others.
 constexpr double k_least_root = 0.1;
-/// So many materials' Hessians are in memory at a time.
+/// The number of materials whose Hessians are in memory at a time.
 constexpr std::size_t k_hessians = 8;
 
 }  // namespace

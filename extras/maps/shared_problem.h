@@ -24,7 +24,7 @@ class SharedProblem {
 
     double loss(const Eigen::VectorXd& x);
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
-    /// Those of `LobeProblem`, and of the length of a step: a lobe that would change more ends there. Shortened as a whole,
+    /// The bounds of `LobeProblem`, and of the length of a step: a lobe that would change more ends there. Shortened as a whole,
     /// steps of so many lobes would be short.
     Eigen::VectorXd lower(const Eigen::VectorXd& x) const;
     Eigen::VectorXd upper(const Eigen::VectorXd& x) const;

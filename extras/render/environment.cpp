@@ -174,7 +174,7 @@ bool read_row(Bytes& bytes, std::vector<Rgbe>& row) {
     return true;
 }
 
-/// What stands before the texels.
+/// The header before the texels.
 struct HdrHeader {
     std::int64_t width, height;
     std::size_t resolution, texels;  ///< where these begin

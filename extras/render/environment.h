@@ -31,7 +31,7 @@ class Environment {
     bool is_black() const { return !(row_.back() > 0); }
     const Image& texels() const { return texels_; }
     std::uint64_t clamped() const { return clamped_; }
-    /// What `sample` inverts: the running sums of the texels' light along each row, height × (width + 1), and over the
+    /// `sample` inverts these: the running sums of the texels' light along each row, height × (width + 1), and over the
     /// rows, height + 1, both from 0 to 1.
     std::span<const float> columns() const { return column_; }
     std::span<const float> rows() const { return row_; }

@@ -74,7 +74,7 @@ Vec3 from_surface(SurfaceFrame frame, Vec3 w) {
 // The power heuristic's weight of draws of density a, times their number, where others have b.
 float power_share(float a, float b) { return 1.0 / (1.0 + (b / a) * (b / a)); }
 
-// Of a view, on one side of a surface: the chance of each of the mixture's lobes, in proportion to its weight times the
+// For a view, on one side of a surface: the chance of each of the mixture's lobes, in proportion to its weight times the
 // luminance about its centre, averaged over its solid angle. To this the mean is added, for what the average misses.
 struct LitLobes {
     Vec3 wv;      // in the frame of the part
@@ -148,7 +148,7 @@ Vec3 by_material(SurfaceFrame frame, Vec3 wv, LitLobes lit, float side, vec2 u) 
     float weight = draws == 0 ? power_share(density, float(LIGHT_DRAWS) * environment_pdf(place)) : 1.0;
     return weight / density * reflectance(wl, wv) * environment_radiance(place, 0.0);
 }
-// The same of a direction wl on that side that the environment draws.
+// The weight of a direction wl on that side that the environment draws.
 Vec3 by_environment(Vec3 wl, Vec3 wv, LitLobes lit, float side, EnvironmentSample drawn) {
     choose_part(side, wv);
     float density = float(LIGHT_DRAWS) * drawn.pdf;
@@ -192,7 +192,7 @@ Vec3 scattered_radiance(Vec3 position, vec4 normal, int index) {
     return sum;
 }
 
-// What point k of a pixel shows; the first is the one that every pixel shows.
+// The radiance of point k of a pixel; the first is the one that every pixel shows.
 vec3 radiance_at(ivec2 pixel_, int k) {
     ivec2 first = ivec2(step(vec2(0.0), shift));
     ivec2 point = first ^ ivec2(k & 1, k >> 1);
@@ -208,7 +208,7 @@ vec3 radiance_at(ivec2 pixel_, int k) {
     }
     return any(isnan(radiance)) || any(isinf(radiance)) ? vec3(0.0) : radiance;
 }
-// Whether at one of its points the surface ends or is seen at less than asin(1/8) = 7 degrees. There reflections are
+// True if at one of its points the surface ends or is seen at less than asin(1/8) = 7 degrees. There reflections are
 // compressed to lines and BRDFs grow: all of the points are then shown. Which of them is the first makes no difference
 // to this, so that the mean of both kinds of samples is that of all points.
 bool is_edge(ivec2 pixel_) {

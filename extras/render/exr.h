@@ -21,7 +21,7 @@ std::vector<Channel> channels_of(const Image& image, const std::string& layer = 
 /// library.
 Result<Done> write_exr(int width, int height, std::span<const Channel> channels, const std::string& path);
 
-/// The same as 16-bit floats: `halves` has a number for each of `names`, pixel after pixel.
+/// Writes 16-bit floats: `halves` has a number for each of `names`, pixel after pixel.
 Result<Done> write_half_exr(int width, int height, std::span<const std::string> names,
                             std::span<const std::uint16_t> halves, const std::string& path);
 

@@ -33,7 +33,7 @@ struct FrameOptions {
 /// `RasterMaterial`.
 Result<std::vector<FrameCost>> time_frames(const OffscreenContext& context, const Scene& scene,
                                            std::span<const Material> materials, const FrameOptions& options);
-/// Whether the library renders on the CPU, so that only the CPU time is meaningful.
+/// True if the library renders on the CPU, so that only the CPU time is meaningful.
 bool draws_on_cpu(const OffscreenContext& context);
 
 }  // namespace srbf

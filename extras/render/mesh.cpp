@@ -37,7 +37,7 @@ bool is_ply(std::span<const std::byte> bytes) {
     return bytes.size() >= 3 && bytes[0] == std::byte('p') && bytes[1] == std::byte('l') && bytes[2] == std::byte('y');
 }
 
-/// Whether a file that begins like this may be a mesh: `.obj` is text, which has no zero.
+/// True if a file that begins like this may be a mesh: `.obj` is text, which has no zero.
 bool may_be_mesh(std::span<const std::byte> head) {
     const auto first = head.first(4096);
     return is_ply(head) || std::ranges::find(first, std::byte(0)) == first.end();

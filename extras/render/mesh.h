@@ -19,7 +19,7 @@ struct Mesh {
     std::vector<Vec3f> positions;     ///< finite
     std::vector<Vec3f> normals;       ///< unit vectors, one per position
     std::vector<Triangle> triangles;  ///< indices of positions; at least one
-    /// Of the corners of each triangle the place (u, v) in a map, whose first row is at v = 0 as in glTF; or none.
+    /// The corners of each triangle have this place (u, v) in a map, whose first row is at v = 0 as in glTF; or none.
     std::vector<std::array<Vec2f, 3>> texture;
 };
 

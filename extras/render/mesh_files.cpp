@@ -77,7 +77,7 @@ Result<Mesh> finished(Mesh mesh, const std::string& file_name) {
     return mesh;
 }
 
-/// Of a place in a file, whose v goes upwards.
+/// Converts a place in a file, whose v goes upwards.
 Vec2f place_in_map(float u, float v) { return std::isfinite(u) && std::isfinite(v) ? Vec2f{u, 1 - v} : Vec2f{0, 0}; }
 
 // ---- .ply --------------------------------------------------------------------------------------------------------
@@ -202,7 +202,7 @@ class Numbers {
     std::size_t at() const { return at_; }
     /// The minimum size in bytes of a number of that type, including its separator.
     std::size_t least_bytes(const Type& type) const { return encoding_ == Encoding::ascii ? 2 : type.size; }
-    /// Whether `count` numbers of that type may follow; the last number of a text needs no separator.
+    /// True if `count` numbers of that type may follow; the last number of a text needs no separator.
     bool may_hold(std::uint64_t count, std::uint64_t bytes_each) const {
         return count == 0 || bytes_each == 0 || count <= (bytes_.size() - at_ + 1) / bytes_each;
     }

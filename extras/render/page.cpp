@@ -100,7 +100,7 @@ Json json_of(const Mesh& mesh) {
 /// The value of the choice of `Page::mesh`.
 constexpr const char* k_own_mesh = "own";
 
-/// What pictures under an environment sample a material by.
+/// The density by which pictures under an environment sample a material.
 int azimuths_of(const Material& material) {
     const auto* general = std::get_if<PmModel>(&material);
     const auto* bsdf = std::get_if<BsdfModel>(&material);
@@ -110,7 +110,7 @@ int azimuths_of(const Material& material) {
 
 ShaderText text_of(const Material& material) { return shader_text(material, {.dialect = Dialect::es_300}); }
 
-/// Whether a picture is of a BSDF.
+/// True if a picture is of a BSDF.
 bool shows_both_sides(const Page& page) {
     return std::ranges::any_of(page.materials,
                                [](const PageMaterial& of) { return of.material && is_two_sided(*of.material); });
@@ -200,9 +200,9 @@ std::string figure(std::string_view material, std::string_view name, const std::
         material, html_escaped(name), caption);
 }
 
-/// What the difference of the first two materials is called.
+/// The name of the difference of the first two materials.
 constexpr std::string_view k_difference = "difference × 10";
-/// Whether the first two have pictures, whose difference is shown.
+/// True if the first two have pictures, whose difference is shown.
 bool has_difference(const Page& page) {
     return page.materials.size() > 1 && page.materials[0].material && page.materials[1].material;
 }
@@ -231,7 +231,7 @@ std::string choices_of(const Page& page) {
     return fmt::format("<div class='choices' role='group' aria-label='Which pictures are shown'>\n{}</div>\n", buttons);
 }
 bool plots_both_sides(const Page& page) { return std::ranges::any_of(page.materials, &PageMaterial::both_sides); }
-/// What the plots show.
+/// Describes the plots.
 std::string slices_lead_of(const Page& page) {
     const std::string scale =
         plots_both_sides(page)

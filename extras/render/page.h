@@ -42,7 +42,7 @@ struct Page {
 /// `Viewpoint{}` under `k_three_lights`, at automatic_exposure of the sphere of the first material with a picture.
 std::string page_html(const Page& page);
 
-/// What viewer.js is given apart from the page, for pages that show other materials later, as JSON: meshes, lights, the
+/// The data of viewer.js apart from the page, for pages that show other materials later, as JSON: meshes, lights, the
 /// environment and shaders; and a material, with the text of its shader and the exposure of its picture under lights.
 std::string viewer_data();
 std::string viewer_material(const PageMaterial& of);
@@ -55,7 +55,7 @@ Mesh page_mesh(std::string_view name);
 inline constexpr double k_page_aspect = 4.0 / 3;
 /// The polar angles of the light in the plots [degrees].
 inline constexpr std::array<double, 4> k_slice_theta{0, 30, 60, 75};
-/// Those of the light at the back, from the front's normal, in the plots of a BSDF.
+/// The angles of the light at the back, from the front's normal, in the plots of a BSDF.
 inline constexpr std::array<double, 4> k_slice_theta_behind{180, 150, 120, 105};
 /// Maximum θ_h, θ_d, φ_d nodes of a table for its picture; `picture_note` should mention the loss.
 inline constexpr std::array<std::uint32_t, 3> k_page_table{128, 45, 24};

@@ -158,7 +158,7 @@ class Tracer {
     Axes camera() const { return camera_; }
 
   private:
-    /// Whether nothing stops the path after that many bounces.
+    /// True if nothing stops the path after that many bounces.
     bool is_free(int bounce) const { return bounce > 0 && !options_.occlusion; }
 
     static constexpr float k_far = std::numeric_limits<float>::infinity();
@@ -196,7 +196,7 @@ class Tracer {
         return surface;
     }
 
-    /// Whether a direction leaves the triangle on the side on which it leaves the shading normal's horizon.
+    /// True if a direction leaves the triangle on the side on which it leaves the shading normal's horizon.
     bool on_its_side(const Surface& surface, Vec3f wl, Vec3f direction) const {
         return !options_.occlusion || dot(direction, surface.geometric) * (wl.z * surface.wv.z > 0 ? 1.f : -1.f) > 0;
     }

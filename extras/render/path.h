@@ -43,7 +43,7 @@ struct PathOptions {
     int width = 640, height = 480;
     int samples = 64;  ///< paths per pixel, ≥ 1
     int bounces = 8;   ///< maximum per path, ≥ 1; Russian roulette from the fourth on
-    /// Whether surfaces block light. Without, all of it reaches every point, in one bounce, as in `rasterize`.
+    /// True if surfaces block light. Without, all of it reaches every point, in one bounce, as in `rasterize`.
     bool occlusion = true;
     std::uint64_t seed = 0;
     int threads = 0;  ///< 0: as many as the machine has; the picture does not depend on it

@@ -33,7 +33,7 @@ struct ShaderOptions {
     PixelOutput output = PixelOutput::shown;
     PixelInput input = PixelInput::triangles;
     int lights = 3;  ///< directional lights, ≥ 1
-    /// Whether the light is an environment's, and `lights` are beside it: environment_pixel.glsl instead of pixel.glsl,
+    /// True if the light is an environment's, and `lights` are beside it: environment_pixel.glsl instead of pixel.glsl,
     /// for radiance from a surface.
     bool environment = false;
     /// Use the open text of a multivariate model (`brdf_text`): compilation of another text takes longer than a fit.
@@ -49,7 +49,7 @@ struct ShaderText {
 /// `eye`, `light_direction`, `light_irradiance` and `exposure`; and those of `brdf_text`. Those with an environment are
 /// in environment_pixel.glsl, environment.glsl and `proposal_text`.
 ShaderText shader_text(const Material& material, const ShaderOptions& options);
-/// What of a fragment shader follows the text of a material: shading.glsl, and pixel.glsl or its like.
+/// The part of a fragment shader that follows the text of a material: shading.glsl, and pixel.glsl or its like.
 std::string pixel_text(const ShaderOptions& options);
 /// The shaders of a `RasterSurface`: positions to colour 0, normals to colour 1.
 ShaderText surface_shader_text(Dialect dialect);

@@ -20,10 +20,10 @@ struct RasterView {
     double aspect = 4.0 / 3;
     std::span<const DirectionalLight> lights;  ///< as many as the material was made for
     float exposure = 1;                        ///< for PixelOutput::shown
-    /// Whether to draw back faces, for open surfaces. Without them a frame of a scanned mesh takes two thirds of the
+    /// True: back faces are drawn, for open surfaces. Without them a frame of a scanned mesh takes two thirds of the
     /// time.
     bool back_faces = true;
-    /// Of the points that pixels show from their centres, right and up, in widths and heights of the picture.
+    /// The offsets of the points that pixels show from their centres, right and up, in widths and heights of the picture.
     std::array<double, 2> shift{};
 };
 
@@ -102,7 +102,7 @@ class RasterMaterial {
     /// Shades `surface`, drawn from the same view, into a framebuffer with the depths of the surface, as made by
     /// `RasterTarget::make_for`; for PixelInput::surface.
     void draw(const RasterSurface& surface, const RasterView& view) const;
-    /// What the directions to the light are drawn from, with `ShaderOptions::environment`.
+    /// The density that directions to the light are drawn from, with `ShaderOptions::environment`.
     void set_proposal(const Proposals& proposals);
     /// Adds sample `index`, counted from 0, to the mean `before` of all samples before it, over the whole picture:
     /// where there is no surface the environment is seen. With `ShaderOptions::environment`, after `set_proposal`.
@@ -232,7 +232,7 @@ struct EnvironmentOptions {
     /// Called regularly with the completed share, 0..1.
     std::function<void(double)> progress;
 };
-/// The same under an environment, which is seen around the scene as `environment_frame` has it, and the scene's lights.
+/// Draws the scene under an environment, which is seen around the scene as `environment_frame` has it, and the scene's lights.
 /// All light reaches every point of a surface, and is reflected once: pictures tend to those of `render_paths` without
 /// occlusion and ground. Further errors: an environment larger than the library's textures.
 Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& environment,

@@ -10,7 +10,7 @@
 namespace srbf {
 namespace {
 
-/// Whether a material's numbers fit the limits of the library; those without a check are few.
+/// True if a material's numbers fit the limits of the library; those without a check are few.
 template <typename Few> Result<Done> check_limits(const Few&) { return Done{}; }
 Result<Done> check_limits(const BsdfTables& tables) {
     const auto [h, d, p] = size_of(tables);

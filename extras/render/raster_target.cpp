@@ -42,7 +42,7 @@ Result<Done> check_picture(int width, int height, bool floats) {
     return Done{};
 }
 
-/// Whether the bound framebuffer can be drawn into.
+/// True if the bound framebuffer can be drawn into.
 Result<Done> check_framebuffer(int width, int height) {
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE && glGetError() != GL_OUT_OF_MEMORY)
         return Done{};

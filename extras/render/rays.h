@@ -24,7 +24,7 @@ class Rays {
 
     /// The first hit along a unit vector.
     std::optional<Hit> closest(Vec3f origin, Vec3f direction) const;
-    /// Whether any hit is closer than `distance`.
+    /// True if any hit is closer than `distance`.
     bool occluded(Vec3f origin, Vec3f direction, float distance) const;
 
   private:

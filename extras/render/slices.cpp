@@ -19,7 +19,7 @@ constexpr int k_tick = 30;  // degrees
 /// The frame of the plot within the drawing.
 constexpr double k_width = 360, k_height = 250, k_left = 40, k_right = 344, k_top = 36, k_bottom = 210;
 
-/// Of one side about its normal at `normal` [degrees], with the mirror direction, or that straight through, at `peak`.
+/// The angles of one side about its normal at `normal` [degrees], with the mirror direction, or that straight through, at `peak`.
 void add_angles(std::vector<double>& degrees, double normal, double peak) {
     const auto first = std::ptrdiff_t(degrees.size());
     for (double at = -89; at <= 89; at += 0.5) degrees.push_back(normal + at);
@@ -216,7 +216,7 @@ std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, Lob
     if (most == 0) most = least = 1;
     // Logarithms from the centre to the outermost ring, which is the largest value.
     const double highest = std::log10(most),
-                 // Of both sides the smallest value is still a lobe to be seen.
+                 // With front and back the smallest value is still a visible lobe.
         lowest = std::max(std::min(std::log10(least), highest - 1) - (whole ? 1 : 0), highest - k_lobe_decades);
     const bool is_linear = scale == LobeScale::linear;
     const auto r_of = [&](double y) {

@@ -11,7 +11,7 @@ namespace srbf {
 
 /// Luminances of f(wl, wv) [1/sr] with wl fixed and wv in the plane of incidence.
 struct LuminanceSlice {
-    /// Of wv: from −89 (on the light's side) to 89, in steps of ½, or 0.1 around the mirror direction; of both sides
+    /// The angles of wv: from −89 (on the light's side) to 89, in steps of ½, or 0.1 around the mirror direction; of a BSDF
     /// also from 91 to 269, where 180 is the normal of the back.
     std::vector<double> degrees;
     std::vector<double> luminance;  ///< NaN: not measured, or in the surface
@@ -46,9 +46,9 @@ std::vector<Scan> scans_in_plane(const ScatteredSamples& samples);
 std::string scan_drawing(const Scan& scan, std::span<const SliceCurve> models);
 
 enum class LobeScale { linear, logarithmic };
-/// The same in polar coordinates: the distance from the point of incidence is the value in that direction. The first
+/// The slice in polar coordinates: the distance from the point of incidence is the value in that direction. The first
 /// curve's values within 85° of a normal determine the scale, a logarithmic one with at most `k_lobe_decades`; larger
-/// values are drawn just outside of it. If a curve is of both sides, the drawing is a full circle: what is seen from
+/// values are drawn just outside of it. If a curve is of a BSDF, the drawing is a full circle: the light that leaves on
 /// the front above, from the back below. Light is reflected to its own side.
 std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, LobeScale scale);
 inline constexpr int k_lobe_decades = 4;

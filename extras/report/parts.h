@@ -16,7 +16,7 @@ using Rows = std::vector<const Json*>;
 enum class Shown { whole, percent, plain, seconds };
 /// A number of a table and its displayed text: `<data value='FIELD'>`; – if there is none.
 std::string number(const Json& value, Shown how);
-/// The same for a column of a row; the row may be null.
+/// The text of a column of a row; the row may be null.
 std::string number(const Json* row, const std::string& column, Shown how);
 inline Shown shown_as(const MeasureText& measure) { return measure.is_ratio ? Shown::percent : Shown::plain; }
 /// A field as HTML.
@@ -30,7 +30,7 @@ std::string role_title(const std::string& role);
 /// The column of the measure by which an objective is judged for that input ("table" or "samples"), held out if it is
 /// one of directions; for an unknown objective that of cosine.
 std::string measure_column(const std::string& objective, const Json& input);
-/// Whether a fit corresponds to one in Table 7.1 of Tsai 2009.
+/// True if a fit corresponds to one in Table 7.1 of Tsai 2009.
 bool is_of_table(const Json& fit);
 /// A verdict, in its colour.
 std::string verdict_text(const Json& words);

@@ -20,7 +20,7 @@ class Plan {
         add(pm, objective, fmt::format("pm-{}-{}x{}-{}", stored_name(form), lobes, variates, name(objective)),
             std::move(role));
     }
-    /// Of two variates, equal with light and viewer exchanged: of scans, from whose incidences few are left out.
+    /// A model of two variates, equal with light and viewer exchanged, for scans, from whose incidences few are left out.
     void reciprocal(int lobes, Objective objective, std::string role = {}) {
         PmRequest pm;
         pm.variates = 2, pm.reciprocal = true, pm.size = LobeCount{lobes};
@@ -63,7 +63,7 @@ class Plan {
 
 void plan_table(Plan& plan, bool quick) {
     using enum Objective;
-    // What is drawn, the size of Tsai 2009, and sizes and objectives beside the default.
+    // The fits that are drawn, the size of Tsai 2009, and sizes and objectives beside the default.
     for (const int lobes : {6, 8, 12}) plan.pm(PmForm::extended, lobes, 4, appearance, lobes == 8 ? "pm" : "");
     plan.pm(PmForm::extended, 8, 4, cosine, "pm2");
     plan.su(5, appearance, "su");

@@ -27,7 +27,7 @@ struct PictureSize {
     int pixels, paths;
 };
 constexpr std::array<PictureSize, 3> k_pictures_of{{{240, 256}, {176, 48}, {16, 1}}};
-/// Of the eye [rad]: high enough that the ground fills the picture.
+/// The elevation of the eye [rad]: high enough that the ground fills the picture.
 constexpr double k_elevation = 20 * k_degree;
 /// The shading code of the default fit in a folder.
 struct CodeFile {
@@ -52,7 +52,7 @@ std::string plain(std::string text) {
 /// The colour of a role in the page's style.
 std::string colour_of_role(const std::string& role) { return fmt::format("var(--{})", role); }
 
-/// What is drawn: the measurement first, then fits.
+/// The subjects that are drawn: the measurement first, then fits.
 struct Drawn {
     std::vector<Subject> subjects;
     std::vector<std::string> roles, ids;
@@ -158,7 +158,7 @@ class Maker {
         return write_file(path("lobes.csv"), as_bytes(csv));
     }
 
-    /// Of samples in the plane of incidence, at most `k_most_scans` of the angles.
+    /// Plots samples in the plane of incidence, at most `k_most_scans` of the angles.
     void draw_scans(Study& study, std::span<const SliceCurve> models) {
         const auto* samples = std::get_if<ScatteredSamples>(&std::get<Measured>(drawn_.subjects[0].content).table);
         if (samples == nullptr) return;
@@ -261,7 +261,7 @@ class Maker {
 Result<std::string> study_name(const std::string& file, const StudyOptions& options) {
     const auto bytes = read_input(file);
     if (!bytes) {
-        // What is in a file, FILE#NAME, is a model.
+        // An item of a file, FILE#NAME, is a model.
         const auto part = load_subject(file);
         return part ? Error{file, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind} : part.error();
     }

@@ -114,7 +114,7 @@ std::string source_material(const Reported& of) {
     return name == "nickel" ? name : "";
 }
 
-/// What the default fit's difference means: by its pictures of a sphere, or where it has none by that of the ball.
+/// Describes the difference of the default fit: by its pictures of a sphere, or where it has none by that of the ball.
 std::string_view verdict_of(const Study& study) {
     PictureErrors errors;
     for (const Json& fit : study.material.at("fits"))

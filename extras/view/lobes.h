@@ -30,7 +30,7 @@ std::vector<SeenLobe> seen_lobes(const Model& model, Vec3f wl);
 bool is_seen_over_lights(const Model& model);
 
 /// f |cosθv| for light at θl in a plane through the normal, turned by φ from that of incidence: `angle` from −89° to 89°,
-/// positive on the mirror direction's side for φ = 0; of both sides also from 91° to 269°, where 180° is the normal of
+/// positive on the mirror direction's side for φ = 0; of a BSDF also from 91° to 269°, where 180° is the normal of
 /// the back.
 struct Slice {
     std::vector<float> angle;  ///< [rad]

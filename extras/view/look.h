@@ -11,7 +11,7 @@
 
 namespace srbf {
 
-/// What a bookmark recalls.
+/// The state that a bookmark recalls.
 struct Bookmark {
     double azimuth, elevation, zoom, turned;
     std::array<DirectionalLight, 3> lights;
@@ -34,7 +34,7 @@ struct Look {
     float exposure = 1;
     bool automatic = true;    ///< exposure follows the reference until it is set manually
     float full_scale = 0.1f;  ///< of the difference, k_least_scale to k_most_scale
-    /// What a difference of 1 is called: ΔE_ITP, or the brightness of white.
+    /// The name of a difference of 1: ΔE_ITP, or the brightness of white.
     float unit() const { return in_delta_e ? 100.f : 1.f; }
     std::string mesh = "ball";
     double theta_l = 45 * k_degree;  ///< for slices and lobes, 0 to 85°

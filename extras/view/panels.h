@@ -29,7 +29,7 @@ class Panels {
     /// updated only with `expose`, since it would flicker during rotation. Under an environment the pictures begin
     /// with `k_first_samples`; if they are not `moving`, each call adds one.
     Result<Done> draw(Look& look, int width, int height, bool expose, bool moving);
-    /// Of the pictures under an environment; `k_converged` without one.
+    /// The samples of the pictures under an environment; `k_converged` without one.
     int samples() const;
     static constexpr int k_converged = 1024;
     /// A picture as a texture, rows from the bottom.

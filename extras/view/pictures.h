@@ -20,7 +20,7 @@ class Pictures {
     /// Notes an interaction: for a quarter of a second `moves`, and slow pictures are drawn smaller.
     void touch() { touched_ = {}; }
     bool moves() const;
-    /// Whether the last pictures have the full resolution.
+    /// True if the last pictures have the full resolution.
     bool is_whole() const { return is_whole_; }
     /// The samples of the pictures under an environment, which increase while nothing moves.
     int samples() const { return panels_.samples(); }

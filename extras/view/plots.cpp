@@ -163,7 +163,7 @@ ImU32 lobe_colour(std::size_t k, float alpha) {
 double draw_slices(const Slice* reference, const Slice* fit, double theta_l, double phi, bool logarithmic,
                    float width) {
     const ImVec2 corner = ImGui::GetCursorScreenPos();
-    // Of both sides a full circle, half as large.
+    // Front and back take a full circle, half as large.
     const bool whole = (reference && reference->both_sides) || (fit && fit->both_sides);
     const float margin = ImGui::GetTextLineHeight(), radius = (width / 2 - margin) * (whole ? 0.5f : 1.f);
     ImGui::Dummy({width, (whole ? 2 : 1) * radius + 2 * margin});

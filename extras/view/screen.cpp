@@ -17,7 +17,7 @@
 namespace srbf {
 namespace {
 
-/// Of the monitor that a window takes which opens as large as it sensibly can.
+/// The share of the monitor that a window takes which opens as large as it sensibly can.
 constexpr double k_share_of_monitor = 0.8;
 
 /// The name of a key for `press`; empty: not used.

@@ -20,7 +20,7 @@ class Screen {
     /// Opens a window of that size in pixels, or a larger one that `fills` most of its monitor; its OpenGL context becomes
     /// current. Errors: no display, no OpenGL 4.5.
     Result<Done> open(int width, int height, bool fills);
-    /// Whether `show` waits for the display's refresh.
+    /// True if `show` waits for the display's refresh.
     void set_paced(bool paced);
     bool is_closing() const;
 

@@ -80,7 +80,7 @@ class MirrorMixture {
     double retro_scale_;
 };
 
-/// Whether the sine of the angle between wv and the plane of wl and the normal is at most 0.01: half a degree.
+/// True if the sine of the angle between wv and the plane of wl and the normal is at most 0.01: half a degree.
 bool is_in_plane(Vec3f wl, Vec3f wv);
 
 }  // namespace srbf

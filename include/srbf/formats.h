@@ -14,7 +14,7 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// What a table is made of: a BRDF or BSDF, and what is known of it.
+/// The source of a table: a BRDF or BSDF, with its properties.
 struct TableSource {
     Evaluate values;  ///< `signed_value` of a measurement, `value` of a model; keeps a reference to it
     bool isotropic = true, two_sided = false;

@@ -28,7 +28,7 @@ const AnyBrdf& content(const LoadedBrdf& brdf);
 LoadedBrdf loaded_brdf(AnyBrdf content);
 
 /// The bytes of a file of a format that is written (formats.h), with the values of `brdf`. Scattered samples become CSV as they are.
-/// Of a BSDF an MBSDF file has the parts of light from the front. Errors: an anisotropic measurement or a BSDF that files of the
+/// An MBSDF file of a BSDF has the parts of light from the front. Errors: an anisotropic measurement or a BSDF that files of the
 /// format do not hold; it was cancelled.
 Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, const Format& format, const TableOptions& options = {});
 

@@ -168,7 +168,7 @@ struct EvaluatedTable {
 
 struct Measured;
 
-/// A measurement of both sides, in bands of wavelengths. Each part is a measurement of its own, in the frame of
+/// A two-sided measurement, in bands of wavelengths. Each part is a measurement of its own, in the frame of
 /// the part.
 struct BsdfTable {
     struct Band {
@@ -275,7 +275,7 @@ Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string&
 /// n_φ, and n_θ n_θ n_φ samples. A block of transmission may follow; its size is checked, and it is left out. A sample
 /// that is not finite is masked.
 Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads CSV (see `read_csv`) of samples on both sides, for each part those of its own.
+/// Reads CSV (see `read_csv`) of two-sided samples, for each part its own.
 Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name);
 /// Reads both blocks of an MBSDF file as reflection and transmission of light from the front, whose frame is that of
 /// the parts. Errors: those of `read_mbsdf`, or it has no block of transmission.

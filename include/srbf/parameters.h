@@ -34,11 +34,11 @@ Parameters parameters(const Model& model);
 /// unknown, another shape, numbers that are not finite, or out of their range; vectors that are not of length 1.
 Result<Model> model_from(const Parameters& parameters, std::map<std::string, std::string> provenance = {});
 
-/// What a model is, in a line: "pm, form gaussian, 8 lobes, 4 variates, axial".
+/// Describes a model in a line: "pm, form gaussian, 8 lobes, 4 variates, axial".
 std::string summary(const Model& model);
-/// The same in rows, with its parameters, as `srbf info` prints them.
+/// Describes a model in rows, with its parameters, as `srbf info` prints them.
 std::string rows_text(const Model& model);
-/// What the report of its fit has of it: "form", "lobes", "variates", "axial" of every model, and others.
+/// The members that the report of its fit has of it: "form", "lobes", "variates", "axial" of every model, and others.
 Parameters report_members(const Model& model);
 
 }  // namespace srbf

@@ -32,7 +32,7 @@ class ParameterReader {
     bool has(std::string_view name) const { return find(name) != nullptr; }
     /// Finite numbers of this shape, a character an axis: a digit is its length, a letter stands for the same in all arrays.
     std::vector<float> numbers(std::string_view name, std::string_view shape);
-    /// The same in vectors or colours; the last axis is 3.
+    /// An array of vectors or colours; the last axis is 3.
     template <typename T> std::vector<T> vectors(std::string_view name, std::string_view shape) {
         return rows_of<T>(numbers(name, shape));
     }
@@ -48,7 +48,7 @@ class ParameterReader {
     std::size_t length(char letter) const;
     void refuse(std::string_view name, std::string expected, std::string found);
     void refuse(const Error& error);
-    /// What is wrong: also names that were not asked for.
+    /// The error, if any: also names that were not asked for.
     std::optional<Error> error() const;
 
   private:

@@ -167,7 +167,7 @@ Quadrature MirrorMixture::quadrature(Vec3d wv, int count) const {
 
 bool is_in_plane(Vec3f wl, Vec3f wv) {
     constexpr float most = 0.01f;
-    const float s = std::hypot(wl.x, wl.y), across = wl.x * wv.y - wl.y * wv.x;
+    const float s = elementary::hypot(wl.x, wl.y), across = wl.x * wv.y - wl.y * wv.x;
     return std::abs(across) <= most * s || s <= most;
 }
 

@@ -1,4 +1,4 @@
-// What extras add to the code of models.
+// The interface by which extras add to the code of models.
 #pragma once
 #include <functional>
 #include <map>
@@ -23,7 +23,7 @@ struct AddedCode {
         text = {};
 };
 
-/// What an extra offers.
+/// The features and modules that an extra offers.
 struct CodeExtra {
     std::vector<CodeFeature> features;
     std::vector<CodeModule> modules;

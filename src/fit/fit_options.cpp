@@ -142,7 +142,7 @@ void add_counts(std::vector<FitOption>& to) {
                              [](FitRequest& r, int n) { std::get<GgxRequest>(r.model).lobes = n; }));
 }
 
-/// What the fit minimises, and where.
+/// The rows of the loss that the fit minimises, and of its domain.
 void add_objective(std::vector<FitOption>& to) {
     std::string about = "What the fit minimises:";
     std::vector<std::string_view> names;

@@ -1,4 +1,4 @@
-// Measurements of both sides.
+// Measurements of reflection and transmission.
 #include "measured/two_sided.h"
 
 #include <fmt/format.h>

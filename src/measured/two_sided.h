@@ -1,4 +1,4 @@
-// Beams of both sides: private to readers and fits.
+// Beams of two-sided measurements: private to readers and fits.
 #pragma once
 #include <span>
 

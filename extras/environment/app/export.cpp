@@ -1,4 +1,4 @@
-// What extended light adds to `srbf export`: environments that are filtered for its code.
+// Adds to `srbf export` environments that are filtered for its code.
 #include "app/export.h"
 
 #include <fmt/format.h>

@@ -39,7 +39,7 @@ class FilteredEnvironment {
 };
 
 /// A DirectDraw Surface (.dds) of a filtered environment: a cube map with its levels, 16-bit floats R, G, B, A = 1.
-/// What is larger than these hold, 65504, is set to that; `clamped` is the number of such texels.
+/// Values above 65504, the largest that these hold, are set to it; `clamped` is the number of such texels.
 struct CubeFile {
     std::vector<std::byte> bytes;
     std::size_t clamped = 0;

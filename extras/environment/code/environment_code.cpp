@@ -112,7 +112,7 @@ std::string light_of_basis(const PmModel& basis, const LightOptions& options, Pr
 }
 
 constexpr const char* k_texel_of_host =
-    "// Of lobe k > 0 at a view: (p, roughness, width) at i = 2 k - 2 and its share of the albedo at i = 2 k - 1;\n"
+    "// Lobe k > 0 at a view has (p, roughness, width) at i = 2 k - 2 and its share of the albedo at i = 2 k - 1;\n"
     "// then albedos, of as many nodes in a column as there are views. The host supplies them.\n"
     "Vec3 light_texel(int i, int view);\n"
     "Vec3 albedo_node(Pm pm, int i) {\n"
@@ -146,7 +146,7 @@ AddedCode added_of(const EnvironmentCode& code, const CodeOptions& options) {
     return added;
 }
 
-/// Those of `k_features` that are named.
+/// The features of `k_features` that are named.
 AddedCode light_functions(const CodeOptions& options) {
     const auto is_named = [&](const char* name) { return std::ranges::count(options.with, name) > 0; };
     const EnvironmentCode code{

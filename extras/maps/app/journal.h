@@ -15,7 +15,7 @@ namespace srbf {
 /// are not taken for its own. While the journal is open no other process can open it.
 class Journal {
   public:
-    /// Begins a journal, or with `resume` continues one of the same key. A line on standard error tells if an older one
+    /// Begins a journal, or with `resume` continues one of the same key. A line on standard error names an older one, if it
     /// is replaced or if its end is damaged. Errors: another process has it; `resume`, and it is of another key; the file
     /// is no journal; it cannot be written.
     static Result<Journal> open(const std::string& output, const std::string& key, bool resume);

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is kept of the slabs for the summary.
+/// Counts of the slabs, for the summary.
 struct SlabSummary {
     std::size_t fitted = 0, black = 0, failed = 0, kept = 0;
     double error = 0;  ///< sum over fitted and kept texels

@@ -14,7 +14,7 @@ class Texels {
   public:
     static Result<Texels> open(const std::string& path, std::size_t pairs);
     std::size_t count() const { return count_; }
-    /// Those from `first` on, as many as `f` has room for.
+    /// Reads the texels from `first` on, as many as `f` has room for.
     Result<Done> read(std::size_t first, std::span<Rgb> f) const;
 
   private:

@@ -1,4 +1,4 @@
-// What pictures add to `srbf export`: the page, and the coefficients of maps as OpenEXR.
+// Adds to `srbf export` the page, and the coefficients of maps as OpenEXR.
 #include "app/export.h"
 
 #include <fmt/format.h>
@@ -61,7 +61,7 @@ Result<Done> write_page(const ExportCommand& asked, const PageOptions& options) 
     return write_file(asked.output, as_bytes(page_html(page)));
 }
 
-/// Of lobe 7 of 16 the channels lobe07.R, lobe07.G, lobe07.B, as 16-bit floats.
+/// Lobe 7 of 16 has the channels lobe07.R, lobe07.G, lobe07.B, as 16-bit floats.
 Result<Done> write_map_exr(const ExportCommand& asked) {
     const auto map = load_map(asked);
     if (!map) return map.error();

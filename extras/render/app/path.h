@@ -12,7 +12,7 @@
 
 namespace srbf {
 
-/// What a picture is of: a measurement or a model, or a map of texels.
+/// The subject of a picture: a measurement or a model, or a map of texels.
 using Pictured = std::variant<const Subject*, const Library*>;
 
 struct PathCommand {

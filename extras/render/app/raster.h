@@ -17,7 +17,7 @@ namespace srbf {
 /// The material of a subject in OpenGL. Errors: an anisotropic measurement.
 Result<Material> material_of(const Subject& subject);
 
-/// What the subject's light is drawn from in OpenGL. `threads`: 0 is as many as the machine has.
+/// The density that the subject's light is drawn from in OpenGL. `threads`: 0 is as many as the machine has.
 Proposals proposal_of(const Subject& subject, int threads = 0);
 
 /// The light of a rasterized picture.

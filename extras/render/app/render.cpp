@@ -173,7 +173,7 @@ Result<Done> compare_pictures(const Image8& reference, std::span<const Image8> i
     return write_png(side_by_side(differences, captions), options.beside(".difference"));
 }
 
-/// What is drawn: a measurement or model, or a map of texels.
+/// The subject that is drawn: a measurement or model, or a map of texels.
 using Loaded = std::variant<Subject, Library>;
 Result<Loaded> load_pictured(const std::string& file) {
     auto map = library_in(file);

@@ -4,6 +4,7 @@ srbf_test(render               one  unit)
 in_program(render_files SANITIZED)
 srbf_test(mesh                 one  unit input)
 srbf_test(environment          one  unit input)
+target_link_libraries(render_files_tests PRIVATE srbf_commands)
 if(reads_sanitized)
   add_library(render_reading_sanitized OBJECT ${CMAKE_CURRENT_LIST_DIR}/../exr.cpp ${CMAKE_CURRENT_LIST_DIR}/../mesh_files.cpp)
   target_link_libraries(render_reading_sanitized PRIVATE srbf_build srbf_sanitized srbf_render nlohmann_json::nlohmann_json TBB::tbb

@@ -83,7 +83,7 @@ constexpr std::uint32_t k_normals = 128;  // nodes of the visible normals, as in
 constexpr int k_around = 64;              // azimuths of φ_d
 constexpr double k_least_cosine = 0.1;    // of the directions that determine D
 // The share of D that is uniform. Without it a narrow highlight leaves a handful of nodes to all directions off it,
-// which are dark, yet most of what is seen.
+// which are dark, yet most of the picture.
 constexpr double k_uniform = 0.1;
 
 /// D at the nodes u = i/(n−1), not yet normalised. It determines the positions of the warp's nodes. With the mean over

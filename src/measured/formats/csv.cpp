@@ -257,7 +257,7 @@ Directions directions_in(NumberRow& row, const Columns& columns) {
     return {wl, wv};
 }
 
-/// Samples as they are read; of both sides for each part, in its frame.
+/// Samples as they are read; two-sided ones for each part, in its frame.
 struct Collected {
     std::array<std::optional<SampleBuilder>, k_parts> part;
     bool isotropic = false;

@@ -32,7 +32,7 @@ Result<Measured> read_any_csv(Bytes bytes, const std::string& file_name, const R
 
 std::uint64_t utia_size(Bytes) { return utia_bytes(); }
 
-/// Those that begin with a mark of their own, before those of extras; and those that are told by their words or size.
+/// Formats that begin with a mark of their own, before formats of extras; and formats that are recognised by words or size.
 constexpr Format k_marked[] = {
     {.name = "RGL",
      .recognise = is_rgl,

@@ -1,4 +1,4 @@
-// What rows of the table of formats are made of: private to it and to the rows of extras.
+// The parts of rows of the table of formats: private to it and to the rows of extras.
 #pragma once
 #include <memory>
 

@@ -1,4 +1,4 @@
-// What programs and people are told of a BSDF.
+// Describes a BSDF to programs and people.
 #include <fmt/format.h>
 
 #include <algorithm>

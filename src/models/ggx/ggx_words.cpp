@@ -1,4 +1,4 @@
-// What programs and people are told of Lambert and GGX.
+// Describes Lambert and GGX to programs and people.
 #include <fmt/format.h>
 
 #include "base/parameters.h"

@@ -1,4 +1,4 @@
-// What programs and people are told of a surface.
+// Describes a surface to programs and people.
 #include <fmt/format.h>
 
 #include "base/parameters.h"

@@ -1,4 +1,4 @@
-// What programs and people are told of a multivariate model.
+// Describes a multivariate model to programs and people.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,12 +8,13 @@
 #include "base/parameters.h"
 #include "base/rows.h"
 #include "models/pm/pm_file.h"
+#include "srbf/elementary.h"
 #include "srbf/half.h"
 
 namespace srbf {
 namespace {
 
-/// What multiplies a lobe besides its variates.
+/// Lists the factors of a lobe besides its variates.
 void add_terms(std::string& text, std::span<const ExponentTerm> terms) {
     if (terms.empty()) return;
     text += "  A lobe is also multiplied by";
@@ -118,7 +119,7 @@ void round_log_scales(PmModel& model, std::vector<float>& coefficient) {
     const std::size_t channels = coefficient.size() / std::max<std::size_t>(model.log_scale.size(), 1);
     for (std::size_t i = 0; i < coefficient.size(); ++i) {
         const float s = std::clamp(model.log_scale[i / channels], -k_half_max, k_half_max);
-        coefficient[i] *= std::exp(s - from_half(to_half(s)));
+        coefficient[i] *= elementary::exp(s - from_half(to_half(s)));
     }
 }
 

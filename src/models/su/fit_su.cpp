@@ -128,7 +128,7 @@ SuModel black_views(const RawMatrix& matrix, const SuFitOptions& options) {
     return model;
 }
 
-/// Whether each view has no data, or enough for the lobes.
+/// True if each view has no data, or enough for the lobes.
 Result<Done> check_data(const SampledViews& views, Discretise discretise, int lobes) {
     for (std::size_t i = 0; i < views.count(); ++i)
         if (const std::size_t valid = views.valid(i); valid > 0 && valid < std::size_t(lobes))

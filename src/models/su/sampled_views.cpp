@@ -25,7 +25,7 @@ constexpr double k_least_view_cosine = 0.5;
 constexpr std::size_t k_typical_views = 8;
 /// The height of the light beside the view, relative to its horizontal distance: 27° above the horizon of the normal.
 constexpr double k_elevation = 0.5;
-/// Of broad lights, e^{κ (w·centre − 1)}: about the mirror direction, and those beside and about the view.
+/// Broad lights are e^{κ (w·centre − 1)}: about the mirror direction, and those beside and about the view.
 constexpr double k_mirror_light = 2, k_view_light = 4;
 
 void take_largest(Rgb& largest, const Rgb& value, float factor = 1) {

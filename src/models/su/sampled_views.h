@@ -49,7 +49,7 @@ class SampledViews {
     /// The density of a view's directions, of the matrix and between them, where the latter have this one [1/sr].
     double density(double pdf_between) const;
 
-    /// Of the rows of a table; Σ w |f|² and Σ w over those of the matrix.
+    /// The sums over the rows of a table: Σ w |f|² and Σ w over those of the matrix.
     struct Weights {
         std::vector<double> of_row;
         double energy = 0, whole = 0;

@@ -18,7 +18,7 @@ using K = Kernel<float>;
 /// is half.
 constexpr float k_least_by_cosine = 0.1f, k_most_by_cosine = 0.99f, k_variance_of_half = 0.2f;
 constexpr int k_draws = 128;  // of a view, which find that variance
-/// What a lobe that reflects nothing is taken for.
+/// A lobe that reflects nothing is drawn as this one.
 constexpr float k_least_integral = 1e-20f;
 constexpr float k_last = 0x1.fffffep-1f;  // below 1
 

@@ -1,4 +1,4 @@
-// What programs and people are told of a view-by-view model.
+// Describes a view-by-view model to programs and people.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -14,7 +14,7 @@ namespace {
 /// A lobe may lie between the rows: if less than a quarter of its peak is visible on them, it is bounded by the visible
 /// part.
 constexpr double k_hidden = 4;
-/// Of a centre along a tangent, by which it turns 45°. A larger shift needs a new start.
+/// The shift of a centre along a tangent by which it turns 45°. A larger shift needs a new start.
 constexpr double k_most_shift = 1;
 /// Bounds of a step: of a centre at most this [rad], and at most so many widths 1/√λ.
 constexpr double k_longest_shift = 0.5, k_widths = 1.5;

@@ -19,7 +19,7 @@ struct ViewRows {
     DirectionRows directions;
     Aligned<float> root_weight;       ///< √w, Σ w = 1; 0 where nothing was measured
     std::array<Aligned<float>, 3> y;  ///< √w f / scale for each channel; their squares sum to 1
-    /// Of each radiance that is also matched: Σ light √w f / scale over the rows is the reflected radiance under some
+    /// Each radiance that is also matched has a row: Σ light √w f / scale over the rows is the reflected radiance under some
     /// light, in units of which an error of 1 adds 1 to the loss. Where nothing was measured it is dark.
     std::vector<Aligned<float>> lights;
     double scale = 0;  ///< 0: no data to fit
@@ -68,7 +68,7 @@ class ViewProblem {
     /// Upper bounds of the coefficients of a lobe whose largest exponent on the rows is `most`.
     Eigen::RowVector3d limit_of(const MovingLobe& lobe, double most) const;
     std::size_t blocks() const { return view_->directions.blocks; }
-    /// Of a block: the exponents of lobe j, its values, and their derivatives by variable i of all lobes'.
+    /// A block has the exponents of lobe j, its values, and their derivatives by variable i of all lobes'.
     float* exponent(std::size_t block, Eigen::Index j) { return &exponent_[at(block, j, lobes_)]; }
     float* value(std::size_t block, Eigen::Index j) { return &value_[at(block, j, lobes_)]; }
     float* derivative(std::size_t block, Eigen::Index i) { return &derivative_[at(block, i, k_variables * lobes_)]; }

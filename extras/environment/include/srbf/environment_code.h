@@ -11,7 +11,7 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// What is added to the functions of `shading_code`: with "environment", "environment-draws" and "area" of
+/// Functions that are added to those of `shading_code`: with "environment", "environment-draws" and "area" of
 /// `CodeOptions::with`, the first members by themselves; others by the functions below.
 struct EnvironmentCode {
     bool environment = false;            ///< NAME_environment and NAME_environment_lobe

@@ -18,12 +18,6 @@ struct FitCommand {
 
     /// Several inputs go into a folder, and one does if the output is a folder, as with `cp`.
     bool into_folder() const { return inputs.size() > 1 || resume || is_folder(fit.output); }
-    int run(const std::string& settings) {
-        if (into_folder()) return fit_files({inputs, fit.output, fit, settings, resume});
-        fit.input = inputs[0];
-        if (fit.output.empty()) fit.output = std::filesystem::path(fit.input).stem().string() + ".srbf";
-        return fit_file(fit);
-    }
 };
 
 /// The options of the command line, of which it is asked whether they are given.
@@ -96,8 +90,16 @@ void add_fit(CommandLine& app, int& status) {
                 of.output.fail("a folder is required for several inputs and --resume");
             command->fit.request = requested(sub, command->texts);
             command->fit.given = sub.given();
-            // The key of a result has the inputs' content.
-            status = command->run(sub.settings({of.input, of.output, of.resume, threads}));
+            if (command->into_folder()) {
+                // The key of a result has the inputs' content.
+                const std::string settings = sub.settings({of.input, of.output, of.resume, threads});
+                status = fit_files({command->inputs, command->fit.output, command->fit, settings, command->resume});
+            } else {
+                command->fit.input = command->inputs[0];
+                if (command->fit.output.empty())
+                    command->fit.output = std::filesystem::path(command->fit.input).stem().string() + ".srbf";
+                status = fit_file(command->fit);
+            }
         },
         {{{of.picture, of.json},
           "not with a folder, which has a report of each fit",

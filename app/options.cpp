@@ -139,11 +139,11 @@ std::string Subcommand::settings(const std::vector<Option>& besides) const {
 void Subcommand::fail(const std::string& what) const { throw CLI::ValidationError("", what); }
 void Subcommand::footer(const std::string& text) const { app_->footer(text); }
 void Subcommand::callback(std::function<void()> run, std::vector<Reading> readings) const {
-    app_->callback([app = app_, run = std::move(run), readings = std::move(readings)] {
+    app_->parse_complete_callback([app = app_, readings = std::move(readings)] {
         refuse_missing(*app);
         refuse_unread(readings);
-        run();
     });
+    app_->final_callback(std::move(run));
 }
 
 CommandLine::CommandLine(const std::string& name, const std::string& version, const std::string& about,

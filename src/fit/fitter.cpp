@@ -214,31 +214,26 @@ struct Fitter::State {
         return {request.objective, request.theta(), request.seed, request.spectral, samples() && fills_gaps(request)};
     }
 
-    /// Keeps what `make()` observes for the request, for the next one.
-    template <typename Kept, typename Make>
-    Result<const Kept*> observed_once(std::map<Key, Kept>& all, const FitRequest& request, const Make& make) const {
-        if (const auto at = all.find(key(request)); at != all.end()) return &at->second;
-        auto made = make();
-        if (!made) return made.error();
-        return &all.emplace(key(request), *std::move(made)).first->second;
-    }
     Result<const Observations*> observed(const FitRequest& request, const ProgressToken& progress) {
-        return observed_once(observations_, request, [&] {
-            auto made = observe(unbiased_ && !request.spectral ? unbiased_ : signed_,
-                                {.objective = request.objective,
-                                 .max_theta = request.theta(),
-                                 .seed = request.seed,
-                                 .threads = request.threads,
-                                 .smoothed = request.spectral ? nullptr : smoothed_,
-                                 .noise = noise_ ? largest_share(*noise_) : 0},
-                                progress);
-            if (made && request.spectral) observe_spectra(*made, signed_spectra(*measured_));
-            return made;
-        });
+        if (const auto at = observations_.find(key(request)); at != observations_.end()) return &at->second;
+        auto made = observe(unbiased_ && !request.spectral ? unbiased_ : signed_,
+                            {.objective = request.objective,
+                             .max_theta = request.theta(),
+                             .seed = request.seed,
+                             .threads = request.threads,
+                             .smoothed = request.spectral ? nullptr : smoothed_,
+                             .noise = noise_ ? largest_share(*noise_) : 0},
+                            progress);
+        if (!made) return made.error();
+        if (request.spectral) observe_spectra(*made, signed_spectra(*measured_));
+        return &observations_.emplace(key(request), *std::move(made)).first->second;
     }
     Result<const SampleObservations*> observed_samples(const FitRequest& request, const ProgressToken& progress) {
-        return observed_once(sample_observations_, request,
-                             [&] { return observe(*samples(), observe_options(request), progress); });
+        if (const auto at = sample_observations_.find(key(request)); at != sample_observations_.end())
+            return &at->second;
+        auto made = observe(*samples(), observe_options(request), progress);
+        if (!made) return made.error();
+        return &sample_observations_.emplace(key(request), *std::move(made)).first->second;
     }
     /// Determines the noise of the table, and smooths it if it is noisy. Returns what is left of the progress.
     Result<ProgressToken> smooth(const FitRequest& request, const ProgressToken& progress) {

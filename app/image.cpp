@@ -24,7 +24,7 @@ namespace srbf {
 namespace {
 
 /// `text` in the encoding of the font.
-std::string printable(std::string_view text) {
+std::string in_ascii(std::string_view text) {
     std::string out(text);
     for (char& c : out)
         if (c < ' ' || c > '~') c = '?';
@@ -50,11 +50,11 @@ Rgb8 to_srgb8(Rgb shown) {
     return out;
 }
 
-int text_width(std::string_view text) { return stb_easy_font_width(printable(text).data()); }
+int text_width(std::string_view text) { return stb_easy_font_width(in_ascii(text).data()); }
 
 void draw_text(Image8& image, int x, int y, std::string_view text, Rgb8 colour, int scale) {
     assert(scale >= 1);
-    std::string line = printable(text);
+    std::string line = in_ascii(text);
     // A glyph has at most 11 strokes, each a rectangle; corner 0 is its upper left, 2 its lower right.
     std::vector<std::array<Corner, 4>> strokes(11 * line.size() + 1);
     const int count =

@@ -45,7 +45,7 @@ struct BasisCommand {
 };
 
 /// How many materials the report lists, those with the largest errors.
-constexpr std::size_t k_most_listed = 20;
+constexpr std::size_t k_most_listed_materials = 20;
 
 Result<Library> load_library(const std::string& path) {
     return within_memory(path, [&]() -> Result<Library> {
@@ -85,7 +85,7 @@ void print_library(const BasisCommand& fit, const Library& library, double secon
                library.dense() ? std::string("all of them") : fmt::format("at most {}", library.stored), seconds);
     fmt::print("  bytes         {} shared, {} a material\n", basis_bytes(library), material_bytes(library));
     fmt::print("  mean ΔE_ITP   {:.3g}\n", mean_error(library));
-    const std::size_t listed = std::min(order.size(), k_most_listed);
+    const std::size_t listed = std::min(order.size(), k_most_listed_materials);
     for (std::size_t i = 0; i < listed; ++i)
         fmt::print("  {:<13} {:.3g}\n", printable(library.names[order[i]]), library.error[order[i]]);
     if (listed < order.size()) fmt::print("  .. and {} better ones\n", order.size() - listed);

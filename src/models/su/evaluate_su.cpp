@@ -17,7 +17,7 @@ HWY_BEFORE_NAMESPACE();
 namespace srbf {
 namespace HWY_NAMESPACE {
 
-void evaluate_run(const SuModel& model, const Neighbours& neighbours, const Vec3f* w, Rgb* f, std::size_t count) {
+void evaluate_run(const SuModel& model, const ViewNeighbours& neighbours, const Vec3f* w, Rgb* f, std::size_t count) {
     constexpr std::size_t most = HWY_MAX_BYTES / sizeof(float);
     using Formula = Formulas<Batch, PmModel>;
     HWY_ALIGN float x[most] = {}, y[most] = {}, z[most] = {};
@@ -49,8 +49,8 @@ HWY_EXPORT(evaluate_run);
 
 }  // namespace
 
-Neighbours neighbours_at(const SuModel& model, Vec3f w) {
-    Neighbours neighbours;
+ViewNeighbours neighbours_at(const SuModel& model, Vec3f w) {
+    ViewNeighbours neighbours;
     const auto add = [&](const Kernel<float>::SuNeighbour& neighbour) {
         if (neighbour.weight > 0) neighbours.of[std::size_t(neighbours.count++)] = neighbour;
     };
@@ -148,7 +148,7 @@ std::vector<Rgb> view_integrals(const SuModel& model) {
 
 Rgb between_views(const SuModel& model, std::span<const Rgb> of_views, Vec3f wv) {
     const StandardArithmetic mode;
-    const Neighbours neighbours = neighbours_at(model, wv);
+    const ViewNeighbours neighbours = neighbours_at(model, wv);
     Rgb sum;
     for (int k = 0; k < neighbours.count; ++k) {
         const auto& neighbour = neighbours.of[std::size_t(k)];

@@ -6,11 +6,11 @@
 namespace srbf {
 
 /// Sampled views with weights that sum to 1.
-struct Neighbours {
+struct ViewNeighbours {
     std::array<Kernel<float>::SuNeighbour, k_most_neighbours> of{};
     int count = 0;
 };
-Neighbours neighbours_at(const SuModel& model, Vec3f w);
+ViewNeighbours neighbours_at(const SuModel& model, Vec3f w);
 
 /// ∫ G_ij cosθ dω of each lobe, of coefficient 1, n × J.
 std::vector<float> lobe_integrals(const SuModel& model);

@@ -12,7 +12,7 @@
 namespace srbf {
 namespace {
 
-using K = Kernel<float>;
+using SuKernel = Kernel<float>;
 
 /// The share of a view's samples by the cosine: bounds, and the relative variance of it alone for which it
 /// is half.
@@ -42,7 +42,7 @@ template <typename Share> Choice choose(int count, float u, const Share& share) 
 
 /// A lobe times the cosine, as a lobe: the cosine is like a lobe of this bandwidth about the normal (Wang et al. 2009).
 auto lobe_of(const SuModel& model, std::size_t k) {
-    return K::gaussian_product(model.centre[k], model.bandwidth[k], {0, 0, 1}, 2.133f);
+    return SuKernel::gaussian_product(model.centre[k], model.bandwidth[k], {0, 0, 1}, 2.133f);
 }
 
 Vec3f sample_view(const ViewProposal& proposal, std::size_t view, Vec2f u, float selector) {
@@ -50,18 +50,18 @@ Vec3f sample_view(const ViewProposal& proposal, std::size_t view, Vec2f u, float
     const auto J = std::size_t(model.lobes);
     const float* const share = &proposal.share[view * (J + 1)];
     const Choice part = choose(model.lobes + 1, selector, [&](int k) { return share[k]; });
-    if (part.k == 0) return K::sample_cosine(u.x, u.y);
+    if (part.k == 0) return SuKernel::sample_cosine(u.x, u.y);
     const auto lobe = lobe_of(model, view * J + std::size_t(part.k) - 1);
-    return K::reflected_up(K::sample_vmf(lobe.centre, lobe.bandwidth, u.x, u.y));
+    return SuKernel::reflected_up(SuKernel::sample_vmf(lobe.centre, lobe.bandwidth, u.x, u.y));
 }
 float view_pdf(const ViewProposal& proposal, std::size_t view, Vec3f wl) {
     const auto J = std::size_t(proposal.model->lobes);
     const float* const share = &proposal.share[view * (J + 1)];
-    float pdf = share[0] * K::cosine_pdf(wl);
+    float pdf = share[0] * SuKernel::cosine_pdf(wl);
     for (std::size_t j = 0; j < J; ++j) {
         const auto lobe = lobe_of(*proposal.model, view * J + j);
-        pdf += share[j + 1] * (K::vmf_pdf(wl, lobe.centre, lobe.bandwidth) +
-                               K::vmf_pdf({wl.x, wl.y, -wl.z}, lobe.centre, lobe.bandwidth));
+        pdf += share[j + 1] * (SuKernel::vmf_pdf(wl, lobe.centre, lobe.bandwidth) +
+                               SuKernel::vmf_pdf({wl.x, wl.y, -wl.z}, lobe.centre, lobe.bandwidth));
     }
     return pdf;
 }
@@ -72,12 +72,12 @@ float variance_by_cosine(const ViewProposal& proposal, std::size_t view) {
     for (int i = 0; i < k_draws; ++i) {
         const auto turns = [i](double step) { return float(i * step - std::floor(i * step)); };
         const Vec3f wl = sample_view(proposal, view, {turns(0.8191725134), turns(0.6710436067)}, turns(0.5497004779));
-        const Vec3f f = K::su_view_value(*proposal.model, int(view), wl);
+        const Vec3f f = SuKernel::su_view_value(*proposal.model, int(view), wl);
         const double reflected = luminance(Rgb{f.x, f.y, f.z}) * double(wl.z),
                      pdf = double(view_pdf(proposal, view, wl));
         if (!(reflected > 0)) continue;
         sum += reflected / pdf;
-        squares += reflected * reflected / (double(K::cosine_pdf(wl)) * pdf);
+        squares += reflected * reflected / (double(SuKernel::cosine_pdf(wl)) * pdf);
     }
     return sum > 0 ? float(std::max(squares * k_draws / (sum * sum) - 1, 0.0)) : 0;
 }
@@ -110,19 +110,20 @@ ViewProposal propose(const SuModel& model) {
 }
 
 Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector) {
-    const Neighbours neighbours = neighbours_at(*proposal.model, wv);
+    const ViewNeighbours neighbours = neighbours_at(*proposal.model, wv);
     const Choice view = choose(neighbours.count, selector, [&](int k) { return neighbours.of[std::size_t(k)].weight; });
     const auto& neighbour = neighbours.of[std::size_t(view.k)];
-    return K::turned(sample_view(proposal, std::size_t(neighbour.view), u, view.u), neighbour.cosine, -neighbour.sine);
+    return SuKernel::turned(sample_view(proposal, std::size_t(neighbour.view), u, view.u), neighbour.cosine,
+                            -neighbour.sine);
 }
 
 float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return 0;
-    const Neighbours neighbours = neighbours_at(*proposal.model, wv);
+    const ViewNeighbours neighbours = neighbours_at(*proposal.model, wv);
     float sum = 0;
     for (int k = 0; k < neighbours.count; ++k) {
         const auto& neighbour = neighbours.of[std::size_t(k)];
-        const Vec3f turned = K::turned(wl, neighbour.cosine, neighbour.sine);
+        const Vec3f turned = SuKernel::turned(wl, neighbour.cosine, neighbour.sine);
         sum += neighbour.weight * view_pdf(proposal, std::size_t(neighbour.view), turned);
     }
     return sum;

@@ -9,9 +9,9 @@
 
 #include "one_target.h"
 #include "srbf/directions.h"
-#include "srbf/models/ggx.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
+#include "srbf/models/ggx.h"
 #include "srbf/prepared.h"
 
 namespace srbf {

@@ -88,7 +88,8 @@ void bind_cube(const std::string& file) {
     std::ifstream stream(file, std::ios::binary);
     std::array<std::uint32_t, 32> header{};
     stream.read(reinterpret_cast<char*>(header.data()), sizeof header);
-    if (!stream || header[0] != 0x20534444 || header[21] != 113) fail(file + " is not a cube map by srbf export --to dds");
+    if (!stream || header[0] != 0x20534444 || header[21] != 113)
+        fail(file + " is not a cube map by srbf export --to dds");
     GLuint name = 0;
     glGenTextures(1, &name);
     glBindTexture(GL_TEXTURE_CUBE_MAP, name);
@@ -101,8 +102,8 @@ void bind_cube(const std::string& file) {
             const unsigned side = header[4] >> level;
             texels.resize(std::size_t(4) * side * side);
             stream.read(reinterpret_cast<char*>(texels.data()), std::streamsize(2 * texels.size()));
-            glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + face, GLint(level), GL_RGBA16F, GLsizei(side), GLsizei(side), 0,
-                         GL_RGBA, GL_HALF_FLOAT, texels.data());
+            glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + face, GLint(level), GL_RGBA16F, GLsizei(side), GLsizei(side),
+                         0, GL_RGBA, GL_HALF_FLOAT, texels.data());
         }
     if (!stream) fail(file + " ends early");
 }

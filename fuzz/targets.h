@@ -330,7 +330,7 @@ inline void check_uses(std::span<const std::byte> bytes) {
         std::filesystem::remove_all(entry.path());
 }
 
-/// What is more than a reader that answers.
+/// A target that does more than to read.
 inline const NamedTarget k_targets[] = {
     {"utia", check_utia},
     {"mbsdf", check_mbsdf},

@@ -50,7 +50,7 @@ inline std::map<std::string, Arguments> long_options(const TemporaryFolder& fold
     return all;
 }
 
-/// Whether the program has what the command line names of extras, which may be left out: subcommands, kinds of
+/// True if the program has what the command line names of extras, which may be left out: subcommands, kinds of
 /// `srbf export` and functions of its code.
 inline bool is_offered(const Arguments& arguments) {
     static const std::set<std::string> extras{"render", "map", "basis", "report", "view",        "html",

@@ -84,7 +84,7 @@ class Failures : public CommandLine {
         for (const std::string& name : task.outputs) all[name] = contents(folder / name);
         return all;
     }
-    /// Whether a file is old or whole. A report, which holds durations, is whole if it is JSON that names its model.
+    /// True if a file is old or whole. A report, which holds durations, is whole if it is JSON that names its model.
     bool is_old_or_whole(const std::string& name, const std::string& expected) {
         const std::string found = contents(folder / name);
         if (found == "old" || found == expected) return true;

@@ -2,8 +2,8 @@
 #pragma once
 #include <optional>
 
-#include "properties.h"
 #include "extras/render/path.h"
+#include "properties.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
 #include "srbf/prepared_bsdf.h"
@@ -21,7 +21,7 @@ inline PathPicture furnace(const PreparedBsdf& bsdf, bool whole) {
     options.bounces = whole ? 64 : 1, options.occlusion = whole;
     return render_paths(scene, options);
 }
-/// Whether a pixel lies within the sphere, and the cosine of its normal to the viewer there.
+/// The cosine of a pixel's normal to the viewer; none outside of the sphere.
 inline std::optional<double> cosine_at(const PathPicture& picture, std::size_t pixel) {
     const Rgb n = picture.first.normal.pixels[pixel];
     const double length = std::sqrt(double(n.r * n.r + n.g * n.g + n.b * n.b));
@@ -34,8 +34,8 @@ inline double mean_of(const PathPicture& picture) {
     EXPECT_GT(count, 300);
     return sum / count;
 }
-/// What a model sends to its viewer in even light: after one bounce the sum of its parts' albedos and beams, along the
-/// middle of the picture; in all no more than that, since it is not brighter within than around it.
+/// Expects of the light that a model sends to its viewer in even light: after one bounce the sum of its parts' albedos
+/// and beams, along the middle of the picture; in all no more than that, since it is not brighter within than around it.
 inline double expect_furnace(const Model& model) {
     const auto& bsdf = std::get<BsdfModel>(model.model);
     const PreparedBsdf prepared = prepare_bsdf(model, {.threads = 1});

@@ -116,7 +116,7 @@ std::string argument_of(const std::string& subcommand, const std::string& option
             return std::string(format.option->values[1]);
     return k_argument.at(option);
 }
-/// Those above, and a conversion to each format that has an option.
+/// The runs above, and a conversion to each format that has an option.
 std::vector<std::pair<std::string, std::string>> all_modes() {
     std::vector<std::pair<std::string, std::string>> all(std::begin(k_modes), std::end(k_modes));
     for (const Format& format : formats())
@@ -126,7 +126,7 @@ std::vector<std::pair<std::string, std::string>> all_modes() {
                                          format.option->values.back()));
     return all;
 }
-/// Whether what a subcommand prints has durations.
+/// True if what a subcommand prints has durations.
 bool takes_time(const std::string& subcommand) {
     return subcommand == "fit" || subcommand == "map" || subcommand == "basis";
 }
@@ -183,7 +183,7 @@ class Options : public CommandLine {
         ASSERT_EQ(run(folder, {"convert", "m.srbf", "-o", "r.bsdf"}).status, 0);
     }
 
-    /// What a run says and writes, of fits without their reports, which hold durations.
+    /// The output and the files of a run, of fits without their reports, which hold durations.
     struct Written {
         int status;
         std::string out, err;

@@ -75,7 +75,8 @@ TEST_F(CommandLine, usage_errors_of_choices) {
     expect_failure(2, {"fit", k_paper, "--target-error", "0.1"}, "--target-error is now --target-delta-e");
     expect_failure(2, {"fit", k_paper, "--target-delta-e", "0"}, "--target-delta-e");
     expect_failure(2, {"fit", k_paper, "--target-delta-e", "2", "--budget", "160"}, "not together with");
-    expect_failure(2, {"fit", k_paper, "--model", "ggx", "--lobes", "3"}, "--lobes: expected 1 to 2 with --model ggx, found 3");
+    expect_failure(2, {"fit", k_paper, "--model", "ggx", "--lobes", "3"},
+                   "--lobes: expected 1 to 2 with --model ggx, found 3");
     expect_failure(2, {"fit", k_paper, "--model", "ggx", "--form", "source"}, "only with --model pm");
     expect_failure(2, {"fit", k_paper, "--form", "sauce"}, "expected gaussian or horizon or extended, found sauce");
     expect_failure(2, {"fit", k_paper, "--no-scale"}, "only with --form gaussian");

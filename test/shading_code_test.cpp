@@ -52,7 +52,7 @@ const std::vector<Model>& models() {
 }
 std::string name_of(std::size_t i) { return fmt::format("m{}", i); }
 
-/// What a host supplies for functions of extras: environments, filtered and by draws.
+/// Functions that a host supplies for functions of extras: environments, filtered and by draws.
 std::string host_radiance(CodeLanguage language) {
     switch (language) {
         case CodeLanguage::glsl:

@@ -61,7 +61,7 @@ TEST(ViewProblem, LossCountsPairsAndRadiances) {
     EXPECT_LT(problem.loss(problem.start(without, k_lobes)), loss);
 }
 
-/// Whether the gradient at x is that of the loss, by differences.
+/// Expects that the gradient at x is that of the loss, by differences.
 void expect_gradient(ViewProblem& problem, const Eigen::VectorXd& x) {
     Eigen::MatrixXd H;
     Eigen::VectorXd g;

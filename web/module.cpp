@@ -137,14 +137,6 @@ Result<Fitted> fitted(int number, const Measured& measured, const FitRequest& re
         for (const PartFit& part : sides->parts)
             for (const Hemispherical& sum : part.hemispherical)
                 worst = std::max(worst, std::abs(sum.fitted - sum.measured));
-        auto& provenance = sides->model.provenance;
-        provenance["generator"] = "srbf " SRBF_VERSION;
-        provenance["seed"] = fmt::format("{}", request.seed);
-        if (const auto& band = std::get<BsdfTable>(measured.table).band().name; !band.empty())
-            provenance["band"] = band;
-        for (const PartFit& part : sides->parts)
-            provenance[fmt::format("error_ratio_of_{}", name(part.part))] =
-                fmt::format("{:.4g}", part.squared_error_ratio);
         report["twoSided"] = true, report["energyError"] = worst, report["seconds"] = sides->fit_seconds;
         return Fitted{std::move(sides->model), std::move(report)};
     }
@@ -238,7 +230,6 @@ SRBF_EXPORT(fit) int fit_subject(int number, const char* options, std::size_t si
         if (error.code != ErrorCode::cancelled) error.source = subject->path;
         return fail(error);
     }
-    made->model.provenance["source"] = subject->path.substr(subject->path.find_last_of('/') + 1);
     const std::string path = stem_of(subject->path) + ".srbf";
     auto model = as_stored(made->model, path);
     if (!model) return fail(model.error());

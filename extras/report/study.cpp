@@ -118,7 +118,6 @@ class Maker {
                 continue;
             }
             Model& model = outcome->model;
-            model.provenance["source"] = file_fit.input;
             Json row{{"id", all[i].id}, {"role", all[i].role}};
             row.update(report_of(file_fit, measured(), *outcome));
             for (const char* other : {"fit_seconds", "load_seconds", "threads", "path"}) row.erase(other);

@@ -16,6 +16,7 @@
 
 #include "app/preview.h"
 #include "properties.h"
+#include "shown_brdfs.h"
 #include "srbf/file.h"
 #include "srbf/measured.h"
 #include "srbf/pictures.h"
@@ -154,24 +155,7 @@ TEST(WritePng, FailsWithoutATrace) {
     EXPECT_TRUE(folder.empty());
 }
 
-struct Lambert {
-    Rgb albedo;
-};
-Rgb value(const Lambert& b, Vec3f wl, Vec3f wv) {
-    if (wl.z <= 0 || wv.z <= 0) return {};
-    return {float(b.albedo.r / k_pi), float(b.albedo.g / k_pi), float(b.albedo.b / k_pi)};
-}
-
-/// A glossy one, sharp and far from symmetric.
-struct Glossy {
-    float scale = 1;
-};
-Rgb value(const Glossy& b, Vec3f wl, Vec3f wv) {
-    if (wl.z <= 0 || wv.z <= 0) return {};
-    const Vec3f h = normalize(wl + wv);
-    const float peak = std::exp(-300 * (1 - h.z)), brushed = std::exp(-40 * h.x * h.x);
-    return {b.scale * (0.05f + 9 * peak), b.scale * (0.02f + 8 * peak), b.scale * (0.2f * brushed + 7 * peak)};
-}
+using shown_brdfs::Glossy, shown_brdfs::Lambert;
 
 // Previews.
 

@@ -5,6 +5,7 @@
 
 #include "extras/render/sphere_picture.h"
 #include "properties.h"
+#include "shown_brdfs.h"
 #include "srbf/file.h"
 #include "srbf/measured.h"
 
@@ -126,26 +127,7 @@ TEST(AutomaticExposure, IsOneInTheDarkAndFiniteAlways) {
 
 // Spheres.
 
-struct Lambert {
-    Rgb albedo;
-};
-Rgb value(const Lambert& b, Vec3f wl, Vec3f wv) {
-    if (wl.z <= 0 || wv.z <= 0) return {};
-    return {float(b.albedo.r / k_pi), float(b.albedo.g / k_pi), float(b.albedo.b / k_pi)};
-}
-
-/// A glossy one, sharp and far from symmetric, that has no value where `hole` says so.
-struct Glossy {
-    float scale = 1;
-    bool (*hole)(Vec3f wl, Vec3f wv) = [](Vec3f, Vec3f) { return false; };
-};
-Rgb value(const Glossy& b, Vec3f wl, Vec3f wv) {
-    if (b.hole(wl, wv)) return {k_nan, k_nan, k_nan};
-    if (wl.z <= 0 || wv.z <= 0) return {};
-    const Vec3f h = normalize(wl + wv);
-    const float peak = std::exp(-300 * (1 - h.z)), brushed = std::exp(-40 * h.x * h.x);
-    return {b.scale * (0.05f + 9 * peak), b.scale * (0.02f + 8 * peak), b.scale * (0.2f * brushed + 7 * peak)};
-}
+using shown_brdfs::Glossy, shown_brdfs::Lambert;
 
 TEST(PreviewLights, AreUnitVectorsThatLightTheWholeVisibleHalf) {
     for (const auto& light : k_three_lights) EXPECT_TRUE(near(dot(light.towards, light.towards), 1, 1e-15));

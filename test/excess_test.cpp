@@ -36,7 +36,7 @@ TEST(Excess, IsFoundWhereItIs) {
     const Observations o = grey();
     const double largest = largest_measured(o);
     EXPECT_TRUE(near(largest, 0.3, 1e-3));  // at the normal
-    const std::vector<std::size_t> where = exceeded(o, 4096, with_spike(), largest);
+    const std::vector<std::size_t> where = exceeded_pairs(o, 4096, with_spike(), largest);
     ASSERT_FALSE(where.empty());
     std::size_t next = 0, expected = 0;
     for (std::size_t i = 4096; i < o.f.size(); ++i) {
@@ -54,8 +54,8 @@ TEST(Excess, IsFoundWhereItIs) {
 
 TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
     Observations o = grey();
-    const std::size_t first = o.fitted(), bound_pairs = o.bound_pairs;
-    const std::size_t taken = take_exceeded(o, first, with_spike(), 0.01);
+    const std::size_t first = o.fitted_count(), bound_pairs = o.bound_pairs;
+    const std::size_t taken = add_exceeded_pairs(o, first, with_spike(), 0.01);
     ASSERT_GT(taken, 0u);
     EXPECT_EQ(o.bound_pairs, bound_pairs - taken);
     const double largest = largest_measured(o);
@@ -67,7 +67,7 @@ TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
         EXPECT_TRUE(near_relative(o.weight[i], bound_weight(o, i, 0.01, largest), 1e-12));
         weight.push_back(o.weight[i]);
     }
-    EXPECT_EQ(take_exceeded(o, first, with_spike(), 0.01), taken);
+    EXPECT_EQ(add_exceeded_pairs(o, first, with_spike(), 0.01), taken);
     EXPECT_EQ(o.bound_pairs, bound_pairs - taken);
     for (std::size_t i = 0; i < taken; ++i) EXPECT_EQ(o.weight[first + i], 4 * weight[i]);
     reset_bound_weights(o, first, 0.01);

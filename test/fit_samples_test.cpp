@@ -117,10 +117,10 @@ TEST(Folds, GroupsAreThoseOfEveryPairOfSamples) {
     for (std::size_t a = 0; a < n; ++a) {
         double least = 10;
         for (std::size_t b = 0; b < n; ++b) {
-            EXPECT_EQ(found.of[a] == found.of[b], group[a] == group[b]) << a << " " << b;
+            EXPECT_EQ(found.group_of[a] == found.group_of[b], group[a] == group[b]) << a << " " << b;
             if (group[a] != group[b]) least = std::min(least, distance(a, b));
         }
-        EXPECT_PRED3(near, places.to_other_group(a, of_place), least, 1e-12);
+        EXPECT_PRED3(near, places.distance_to_other_group(a, of_place), least, 1e-12);
     }
 }
 
@@ -137,7 +137,7 @@ TEST(Folds, VeryManySamplesMayBeClose) {
     const SampleGroups groups = group_samples(samples);
     EXPECT_GT(groups.count, 150);
     EXPECT_LE(groups.count, 201);
-    EXPECT_EQ(std::set(groups.of.begin() + 200, groups.of.end()).size(), 1u);
+    EXPECT_EQ(std::set(groups.group_of.begin() + 200, groups.group_of.end()).size(), 1u);
     EXPECT_GT(groups.spacing, k_group_distance);
 }
 
@@ -170,7 +170,8 @@ TEST(Folds, ScansAreLeftOutWhole) {
     ASSERT_TRUE(folds);
     EXPECT_EQ(folds->incidences, 3);
     constexpr int expected[] = {2, 0, 1};
-    for (std::size_t i = 0; i < folds->of.size(); ++i) EXPECT_EQ(folds->of[i], expected[i / (folds->of.size() / 3)]);
+    for (std::size_t i = 0; i < folds->fold_of.size(); ++i)
+        EXPECT_EQ(folds->fold_of[i], expected[i / (folds->fold_of.size() / 3)]);
     EXPECT_FALSE(incidence_folds(samples_of(300, 0, 2)));  // of incidences at random
 }
 
@@ -404,9 +405,9 @@ TEST(GapFilledSamples, AreTheSamplesAtTheSamplesAndBoundedElsewhere) {
         for (int c = 0; c < 3; ++c)
             EXPECT_TRUE(f[c] >= 0 && double(f[c]) * double(wl.z) * double(wv.z) <= 1.0001 * most);
     }
-    const auto of_one = fill_gaps(samples, k_cap, 0, true);
-    ASSERT_TRUE(of_one.ok());
-    EXPECT_TRUE(near(of_one->most, 1.6 * peak, 1e-5 * peak) && of_one->allowed == of_one->most);
+    const auto single = fill_gaps(samples, k_cap, 0, true);
+    ASSERT_TRUE(single.ok());
+    EXPECT_TRUE(near(single->prior_limit, 1.6 * peak, 1e-5 * peak) && single->least_bound == single->prior_limit);
 }
 
 TEST(GapFilledSamples, OfAMicrofacetModelAreThatModel) {
@@ -432,7 +433,7 @@ TEST(GapFilledSamples, LeaveHighlightsToGgxIfFoldsPreferIt) {
     for (int i = 0; i < 2000; ++i) {
         const Vec3f wl = to_float(draw(random, k_cap)), wv = to_float(draw(random, k_cap));
         const Rgb f = value(*without, wl, wv), g = value(with.priors[1], wl, wv), found = value(with, wl, wv);
-        const double area = double(wl.z) * double(wv.z), limit = 0.05 * with.allowed;
+        const double area = double(wl.z) * double(wv.z), limit = 0.05 * with.least_bound;
         const double largest = double(std::max({f.r, f.g, f.b, g.r, g.g, g.b})) * area;
         bright += largest > limit, dark += largest < limit / 2;
         if (largest > limit) {
@@ -505,8 +506,8 @@ TEST(GapFilledSamples, OfAMatteSurfaceHaveNoHighlight) {
     const auto matte = [&](Vec3d, Vec3d) { return Rgb{float(lambert[0]), float(lambert[1]), float(lambert[2])}; };
     for (const ScatteredSamples& layout : layouts_without_mirror())
         for (std::uint64_t seed = 0; seed < 20; ++seed)
-            for (const bool of_one : {false, true}) {
-                const auto completed = fill_gaps(with_noise(layout, matte, noise, seed), k_cap, 0, of_one);
+            for (const bool is_single : {false, true}) {
+                const auto completed = fill_gaps(with_noise(layout, matte, noise, seed), k_cap, 0, is_single);
                 ASSERT_TRUE(completed.ok());
                 EXPECT_EQ(words(*completed), k_no_highlight);
                 for (int theta = 0; theta <= 75; theta += 15) {

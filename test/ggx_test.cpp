@@ -116,7 +116,7 @@ TEST(Ggx, NoiseBelowZeroIsFitted) {
     for (const Objective objective : objectives()) {
         auto observed = observe(evaluator(truth), {.objective = objective, .count = 1024});
         ASSERT_TRUE(observed.ok());
-        for (std::size_t i = 0; i < observed->fitted(); i += 8) observed->f[i] = {-observed->f[i].r, -1, -1e-3f};
+        for (std::size_t i = 0; i < observed->fitted_count(); i += 8) observed->f[i] = {-observed->f[i].r, -1, -1e-3f};
         const auto fit = fit_ggx(*observed, {1, 0});
         ASSERT_TRUE(fit.ok()) << name(objective);
         EXPECT_TRUE(std::isfinite(fit->loss)) << name(objective);

@@ -150,7 +150,7 @@ TEST(Lobes, LossCountsAlbedo) {
         check_gradient(problem, x);
         const PmModel model = to_model(problem, lobes, true);
         double expected = 0;
-        for (std::size_t i = 0; i < o.fitted(); ++i)
+        for (std::size_t i = 0; i < o.fitted_count(); ++i)
             for (int c = 0; c < 3; ++c)
                 expected +=
                     o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
@@ -196,7 +196,7 @@ TEST(Lobes, LossCountsWhatIsSeen) {
     for (int i = 0; i < 10; ++i) loss = problem.loss(x);
     const PmModel model = to_model(problem, some_lobes(), true);
     double of_pairs = 0, error = 0, delta_e = 0;
-    for (std::size_t i = 0; i < o.fitted(); ++i)
+    for (std::size_t i = 0; i < o.fitted_count(); ++i)
         for (int c = 0; c < 3; ++c)
             of_pairs += o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
     int pixels = 0;

@@ -1,5 +1,5 @@
 // Weights of radiance in pictures by one light.
-#include "observe/point_lights.h"
+#include "observe/directional_lights.h"
 
 #include "observe/observations.h"
 #include "observe/pair_weights.h"
@@ -33,8 +33,8 @@ double added_cost(float error, double most = 1) {
     Observations o = coated();
     const Observations before = o;
     const Evaluate fitted = with_error(before, error);
-    add_point_lights(o, fitted, most * loss_of(before, fitted));
-    EXPECT_TRUE(o.point_light_weight.empty());
+    add_directional_lights(o, fitted, most * loss_of(before, fitted));
+    EXPECT_TRUE(o.directional_light_weight.empty());
     double others = 0, added = 0;
     for (std::size_t i = 0; i < o.f.size(); ++i) {
         const double square = square_of(o.f[i]);
@@ -61,8 +61,8 @@ TEST(PhaseWeights, AreRelativeToTheEnergyOfTheirPhase) {
         const bool backwards = dot(o.wl[i], o.wv[i]) > elementary::cos(k_pi / 4);  // whole phases
         for (int c = 0; c < 3; ++c) scaled[i][c] *= backwards ? 50.f : 2.f;
     }
-    const std::vector<double> once = point_light_weights(o.wl, o.wv, o.f, measure),
-                              twice = point_light_weights(o.wl, o.wv, scaled, measure);
+    const std::vector<double> once = directional_light_weights(o.wl, o.wv, o.f, measure),
+                              twice = directional_light_weights(o.wl, o.wv, scaled, measure);
     for (std::size_t i = 0; i < scaled.size(); ++i)
         ASSERT_TRUE(
             near(twice[i] * square_of(scaled[i]), once[i] * square_of(o.f[i]), 1e-5 * once[i] * square_of(o.f[i])))

@@ -50,7 +50,7 @@ std::unique_ptr<Rows> rows_of(const Observations& observations, const Lobes& lob
     LobeProblem by_pairs(*rows, lobes.shape, false, k_log_peak_limit);
     by_pairs.loss(pack(lobes));
     const PmModel fitted = to_model(by_pairs, lobes, true);
-    subsets.add_point_lights(evaluator(fitted));
+    subsets.add_directional_lights(evaluator(fitted));
     const double importance = subsets.picture_importance(candidate, k_picture_stage, options, k_log_peak_limit);
     return std::make_unique<Rows>(subsets.rows(k_picture_stage, importance));
 }

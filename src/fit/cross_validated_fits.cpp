@@ -287,7 +287,7 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleO
                                   const FitRequest& request, const ProgressToken& progress) {
     const auto of_incidences =
         traits(request.objective).of_scatter ? incidence_folds(samples) : std::optional<IncidenceFolds>{};
-    auto fold = of_incidences ? Result(of_incidences->of) : assign_folds(samples, request.theta(), request.seed);
+    auto fold = of_incidences ? Result(of_incidences->fold_of) : assign_folds(samples, request.theta(), request.seed);
     if (!fold) return fold.error();
     auto outcome = SampleFits(samples, observed, request, *std::move(fold), progress).run();
     if (outcome && of_incidences) outcome->incidences = of_incidences->incidences;

@@ -31,9 +31,9 @@ std::vector<Term> terms_of(Objective objective) {
                      fmt::format("the loss, at most {}, if their errors are {:g} %", k_most_albedo_loss,
                                  100 * (of_pictures ? k_albedo_error_with_pixels : k_albedo_error))});
     if (!of_pictures) return terms;
-    terms.push_back(
-        {"point lights", "radiance in pictures by one light, of every phase angle",
-         fmt::format("{} times the loss; albedos {} times more", k_point_lights, k_albedos_beside_point_lights)});
+    terms.push_back({"point lights", "radiance in pictures by one light, of every phase angle",
+                     fmt::format("{} times the loss; albedos {} times more", k_directional_lights,
+                                 k_albedos_beside_directional_lights)});
     terms.push_back({"pixels", "delta E ITP in pictures under extended and single lights (robust: linear above 1)",
                      fmt::format("{} times the loss for each of its mean", k_pixels)});
     return terms;

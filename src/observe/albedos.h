@@ -1,4 +1,4 @@
-// Albedos, the integrals of a measurement that a fit also matches.
+// Albedos: integrals of a measurement that a fit also matches.
 #pragma once
 #include <vector>
 
@@ -6,7 +6,7 @@
 
 namespace srbf {
 
-/// The albedos that `observe` lists, for a largest angle of θmax [rad]. Every other one takes part in a search.
+/// The albedos that `observe` lists, up to θmax [rad]. Every second one takes part in a search.
 std::vector<ObservedIntegral> observe_albedos(const Evaluate& f, const ObserveOptions& options, double theta_max);
 
 }  // namespace srbf

@@ -21,8 +21,8 @@ double largest_measured(const Observations& observations) {
     return largest;
 }
 
-std::vector<std::size_t> exceeded(const Observations& observations, std::size_t first, const PmModel& model,
-                                  double largest) {
+std::vector<std::size_t> exceeded_pairs(const Observations& observations, std::size_t first, const PmModel& model,
+                                        double largest) {
     const std::span<const Vec3f> wl(observations.wl), wv(observations.wv);
     std::vector<Rgb> f(wl.size() - first);
     evaluator(model)(wl.subspan(first), wv.subspan(first), f);
@@ -36,10 +36,10 @@ std::vector<int> exceeding_lobes(const Observations& observations, std::size_t f
     const double largest = largest_measured(observations);
     std::vector<int> lobes;
     for (int j = 0; j < model.lobes; ++j) {
-        PmModel one = model;
+        PmModel single = model;
         for (int k = 0; k < model.lobes; ++k)
-            if (k != j) one.coefficient[std::size_t(k)] = {};
-        if (!exceeded(observations, first, one, largest).empty()) lobes.push_back(j);
+            if (k != j) single.coefficient[std::size_t(k)] = {};
+        if (!exceeded_pairs(observations, first, single, largest).empty()) lobes.push_back(j);
     }
     return lobes;
 }
@@ -48,17 +48,17 @@ double bound_weight(const Observations& observations, std::size_t i, double loss
     return k_excess_weight * loss * elementary::square(bound_cosines(observations.wl[i], observations.wv[i]) / largest);
 }
 
-std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss) {
+std::size_t add_exceeded_pairs(Observations& observations, std::size_t first, const PmModel& model, double loss) {
     const double largest = largest_measured(observations);
-    const std::vector<std::size_t> where = exceeded(observations, first, model, largest);
+    const std::vector<std::size_t> where = exceeded_pairs(observations, first, model, largest);
     for (const std::size_t i : where) {
-        const std::size_t to = observations.fitted();
-        if (i < to) {
+        const std::size_t end = observations.fitted_count();
+        if (i < end) {
             observations.weight[i] *= k_bound_growth;
             continue;
         }
-        observations.exchange(i, to);
-        observations.weight[to] = bound_weight(observations, to, loss, largest);
+        observations.swap_rows(i, end);
+        observations.weight[end] = bound_weight(observations, end, loss, largest);
         --observations.bound_pairs;
     }
     return where.size();
@@ -66,7 +66,7 @@ std::size_t take_exceeded(Observations& observations, std::size_t first, const P
 
 void reset_bound_weights(Observations& observations, std::size_t first, double loss) {
     const double largest = largest_measured(observations);
-    for (std::size_t i = first; i < observations.fitted(); ++i)
+    for (std::size_t i = first; i < observations.fitted_count(); ++i)
         observations.weight[i] = bound_weight(observations, i, loss, largest);
 }
 

@@ -10,13 +10,13 @@
 
 namespace srbf {
 
-void Observations::add(Vec3f l, Vec3f v, const Rgb& value, double its_weight, std::span<const float> its_spectrum) {
-    wl.push_back(l), wv.push_back(v), f.push_back(value), weight.push_back(its_weight);
-    spectrum.insert(spectrum.end(), its_spectrum.begin(), its_spectrum.end());
+void Observations::add(Vec3f l, Vec3f v, const Rgb& value, double value_weight, std::span<const float> value_spectrum) {
+    wl.push_back(l), wv.push_back(v), f.push_back(value), weight.push_back(value_weight);
+    spectrum.insert(spectrum.end(), value_spectrum.begin(), value_spectrum.end());
 }
 
 bool Observations::is_noisy() const {
-    return std::ranges::any_of(integrals, [](const ObservedIntegral& of) { return of.noise_unit > 0; });
+    return std::ranges::any_of(integrals, [](const ObservedIntegral& integral) { return integral.noise_unit > 0; });
 }
 
 void Observations::append(const Observations& more) {
@@ -25,7 +25,7 @@ void Observations::append(const Observations& more) {
     extend(spectrum, more.spectrum);
 }
 
-void Observations::exchange(std::size_t i, std::size_t k) {
+void Observations::swap_rows(std::size_t i, std::size_t k) {
     if (i == k) return;
     std::swap(wl[i], wl[k]), std::swap(wv[i], wv[k]), std::swap(f[i], f[k]), std::swap(weight[i], weight[k]);
     const std::size_t C = wavelengths.size();
@@ -34,7 +34,7 @@ void Observations::exchange(std::size_t i, std::size_t k) {
 }
 
 void Observations::shuffle(std::mt19937_64& random) {
-    for (std::size_t i = f.size(); i-- > 1;) exchange(i, std::size_t(uniform(random) * double(i + 1)));
+    for (std::size_t i = f.size(); i-- > 1;) swap_rows(i, std::size_t(uniform(random) * double(i + 1)));
 }
 
 void Observations::resize(std::size_t count) {
@@ -49,7 +49,7 @@ void Observations::normalise() {
 }
 
 double loss_of(const Observations& observations, const Evaluate& fitted) {
-    const std::size_t count = observations.fitted();
+    const std::size_t count = observations.fitted_count();
     std::vector<Rgb> f(count);
     fitted(std::span(observations.wl).first(count), std::span(observations.wv).first(count), f);
     double loss = 0;
@@ -60,7 +60,7 @@ double loss_of(const Observations& observations, const Evaluate& fitted) {
 std::array<double, 3> mean_value(const Observations& observations) {
     double weight = 0;
     std::array<double, 3> mean{};
-    for (std::size_t i = 0; i < observations.fitted(); ++i) {
+    for (std::size_t i = 0; i < observations.fitted_count(); ++i) {
         weight += observations.weight[i];
         for (int c = 0; c < 3; ++c) mean[std::size_t(c)] += observations.weight[i] * double(observations.f[i][c]);
     }
@@ -82,36 +82,37 @@ double horizon_weight(Vec3f wl, Vec3f wv, double importance, std::size_t count, 
 }
 
 Observations beginning(const Observations& observations, std::size_t count) {
-    count = std::min(count, observations.fitted());
-    Observations some;
-    some.objective = observations.objective, some.typical = observations.typical;
-    some.integral_error = observations.integral_error;
-    some.wavelengths = observations.wavelengths;
-    const auto take = [](auto& to, const auto& from, std::size_t numbers) {
+    count = std::min(count, observations.fitted_count());
+    Observations selected;
+    selected.objective = observations.objective, selected.typical = observations.typical;
+    selected.integral_error = observations.integral_error;
+    selected.wavelengths = observations.wavelengths;
+    const auto copy_first = [](auto& to, const auto& from, std::size_t numbers) {
         to.assign(from.begin(), from.begin() + std::ptrdiff_t(numbers));
     };
-    take(some.wl, observations.wl, count), take(some.wv, observations.wv, count);
-    take(some.f, observations.f, count), take(some.weight, observations.weight, count);
-    take(some.spectrum, observations.spectrum, count * observations.wavelengths.size());
-    if (!observations.point_light_weight.empty()) take(some.point_light_weight, observations.point_light_weight, count);
-    some.normalise();
-    return some;
+    copy_first(selected.wl, observations.wl, count), copy_first(selected.wv, observations.wv, count);
+    copy_first(selected.f, observations.f, count), copy_first(selected.weight, observations.weight, count);
+    copy_first(selected.spectrum, observations.spectrum, count * observations.wavelengths.size());
+    if (!observations.directional_light_weight.empty())
+        copy_first(selected.directional_light_weight, observations.directional_light_weight, count);
+    selected.normalise();
+    return selected;
 }
 
 Result<Done> validate(const Observations& observations, std::size_t parameters) {
-    const std::size_t fitted = observations.fitted();
-    const auto refused = [](const char* what, std::string expected, std::string found) {
+    const std::size_t fitted = observations.fitted_count();
+    const auto refuse = [](const char* what, std::string expected, std::string found) {
         return Error{"fit", {}, what, std::move(expected), std::move(found)};
     };
     if (3 * fitted < parameters)
-        return refused("observations", fmt::format("at least {} values", parameters), fmt::format("{}", 3 * fitted));
+        return refuse("observations", fmt::format("at least {} values", parameters), fmt::format("{}", 3 * fitted));
     for (std::size_t i = 0; i < observations.f.size(); ++i)
         if (!is_finite(observations.f[i]) || !(observations.weight[i] >= 0) || !std::isfinite(observations.weight[i]))
             return Error{"fit", i, "observation", "finite values and a weight of at least 0", "another"};
     if (std::ranges::none_of(std::span(observations.weight).first(fitted), [](double w) { return w > 0; }))
-        return refused("observations", "a weight above 0", "none");
+        return refuse("observations", "a weight above 0", "none");
     if (!std::ranges::all_of(observations.spectrum, [](float f) { return std::isfinite(f); }))
-        return refused("observations", "finite spectra", "others");
+        return refuse("observations", "finite spectra", "others");
     return Done{};
 }
 

@@ -6,7 +6,7 @@
 
 namespace srbf {
 
-/// Views over the disc that a sphere shows, each of the same area, under extended and single lights; none of them is
+/// Views at points of equal area over the disc of a sphere, under extended and directional lights, none of which is
 /// one of `standard_lightings`. Pairs with a direction beyond θmax [rad] or without a measurement are dark.
 std::vector<ObservedView> observe_views(const Evaluate& f, double theta_max, int threads);
 

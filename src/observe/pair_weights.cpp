@@ -14,7 +14,7 @@ namespace srbf {
 namespace {
 
 constexpr double k_bright_quantile = 0.75;
-/// The least fitted value that `relative` tells from 0, of the mean.
+/// The least fitted value that `relative` distinguishes from 0, as a fraction of the mean.
 constexpr double k_darkest = 1e-9;
 
 double cosine_weight(double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }
@@ -27,21 +27,22 @@ double diffuse_weight(double f, double mean, double cos_l, double cos_v) {
 double cube_root_slope(double f, double mean, double) {
     return elementary::pow(std::max(f, 0.01 * mean), -2.0 / 3) / 3;
 }
-/// The least share of a sum of f cosθl and a positive number that noise below 0 leaves.
+/// A sum of f cosθl and a positive number is at least this fraction of that number, whatever noise below 0 it
+/// contains.
 constexpr double k_least_left = 0.1;
-/// f cosθl + s, with s of `Objective::appearance`.
+/// f cosθl + s, where s is that of `Objective::appearance`.
 double above_dark(double f, double bright, double cos_l) {
     const double s = k_dark_share * bright;
     return std::max(f * cos_l + s, k_least_left * s);
 }
-/// f cosθl as a display shows it.
+/// f cosθl as displayed.
 double displayed(double f, double bright, double cos_l) {
     return elementary::pow(above_dark(f, bright, cos_l), 1.0 / 6);
 }
 double displayed_slope(double f, double bright, double cos_l) {
     return cos_l * elementary::pow(above_dark(f, bright, cos_l), -5.0 / 6) / 6;
 }
-/// The squared slope of ∛(f cosθl + bright), but for a factor, weighted by √cosθv: measurements brighten towards the
+/// The squared slope of ∛(f cosθl + bright), up to a factor, weighted by √cosθv: measurements brighten towards the
 /// rim of a picture, which is narrow.
 double highlight_weight(double f, double bright, double cos_l, double cos_v) {
     return cos_l * cos_l * elementary::pow(std::max(1 + f * cos_l / bright, k_least_left), -4.0 / 3) * std::sqrt(cos_v);
@@ -74,16 +75,16 @@ constexpr ObjectiveTraits k_traits[] = {
      .measure = &Measures::cube_root_error_ratio,
      .max_theta = 80,
      .weight = cube_root_weight,
-     .seen = [](double f, double, double) { return elementary::cbrt(f); },
-     .slope = cube_root_slope},
+     .response = [](double f, double, double) { return elementary::cbrt(f); },
+     .response_slope = cube_root_slope},
     {.objective = Objective::relative,
      .name = "relative",
      .summary = "squared error of the logarithm of f",
      .measure = &Measures::log10_rms,
      .max_theta = 80,
      .weight = [](double f, double, double, double) { return f > 0 ? elementary::square(1 / f) : 0; },
-     .seen = [](double f, double mean, double) { return elementary::log(std::max(f, k_darkest * mean)); },
-     .slope = [](double f, double, double) { return f > 0 ? 1 / f : 0; },
+     .response = [](double f, double mean, double) { return elementary::log(std::max(f, k_darkest * mean)); },
+     .response_slope = [](double f, double, double) { return f > 0 ? 1 / f : 0; },
      .of_scatter = true},
     {.objective = Objective::appearance,
      .name = "appearance",
@@ -94,14 +95,14 @@ constexpr ObjectiveTraits k_traits[] = {
                   double cos_v) { return elementary::square(displayed_slope(f, bright, cos_l)) * cos_v; },
      .further = {{{"highlights", "cube root of f cos(theta_l)", highlight_weight, k_highlights},
                   {"peaks", "f cos(theta_l)", cosine_weight, k_peaks}}},
-     .seen = displayed,
-     .slope = displayed_slope,
+     .response = displayed,
+     .response_slope = displayed_slope,
      .of_pictures = true},
 };
 constexpr auto k_objectives = [] {
-    std::array<Objective, std::size(k_traits)> all{};
-    std::ranges::transform(k_traits, all.begin(), &ObjectiveTraits::objective);
-    return all;
+    std::array<Objective, std::size(k_traits)> objectives{};
+    std::ranges::transform(k_traits, objectives.begin(), &ObjectiveTraits::objective);
+    return objectives;
 }();
 
 }  // namespace
@@ -117,41 +118,41 @@ double Measures::*measure_of(Objective objective) { return traits(objective).mea
 double default_max_theta(Objective objective) { return traits(objective).max_theta * k_degree; }
 
 std::optional<Objective> objective_named(std::string_view text) {
-    const auto found = std::ranges::find(k_traits, text, &ObjectiveTraits::name);
-    return found == std::end(k_traits) ? std::nullopt : std::optional(found->objective);
+    const auto row = std::ranges::find(k_traits, text, &ObjectiveTraits::name);
+    return row == std::end(k_traits) ? std::nullopt : std::optional(row->objective);
 }
 
 double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                      std::span<const double> weight) {
-    double sum = 0, whole = 0;
+    double sum = 0, total = 0;
     if (!traits(objective).of_pictures) {
-        for (std::size_t i = 0; i < f.size(); ++i) sum += weight[i] * mean_of(f[i]), whole += weight[i];
-        return whole > 0 ? sum / whole : 0;
+        for (std::size_t i = 0; i < f.size(); ++i) sum += weight[i] * mean_of(f[i]), total += weight[i];
+        return total > 0 ? sum / total : 0;
     }
-    std::vector<std::pair<double, double>> seen;  // f cosθl and its weight
+    std::vector<std::pair<double, double>> brightness;  // f cosθl and its weight
     for (std::size_t i = 0; i < f.size(); ++i)
-        if (mean_of(f[i]) > 0) seen.emplace_back(mean_of(f[i]) * double(wl[i].z), weight[i] * double(wv[i].z));
-    return weighted_quantile(std::move(seen), k_bright_quantile);
+        if (mean_of(f[i]) > 0) brightness.emplace_back(mean_of(f[i]) * double(wl[i].z), weight[i] * double(wv[i].z));
+    return weighted_quantile(std::move(brightness), k_bright_quantile);
 }
 
 void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
            std::span<const Rgb> f, std::span<double> weight, int threads) {
     constexpr std::size_t k_part = 4096;
-    const ObjectiveTraits& of = traits(objective);
+    const ObjectiveTraits& row = traits(objective);
     const std::vector<double> solid_angle(weight.begin(), weight.end());
-    const auto take = [&](auto& to, const auto& rule) {
+    const auto fill = [&](auto& weights, const auto& weight_of) {
         parallel_for_parts(f.size(), k_part, threads, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i)
-                to[i] = solid_angle[i] * rule(mean_of(f[i]), typical, double(wl[i].z), double(wv[i].z));
+                weights[i] = solid_angle[i] * weight_of(mean_of(f[i]), typical, double(wl[i].z), double(wv[i].z));
         });
-        return energy_of(f, to);
+        return energy_of(f, weights);
     };
-    const double whole = take(weight, of.weight);
+    const double total = fill(weight, row.weight);
     std::vector<double> further(f.size());
-    for (const ObjectiveTraits::Further& term : of.further) {
-        const double energy = term.weight ? take(further, term.weight) : 0;
+    for (const ObjectiveTraits::Further& term : row.further) {
+        const double energy = term.weight ? fill(further, term.weight) : 0;
         for (std::size_t i = 0; energy > 0 && i < f.size(); ++i)
-            weight[i] += term.importance * whole / energy * further[i];
+            weight[i] += term.importance * total / energy * further[i];
     }
 }
 

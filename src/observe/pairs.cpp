@@ -7,36 +7,36 @@
 namespace srbf {
 namespace {
 
-// Angles of the grid [degrees], closer to each other near the normal, the horizon and the plane of incidence.
+// Angles of the grid [degrees], denser near the normal, the horizon and the plane of incidence.
 constexpr double k_grid_theta[] = {0,  2,  5,  10, 15, 20, 25, 30, 35, 40, 45,   50,  55,
                                    60, 65, 70, 75, 79, 82, 85, 87, 88, 89, 89.5, 89.9};
-/// Beyond them, where a lobe may still rise by any factor.
+/// Angles beyond the grid [degrees], where a lobe may still rise by any factor.
 constexpr double k_brink_theta[] = {89.99, 89.999};
-/// Light and view are never equal: there ψ of (1, −1) has no direction, and nearby its direction changes abruptly.
+/// Light and view are never equal: there ψ of (1, −1) is undefined, and its direction changes abruptly nearby.
 constexpr double k_grid_phi[] = {0.5, 1,   3,   6,   10,  15,  20,  30,  40,  50,  60,  75, 90,
                                  105, 120, 130, 140, 150, 160, 165, 170, 174, 177, 179, 180};
-/// The view's polar angle [degrees] where both are 0.
+/// The view's polar angle [degrees] if both polar angles are 0.
 constexpr double k_beside_normal = 0.25;
-/// This share of the views is uniform over the cap; the others are uniform in log cosθ.
+/// This fraction of the views is uniform over the cap; the others are uniform in log cosθ.
 constexpr double k_uniform_views = 0.75;
-/// This share of the horizon pairs are nodes of the grid.
+/// This fraction of the horizon pairs are nodes of the grid.
 constexpr double k_on_grid = 0.5;
 
-/// The direction of that z and azimuth.
+/// The unit vector with the given z and azimuth.
 Vec3d direction(double z, double phi) {
     const double r = std::sqrt(std::max(0.0, 1 - z * z));
     return {r * elementary::cos(phi), r * elementary::sin(phi), z};
 }
 
 /// Adds the pairs with these polar angles, at all azimuths of the grid.
-void add_grid(std::vector<DirectionPair>& to, std::span<const double> lights, std::span<const double> views) {
+void add_grid(std::vector<DirectionPair>& grid, std::span<const double> lights, std::span<const double> views) {
     for (const double l : lights)
         for (const double v : views)
             for (const double phi : k_grid_phi) {
-                const double turn = k_golden_angle * double(to.size());  // isotropic data need no certain azimuth
-                const double of_view = l == 0 && v == 0 ? k_beside_normal : v;
-                to.push_back({to_float(spherical(l * k_degree, phi * k_degree + turn)),
-                              to_float(spherical(of_view * k_degree, turn))});
+                const double azimuth = k_golden_angle * double(grid.size());  // isotropic data need no certain azimuth
+                const double view_theta = l == 0 && v == 0 ? k_beside_normal : v;
+                grid.push_back({to_float(spherical(l * k_degree, phi * k_degree + azimuth)),
+                                to_float(spherical(view_theta * k_degree, azimuth))});
             }
 }
 
@@ -102,8 +102,8 @@ std::optional<DrawnPair> PairDraws::horizon(std::size_t i) const {
     const Vec3d edge = direction(cos_horizon + u[1] * (cos_max_ - cos_horizon), 2 * k_pi * u[2]);
     const Vec3d other = to_horizon_.sample(edge, u[3], u[4], u[5]);
     if (!to_horizon_.contains(other)) return std::nullopt;
-    const Vec3f of_edge = to_float(edge), of_other = to_float(other);
-    return u[0] < (1 + k_on_grid) / 2 ? DrawnPair{{of_edge, of_other}} : DrawnPair{{of_other, of_edge}};
+    const Vec3f w_edge = to_float(edge), w_other = to_float(other);
+    return u[0] < (1 + k_on_grid) / 2 ? DrawnPair{{w_edge, w_other}} : DrawnPair{{w_other, w_edge}};
 }
 
 std::size_t PairDraws::bound_pairs() const { return grid_.size() + mirror_pairs_ + brink_.size(); }

@@ -24,29 +24,31 @@ Triplet load(const float* columns, std::size_t i) {
     return {Batch::load(columns + i), Batch::load(columns + k_block + i), Batch::load(columns + 2 * k_block + i)};
 }
 
-// Calls see(i, colour, limit, seen, seen − reference) for the pixels from each i on.
-template <typename See>
-HWY_INLINE void for_pixels(const float* reference, const Pixels::Colours& colours, std::size_t count, const See& see) {
+// Calls visit(i, colour, limit, itp, itp − reference) for the vector of pixels at each i.
+template <typename Visit>
+HWY_INLINE void for_pixels(const float* reference, const Pixels::Colours& colours, std::size_t count,
+                           const Visit& visit) {
     for (std::size_t i = 0; i < count; i += Batch::size()) {
-        const Triplet of_reference = load(reference, i), limit = load(reference + 3 * k_block, i);
+        const Triplet reference_itp = load(reference, i), limit = load(reference + 3 * k_block, i);
         Triplet colour, shown;
         for (std::size_t c = 0; c < 3; ++c) {
             colour[c] = Batch::load(colours[c] + i);
             shown[c] = min(colour[c], limit[c]);
         }
-        const Itp<Batch> seen(shown);
+        const Itp<Batch> itp(shown);
         Triplet difference;
-        for (std::size_t k = 0; k < 3; ++k) difference[k] = seen.value()[k] - of_reference[k];
-        see(i, colour, limit, seen, difference);
+        for (std::size_t k = 0; k < 3; ++k) difference[k] = itp.value()[k] - reference_itp[k];
+        visit(i, colour, limit, itp, difference);
     }
 }
 HWY_INLINE Batch squared(const Triplet& x) { return x[0] * x[0] + x[1] * x[1] + x[2] * x[2]; }
 
-// Sets I, T, P of a block's colours.
-void see(const Pixels::Colours& colours, float* itp) {
+// Computes I, T, P of a block's colours.
+void compute_itp(const Pixels::Colours& colours, float* itp) {
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-        const Itp<Batch> seen({Batch::load(colours[0] + i), Batch::load(colours[1] + i), Batch::load(colours[2] + i)});
-        for (std::size_t k = 0; k < 3; ++k) seen.value()[k].store(itp + k * k_block + i);
+        const Itp<Batch> values(
+            {Batch::load(colours[0] + i), Batch::load(colours[1] + i), Batch::load(colours[2] + i)});
+        for (std::size_t k = 0; k < 3; ++k) values.value()[k].store(itp + k * k_block + i);
     }
 }
 
@@ -54,25 +56,25 @@ void errors(const float* reference, const Pixels::Colours& colours, std::size_t 
             float* error) {
     const Batch k(Pixels::k_just_noticeable), zero(0.0);
     for_pixels(reference, colours, count,
-               [&](std::size_t i, const Triplet& colour, const Triplet& limit, const Itp<Batch>& seen,
+               [&](std::size_t i, const Triplet& colour, const Triplet& limit, const Itp<Batch>& itp,
                    const Triplet& difference) HWY_ATTR {
                    const Batch square = squared(difference), smooth = sqrt(square + k * k), root = sqrt(k / smooth);
                    // 2 k (smooth − k) without cancellation.
                    Batch(Batch(2.0) * k * square / (smooth + k)).store(error + i);
-                   const std::array<Triplet, 3> by = seen.by_colour();
-                   for (std::size_t of = 0; of < 3; ++of) {
-                       Batch(root * difference[of]).store(r + of * k_block + i);
+                   const std::array<Triplet, 3> by_colour = itp.by_colour();
+                   for (std::size_t component = 0; component < 3; ++component) {
+                       Batch(root * difference[component]).store(r + component * k_block + i);
                        for (std::size_t c = 0; c < 3; ++c)
-                           select(colour[c] < limit[c], Batch(root * by[of][c]), zero)
-                               .store(jacobian + (3 * of + c) * k_block + i);
+                           select(colour[c] < limit[c], Batch(root * by_colour[component][c]), zero)
+                               .store(jacobian + (3 * component + c) * k_block + i);
                    }
                });
 }
 
-void delta_e(const float* reference, const Pixels::Colours& colours, std::size_t count, float* apart) {
+void delta_e(const float* reference, const Pixels::Colours& colours, std::size_t count, float* distances) {
     for_pixels(reference, colours, count,
                [&](std::size_t i, const Triplet&, const Triplet&, const Itp<Batch>&, const Triplet& difference)
-                   HWY_ATTR { sqrt(squared(difference)).store(apart + i); });
+                   HWY_ATTR { sqrt(squared(difference)).store(distances + i); });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -91,7 +93,7 @@ double sum_of(std::span<const float> column) {
 
 }  // namespace
 
-HWY_EXPORT(see);
+HWY_EXPORT(compute_itp);
 HWY_EXPORT(errors);
 HWY_EXPORT(delta_e);
 
@@ -108,7 +110,7 @@ Pixels::Pixels(std::span<const Triplet> colours) : count_(colours.size()), refer
                 shown[c * k_block + p - begin] = std::min(colour, 1.f);
                 reference[(3 + c) * k_block + p - begin] = colour < 1 ? std::numeric_limits<float>::max() : 1;
             }
-        HWY_DYNAMIC_DISPATCH(see)({&shown[0], &shown[k_block], &shown[2 * k_block]}, reference);
+        HWY_DYNAMIC_DISPATCH(compute_itp)({&shown[0], &shown[k_block], &shown[2 * k_block]}, reference);
     }
 }
 
@@ -120,9 +122,9 @@ double Pixels::errors(std::size_t block, const Colours& colours, PixelSlopes& sl
 }
 
 double Pixels::delta_e(std::size_t block, const Colours& colours) const {
-    Aligned<float> apart(rows_in_block(block, count_));
-    HWY_DYNAMIC_DISPATCH(delta_e)(&reference_[6 * block * k_block], colours, apart.size(), apart.data());
-    return sum_of(apart);
+    Aligned<float> distances(rows_in_block(block, count_));
+    HWY_DYNAMIC_DISPATCH(delta_e)(&reference_[6 * block * k_block], colours, distances.size(), distances.data());
+    return sum_of(distances);
 }
 
 }  // namespace srbf

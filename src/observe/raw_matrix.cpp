@@ -11,30 +11,30 @@
 namespace srbf {
 namespace {
 
-/// Each sampled direction has the same points, shifted by its own offset: remainders by primes, so that it is another
-/// one for any two of at most k_most_views directions.
+/// All sampled directions have the same points, each shifted by its own offset: remainders by primes, which differ
+/// for any two of at most k_most_views directions.
 RSequence<3> points_of_row(std::size_t i) {
     return RSequence<3>({double(i % 97) / 97, double(i % 89) / 89, double(i % 83) / 83});
 }
 
-/// Values beside the sampled direction `about`, to each element of `row`.
-void sample_between(const Evaluate& f, Discretise discretise, Vec3f about, RSequence<3> points,
+/// Samples f at the direction `sampled` and a random direction for each element of `row`.
+void sample_between(const Evaluate& f, Discretise discretise, Vec3f sampled, RSequence<3> points,
                     std::span<RawMatrix::Between> row) {
     const MirrorMixture mixture(k_pi / 2);
     std::vector<Vec3f> others;
-    for (RawMatrix::Between& one : row) {
+    for (RawMatrix::Between& element : row) {
         const auto u = points.next();
-        const Vec3d w = mixture.sample(to_double(about), u[0], u[1], u[2]);
-        one.direction = to_float(w);
-        one.pdf = float(mixture.pdf(w, to_double(about)));
-        others.push_back(one.direction);
+        const Vec3d w = mixture.sample(to_double(sampled), u[0], u[1], u[2]);
+        element.direction = to_float(w);
+        element.pdf = float(mixture.pdf(w, to_double(sampled)));
+        others.push_back(element.direction);
     }
-    const std::vector<Vec3f> sampled(row.size(), about);
+    const std::vector<Vec3f> repeated(row.size(), sampled);
     std::vector<Rgb> values(row.size());
     if (discretise == Discretise::view)
-        f(others, sampled, values);
+        f(others, repeated, values);
     else
-        f(sampled, others, values);
+        f(repeated, others, values);
     for (std::size_t k = 0; k < row.size(); ++k) row[k].f = non_negative(values[k]);
 }
 

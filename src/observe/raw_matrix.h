@@ -12,19 +12,19 @@ namespace srbf {
 
 struct TabulateOptions {
     int directions = 1536;                     ///< n, k_least_views..k_most_views
-    int between = 512;                         ///< m ≥ 0, those of a fit; 0: only the raw matrix
+    int between = 512;                         ///< m ≥ 0, the number used by a fit; 0: only the raw matrix
     Discretise discretise = Discretise::view;  ///< of the model to be fitted
     int threads = 0;                           ///< 0: as many as the machine has; the result does not depend on it
 };
 
-/// A BRDF at all pairs of n directions (the raw data of Tsai 2009, 12 n² bytes), and at further directions for each of
-/// them.
+/// A BRDF at all pairs of n directions (the raw data of Tsai 2009, 12 n² bytes), and at further directions for each
+/// of them.
 struct RawMatrix {
-    Discretise discretise = Discretise::view;  ///< which direction of a pair is the sampled one in `between`
+    Discretise discretise = Discretise::view;  ///< direction of a pair that is the sampled one in `between`
     std::vector<Vec3f> direction;              ///< n: the Fibonacci set of the whole hemisphere
     std::vector<Rgb> f;                        ///< n × n; (wl_l, wv_v) is at v n + l [1/sr], ≥ 0; NaN: not measured
-    /// f at a sampled direction and another one sampled from MirrorMixture about it. The directions of the set miss
-    /// most of a sharp highlight, and for isotropic data the same part of it in all views.
+    /// f at a sampled direction and another one drawn from MirrorMixture around it. The directions of the set miss
+    /// most of a sharp highlight, and for isotropic data they miss the same part of it in all views.
     struct Between {
         Vec3f direction;
         Rgb f;

@@ -15,7 +15,7 @@
 namespace srbf {
 namespace {
 
-/// Roughnesses in half octaves down to 1/1024, as in the scan of fits of Lambert and GGX.
+/// Roughnesses in half octaves down to 1/1024, as in the scan of Lambert-GGX fits.
 constexpr int k_roughnesses = 21;
 constexpr int k_terms = 1 + 2 * k_roughnesses;
 
@@ -23,7 +23,7 @@ double roughness(int r) { return elementary::exp2(-0.5 * r); }
 
 using Terms = std::array<float, k_terms>;
 
-/// The factors of the amounts of a channel.
+/// The factors of a channel's amounts.
 Terms terms_at(Vec3f wl, Vec3f wv) {
     using K = Kernel<float>;
     Terms terms{float(1 / k_pi)};
@@ -37,7 +37,7 @@ Terms terms_at(Vec3f wl, Vec3f wv) {
 }
 
 /// The channel's non-negative amounts that minimise Σ w (f − f̂)².
-std::vector<float> solved(const Observations& samples, std::span<const Terms> terms, std::size_t channel) {
+std::vector<float> solve_channel(const Observations& samples, std::span<const Terms> terms, std::size_t channel) {
     Eigen::MatrixXd G = Eigen::MatrixXd::Zero(k_terms, k_terms);
     Eigen::VectorXd g = Eigen::VectorXd::Zero(k_terms);
     for (std::size_t i = 0; i < terms.size(); ++i) {
@@ -61,15 +61,15 @@ std::vector<float> solved(const Observations& samples, std::span<const Terms> te
 FacetMixture fit_facets(const Observations& samples) {
     Observations weighed = samples;
     std::vector<Terms> terms;
-    for (std::size_t i = 0; i < samples.fitted(); ++i) {
-        Terms& of = terms.emplace_back(terms_at(samples.wl[i], samples.wv[i]));
-        for (int r = 0; r < k_roughnesses; ++r)  // what is 0 at all samples gets no amount
-            if (roughness(r) < samples.least_roughness) of[std::size_t(1 + 2 * r)] = of[std::size_t(2 + 2 * r)] = 0;
+    for (std::size_t i = 0; i < samples.fitted_count(); ++i) {
+        Terms& row = terms.emplace_back(terms_at(samples.wl[i], samples.wv[i]));
+        for (int r = 0; r < k_roughnesses; ++r)  // an amount whose factor is 0 at all samples becomes 0
+            if (roughness(r) < samples.least_roughness) row[std::size_t(1 + 2 * r)] = row[std::size_t(2 + 2 * r)] = 0;
     }
     FacetMixture mixture{{}, k_most_excess * largest_measured(samples)};
     mixture.amounts.resize(3 + samples.wavelengths.size());
-    for (int round = 0; round < k_facet_rounds; ++round) {
-        for (std::size_t c = 0; c < mixture.amounts.size(); ++c) mixture.amounts[c] = solved(weighed, terms, c);
+    for (int iteration = 0; iteration < k_facet_rounds; ++iteration) {
+        for (std::size_t c = 0; c < mixture.amounts.size(); ++c) mixture.amounts[c] = solve_channel(weighed, terms, c);
         const Evaluate fitted = [&](auto wl, auto wv, auto f) {
             std::vector<float> channels(mixture.amounts.size());
             for (std::size_t i = 0; i < f.size(); ++i) {
@@ -87,11 +87,11 @@ void evaluate(const FacetMixture& mixture, Vec3f wl, Vec3f wv, std::span<float> 
     std::ranges::fill(f, 0.0f);
     if (!above_horizon(wl, wv)) return;
     const Terms terms = terms_at(wl, wv);
-    const auto most = float(mixture.most / cosines(wl, wv));
+    const auto bound = float(mixture.bound / cosines(wl, wv));
     for (std::size_t c = 0; c < f.size(); ++c) {
         float sum = 0;
         for (std::size_t a = 0; a < terms.size(); ++a) sum += mixture.amounts[c][a] * terms[a];
-        f[c] = std::min(sum, most);
+        f[c] = std::min(sum, bound);
     }
 }
 

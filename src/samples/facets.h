@@ -1,4 +1,4 @@
-// Microfacets of any distribution, fitted to scattered samples.
+// A microfacet model with a free distribution of normals, fitted to scattered samples.
 #pragma once
 #include <span>
 #include <vector>
@@ -7,18 +7,19 @@
 
 namespace srbf {
 
-/// Lambert and a lobe of GGX of each roughness α_r, 1/1024 to 1 in half octaves: in channel c
+/// Lambert and one GGX lobe for each roughness α_r, from 1/1024 to 1 in half octaves: in channel c
 ///   f_c = k_c / π + Σ_r ggx_facets(α_r) (F0_rc (1 − s) + F90_rc s) [1/sr], s = (1 − l·h)⁵.
-/// All numbers but the α_r are found by one non-negative linear problem, of which most are 0: it has one minimum, whatever
-/// the seed, and continues scans to other angles of incidence as microfacets do, whatever the distribution of their normals.
+/// All amounts solve one non-negative linear problem, and most of them become 0. It has one minimum, whatever the
+/// seed. It continues scans to other angles of incidence as microfacets do, whatever the distribution of their
+/// normals.
 struct FacetMixture {
-    std::vector<std::vector<float>> amounts;  ///< of each channel: k, then F0_r, F90_r of each roughness
-    double most = 0;                          ///< bound of f cosθl cosθv, as for fits
+    std::vector<std::vector<float>> amounts;  ///< for each channel: k, then F0_r, F90_r for each roughness
+    double bound = 0;                         ///< bound on f cosθl cosθv, as for fits
 };
-/// By the weights of the observations, adapted to large errors. Channels: R, G, B, then the wavelengths of spectral
-/// observations.
+/// Fits with the weights of the observations, adapted to the residuals. Channels: R, G, B, then the wavelengths of
+/// spectral observations.
 FacetMixture fit_facets(const Observations& samples);
-/// f of each channel [1/sr]; 0 below the horizon.
+/// f in each channel [1/sr]; 0 below the horizon.
 void evaluate(const FacetMixture& mixture, Vec3f wl, Vec3f wv, std::span<float> f);
 
 }  // namespace srbf

@@ -7,15 +7,15 @@ namespace srbf {
 
 struct SampleFitOptions {
     FitOptions pm;
-    /// True: a fit without gap-filled samples also follows the values expected between the samples. A short fit
+    /// If true, a fit without gap-filled samples also follows the values expected between the samples. A quick fit
     /// without them estimates the remaining error; their weight is the ratio of that error to their own error, at
-    /// most 1. They constrain lobes where samples are sparse, but are harmful where a fit is better than they are.
+    /// most 1. They constrain lobes where samples are sparse, but do harm where a fit is better than they are.
     /// Cross-validation decides; fits to scatter always follow them.
     bool fill = false;
 };
 
-/// Fits parameterized multivariate SRBFs: to the gap-filled samples if they are observed, otherwise to the samples and
-/// the interpolated values, with no lobe narrower than the samples' spacing.
+/// Fits parameterized multivariate SRBFs to the gap-filled samples if they were observed, otherwise to the samples
+/// and the interpolated values, with no lobe narrower than the samples' spacing.
 /// Errors: those of `fit_pm`; fewer groups than a third of the parameters (a group has three values).
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
                      const ProgressToken& progress = {});

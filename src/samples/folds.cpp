@@ -17,13 +17,14 @@
 namespace srbf {
 namespace {
 
-/// The groups in the order of their folds: those within θmax first, then by brightness.
-std::vector<std::size_t> by_brightness(const ScatteredSamples& samples, const SampleGroups& groups, double max_theta) {
+/// Sorts the groups for the assignment of folds: those within θmax first, then by brightness.
+std::vector<std::size_t> sort_by_brightness(const ScatteredSamples& samples, const SampleGroups& groups,
+                                            double max_theta) {
     const auto count = std::size_t(groups.count);
     std::vector<double> brightness(count), size(count);
     std::vector<bool> within(count, false);
-    for (std::size_t i = 0; i < groups.of.size(); ++i) {
-        const auto group = std::size_t(groups.of[i]);
+    for (std::size_t i = 0; i < groups.group_of.size(); ++i) {
+        const auto group = std::size_t(groups.group_of[i]);
         if (std::min(samples.wl[i].z, samples.wv[i].z) >= sample_cap(max_theta)) within[group] = true;
         brightness[group] += luminance(samples.colour[i]);
         size[group] += 1;
@@ -43,18 +44,18 @@ SampleGroups group_samples(const ScatteredSamples& samples) {
     NearSamples places(samples);
     const std::vector<int> group = places.groups();
     SampleGroups groups{{}, group.empty() ? 0 : 1 + *std::ranges::max_element(group), 0};
-    const bool is_one = groups.count < 2;
+    const bool is_single = groups.count < 2;
     std::vector<double> distance(samples.wl.size());
-    groups.of.resize(samples.wl.size());
+    groups.group_of.resize(samples.wl.size());
     for (std::size_t k = 0; k < group.size(); ++k) {
-        groups.of[places.sample(k)] = group[k];
-        distance[places.sample(k)] = is_one ? 0 : places.to_other_group(k, group);
+        groups.group_of[places.sample(k)] = group[k];
+        distance[places.sample(k)] = is_single ? 0 : places.distance_to_other_group(k, group);
     }
-    for (std::size_t i = 0; i < groups.of.size(); ++i) {
-        groups.of[i] = groups.of[places.first_like(i)];
+    for (std::size_t i = 0; i < groups.group_of.size(); ++i) {
+        groups.group_of[i] = groups.group_of[places.first_like(i)];
         distance[i] = distance[places.first_like(i)];
     }
-    if (is_one) return groups;
+    if (is_single) return groups;
     const auto twentieth = distance.begin() + std::ptrdiff_t(distance.size() / 20);
     std::nth_element(distance.begin(), twentieth, distance.end());
     groups.spacing = *twentieth;
@@ -75,19 +76,19 @@ Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, const Sam
                      "samples at different directions",
                      fmt::format("at least {}", k_folds),
                      fmt::format("{}", groups.count)};
-    const std::vector<std::size_t> order = by_brightness(samples, groups, max_theta);
+    const std::vector<std::size_t> order = sort_by_brightness(samples, groups, max_theta);
     std::mt19937_64 random(seed);
-    std::vector<int> of_group(order.size()), of_sample;
+    std::vector<int> fold_of_group(order.size()), fold_of_sample;
     for (std::size_t first = 0; first < order.size(); first += k_folds) {
         std::array<int, k_folds> fold;
         std::iota(fold.begin(), fold.end(), 0);
         for (std::size_t k = k_folds - 1; k > 0; --k)
             std::swap(fold[k], fold[std::size_t(uniform(random) * double(k + 1))]);
         for (std::size_t k = first; k < std::min(first + k_folds, order.size()); ++k)
-            of_group[order[k]] = fold[k - first];
+            fold_of_group[order[k]] = fold[k - first];
     }
-    for (const int group : groups.of) of_sample.push_back(of_group[std::size_t(group)]);
-    return of_sample;
+    for (const int group : groups.group_of) fold_of_sample.push_back(fold_of_group[std::size_t(group)]);
+    return fold_of_sample;
 }
 
 std::optional<IncidenceFolds> incidence_folds(const ScatteredSamples& samples) {
@@ -97,11 +98,11 @@ std::optional<IncidenceFolds> incidence_folds(const ScatteredSamples& samples) {
     std::iota(order.begin(), order.end(), 0);
     std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return samples.wl[i].z; });
     IncidenceFolds folds{std::vector<int>(order.size()), 0};
-    std::vector<std::size_t> first;  // of each incidence, by the order
+    std::vector<std::size_t> first;  // index in `order` of each incidence's first sample
     const auto theta = [&](std::size_t k) { return elementary::acos(std::min(double(samples.wl[order[k]].z), 1.0)); };
     for (std::size_t k = 0; k < order.size(); ++k) {
         if (k == 0 || theta(k) - theta(k - 1) > k_apart) first.push_back(k);
-        folds.of[order[k]] = int(first.size() - 1) % k_folds;
+        folds.fold_of[order[k]] = int(first.size() - 1) % k_folds;
     }
     if (first.size() < k_fewest || first.size() > k_most) return std::nullopt;
     folds.incidences = int(first.size());
@@ -112,23 +113,23 @@ std::optional<IncidenceFolds> incidence_folds(const ScatteredSamples& samples) {
 }
 
 ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const int> fold, int left_out) {
-    ScatteredSamples rest;
-    rest.description = samples.description;
-    rest.isotropic = samples.isotropic;
-    rest.wavelengths = samples.wavelengths;
+    ScatteredSamples kept;
+    kept.description = samples.description;
+    kept.isotropic = samples.isotropic;
+    kept.wavelengths = samples.wavelengths;
     const std::size_t C = samples.wavelengths.size();
     for (std::size_t i = 0; i < fold.size(); ++i) {
         if (fold[i] == left_out) continue;
-        rest.wl.push_back(samples.wl[i]);
-        rest.wv.push_back(samples.wv[i]);
-        rest.colour.push_back(samples.colour[i]);
-        if (!samples.weight.empty()) rest.weight.push_back(samples.weight[i]);
+        kept.wl.push_back(samples.wl[i]);
+        kept.wv.push_back(samples.wv[i]);
+        kept.colour.push_back(samples.colour[i]);
+        if (!samples.weight.empty()) kept.weight.push_back(samples.weight[i]);
         const auto spectrum = samples.spectrum.begin() + std::ptrdiff_t(i * C);
         if (!samples.spectrum.empty())
-            rest.spectrum.insert(rest.spectrum.end(), spectrum, spectrum + std::ptrdiff_t(C));
+            kept.spectrum.insert(kept.spectrum.end(), spectrum, spectrum + std::ptrdiff_t(C));
     }
-    make_index(rest);
-    return rest;
+    make_index(kept);
+    return kept;
 }
 
 }  // namespace srbf

@@ -21,50 +21,54 @@
 namespace srbf {
 namespace {
 
-/// Two lobes or one, for all that is not dark or from where all samples are exceeded, as they are or lowered: GGX that is fitted
-/// to samples often rises too high beyond them (docs/notes/samples.md). The last: none.
+/// Candidates: the two-lobe or the one-lobe prior; used above 5 % of the largest sample or only above it; at full
+/// height or at 0.8, because GGX fitted to samples often rises too high beyond them (docs/notes/samples.md). The
+/// last candidate uses no prior.
 constexpr double k_not_dark = 0.05, k_lowered = 0.8;
 constexpr auto k_continuations = [] {
-    std::array<Continuation, 9> all{};
-    auto next = all.begin();
+    std::array<Continuation, 9> continuations{};
+    auto next = continuations.begin();
     for (const std::size_t prior : {std::size_t(0), k_one_lobe})
         for (const double from : {k_not_dark, 1.0})
             for (const double share : {1.0, k_lowered}) *next++ = {prior, from, share};
-    return all;
+    return continuations;
 }();
 
-/// A continuation by one lobe of GGX has its error of f but for what is dark.
+/// The error of f may exceed that of the one-lobe GGX fit by this factor. A continuation by that fit has the error
+/// of the fit itself, except in dark regions.
 constexpr double k_as_good_as_ggx = 1.01;
-/// Neighbours alone continue highlights unless GGX predicts f or cube roots nearly as well as this: pictures of whole tables
-/// are nearer to them than to GGX.
+/// Highlights are not continued if interpolation alone has at most this fraction of GGX's errors, both of f and of
+/// cube roots: it then reproduces pictures of whole tables better than GGX.
 constexpr double k_better_than_ggx = 0.8;
-/// A later continuation must be better by this: lobes follow a whole highlight more easily than one that changes within.
+/// A later continuation must lower the product of errors to this fraction: lobes follow a highlight of one origin
+/// more easily than one that changes within.
 constexpr double k_better_than_before = 0.97;
 
-/// A value on which several g_i agree is likelier than that of one alone, and may exceed the samples by more than a fit may.
+/// A value on which several g_i agree is more likely than one of a single g. It may exceed the samples by more than
+/// a fit may.
 constexpr double k_most_agreed = 1.8;
 
-/// The value expected at a pair of directions.
-struct Expected {
+/// The priors at a pair of directions, combined.
+struct CombinedPriors {
     std::array<double, 3> root{};  ///< e of `GapFilledSamples`
     double bound = 0;              ///< b of `GapFilledSamples`
 };
-Expected expected(const GapFilledSamples& samples, Vec3f wl, Vec3f wv) {
+CombinedPriors combine_priors(const GapFilledSamples& samples, Vec3f wl, Vec3f wv) {
     const double area = cosines(wl, wv);
-    Expected all;
-    double agreed = samples.most;
+    CombinedPriors combined;
+    double agreed = samples.prior_limit;
     for (const GgxModel& prior : samples.priors) {
         const Rgb g = value(prior, wl, wv);
         for (int c = 0; c < 3; ++c)
-            all.root[std::size_t(c)] +=
-                elementary::cbrt(std::min(double(g[c]) * area, samples.most)) / double(samples.priors.size());
+            combined.root[std::size_t(c)] +=
+                elementary::cbrt(std::min(double(g[c]) * area, samples.prior_limit)) / double(samples.priors.size());
         agreed = std::min(agreed, largest_of(g) * area);
     }
-    all.bound = std::max(agreed, samples.allowed);
-    return all;
+    combined.bound = std::max(agreed, samples.least_bound);
+    return combined;
 }
 
-/// Lambert alone, without a lobe: the mean.
+/// Lambert alone, without a lobe, with the mean of the samples.
 GgxModel lambert(const Observations& samples) {
     const auto mean = mean_value(samples);
     GgxModel model;
@@ -72,9 +76,9 @@ GgxModel lambert(const Observations& samples) {
     return model;
 }
 
-/// A lobe must lower the weighted squared error of f or the squared error of ∛(f A) by a larger share than this, divided by the
-/// number of samples. Its height, roughness and F90, fitted to the noise of one channel, lower it by 3 in the mean, and by 20
-/// in one of some thousand sets of samples.
+/// A lobe must lower the weighted squared error of f or the squared error of ∛(f A) by a larger fraction than this
+/// number divided by the number of samples. If height, roughness and F90 are fitted to the noise of one channel,
+/// they lower the error by 3 on average, and by 20 in one of a few thousand sets of samples.
 constexpr double k_least_gain_of_lobe = 20;
 
 /// Σ (∛(f A) − ∛(g A))² over samples and channels.
@@ -82,17 +86,17 @@ double root_error(const Observations& samples, const GgxModel& g) {
     double sum = 0;
     for (std::size_t i = 0; i < samples.f.size(); ++i) {
         const double area = cosines(samples.wl[i], samples.wv[i]);
-        const Rgb by_g = value(g, samples.wl[i], samples.wv[i]);
+        const Rgb g_value = value(g, samples.wl[i], samples.wv[i]);
         for (int c = 0; c < 3; ++c)
             sum += elementary::square(elementary::cbrt(double(samples.f[i][c]) * area) -
-                                      elementary::cbrt(double(by_g[c]) * area));
+                                      elementary::cbrt(double(g_value[c]) * area));
     }
     return sum;
 }
 
-/// Fits of Lambert and GGX, by the weights of this objective, to samples of weight 1, each of which is there twice:
-/// with at most one lobe and with at most two, as many as are supported.
-Result<std::array<GgxModel, k_most_ggx_lobes>> fitted_priors(Objective objective, Observations samples, int threads) {
+/// Fits Lambert and GGX, with the weights of the objective, to samples of weight 1, each of which is there twice.
+/// The results have at most one and at most two lobes, as many as the samples support.
+Result<std::array<GgxModel, k_most_ggx_lobes>> fit_priors(Objective objective, Observations samples, int threads) {
     samples.objective = objective;
     samples.typical = typical_value(objective, samples.wl, samples.wv, samples.f, samples.weight);
     if (!(samples.typical > 0)) return no_data_error("samples", "values within the largest angle", "some above 0");
@@ -102,48 +106,48 @@ Result<std::array<GgxModel, k_most_ggx_lobes>> fitted_priors(Objective objective
     const auto errors_of = [&](const GgxModel& g) {
         return std::array{loss_of(samples, evaluator(g)), root_error(samples, g)};
     };
-    std::array<GgxModel, k_most_ggx_lobes> of_at_most;
+    std::array<GgxModel, k_most_ggx_lobes> at_most;
     GgxModel simplest = lambert(samples);
     auto errors = errors_of(simplest);
     for (int lobes = 1; lobes <= k_most_ggx_lobes; ++lobes) {
         auto fit = fit_ggx(samples, {lobes, threads});
         if (!fit) return fit.error();
-        const auto less = errors_of(fit->unrounded);
-        if (errors[0] > enough * less[0] || errors[1] > enough * less[1])
-            simplest = std::move(fit->unrounded), errors = less;
-        of_at_most[std::size_t(lobes - 1)] = simplest;
+        const auto lower = errors_of(fit->unrounded);
+        if (errors[0] > enough * lower[0] || errors[1] > enough * lower[1])
+            simplest = std::move(fit->unrounded), errors = lower;
+        at_most[std::size_t(lobes - 1)] = simplest;
     }
-    return of_at_most;
+    return at_most;
 }
 
 }  // namespace
 
-Result<GapFilledSamples> fill_gaps(const ScatteredSamples& samples, double max_theta, int threads, bool of_one) {
+Result<GapFilledSamples> fill_gaps(const ScatteredSamples& samples, double max_theta, int threads, bool is_single) {
     const Observations observed = observations_of(samples, samples_within(samples, max_theta), true, false);
     GapFilledSamples filled;
-    auto seen = fitted_priors(Objective::appearance, observed, threads);
-    if (!seen) return seen.error();
-    filled.priors = {(*seen)[1]};
-    if (!of_one) {
-        auto in_image = fitted_priors(Objective::cosine, observed, threads);
-        if (!in_image) return in_image.error();
-        filled.priors.insert(filled.priors.end(), {(*seen)[0], (*in_image)[1]});
+    auto appearance_priors = fit_priors(Objective::appearance, observed, threads);
+    if (!appearance_priors) return appearance_priors.error();
+    filled.priors = {(*appearance_priors)[1]};
+    if (!is_single) {
+        auto cosine_priors = fit_priors(Objective::cosine, observed, threads);
+        if (!cosine_priors) return cosine_priors.error();
+        filled.priors.insert(filled.priors.end(), {(*appearance_priors)[0], (*cosine_priors)[1]});
     }
     const double largest = largest_measured(observed);
-    filled.allowed = (of_one ? k_most_excess : 1) * largest;
-    filled.most = (of_one ? k_most_excess : k_most_agreed) * largest;
-    ScatteredSamples& rest = filled.rest;
-    rest.isotropic = samples.isotropic;
-    rest.wl = observed.wl, rest.wv = observed.wv;
-    for (std::size_t i = 0; i < rest.wl.size(); ++i) {
-        const double area = cosines(rest.wl[i], rest.wv[i]);
-        const auto root = expected(filled, rest.wl[i], rest.wv[i]).root;
+    filled.least_bound = (is_single ? k_most_excess : 1) * largest;
+    filled.prior_limit = (is_single ? k_most_excess : k_most_agreed) * largest;
+    ScatteredSamples& residual = filled.residual;
+    residual.isotropic = samples.isotropic;
+    residual.wl = observed.wl, residual.wv = observed.wv;
+    for (std::size_t i = 0; i < residual.wl.size(); ++i) {
+        const double area = cosines(residual.wl[i], residual.wv[i]);
+        const auto root = combine_priors(filled, residual.wl[i], residual.wv[i]).root;
         Rgb r;
         for (int c = 0; c < 3; ++c)
             r[c] = float((elementary::cbrt(double(observed.f[i][c]) * area) - root[std::size_t(c)]) / area);
-        rest.colour.push_back(r);
+        residual.colour.push_back(r);
     }
-    make_index(rest);
+    make_index(residual);
     return filled;
 }
 
@@ -164,23 +168,24 @@ namespace {
 /// f without continuation, above the horizon.
 Rgb filled_value(const GapFilledSamples& samples, Vec3f wl, Vec3f wv) {
     const double area = cosines(wl, wv);
-    const Expected here = expected(samples, wl, wv);
-    const Rgb rest = signed_value(samples.rest, wl, wv);
+    const CombinedPriors priors = combine_priors(samples, wl, wv);
+    const Rgb residual = signed_value(samples.residual, wl, wv);
     Rgb f;
     for (int c = 0; c < 3; ++c) {
-        const double root = here.root[std::size_t(c)] + double(rest[c]) * area;
-        f[c] = float(std::clamp(root * root * root, 0.0, here.bound) / area);
+        const double root = priors.root[std::size_t(c)] + double(residual[c]) * area;
+        f[c] = float(std::clamp(root * root * root, 0.0, priors.bound) / area);
     }
     return f;
 }
 
-/// That value, continued.
-Rgb continued_value(const GapFilledSamples& samples, const Continuation& by, Rgb f, Vec3f wl, Vec3f wv) {
-    if (!std::isfinite(by.from)) return f;
-    const Rgb g = value(samples.priors[by.prior], wl, wv);
-    const double largest = std::max(largest_of(f), largest_of(g)) * cosines(wl, wv) / (by.from * samples.allowed);
-    const auto taken = float(std::clamp(2 * largest - 1, 0.0, 1.0));
-    for (int c = 0; c < 3; ++c) f[c] += taken * (float(by.share) * g[c] - f[c]);
+/// Continues a highlight from that value.
+Rgb continued_value(const GapFilledSamples& samples, const Continuation& continuation, Rgb f, Vec3f wl, Vec3f wv) {
+    if (!std::isfinite(continuation.from)) return f;
+    const Rgb g = value(samples.priors[continuation.prior], wl, wv);
+    const double largest =
+        std::max(largest_of(f), largest_of(g)) * cosines(wl, wv) / (continuation.from * samples.least_bound);
+    const auto blend = float(std::clamp(2 * largest - 1, 0.0, 1.0));
+    for (int c = 0; c < 3; ++c) f[c] += blend * (float(continuation.share) * g[c] - f[c]);
     return f;
 }
 
@@ -196,7 +201,8 @@ Rgb value(const GapFilledSamples& samples, Vec3f wl, Vec3f wv) {
 
 namespace {
 
-/// By what they predict of each sample, from those of the other folds; the last one is GGX alone.
+/// Compares the continuations by how well they predict each sample from the other folds. The last prediction is GGX
+/// alone.
 Continuation best_continuation(const ScatteredSamples& samples, std::span<const int> fold, double max_theta,
                                std::span<const GapFilledSamples> without) {
     constexpr std::size_t count = k_continuations.size();
@@ -210,14 +216,16 @@ Continuation best_continuation(const ScatteredSamples& samples, std::span<const 
             predicted[k][i] = continued_value(others, k_continuations[k], f, wl, wv);
         predicted[count][i] = value(others.priors[k_one_lobe], wl, wv);
     }
-    std::array<Measures, count + 1> of;
-    std::ranges::transform(predicted, of.begin(), [&](const std::vector<Rgb>& f) {
+    std::array<Measures, count + 1> errors;
+    std::ranges::transform(predicted, errors.begin(), [&](const std::vector<Rgb>& f) {
         return measure_samples(samples.wl, samples.wv, samples.colour, f, max_theta);
     });
-    const Measures &ggx = of[count], &neighbours = of[count - 1];
-    // On a matte surface, neighbours may add only noise to Lambert. Where folds disagree whether there is a
-    // highlight at all, it is not continued.
-    const auto is_matte = [](const GapFilledSamples& one) { return one.priors[k_one_lobe].lobes.empty(); };
+    const Measures &ggx = errors[count], &neighbours = errors[count - 1];
+    // On a matte surface, interpolation may only add noise to Lambert. If folds disagree about whether there is a
+    // highlight, it is not continued.
+    const auto is_matte = [](const GapFilledSamples& samples_of_fold) {
+        return samples_of_fold.priors[k_one_lobe].lobes.empty();
+    };
     if (std::ranges::any_of(without, is_matte))
         return std::ranges::all_of(without, is_matte) && ggx.cube_root_error_ratio <= neighbours.cube_root_error_ratio
                    ? Continuation{k_one_lobe, 0}
@@ -228,11 +236,11 @@ Continuation best_continuation(const ScatteredSamples& samples, std::span<const 
     Continuation best{k_one_lobe, k_not_dark};
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < count; ++k) {
-        const double both = of[k].squared_error_ratio * of[k].cube_root_error_ratio;
-        if (of[k].squared_error_ratio > k_as_good_as_ggx * ggx.squared_error_ratio ||
-            both >= k_better_than_before * least)
+        const double product = errors[k].squared_error_ratio * errors[k].cube_root_error_ratio;
+        if (errors[k].squared_error_ratio > k_as_good_as_ggx * ggx.squared_error_ratio ||
+            product >= k_better_than_before * least)
             continue;
-        best = k_continuations[k], least = both;
+        best = k_continuations[k], least = product;
     }
     return best;
 }

@@ -12,16 +12,16 @@
 namespace srbf {
 namespace {
 
-/// A point for each pair such that distances between points are, to first order, √(|Δωl|² + |Δωv|²); for isotropic
-/// samples the minimum over all rotations about the normal and reflections.
+/// Maps a pair to a point such that distances between points are √(|Δωl|² + |Δωv|²), to first order. For isotropic
+/// samples this is the minimum over all rotations about the normal and reflections.
 std::array<double, 6> point_of(Vec3f l, Vec3f v, bool isotropic) {
-    constexpr double least = 1e-30;  // not 0 where both directions are the normal
+    constexpr double least = 1e-30;  // avoids a division by 0 where both directions are the normal
     const Vec3d wl = to_double(l), wv = to_double(v);
     if (!isotropic) return {wl.x, wl.y, wl.z, wv.x, wv.y, wv.z};
     const double rl = elementary::hypot(wl.x, wl.y), rv = elementary::hypot(wv.x, wv.y),
-                 both = std::max(elementary::hypot(rl, rv), least);
-    // Under a relative rotation by δ the distance is rl rv / √(rl² + rv²) δ, shared between both directions.
-    const double across = std::abs(wl.x * wv.y - wl.y * wv.x) / both, along = (wl.x * wv.x + wl.y * wv.y) / both;
+                 norm = std::max(elementary::hypot(rl, rv), least);
+    // Under a relative rotation by δ the distance is rl rv / √(rl² + rv²) δ, distributed over both directions.
+    const double across = std::abs(wl.x * wv.y - wl.y * wv.x) / norm, along = (wl.x * wv.x + wl.y * wv.y) / norm;
     return {rl, wl.z, rv, wv.z, along, across};
 }
 
@@ -31,13 +31,14 @@ double squared_distance(const std::array<double, 6>& a, const std::array<double,
     return sum;
 }
 
-/// To the nearest place of the box low..high; as rounded no more than to any point in it.
+/// The squared distance to the nearest point of the box low..high. Even when rounded, it is no larger than the
+/// distance to any point in the box.
 double squared_distance(const std::array<double, 6>& a, const std::array<double, 6>& low,
                         const std::array<double, 6>& high) {
     double sum = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
-        const double apart = std::max({low[i] - a[i], a[i] - high[i], 0.0});
-        sum += apart * apart;
+        const double outside = std::max({low[i] - a[i], a[i] - high[i], 0.0});
+        sum += outside * outside;
     }
     return sum;
 }
@@ -45,30 +46,30 @@ double squared_distance(const std::array<double, 6>& a, const std::array<double,
 }  // namespace
 
 NearSamples::NearSamples(const ScatteredSamples& samples) {
-    PointCloud<double, 6> all;
+    PointCloud<double, 6> points;
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
-        all.at.push_back(point_of(samples.wl[i], samples.wv[i], samples.isotropic));
-    first_ = first_at_its_place(all);
+        points.at.push_back(point_of(samples.wl[i], samples.wv[i], samples.isotropic));
+    first_ = first_at_its_place(points);
     for (std::size_t i = 0; i < first_.size(); ++i) {
         if (first_[i] != i) continue;
         sample_.push_back(std::uint32_t(i));
-        point_.push_back(all.at[i]);
+        point_.push_back(points.at[i]);
         point_.push_back(point_of(samples.wv[i], samples.wl[i], samples.isotropic));
     }
     order_.resize(point_.size()), place_.resize(point_.size());
     std::iota(order_.begin(), order_.end(), 0u);
     if (!order_.empty()) build(0, std::uint32_t(order_.size()));
-    for (std::uint32_t at = 0; at < order_.size(); ++at) place_[order_[at]] = at;
+    for (std::uint32_t position = 0; position < order_.size(); ++position) place_[order_[position]] = position;
 }
 
 std::uint32_t NearSamples::build(std::uint32_t begin, std::uint32_t end) {
     const auto number = std::uint32_t(node_.size());
     Node node{point_[order_[begin]], point_[order_[begin]], begin, end};
-    node.waiting = end - begin;
-    for (std::uint32_t at = begin; at < end; ++at)
+    node.ungrouped = end - begin;
+    for (std::uint32_t position = begin; position < end; ++position)
         for (std::size_t i = 0; i < node.low.size(); ++i) {
-            node.low[i] = std::min(node.low[i], point_[order_[at]][i]);
-            node.high[i] = std::max(node.high[i], point_[order_[at]][i]);
+            node.low[i] = std::min(node.low[i], point_[order_[position]][i]);
+            node.high[i] = std::max(node.high[i], point_[order_[position]][i]);
         }
     node_.push_back(node);
     if (end - begin <= k_leaf) return number;
@@ -79,37 +80,38 @@ std::uint32_t NearSamples::build(std::uint32_t begin, std::uint32_t end) {
     std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
                      [&](std::uint32_t a, std::uint32_t b) { return point_[a][widest] < point_[b][widest]; });
     build(begin, middle);
-    node_[number].second = build(middle, end);
+    node_[number].second_child = build(middle, end);
     return number;
 }
 
-void NearSamples::close(std::size_t k) {
+void NearSamples::mark_grouped(std::size_t k) {
     for (const std::size_t point : {2 * k, 2 * k + 1})
-        for (std::uint32_t at = 0;;) {
-            --node_[at].waiting;
-            const std::uint32_t second = node_[at].second;
-            if (second == 0) break;
-            at = place_[point] < node_[second].begin ? at + 1 : second;
+        for (std::uint32_t index = 0;;) {
+            --node_[index].ungrouped;
+            const std::uint32_t second_child = node_[index].second_child;
+            if (second_child == 0) break;
+            index = place_[point] < node_[second_child].begin ? index + 1 : second_child;
         }
 }
 
-void NearSamples::take_near(const Point& from, int number, std::vector<int>& group, std::vector<std::uint32_t>& taken) {
+void NearSamples::add_near(const Point& centre, int number, std::vector<int>& group,
+                           std::vector<std::uint32_t>& added) {
     constexpr double reach = k_group_distance * k_group_distance;
     for (std::vector<std::uint32_t> open{0}; !open.empty();) {
-        const std::uint32_t at = open.back();
-        const Node& node = node_[at];
+        const std::uint32_t index = open.back();
+        const Node& node = node_[index];
         open.pop_back();
-        if (node.waiting == 0 || !(squared_distance(from, node.low, node.high) < reach)) continue;
-        if (node.second != 0) {
-            open.insert(open.end(), {node.second, at + 1});
+        if (node.ungrouped == 0 || !(squared_distance(centre, node.low, node.high) < reach)) continue;
+        if (node.second_child != 0) {
+            open.insert(open.end(), {node.second_child, index + 1});
             continue;
         }
         for (std::uint32_t i = node.begin; i < node.end; ++i) {
             const std::uint32_t k = order_[i] / 2;
-            if (group[k] != k_several || !(squared_distance(from, point_[order_[i]]) < reach)) continue;
+            if (group[k] != k_several || !(squared_distance(centre, point_[order_[i]]) < reach)) continue;
             group[k] = number;
-            close(k);
-            taken.push_back(k);
+            mark_grouped(k);
+            added.push_back(k);
         }
     }
 }
@@ -120,11 +122,11 @@ std::vector<int> NearSamples::groups() {
     for (std::uint32_t first = 0; first < group.size(); ++first) {
         if (group[first] != k_several) continue;
         group[first] = number;
-        close(first);
+        mark_grouped(first);
         for (std::vector<std::uint32_t> open{first}; !open.empty();) {
             const std::uint32_t k = open.back();
             open.pop_back();
-            take_near(point_[2 * k], number, group, open);
+            add_near(point_[2 * k], number, group, open);
         }
         ++number;
     }
@@ -134,9 +136,9 @@ std::vector<int> NearSamples::groups() {
 
 void NearSamples::mark_groups(const std::vector<int>& group) {
     for (auto node = node_.rbegin(); node != node_.rend(); ++node) {  // children before their parent
-        if (node->second != 0) {
-            const int one = (node.base())->group;  // the node behind it
-            node->group = one == node_[node->second].group ? one : k_several;
+        if (node->second_child != 0) {
+            const int first_group = (node.base())->group;  // the next node, its first child
+            node->group = first_group == node_[node->second_child].group ? first_group : k_several;
             continue;
         }
         node->group = group[order_[node->begin] / 2];
@@ -145,22 +147,24 @@ void NearSamples::mark_groups(const std::vector<int>& group) {
     }
 }
 
-double NearSamples::to_other_group(std::size_t k, const std::vector<int>& group) const {
-    const Point& from = point_[2 * k];
+double NearSamples::distance_to_other_group(std::size_t k, const std::vector<int>& group) const {
+    const Point& centre = point_[2 * k];
     double least = std::numeric_limits<double>::infinity();
-    const auto distance = [&](std::uint32_t at) { return squared_distance(from, node_[at].low, node_[at].high); };
+    const auto distance = [&](std::uint32_t index) {
+        return squared_distance(centre, node_[index].low, node_[index].high);
+    };
     for (std::vector<std::pair<double, std::uint32_t>> open{{0, 0}}; !open.empty();) {
-        const auto [bound, at] = open.back();
-        const Node& node = node_[at];
+        const auto [bound, index] = open.back();
+        const Node& node = node_[index];
         open.pop_back();
         if (bound >= least || node.group == group[k]) continue;
-        if (node.second == 0) {
+        if (node.second_child == 0) {
             for (std::uint32_t i = node.begin; i < node.end; ++i)
                 if (group[order_[i] / 2] != group[k])
-                    least = std::min(least, squared_distance(from, point_[order_[i]]));
+                    least = std::min(least, squared_distance(centre, point_[order_[i]]));
             continue;
         }
-        std::pair near(distance(at + 1), at + 1), far(distance(node.second), node.second);
+        std::pair near(distance(index + 1), index + 1), far(distance(node.second_child), node.second_child);
         if (far.first < near.first) std::swap(near, far);
         open.insert(open.end(), {far, near});  // the nearer one is next
     }

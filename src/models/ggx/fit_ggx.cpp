@@ -27,7 +27,7 @@ using Roughness = std::vector<double>;
 class GgxProblem {
   public:
     GgxProblem(const Observations& observations, std::size_t rows, int threads)
-        : observations_(observations), rows_(std::min(rows, observations.fitted())), threads_(threads) {
+        : observations_(observations), rows_(std::min(rows, observations.fitted_count())), threads_(threads) {
         grazing_ = column([](Vec3f wl, Vec3f wv) { return Kernel<float>::schlick_weight(wl, wv); });
     }
 
@@ -179,7 +179,7 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
     Roughness log_alpha = scanned(sample, options.lobes, least_log);
     if (!progress.report("refining roughness", 0.2)) return cancelled_error("fit");
     refine(all, log_alpha, least_log);
-    for (int round = 0; round < k_facet_rounds && traits(observations.objective).seen; ++round) {
+    for (int round = 0; round < k_facet_rounds && traits(observations.objective).response; ++round) {
         const GgxModel model = all.solve(log_alpha).model;
         weighed.weight = observations.weight;
         weigh_large_errors(weighed, evaluator(model), k_most_facet_change);

@@ -167,7 +167,7 @@ class OpenPbrData {
         pixels_ = Pixels(reference);
     }
     void take_pairs(const Observations& observations, std::size_t every) {
-        const std::size_t fitted = std::min(observations.fitted(), k_most_pairs / every);
+        const std::size_t fitted = std::min(observations.fitted_count(), k_most_pairs / every);
         const auto end = [&](const auto& of) { return of.begin() + std::ptrdiff_t(fitted); };
         wl_.assign(observations.wl.begin(), end(observations.wl));
         wv_.assign(observations.wv.begin(), end(observations.wv));
@@ -205,14 +205,14 @@ class OpenPbrData {
             pixels_.errors(block, columns(seen, block), slopes);
             for (std::size_t i = block * k_block; i < std::min((block + 1) * k_block, pixels_.count()); ++i)
                 for (std::size_t component = 0; component < 3; ++component) {
-                    const auto by_channel = slopes.by(component);
+                    const auto by_channel = slopes.jacobian_of(component);
                     for (std::size_t p = 0; p < by.size(); ++p) {
                         double slope = 0;
                         for (std::size_t c = 0; c < 3; ++c)
                             slope += double(by_channel[c][i % k_block]) * double(by[p][place(i, c)]);
                         row[Eigen::Index(p)] = slope;
                     }
-                    add(row, double(slopes.of(component)[i % k_block]), H, g);
+                    add(row, double(slopes.residual(component)[i % k_block]), H, g);
                 }
         }
         fill_upper(H);
@@ -295,7 +295,7 @@ Rgb typical_colour(const Observations& observations) {
             for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += of.weight[i] * double(of.f[i][c]);
         all = 1;
     } else {
-        for (std::size_t i = 0; i < observations.fitted(); ++i) {
+        for (std::size_t i = 0; i < observations.fitted_count(); ++i) {
             all += observations.weight[i];
             for (int c = 0; c < 3; ++c)
                 sum[std::size_t(c)] += k_pi * observations.weight[i] * double(observations.f[i][c]);
@@ -468,7 +468,7 @@ class OpenPbrSearch {
         }
         if (const auto done = search(candidates, {&k_last_openpbr_round, 1}); !done) return done.error();
         // As of Lambert and GGX: weights that hold for small errors are adapted to large ones.
-        const bool is_weighed = observations_.views.empty() && traits(observations_.objective).seen;
+        const bool is_weighed = observations_.views.empty() && traits(observations_.objective).response;
         for (int i = 0; i < k_weighed_rounds && is_weighed; ++i) {
             weighed_.weight = observations_.weight;
             weigh_large_errors(weighed_, evaluator(candidates[0].model), k_most_weight_change);

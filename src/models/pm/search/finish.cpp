@@ -30,7 +30,7 @@ constexpr int k_bound_steps_of_samples = 4;
 
 /// Weights for which Σ w |f|² over the wavelengths equals that over R, G, B.
 void weigh_for_spectra(Observations& observations) {
-    const std::size_t count = observations.fitted(), C = observations.wavelengths.size();
+    const std::size_t count = observations.fitted_count(), C = observations.wavelengths.size();
     const double of_colours =
         energy_of(std::span(observations.f).first(count), std::span(observations.weight).first(count));
     double of_spectra = 0;
@@ -76,7 +76,7 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
     PmFit fit;
     const bool spectral = !all.wavelengths.empty();
     if (spectral) weigh_for_spectra(all);
-    const std::size_t first_bound = all.fitted();
+    const std::size_t first_bound = all.fitted_count();
     Lobes first_lobes;
     std::optional<std::vector<int>> lowered;  // those of them that began again without their factors
     double first_loss = 0;
@@ -87,7 +87,7 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
             {.integral_importance = factors.integrals, .spectra = spectral, .picture_importance = factors.pictures});
         LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = pack(lobes);
-        const bool of_samples = rows.views > 0 && !factors.has_point_lights;
+        const bool of_samples = rows.views > 0 && !factors.has_directional_lights;
         const double least_gain = of_samples ? k_least_gain_of_samples : k_least_gain;
         const auto summary = of_samples && !begins ? few_steps(problem, x, k_bound_steps_of_samples, reporter)
                                                    : last_steps(problem, x, least_gain, reporter);
@@ -110,7 +110,7 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
             lobes = without_features(first_lobes, rising), lowered = rising;
             reset_bound_weights(all, first_bound, first_loss);
             begins = true;
-        } else if (take_exceeded(all, first_bound, fit.model, fit.loss) == 0) {
+        } else if (add_exceeded_pairs(all, first_bound, fit.model, fit.loss) == 0) {
             return fit;
         }
     }

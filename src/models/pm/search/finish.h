@@ -9,7 +9,7 @@ namespace srbf {
 /// Factors of the terms beside that of pairs, see RowOptions.
 struct TermFactors {
     double integrals = 0, pictures = 0;
-    bool has_point_lights = false;  ///< whether the weights of pairs have those of point lights
+    bool has_directional_lights = false;  ///< whether the weights of pairs have those of point lights
 };
 
 /// Optimises on all observations, for spectral ones with the spectra, and rounds. Bound pairs that the rounded model exceeds

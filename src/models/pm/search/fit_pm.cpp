@@ -11,7 +11,7 @@
 #include "models/pm/search/search.h"
 #include "models/pm/search/subsets.h"
 #include "models/pm/solve/rounding.h"
-#include "observe/point_lights.h"
+#include "observe/directional_lights.h"
 #include "srbf/elementary.h"
 #include "srbf/half.h"
 
@@ -105,7 +105,7 @@ class Fit {
     /// The last stage: the first candidate, or of those that are nearly as good the best. Of noisy tables the best of all that are
     /// left: albedos cost most then, and pictures do not show which candidate can follow them.
     PmFit finished(const Stage& stage) {
-        if (stage.lights) add_point_lights(stage);
+        if (stage.lights) add_directional_lights(stage);
         if (!stage.pictures) sort_by_all();
         const bool is_noisy = observations_.is_noisy();
         if (!is_noisy) found_.resize(std::min(found_.size(), stage.most));
@@ -115,7 +115,7 @@ class Fit {
             if (!may_be_best || (i > 0 && reporter_.cancelled())) break;
             const double channels = spectral() ? double(observations_.wavelengths.size()) : 3;
             TermFactors factors = factors_;
-            factors.integrals = subsets_.integral_importance(factors_.has_point_lights) * 3 / channels;
+            factors.integrals = subsets_.integral_importance(factors_.has_directional_lights) * 3 / channels;
             PmFit next = finish(found_[i].lobes, all(), factors, options_, log_peak_limit_, reporter_);
             if (i == 0 || next.loss < fit.loss) fit = std::move(next);
         }
@@ -127,12 +127,12 @@ class Fit {
     /// Candidates and weights for a stage.
     void prepare(const Stage& stage) {
         if (stage.bounds) subsets_.add_exceeded(found_, options_, log_peak_limit_);
-        if (stage.lights) add_point_lights(stage);
+        if (stage.lights) add_directional_lights(stage);
         found_.resize(std::min(found_.size(), stage.candidates(options_)));
     }
     Rows rows_of(const Stage& stage) const {
         if (stage.pairs != Pairs::all) return subsets_.rows(stage, factors_.pictures);
-        return Rows(all(), {.integral_importance = subsets_.integral_importance(factors_.has_point_lights),
+        return Rows(all(), {.integral_importance = subsets_.integral_importance(factors_.has_directional_lights),
                             .picture_importance = stage.pictures ? factors_.pictures : 0});
     }
 
@@ -163,15 +163,15 @@ class Fit {
 
     /// Adds weights of point lights, where there are any: to a subset before the first pictures, later to all
     /// observations.
-    void add_point_lights(const Stage& stage) {
+    void add_directional_lights(const Stage& stage) {
         if (stage.pairs != Pairs::all) {
-            subsets_.add_point_lights(fitted(rows_of(stage)));  // without pixels, which have no importance yet
+            subsets_.add_directional_lights(fitted(rows_of(stage)));  // without pixels, which have no importance yet
             factors_.pictures = subsets_.picture_importance(found_.front(), stage, options_, log_peak_limit_);
-            factors_.has_point_lights = !spectral() && !observations_.point_light_weight.empty();
-        } else if (factors_.has_point_lights && last_) {  // cancelled, there may have been no steps
+            factors_.has_directional_lights = !spectral() && !observations_.directional_light_weight.empty();
+        } else if (factors_.has_directional_lights && last_) {  // cancelled, there may have been no steps
             with_lights_ = observations_;
             const double least = loss_of(observations_, fitted(Rows(observations_)));
-            srbf::add_point_lights(with_lights_, fitted(rows_of(*last_)), k_missed * least);
+            srbf::add_directional_lights(with_lights_, fitted(rows_of(*last_)), k_missed * least);
         }
     }
     /// The best candidate, with coefficients for these rows.

@@ -7,10 +7,10 @@
 #include "models/pm/solve/rounding.h"
 #include "observe/bound.h"
 #include "observe/costs.h"
+#include "observe/directional_lights.h"
 #include "observe/observations.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
-#include "observe/point_lights.h"
 
 namespace srbf {
 namespace {
@@ -55,7 +55,7 @@ void Subsets::add_exceeded(const std::vector<Candidate>& candidates, const FitOp
             further(more, shape_of(options), false, log_peak_limit);
         known.loss(pack(lobes));
         std::vector<std::size_t> where =
-            exceeded(all_, few_.begin, to_model(known, lobes, options.log_scale, {}), largest_);
+            exceeded_pairs(all_, few_.begin, to_model(known, lobes, options.log_scale, {}), largest_);
         // Bounds beyond the grid are for the final model: candidates exceed them often, in place of those that matter more.
         std::erase_if(where, [&](std::size_t k) { return std::min(all_.wl[k].z, all_.wv[k].z) < k_brink_cosine; });
         added[i] = some_of(std::move(where), k_most_added);
@@ -65,7 +65,7 @@ void Subsets::add_exceeded(const std::vector<Candidate>& candidates, const FitOp
 
     std::set<std::size_t> taken;
     for (const auto& of_candidate : added) taken.insert(of_candidate.begin(), of_candidate.end());
-    const std::size_t fitted = all_.fitted();
+    const std::size_t fitted = all_.fitted_count();
     for (const std::size_t i : taken) {
         const double weight = i < fitted ? all_.weight[i] : bound_weight(all_, i, loss_, largest_);
         for (Part* part : {&few_, &some_, &more_})
@@ -73,13 +73,13 @@ void Subsets::add_exceeded(const std::vector<Candidate>& candidates, const FitOp
     }
 }
 
-void Subsets::add_point_lights(const Evaluate& fitted) {
-    has_point_lights_ = !some_.observations.point_light_weight.empty();
-    if (has_point_lights_) srbf::add_point_lights(some_.observations, fitted);
+void Subsets::add_directional_lights(const Evaluate& fitted) {
+    has_directional_lights_ = !some_.observations.directional_light_weight.empty();
+    if (has_directional_lights_) srbf::add_directional_lights(some_.observations, fitted);
 }
 
-double Subsets::integral_importance(bool beside_point_lights) const {
-    return (beside_point_lights ? k_albedos_beside_point_lights : 1) * std::min(loss_, k_most_albedo_loss) /
+double Subsets::integral_importance(bool beside_directional_lights) const {
+    return (beside_directional_lights ? k_albedos_beside_directional_lights : 1) * std::min(loss_, k_most_albedo_loss) /
            (3 * all_.integral_error * all_.integral_error);
 }
 
@@ -89,15 +89,16 @@ double Subsets::picture_importance(const Candidate& candidate, const Stage& stag
     const Rows seen = rows(stage, k_negligible);
     LobeProblem problem(seen, shape_of(options), true, log_peak_limit);
     problem.loss(pack(candidate.lobes));
-    return (has_point_lights_ ? k_pixels : k_pixels_alone) * loss_ / std::max(problem.delta_e(), k_least_delta_e);
+    return (has_directional_lights_ ? k_pixels : k_pixels_alone) * loss_ / std::max(problem.delta_e(), k_least_delta_e);
 }
 
 Rows Subsets::rows(const Stage& stage, double picture_importance) const {
     const Part& part = stage.pairs == Pairs::few ? few_ : stage.pairs == Pairs::some ? some_ : more_;
     if (!stage.albedos) return Rows(part.observations);
-    return Rows(part.observations, {.integral_importance = integral_importance(stage.pictures && has_point_lights_),
-                                    .subsampled_integrals = stage.pairs != Pairs::more,
-                                    .picture_importance = stage.pictures ? picture_importance : 0});
+    return Rows(part.observations,
+                {.integral_importance = integral_importance(stage.pictures && has_directional_lights_),
+                 .subsampled_integrals = stage.pairs != Pairs::more,
+                 .picture_importance = stage.pictures ? picture_importance : 0});
 }
 
 }  // namespace srbf

@@ -19,14 +19,14 @@ class Subsets {
     void add_exceeded(const std::vector<Candidate>& candidates, const FitOptions& options, double log_peak_limit);
 
     /// Adds to the pairs that pictures are fitted with the weights of point lights, relative to the errors of a fit.
-    void add_point_lights(const Evaluate& fitted);
+    void add_directional_lights(const Evaluate& fitted);
 
     /// The rows of a stage, unless of all pairs.
     Rows rows(const Stage& stage, double picture_importance) const;
 
     /// The increase of the sum if every integral is off by its luminance in one of three channels; beside weights of
     /// point lights it is larger.
-    double integral_importance(bool beside_point_lights = false) const;
+    double integral_importance(bool beside_directional_lights = false) const;
     /// The factor with which the pixels of this candidate cost `k_pixels` times the loss per mean ΔE_ITP.
     double picture_importance(const Candidate& candidate, const Stage& stage, const FitOptions& options,
                               double log_peak_limit) const;
@@ -41,7 +41,7 @@ class Subsets {
     const Observations& all_;
     Part few_, some_, more_;
     double largest_, loss_ = 1;
-    bool has_point_lights_ = false;  ///< whether weights of `some_` have them
+    bool has_directional_lights_ = false;  ///< whether weights of `some_` have them
 };
 
 }  // namespace srbf

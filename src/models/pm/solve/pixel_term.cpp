@@ -56,7 +56,7 @@ Eigen::MatrixXd PixelTerm::products(const Eigen::MatrixXd& beta, Eigen::Index X,
         std::vector<const float*> all;
         for (Eigen::Index i = 0; i + 1 < columns; ++i) all.push_back(column(i));
         for (std::size_t component = 0; component < 3; ++component) {
-            const ByChannel by_channel = slopes.by(component);
+            const ByChannel by_channel = slopes.jacobian_of(component);
             std::fill_n(scratch.data(), std::size_t(X) * k_block, 0.f);
             for (Eigen::Index j = 0; j < J; ++j) {
                 for (Eigen::Index c = 0; c < 3; ++c)
@@ -66,7 +66,7 @@ Eigen::MatrixXd PixelTerm::products(const Eigen::MatrixXd& beta, Eigen::Index X,
                 combine({of_j.data(), 3}, by_channel, of_lobe, count);
                 set_by_lobe(block, j, of_lobe, by_channel, scratch.data());
             }
-            all.push_back(slopes.of(component));
+            all.push_back(slopes.residual(component));
             add_gram(all, parts[block].data(), count);
             all.pop_back();
         }

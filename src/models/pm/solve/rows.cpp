@@ -21,7 +21,7 @@ template <typename Value> void Rows::set(std::size_t i, Vec3f l, Vec3f v, double
 }
 
 Rows::Rows(const Observations& observations, const RowOptions& options) {
-    const std::size_t count = observations.fitted();
+    const std::size_t count = observations.fitted_count();
     blocks = blocks_for(count), pairs = count;
     const std::size_t step = options.subsampled_integrals ? k_integral_step : 1;
     std::vector<const ObservedIntegral*> some;

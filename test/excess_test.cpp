@@ -79,11 +79,11 @@ TEST(Subsets, TakeInWhereCandidatesExceedTheMeasurement) {
     const Observations o = grey();
     const FitOptions options{.form = PmForm::gaussian, .axial = false, .lobes = 1, .variates = 1};
     Subsets subsets(o);
-    const auto rows = [&] { return subsets.rows({.pairs = Pairs::few}, 0).wl[0].size(); };
+    const auto rows = [&] { return subsets.rows({.pairs = Pairs::search}, 0).wl[0].size(); };
     const std::size_t before = rows();
     const auto with = [&](Vec3d p) {
         const Candidate candidate{.lobes = {shape_of(options), {0}, {p.x, p.y, p.z}}, .loss = 1};
-        subsets.add_exceeded({candidate}, options, 300);
+        subsets.add_exceeded_pairs({candidate}, options, 300);
         return rows();
     };
     EXPECT_EQ(with({0, 0, 0}), before);                         // the constant

@@ -242,7 +242,7 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
                         const double angle = lobes.angle[std::size_t(n)];
                         const Vec3d psi = Kernel<double>::psi(to_double(o.wl[i]), to_double(o.wv[i]),
                                                               elementary::cos(angle), elementary::sin(angle));
-                        exponent += lobes.of(j)[std::size_t(n)] * (psi.z - 1);
+                        exponent += lobes.weights_of(j)[std::size_t(n)] * (psi.z - 1);
                     }
                     f += problem.scale() * beta(j, c) * elementary::exp(exponent);
                 }
@@ -348,7 +348,7 @@ TEST(Rounding, ModelOfLobesEvaluatesToThem) {
                 const double angle = lobes.angle[std::size_t(n)];
                 const Vec3f psi =
                     Kernel<float>::psi(o.wl[i], o.wv[i], float(elementary::cos(angle)), float(elementary::sin(angle)));
-                exponent += lobes.of(j)[std::size_t(n)] * double(psi.z - 1);
+                exponent += lobes.weights_of(j)[std::size_t(n)] * double(psi.z - 1);
             }
             f += problem.scale() * problem.beta()(j, 1) * elementary::exp(exponent);
         }
@@ -367,12 +367,12 @@ TEST(Rounding, CostsNoMoreThanThatOfEachNumberForItself) {
             const double unrounded = levenberg_marquardt(problem, x, {.max_iterations = 30}).loss;
             const Lobes best = unpack(x, lobes.shape);
             const Eigen::MatrixXd beta = problem.beta();
-            const Lobes alone = rounded_lobes(problem, best, unrounded * 1e3);
+            const Lobes alone = round_lobes(problem, best, unrounded * 1e3);
             problem.continue_from(beta);
             const double plain = problem.loss(pack(alone));
             problem.continue_from(beta);
             problem.loss(x);
-            const Lobes followed = rounded_lobes(problem, best, 0);  // no cost is small enough
+            const Lobes followed = round_lobes(problem, best, 0);  // no cost is small enough
             EXPECT_LE(problem.loss(pack(followed)), 1.001 * plain);
             const PmModel model = to_model(problem, followed, true);
             EXPECT_EQ(pack(to_lobes(to_halves(model, followed), lobes.shape)), pack(followed));

@@ -90,11 +90,11 @@ TEST(Search, RandomExponentsAreOfTheRangeOfTheirTerms) {
 
 TEST(Search, ShortFitsHaveNoMoreStartsAndPerturbations) {
     FitOptions options = options_of(0);
-    EXPECT_EQ(starts_of(in_short(options, 4, 8)), 4);
-    EXPECT_EQ(perturbations_of(in_short(options, 4, 8)), 8);
+    EXPECT_EQ(starts_of(quick_options(options, 4, 8)), 4);
+    EXPECT_EQ(perturbations_of(quick_options(options, 4, 8)), 8);
     options.starts = 2, options.perturbations = 0;
-    EXPECT_EQ(starts_of(in_short(options, 4, 8)), 2);
-    EXPECT_EQ(perturbations_of(in_short(options, 4, 8)), 0);
+    EXPECT_EQ(starts_of(quick_options(options, 4, 8)), 2);
+    EXPECT_EQ(perturbations_of(quick_options(options, 4, 8)), 0);
 }
 
 }  // namespace

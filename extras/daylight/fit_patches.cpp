@@ -268,7 +268,7 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
     std::vector<Size> sizes(std::begin(k_sizes), std::end(k_sizes));
     if (const auto lobes = lobes_of(*pm)) sizes = {{*lobes, pm->variates}};
     FitOptions options =
-        in_short(pm_options(request, pm->axial.value_or(is_isotropic(table))), k_starts, k_perturbations);
+        quick_options(pm_options(request, pm->axial.value_or(is_isotropic(table))), k_starts, k_perturbations);
     // The mean of a patch does not tell lobes narrower than the patch from each other.
     options.finest = k_finest * least_width(table.outgoing);
     const double all = double(sizes.size());

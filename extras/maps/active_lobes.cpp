@@ -21,7 +21,7 @@ constexpr double k_least_across = 1e-4;
 class ActiveLobes {
   public:
     explicit ActiveLobes(LobeProblem& problem) : lobes_(problem.beta().rows()), channels_(problem.beta().cols()) {
-        const CoefficientTerms at = problem.by_coefficients();
+        const CoefficientTerms at = problem.coefficient_terms();
         const Eigen::Map<const VectorXd> now(problem.beta().data(), problem.beta().size());
         H_ = at.H, y_ = at.H * now - at.g;
         for (Index j = 0; j < lobes_; ++j) which_.push_back(j);

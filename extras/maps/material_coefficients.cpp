@@ -23,7 +23,7 @@ constexpr Stage k_picture_stage{.name = "pictures", .pairs = Pairs::some, .albed
 Lobes chosen_lobes(const Lobes& all, std::span<const std::size_t> which) {
     Lobes some{all.shape, all.angle, {}};
     for (const std::size_t j : which)
-        some.weight.insert(some.weight.end(), all.of(int(j)).begin(), all.of(int(j)).end());
+        some.weight.insert(some.weight.end(), all.weights_of(int(j)).begin(), all.weights_of(int(j)).end());
     return some;
 }
 
@@ -31,7 +31,7 @@ LogCoefficients coefficients_in(const LobeProblem& problem, const Lobes& lobes, 
     LogCoefficients of{std::move(which), Eigen::MatrixXd::Constant(lobes.count(), 3, k_none)};
     for (int j = 0; j < lobes.count(); ++j) {
         const double factor = elementary::log(problem.scale()) +
-                              log_peak_factor(lobes.of(j), lobes.shape, problem.offset()[std::size_t(j)]);
+                              log_peak_factor(lobes.weights_of(j), lobes.shape, problem.offset()[std::size_t(j)]);
         for (int c = 0; c < 3; ++c)
             if (const double beta = problem.beta()(j, c); beta > 1e-30)
                 of.log_beta(j, c) = elementary::log(beta) + factor;
@@ -44,7 +44,7 @@ std::unique_ptr<Rows> rows_of(const Observations& observations, const Lobes& lob
     Subsets subsets(observations);
     Candidate candidate;
     candidate.lobes = lobes;
-    subsets.add_exceeded({candidate}, options, k_log_peak_limit);
+    subsets.add_exceeded_pairs({candidate}, options, k_log_peak_limit);
     auto rows = std::make_unique<Rows>(subsets.rows(k_active_stage, 0));
     if (observations.views.empty()) return rows;
     LobeProblem by_pairs(*rows, lobes.shape, false, k_log_peak_limit);

@@ -88,7 +88,7 @@ PmModel basis_model(const Lobes& lobes) {
     model.form = lobes.shape.form, model.axial = lobes.shape.axial, model.lobes = int(J), model.variates = int(N);
     model.coefficient.assign(J, {1, 1, 1}), model.log_scale.assign(J, 0);
     for (std::size_t j = 0; j < J; ++j) {
-        const auto of = lobes.of(int(j));
+        const auto of = lobes.weights_of(int(j));
         for (std::size_t n = 0; n < N; ++n) {
             const Vec3d p = vector_of(of, lobes.shape, int(n));
             const double bandwidth = elementary::hypot(p.x, p.y, p.z);

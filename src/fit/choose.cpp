@@ -84,7 +84,7 @@ class Search {
         std::vector<Result<Tried>> tried(models.size(), Error{});
         parallel_for(models.size(), options_.threads, [&](std::size_t i) {
             const FitOptions options = with_model(options_, models[i]);
-            tried[i] = attempt(some, in_short(options, effort.starts, effort.perturbations), true);
+            tried[i] = attempt(some, quick_options(options, effort.starts, effort.perturbations), true);
         });
         std::vector<Trial> trials;
         for (const auto& one : tried) {

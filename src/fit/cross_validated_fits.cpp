@@ -297,7 +297,7 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleO
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
                                     const FitRequest& request, bool in_short, const ProgressToken& progress) {
     FitOptions options = sample_options(samples, request, {});
-    if (in_short) options = srbf::in_short(options, k_draft_starts, k_draft_perturbations);
+    if (in_short) options = quick_options(options, k_draft_starts, k_draft_perturbations);
     auto pm = fit_pm(observed, {options, !in_short}, progress);
     if (!pm) return pm.error();
     FitOutcome outcome = outcome_of(*std::move(pm));

@@ -40,7 +40,7 @@ std::vector<Term> terms_of(Objective objective) {
 }
 
 std::string work_of(const Stage& stage, const FitOptions& options) {
-    switch (stage.work) {
+    switch (stage.kind) {
         case StageKind::grow:
             return fmt::format("{} lobes, one by one", options.lobes);
         case StageKind::perturb:
@@ -76,7 +76,7 @@ std::string explain(const FitRequest& request) {
     text += fmt::format("\n{:<13} {:<58} {:>10}  {}\n", "stage", "rows and terms", "candidates", "work");
     bool bounds = false;
     for (const Stage& stage : schedule(traits(request.objective).of_pictures)) {
-        bounds = bounds || stage.bounds;
+        bounds = bounds || stage.adds_exceeded_pairs;
         text += fmt::format("{:<13} {:<58} {:>10}  {}\n", stage.name, rows_of(stage, bounds), stage.candidates(options),
                             work_of(stage, options));
     }

@@ -65,7 +65,8 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
     if (!options.fill) return fit_pm(combine(observations, 0, seed), bounded, progress);
 
     const Observations alone = combine(observations, 0, seed);
-    const auto quick = fit_pm(alone, in_short(bounded, k_quick_starts, k_quick_perturbations), progress.part(0, 0.3));
+    const auto quick =
+        fit_pm(alone, quick_options(bounded, k_quick_starts, k_quick_perturbations), progress.part(0, 0.3));
     if (!quick) return quick;
     const std::size_t fitted = observations.samples.fitted_count();
     const auto first_fitted = [&](const auto& values) { return std::span(values).first(fitted); };

@@ -1,5 +1,5 @@
-// Evaluation of a model: on arrays of pairs by the formulas of kernel.glsl in SIMD batches, and on one pair with its
-// lobes in the lanes of a vector.
+// Evaluation of a multivariate model. Arrays of pairs use the formulas of kernel.glsl in SIMD batches; a single
+// pair has its lobes in the lanes of a vector.
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -21,35 +21,34 @@ HWY_BEFORE_NAMESPACE();
 namespace srbf {
 namespace HWY_NAMESPACE {
 
-// Two batches at a time, to hide latency.
-struct Both {
+// Two batches processed together, which hides latency.
+struct TwoBatches {
     Batch a, b;
-    Both() = default;
-    HWY_INLINE Both(Batch a_, Batch b_) : a(a_), b(b_) {}
-    HWY_INLINE explicit Both(double x) : a(x), b(x) {}
+    TwoBatches() = default;
+    HWY_INLINE TwoBatches(Batch a_, Batch b_) : a(a_), b(b_) {}
+    HWY_INLINE explicit TwoBatches(double x) : a(x), b(x) {}
 };
-struct BothMasks {
+struct TwoMasks {
     BatchMask a, b;
 };
-HWY_INLINE Both operator+(Both x, Both y) { return {x.a + y.a, x.b + y.b}; }
-HWY_INLINE Both operator-(Both x, Both y) { return {x.a - y.a, x.b - y.b}; }
-HWY_INLINE Both operator*(Both x, Both y) { return {x.a * y.a, x.b * y.b}; }
-HWY_INLINE Both operator/(Both x, Both y) { return {x.a / y.a, x.b / y.b}; }
-HWY_INLINE Both operator-(Both x) { return {-x.a, -x.b}; }
-HWY_INLINE BothMasks operator<(Both x, Both y) { return {x.a < y.a, x.b < y.b}; }
-HWY_INLINE Both exp(Both x) { return {exp(x.a), exp(x.b)}; }
-HWY_INLINE Both exp2(Both x) { return {exp2(x.a), exp2(x.b)}; }
-HWY_INLINE Both log(Both x) { return {log(x.a), log(x.b)}; }
-HWY_INLINE Both sqrt(Both x) { return {sqrt(x.a), sqrt(x.b)}; }
-HWY_INLINE Both inversesqrt(Both x) { return {inversesqrt(x.a), inversesqrt(x.b)}; }
-HWY_INLINE Both min(Both x, Both y) { return {min(x.a, y.a), min(x.b, y.b)}; }
-HWY_INLINE Both max(Both x, Both y) { return {max(x.a, y.a), max(x.b, y.b)}; }
-HWY_INLINE Both select(BothMasks where, Both x, Both y) {
+HWY_INLINE TwoBatches operator+(TwoBatches x, TwoBatches y) { return {x.a + y.a, x.b + y.b}; }
+HWY_INLINE TwoBatches operator-(TwoBatches x, TwoBatches y) { return {x.a - y.a, x.b - y.b}; }
+HWY_INLINE TwoBatches operator*(TwoBatches x, TwoBatches y) { return {x.a * y.a, x.b * y.b}; }
+HWY_INLINE TwoBatches operator/(TwoBatches x, TwoBatches y) { return {x.a / y.a, x.b / y.b}; }
+HWY_INLINE TwoBatches operator-(TwoBatches x) { return {-x.a, -x.b}; }
+HWY_INLINE TwoMasks operator<(TwoBatches x, TwoBatches y) { return {x.a < y.a, x.b < y.b}; }
+HWY_INLINE TwoBatches exp(TwoBatches x) { return {exp(x.a), exp(x.b)}; }
+HWY_INLINE TwoBatches exp2(TwoBatches x) { return {exp2(x.a), exp2(x.b)}; }
+HWY_INLINE TwoBatches log(TwoBatches x) { return {log(x.a), log(x.b)}; }
+HWY_INLINE TwoBatches sqrt(TwoBatches x) { return {sqrt(x.a), sqrt(x.b)}; }
+HWY_INLINE TwoBatches inversesqrt(TwoBatches x) { return {inversesqrt(x.a), inversesqrt(x.b)}; }
+HWY_INLINE TwoBatches min(TwoBatches x, TwoBatches y) { return {min(x.a, y.a), min(x.b, y.b)}; }
+HWY_INLINE TwoBatches max(TwoBatches x, TwoBatches y) { return {max(x.a, y.a), max(x.b, y.b)}; }
+HWY_INLINE TwoBatches select(TwoMasks where, TwoBatches x, TwoBatches y) {
     return {select(where.a, x.a, y.a), select(where.b, x.b, y.b)};
 }
 
-// A model in the form of pm_value with the number of variates and the kind known at compile time, so that loops are
-// unrolled.
+// A model for pm_value whose number of variates and kind are known at compile time, so that loops are unrolled.
 template <int N, bool is_axial> struct Sized {
     static constexpr int variates = N;
     static constexpr bool axial = is_axial;
@@ -74,20 +73,21 @@ template <int N, bool is_axial> struct Sized {
 
 static_assert(sizeof(Vec3f) == 3 * sizeof(float) && sizeof(Rgb) == 3 * sizeof(float));
 
-// `count` is a multiple of two batches.
+// `count` must be a multiple of two batches.
 template <int N, bool axial>
 void evaluate_sized(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     const Sized<N, axial> sized{model};
     const Interleaved interleaved;
     const std::size_t width = Batch::size();
-    const Both zero(0.0);
+    const TwoBatches zero(0.0);
     for (std::size_t i = 0; i < count; i += 2 * width) {
         const Vec3<Batch> la = interleaved.load(&wl[i].x), lb = interleaved.load(&wl[i + width].x),
                           va = interleaved.load(&wv[i].x), vb = interleaved.load(&wv[i + width].x);
-        const Vec3<Both> l({la.x, lb.x}, {la.y, lb.y}, {la.z, lb.z}), v({va.x, vb.x}, {va.y, vb.y}, {va.z, vb.z});
-        const BothMasks above{above_horizon(la, va), above_horizon(lb, vb)};
-        const Vec3<Both> value = Formulas<Both, Sized<N, axial>>::pm_value(sized, l, v);
-        const Both r = select(above, value.x, zero), g = select(above, value.y, zero), b = select(above, value.z, zero);
+        const Vec3<TwoBatches> l({la.x, lb.x}, {la.y, lb.y}, {la.z, lb.z}), v({va.x, vb.x}, {va.y, vb.y}, {va.z, vb.z});
+        const TwoMasks above{above_horizon(la, va), above_horizon(lb, vb)};
+        const Vec3<TwoBatches> value = Formulas<TwoBatches, Sized<N, axial>>::pm_value(sized, l, v);
+        const TwoBatches r = select(above, value.x, zero), g = select(above, value.y, zero),
+                         b = select(above, value.z, zero);
         interleaved.store({r.a, g.a, b.a}, &f[i].r);
         interleaved.store({r.b, g.b, b.b}, &f[i + width].r);
     }
@@ -97,9 +97,9 @@ void evaluate_sized(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb*
 template <int N = 1, typename Choose> auto for_size_of(const PmLanes& model, const Choose& choose) {
     if constexpr (N < k_most_variates)
         if (model.variates() > N) return for_size_of<N + 1>(model, choose);
-    if constexpr (PmLanes::filled_up(N, false) == N)
+    if constexpr (PmLanes::padded_variates(N, false) == N)
         if (!model.axial()) return choose.template operator()<N, false>();
-    return choose.template operator()<PmLanes::filled_up(N, true), true>();
+    return choose.template operator()<PmLanes::padded_variates(N, true), true>();
 }
 
 using Evaluator = void (*)(const PmLanes&, const Vec3f*, const Vec3f*, Rgb*, std::size_t);
@@ -110,15 +110,15 @@ Evaluator evaluator_of(const PmLanes& model) {
 void evaluate(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     const Evaluator evaluator = evaluator_of(model);
     in_whole_batches(2 * Batch::size(), wl, wv, f, count,
-                     [&](const Vec3f* from_wl, const Vec3f* from_wv, Rgb* to, std::size_t n)
-                         HWY_ATTR { evaluator(model, from_wl, from_wv, to, n); });
+                     [&](const Vec3f* batch_wl, const Vec3f* batch_wv, Rgb* batch_f, std::size_t n)
+                         HWY_ATTR { evaluator(model, batch_wl, batch_wv, batch_f, n); });
 }
 
-// A model whose lobe j is a group of as many lobes as a vector has lanes.
-template <int N, bool is_axial, PmForm of_form> struct Grouped {
+// A model whose lobe j is a group of lobes, one in each lane of a vector.
+template <int N, bool is_axial, PmForm form_value> struct Grouped {
     static constexpr int variates = N;
     static constexpr bool axial = is_axial;
-    static constexpr PmForm form = of_form;
+    static constexpr PmForm form = form_value;
     const PmLanes& numbers;
     int lanes = int(Group::size());
 
@@ -136,38 +136,39 @@ template <int N, bool is_axial, PmForm of_form> struct Grouped {
     }
 };
 
-HWY_INLINE Group everywhere(float x) { return Group(double(x)); }
-HWY_INLINE Vec3<Group> everywhere(const Vec3f& w) { return {everywhere(w.x), everywhere(w.y), everywhere(w.z)}; }
+HWY_INLINE Group broadcast(float x) { return Group(double(x)); }
+HWY_INLINE Vec3<Group> broadcast(const Vec3f& w) { return {broadcast(w.x), broadcast(w.y), broadcast(w.z)}; }
 
 #if HWY_TARGET == HWY_SCALAR
-HWY_INLINE void store_colour(const Vec3<Group>& sum, float* to) {
-    to[0] = std::max(sum.x.sum(), 0.f), to[1] = std::max(sum.y.sum(), 0.f), to[2] = std::max(sum.z.sum(), 0.f);
+HWY_INLINE void store_colour(const Vec3<Group>& sum, float* colour) {
+    colour[0] = std::max(sum.x.sum(), 0.f), colour[1] = std::max(sum.y.sum(), 0.f),
+    colour[2] = std::max(sum.z.sum(), 0.f);
 }
 #else
 using Four = hn::CappedTag<float, 4>;
-HWY_INLINE hn::Vec<Four> in_four(Group a) {
+HWY_INLINE hn::Vec<Four> fold_to_four(Group a) {
 #if HWY_MAX_BYTES >= 32
     return hn::Add(hn::LowerHalf(Four(), a.v), hn::UpperHalf(Four(), a.v));
 #else
     return a.v;
 #endif
 }
-// Stores the sums of the lanes of x, y and z, clamped to at least 0, in one instruction, which avoids store-forwarding
-// stalls of a later vector load.
-HWY_INLINE void store_colour(const Vec3<Group>& sum, float* to) {
+// Stores the sums of the lanes of x, y and z, clamped to at least 0. One instruction avoids store-forwarding stalls
+// of a later vector load.
+HWY_INLINE void store_colour(const Vec3<Group>& sum, float* colour) {
     const Four d;
-    const auto x = in_four(sum.x), y = in_four(sum.y), z = in_four(sum.z), none = hn::Zero(d);
+    const auto x = fold_to_four(sum.x), y = fold_to_four(sum.y), z = fold_to_four(sum.z), zero = hn::Zero(d);
     const auto xz = hn::Add(hn::InterleaveLower(d, x, z), hn::InterleaveUpper(d, x, z));
-    const auto y_ = hn::Add(hn::InterleaveLower(d, y, none), hn::InterleaveUpper(d, y, none));
-    hn::Store(hn::Max(hn::Add(hn::InterleaveLower(d, xz, y_), hn::InterleaveUpper(d, xz, y_)), none), d, to);
+    const auto y_ = hn::Add(hn::InterleaveLower(d, y, zero), hn::InterleaveUpper(d, y, zero));
+    hn::Store(hn::Max(hn::Add(hn::InterleaveLower(d, xz, y_), hn::InterleaveUpper(d, xz, y_)), zero), d, colour);
 }
 #endif
 
 // The variates of a pair, computed in lanes, and their squared distances from the centres of lobes in lanes.
-template <typename Formula, int N, bool axial> struct VariatesOf {
+template <typename Formula, int N, bool axial> struct LaneVariates {
     HWY_ALIGN float x[PmLanes::k_lanes], y[PmLanes::k_lanes], z[PmLanes::k_lanes];
 
-    HWY_INLINE VariatesOf(const PmLanes& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
+    HWY_INLINE LaneVariates(const PmLanes& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
         for (int n = 0; n < N; n += int(Group::size())) {
             const Vec3<Group> psi =
                 Formula::psi(wl, wv, Group::load(numbers.weight_l(n)), Group::load(numbers.weight_v(n)));
@@ -175,15 +176,15 @@ template <typename Formula, int N, bool axial> struct VariatesOf {
         }
     }
     template <typename Model> HWY_INLINE Group squared_distance(const Model& pm, int j, int n) const {
-        return Formula::squared_distance({everywhere(x[n]), everywhere(y[n]), everywhere(z[n])}, pm.centre(j, n));
+        return Formula::squared_distance({broadcast(x[n]), broadcast(y[n]), broadcast(z[n])}, pm.centre(j, n));
     }
 };
 #if HWY_MAX_BYTES >= 32
-// For four variates the distances from either pole fill eight lanes, from which each lobe selects its own.
-template <typename Formula, int N> struct VariatesOf<Formula, N, true> {
+// The distances of four variates from both poles fill eight lanes, from which each lobe selects its own.
+template <typename Formula, int N> struct LaneVariates<Formula, N, true> {
     Group distance[(N + 3) / 4];
 
-    HWY_INLINE VariatesOf(const PmLanes& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
+    HWY_INLINE LaneVariates(const PmLanes& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
         const Group pole = Group::load(PmLanes::k_poles);
         for (int n = 0; n < N; n += 4)
             distance[n / 4] =
@@ -193,15 +194,15 @@ template <typename Formula, int N> struct VariatesOf<Formula, N, true> {
     }
     template <typename Model> HWY_INLINE Group squared_distance(const Model& pm, int j, int n) const {
         const hn::CappedTag<float, 8> d;
-        const auto from = hn::IndicesFromVec(d, hn::BitCast(Group::Bits(), pm.place(j, n).v));
-        return hn::TableLookupLanes(distance[n / 4].v, from);
+        const auto lanes = hn::IndicesFromVec(d, hn::BitCast(Group::Bits(), pm.place(j, n).v));
+        return hn::TableLookupLanes(distance[n / 4].v, lanes);
     }
 };
 #else
-template <typename Formula, int N> struct VariatesOf<Formula, N, true> {
+template <typename Formula, int N> struct LaneVariates<Formula, N, true> {
     HWY_ALIGN float across[PmLanes::k_lanes], along[PmLanes::k_lanes];
 
-    HWY_INLINE VariatesOf(const PmLanes& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
+    HWY_INLINE LaneVariates(const PmLanes& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
         for (int n = 0; n < N; n += int(Group::size())) {
             const auto psi =
                 Formula::axial_psi(wl, wv, Group::load(numbers.weight_l(n)), Group::load(numbers.weight_v(n)));
@@ -209,38 +210,38 @@ template <typename Formula, int N> struct VariatesOf<Formula, N, true> {
         }
     }
     template <typename Model> HWY_INLINE Group squared_distance(const Model& pm, int j, int n) const {
-        return Formula::squared_distance_from_pole({everywhere(across[n]), everywhere(along[n])}, pm.pole(j, n));
+        return Formula::squared_distance_from_pole({broadcast(across[n]), broadcast(along[n])}, pm.pole(j, n));
     }
 };
 #endif
 
-// First the variates in lanes, then the lobes. `f` has four elements: R, G, B and padding.
+// Evaluates first the variates in lanes, then the lobes. `f` has four elements: R, G, B and padding.
 template <int N, bool axial, PmForm form>
 void value_sized(const void* model, const Vec3f& l, const Vec3f& v, float* f) {
     using Formula = Formulas<Group, Grouped<N, axial, form>>;
     const PmLanes& numbers = *static_cast<const PmLanes*>(model);
     const Grouped<N, axial, form> pm{numbers};
-    const Vec3<Group> wl = everywhere(l), wv = everywhere(v);
-    const VariatesOf<Formula, N, axial> variates(numbers, wl, wv);
+    const Vec3<Group> wl = broadcast(l), wv = broadcast(v);
+    const LaneVariates<Formula, N, axial> variates(numbers, wl, wv);
     const auto further = Formula::pm_further_features(features(form), wl, wv);
     Vec3<Group> sum(Group(0.0), Group(0.0), Group(0.0));
     for (int j = 0; j * pm.lanes < numbers.lobes(); ++j) {
         Group exponent = pm.log2_scale(j);
         for (int n = 0; n < N; ++n)
             exponent = Formula::pm_with_variate(pm, j, n, exponent, variates.squared_distance(pm, j, n));
-        exponent = Formula::pm_with_features(pm, j, exponent, further);  // which take longer than the variates
+        exponent = Formula::pm_with_features(pm, j, exponent, further);  // features take longer than the variates
         sum = sum + Formula::pm_power(exponent) * pm.coefficient(j);
     }
     store_colour(sum, f);
 }
 
-template <int N, bool axial, std::size_t row = 0> OfPair of_pair(PmForm form) {
+template <int N, bool axial, std::size_t row = 0> PairEvaluator select_evaluator(PmForm form) {
     if constexpr (row + 1 < k_forms.size())
-        if (form != k_forms[row]) return of_pair<N, axial, row + 1>(form);
+        if (form != k_forms[row]) return select_evaluator<N, axial, row + 1>(form);
     return value_sized<N, axial, k_forms[row]>;
 }
-OfPair pair_evaluator(const PmLanes& model) {
-    return for_size_of(model, [&]<int N, bool axial>() { return of_pair<N, axial>(model.form()); });
+PairEvaluator pair_evaluator(const PmLanes& model) {
+    return for_size_of(model, [&]<int N, bool axial>() { return select_evaluator<N, axial>(model.form()); });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -257,7 +258,7 @@ PmLanes::PmLanes(const PmModel& model)
     : form_(model.form),
       axial_(model.axial),
       lobes_(model.lobes),
-      variates_(filled_up(model.variates, model.axial)),
+      variates_(padded_variates(model.variates, model.axial)),
       rows_(exponent(axial_, variates_, features(form_))),
       numbers_(std::size_t(k_first + (lobes_ + k_lanes - 1) / k_lanes * rows_)) {
     assert(1 <= lobes_ && lobes_ <= k_most_lobes && 1 <= model.variates && model.variates <= k_most_variates);
@@ -265,19 +266,19 @@ PmLanes::PmLanes(const PmModel& model)
     const auto N = std::size_t(model.variates), F = std::size_t(features(form_));
     for (std::size_t n = 0; n < k_lanes; ++n) {
         const Parameterization p = n < N ? model.parameterization[n] : Parameterization{};
-        numbers_[0].of[n] = p.a, numbers_[1].of[n] = p.b;
+        numbers_[0].lane[n] = p.a, numbers_[1].lane[n] = p.b;
         for (const std::size_t lane : {n % 4, n % 4 + 4})
-            numbers_[2 + n / 4].of[lane] = p.a, numbers_[4 + n / 4].of[lane] = p.b;
+            numbers_[2 + n / 4].lane[lane] = p.a, numbers_[4 + n / 4].lane[lane] = p.b;
     }
-    const auto in_bits = [](float x) { return float(1.4426950408889634 * double(x)); };
+    const auto to_base_2 = [](float x) { return float(1.4426950408889634 * double(x)); };
     for (std::size_t j = 0; j < std::size_t(lobes_); ++j) {
         Row* const rows = &numbers_[k_first + j / k_lanes * std::size_t(rows_)];
-        const auto set = [&](int row, float x) { rows[row].of[j % k_lanes] = x; };
-        set(log2_scale(), in_bits(model.log_scale[j]));
+        const auto set = [&](int row, float x) { rows[row].lane[j % k_lanes] = x; };
+        set(log2_scale(), to_base_2(model.log_scale[j]));
         set_coefficient(j, model.coefficient[j]);
         for (std::size_t n = 0; n < std::size_t(variates_); ++n) {
             const Vec3f xi = n < N ? model.centre[j * N + n] : Vec3f(0, 0, 1);
-            set(log2_falloff(axial_, int(n)), n < N ? 0.5f * in_bits(model.bandwidth[j * N + n]) : 0);
+            set(log2_falloff(axial_, int(n)), n < N ? 0.5f * to_base_2(model.bandwidth[j * N + n]) : 0);
             if (axial_)
                 set(pole(int(n)), xi.z < 0 ? -1.f : 1.f),
                     set(place(int(n)), std::bit_cast<float>(std::int32_t(n % 4 + (xi.z < 0 ? 4 : 0))));
@@ -285,26 +286,25 @@ PmLanes::PmLanes(const PmModel& model)
                 set(centre(int(n), 0), xi.x), set(centre(int(n), 1), xi.y), set(centre(int(n), 2), xi.z);
         }
         for (std::size_t k = 0; k < F; ++k)
-            set(exponent(axial_, variates_, int(k)), in_bits(model.exponent[j * F + k]));
+            set(exponent(axial_, variates_, int(k)), to_base_2(model.exponent[j * F + k]));
     }
 }
 
 void PmLanes::set_coefficient(std::size_t j, const Rgb& beta) {
-    // Smaller values occur only in spectra and are below their resolution in 16 bits; products of them might be
-    // subnormal.
+    // Smaller values occur only in spectra, below the resolution of 16 bits; their products might be subnormal.
     for (int c = 0; c < 3; ++c)
-        numbers_[k_first + j / k_lanes * std::size_t(rows_) + std::size_t(coefficient(c))].of[j % k_lanes] =
+        numbers_[k_first + j / k_lanes * std::size_t(rows_) + std::size_t(coefficient(c))].lane[j % k_lanes] =
             std::abs(beta[c]) < 0x1p-26f ? 0 : beta[c];
 }
 
 PmLanes PmLanes::with_coefficients(std::span<const Rgb> coefficient) const {
     assert(coefficient.size() == std::size_t(lobes_));
-    PmLanes with = *this;
-    for (std::size_t j = 0; j < coefficient.size(); ++j) with.set_coefficient(j, coefficient[j]);
-    return with;
+    PmLanes copy = *this;
+    for (std::size_t j = 0; j < coefficient.size(); ++j) copy.set_coefficient(j, coefficient[j]);
+    return copy;
 }
 
-OfPair pair_evaluator(const PmLanes& model) { return HWY_DYNAMIC_DISPATCH(pair_evaluator)(model); }
+PairEvaluator pair_evaluator(const PmLanes& model) { return HWY_DYNAMIC_DISPATCH(pair_evaluator)(model); }
 
 void evaluate(const PmLanes& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const StandardArithmetic mode;

@@ -19,7 +19,7 @@ Rgb value(const PmModel& model, Vec3f wl, Vec3f wv) {
 bool is_reciprocal(const PmModel& model) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates);
     std::vector<bool> matched(N, false);
-    const auto swapped = [&](std::size_t n, std::size_t m) {
+    const auto are_swapped = [&](std::size_t n, std::size_t m) {
         const Parameterization p = model.parameterization[n], q = model.parameterization[m];
         bool same = p.a == q.b && p.b == q.a;
         for (std::size_t j = 0; j < J; ++j)
@@ -29,7 +29,7 @@ bool is_reciprocal(const PmModel& model) {
     };
     for (std::size_t n = 0; n < N; ++n)
         for (std::size_t m = n; m < N && !matched[n]; ++m)
-            if (!matched[m] && swapped(n, m)) matched[n] = matched[m] = true;
+            if (!matched[m] && are_swapped(n, m)) matched[n] = matched[m] = true;
     return std::all_of(matched.begin(), matched.end(), [](bool x) { return x; });
 }
 
@@ -52,7 +52,7 @@ std::vector<Rgb> colours(std::span<const float> spectra, std::span<const float> 
 }
 
 void exchange(PmModel& model) {
-    for (Parameterization& of : model.parameterization) std::swap(of.a, of.b);  // all else is symmetric
+    for (Parameterization& p : model.parameterization) std::swap(p.a, p.b);  // everything else is symmetric
 }
 
 }  // namespace srbf

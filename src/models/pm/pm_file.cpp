@@ -16,7 +16,7 @@
 namespace srbf {
 namespace {
 
-/// 0 for −0, which is the same azimuth, so that a model that was read is written with the same bytes.
+/// Maps −0 to 0, the same azimuth, so that a model that was read is written with the same bytes.
 std::uint16_t without_sign_of_zero(std::uint16_t half) { return half == to_half(-0.f) ? 0 : half; }
 
 /// The tensors of a model, with its numbers rounded to 16-bit floats.
@@ -46,9 +46,9 @@ std::map<std::string, Tensor16> encode(const PmModel& model, bool with_log_scale
     if (!model.axial) {
         Tensor16& centre = tensors["centre"] = {Type16::half, {J, N, 2}, {}};
         for (const Vec3f& xi : model.centre) {
-            const Angles<float> of_centre = angles(xi);
-            centre.data.push_back(to_half(of_centre.theta));
-            centre.data.push_back(without_sign_of_zero(to_half(of_centre.phi)));
+            const Angles<float> direction = angles(xi);
+            centre.data.push_back(to_half(direction.theta));
+            centre.data.push_back(without_sign_of_zero(to_half(direction.phi)));
         }
     }
 
@@ -60,7 +60,7 @@ std::map<std::string, Tensor16> encode(const PmModel& model, bool with_log_scale
 
     Tensor16& parameterization = tensors["parameterization"] = {Type16::half, {N, 2}, {}};
     for (const Parameterization& p : model.parameterization) {
-        // Only the direction of (a, b) matters: one outside of the range of 16-bit floats is normalised.
+        // Only the direction of (a, b) matters. If it is outside the range of 16-bit floats, it is normalised.
         const float largest = std::max(std::abs(p.a), std::abs(p.b));
         const float scale = largest > 1024 || largest < 1.f / 1024 ? 1 / largest : 1;
         parameterization.data.push_back(to_half(scale * p.a));
@@ -69,7 +69,7 @@ std::map<std::string, Tensor16> encode(const PmModel& model, bool with_log_scale
     return tensors;
 }
 
-/// The tensors of a model with J lobes of N variates and C coefficients a lobe.
+/// The tensors of a model with J lobes of N variates and C coefficients per lobe.
 std::map<std::string, TensorShape> tensors_of(PmForm form, bool axial, bool with_log_scale, std::uint64_t J,
                                               std::uint64_t N, std::uint64_t C) {
     std::map<std::string, TensorShape> tensors{{"coefficient", {Type16::half, {J, C}}},
@@ -81,7 +81,7 @@ std::map<std::string, TensorShape> tensors_of(PmForm form, bool axial, bool with
     return tensors;
 }
 
-/// The model of these tensors, or an error.
+/// The model with these tensors, or an error.
 Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm form, bool axial,
                        std::vector<float> wavelength, const std::string& file_name) {
     const auto fail = [&](std::string what, std::string expected, std::string found) {
@@ -145,11 +145,11 @@ std::vector<std::string_view> stored_forms() {
     return forms;
 }
 
-/// Wavelengths in the metadata of a file, separated by blanks.
+/// Parses the wavelengths in the metadata of a file, separated by blanks.
 Result<std::vector<float>> wavelengths_of(std::string_view text, const std::string& file_name) {
     std::vector<float> wavelengths;
-    for (std::string_view rest = text; wavelengths.size() <= k_most_wavelengths;) {
-        const std::string_view word = next_word(rest);
+    for (std::string_view remaining = text; wavelengths.size() <= k_most_wavelengths;) {
+        const std::string_view word = next_word(remaining);
         if (word.empty()) break;
         wavelengths.push_back(to_number<float>(word).value_or(0));
     }
@@ -193,9 +193,9 @@ Result<PmModel> Stored<PmModel>::read(Safetensors& content, const std::string& f
     if (!header) return header.error();
     std::vector<float> wavelength;
     if (const auto text = content.metadata.extract("wavelengths")) {
-        auto known = wavelengths_of(text.mapped(), file_name);
-        if (!known) return known.error();
-        wavelength = *std::move(known);
+        auto parsed = wavelengths_of(text.mapped(), file_name);
+        if (!parsed) return parsed.error();
+        wavelength = *std::move(parsed);
     }
     return decode(content.tensors, header->form, header->axial, std::move(wavelength), file_name);
 }

@@ -17,27 +17,29 @@ template <> struct Stored<PmModel> {
     static void add_rows(std::string& text, const PmModel& model);
     static Parameters members(const PmModel& model);
     static Parameters parameters(const PmModel& model);
-    static bool is_of(const ParameterReader& of);
-    static PmModel made_of(ParameterReader& of);
+    static bool is_of(const ParameterReader& reader);
+    static PmModel made_of(ParameterReader& reader);
     /// Calls each(member) for all members.
-    template <typename Each> static void for_members(PmModel& of, const Each& each) {
-        each(of.form), each(of.axial), each(of.lobes), each(of.variates), each(of.coefficient), each(of.wavelength);
-        each(of.spectrum), each(of.log_scale), each(of.centre), each(of.bandwidth), each(of.parameterization);
-        each(of.exponent);
+    template <typename Each> static void for_members(PmModel& model, const Each& each) {
+        each(model.form), each(model.axial), each(model.lobes), each(model.variates), each(model.coefficient),
+            each(model.wavelength);
+        each(model.spectrum), each(model.log_scale), each(model.centre), each(model.bandwidth),
+            each(model.parameterization);
+        each(model.exponent);
     }
 };
 
-// Files with the lobes of several models:
+// For files that hold the lobes of several models:
 /// The tensors of a model, always with log scales, and the metadata that determine their meaning.
 Safetensors lobes_content(const PmModel& model);
-/// The metadata of a model, by the names above.
+/// The metadata of a model, under these names.
 struct LobesHeader {
     PmForm form;
     bool axial;
 };
-/// They are taken out of `metadata`. Errors: those of `read_model`.
+/// Removes the header's entries from `metadata` and returns them. Errors: those of `read_model`.
 Result<LobesHeader> take_lobes_header(Metadata& metadata, const std::string& file_name);
-/// The model of tensors of which `lobes_content` has the names, or an error.
+/// The model with these tensors, whose names are those of `lobes_content`, or an error.
 Result<PmModel> decode_lobes(const std::map<std::string, Tensor16>& tensors, const LobesHeader& header,
                              const std::string& file_name);
 

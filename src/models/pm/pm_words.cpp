@@ -1,4 +1,4 @@
-// Describes a multivariate model to programs and people.
+// Descriptions of a multivariate model for programs and people.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace srbf {
 namespace {
 
-/// Lists the factors of a lobe besides its variates.
+/// Lists the factors of a lobe other than its variates.
 void add_terms(std::string& text, std::span<const ExponentTerm> terms) {
     if (terms.empty()) return;
     text += "  A lobe is also multiplied by";
@@ -24,7 +24,7 @@ void add_terms(std::string& text, std::span<const ExponentTerm> terms) {
     text += ".\n";
 }
 
-/// The lobes, a row each.
+/// Adds a table of the lobes, one per row.
 void add_table(std::string& text, const PmModel& model) {
     fmt::format_to(std::back_inserter(text), "\n  {:>4}  {:>31}  {:>10}", "lobe", "coefficient R, G, B", "log scale");
     for (int n = 0; n < model.variates; ++n)
@@ -87,34 +87,34 @@ Parameters Stored<PmModel>::members(const PmModel& model) {
 
 Parameters Stored<PmModel>::parameters(const PmModel& model) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), C = model.wavelength.size();
-    Parameters all{{"form", std::string(srbf::name(model.form))},
-                   {"axial", model.axial},
-                   {"coefficient", array_of({J, 3}, model.coefficient)},
-                   {"log_scale", array_of({J}, model.log_scale)},
-                   {"centre", array_of({J, N, 3}, model.centre)},
-                   {"bandwidth", array_of({J, N}, model.bandwidth)},
-                   {"parameterization", array_of({N, 2}, model.parameterization)},
-                   {"exponent", array_of({J, std::size_t(features(model.form))}, model.exponent)}};
-    if (C > 0) all.push_back({"wavelength", array_of({C}, model.wavelength)});
-    if (C > 0) all.push_back({"spectrum", array_of({J, C}, model.spectrum)});
-    return all;
+    Parameters parameters{{"form", std::string(srbf::name(model.form))},
+                          {"axial", model.axial},
+                          {"coefficient", array_of({J, 3}, model.coefficient)},
+                          {"log_scale", array_of({J}, model.log_scale)},
+                          {"centre", array_of({J, N, 3}, model.centre)},
+                          {"bandwidth", array_of({J, N}, model.bandwidth)},
+                          {"parameterization", array_of({N, 2}, model.parameterization)},
+                          {"exponent", array_of({J, std::size_t(features(model.form))}, model.exponent)}};
+    if (C > 0) parameters.push_back({"wavelength", array_of({C}, model.wavelength)});
+    if (C > 0) parameters.push_back({"spectrum", array_of({J, C}, model.spectrum)});
+    return parameters;
 }
 
 namespace {
 
-/// The form with as many terms as the exponents have; `exponent` is refused if there is none.
-PmForm form_of(ParameterReader& of) {
+/// The form whose number of terms is that of the exponents; refuses `exponent` if there is no such form.
+PmForm form_of(ParameterReader& reader) {
     std::vector<std::string> known;
     for (const FormRow& row : k_form_rows) {
-        if (row.terms == of.length('F')) return row.form;
+        if (row.terms == reader.length('F')) return row.form;
         known.push_back(std::to_string(row.terms));
     }
-    of.refuse("exponent", fmt::format("shape [J, F], F one of {}", fmt::join(known, ", ")),
-              fmt::format("F = {}", of.length('F')));
+    reader.refuse("exponent", fmt::format("shape [J, F], F one reader {}", fmt::join(known, ", ")),
+                  fmt::format("F = {}", reader.length('F')));
     return {};
 }
 
-/// Makes up for what rounding takes from log scales.
+/// Compensates in the coefficients for the rounding of log scales.
 void round_log_scales(PmModel& model, std::vector<float>& coefficient) {
     const std::size_t channels = coefficient.size() / std::max<std::size_t>(model.log_scale.size(), 1);
     for (std::size_t i = 0; i < coefficient.size(); ++i) {
@@ -125,27 +125,28 @@ void round_log_scales(PmModel& model, std::vector<float>& coefficient) {
 
 }  // namespace
 
-bool Stored<PmModel>::is_of(const ParameterReader& of) { return of.has("parameterization"); }
+bool Stored<PmModel>::is_of(const ParameterReader& reader) { return reader.has("parameterization"); }
 
-PmModel Stored<PmModel>::made_of(ParameterReader& of) {
+PmModel Stored<PmModel>::made_of(ParameterReader& reader) {
     PmModel model;
-    model.bandwidth = of.numbers("bandwidth", "JN");
-    model.parameterization = of.vectors<Parameterization>("parameterization", "N2");
-    const std::size_t J = of.length('J'), N = of.length('N');
+    model.bandwidth = reader.numbers("bandwidth", "JN");
+    model.parameterization = reader.vectors<Parameterization>("parameterization", "N2");
+    const std::size_t J = reader.length('J'), N = reader.length('N');
     model.lobes = int(J), model.variates = int(N);
-    const bool is_spectral = of.has("spectrum");
+    const bool is_spectral = reader.has("spectrum");
     std::vector<float> coefficient;
-    if (!is_spectral || of.has("coefficient")) coefficient = of.numbers("coefficient", "J3");
-    model.log_scale = of.has("log_scale") ? of.numbers("log_scale", "J") : std::vector<float>(J);
-    model.centre = of.has("centre") ? of.units("centre", "JN3") : std::vector<Vec3f>(J * N, {0, 0, 1});
-    if (of.has("exponent")) model.exponent = of.numbers("exponent", "JF");
-    if (is_spectral) model.wavelength = of.numbers("wavelength", "C"), coefficient = of.numbers("spectrum", "JC");
-    model.form = form_of(of);
-    of.word("form", {srbf::name(model.form)}, srbf::name(model.form));
-    const bool along_z = std::ranges::all_of(model.centre, [](const Vec3f& xi) { return std::abs(xi.z) == 1; });
-    model.axial = of.flag("axial", along_z);
-    if (model.axial && !along_z) of.refuse("centre", "(0, 0, 1) or (0, 0, -1) of an axial model", "others");
-    if (of.error()) return model;
+    if (!is_spectral || reader.has("coefficient")) coefficient = reader.numbers("coefficient", "J3");
+    model.log_scale = reader.has("log_scale") ? reader.numbers("log_scale", "J") : std::vector<float>(J);
+    model.centre = reader.has("centre") ? reader.units("centre", "JN3") : std::vector<Vec3f>(J * N, {0, 0, 1});
+    if (reader.has("exponent")) model.exponent = reader.numbers("exponent", "JF");
+    if (is_spectral)
+        model.wavelength = reader.numbers("wavelength", "C"), coefficient = reader.numbers("spectrum", "JC");
+    model.form = form_of(reader);
+    reader.word("form", {srbf::name(model.form)}, srbf::name(model.form));
+    const bool is_along_z = std::ranges::all_of(model.centre, [](const Vec3f& xi) { return std::abs(xi.z) == 1; });
+    model.axial = reader.flag("axial", is_along_z);
+    if (model.axial && !is_along_z) reader.refuse("centre", "(0, 0, 1) or (0, 0, -1) reader an axial model", "others");
+    if (reader.error()) return model;
     round_log_scales(model, coefficient);
     if (is_spectral)
         model.spectrum = std::move(coefficient);

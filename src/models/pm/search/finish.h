@@ -6,14 +6,14 @@
 
 namespace srbf {
 
-/// Factors of the terms beside that of pairs, see RowOptions.
+/// Factors of the terms other than that of the pairs, see RowOptions.
 struct TermFactors {
     double integrals = 0, pictures = 0;
-    bool has_directional_lights = false;  ///< whether the weights of pairs have those of point lights
+    bool has_directional_lights = false;  ///< the weights of the pairs include directional lights
 };
 
-/// Optimises on all observations, for spectral ones with the spectra, and rounds. Bound pairs that the rounded model exceeds
-/// become observations for the next round, until none is exceeded.
+/// Optimises the lobes on all observations, including the spectra of spectral ones, and rounds them. Bound pairs
+/// that the rounded model exceeds become observations for the next round, until the model exceeds none.
 PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const FitOptions& options,
              double log_peak_limit, const Reporter& reporter);
 

@@ -31,10 +31,11 @@ std::string_view name(StopReason reason) {
 
 namespace {
 
-/// After the best candidate another one is finished only if its error is at most this much larger.
+/// A candidate after the best one is finished only if its error is at most this fraction larger.
 constexpr double k_nearly_best = 0.01;
-/// The cost of point lights is relative to the loss of the pairs. Errors that the last stage's rows missed count in that
-/// loss up to this many times its least value: a lobe between the rows can raise it by thousands.
+/// The cost of directional lights is relative to the loss of the pairs. Errors between the rows of the last stage
+/// count in that loss only up to this multiple of its least value: a lobe between the rows can raise it by
+/// thousands.
 constexpr double k_missed = 10;
 
 Result<Done> validate(const Observations& observations, const FitOptions& options) {
@@ -58,86 +59,89 @@ double log_peak_limit_of(const FitOptions& options) {
     return options.log_scale ? k_log_peak_limit : elementary::log(double(k_half_max));
 }
 
-/// Work of a fit in grown lobes and perturbations: of the search, and of what follows.
+/// Work of a fit in units of grown lobes and perturbations.
 struct Effort {
-    double search = 0, rest = 0, polish = 0;  ///< polish: of each stage between the search and the last
-    double all() const { return search + 2 * rest; }
+    double search = 0, finish = 0, polish = 0;  ///< polish: work of each stage between the search and the last
+    double total() const { return search + 2 * finish; }
 };
-bool is_polish(const Stage& stage) { return stage.work == StageKind::by_pictures || stage.work == StageKind::polish; }
+bool is_polish(const Stage& stage) { return stage.kind == StageKind::by_pictures || stage.kind == StageKind::polish; }
 Effort effort_of(const Observations& observations, const FitOptions& options) {
-    int perturbations = 0, before = 0, polishes = 0;
+    int perturbations = 0, previous = 0, polishes = 0;
     for (const Stage& stage : schedule(!observations.views.empty())) {
         polishes += is_polish(stage);
-        if (stage.work != StageKind::perturb) continue;
-        const int until = stage.perturbations_until(options);
-        perturbations += int(stage.candidates(options)) * (until - before);
-        before = until;
+        if (stage.kind != StageKind::perturb) continue;
+        const int next = stage.perturbations_until(options);
+        perturbations += int(stage.candidates(options)) * (next - previous);
+        previous = next;
     }
-    constexpr double k_rest = 0.2;  // of the perturbations, as measured
-    const double rest = k_rest * perturbations + 1;
-    return {double(starts_of(options) * options.lobes + perturbations), rest, rest / polishes};
+    constexpr double k_finish = 0.2;  // fraction of the perturbations, as measured
+    const double finish = k_finish * perturbations + 1;
+    return {double(starts_of(options) * options.lobes + perturbations), finish, finish / polishes};
 }
 
-/// The fit of one material, on the threads of the caller's `on_threads`.
+/// The fit of one material. Runs on the threads of the caller's `on_threads`.
 class Fit {
   public:
     /// The candidates are those of the options' starts, or the lobes of `begin`.
     Fit(const Observations& observations, const FitOptions& options, const PmModel* begin, Reporter& reporter)
         : observations_(observations), options_(options), reporter_(reporter) {
-        found_.resize(begin ? 1 : std::size_t(starts_of(options)));
-        for (std::size_t start = 0; start < found_.size(); ++start) found_[start].start = int(start);
-        if (begin) found_[0].lobes = to_lobes(*begin, shape_of(options));
+        candidates_.resize(begin ? 1 : std::size_t(starts_of(options)));
+        for (std::size_t start = 0; start < candidates_.size(); ++start) candidates_[start].start = int(start);
+        if (begin) candidates_[0].lobes = to_lobes(*begin, shape_of(options));
     }
 
-    /// A stage before the last, a candidate a thread.
+    /// A stage before the last, with one candidate per thread.
     void search(const Stage& stage) {
-        if (stage.work == StageKind::by_pictures && reporter_.cancelled()) return;
+        if (stage.kind == StageKind::by_pictures && reporter_.cancelled()) return;
         prepare(stage);
         const Rows rows = rows_of(stage);
-        parallel_for(found_.size(), [&](std::size_t i) {
+        parallel_for(candidates_.size(), [&](std::size_t i) {
             LobeProblem problem(rows, shape_of(options_), false, log_peak_limit_);
-            search(stage, problem, found_[i]);
+            search(stage, problem, candidates_[i]);
         });
-        std::ranges::stable_sort(found_, {}, &Candidate::loss);
-        if (stage.work == StageKind::by_pictures) last_ = &stage;
+        std::ranges::stable_sort(candidates_, {}, &Candidate::loss);
+        if (stage.kind == StageKind::by_pictures) last_steps_ = &stage;
         if (is_polish(stage)) reporter_.advance("polishing", effort_.polish);
     }
-    /// The last stage: the first candidate, or of those that are nearly as good the best. Of noisy tables the best of all that are
-    /// left: albedos cost most then, and pictures do not show which candidate can follow them.
-    PmFit finished(const Stage& stage) {
-        if (stage.lights) add_directional_lights(stage);
-        if (!stage.pictures) sort_by_all();
+    /// The last stage. It finishes the first candidate, and further ones that are nearly as good, and returns the
+    /// best. For noisy tables it finishes all remaining candidates: albedos cost most then, and pictures do not
+    /// show which candidate can follow them.
+    PmFit finish(const Stage& stage) {
+        if (stage.adds_directional_lights) add_directional_lights(stage);
+        if (!stage.pictures) sort_by_all_pairs();
         const bool is_noisy = observations_.is_noisy();
-        if (!is_noisy) found_.resize(std::min(found_.size(), stage.most));
+        if (!is_noisy) candidates_.resize(std::min(candidates_.size(), stage.max_candidates));
         PmFit fit;
-        for (std::size_t i = 0; i < found_.size(); ++i) {
-            const bool may_be_best = i == 0 || is_noisy || found_[i].loss <= (1 + k_nearly_best) * fit.loss;
+        for (std::size_t i = 0; i < candidates_.size(); ++i) {
+            const bool may_be_best = i == 0 || is_noisy || candidates_[i].loss <= (1 + k_nearly_best) * fit.loss;
             if (!may_be_best || (i > 0 && reporter_.cancelled())) break;
             const double channels = spectral() ? double(observations_.wavelengths.size()) : 3;
             TermFactors factors = factors_;
             factors.integrals = subsets_.integral_importance(factors_.has_directional_lights) * 3 / channels;
-            PmFit next = finish(found_[i].lobes, all(), factors, options_, log_peak_limit_, reporter_);
+            PmFit next = srbf::finish(candidates_[i].lobes, weighted_observations(), factors, options_, log_peak_limit_,
+                                      reporter_);
             if (i == 0 || next.loss < fit.loss) fit = std::move(next);
         }
-        if (!reporter_.advance("polishing", effort_.rest)) fit.stop = StopReason::cancelled;
+        if (!reporter_.advance("polishing", effort_.finish)) fit.stop = StopReason::cancelled;
         return fit;
     }
 
   private:
-    /// Candidates and weights for a stage.
+    /// Prepares the candidates and weights of a stage.
     void prepare(const Stage& stage) {
-        if (stage.bounds) subsets_.add_exceeded(found_, options_, log_peak_limit_);
-        if (stage.lights) add_directional_lights(stage);
-        found_.resize(std::min(found_.size(), stage.candidates(options_)));
+        if (stage.adds_exceeded_pairs) subsets_.add_exceeded_pairs(candidates_, options_, log_peak_limit_);
+        if (stage.adds_directional_lights) add_directional_lights(stage);
+        candidates_.resize(std::min(candidates_.size(), stage.candidates(options_)));
     }
     Rows rows_of(const Stage& stage) const {
         if (stage.pairs != Pairs::all) return subsets_.rows(stage, factors_.pictures);
-        return Rows(all(), {.integral_importance = subsets_.integral_importance(factors_.has_directional_lights),
-                            .picture_importance = stage.pictures ? factors_.pictures : 0});
+        return Rows(weighted_observations(),
+                    {.integral_importance = subsets_.integral_importance(factors_.has_directional_lights),
+                     .picture_importance = stage.pictures ? factors_.pictures : 0});
     }
 
     void search(const Stage& stage, LobeProblem& problem, Candidate& candidate) const {
-        switch (stage.work) {
+        switch (stage.kind) {
             case StageKind::grow:
                 return grow(problem, options_, candidate, reporter_);
             case StageKind::perturb:
@@ -147,11 +151,11 @@ class Fit {
             case StageKind::by_pictures:
                 if (!reporter_.cancelled()) take_steps(problem, stage.steps, candidate);
                 return;
-            case StageKind::finish:  // of all candidates: `finished`
+            case StageKind::finish:  // handled by `finish`
                 return;
         }
     }
-    /// Afterwards candidates are ordered by their pictures.
+    /// Takes steps, and sets the loss to ΔE_ITP, so that candidates are ordered by their pictures.
     void take_steps(LobeProblem& problem, int steps, Candidate& candidate) const {
         Eigen::VectorXd x = pack(candidate.lobes);
         levenberg_marquardt(problem, x, {.max_iterations = steps});
@@ -159,44 +163,45 @@ class Fit {
         candidate.loss = problem.delta_e();
     }
     bool spectral() const { return !observations_.wavelengths.empty(); }
-    const Observations& all() const { return with_lights_.f.empty() ? observations_ : with_lights_; }
+    const Observations& weighted_observations() const { return relit_.f.empty() ? observations_ : relit_; }
 
-    /// Adds weights of point lights, where there are any: to a subset before the first pictures, later to all
-    /// observations.
+    /// Adds the weights of directional lights, if there are any: to a subset before the first stage with pictures,
+    /// later to all observations.
     void add_directional_lights(const Stage& stage) {
         if (stage.pairs != Pairs::all) {
-            subsets_.add_directional_lights(fitted(rows_of(stage)));  // without pixels, which have no importance yet
-            factors_.pictures = subsets_.picture_importance(found_.front(), stage, options_, log_peak_limit_);
+            // without pixels, whose importance is not known yet
+            subsets_.add_directional_lights(evaluator_of_best(rows_of(stage)));
+            factors_.pictures = subsets_.picture_importance(candidates_.front(), stage, options_, log_peak_limit_);
             factors_.has_directional_lights = !spectral() && !observations_.directional_light_weight.empty();
-        } else if (factors_.has_directional_lights && last_) {  // cancelled, there may have been no steps
-            with_lights_ = observations_;
-            const double least = loss_of(observations_, fitted(Rows(observations_)));
-            srbf::add_directional_lights(with_lights_, fitted(rows_of(*last_)), k_missed * least);
+        } else if (factors_.has_directional_lights && last_steps_) {  // if cancelled, there may have been no steps
+            relit_ = observations_;
+            const double least = loss_of(observations_, evaluator_of_best(Rows(observations_)));
+            srbf::add_directional_lights(relit_, evaluator_of_best(rows_of(*last_steps_)), k_missed * least);
         }
     }
-    /// The best candidate, with coefficients for these rows.
-    Evaluate fitted(const Rows& rows) const {
+    /// Evaluates the best candidate, with coefficients fitted to these rows.
+    Evaluate evaluator_of_best(const Rows& rows) const {
         LobeProblem problem(rows, shape_of(options_), true, log_peak_limit_);
-        problem.loss(pack(found_.front().lobes));
-        return evaluator(to_model(problem, found_.front().lobes, options_.log_scale, {}));
+        problem.loss(pack(candidates_.front().lobes));
+        return evaluator(to_model(problem, candidates_.front().lobes, options_.log_scale, {}));
     }
-    void sort_by_all() {
-        const Rows all(observations_, {.integral_importance = subsets_.integral_importance()});
-        LobeProblem problem(all, shape_of(options_), true, log_peak_limit_);
-        for (Candidate& candidate : found_) candidate.loss = problem.loss(pack(candidate.lobes));
-        std::ranges::stable_sort(found_, {}, &Candidate::loss);
+    void sort_by_all_pairs() {
+        const Rows rows(observations_, {.integral_importance = subsets_.integral_importance()});
+        LobeProblem problem(rows, shape_of(options_), true, log_peak_limit_);
+        for (Candidate& candidate : candidates_) candidate.loss = problem.loss(pack(candidate.lobes));
+        std::ranges::stable_sort(candidates_, {}, &Candidate::loss);
     }
 
     const Observations& observations_;
     const FitOptions& options_;
     Reporter& reporter_;
-    std::vector<Candidate> found_;
+    std::vector<Candidate> candidates_;
     double log_peak_limit_ = log_peak_limit_of(options_);
     Effort effort_ = effort_of(observations_, options_);
     Subsets subsets_{observations_};
-    Observations with_lights_;  ///< all observations, once their weights have those of point lights
+    Observations relit_;  ///< all observations, once their weights include directional lights; otherwise empty
     TermFactors factors_;
-    const Stage* last_ = nullptr;  ///< the last stage of steps
+    const Stage* last_steps_ = nullptr;  ///< the last stage that took steps
 };
 
 }  // namespace
@@ -205,14 +210,14 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
                      const PmModel* begin) {
     const StandardArithmetic mode;
     if (const auto valid = validate(observations, options); !valid) return valid.error();
-    Reporter reporter(progress, effort_of(observations, options).all());
+    Reporter reporter(progress, effort_of(observations, options).total());
     PmFit done;
     on_threads(options.threads, [&] {
         Fit fit(observations, options, begin, reporter);
         for (const Stage& stage : schedule(!observations.views.empty())) {
-            if (begin && (stage.work == StageKind::grow || stage.work == StageKind::perturb)) continue;
-            if (stage.work == StageKind::finish)
-                done = fit.finished(stage);
+            if (begin && (stage.kind == StageKind::grow || stage.kind == StageKind::perturb)) continue;
+            if (stage.kind == StageKind::finish)
+                done = fit.finish(stage);
             else
                 fit.search(stage);
         }

@@ -1,4 +1,4 @@
-// The fit of a multivariate model to what was observed.
+// The fit of a multivariate model to observations.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -14,40 +14,44 @@ namespace srbf {
 struct FitOptions {
     PmForm form = PmForm::extended;
     bool axial = true;  ///< only centres at +z or −z, sufficient for isotropic data
-    /// f(ωl,ωv) = f(ωv,ωl) up to rounding: variates in pairs (a, b), (b, a) with the same centre and bandwidth
+    /// f(ωl,ωv) = f(ωv,ωl) up to rounding: variates form pairs (a, b), (b, a) with the same centre and bandwidth
     bool reciprocal = false;
     int lobes = k_default_lobes;        ///< J, 1..k_most_fitted_lobes
     int variates = k_default_variates;  ///< N, 1..8, even for a reciprocal model
-    /// Upper bound 1/finest² on bandwidths, and 1/finest [1/rad] on the other weights; 0: the range of 16-bit floats.
+    /// Upper bound 1/finest² on bandwidths, and 1/finest [1/rad] on the other weights; 0: the range of 16-bit
+    /// floats.
     double finest = 0;
-    /// form gaussian: true stores a log scale per lobe where β leaves the range of 16-bit floats; false bounds β
+    /// For the form gaussian: true stores a log scale for each lobe where β leaves the range of 16-bit floats;
+    /// false bounds β.
     bool log_scale = true;
-    /// Number of starts: independent growths of J lobes. The best four are polished, one to three of them finished;
-    /// of appearance pictures choose among all of them, and one is finished. Default: 20, or 16 for 8 lobes and more.
+    /// Number of starts: independent growths of J lobes. The best four are polished and one to three of them
+    /// finished. For appearance, pictures choose among all of them, and one is finished. Default: 20, or 16 for 8
+    /// lobes and more.
     std::optional<int> starts = {};
-    /// Maximum number of perturbations of a candidate, replacements of the least useful lobe, or every fourth time of
-    /// the least useful variate. All starts get a fifth of them, the better half another three tenths, the best quarter
-    /// the remaining half; of appearance all of them get 0.28 of these. Default: 45 for up to 5 lobes, falling to 25
-    /// for 8 and more.
+    /// Maximum number of perturbations of a candidate. Each replaces the least useful lobe; every fourth one
+    /// replaces the least useful variate instead. All starts get a fifth of the perturbations, the better half
+    /// another three tenths, and the best quarter the remaining half. For appearance, all starts get 0.28 of them.
+    /// Default: 45 for up to 5 lobes, falling to 25 for 8 and more.
     std::optional<int> perturbations = {};
-    std::uint64_t seed = 0;  ///< of the random numbers
-    int threads = 0;         ///< 0: as many as the machine has; the result does not depend on it
+    std::uint64_t seed = 0;
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
 struct PmFit {
     PmModel model;      ///< every number rounded to a 16-bit float
     PmModel unrounded;  ///< before rounding
-    double loss = 0;    ///< Σ w |f−f̂|² of `model` over the observations, including horizon pairs, exceeded bound
-                        ///< pairs and integrals
+    /// Σ w |f−f̂|² of `model` over the observations, including horizon pairs, exceeded bound pairs and integrals
+    double loss = 0;
     double unrounded_loss = 0;  ///< loss of `unrounded`
     StopReason stop = StopReason::converged;
 };
 
-/// Fits parameterized multivariate SRBFs by separable least squares: for given centres, bandwidths and
-/// parameterizations the coefficients solve a non-negative linear problem; Levenberg-Marquardt minimises the remaining
-/// residual (Kaufman 1975) over the others. Lobes are grown one by one. With spectral observations the search uses the
-/// colours; its best lobes are polished with a coefficient per wavelength. Details: docs/fitting.md.
-/// `begin`: a model of this size and form, whose lobes are polished instead of the search's.
+/// Fits parameterized multivariate SRBFs by separable least squares. For given centres, bandwidths and
+/// parameterizations the coefficients solve a non-negative linear problem. Levenberg-Marquardt minimises the
+/// remaining residual over the other parameters (Kaufman 1975). Lobes are grown one by one. With spectral
+/// observations the search uses the colours; its best lobes are then polished with one coefficient per wavelength.
+/// Details: docs/fitting.md.
+/// If `begin` is given, its lobes are polished instead of those of a search; it must have this size and form.
 /// Errors: options out of range, fewer observations than parameters, values that are not finite.
 Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress = {},
                      const PmModel* begin = nullptr);

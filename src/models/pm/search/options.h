@@ -1,4 +1,4 @@
-// Numbers that follow from the options of a multivariate fit.
+// Numbers derived from the options of a multivariate fit.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,8 @@ inline LobeShape shape_of(const FitOptions& options) {
             options.finest};
 }
 
-/// Default numbers of starts and perturbations. Fits of more lobes have fewer, since each takes longer and matters
-/// less.
+/// Default numbers of starts and perturbations. Fits with more lobes use fewer, because each takes longer and
+/// matters less.
 inline int starts_of(const FitOptions& options) {
     return options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 16, 20));
 }
@@ -22,16 +22,17 @@ inline int perturbations_of(const FitOptions& options) {
     return options.perturbations.value_or(std::clamp(1600 / std::max(options.lobes * options.lobes, 1), 25, 45));
 }
 
-/// `options` with at most this many starts and perturbations: a short fit that estimates what a full one will reach.
-inline FitOptions in_short(FitOptions options, int starts, int perturbations) {
+/// `options` with at most this many starts and perturbations, for a quick fit that estimates the result of a full
+/// one.
+inline FitOptions quick_options(FitOptions options, int starts, int perturbations) {
     options.starts = std::min(starts_of(options), starts);
     options.perturbations = std::min(perturbations_of(options), perturbations);
     return options;
 }
 
-/// Upper bound on the log of the coefficient of a lobe with peak 1. The peak may lie where no pair of directions maps
-/// to; but opposing lobes of ever larger bandwidths gain less than 1 % on the measured materials and lose precision in
-/// float.
+/// Upper bound on the log of the coefficient of a lobe with peak 1. The peak may lie where no pair of directions
+/// maps to. But opposing lobes of ever larger bandwidths gain less than 1 % on the measured materials, and lose
+/// precision in float.
 inline constexpr double k_log_peak_limit = 300;
 
 /// Number of free parameters of a fit.

@@ -9,29 +9,32 @@
 namespace srbf {
 namespace {
 
-/// Random lobes of which the best is added.
+/// Number of random lobes from which the best is added.
 constexpr int k_additions = 256;
-/// This share of them are copies of a lobe that there is, whose weights are multiplied by up to e and moved by up to 2.
+/// This fraction of them are copies of an existing lobe, whose weights are multiplied by up to e and shifted by up
+/// to 2.
 constexpr double k_copies = 0.25, k_log_stretch = 1, k_shift = 2;
 
-/// A weight of the others: 0 by a chance, otherwise log-uniform from `least` on over a factor, negative by another chance.
-struct Draw {
+/// Distribution of a weight: 0 with probability `zero`, otherwise log-uniform between `least` and `factor` times
+/// that, negative with probability `negative`.
+struct WeightDistribution {
     double zero, least, factor, negative;
 };
-/// Bandwidths of factors that may be peaks: one of 0.3 hardly changes over the sphere, the largest fits 16-bit floats. A factor
-/// that rises away from its pole needs no more than `k_steepest`.
-constexpr Draw k_sharp{0.35, 0.3, 2e5, 0.3};
+/// Bandwidths, and exponent weights that may form peaks. A bandwidth of 0.3 hardly changes over the sphere; the
+/// largest one fits 16-bit floats. A factor that rises away from its pole needs no more than `k_steepest`.
+constexpr WeightDistribution k_sharp{0.35, 0.3, 2e5, 0.3};
 constexpr double k_steepest = 100;
-/// Weights of other factors, over the range in which they have an effect.
-constexpr Draw k_broad{0.5, 0.1, 100, 0.5};
-/// Share of general centres that are poles; the others are uniform on the sphere.
+/// Other exponent weights, over the range in which they have an effect.
+constexpr WeightDistribution k_broad{0.5, 0.1, 100, 0.5};
+/// Fraction of general centres that are poles; the others are uniform on the sphere.
 constexpr double k_poles = 0.5;
 
-/// Draws three numbers in this order, with every compiler.
-double drawn(const Draw& of, double steepest, std::mt19937_64& random) {
-    const double chance = uniform(random), size = of.least * elementary::pow(of.factor, uniform(random)),
+/// Draws three random numbers in a fixed order, whatever the compiler.
+double sample_weight(const WeightDistribution& distribution, double steepest, std::mt19937_64& random) {
+    const double chance = uniform(random),
+                 size = distribution.least * elementary::pow(distribution.factor, uniform(random)),
                  sign = uniform(random);
-    return chance < of.zero ? 0.0 : sign < of.negative ? -std::min(size, steepest) : size;
+    return chance < distribution.zero ? 0.0 : sign < distribution.negative ? -std::min(size, steepest) : size;
 }
 
 }  // namespace
@@ -42,46 +45,45 @@ Lobes initial_parameterizations(const LobeShape& shape, int start, std::mt19937_
     for (std::size_t n = 4; n < lobes.angle.size(); ++n) lobes.angle[n] = k_pi * uniform(random);
     if (start % 2 == 1) {
         if (shape.variates == 3) lobes.angle[2] = k_pi / 4;
-        const std::size_t turned = shape.variates == 3 ? 2 : 3;
-        for (std::size_t n = 1; n < std::min(lobes.angle.size(), turned); ++n)
-            lobes.angle[n] += 2 * uniform(random) - 1;
+        const std::size_t end = shape.variates == 3 ? 2 : 3;
+        for (std::size_t n = 1; n < std::min(lobes.angle.size(), end); ++n) lobes.angle[n] += 2 * uniform(random) - 1;
     }
     return lobes;
 }
 
 std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
     const LobeShape& shape = lobes.shape;
-    const auto clamped = [&](double w, int i) {
+    const auto clamp_weight = [&](double w, int i) {
         const Interval range = weight_range(i, shape);
         return std::clamp(w, range.least, range.most);
     };
     if (lobes.count() > 0 && uniform(random) < k_copies) {
-        const auto parent = lobes.of(int(uniform(random) * lobes.count()));
+        const auto parent = lobes.weights_of(int(uniform(random) * lobes.count()));
         std::vector<double> weight(parent.begin(), parent.end());
         for (int i = 0; i < shape.width(); ++i) {
             double& w = weight[std::size_t(i)];
-            const double scale = uniform(random), shift = uniform(random);  // drawn in this order by every compiler
-            w = clamped(w * elementary::exp(k_log_stretch * (2 * scale - 1)) + k_shift * (2 * shift - 1), i);
+            const double scale = uniform(random), shift = uniform(random);  // a fixed order, whatever the compiler
+            w = clamp_weight(w * elementary::exp(k_log_stretch * (2 * scale - 1)) + k_shift * (2 * shift - 1), i);
         }
         return weight;
     }
     std::vector<double> weight;
-    const auto sharp = [&] { return drawn(k_sharp, k_steepest, random); };
-    const auto broad = [&] { return drawn(k_broad, k_broad.least * k_broad.factor, random); };
+    const auto sharp = [&] { return sample_weight(k_sharp, k_steepest, random); };
+    const auto broad = [&] { return sample_weight(k_broad, k_broad.least * k_broad.factor, random); };
     for (int n = 0; n < shape.variates; ++n) {
         const double p = sharp();
         if (shape.axial) {
-            weight.push_back(clamped(p, int(weight.size())));
+            weight.push_back(clamp_weight(p, int(weight.size())));
             continue;
         }
         const double chance = uniform(random), z = 2 * uniform(random) - 1, phi = 2 * k_pi * uniform(random);
         const Vec3d centre = chance < k_poles ? Vec3d(0, 0, 1) : spherical(elementary::acos(z), phi);
         for (const double component : {centre.x, centre.y, centre.z})
-            weight.push_back(clamped(p * component, int(weight.size())));
+            weight.push_back(clamp_weight(p * component, int(weight.size())));
     }
     for (int k = 0; k < features(shape.form); ++k) {
         const double w = broad();
-        weight.push_back(clamped(k_terms[std::size_t(k)].is_sharp ? sharp() : w, int(weight.size())));
+        weight.push_back(clamp_weight(k_terms[std::size_t(k)].is_sharp ? sharp() : w, int(weight.size())));
     }
     return weight;
 }
@@ -104,8 +106,8 @@ Lobes with_lobe(Lobes lobes, const std::vector<double>& lobe) {
 }
 
 Lobes without_lobe(Lobes lobes, std::ptrdiff_t j) {
-    const auto at = lobes.weight.begin() + j * lobes.shape.width();
-    lobes.weight.erase(at, at + lobes.shape.width());
+    const auto begin = lobes.weight.begin() + j * lobes.shape.width();
+    lobes.weight.erase(begin, begin + lobes.shape.width());
     return lobes;
 }
 

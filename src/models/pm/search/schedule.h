@@ -12,33 +12,33 @@ namespace srbf {
 
 /// The work of a stage on each of its candidates.
 enum class StageKind {
-    grow,         ///< J lobes one by one, each the best of 256 random ones
+    grow,         ///< adds J lobes one by one, each the best of 256 random ones
     perturb,      ///< replaces the least useful lobe or variate by a random one, if that lowers the loss
-    polish,       ///< steps, and replaces lobes that become useless
-    by_pictures,  ///< steps; candidates are then ordered by the mean ΔE_ITP of pixels, after the others by their loss
-    finish,       ///< steps as long as they pay, bounds that are exceeded, and rounding
+    polish,       ///< takes steps, and replaces lobes that become useless
+    by_pictures,  ///< takes steps, then orders candidates by the mean ΔE_ITP of pixels instead of their loss
+    finish,       ///< takes steps as long as they pay off, adds exceeded bounds, and rounds
 };
 
-/// How many of the first pairs are rows: while there are many candidates, afterwards, and in the polish. Pictures are
-/// observed beside `some` and `all`. A short fit, with fewer observations than another's polish, has `some` in place of
-/// `few`: its first candidates are its only ones.
-enum class Pairs : std::size_t { few = 2048, some = 4096, more = 16384, all = 0 };
+/// The number of first pairs that are rows: while there are many candidates, afterwards, and in the polish. Pictures are
+/// observed beside `selection` and `all`. A quick fit, with fewer observations than another's polish, uses `selection`
+/// instead of `search`, because its first candidates are its only ones.
+enum class Pairs : std::size_t { search = 2048, selection = 4096, polish = 16384, all = 0 };
 
 /// A stage of a fit, a row of the tables below.
 struct Stage {
     std::string_view name = {};
-    StageKind work = StageKind::by_pictures;
-    bool bounds = false;  ///< beforehand, pairs at which candidates exceed the measurement are added to the rows
-    bool lights = false;  ///< beforehand, weights of point lights are added, relative to the best candidate's errors
+    StageKind kind = StageKind::by_pictures;
+    bool adds_exceeded_pairs = false;        ///< first adds pairs at which candidates exceed the measurement
+    bool adds_directional_lights = false;    ///< first adds these weights, relative to the best candidate's errors
     Pairs pairs = Pairs::all;                ///< the rows
-    bool albedos = false, pictures = false;  ///< terms beside that of the pairs
-    double share = 1;                        ///< of the starts: candidates that take part, at least one
-    std::size_t most = std::size_t(-1);      ///< of them
-    double perturbations = 0;                ///< share of the options' number, since the first stage
-    int steps = 0;                           ///< at most, of Levenberg-Marquardt
+    bool albedos = false, pictures = false;  ///< terms other than that of the pairs
+    double fraction = 1;                     ///< fraction of the starts that take part, at least one
+    std::size_t max_candidates = std::size_t(-1);  ///< maximum number of them
+    double perturbations = 0;                      ///< fraction of the options' number, since the first stage
+    int steps = 0;                                 ///< maximum number of Levenberg-Marquardt steps
 
     std::size_t candidates(const FitOptions& options) const {
-        return std::min(std::size_t(std::max(std::lround(share * starts_of(options)), 1L)), most);
+        return std::min(std::size_t(std::max(std::lround(fraction * starts_of(options)), 1L)), max_candidates);
     }
     int perturbations_until(const FitOptions& options) const {
         return int(std::lround(perturbations * perturbations_of(options)));
@@ -47,44 +47,51 @@ struct Stage {
 
 namespace stages {
 
-inline constexpr bool o = false, x = true;
-inline constexpr std::size_t every = std::size_t(-1);  ///< candidate
 using enum Pairs;
 
 // clang-format off
-/// By pairs and albedos alone. After the best candidate another one is finished only if its error is at most 1 %
-/// larger: the last steps lower the loss by 1 to 4 %.
+/// With pairs and albedos only. A candidate after the best one is finished only if its error is at most 1 % larger: the
+/// last steps lower the loss by 1 to 4 %.
 inline constexpr Stage by_pairs[] = {
-    // name      work            bounds   pairs albedos share   most   perturbations
-    //                              lights         pictures                  steps
-    {"grow",     StageKind::grow,        o, o, few,  o, o, 1,     every},
-    {"perturb",  StageKind::perturb,     x, o, few,  x, o, 1,     every, 0.2},
-    {"perturb",  StageKind::perturb,     x, o, some, x, o, 0.5,   every, 0.5},
-    {"perturb",  StageKind::perturb,     x, o, some, x, o, 0.25,  every, 1},
-    {"polish",   StageKind::polish,      x, o, more, x, o, 1,     4,     0,    25},
-    {"finish",   StageKind::finish,      o, o, all,  x, o, 1,     3},
+    {.name = "grow", .kind = StageKind::grow, .pairs = search},
+    {.name = "perturb", .kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = search, .albedos = true,
+     .perturbations = 0.2},
+    {.name = "perturb", .kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = selection, .albedos = true,
+     .fraction = 0.5, .perturbations = 0.5},
+    {.name = "perturb", .kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = selection, .albedos = true,
+     .fraction = 0.25, .perturbations = 1},
+    {.name = "polish", .kind = StageKind::polish, .adds_exceeded_pairs = true, .pairs = polish, .albedos = true,
+     .max_candidates = 4, .steps = 25},
+    {.name = "finish", .kind = StageKind::finish, .pairs = all, .albedos = true, .max_candidates = 3},
 };
-/// With pictures. Candidates with the same loss of pairs look different, and further perturbations lower that loss by
-/// little: all of them remain for pictures to choose from. The best after all their steps are nearly always among the
-/// best after three.
+/// With pictures. Candidates with the same loss of pairs look different, and further perturbations hardly lower that
+/// loss: all candidates remain for pictures to choose from. The best one after all steps is nearly always among the best
+/// ones after three.
 inline constexpr Stage with_pictures[] = {
-    {"grow",     StageKind::grow,        o, o, few,  o, o, 1,     every},
-    {"perturb",  StageKind::perturb,     x, o, few,  x, o, 1,     every, 0.12},
-    {"perturb",  StageKind::perturb,     x, o, few,  x, o, 1,     every, 0.28},
-    {"pictures", StageKind::by_pictures, x, x, some, x, x, 1,     every, 0,    3},
-    {"pictures", StageKind::by_pictures, o, o, some, x, x, 0.25,  every, 0,    4},
-    {"pictures", StageKind::by_pictures, o, o, some, x, x, 0.125, every, 0,    8},
-    {"finish",   StageKind::finish,      o, x, all,  x, x, 1,     1},
+    {.name = "grow", .kind = StageKind::grow, .pairs = search},
+    {.name = "perturb", .kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = search, .albedos = true,
+     .perturbations = 0.12},
+    {.name = "perturb", .kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = search, .albedos = true,
+     .perturbations = 0.28},
+    {.name = "pictures", .kind = StageKind::by_pictures, .adds_exceeded_pairs = true, .adds_directional_lights = true,
+     .pairs = selection, .albedos = true, .pictures = true, .steps = 3},
+    {.name = "pictures", .kind = StageKind::by_pictures, .pairs = selection, .albedos = true, .pictures = true,
+     .fraction = 0.25, .steps = 4},
+    {.name = "pictures", .kind = StageKind::by_pictures, .pairs = selection, .albedos = true, .pictures = true,
+     .fraction = 0.125, .steps = 8},
+    {.name = "finish", .kind = StageKind::finish, .adds_directional_lights = true, .pairs = all, .albedos = true,
+     .pictures = true, .max_candidates = 1},
 };
 // clang-format on
 
 static_assert(std::ranges::all_of(with_pictures, [](const Stage& stage) {
-    return !stage.pictures || stage.pairs == some || stage.pairs == all;
+    return !stage.pictures || stage.pairs == selection || stage.pairs == all;
 }));
-// Weights of point lights are added to the subset once, and to all observations once.
-static_assert(std::ranges::count_if(with_pictures,
-                                    [](const Stage& stage) { return stage.lights && stage.pairs != all; }) <= 1);
-static_assert(std::ranges::none_of(by_pairs, [](const Stage& stage) { return stage.work == StageKind::by_pictures; }));
+// Weights of directional lights are added to the subset once, and to all observations once.
+static_assert(std::ranges::count_if(with_pictures, [](const Stage& stage) {
+                  return stage.adds_directional_lights && stage.pairs != all;
+              }) <= 1);
+static_assert(std::ranges::none_of(by_pairs, [](const Stage& stage) { return stage.kind == StageKind::by_pictures; }));
 
 }  // namespace stages
 

@@ -9,16 +9,16 @@
 namespace srbf {
 namespace {
 
-/// Steps after each lobe that is grown but the last, after the last, on other rows, after a perturbation.
+/// Numbers of steps: after each grown lobe except the last; after the last one; on new rows; after a perturbation.
 constexpr int k_growth_steps = 6, k_grown_steps = 12, k_first_steps = 6, k_perturbation_steps = 12;
 constexpr int k_polish_attempts = 3;
 /// Number of lobe perturbations per variate perturbation.
 constexpr int k_lobe_perturbations = 3;
-/// A lobe whose absence would cost less than this share of the loss is useless.
+/// A lobe is useless if its removal would raise the loss by less than this fraction.
 constexpr double k_useless = 1e-4;
 
-/// Optimises these lobes in at most so many steps, and makes them the candidate's. It stops where it is unlikely to fall
-/// below `target`.
+/// Optimises these lobes in at most `steps` steps, and assigns them to the candidate. Stops early where the loss is
+/// unlikely to fall below `target`.
 void optimise(LobeProblem& problem, Candidate& candidate, const Lobes& lobes, int steps,
               double target = LevenbergMarquardtOptions{}.target) {
     Eigen::VectorXd x = pack(lobes);
@@ -26,39 +26,39 @@ void optimise(LobeProblem& problem, Candidate& candidate, const Lobes& lobes, in
     candidate.lobes = unpack(x, lobes.shape);
     candidate.beta = problem.beta(), candidate.gram = problem.gram();
 }
-/// Optimises these lobes; they become the candidate's if they are better.
+/// Optimises these lobes, and assigns them to the candidate if they are better.
 void keep_if_better(LobeProblem& problem, Candidate& candidate, const Lobes& lobes) {
     Candidate other = candidate;
     optimise(problem, other, lobes, k_perturbation_steps, candidate.loss);
     if (other.loss < candidate.loss) candidate = std::move(other);
 }
 
-/// With the best of many random lobes.
+/// Adds the best of many random lobes.
 Lobes with_best_lobe(LobeProblem& problem, Lobes lobes, std::mt19937_64& random) {
     const auto additions = random_candidates(random, lobes);
     problem.loss(pack(lobes));
     return with_lobe(std::move(lobes), problem.best_addition(additions));
 }
 
-/// Drops the least useful lobe and adds another, if that is better.
+/// Replaces the least useful lobe, if that lowers the loss.
 void replace_lobe(LobeProblem& problem, Candidate& candidate, std::mt19937_64& random) {
     const std::vector<double> cost = cost_of_dropping(candidate.gram, candidate.beta);
     Lobes lobes = without_lobe(candidate.lobes, std::ranges::min_element(cost) - cost.begin());
     keep_if_better(problem, candidate, with_best_lobe(problem, std::move(lobes), random));
 }
 
-/// Replaces the least useful variate: its weights become 0, and its parameterization becomes a random one. Steps
-/// alone rarely rotate a parameterization far, since no lobe fits in between.
+/// Replaces the least useful variate: its weights become 0, its parameterization random. Steps alone rarely rotate
+/// a parameterization far, because no lobe fits in between.
 void replace_variate(LobeProblem& problem, Candidate& candidate, std::mt19937_64& random) {
-    std::vector<Lobes> without;
+    std::vector<Lobes> reduced;
     std::vector<double> loss;
     for (int n = 0; n < candidate.lobes.shape.variates; ++n) {
-        without.push_back(with_variate_zeroed(candidate.lobes, n));
-        loss.push_back(problem.loss(pack(without.back())));
+        reduced.push_back(with_variate_zeroed(candidate.lobes, n));
+        loss.push_back(problem.loss(pack(reduced.back())));
     }
     const auto least = std::size_t(std::ranges::min_element(loss) - loss.begin());
-    without[least].angle[least] = k_pi * uniform(random);
-    keep_if_better(problem, candidate, without[least]);
+    reduced[least].angle[least] = k_pi * uniform(random);
+    keep_if_better(problem, candidate, reduced[least]);
 }
 
 bool has_useless_lobe(const Candidate& candidate) {
@@ -82,8 +82,8 @@ void perturb(LobeProblem& problem, const FitOptions& options, int until, Candida
     optimise(problem, candidate, candidate.lobes, k_first_steps);
     while (candidate.perturbations < until) {
         std::mt19937_64 random = generator(options.seed, candidate.start, 2 + candidate.perturbations++);
-        const bool of_variates = candidate.perturbations % (k_lobe_perturbations + 1) == 0;
-        (of_variates ? replace_variate : replace_lobe)(problem, candidate, random);
+        const bool replaces_variate = candidate.perturbations % (k_lobe_perturbations + 1) == 0;
+        (replaces_variate ? replace_variate : replace_lobe)(problem, candidate, random);
         if (!reporter.advance("replacing lobes", 1)) break;
     }
 }
@@ -91,7 +91,7 @@ void perturb(LobeProblem& problem, const FitOptions& options, int until, Candida
 void polish(LobeProblem& problem, const FitOptions& options, int steps, Candidate& candidate) {
     optimise(problem, candidate, candidate.lobes, steps);
     std::mt19937_64 random = generator(options.seed, candidate.start, 1);
-    // On more rows than it was found on, a lobe may become useless.
+    // A lobe may become useless on more rows than those on which it was found.
     for (int attempt = 0; attempt < k_polish_attempts && has_useless_lobe(candidate); ++attempt)
         replace_lobe(problem, candidate, random);
 }

@@ -15,21 +15,21 @@ struct Candidate {
     int start = 0;  ///< index of its start, which determines its random numbers together with the seed
     Lobes lobes = {};
     double loss = std::numeric_limits<double>::infinity();  ///< most recent value
-    Eigen::MatrixXd beta = {}, gram = {};                   ///< with that loss: J × C; E·E
+    Eigen::MatrixXd beta = {}, gram = {};                   ///< for that loss: J × C; E·E
     int perturbations = 0;                                  ///< number of perturbations so far
 };
 
-// Each of these takes a candidate forward on the rows of a problem. Cancelled, they return early.
+// Each of these functions advances a candidate on the rows of a problem, and returns early if cancelled.
 
 /// Grows J lobes one by one.
 void grow(LobeProblem& problem, const FitOptions& options, Candidate& candidate, Reporter& reporter);
 
 /// Optimises the candidate, possibly on other rows than before. Then perturbs it until it has had `until`
-/// perturbations: each drops the least useful lobe and adds another, and is kept if the loss falls. Every fourth one
-/// replaces a variate instead.
+/// perturbations. Each replaces the least useful lobe, or every fourth time a variate, and is kept if the loss
+/// falls.
 void perturb(LobeProblem& problem, const FitOptions& options, int until, Candidate& candidate, Reporter& reporter);
 
-/// Optimises on more rows, by so many steps; lobes that become useless there are replaced.
+/// Optimises on more rows by `steps` steps, and replaces lobes that become useless there.
 void polish(LobeProblem& problem, const FitOptions& options, int steps, Candidate& candidate);
 
 }  // namespace srbf

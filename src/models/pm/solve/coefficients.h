@@ -1,52 +1,53 @@
-// The linear variables of a fit: coefficients of lobes, to which the others adapt.
+// The linear variables of a fit: coefficients of lobes, which adapt to the other variables.
 #pragma once
 #include "base/least_squares.h"
 #include "models/pm/solve/pixel_term.h"
 
 namespace srbf {
 
-/// Coefficients β_jc of J lobes in C channels, 0 ≤ β_jc ≤ limit_jc, that minimise Σ_c |y_c − Σ_j β_jc E_j|², and a term of
-/// pixels: variable projection for what the lobes depend on.
+/// Coefficients β_jc of J lobes in C channels, 0 ≤ β_jc ≤ limit_jc, that minimise Σ_c |y_c − Σ_j β_jc E_j|² plus a
+/// term of pixels. They are eliminated from the problem by variable projection.
 struct Coefficients {
     Eigen::MatrixXd limit;  ///< J × C
     // Results of `fit`:
     Eigen::MatrixXd beta, gram;  ///< J × C; E·E
-    double of_pixels = 0;        ///< the term of pixels
+    double pixel_loss = 0;       ///< value of the pixel term
 
-    /// Bounded least squares for each channel, or with pixels Gauss-Newton steps for all of them from the last β:
-    /// what remains of the gradient is eliminated with the other variables.
-    /// `products`: of the lobes and the data with each other, (J + C)².
+    /// Solves bounded least squares for each channel. With pixels it takes Gauss-Newton steps for all channels from
+    /// the last β; the remaining gradient is eliminated together with the other variables. `products`: of all pairs
+    /// of lobes and data, (J + C)².
     void fit(const Eigen::MatrixXd& products, const PixelTerm* pixels);
 
-    /// The sum for other coefficients, with its derivatives by them; `its_pixels`: the part of the term of pixels.
+    /// The loss for other coefficients, with its derivatives by them. `pixel_term` receives the term of pixels.
     double loss_at(const Eigen::MatrixXd& other, const Eigen::MatrixXd& products, const PixelTerm* pixels,
-                   double& its_pixels, CoefficientTerms& by_coefficients) const;
+                   double& pixel_term, CoefficientTerms& terms) const;
 
-    /// The coefficients of channel c that are strictly between their bounds, and adapt.
+    /// The coefficients of channel c that are strictly between their bounds and hence adapt.
     std::vector<Eigen::Index> free(Eigen::Index c) const;
 
-    /// Changes Hessian and gradient of the pairs by variables to those of the sum to which the free coefficients adapt
-    /// (Kaufman's approximation). `with_lobes(c)`: products of the derivatives of channel c with the lobes, variables × J;
-    /// `rest(c)`: of its residual with the lobes; `add_pixels(terms)` adds the derivatives of the term of pixels.
-    template <typename WithLobes, typename Rest, typename AddPixels>
-    void adapt(bool to_pixels, const WithLobes& with_lobes, const Rest& rest, const AddPixels& add_pixels,
-               Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
+    /// Changes the Hessian and gradient of the pairs to those of the loss whose free coefficients adapt (Kaufman's
+    /// approximation). `lobe_products(c)`: products of the derivatives of channel c with the lobes, variables × J.
+    /// `residual_products(c)`: products of its residual with the lobes. `add_pixels(terms)` adds the derivatives of
+    /// the pixel term.
+    template <typename LobeProducts, typename ResidualProducts, typename AddPixels>
+    void adapt(bool has_pixels, const LobeProducts& lobe_products, const ResidualProducts& residual_products,
+               const AddPixels& add_pixels, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
         const Eigen::Index J = beta.rows();
-        CoefficientTerms terms(g.size(), to_pixels ? beta.size() : 0);
+        CoefficientTerms terms(g.size(), has_pixels ? beta.size() : 0);
         for (Eigen::Index c = 0; c < beta.cols(); ++c) {
-            const Eigen::MatrixXd with = with_lobes(c);
-            const std::vector<Eigen::Index> these = free(c);
-            if (to_pixels) {  // the coefficients of all channels adapt together
-                const auto of_channel = Eigen::seqN(c * J, J);
-                terms.across(Eigen::all, of_channel) = with;
-                terms.H(of_channel, of_channel) = gram;
-                terms.g(of_channel) = -rest(c);
-                for (const Eigen::Index j : these) terms.free.push_back(c * J + j);
-            } else if (!these.empty()) {
-                eliminate(gram(these, these), with(Eigen::all, these), H);
+            const Eigen::MatrixXd products = lobe_products(c);
+            const std::vector<Eigen::Index> free_lobes = free(c);
+            if (has_pixels) {  // the coefficients of all channels adapt together
+                const auto channel = Eigen::seqN(c * J, J);
+                terms.across(Eigen::all, channel) = products;
+                terms.H(channel, channel) = gram;
+                terms.g(channel) = -residual_products(c);
+                for (const Eigen::Index j : free_lobes) terms.free.push_back(c * J + j);
+            } else if (!free_lobes.empty()) {
+                eliminate(gram(free_lobes, free_lobes), products(Eigen::all, free_lobes), H);
             }
         }
-        if (!to_pixels) return;
+        if (!has_pixels) return;
         add_pixels(terms);
         terms.eliminate(H, g);
     }

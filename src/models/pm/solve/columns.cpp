@@ -13,30 +13,30 @@ HWY_BEFORE_NAMESPACE();
 namespace srbf {
 namespace HWY_NAMESPACE {
 
-// Processes four batches at once: a weight is broadcast and a column addressed once for all four.
-constexpr std::size_t k_together = 4;
-static_assert(k_row_multiple % (k_together * HWY_MAX_BYTES / sizeof(float)) == 0);
+// Four vectors are processed together, so that a weight is broadcast and a column addressed only once for all four.
+constexpr std::size_t k_vectors = 4;
+static_assert(k_row_multiple % (k_vectors * HWY_MAX_BYTES / sizeof(float)) == 0);
 
-// Calls store(i, sum) for the rows from each i on, with sum = start(i) + Σ_n weight[n] s[n].
+// Calls store(i, sum) for the vector of rows at each i, where sum = start(i) + Σ_n weight[n] s[n].
 template <typename Start, typename Store>
 HWY_INLINE void add_weighted(std::span<const float> weight, std::span<const float* const> s, std::size_t count,
                              const Start& start, const Store& store) {
     const std::size_t lanes = Batch::size();
-    for (std::size_t i = 0; i < count; i += k_together * lanes) {
-        Batch sum[k_together];
-        for (std::size_t t = 0; t < k_together; ++t) sum[t] = start(i + t * lanes);
+    for (std::size_t i = 0; i < count; i += k_vectors * lanes) {
+        Batch sum[k_vectors];
+        for (std::size_t t = 0; t < k_vectors; ++t) sum[t] = start(i + t * lanes);
         for (std::size_t n = 0; n < weight.size(); ++n) {
             const Batch w{double(weight[n])};
             const float* const column = s[n] + i;
-            for (std::size_t t = 0; t < k_together; ++t) sum[t] = sum[t] + w * Batch::load(column + t * lanes);
+            for (std::size_t t = 0; t < k_vectors; ++t) sum[t] = sum[t] + w * Batch::load(column + t * lanes);
         }
-        for (std::size_t t = 0; t < k_together; ++t) store(i + t * lanes, sum[t]);
+        for (std::size_t t = 0; t < k_vectors; ++t) store(i + t * lanes, sum[t]);
     }
 }
 HWY_INLINE Batch zero(std::size_t) { return Batch(0.0); }
 
-// x, or 0 where |x| < 2^-126, on every processor alike. Intel's take a hundred times as long for a product with such a
-// number, of which the tails of lobes have many: a fit took five times as long.
+// x, or 0 where |x| < 2^-126, in the same way on every processor. On Intel processors a product with such a number
+// takes a hundred times as long, and the tails of lobes have many of them: a fit took five times as long.
 HWY_INLINE Batch without_subnormals(Batch x) { return select(Batch(hn::Abs(x.v)) < Batch(0x1p-126), Batch(0.0), x); }
 
 float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
@@ -92,21 +92,22 @@ double residual(const float* y, std::span<const float> beta, std::span<const flo
                 std::size_t count) {
     // The negative residual: Σ_j beta[j] columns[j] − y.
     const auto start = [&](std::size_t i) HWY_ATTR { return -Batch::load(y + i); };
-    add_weighted(beta, columns, count, start, [&](std::size_t i, Batch rest) HWY_ATTR { (-rest).store(r + i); });
+    add_weighted(beta, columns, count, start,
+                 [&](std::size_t i, Batch negative) HWY_ATTR { (-negative).store(r + i); });
     return sum_of_squares(r, count);
 }
 
 // to[k] = Σ over the lanes of x[k], k < 4.
 #if HWY_TARGET == HWY_SCALAR
-HWY_INLINE void sum_lanes(const Batch (&x)[4], float* to) {
-    for (std::size_t k = 0; k < 4; ++k) to[k] = reduced_lanes(x[k]);
+HWY_INLINE void sum_lanes(const Batch (&x)[4], float* sums) {
+    for (std::size_t k = 0; k < 4; ++k) sums[k] = reduced_lanes(x[k]);
 }
 #else
-// The matrix of four vectors of four lanes is transposed while lanes are added.
-HWY_INLINE void sum_lanes(const Batch (&x)[4], float* to) {
+// Transposes the matrix of four vectors of four lanes while adding lanes.
+HWY_INLINE void sum_lanes(const Batch (&x)[4], float* sums) {
     const hn::CappedTag<float, 4> d;
     const hn::RepartitionToWide<decltype(d)> pairs;
-    const auto four = [&](Batch of) HWY_ATTR { return folded_to_four(Lanes(), of.v); };
+    const auto four = [&](Batch x) HWY_ATTR { return folded_to_four(Lanes(), x.v); };
     const auto halves = [&](Batch a, Batch b) HWY_ATTR {  // a b a b
         const auto x4 = four(a), y4 = four(b);
         return hn::BitCast(pairs, hn::Add(hn::InterleaveLower(d, x4, y4), hn::InterleaveUpper(d, x4, y4)));
@@ -114,22 +115,23 @@ HWY_INLINE void sum_lanes(const Batch (&x)[4], float* to) {
     const auto ab = halves(x[0], x[1]), cd = halves(x[2], x[3]);
     hn::Store(
         hn::Add(hn::BitCast(d, hn::InterleaveLower(pairs, ab, cd)), hn::BitCast(d, hn::InterleaveUpper(pairs, ab, cd))),
-        d, to);
+        d, sums);
 }
 #endif
 
-// Products in tiles of 4 columns and as many rows as leave registers for the sums, the rows' numbers and one column's.
+// Products are computed in tiles of 4 columns. Their number of rows leaves registers for the sums, the rows'
+// numbers and those of one column.
 #if HWY_TARGET <= HWY_AVX3 || HWY_ARCH_ARM_A64
 constexpr std::size_t k_tile = 6;
-#elif HWY_ARCH_WASM  // browsers keep some of the sixteen registers for themselves
+#elif HWY_ARCH_WASM  // browsers reserve some of the sixteen registers
 constexpr std::size_t k_tile = 2;
 #else
 constexpr std::size_t k_tile = 3;
 #endif
-// Columns are multiplied by this on the way, and sums divided by it. Both are exact, and products of the tails of two lobes
-// are not subnormal.
+// Columns are multiplied by this factor and sums divided by it. Both are exact, and keep products of the tails of
+// two lobes out of the subnormal range.
 constexpr double k_lift = 0x1p60;
-// For row i only the first `columns_of(i)` columns are computed.
+// Only the first `columns_of(i)` columns of row i are computed.
 template <typename ColumnsOf>
 HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
                           std::size_t count, const ColumnsOf& columns_of) {
@@ -144,32 +146,32 @@ HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const fl
             Batch sums[k_sum_parts][k_tile][4];
             for (std::size_t p = 0; p < k_sum_parts; ++p) {
                 Batch sum[k_tile][4];
-                for (auto& of_row : sum)
-                    for (Batch& x : of_row) x = Batch(0.0);
+                for (auto& row_sums : sum)
+                    for (Batch& x : row_sums) x = Batch(0.0);
                 for (std::size_t i = p * k_width; i < count; i += k_sum_lanes)
                     for (std::size_t u = 0; u < 4; ++u) {
-                        const Batch of_column = Batch::load(b[u] + i) * Batch(k_lift);
+                        const Batch column_values = Batch::load(b[u] + i) * Batch(k_lift);
                         for (std::size_t t = 0; t < k_tile; ++t)
-                            sum[t][u] = sum[t][u] + Batch::load(a[t] + i) * of_column;
+                            sum[t][u] = sum[t][u] + Batch::load(a[t] + i) * column_values;
                     }
                 for (std::size_t t = 0; t < k_tile; ++t)
                     for (std::size_t u = 0; u < 4; ++u) sums[p][t][u] = sum[t][u];
             }
             for (std::size_t t = 0; t < k_tile && row + t < m; ++t) {
-                Batch whole[4];
+                Batch total[4];
                 for (std::size_t u = 0; u < 4; ++u) {
                     Batch parts[k_sum_parts];
                     for (std::size_t p = 0; p < k_sum_parts; ++p) parts[p] = sums[p][t][u];
-                    whole[u] = reduced(parts);
+                    total[u] = reduced(parts);
                 }
                 HWY_ALIGN float sum[4];
-                sum_lanes(whole, sum);
-                double* const to = G + (row + t) * n + column;
-                const std::size_t asked = columns_of(row + t);
-                if (column + 4 <= asked)
-                    for (std::size_t u = 0; u < 4; ++u) to[u] += double(sum[u]) / k_lift;
+                sum_lanes(total, sum);
+                double* const target = G + (row + t) * n + column;
+                const std::size_t needed = columns_of(row + t);
+                if (column + 4 <= needed)
+                    for (std::size_t u = 0; u < 4; ++u) target[u] += double(sum[u]) / k_lift;
                 else
-                    for (std::size_t u = 0; column + u < asked; ++u) to[u] += double(sum[u]) / k_lift;
+                    for (std::size_t u = 0; column + u < needed; ++u) target[u] += double(sum[u]) / k_lift;
             }
         }
     }

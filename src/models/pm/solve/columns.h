@@ -1,5 +1,6 @@
-// The inner loops of fits: columns of numbers, a row for each observation. Float SIMD within a block of rows, sums over
-// blocks in double, so that results depend neither on the width of vectors nor on the number of threads.
+// The inner loops of fits: columns of numbers with one row per observation. They use float SIMD within a block of
+// rows and double sums over blocks, so that results depend neither on the vector width nor on the number of
+// threads.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -8,13 +9,15 @@
 
 namespace srbf {
 
-// All arrays hold k_block numbers and are aligned for SIMD; `count` of them, a multiple of k_row_multiple, are computed.
+// All arrays hold k_block numbers and are aligned for SIMD. Only the first `count`, a multiple of k_row_multiple,
+// are computed.
 
-/// x = Σ_n weight[n] s[n]; returns the maximum over rows with a positive √w, or the lowest float if there are none.
+/// x = Σ_n weight[n] s[n]. Returns the maximum over rows with a positive √w, or the lowest float if there are none.
 float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
                std::size_t count);
 inline constexpr double k_most_exponent = 20;
-/// e = √w exp(x − offset), for x − offset ≤ k_most_exponent; rows of weight 0 may exceed it and become 0. x may be e.
+/// e = √w exp(x − offset), for x − offset ≤ k_most_exponent. Rows of weight 0 may exceed it and become 0. x may
+/// alias e.
 void exponentiate(const float* x, const float* root_weight, float offset, float* e, std::size_t count = k_block);
 /// x = Σ_n weight[n] s[n].
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count = k_block);
@@ -28,7 +31,7 @@ void add_product(const float* a, const float* b, float* out, std::size_t count =
 /// r = y − Σ_j beta[j] columns[j]; returns Σ r².
 double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r,
                 std::size_t count = k_block);
-/// Σ of the column, and Σ of its squares.
+/// The sum of a column, and the sum of its squares.
 double sum(const float* column, std::size_t count = k_block);
 double sum_of_squares(const float* column, std::size_t count = k_block);
 /// G[i × n + k] += columns[i] · columns[k] for k ≤ i, n the number of columns.

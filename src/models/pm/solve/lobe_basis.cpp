@@ -10,9 +10,9 @@
 namespace srbf {
 
 LobeBasis::LobeBasis(const Rows& rows, const LobeShape& shape, bool parallel)
-    : rows_(rows), shape_(shape), parallel_(parallel), factor_(rows.whole_blocks() * std::size_t(factors()) * k_block) {
+    : rows_(rows), shape_(shape), parallel_(parallel), factor_(rows.total_blocks() * std::size_t(factors()) * k_block) {
     if (features(shape.form) == 0) return;
-    for (std::size_t block = 0; block < rows_.whole_blocks(); ++block)
+    for (std::size_t block = 0; block < rows_.total_blocks(); ++block)
         further_features(rows_, block, features(shape.form), factor(block, shape.directional()));
 }
 
@@ -22,29 +22,29 @@ void LobeBasis::evaluate_factors(const Eigen::VectorXd& x, std::size_t block) {
     swapped.resize(C * k_block), swapped_by_angle.resize(C * k_block);
     for (int n = 0; n < shape_.variates; ++n) {
         const auto a = float(elementary::cos(x[n])), b = float(elementary::sin(x[n]));
-        float *const at = factor(block, n * shape_.components()), *const turned =
-                                                                      by_angle(block, n * shape_.components());
-        variate_features(rows_, block, a, b, shape_.axial, at, turned);
+        float *const values = factor(block, n * shape_.components()), *const derivatives =
+                                                                          by_angle(block, n * shape_.components());
+        variate_features(rows_, block, a, b, shape_.axial, values, derivatives);
         if (!shape_.reciprocal) continue;
         variate_features(rows_, block, b, a, shape_.axial, swapped.data(), swapped_by_angle.data());
         for (std::size_t i = 0; i < swapped.size(); ++i) {
-            at[i] += swapped[i];
-            turned[i] -= swapped_by_angle[i];  // the angle of (b, a) is π/2 minus that of (a, b)
+            values[i] += swapped[i];
+            derivatives[i] -= swapped_by_angle[i];  // the angle of (b, a) is π/2 minus that of (a, b)
         }
     }
 }
 
-// An offset is the largest exponent of a lobe on all rows, so that exponentials neither overflow nor vanish.
+// The offset of a lobe is its largest exponent over all rows, so that exponentials neither overflow nor vanish.
 void LobeBasis::evaluate(const Eigen::VectorXd& x) {
-    constexpr float k_nothing = -std::numeric_limits<float>::infinity();
+    constexpr float k_lowest = -std::numeric_limits<float>::infinity();
     const auto W = std::size_t(shape_.width());
     count_ = (int(x.size()) - shape_.variates) / shape_.width();
     const auto J = std::size_t(count_);
-    lobe_.resize(rows_.whole_blocks() * J * k_block);
+    lobe_.resize(rows_.total_blocks() * J * k_block);
     const Eigen::VectorXf weight = x.tail(Eigen::Index(J * W)).cast<float>();
 
-    std::vector<std::vector<float>> largest(rows_.whole_chunks(), std::vector<float>(J, k_nothing));
-    rows_.for_chunks(rows_.whole_chunks(), parallel_, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+    std::vector<std::vector<float>> largest(rows_.total_chunks(), std::vector<float>(J, k_lowest));
+    rows_.for_chunks(rows_.total_chunks(), parallel_, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         std::vector<const float*> s(W);
         for (std::size_t block = begin; block < end; ++block) {
             evaluate_factors(x, block);
@@ -57,11 +57,11 @@ void LobeBasis::evaluate(const Eigen::VectorXd& x) {
     });
     offset_.assign(J, 0.0);
     for (std::size_t j = 0; j < J; ++j) {
-        float most = k_nothing;
-        for (const auto& of_chunk : largest) most = std::max(most, of_chunk[j]);
-        offset_[j] = double(most);
+        float maximum = k_lowest;
+        for (const auto& chunk_largest : largest) maximum = std::max(maximum, chunk_largest[j]);
+        offset_[j] = double(maximum);
     }
-    rows_.for_chunks(rows_.whole_chunks(), parallel_, [&](std::size_t, std::size_t begin, std::size_t end) {
+    rows_.for_chunks(rows_.total_chunks(), parallel_, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t block = begin; block < end; ++block)
             for (std::size_t j = 0; j < J; ++j)
                 exponentiate(lobe(block, int(j)), &rows_.root_weight[block * k_block], float(offset_[j]),

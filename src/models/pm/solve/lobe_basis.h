@@ -1,4 +1,4 @@
-// Lobes on the rows of a fit: their values and what derivatives are made of.
+// Lobes on the rows of a fit: their values and the factors of their derivatives.
 #pragma once
 #include <Eigen/Dense>
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace srbf {
 
-/// The values √w E_j of lobes on all rows, and the factors of which their derivatives are products: by weight i of lobe
-/// j it is E_j s_i, by angle n Σ_j E_j p_jn·∂ψ_n/∂angle.
+/// The values √w E_j of lobes on all rows, and the factors of their derivatives: E_j s_i with respect to weight i
+/// of lobe j, and Σ_j E_j p_jn·∂ψ_n/∂angle with respect to angle n.
 class LobeBasis {
   public:
     /// `parallel`: loops over rows use several threads; the result does not depend on it.
@@ -33,8 +33,8 @@ class LobeBasis {
     bool parallel() const { return parallel_; }
 
   private:
-    static float* column(Aligned<float>& all, std::size_t block, int columns, int k) {
-        return &all[(block * std::size_t(columns) + std::size_t(k)) * k_block];
+    static float* column(Aligned<float>& values, std::size_t block, int columns, int k) {
+        return &values[(block * std::size_t(columns) + std::size_t(k)) * k_block];
     }
     /// The factors of the variates, for angles x.
     void evaluate_factors(const Eigen::VectorXd& x, std::size_t block);

@@ -16,7 +16,7 @@ LobeProblem::LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel
       log_peak_limit_(log_peak_limit),
       basis_(rows, shape, parallel),
       pixels_(basis_),
-      rest_(rows.whole_blocks() * rows.y.size() * k_block) {}
+      residuals_(rows.total_blocks() * rows.y.size() * k_block) {}
 
 Eigen::VectorXd LobeProblem::bounds(Eigen::Index size, double Interval::*side) const {
     const Interval angles{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
@@ -36,30 +36,30 @@ Eigen::VectorXd LobeProblem::longest_step(const Eigen::VectorXd& x) const {
 double LobeProblem::loss(const Eigen::VectorXd& x) {
     basis_.evaluate(x);
     bound_coefficients(x);
-    const bool of_pictures = rows_.views > 0;
-    if (of_pictures) pixels_.evaluate(false);
+    const bool has_pixels = rows_.views > 0;
+    if (has_pixels) pixels_.evaluate(false);
     const PixelTerm pixels = pixels_.term();
-    coefficients_.fit(products_with_data(), of_pictures ? &pixels : nullptr);
+    coefficients_.fit(products_with_data(), has_pixels ? &pixels : nullptr);
     return loss_with_residuals();
 }
 
 Eigen::MatrixXd LobeProblem::products_with_data() {
-    const std::size_t all = std::size_t(basis_.count()) + rows_.y.size();
+    const std::size_t columns_count = std::size_t(basis_.count()) + rows_.y.size();
     std::vector<std::vector<double>> parts(rows_.chunks());
     rows_.for_chunks(parts.size(), basis_.parallel(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        const bool of_integral = rows_.is_of_integral(begin);
-        parts[chunk].assign(of_integral ? all : all * all, 0.0);
+        const bool is_integral = rows_.is_integral(begin);
+        parts[chunk].assign(is_integral ? columns_count : columns_count * columns_count, 0.0);
         std::vector<const float*> columns;
         for (std::size_t block = begin; block < end; ++block) {
             columns.clear();
             for (int j = 0; j < basis_.count(); ++j) columns.push_back(basis_.lobe(block, j));
             for (const auto& y : rows_.y) columns.push_back(&y[block * k_block]);
-            if (!of_integral) add_gram(columns, parts[chunk].data(), rows_.rows_in(block));
-            for (std::size_t i = 0; of_integral && i < all; ++i) parts[chunk][i] += sum(columns[i]);
+            if (!is_integral) add_gram(columns, parts[chunk].data(), rows_.rows_in(block));
+            for (std::size_t i = 0; is_integral && i < columns_count; ++i) parts[chunk][i] += sum(columns[i]);
         }
     });
     // Row-major lower triangles are column-major upper ones.
-    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(Eigen::Index(all), Eigen::Index(all));
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(Eigen::Index(columns_count), Eigen::Index(columns_count));
     for (std::size_t chunk = 0; chunk < rows_.chunks_of_pairs(); ++chunk)
         G += Eigen::Map<const Eigen::MatrixXd>(parts[chunk].data(), G.rows(), G.cols());
     for (std::size_t chunk = rows_.chunks_of_pairs(); chunk < rows_.chunks(); ++chunk)
@@ -71,8 +71,8 @@ void LobeProblem::bound_coefficients(const Eigen::VectorXd& x) {
     const int W = shape_.width();
     Eigen::VectorXd limit(basis_.count());
     for (int j = 0; j < basis_.count(); ++j) {
-        const std::span<const double> of_lobe(x.data() + shape_.variates + j * W, std::size_t(W));
-        const double factor = log_peak_factor(of_lobe, shape_, basis_.offset()[std::size_t(j)]);
+        const std::span<const double> weights(x.data() + shape_.variates + j * W, std::size_t(W));
+        const double factor = log_peak_factor(weights, shape_, basis_.offset()[std::size_t(j)]);
         limit[j] = elementary::exp(std::min(log_peak_limit_ - elementary::log(rows_.scale) - factor, 700.0));
     }
     coefficients_.limit = limit.replicate(1, channels());
@@ -82,17 +82,17 @@ double LobeProblem::loss_with_residuals() {
     const auto J = std::size_t(basis_.count()), C = std::size_t(channels());
     std::vector<double> sums(rows_.chunks(), 0.0);
     rows_.for_chunks(sums.size(), basis_.parallel(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        std::vector<float> of_channel(J);
+        std::vector<float> channel_beta(J);
         std::vector<const float*> columns(J);
         std::vector<double> integral(C, 0.0);
         for (std::size_t block = begin; block < end; ++block) {
             for (std::size_t j = 0; j < J; ++j) columns[j] = basis_.lobe(block, int(j));
             for (std::size_t c = 0; c < C; ++c) {
-                for (std::size_t j = 0; j < J; ++j) of_channel[j] = float(beta()(Eigen::Index(j), Eigen::Index(c)));
-                float* const difference = rest(block, Eigen::Index(c));
+                for (std::size_t j = 0; j < J; ++j) channel_beta[j] = float(beta()(Eigen::Index(j), Eigen::Index(c)));
+                float* const difference = residual_column(block, Eigen::Index(c));
                 const double squares =
-                    residual(&rows_.y[c][block * k_block], of_channel, columns, difference, rows_.rows_in(block));
-                if (rows_.is_of_integral(block))
+                    residual(&rows_.y[c][block * k_block], channel_beta, columns, difference, rows_.rows_in(block));
+                if (rows_.is_integral(block))
                     integral[c] += sum(difference);
                 else
                     sums[chunk] += squares;
@@ -100,47 +100,48 @@ double LobeProblem::loss_with_residuals() {
         }
         for (const double difference : integral) sums[chunk] += difference * difference;
     });
-    double whole = coefficients_.of_pixels;
-    for (const double part : sums) whole += part;
-    return whole;
+    double total = coefficients_.pixel_loss;
+    for (const double part : sums) total += part;
+    return total;
 }
 
-// The derivative of the residual of channel c by weight i of lobe j is −β_jc E_j s_i, with s_i the factor of the weight;
-// by angle n it is −A_nc, A_nc = Σ_j β_jc E_j p_jn·∂ψ_n/∂angle. A coefficient strictly between its bounds adapts, so that
-// only the component of derivatives orthogonal to those lobes counts (Kaufman's approximation). A coefficient at its upper
-// bound follows the bound: β_j E_j is then a lobe of given peak, and the peak of exp(p·(ψ − ẑ)) is exp(|p| − p_z).
+// The derivative of the residual of channel c is −β_jc E_j s_i with respect to weight i of lobe j, where s_i is the
+// factor of the weight, and −A_nc with respect to angle n, A_nc = Σ_j β_jc E_j p_jn·∂ψ_n/∂angle. A coefficient
+// strictly between its bounds adapts, so that only the component of the derivatives orthogonal to the free lobes
+// counts (Kaufman's approximation). A coefficient at its upper bound follows the bound: β_j E_j is then a lobe of
+// given peak, and the peak of exp(p·(ψ − ẑ)) is exp(|p| − p_z).
 void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    const DerivativeSums sums(basis_, x, beta(), rest_);
+    const DerivativeSums sums(basis_, x, beta(), residuals_);
     H = Eigen::MatrixXd::Zero(x.size(), x.size());
     g = Eigen::VectorXd::Zero(x.size());
-    set_derivatives(sums, H, g);
+    fill_derivatives(sums, H, g);
     const auto with_lobes = [&](Eigen::Index c) { return derivatives_with_lobes(x, sums, c, H, g); };
-    const auto rest = [&](Eigen::Index c) { return sums.rest_and_lobes(c); };
+    const auto residual_products = [&](Eigen::Index c) { return sums.residual_and_lobes(c); };
     const auto add_pixels = [&](CoefficientTerms& terms) {
         pixels_.evaluate(true);
         pixels_.term().add_derivatives(beta(), pixels_.derivatives(x, beta(), coefficients_.limit), H, g, terms);
     };
-    coefficients_.adapt(rows_.views > 0, with_lobes, rest, add_pixels, H, g);
+    coefficients_.adapt(rows_.views > 0, with_lobes, residual_products, add_pixels, H, g);
 }
 
-void LobeProblem::set_derivatives(const DerivativeSums& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
+void LobeProblem::fill_derivatives(const DerivativeSums& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
     const Eigen::Index J = basis_.count(), N = shape_.variates, W = shape_.width();
     const auto weight = [&](Eigen::Index j, Eigen::Index i) { return N + j * W + i; };
-    const Eigen::MatrixXd of_channels = beta() * beta().transpose();
+    const Eigen::MatrixXd beta_products = beta() * beta().transpose();
     for (Eigen::Index k = 0; k < J; ++k)
         for (Eigen::Index l = 0; l < W; ++l)
             for (Eigen::Index j = 0; j < J; ++j)
                 for (Eigen::Index i = 0; i < W; ++i)
-                    H(weight(j, i), weight(k, l)) = of_channels(j, k) * sums.product(j, 1 + i, k, 1 + l);
+                    H(weight(j, i), weight(k, l)) = beta_products(j, k) * sums.product(j, 1 + i, k, 1 + l);
     for (Eigen::Index j = 0; j < J; ++j)
         for (Eigen::Index i = 0; i < W; ++i) {
             for (Eigen::Index n = 0; n < N; ++n)
                 H(n, weight(j, i)) = H(weight(j, i), n) = sums.angle_and_weight(n, j, i);
-            g[weight(j, i)] = -sums.rest_and_weight(j, i);
+            g[weight(j, i)] = -sums.residual_and_weight(j, i);
         }
     for (Eigen::Index n = 0; n < N; ++n) {
         for (Eigen::Index m = 0; m < N; ++m) H(n, m) = sums.angles(n, m);
-        g[n] = -sums.rest_and_angle(n);
+        g[n] = -sums.residual_and_angle(n);
     }
 }
 
@@ -156,30 +157,30 @@ Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const Eigen::VectorXd& x, co
     }
     for (Eigen::Index j = 0; j < J; ++j) {
         if (!(beta()(j, c) > 0) || beta()(j, c) < coefficients_.limit(j, c)) continue;
-        // The derivative by x_i has by β_jc E_j more.
+        // Following the bound adds a multiple of β_jc E_j to the derivative with respect to x_i.
         Eigen::VectorXd bound = Eigen::VectorXd::Zero(x.size());
-        for (const auto& [i, by] : slopes_of_limit(x, shape_, j)) bound[i] = by * beta()(j, c);
+        for (const auto& [i, slope] : limit_derivatives(x, shape_, j)) bound[i] = slope * beta()(j, c);
         H += bound * with_lobes.col(j).transpose() + with_lobes.col(j) * bound.transpose() +
              gram()(j, j) * bound * bound.transpose();
-        g -= sums.rest_and_lobe(c, j) * bound;
+        g -= sums.residual_and_lobe(c, j) * bound;
         with_lobes += bound * gram().row(j);
     }
     return with_lobes;
 }
 
-CoefficientTerms LobeProblem::by_coefficients() {
+CoefficientTerms LobeProblem::coefficient_terms() {
     const PixelTerm pixels = pixels_.term();
-    CoefficientTerms at(0, 0);
-    double of_pixels = 0;
-    coefficients_.loss_at(beta(), products_with_data(), rows_.views > 0 ? &pixels : nullptr, of_pixels, at);
-    return at;
+    CoefficientTerms terms(0, 0);
+    double pixel_loss = 0;
+    coefficients_.loss_at(beta(), products_with_data(), rows_.views > 0 ? &pixels : nullptr, pixel_loss, terms);
+    return terms;
 }
 
-// The loss falls by (e·r)² / |e|² for each channel with e the candidate less its component along the present lobes, of
-// which coefficients adapt, r the residual, and a coefficient that is not negative.
+// For each channel the loss falls by (e·r)² / |e|². Here e is the candidate minus its component along the present
+// lobes, whose coefficients adapt, and r is the residual. The coefficient must not be negative.
 Eigen::VectorXd LobeProblem::gains(const std::vector<std::vector<double>>& candidates) {
-    constexpr std::size_t k_group = 16;  // the values of so many candidates on all blocks fit in the cache
-    constexpr double k_nothing = 1e-60, k_least_across = 1e-4;  // of |e|²: smaller shares are noise of floats
+    constexpr std::size_t k_group = 16;  // the values of this many candidates on all blocks fit in the cache
+    constexpr double k_nothing = 1e-60, k_least_orthogonal = 1e-4;  // of |e|²: smaller fractions are float noise
     const Eigen::LDLT<Eigen::MatrixXd> factor(ridged(gram()));
     Eigen::VectorXd gains = Eigen::VectorXd::Constant(Eigen::Index(candidates.size()), -1);
     for (std::size_t first = 0; first < candidates.size(); first += k_group) {
@@ -189,10 +190,10 @@ Eigen::VectorXd LobeProblem::gains(const std::vector<std::vector<double>>& candi
         for (Eigen::Index k = 0; k < squares.size(); ++k) {
             if (!(squares[k] > k_nothing)) continue;
             const auto with_lobes = products.col(k).head(basis_.count());
-            double across = squares[k];
-            if (basis_.count() > 0) across -= with_lobes.dot(factor.solve(with_lobes));
-            across = std::max(across, k_least_across * squares[k]);
-            gains[Eigen::Index(first) + k] = products.col(k).tail(channels()).cwiseMax(0.0).squaredNorm() / across;
+            double orthogonal = squares[k];
+            if (basis_.count() > 0) orthogonal -= with_lobes.dot(factor.solve(with_lobes));
+            orthogonal = std::max(orthogonal, k_least_orthogonal * squares[k]);
+            gains[Eigen::Index(first) + k] = products.col(k).tail(channels()).cwiseMax(0.0).squaredNorm() / orthogonal;
         }
     }
     return gains;
@@ -209,7 +210,7 @@ Eigen::MatrixXd LobeProblem::products_with_candidates(std::span<const std::vecto
     const std::size_t blocks = rows_.blocks;
     thread_local Aligned<float> values;
     values.resize(std::max(values.size(), candidates.size() * blocks * k_block));
-    const auto of = [&](std::size_t k, std::size_t block) { return &values[(k * blocks + block) * k_block]; };
+    const auto candidate = [&](std::size_t k, std::size_t block) { return &values[(k * blocks + block) * k_block]; };
     std::vector<const float*> factors, rows, columns;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
         const std::vector<float> weight(candidates[k].begin(), candidates[k].end());
@@ -217,23 +218,24 @@ Eigen::MatrixXd LobeProblem::products_with_candidates(std::span<const std::vecto
         for (std::size_t block = 0; block < blocks; ++block) {
             factors.clear();
             for (int n = 0; n < shape_.width(); ++n) factors.push_back(basis_.factor(block, n));
-            offset = std::max(offset, exponent(weight, factors, &rows_.root_weight[block * k_block], of(k, block),
-                                               rows_.rows_in(block)));
+            offset = std::max(offset, exponent(weight, factors, &rows_.root_weight[block * k_block],
+                                               candidate(k, block), rows_.rows_in(block)));
         }
         double sum = 0;
         for (std::size_t block = 0; block < blocks; ++block) {
-            exponentiate(of(k, block), &rows_.root_weight[block * k_block], offset, of(k, block), rows_.rows_in(block));
-            sum += sum_of_squares(of(k, block), rows_.rows_in(block));
+            exponentiate(candidate(k, block), &rows_.root_weight[block * k_block], offset, candidate(k, block),
+                         rows_.rows_in(block));
+            sum += sum_of_squares(candidate(k, block), rows_.rows_in(block));
         }
         squares[Eigen::Index(k)] = sum;
     }
-    // Row-major, read as columns of candidates.
+    // A row-major matrix, read as columns of candidates.
     Eigen::MatrixXd products = Eigen::MatrixXd::Zero(basis_.count() + channels(), Eigen::Index(candidates.size()));
     for (std::size_t block = 0; block < blocks; ++block) {
         rows.clear(), columns.clear();
-        for (std::size_t k = 0; k < candidates.size(); ++k) rows.push_back(of(k, block));
+        for (std::size_t k = 0; k < candidates.size(); ++k) rows.push_back(candidate(k, block));
         for (int j = 0; j < basis_.count(); ++j) columns.push_back(basis_.lobe(block, j));
-        for (Eigen::Index c = 0; c < channels(); ++c) columns.push_back(rest(block, c));
+        for (Eigen::Index c = 0; c < channels(); ++c) columns.push_back(residual_column(block, c));
         add_products(rows, columns, products.data(), rows_.rows_in(block));
     }
     return products;

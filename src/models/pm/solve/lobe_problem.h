@@ -1,4 +1,4 @@
-// Lobes as a separable least-squares problem: what Levenberg-Marquardt minimises, and what the search asks of it.
+// Lobes as a separable least-squares problem, for Levenberg-Marquardt and for the search.
 #pragma once
 #include <Eigen/Dense>
 #include <limits>
@@ -10,8 +10,9 @@
 
 namespace srbf {
 
-/// Σ w |f − Σ_j β_j E_j|² over C channels, over the rows of pairs, plus the squares of sums for integrals, plus the term
-/// of pixels where the rows have views. The variables are x = (angles, weights); `Coefficients` are eliminated.
+/// Σ w |f − Σ_j β_j E_j|² over C channels and the rows of pairs, plus the squares of the sums of integrals, plus
+/// the term of pixels if the rows have views. The variables are x = (angles, weights); the `Coefficients` β are
+/// eliminated.
 class LobeProblem {
   public:
     /// `parallel`: loops over rows use several threads; the result does not depend on it.
@@ -23,7 +24,7 @@ class LobeProblem {
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
     Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return bounds(x.size(), &Interval::least); }
     Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return bounds(x.size(), &Interval::most); }
-    /// Step bounds: half a weight plus 2, and half a radian, so that a lobe that is temporarily useless does not
+    /// Step bounds: half a weight plus 2, and half a radian, so that a lobe without effect at present does not
     /// diverge.
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
@@ -31,38 +32,39 @@ class LobeProblem {
     double delta_e() { return pixels_.term().delta_e(beta()); }         ///< mean ΔE_ITP of the views' pixels
     const Eigen::MatrixXd& beta() const { return coefficients_.beta; }  ///< J × C, in multiples of `scale`
     const Eigen::MatrixXd& gram() const { return coefficients_.gram; }  ///< E·E
-    /// With pixels `loss` takes a few steps from the last coefficients: from these instead.
+    /// With pixels, `loss` takes a few steps from the last coefficients. This sets the coefficients to start from.
     void continue_from(const Eigen::MatrixXd& beta) { coefficients_.beta = beta; }
-    /// The loss to second order in the coefficients alone: its Hessian and half its gradient, channel by channel.
-    CoefficientTerms by_coefficients();
+    /// The loss to second order in the coefficients alone: its Hessian and half its gradient, with channels
+    /// concatenated.
+    CoefficientTerms coefficient_terms();
     double scale() const { return rows_.scale; }
     const std::vector<double>& offset() const { return basis_.offset(); }  ///< o_j
 
-    /// By how much each of `candidates` would lower the loss if added, about; −1 of one that is 0 at all pairs. Valid
-    /// after `loss`.
+    /// Approximate decrease of the loss if each candidate were added; −1 for a candidate that is 0 at all pairs.
+    /// Valid after `loss`.
     Eigen::VectorXd gains(const std::vector<std::vector<double>>& candidates);
-    /// The one of `candidates` that would lower the loss most if added; valid after `loss`.
+    /// The candidate whose addition would lower the loss most. Valid after `loss`.
     std::vector<double> best_addition(const std::vector<std::vector<double>>& candidates);
 
   private:
     Eigen::VectorXd bounds(Eigen::Index size, double Interval::*side) const;
     Eigen::Index channels() const { return Eigen::Index(rows_.y.size()); }
-    float* rest(std::size_t block, Eigen::Index c) {
-        return &rest_[(block * std::size_t(channels()) + std::size_t(c)) * k_block];
+    float* residual_column(std::size_t block, Eigen::Index c) {
+        return &residuals_[(block * std::size_t(channels()) + std::size_t(c)) * k_block];
     }
-    /// Products of the lobes and the data with each other, (J + C)².
+    /// Products of all pairs of lobes and data, (J + C)².
     Eigen::MatrixXd products_with_data();
     void bound_coefficients(const Eigen::VectorXd& x);
-    /// Sets the residuals; returns the loss.
+    /// Computes the residuals and returns the loss.
     double loss_with_residuals();
-    /// The derivatives of variables if coefficients do not adapt.
-    void set_derivatives(const DerivativeSums& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
-    /// Products of the derivatives of channel c with the lobes, variables × J; adds to H and g what the coefficients at
-    /// their bounds contribute.
+    /// Fills the derivatives with respect to the variables for constant coefficients.
+    void fill_derivatives(const DerivativeSums& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
+    /// Products of the derivatives of channel c with the lobes, variables × J. Adds to H and g the contributions of
+    /// coefficients at their bounds.
     Eigen::MatrixXd derivatives_with_lobes(const Eigen::VectorXd& x, const DerivativeSums& sums, Eigen::Index c,
                                            Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
-    /// Products of lobes that could be added with the lobes and the residuals of pairs, (J + C) × candidates; `squares`:
-    /// their products with themselves.
+    /// Products of candidate lobes with the lobes and the residuals of pairs, (J + C) × candidates. `squares`
+    /// receives the candidates' squared norms.
     Eigen::MatrixXd products_with_candidates(std::span<const std::vector<double>> candidates, Eigen::VectorXd& squares);
 
     const Rows& rows_;
@@ -70,7 +72,7 @@ class LobeProblem {
     double log_peak_limit_;
     LobeBasis basis_;
     PixelMoments pixels_;
-    Aligned<float> rest_;  ///< residuals: blocks × C × k_block
+    Aligned<float> residuals_;  ///< residuals: blocks × C × k_block
     Coefficients coefficients_;
 };
 

@@ -21,36 +21,36 @@ Lobes unpack(const Eigen::VectorXd& x, const LobeShape& shape) {
 }
 
 Interval weight_range(int n, const LobeShape& shape) {
-    const auto most = [&](double by_spacing) {
-        return shape.finest > 0 ? std::min(double(k_half_max), by_spacing) : double(k_half_max);
+    const auto at_most = [&](double spacing_limit) {
+        return shape.finest > 0 ? std::min(double(k_half_max), spacing_limit) : double(k_half_max);
     };
     if (const int k = n - shape.directional(); k >= 0) {
         const ExponentTerm& term = k_terms[std::size_t(k)];
-        const double slope = term.is_slope ? most(1 / shape.finest) : double(k_half_max);
+        const double slope = term.is_slope ? at_most(1 / shape.finest) : double(k_half_max);
         return {std::max(term.least, -slope), std::min(term.most, slope)};
     }
-    const double bandwidth = most(elementary::pow(shape.finest, -2));  // |p|, representable in 16 bits
+    const double bandwidth = at_most(elementary::pow(shape.finest, -2));  // |p|, representable in 16 bits
     const double component = shape.axial ? bandwidth : bandwidth / std::sqrt(3.0);
     return {-component, component};
 }
 
-double log_peak_factor(std::span<const double> of_lobe, const LobeShape& shape, double offset) {
+double log_peak_factor(std::span<const double> weights, const LobeShape& shape, double offset) {
     double log_factor = -offset;
     for (int n = 0; n < shape.variates; ++n) {
-        const Vec3d p = vector_of(of_lobe, shape, n);
+        const Vec3d p = vector_of(weights, shape, n);
         log_factor += (shape.reciprocal ? 2 : 1) * (elementary::hypot(p.x, p.y, p.z) - p.z);
     }
     return log_factor;
 }
 
-Vec3d vector_of(std::span<const double> of_lobe, const LobeShape& shape, int n) {
-    if (shape.axial) return {0, 0, of_lobe[std::size_t(n)]};
-    const double* p = &of_lobe[std::size_t(3 * n)];
+Vec3d vector_of(std::span<const double> weights, const LobeShape& shape, int n) {
+    if (shape.axial) return {0, 0, weights[std::size_t(n)]};
+    const double* p = &weights[std::size_t(3 * n)];
     return {p[0], p[1], p[2]};
 }
 
-std::vector<std::pair<Eigen::Index, double>> slopes_of_limit(const Eigen::VectorXd& x, const LobeShape& shape,
-                                                             Eigen::Index j) {
+std::vector<std::pair<Eigen::Index, double>> limit_derivatives(const Eigen::VectorXd& x, const LobeShape& shape,
+                                                               Eigen::Index j) {
     const int N = shape.variates, W = shape.width(), C = shape.components();
     const double factor = shape.reciprocal ? 2 : 1;
     std::vector<std::pair<Eigen::Index, double>> slopes;

@@ -23,20 +23,20 @@ struct LobeShape {
     int width() const { return directional() + features(form); }
 };
 
-/// The nonlinear parameters of J lobes of N variates. Lobe j is E_j = exp(Σ_n p_jn·(ψ_n − ẑ) + Σ_k κ_jk x_k − o_j): up
-/// to a factor a product of Gaussian SRBFs with bandwidths |p_jn| and centres p_jn / |p_jn| and of the form's further
-/// factors. o_j normalises its maximum over the rows to 1. An axial lobe has only the third component of p_jn. In a
-/// reciprocal lobe ψ_n − ẑ is the sum over the pair.
+/// The nonlinear parameters of J lobes of N variates. Lobe j is E_j = exp(Σ_n p_jn·(ψ_n − ẑ) + Σ_k κ_jk x_k − o_j).
+/// Up to a factor this is a product of Gaussian SRBFs, with bandwidths |p_jn| and centres p_jn / |p_jn|, and of the
+/// exponentials of the form's further features. o_j normalises its maximum over the rows to 1. An axial lobe has
+/// only the third component of p_jn. In a reciprocal lobe, ψ_n − ẑ is the sum over the pair.
 struct Lobes {
     LobeShape shape;
     std::vector<double> angle;   ///< N: (a_n, b_n) = (cos, sin)
     std::vector<double> weight;  ///< J × (N C + F): p_j1, …, p_jN, κ_j1, …
     int count() const { return shape.variates ? int(weight.size()) / shape.width() : 0; }
-    std::span<const double> of(int j) const {
+    std::span<const double> weights_of(int j) const {
         return {weight.data() + std::size_t(j * shape.width()), std::size_t(shape.width())};
     }
 };
-/// The variables of a fit, x = (angles, weights), and the lobes of these.
+/// Conversion between lobes and the variables of a fit, x = (angles, weights).
 Eigen::VectorXd pack(const Lobes& lobes);
 Lobes unpack(const Eigen::VectorXd& x, const LobeShape& shape);
 
@@ -48,11 +48,13 @@ struct Interval {
 Interval weight_range(int n, const LobeShape& shape);
 
 /// p_n from the weights of a lobe.
-Vec3d vector_of(std::span<const double> of_lobe, const LobeShape& shape, int n);
-/// Log of the factor from β_j in a problem's units to the coefficient of a lobe with peak 1; `offset`: o_j.
-double log_peak_factor(std::span<const double> of_lobe, const LobeShape& shape, double offset);
-/// A coefficient at its upper bound follows the bound: the variables by which log β_j changes then, and its derivatives.
-std::vector<std::pair<Eigen::Index, double>> slopes_of_limit(const Eigen::VectorXd& x, const LobeShape& shape,
-                                                             Eigen::Index j);
+Vec3d vector_of(std::span<const double> weights, const LobeShape& shape, int n);
+/// Log of the factor that converts β_j in a problem's units to the coefficient of a lobe with peak 1; `offset`:
+/// o_j.
+double log_peak_factor(std::span<const double> weights, const LobeShape& shape, double offset);
+/// For a coefficient that follows its upper bound: the variables that change log β_j, and its derivatives with
+/// respect to them.
+std::vector<std::pair<Eigen::Index, double>> limit_derivatives(const Eigen::VectorXd& x, const LobeShape& shape,
+                                                               Eigen::Index j);
 
 }  // namespace srbf

@@ -9,19 +9,19 @@
 
 namespace srbf {
 
-void CoefficientTerms::eliminate(Eigen::MatrixXd& of_x, Eigen::VectorXd& by_x) const {
+void CoefficientTerms::eliminate(Eigen::MatrixXd& H_x, Eigen::VectorXd& g_x) const {
     if (free.empty()) return;
-    srbf::eliminate(H(free, free), across(Eigen::all, free), of_x, g(free), by_x);
+    srbf::eliminate(H(free, free), across(Eigen::all, free), H_x, g(free), g_x);
 }
 
-Pixels::Colours combined(const Eigen::MatrixXd& beta, std::span<const float* const> values, Aligned<float>& columns,
-                         std::size_t count) {
+Pixels::Colours combine_colours(const Eigen::MatrixXd& beta, std::span<const float* const> values,
+                                Aligned<float>& columns, std::size_t count) {
     columns.resize(3 * k_block);
     Pixels::Colours colours;
     for (std::size_t c = 0; c < 3; ++c) {
-        const Eigen::VectorXf of_channel = beta.col(Eigen::Index(c)).cast<float>();
+        const Eigen::VectorXf channel_beta = beta.col(Eigen::Index(c)).cast<float>();
         float* const column = &columns[c * k_block];
-        combine({of_channel.data(), values.size()}, values, column, count);
+        combine({channel_beta.data(), values.size()}, values, column, count);
         colours[c] = column;
     }
     return colours;
@@ -31,7 +31,7 @@ Pixels::Colours PixelTerm::colours(const Eigen::MatrixXd& beta, std::size_t bloc
     thread_local Aligned<float> columns;
     std::vector<const float*> values;
     for (Eigen::Index j = 0; j < beta.rows(); ++j) values.push_back(lobe(block, j));
-    return combined(beta, values, columns, rows_in_block(block, pixels.count()));
+    return combine_colours(beta, values, columns, rows_in_block(block, pixels.count()));
 }
 
 double PixelTerm::delta_e(const Eigen::MatrixXd& beta) const {
@@ -40,7 +40,7 @@ double PixelTerm::delta_e(const Eigen::MatrixXd& beta) const {
     return sum / double(pixels.count());
 }
 
-Eigen::MatrixXd PixelTerm::products(const Eigen::MatrixXd& beta, Eigen::Index X, const SetByLobe& set_by_lobe,
+Eigen::MatrixXd PixelTerm::products(const Eigen::MatrixXd& beta, Eigen::Index X, const AddByLobe& add_by_lobe,
                                     double& term) const {
     const Eigen::Index J = beta.rows(), columns = X + 3 * J + 1;
     std::vector<double> errors(pixels.blocks());
@@ -50,11 +50,11 @@ Eigen::MatrixXd PixelTerm::products(const Eigen::MatrixXd& beta, Eigen::Index X,
         thread_local Aligned<float> scratch;
         scratch.resize(std::max(scratch.size(), std::size_t(columns) * k_block));
         const auto column = [&](Eigen::Index i) { return &scratch[std::size_t(i) * k_block]; };
-        float* const of_lobe = column(columns - 1);
+        float* const lobe_derivative = column(columns - 1);
         const std::size_t count = rows_in_block(block, pixels.count());
         errors[block] = pixels.errors(block, colours(beta, block), slopes);
-        std::vector<const float*> all;
-        for (Eigen::Index i = 0; i + 1 < columns; ++i) all.push_back(column(i));
+        std::vector<const float*> gram_columns;
+        for (Eigen::Index i = 0; i + 1 < columns; ++i) gram_columns.push_back(column(i));
         for (std::size_t component = 0; component < 3; ++component) {
             const ByChannel by_channel = slopes.jacobian_of(component);
             std::fill_n(scratch.data(), std::size_t(X) * k_block, 0.f);
@@ -62,20 +62,20 @@ Eigen::MatrixXd PixelTerm::products(const Eigen::MatrixXd& beta, Eigen::Index X,
                 for (Eigen::Index c = 0; c < 3; ++c)
                     multiply(by_channel[std::size_t(c)], lobe(block, j), column(X + c * J + j), count);
                 if (X == 0) continue;
-                const Eigen::VectorXf of_j = beta.row(j).cast<float>();
-                combine({of_j.data(), 3}, by_channel, of_lobe, count);
-                set_by_lobe(block, j, of_lobe, by_channel, scratch.data());
+                const Eigen::VectorXf lobe_beta = beta.row(j).cast<float>();
+                combine({lobe_beta.data(), 3}, by_channel, lobe_derivative, count);
+                add_by_lobe(block, j, lobe_derivative, by_channel, scratch.data());
             }
-            all.push_back(slopes.residual(component));
-            add_gram(all, parts[block].data(), count);
-            all.pop_back();
+            gram_columns.push_back(slopes.residual(component));
+            add_gram(gram_columns, parts[block].data(), count);
+            gram_columns.pop_back();
         }
     });
     term = 0;
-    for (const double error : errors) term += share * error;
+    for (const double error : errors) term += cost_per_pixel * error;
     Eigen::MatrixXd G = Eigen::MatrixXd::Zero(columns, columns);
     for (const auto& part : parts) G += Eigen::Map<const Eigen::MatrixXd>(part.data(), columns, columns);
-    return share * Eigen::MatrixXd(G.selfadjointView<Eigen::Upper>());
+    return cost_per_pixel * Eigen::MatrixXd(G.selfadjointView<Eigen::Upper>());
 }
 
 double PixelTerm::loss(const Eigen::MatrixXd& beta, CoefficientTerms& by_coefficients) const {
@@ -87,11 +87,11 @@ double PixelTerm::loss(const Eigen::MatrixXd& beta, CoefficientTerms& by_coeffic
     return term;
 }
 
-void PixelTerm::add_derivatives(const Eigen::MatrixXd& beta, const SetByLobe& set_by_lobe, Eigen::MatrixXd& H,
+void PixelTerm::add_derivatives(const Eigen::MatrixXd& beta, const AddByLobe& add_by_lobe, Eigen::MatrixXd& H,
                                 Eigen::VectorXd& g, CoefficientTerms& by_coefficients) const {
     const Eigen::Index X = g.size(), B = beta.size();
     double term = 0;
-    const Eigen::MatrixXd G = products(beta, X, set_by_lobe, term);
+    const Eigen::MatrixXd G = products(beta, X, add_by_lobe, term);
     H += G.topLeftCorner(X, X);
     g += G.topRightCorner(X, 1);
     by_coefficients.across += G.block(0, X, X, B);
@@ -101,49 +101,51 @@ void PixelTerm::add_derivatives(const Eigen::MatrixXd& beta, const SetByLobe& se
 
 void PixelMoments::evaluate(bool with_derivatives) {
     const Rows& rows = basis_.rows();
-    const std::size_t in_block = k_block / rows.view_rows;
+    const std::size_t views_per_block = k_block / rows.view_rows;
     moment_.resize(pixels().blocks() * std::size_t(basis_.count() * columns_of_lobe()) * k_block);
-    for_each((rows.views + in_block - 1) / in_block, basis_.parallel(), [&](std::size_t of_views) {
-        for (std::size_t view = of_views * in_block; view < std::min(rows.views, (of_views + 1) * in_block); ++view)
+    for_each((rows.views + views_per_block - 1) / views_per_block, basis_.parallel(), [&](std::size_t group) {
+        for (std::size_t view = group * views_per_block; view < std::min(rows.views, (group + 1) * views_per_block);
+             ++view)
             evaluate_view(view, with_derivatives);
     });
 }
 
-// Under a single light a pixel is one row, under an extended one the product of its lights with the rows of its view.
+// Under a directional light a pixel is one row, under an extended light the product of the light with the rows of
+// its view.
 void PixelMoments::evaluate_view(std::size_t view, bool with_derivatives) {
     const Rows& rows = basis_.rows();
     const std::size_t J = std::size_t(basis_.count()), F = with_derivatives ? std::size_t(basis_.factors()) : 0,
                       count = rows.view_rows, row = rows.first_view_block() * k_block + view * count,
-                      block = row / k_block, at = row % k_block;
+                      block = row / k_block, offset = row % k_block;
     const std::span<const Rows::Pixel> pixels(&rows.pixel[rows.first_pixel[view]],
                                               &rows.pixel[rows.first_pixel[view + 1]]);
-    thread_local Aligned<float> lit;  // light times E_j, of the extended lights
+    thread_local Aligned<float> lit;  // light times E_j, for the extended lights
     lit.resize(std::max(lit.size(), pixels.size() * J * count));
     const Aligned<float> ones(count, 1.f);
     std::vector<const float*> lit_lobes, columns{ones.data()};
-    for (std::size_t i = 0; i < F; ++i) columns.push_back(basis_.factor(block, int(i)) + at);
+    for (std::size_t i = 0; i < F; ++i) columns.push_back(basis_.factor(block, int(i)) + offset);
     const auto store = [&](std::size_t p, std::size_t j, std::size_t i, double value) {
         p += rows.first_pixel[view];
         moment(p / k_block, Eigen::Index(i == 0 ? j : J + j * F + i - 1))[p % k_block] = float(value);
     };
     for (std::size_t p = 0; p < pixels.size(); ++p)
         for (std::size_t j = 0; j < J; ++j) {
-            const float* const e = basis_.lobe(block, int(j)) + at;
-            if (!pixels[p].single) {
-                float* const to = &lit[lit_lobes.size() * count];
-                multiply(&rows.light[pixels[p].light], e, to, count);
-                lit_lobes.push_back(to);
+            const float* const e = basis_.lobe(block, int(j)) + offset;
+            if (!pixels[p].is_directional) {
+                float* const product = &lit[lit_lobes.size() * count];
+                multiply(&rows.light[pixels[p].light], e, product, count);
+                lit_lobes.push_back(product);
                 continue;
             }
-            const std::size_t of_row = pixels[p].row - row;
+            const std::size_t index = pixels[p].row - row;
             for (std::size_t i = 0; i <= F; ++i)
-                store(p, j, i, double(pixels[p].weight) * double(e[of_row]) * double(columns[i][of_row]));
+                store(p, j, i, double(pixels[p].weight) * double(e[index]) * double(columns[i][index]));
         }
     std::vector<double> products(lit_lobes.size() * columns.size(), 0.0);
     add_products(lit_lobes, columns, products.data(), count);
     const double* product = products.data();
     for (std::size_t p = 0; p < pixels.size(); ++p)
-        for (std::size_t j = 0; !pixels[p].single && j < J; ++j)
+        for (std::size_t j = 0; !pixels[p].is_directional && j < J; ++j)
             for (std::size_t i = 0; i <= F; ++i) store(p, j, i, *product++);
 }
 
@@ -152,10 +154,10 @@ PixelTerm PixelMoments::term() {
             [this](std::size_t block, Eigen::Index j) { return moment(block, j); }};
 }
 
-PixelTerm::SetByLobe PixelMoments::derivatives(const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
+PixelTerm::AddByLobe PixelMoments::derivatives(const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
                                                const Eigen::MatrixXd& limit) {
-    return [&, this](std::size_t block, Eigen::Index j, const float* of_lobe, const PixelTerm::ByChannel& by_channel,
-                     float* columns) {
+    return [&, this](std::size_t block, Eigen::Index j, const float* lobe_derivative,
+                     const PixelTerm::ByChannel& by_channel, float* columns) {
         const LobeShape& shape = basis_.shape();
         const Eigen::Index N = shape.variates, C = shape.components(), W = shape.width();
         const std::size_t count = rows_in_block(block, pixels().count());
@@ -163,16 +165,17 @@ PixelTerm::SetByLobe PixelMoments::derivatives(const Eigen::VectorXd& x, const E
         const auto with_factor = [&](Eigen::Index i) {
             return moment(block, basis_.count() + j * basis_.factors() + i);
         };
-        thread_local Aligned<float> turned(k_block);
-        const auto add = [&](double weight, const float* of, const float* times, Eigen::Index to) {
-            combine(std::array{float(weight)}, std::array{of}, turned.data(), count);
-            add_product(turned.data(), times, column(to), count);
+        thread_local Aligned<float> scaled(k_block);
+        const auto add = [&](double weight, const float* derivative, const float* factor, Eigen::Index variable) {
+            combine(std::array{float(weight)}, std::array{derivative}, scaled.data(), count);
+            add_product(scaled.data(), factor, column(variable), count);
         };
-        for (Eigen::Index n = 0; n < W; ++n) multiply(of_lobe, with_factor(n), column(N + j * W + n), count);
-        for (Eigen::Index n = 0; n < N * C; ++n) add(x[N + j * W + n], of_lobe, with_factor(W + n), n / C);
+        for (Eigen::Index n = 0; n < W; ++n) multiply(lobe_derivative, with_factor(n), column(N + j * W + n), count);
+        for (Eigen::Index n = 0; n < N * C; ++n) add(x[N + j * W + n], lobe_derivative, with_factor(W + n), n / C);
         for (Eigen::Index c = 0; c < 3; ++c)
-            for (const auto& [i, by] : slopes_of_limit(x, shape, j))
-                if (!(beta(j, c) < limit(j, c))) add(by * beta(j, c), by_channel[std::size_t(c)], moment(block, j), i);
+            for (const auto& [i, slope] : limit_derivatives(x, shape, j))
+                if (!(beta(j, c) < limit(j, c)))
+                    add(slope * beta(j, c), by_channel[std::size_t(c)], moment(block, j), i);
     };
 }
 

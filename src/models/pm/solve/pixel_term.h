@@ -1,4 +1,4 @@
-// Pixels of displayed pictures as a term of a fit.
+// Pixels of displayed pictures as a term of the loss.
 #pragma once
 #include <Eigen/Dense>
 #include <functional>
@@ -8,73 +8,75 @@
 
 namespace srbf {
 
-/// Second-order terms of a sum in the coefficients, in the order of β's columns.
+/// A sum to second order in the coefficients, in the order of β's columns.
 struct CoefficientTerms {
     CoefficientTerms(Eigen::Index variables, Eigen::Index count)
         : H(Eigen::MatrixXd::Zero(count, count)),
           across(Eigen::MatrixXd::Zero(variables, count)),
           g(Eigen::VectorXd::Zero(count)) {}
-    Eigen::MatrixXd H, across;       ///< Hessian, and with the variables
+    Eigen::MatrixXd H, across;       ///< Hessian; mixed derivatives by variables and coefficients
     Eigen::VectorXd g;               ///< half the gradient
-    std::vector<Eigen::Index> free;  ///< strictly between their bounds
-    /// Changes the variables' Hessian and gradient to those of a sum to which these coefficients adapt.
-    void eliminate(Eigen::MatrixXd& of_x, Eigen::VectorXd& by_x) const;
+    std::vector<Eigen::Index> free;  ///< indices strictly between their bounds
+    /// Changes the variables' Hessian and gradient to those of a sum to which the free coefficients adapt.
+    void eliminate(Eigen::MatrixXd& H_x, Eigen::VectorXd& g_x) const;
 };
 
-/// Σ over pixels of share × ρ(ΔE_ITP), see `Pixels`, of the colours Σ_j β_jc (lobe j). The term is not quadratic in the
-/// coefficients and couples the channels.
+/// Σ over pixels of cost_per_pixel × ρ(ΔE_ITP), see `Pixels`, where the colours are Σ_j β_jc (lobe j). The term is
+/// not quadratic in the coefficients and couples the channels.
 struct PixelTerm {
     using ByChannel = std::array<const float*, 3>;
-    /// Sets or adds to columns what a component's derivatives by the variables owe to lobe j: `of_lobe` is the component's
-    /// derivative by the value of the lobe, `by_channel` by each channel.
-    using SetByLobe = std::function<void(std::size_t block, Eigen::Index j, const float* of_lobe,
+    /// Adds to the columns of the variables what lobe j contributes to the derivatives of one component.
+    /// `lobe_derivative` is the component's derivative by the value of the lobe, `by_channel` that by each channel.
+    using AddByLobe = std::function<void(std::size_t block, Eigen::Index j, const float* lobe_derivative,
                                          const ByChannel& by_channel, float* columns)>;
 
     const Pixels& pixels;
-    double share = 0;  ///< what a pixel costs
+    double cost_per_pixel = 0;  ///< cost of a pixel
     bool parallel = false;
-    std::function<const float*(std::size_t block, Eigen::Index j)> lobe;  ///< in a block of pixels
+    std::function<const float*(std::size_t block, Eigen::Index j)> lobe;  ///< values of lobe j in a block of pixels
 
     /// The mean ΔE_ITP of the pixels for coefficients β.
     double delta_e(const Eigen::MatrixXd& beta) const;
     /// The term for coefficients β, and its derivatives by them.
     double loss(const Eigen::MatrixXd& beta, CoefficientTerms& by_coefficients) const;
-    /// Adds the term's derivatives by the variables, of the columns that `set_by_lobe` makes, and by the coefficients.
-    void add_derivatives(const Eigen::MatrixXd& beta, const SetByLobe& set_by_lobe, Eigen::MatrixXd& H,
+    /// Adds the term's derivatives by the variables, from the columns that `add_by_lobe` fills, and by the
+    /// coefficients.
+    void add_derivatives(const Eigen::MatrixXd& beta, const AddByLobe& add_by_lobe, Eigen::MatrixXd& H,
                          Eigen::VectorXd& g, CoefficientTerms& by_coefficients) const;
 
   private:
     /// The colours of a block of pixels; valid until the thread's next call.
     Pixels::Colours colours(const Eigen::MatrixXd& beta, std::size_t block) const;
-    /// share × the products with each other of the derivatives of the three components of ΔE_ITP by so many variables and
-    /// by the coefficients, and of the components' differences. Sets the term for coefficients β.
-    Eigen::MatrixXd products(const Eigen::MatrixXd& beta, Eigen::Index variables, const SetByLobe& set_by_lobe,
+    /// cost_per_pixel × all products of the derivatives of the three components of ΔE_ITP, by `variables` variables
+    /// and by the coefficients, and of the components' differences. `term` receives the term for coefficients β.
+    Eigen::MatrixXd products(const Eigen::MatrixXd& beta, Eigen::Index variables, const AddByLobe& add_by_lobe,
                              double& term) const;
 };
 
-/// Colours of a block of pixels, Σ_j β_jc values[j], in `columns`.
-Pixels::Colours combined(const Eigen::MatrixXd& beta, std::span<const float* const> values, Aligned<float>& columns,
-                         std::size_t count = k_block);
+/// Colours of a block of pixels, Σ_j β_jc values[j]; they point into `columns`.
+Pixels::Colours combine_colours(const Eigen::MatrixXd& beta, std::span<const float* const> values,
+                                Aligned<float>& columns, std::size_t count = k_block);
 
-/// Multivariate lobes in pixels. A pixel is a sum over rows of its view, Σ light f, to which lobe j contributes the moment
-/// Σ light E_j.
+/// Multivariate lobes in pixels. A pixel is a sum over the rows of its view, Σ light f. Lobe j contributes the
+/// moment Σ light E_j.
 class PixelMoments {
   public:
-    /// `basis` must outlive it. Without views there is nothing to evaluate.
+    /// `basis` must outlive this object. Without views there is nothing to evaluate.
     explicit PixelMoments(LobeBasis& basis) : basis_(basis) {}
 
-    /// Sets the moments of all pixels; `with_derivatives` also Σ light E_j times each factor.
+    /// Computes the moments of all pixels; `with_derivatives` adds Σ light E_j times each factor.
     void evaluate(bool with_derivatives);
     /// importance × the mean over pixels.
     PixelTerm term();
-    /// The derivatives of the lobes at x; `limit`: the coefficients' upper bounds, which those at their bounds follow.
-    PixelTerm::SetByLobe derivatives(const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
+    /// The derivatives of the lobes at x. `limit`: the coefficients' upper bounds, which coefficients at their
+    /// bounds follow.
+    PixelTerm::AddByLobe derivatives(const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
                                      const Eigen::MatrixXd& limit);
 
   private:
     const Pixels& pixels() const { return basis_.rows().pixels; }
     Eigen::Index columns_of_lobe() const { return 1 + basis_.factors(); }
-    /// Column j: of lobe j; J + j × factors + i: of lobe j with factor i.
+    /// Column j: moment of lobe j. Column J + j × factors + i: moment of lobe j times factor i.
     float* moment(std::size_t block, Eigen::Index column) {
         return &moment_[(block * std::size_t(basis_.count() * columns_of_lobe()) + std::size_t(column)) * k_block];
     }

@@ -30,7 +30,7 @@ namespace {
 
 Parameterization swapped(Parameterization p) { return {p.b, p.a}; }
 
-/// Their model, with coefficients 0.
+/// The model of these lobes, with coefficients 0.
 PmModel without_coefficients(const Lobes& lobes) {
     PmModel model;
     const LobeShape& shape = lobes.shape;
@@ -44,10 +44,10 @@ PmModel without_coefficients(const Lobes& lobes) {
         model.parameterization.push_back(n < shape.variates ? p : swapped(p));
     }
     for (int j = 0; j < model.lobes; ++j) {
-        for (const double kappa : lobes.of(j).subspan(std::size_t(shape.directional())))
+        for (const double kappa : lobes.weights_of(j).subspan(std::size_t(shape.directional())))
             model.exponent.push_back(float(kappa));
         for (int n = 0; n < model.variates; ++n) {
-            const Vec3d p = vector_of(lobes.of(j), shape, n % shape.variates);
+            const Vec3d p = vector_of(lobes.weights_of(j), shape, n % shape.variates);
             const double bandwidth = elementary::hypot(p.x, p.y, p.z);
             model.centre.push_back(bandwidth > 0 ? to_float((1 / bandwidth) * p) : Vec3f(0, 0, 1));
             model.bandwidth.push_back(float(bandwidth));
@@ -64,11 +64,11 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale,
     PmModel model = without_coefficients(lobes);
     const LobeShape& shape = lobes.shape;
     std::vector<double> log_peak;                  // of the largest channel
-    bool out_of_range = features(shape.form) > 0;  // those forms always have log scales
+    bool out_of_range = features(shape.form) > 0;  // these forms always have log scales
     for (int j = 0; j < model.lobes; ++j) {
         const double beta = problem.beta().row(j).maxCoeff();
         const double log_beta = elementary::log(beta) + elementary::log(problem.scale()) +
-                                log_peak_factor(lobes.of(j), shape, problem.offset()[std::size_t(j)]);
+                                log_peak_factor(lobes.weights_of(j), shape, problem.offset()[std::size_t(j)]);
         log_peak.push_back(log_beta);
         if (beta > 1e-30)
             out_of_range |=
@@ -76,11 +76,12 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale,
     }
     for (int j = 0; j < model.lobes; ++j) {
         const double largest = problem.beta().row(j).maxCoeff();
-        const bool any = largest > 1e-30;
+        const bool is_used = largest > 1e-30;
         const double scale =
-            log_scale && out_of_range && any ? double(round_to_half(float(log_peak[std::size_t(j)]))) : 0.0;
+            log_scale && out_of_range && is_used ? double(round_to_half(float(log_peak[std::size_t(j)]))) : 0.0;
         // β / largest × e^(log peak − scale): neither factor overflows.
-        const double factor = any ? elementary::exp(std::min(log_peak[std::size_t(j)] - scale, 80.0)) / largest : 0.0;
+        const double factor =
+            is_used ? elementary::exp(std::min(log_peak[std::size_t(j)] - scale, 80.0)) / largest : 0.0;
         const auto coefficient = [&](Eigen::Index c) { return float(problem.beta()(j, c) * factor); };
         if (wavelengths.empty()) model.coefficient[std::size_t(j)] = {coefficient(0), coefficient(1), coefficient(2)};
         for (std::size_t c = 0; c < wavelengths.size(); ++c) model.spectrum.push_back(coefficient(Eigen::Index(c)));
@@ -106,10 +107,10 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
         const Parameterization p = model.parameterization[std::size_t(n)];
         lobes.angle.push_back(elementary::atan2(double(p.b), double(p.a)));
     }
-    const auto N = std::size_t(model.variates), of_shape = std::size_t(shape.variates),
+    const auto N = std::size_t(model.variates), kept = std::size_t(shape.variates),
                F = std::size_t(features(model.form));
     for (std::size_t j = 0; j < std::size_t(model.lobes); ++j) {
-        for (std::size_t i = j * N; i < j * N + of_shape; ++i) {
+        for (std::size_t i = j * N; i < j * N + kept; ++i) {
             const Vec3f xi = model.centre[i];
             const double bandwidth = double(model.bandwidth[i]);
             if (!model.axial)
@@ -123,34 +124,34 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
 
 namespace {
 
-/// If rounding raises the loss by more than this factor, the numbers that are not yet rounded follow those that are.
+/// If rounding raises the loss by more than this factor, lobes are rounded one after the other.
 constexpr double k_cost_of_rounding = 1.003;
-/// Relative additions to the diagonal of the second order: the less is added, the further the others follow. The best one
-/// differs from fit to fit; none follows further than is needed.
+/// Relative additions to the diagonal of the Hessian: with less damping the remaining variables follow further. The
+/// best value differs between fits; variables follow no further than needed.
 constexpr double k_dampings[] = {1e-3, 1e-5, 1e-8};
 
-Lobes halves_of(const Eigen::VectorXd& x, const LobeShape& shape) {
+Lobes round_to_halves(const Eigen::VectorXd& x, const LobeShape& shape) {
     const Lobes lobes = unpack(x, shape);
     return to_lobes(to_halves(without_coefficients(lobes), lobes), shape);
 }
 
-/// The variables at which rounding begins, and a loss about them to second order.
+/// The variables before rounding, and a loss around them to second order.
 struct SecondOrder {
     const LobeShape& shape;
     Eigen::VectorXd x, lower, upper;
     Eigen::MatrixXd H;
 
-    Lobes rounded_in_turn(double damping) const {
-        Eigen::VectorXd now = x;
+    Lobes round_in_turn(double damping) const {
+        Eigen::VectorXd current = x;
         Eigen::MatrixXd damped = H;
         damped.diagonal() += damping * H.diagonal().cwiseMax(1e-8 * H.diagonal().maxCoeff());
-        // How the variables that may still move follow if one of them is moved.
+        // How the variables that may still move follow when one of them is moved.
         Eigen::MatrixXd inverse = damped.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
         const auto round = [&](Eigen::Index first, Eigen::Index count) {
-            const Eigen::VectorXd error = (pack(halves_of(now, shape)) - now).segment(first, count);
+            const Eigen::VectorXd error = (pack(round_to_halves(current, shape)) - current).segment(first, count);
             const Eigen::MatrixXd follow =
                 inverse.middleCols(first, count) * inverse.block(first, first, count, count).inverse();
-            now = (now + follow * error).cwiseMax(lower).cwiseMin(upper);
+            current = (current + follow * error).cwiseMax(lower).cwiseMin(upper);
             inverse -= follow * inverse.middleRows(first, count).eval();
         };
         for (int n = 0; n < shape.variates; ++n) round(n, 1);
@@ -158,15 +159,15 @@ struct SecondOrder {
             for (int n = 0; n < shape.directional(); n += shape.components()) round(lobe + n, shape.components());
             for (int n = shape.directional(); n < shape.width(); ++n) round(lobe + n, 1);
         }
-        return halves_of(now, shape);
+        return round_to_halves(current, shape);
     }
 };
 
 }  // namespace
 
-Lobes rounded_lobes(LobeProblem& problem, const Lobes& lobes, double unrounded) {
+Lobes round_lobes(LobeProblem& problem, const Lobes& lobes, double unrounded) {
     const Eigen::VectorXd x = pack(lobes);
-    Lobes best = halves_of(x, lobes.shape);
+    Lobes best = round_to_halves(x, lobes.shape);
     double least = problem.loss(pack(best));
     if (least <= k_cost_of_rounding * unrounded) return best;
     SecondOrder loss{lobes.shape, x, problem.lower(x), problem.upper(x), {}};
@@ -176,9 +177,10 @@ Lobes rounded_lobes(LobeProblem& problem, const Lobes& lobes, double unrounded) 
     fix_at_bounds(x, loss.lower, loss.upper, loss.H, g);
     const Eigen::MatrixXd beta = problem.beta();
     for (const double damping : k_dampings) {
-        problem.continue_from(beta);  // not from those of lobes that followed too far
-        Lobes halves = loss.rounded_in_turn(damping);
-        if (const double its = problem.loss(pack(halves)); its < least) least = its, best = std::move(halves);
+        problem.continue_from(beta);  // avoids coefficients of lobes that followed too far
+        Lobes halves = loss.round_in_turn(damping);
+        if (const double rounded_loss = problem.loss(pack(halves)); rounded_loss < least)
+            least = rounded_loss, best = std::move(halves);
         if (least <= k_cost_of_rounding * unrounded) break;
     }
     problem.continue_from(beta);

@@ -10,8 +10,8 @@ HWY_BEFORE_NAMESPACE();
 namespace srbf {
 namespace HWY_NAMESPACE {
 
-Vec3<Batch> direction(const std::array<Aligned<float>, 3>& w, std::size_t at) {
-    return {Batch::load(&w[0][at]), Batch::load(&w[1][at]), Batch::load(&w[2][at])};
+Vec3<Batch> direction(const std::array<Aligned<float>, 3>& w, std::size_t i) {
+    return {Batch::load(&w[0][i]), Batch::load(&w[1][i]), Batch::load(&w[2][i])};
 }
 
 void variate_features(const Rows& rows, std::size_t block, float a, float b, bool axial, float* s, float* s_by_angle) {
@@ -19,11 +19,11 @@ void variate_features(const Rows& rows, std::size_t block, float a, float b, boo
     const Batch a_(a), b_(b), one(1.0);
     const Vec3<Batch> up(Batch(0.0), Batch(0.0), one);
     const std::size_t first = block * k_block;
-    const auto store = [axial](Batch x, Batch y, Batch z, float* to) HWY_ATTR {
-        if (axial) return z.store(to);
-        x.store(to);
-        y.store(to + k_block);
-        z.store(to + 2 * k_block);
+    const auto store = [axial](Batch x, Batch y, Batch z, float* column) HWY_ATTR {
+        if (axial) return z.store(column);
+        x.store(column);
+        y.store(column + k_block);
+        z.store(column + 2 * k_block);
     };
     for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size()) {
         const Vec3<Batch> wl = direction(rows.wl, first + i), wv = direction(rows.wv, first + i);
@@ -36,9 +36,9 @@ void variate_features(const Rows& rows, std::size_t block, float a, float b, boo
 void further_features(const Rows& rows, std::size_t block, int count, float* features) {
     const std::size_t first = block * k_block;
     for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size()) {
-        const auto of = Formulas<Batch, PmModel>::pm_further_features(count, direction(rows.wl, first + i),
-                                                                      direction(rows.wv, first + i));
-        for (int k = 0; k < count; ++k) of.x[k].store(features + std::size_t(k) * k_block + i);
+        const auto values = Formulas<Batch, PmModel>::pm_further_features(count, direction(rows.wl, first + i),
+                                                                          direction(rows.wv, first + i));
+        for (int k = 0; k < count; ++k) values.x[k].store(features + std::size_t(k) * k_block + i);
     }
 }
 

@@ -13,18 +13,18 @@
 
 namespace srbf {
 
-/// Which parts of the observations Rows hold.
+/// The parts of the observations that Rows hold.
 struct RowOptions {
-    double integral_importance =
-        0;  ///< increase of the sum if every integral is off by its luminance in one channel; 0: no integrals
-    bool subsampled_integrals = false;  ///< only the integrals of a search, and of each every ninth node
+    /// increase of the sum if every integral differs by its luminance in one channel; 0: no integrals
+    double integral_importance = 0;
+    bool subsampled_integrals = false;  ///< only the integrals of a search, and every ninth node of each
     bool spectra = false;               ///< the spectra of spectral observations instead of their colours
     double picture_importance = 0;      ///< factor of the mean error of all `Pixels`; 0, or with spectra: no views
 };
 
-/// Observations in the layout of the loops: an array per component, padded to whole blocks with rows of weight 0. First
-/// the blocks of pairs, which contribute a sum of squares; then the same number of blocks for each integral, which
-/// contributes the square of a sum; then the blocks of views, whose pixels are sums over rows.
+/// Observations in the layout of the loops: one array per component, padded to whole blocks with rows of weight 0.
+/// First come the blocks of pairs, which contribute a sum of squares. Then follow the same number of blocks for
+/// each integral, which contributes the square of a sum, and the blocks of views, whose pixels are sums over rows.
 struct Rows {
     /// All observations except the bound pairs.
     explicit Rows(const Observations& observations, const RowOptions& options = {});
@@ -32,35 +32,36 @@ struct Rows {
     std::size_t integrals = 0, integral_blocks = 0;  ///< number of integrals, blocks per integral
     std::array<Aligned<float>, 3> wl, wv;
     double scale = 1;               ///< unit of the values: 1 / √Σw
-    Aligned<float> root_weight;     ///< √w × scale, so that its squares sum to 1 over pairs
+    Aligned<float> root_weight;     ///< √w × scale, whose squares sum to 1 over pairs
     std::vector<Aligned<float>> y;  ///< √w f for each channel
 
-    /// A pixel: weight f(row), or over all rows of its view Σ light[i] f(row + i).
+    /// A pixel under a directional light is weight f(row). Under an extended light it is Σ light[i] f(row + i) over
+    /// all rows of its view.
     struct Pixel {
         std::size_t row;
-        bool single;
+        bool is_directional;
         float weight;
         std::size_t light;
     };
-    /// The views: each has `view_rows` rows, a power of two from k_row_multiple to k_block.
+    /// Each view has `view_rows` rows, a power of two from k_row_multiple to k_block.
     std::size_t views = 0, view_rows = 0;
     std::vector<Pixel> pixel;              ///< in the order of the views
-    std::vector<std::size_t> first_pixel;  ///< of each view, and their number
+    std::vector<std::size_t> first_pixel;  ///< index of each view's first pixel, then the number of pixels
     Aligned<float> light;
     Pixels pixels;
     double picture_importance = 0;
 
     std::size_t rows_in(std::size_t block) const { return block < blocks ? rows_in_block(block, pairs) : k_block; }
     std::size_t first_view_block() const { return blocks + integrals * integral_blocks; }
-    std::size_t whole_blocks() const { return first_view_block() + blocks_for(views * view_rows); }
+    std::size_t total_blocks() const { return first_view_block() + blocks_for(views * view_rows); }
 
-    /// Chunks are what loops over rows take at a time, and whose sums are added in order: k_chunk blocks of pairs, the
-    /// blocks of an integral, or a block of views.
+    /// Loops over rows process one chunk at a time, and add the sums of chunks in order. A chunk is k_chunk blocks
+    /// of pairs, the blocks of one integral, or one block of views.
     static constexpr std::size_t k_chunk = 8;
     std::size_t chunks_of_pairs() const { return (blocks + k_chunk - 1) / k_chunk; }
     std::size_t chunks() const { return chunks_of_pairs() + integrals; }  ///< of pairs and integrals
-    std::size_t whole_chunks() const { return chunks() + whole_blocks() - first_view_block(); }
-    bool is_of_integral(std::size_t block) const { return block >= blocks; }
+    std::size_t total_chunks() const { return chunks() + total_blocks() - first_view_block(); }
+    bool is_integral(std::size_t block) const { return block >= blocks; }
     /// Calls body(chunk, begin, end) for the blocks of the first `count` chunks.
     template <typename Body> void for_chunks(std::size_t count, bool parallel, const Body& body) const {
         for_each(count, parallel, [&](std::size_t chunk) {
@@ -76,7 +77,8 @@ struct Rows {
 
   private:
     void add_views(const std::vector<ObservedView>& views);
-    /// Row i for these directions: `factor` is √w, or its replacement in a sum; f(c) the value of channel c.
+    /// Fills row i for these directions. `factor` is √w, or its replacement in a sum; f(c) is the value of channel
+    /// c.
     template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
 };
 

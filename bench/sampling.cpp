@@ -74,7 +74,7 @@ Result<Done> print_rows(const std::string& path) {
 
     const Evaluate of_pm = evaluator(pm->model), of_su = evaluator(su->model), of_table = evaluator(*measured);
     const Proposal by_pm = propose(of_pm), by_su = propose(su->model), cosine,
-                   by_table = refined(of_table, propose(of_table));
+                   by_table = refine(of_table, propose(of_table));
     const std::pair<const Evaluate&, const Proposal&> columns[] = {
         {of_pm, by_pm}, {of_su, by_su}, {of_table, by_table}, {of_table, by_pm}, {of_table, cosine}};
     for (const double theta : k_thetas) {

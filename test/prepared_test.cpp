@@ -230,7 +230,7 @@ TEST_F(Prepared, NoEvaluatorAnswersWithoutDirections) {
 TEST_F(Prepared, NoProposalAnswersWithoutDirections) {
     const Model su{isotropic_su(64), {}}, pm{random_model(random_, {}), {}};
     const std::vector<Proposal> proposals{CosineProposal{}, propose(su), propose(pm),
-                                          refined(evaluator(pm), propose(evaluator(pm)), {.most_variance = 1e-6})};
+                                          refine(evaluator(pm), propose(evaluator(pm)), {.most_variance = 1e-6})};
     for (const Proposal& proposal : proposals)
         for (const auto& [l, v] : pairs_without_value(false)) {
             EXPECT_EQ(pdf(proposal, l, v), 0) << proposal.index();

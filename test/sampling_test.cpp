@@ -162,14 +162,14 @@ TEST_F(Sampling, DrawsFollowDensitiesThatIntegrateToOne) {
 
 TEST_F(Sampling, WhatIsNotLikeLobesIsDrawnByCells) {
     const MixtureProposal mixture = propose(half_highlight);
-    const Proposal cells = refined(half_highlight, mixture);
+    const Proposal cells = refine(half_highlight, mixture);
     ASSERT_TRUE(std::holds_alternative<TableProposal>(cells));
     for (double theta = 4; theta < 85; theta += 6.7)
         EXPECT_LT(variance(half_highlight, cells, theta), 0.3 * variance(half_highlight, mixture, theta)) << theta;
     const auto matt = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
         std::ranges::fill(f, Rgb{0.3f, 0.3f, 0.3f});
     };
-    EXPECT_TRUE(std::holds_alternative<MixtureProposal>(refined(matt, propose(matt))));
+    EXPECT_TRUE(std::holds_alternative<MixtureProposal>(refine(matt, propose(matt))));
 
     // ∫ cosθ / π = 1 by draws.
     constexpr int count = 50000;

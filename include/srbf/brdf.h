@@ -1,4 +1,4 @@
-// The contract of a BRDF.
+// The interface of a BRDF.
 #pragma once
 #include <concepts>
 #include <functional>
@@ -12,18 +12,19 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// A BRDF is a type with `value(brdf, wl, wv)`: f_r(wl, wv) [1/sr] for each channel, without the cosine. `wl` and `wv`
-/// are unit vectors in the local frame. The value is 0 unless `above_horizon(wl, wv)`, as for a direction with a NaN,
-/// NaN in every channel where a table holds no measurement, and finite and ≥ 0 everywhere else. (A BSDF, see bsdf.h,
-/// also answers with directions below.) Functions of one pair compute in the caller's floating-point mode: with another
-/// rounding than to the nearest their last bits differ. Those on arrays compute in the mode of IEEE 754.
+/// A BRDF is a type with `value(brdf, wl, wv)`: f_r(wl, wv) [1/sr] for each channel, without the cosine. `wl` and
+/// `wv` are unit vectors in the local frame. The value is 0 unless `above_horizon(wl, wv)`, as it is for a
+/// direction with a NaN. It is NaN in every channel where a table holds no measurement, and finite and ≥ 0
+/// everywhere else. (A BSDF, see bsdf.h, also accepts directions below the horizon.) Functions of a single pair use
+/// the caller's floating-point mode: if that does not round to nearest, their last bits differ. Functions on arrays
+/// use the mode of IEEE 754.
 template <typename B>
 concept Brdf = requires(const B& brdf, Vec3f wl, Vec3f wv) {
     { value(brdf, wl, wv) } -> std::same_as<Rgb>;
 };
 
-/// A BRDF as a function on arrays of pairs: f[i] = f_r(wl[i], wv[i]). The three spans have the same length; other ones
-/// end the program. Safe to call from several threads at once.
+/// A BRDF as a function on arrays of pairs: f[i] = f_r(wl[i], wv[i]). The three spans must have the same length;
+/// otherwise the program ends. It may be called from several threads at once.
 using Evaluate = std::function<void(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f)>;
 
 /// f with negative channels set to 0; NaN is kept.
@@ -38,7 +39,7 @@ inline Evaluate non_negative(Evaluate values) {
     };
 }
 
-/// Ends the program unless there are as many of each.
+/// Ends the program unless the three lengths are equal.
 inline void require_equal_lengths(std::size_t wl, std::size_t wv, std::size_t f) {
     if (wl != wv || wl != f) misused("arrays of pairs: expected as many wl, wv and values");
 }
@@ -51,17 +52,17 @@ template <Brdf B> Evaluate evaluator(const B& brdf) {
     };
 }
 
-/// `evaluator` of a temporary, which the function then owns.
+/// `evaluator` of a temporary, which the returned function owns.
 template <typename B>
 requires(Brdf<B> && !std::is_reference_v<B>) Evaluate evaluator(B&& brdf) {
     auto held = std::make_shared<const B>(std::move(brdf));
-    return [held, of = evaluator(*held)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-        of(wl, wv, f);
+    return [held, values = evaluator(*held)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        values(wl, wv, f);
     };
 }
 
-/// A BRDF of C channels on arrays of pairs: f[i C + c] = f_r(wl[i], wv[i]) [1/sr] of channel c; the channels of a pair
-/// are contiguous. The channels are wavelengths, or R, G, B. Safe to call from several threads at once.
+/// A BRDF with C channels on arrays of pairs: f[i C + c] = f_r(wl[i], wv[i]) [1/sr] in channel c; the channels of a
+/// pair are contiguous. The channels are wavelengths, or R, G, B. It may be called from several threads at once.
 struct Channels {
     std::vector<float> wavelengths;  ///< [nm], increasing; empty: the channels are R, G, B
     std::function<void(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<float> f)> evaluate;
@@ -79,9 +80,9 @@ inline Channels rgb_channels(Evaluate brdf) {
             }};
 }
 inline std::vector<Channels> rgb_channels(std::span<const Evaluate> brdfs) {
-    std::vector<Channels> all;
-    for (const Evaluate& brdf : brdfs) all.push_back(rgb_channels(brdf));
-    return all;
+    std::vector<Channels> channels;
+    for (const Evaluate& brdf : brdfs) channels.push_back(rgb_channels(brdf));
+    return channels;
 }
 
 }  // namespace srbf

@@ -7,8 +7,8 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// A map (library.h) ready for a renderer. Copies share what it holds; all functions may be called from several threads at
-/// once.
+/// A map (library.h) ready for a renderer. Copies share its data. All functions may be called from several threads
+/// at once.
 class PreparedMap {
   public:
     struct Contents;
@@ -20,12 +20,13 @@ class PreparedMap {
     std::shared_ptr<const Contents> contents_;
 };
 
-/// Takes some 0.1 s a lobe. Requires a dense map, `width` > 0.
+/// Takes approximately 0.1 s per lobe. Requires a dense map, `width` > 0.
 PreparedMap prepare_map(const Library& map, const ProposeOptions& options = {});
-/// The BRDF at (u, v) of the map, which is repeated: of the coefficients between the four nearest texels (bilinear), where
-/// texel X, Y is at ((X + ½) / width, (Y + ½) / height). It is sampled by a mixture, whose weights at each node are those of
-/// the lobes' own mixtures in proportion to what each lobe reflects, Σ_j β_j a_j w_jk / Σ_j β_j a_j, with β_j in luminance
-/// and a_j the albedo of lobe j; stretch, power and anisotropy axis are those of the mean over the map. Takes some microseconds.
+/// The BRDF at (u, v) of the map, which repeats. Its coefficients are interpolated between the four nearest texels
+/// (bilinear), where texel X, Y is at ((X + ½) / width, (Y + ½) / height). It is sampled by a mixture. The weights
+/// at each node are those of the lobes' own mixtures in proportion to what each lobe reflects, Σ_j β_j a_j w_jk /
+/// Σ_j β_j a_j, with β_j in luminance and a_j the albedo of lobe j. Stretch, power and anisotropy axis are those of
+/// the mean over the map. Takes a few microseconds.
 PreparedBrdf brdf_at(const PreparedMap& map, Vec2f uv);
 
 }  // namespace srbf

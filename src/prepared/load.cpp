@@ -14,47 +14,48 @@ namespace srbf {
 
 namespace {
 
-/// The stack or library and the texel or material that "FILE#NAME" names.
+/// The parts of "FILE#NAME": a stack or library, and a texel or material in it.
 struct TexelName {
     std::string file, name;
 };
-std::optional<TexelName> texel_named(const std::string& path) {
+std::optional<TexelName> parse_texel_name(const std::string& path) {
     const auto sign = path.rfind('#');
-    std::error_code none;
-    if (sign == path.npos || std::filesystem::exists(path, none)) return {};
+    std::error_code ignored;
+    if (sign == path.npos || std::filesystem::exists(path, ignored)) return {};
     return TexelName{path.substr(0, sign), path.substr(sign + 1)};
 }
 
-Result<AnyBrdf> any(Result<Model> model) {
+Result<AnyBrdf> to_any(Result<Model> model) {
     if (!model) return model.error();
     return AnyBrdf(*std::move(model));
 }
 
-/// The model that a name stands for in a library or a stack.
-Result<AnyBrdf> named(std::span<const std::byte> bytes, const TexelName& of, const std::string& path) {
+/// Loads the model with this name from a library or a stack.
+Result<AnyBrdf> load_named(std::span<const std::byte> bytes, const TexelName& texel_name, const std::string& path) {
     if (is_library(bytes)) {
-        const auto library = read_library(bytes, of.file);
+        const auto library = read_library(bytes, texel_name.file);
         if (!library) return library.error();
-        if (const auto t = find_material(*library, of.name)) return AnyBrdf(material(*library, *t));
+        if (const auto index = find_material(*library, texel_name.name)) return AnyBrdf(material(*library, *index));
         return Error{path,
                      {},
                      "material",
                      library->names.empty() ? fmt::format("0 to {}", library->count() - 1)
                                             : fmt::format("a name such as {}", library->names[0]),
-                     fmt::format("{:.80}", of.name),
+                     fmt::format("{:.80}", texel_name.name),
                      ErrorCode::argument};
     }
-    const auto texel = to_number<std::uint64_t>(of.name);
-    if (!texel) return Error{path, {}, "texel", "a number", fmt::format("{:.80}", of.name), ErrorCode::argument};
-    return any(read_texel(bytes, *texel, path));
+    const auto texel = to_number<std::uint64_t>(texel_name.name);
+    if (!texel)
+        return Error{path, {}, "texel", "a number", fmt::format("{:.80}", texel_name.name), ErrorCode::argument};
+    return to_any(read_texel(bytes, *texel, path));
 }
 
 }  // namespace
 
 Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options) {
     return within_memory(path, [&]() -> Result<AnyBrdf> {
-        const auto of_stack = texel_named(path);
-        auto bytes = read_input(of_stack && options.columns.empty() ? of_stack->file : path, options);
+        const auto texel_name = parse_texel_name(path);
+        auto bytes = read_input(texel_name && options.columns.empty() ? texel_name->file : path, options);
         if (!bytes) return bytes.error();
         if (is_safetensors(*bytes) && options.any())
             return Error{path,
@@ -63,8 +64,8 @@ Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options) {
                          "samples, for --columns, --quantity and --floor",
                          "a fitted model",
                          ErrorCode::argument};
-        if (of_stack) return named(*bytes, *of_stack, path);
-        if (is_safetensors(*bytes)) return any(read_model(*bytes, path));
+        if (texel_name) return load_named(*bytes, *texel_name, path);
+        if (is_safetensors(*bytes)) return to_any(read_model(*bytes, path));
         auto measured = read_measured(*std::move(bytes), path, options);
         if (!measured) return measured.error();
         return AnyBrdf(*std::move(measured));
@@ -87,15 +88,15 @@ TableSource table_source(const Model& model) {
     return source;
 }
 
-/// The values of `of`; none once it is cancelled, so that what asks for them ends soon.
-Evaluate until_cancelled(Evaluate of, const ProgressToken& token) {
-    return [of = std::move(of), token](auto wl, auto wv, auto f) {
-        if (!token.cancelled()) of(wl, wv, f);
+/// Evaluates `values` until it is cancelled; then does nothing, so that callers end soon.
+Evaluate until_cancelled(Evaluate values, const ProgressToken& token) {
+    return [values = std::move(values), token](auto wl, auto wv, auto f) {
+        if (!token.cancelled()) values(wl, wv, f);
     };
 }
 
 TableSource source_of(const AnyBrdf& brdf) {
-    return std::visit([](const auto& of) { return table_source(of); }, brdf);
+    return std::visit([](const auto& content) { return table_source(content); }, brdf);
 }
 
 }  // namespace
@@ -103,12 +104,12 @@ TableSource source_of(const AnyBrdf& brdf) {
 bool has_part(const AnyBrdf& brdf, Part part) { return source_of(brdf).has[std::size_t(part)]; }
 
 Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, const Format& format, const TableOptions& options) {
-    const auto refused = [](std::string expected, std::string found) {
+    const auto refuse = [](std::string expected, std::string found) {
         return Error{"table", {}, "input", std::move(expected), std::move(found), ErrorCode::argument};
     };
     TableSource source = source_of(brdf);
-    if (!format.anisotropic && !source.isotropic) return refused("an isotropic BRDF", "an anisotropic one");
-    if (format.one_sided && source.two_sided) return refused("a BRDF", "a BSDF");
+    if (!format.anisotropic && !source.isotropic) return refuse("an isotropic BRDF", "an anisotropic one");
+    if (format.one_sided && source.two_sided) return refuse("a BRDF", "a BSDF");
     source.values = until_cancelled(std::move(source.values), options.progress);
     auto bytes = format.write(source, options);
     if (options.progress.cancelled()) return cancelled_error("table");

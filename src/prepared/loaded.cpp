@@ -1,4 +1,4 @@
-// The page srbf.h by the functions of the other headers.
+// The functions of srbf.h, implemented with those of the other headers.
 #include <atomic>
 
 #include "base/errors.h"
@@ -12,11 +12,11 @@ struct LoadedBrdf::Contents {
     AnyBrdf brdf;
     mutable std::atomic<int> uses = 1;
 
-    explicit Contents(AnyBrdf of) : brdf(std::move(of)) {}
+    explicit Contents(AnyBrdf content) : brdf(std::move(content)) {}
 };
-void add_use(const LoadedBrdf::Contents& of) { of.uses.fetch_add(1, std::memory_order_relaxed); }
-void end_use(const LoadedBrdf::Contents& of) {
-    if (of.uses.fetch_sub(1, std::memory_order_acq_rel) == 1) delete &of;
+void add_use(const LoadedBrdf::Contents& contents) { contents.uses.fetch_add(1, std::memory_order_relaxed); }
+void end_use(const LoadedBrdf::Contents& contents) {
+    if (contents.uses.fetch_sub(1, std::memory_order_acq_rel) == 1) delete &contents;
 }
 
 const AnyBrdf& content(const LoadedBrdf& brdf) { return brdf.contents->brdf; }
@@ -44,7 +44,7 @@ Result<Done> save(const LoadedBrdf& model, const std::string& path) {
 }
 
 PreparedBrdf prepare(const LoadedBrdf& brdf) {
-    return std::visit([](const auto& of) { return prepare(of, ProposeOptions{}); }, content(brdf));
+    return std::visit([](const auto& brdf_content) { return prepare(brdf_content, ProposeOptions{}); }, content(brdf));
 }
 
 }  // namespace srbf

@@ -20,13 +20,13 @@ constexpr std::size_t k_azimuths = 4;
 
 using AlbedoTable = std::array<Rgb, k_albedo_nodes>;
 
-/// w, turned about the normal by quarters of a full turn.
+/// w, rotated about the normal by quarter turns.
 Vec3f quarter_turns(Vec3f w, std::size_t turns) {
     for (; turns > 0; --turns) w = {-w.y, w.x, w.z};
     return w;
 }
-/// The albedo of the view by quadrature, whose points are shared out among four azimuths.
-Rgb integrated(const Evaluate& brdf, const MirrorMixture& mixture, Vec3d view) {
+/// The albedo of a view by quadrature, whose points are distributed over four azimuths.
+Rgb integrate_albedo(const Evaluate& brdf, const MirrorMixture& mixture, Vec3d view) {
     Quadrature points = mixture.quadrature(view, k_albedo_points);
     std::vector<Vec3f> wv(points.w.size());
     for (std::size_t i = 0; i < wv.size(); ++i) {
@@ -44,20 +44,20 @@ Rgb integrated(const Evaluate& brdf, const MirrorMixture& mixture, Vec3d view) {
 }
 AlbedoTable albedo_table(const Evaluate& brdf) {
     const StandardArithmetic mode;
-    constexpr double k_horizon = 1e-7;  // cosθv of the node at it
+    constexpr double k_horizon = 1e-7;  // cosθv of the node at the horizon
     const MirrorMixture mixture(k_pi / 2);
     AlbedoTable table;
     for (std::size_t node = 0; node < table.size(); ++node) {
-        // on one thread: another's task might wait for this table
+        // On one thread: another thread's task might wait for this table.
         const double cosine = std::max(albedo_cosine(int(node)), k_horizon);
-        table[node] = integrated(brdf, mixture, {std::sqrt(1 - cosine * cosine), 0, cosine});
+        table[node] = integrate_albedo(brdf, mixture, {std::sqrt(1 - cosine * cosine), 0, cosine});
     }
     return table;
 }
 
-/// The albedo of a view-by-view model by the integrals of its lobes, which the first call makes.
-struct AlbedoOfViews {
-    explicit AlbedoOfViews(const SuModel& of) : model(of) {}
+/// The albedo of a view-by-view model by the integrals of its lobes, which the first call computes.
+struct ViewAlbedo {
+    explicit ViewAlbedo(const SuModel& su) : model(su) {}
     const SuModel& model;
     std::once_flag has_integrals;
     std::vector<Rgb> integrals;
@@ -77,16 +77,16 @@ struct PreparedBrdf::Contents {
 
     mutable std::atomic<int> uses = 1;
 
-    explicit Contents(BrdfParts of) : parts(std::move(of)) {}
+    explicit Contents(BrdfParts contents_parts) : parts(std::move(contents_parts)) {}
 };
-void add_use(const PreparedBrdf::Contents& of) { of.uses.fetch_add(1, std::memory_order_relaxed); }
-void end_use(const PreparedBrdf::Contents& of) {
-    if (of.uses.fetch_sub(1, std::memory_order_acq_rel) == 1) delete &of;
+void add_use(const PreparedBrdf::Contents& contents) { contents.uses.fetch_add(1, std::memory_order_relaxed); }
+void end_use(const PreparedBrdf::Contents& contents) {
+    if (contents.uses.fetch_sub(1, std::memory_order_acq_rel) == 1) delete &contents;
 }
 
 namespace {
 
-/// A model by its own batch evaluation.
+/// The parts of a model that is evaluated by its own batch evaluation.
 template <typename M> BrdfParts parts_of(std::shared_ptr<const M> held, PreparedBrdf::Value value) {
     const M& model = *held;
     return {std::move(held), value, [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); }, {}};
@@ -98,7 +98,7 @@ template <typename M> PreparedBrdf::Value pair_by_pair() {
     };
 }
 
-// A prepared model holds a copy of it; these two kinds hold more.
+// A prepared model holds a copy of it; these two kinds hold further data.
 template <typename M> BrdfParts parts_of(const M& model) {
     return parts_of(std::make_shared<const M>(model), pair_by_pair<M>());
 }
@@ -110,11 +110,11 @@ BrdfParts parts_of(const SuModel& model) {
     const auto held = std::make_shared<const SuModel>(model);
     BrdfParts parts = parts_of(held, pair_by_pair<SuModel>());
     if (held->discretise == Discretise::view)
-        parts.albedo = [of = std::make_shared<AlbedoOfViews>(*held)](Vec3f wv) { return (*of)(wv); };
+        parts.albedo = [view_albedo = std::make_shared<ViewAlbedo>(*held)](Vec3f wv) { return (*view_albedo)(wv); };
     return parts;
 }
 BrdfParts parts_of(const Model& model) {
-    return std::visit([](const auto& of) { return parts_of(of); }, model.model);
+    return std::visit([](const auto& kind) { return parts_of(kind); }, model.model);
 }
 
 BrdfParts parts_of(Measured&& measured) {
@@ -143,9 +143,9 @@ PreparedBrdf prepare(const Model& model, const ProposeOptions& options) {
     BrdfParts parts = parts_of(model);
     parts.proposal = propose(model, options);
     if (const auto* mixture = std::get_if<MixtureProposal>(&parts.proposal))
-        parts.proposal = refined(parts.evaluate, MixtureProposal(*mixture), options);
-    if (auto* by_view = std::get_if<ViewProposal>(&parts.proposal))
-        by_view->model = static_cast<const SuModel*>(parts.held.get());
+        parts.proposal = refine(parts.evaluate, MixtureProposal(*mixture), options);
+    if (auto* views = std::get_if<ViewProposal>(&parts.proposal))
+        views->model = static_cast<const SuModel*>(parts.held.get());
     return prepare(std::move(parts));
 }
 
@@ -153,7 +153,7 @@ PreparedBrdf prepare(Measured measured, CosineProposal) { return prepare(parts_o
 
 PreparedBrdf prepare(Measured measured, const ProposeOptions& options) {
     BrdfParts parts = parts_of(std::move(measured));
-    parts.proposal = refined(parts.evaluate, propose(parts.evaluate, options), options);
+    parts.proposal = refine(parts.evaluate, propose(parts.evaluate, options), options);
     return prepare(std::move(parts));
 }
 
@@ -182,19 +182,19 @@ Rgb albedo(const PreparedBrdf& brdf, float cos_v) {
         const float cosine = std::min(cos_v, 1.f), sine = std::sqrt(1 - cosine * cosine);
         Rgb mean;
         for (std::size_t turns = 0; turns < k_azimuths; ++turns) {
-            const Rgb of_view = contents.parts.albedo(quarter_turns({sine, 0, cosine}, turns));
-            for (int c = 0; c < 3; ++c) mean[c] += of_view[c] / float(k_azimuths);
+            const Rgb view_albedo = contents.parts.albedo(quarter_turns({sine, 0, cosine}, turns));
+            for (int c = 0; c < 3; ++c) mean[c] += view_albedo[c] / float(k_azimuths);
         }
         return mean;
     }
     std::call_once(contents.has_albedo, [&] { contents.albedo = albedo_table(contents.parts.evaluate); });
-    const float at = albedo_coordinate(std::min(cos_v, 1.f));
-    const auto below = std::size_t(std::min(int(at), k_albedo_nodes - 2));
+    const float position = albedo_coordinate(std::min(cos_v, 1.f));
+    const auto below = std::size_t(std::min(int(position), k_albedo_nodes - 2));
     const Rgb a = contents.albedo[below], b = contents.albedo[below + 1];
-    const float part = at - float(below);
-    Rgb between;
-    for (int c = 0; c < 3; ++c) between[c] = a[c] + part * (b[c] - a[c]);
-    return between;
+    const float fraction = position - float(below);
+    Rgb interpolated;
+    for (int c = 0; c < 3; ++c) interpolated[c] = a[c] + fraction * (b[c] - a[c]);
+    return interpolated;
 }
 
 }  // namespace srbf

@@ -6,119 +6,122 @@
 namespace srbf {
 namespace {
 
-/// A part is drawn from at least so often, relative to the others, where it reflects or transmits anything.
+/// Lower bound on the probability of a part that reflects or transmits anything, relative to the sum of all.
 constexpr float k_least_chance = 1e-3f;
 
-template <typename B> PreparedBsdf prepared(const Parts<B>& parts, const Beams& beams, const ProposeOptions& options) {
-    PreparedBsdf::PreparedParts all;
+template <typename B>
+PreparedBsdf prepare_parts(const Parts<B>& parts, const Beams& beams, const ProposeOptions& options) {
+    PreparedBsdf::PreparedParts ready_parts;
     for (std::size_t p = 0; p < k_parts; ++p) {
-        const Answering<B> of = answering(parts, Part(p));
-        if (!of.brdf) continue;
-        if (!of.exchanged && !parts[p]) {  // the other side's, which is ready
-            if (const auto& ready = all[std::size_t(counterpart(Part(p)))]) {
-                all[p] = ready;
+        const Answering<B> answer = answering(parts, Part(p));
+        if (!answer.brdf) continue;
+        if (!answer.exchanged && !parts[p]) {  // the other side's part, which is ready
+            if (const auto& ready = ready_parts[std::size_t(counterpart(Part(p)))]) {
+                ready_parts[p] = ready;
                 continue;
             }
         }
-        B brdf = *of.brdf;
-        if (of.exchanged) exchange(brdf);
-        all[p] = prepare(std::move(brdf), options);
+        B brdf = *answer.brdf;
+        if (answer.exchanged) exchange(brdf);
+        ready_parts[p] = prepare(std::move(brdf), options);
     }
-    return PreparedBsdf(std::move(all), beams);
+    return PreparedBsdf(std::move(ready_parts), beams);
 }
 
 }  // namespace
 
-PreparedBsdf::PreparedBsdf(PreparedBrdf of_both_sides) : is_brdf_(true) {
-    parts_[std::size_t(Part::reflection_back)] = of_both_sides;
-    parts_[std::size_t(Part::reflection_front)] = std::move(of_both_sides);
+PreparedBsdf::PreparedBsdf(PreparedBrdf both_sides) : is_brdf_(true) {
+    parts_[std::size_t(Part::reflection_back)] = both_sides;
+    parts_[std::size_t(Part::reflection_front)] = std::move(both_sides);
 }
 
 PreparedBsdf::PreparedBsdf(PreparedParts parts, Beams beams) : parts_(std::move(parts)), beams_(std::move(beams)) {}
 
 Rgb value(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {
-    const auto at = to_part_frame(wl, wv);
-    if (!at) return {};
-    const auto& part = bsdf.parts_[std::size_t(at->part)];
-    return part ? value(*part, at->wl, at->wv) : Rgb{};
+    const auto pair = to_part_frame(wl, wv);
+    if (!pair) return {};
+    const auto& part = bsdf.parts_[std::size_t(pair->part)];
+    return part ? value(*part, pair->wl, pair->wv) : Rgb{};
 }
 
 PreparedBsdf::Chances PreparedBsdf::chances(Vec3f wv) const {
-    const bool back = wv.z < 0;
-    const Vec3f straight = mirror(wv);  // from where a beam comes, in a part's frame
-    // The light that is transmitted to the viewer comes from the other side.
-    Chances all{{back ? Part::reflection_back : Part::reflection_front,
-                 back ? Part::transmission_front : Part::transmission_back},
-                {},
-                {},
-                {}};
+    const bool is_back = wv.z < 0;
+    const Vec3f straight = mirror(wv);  // the direction from which a beam comes, in a part's frame
+    // Transmitted light comes from the other side of the surface.
+    Chances chances{{is_back ? Part::reflection_back : Part::reflection_front,
+                     is_back ? Part::transmission_front : Part::transmission_back},
+                    {},
+                    {},
+                    {}};
     float sum = 0;
     for (std::size_t k = 0; k < 2; ++k) {
-        const auto part = std::size_t(all.part[k]);
-        // With one choice alone its albedo, which takes time to make, does not matter.
-        if (parts_[part]) all.of_part[k] = is_brdf_ ? 1 : float(luminance(albedo(*parts_[part], std::abs(wv.z))));
-        all.beam[k] = share_at(beams_, all.part[k], straight);
-        all.of_beam[k] = float(luminance(all.beam[k]));
-        sum += all.of_part[k] + all.of_beam[k];
+        const auto part = std::size_t(chances.part[k]);
+        // With a single choice, its albedo is irrelevant, and expensive to compute.
+        if (parts_[part])
+            chances.part_chance[k] = is_brdf_ ? 1 : float(luminance(albedo(*parts_[part], std::abs(wv.z))));
+        chances.beam[k] = share_at(beams_, chances.part[k], straight);
+        chances.beam_chance[k] = float(luminance(chances.beam[k]));
+        sum += chances.part_chance[k] + chances.beam_chance[k];
     }
-    if (is_brdf_ || !(sum > 0)) return all;
-    float again = 0;
+    if (is_brdf_ || !(sum > 0)) return chances;
+    float total = 0;
     for (std::size_t k = 0; k < 2; ++k) {
-        if (parts_[std::size_t(all.part[k])]) all.of_part[k] = std::max(all.of_part[k], k_least_chance * sum);
-        again += all.of_part[k] + all.of_beam[k];
+        if (parts_[std::size_t(chances.part[k])])
+            chances.part_chance[k] = std::max(chances.part_chance[k], k_least_chance * sum);
+        total += chances.part_chance[k] + chances.beam_chance[k];
     }
-    for (std::size_t k = 0; k < 2; ++k) all.of_part[k] /= again, all.of_beam[k] /= again;
-    return all;
+    for (std::size_t k = 0; k < 2; ++k) chances.part_chance[k] /= total, chances.beam_chance[k] /= total;
+    return chances;
 }
 
 BsdfSample sample(const PreparedBsdf& bsdf, Vec3f wv, Vec2f u, float selector) {
-    BsdfSample drawn;
+    BsdfSample result;
     const auto side = to_part_frame(wv, wv);
-    if (!side) return drawn;
-    const float of_viewer = wv.z < 0 ? -1.f : 1.f;
+    if (!side) return result;
+    const float viewer_side = wv.z < 0 ? -1.f : 1.f;
     const PreparedBsdf::Chances chances = bsdf.chances(wv);
     for (std::size_t k = 0; k < 2; ++k) {
-        const float of_light = k == 0 ? of_viewer : -of_viewer;
-        if (const float chance = chances.of_part[k]; selector < chance) {
+        const float light_side = k == 0 ? viewer_side : -viewer_side;
+        if (const float chance = chances.part_chance[k]; selector < chance) {
             const PreparedBrdf& part = *bsdf.parts_[std::size_t(chances.part[k])];
-            const float again = chance < 1 ? std::min(selector / chance, 0x1.fffffep-1f) : selector;
-            const LightSample light = sample(part, side->wv, u, again);
-            drawn.wl = to_side(light.wl, of_light);
-            drawn.pdf = chance * light.pdf;
+            const float rescaled = chance < 1 ? std::min(selector / chance, 0x1.fffffep-1f) : selector;
+            const LightSample light = sample(part, side->wv, u, rescaled);
+            result.wl = to_side(light.wl, light_side);
+            result.pdf = chance * light.pdf;
             if (light.pdf > 0)
-                drawn.weight = {light.weight.r / chance, light.weight.g / chance, light.weight.b / chance};
-            return drawn;
+                result.weight = {light.weight.r / chance, light.weight.g / chance, light.weight.b / chance};
+            return result;
         }
-        selector -= chances.of_part[k];
-        if (const float chance = chances.of_beam[k]; selector < chance) {
-            drawn.wl = to_side(mirror(side->wv), of_light);
-            drawn.is_beam = true;
-            drawn.weight = {chances.beam[k].r / chance, chances.beam[k].g / chance, chances.beam[k].b / chance};
-            return drawn;
+        selector -= chances.part_chance[k];
+        if (const float chance = chances.beam_chance[k]; selector < chance) {
+            result.wl = to_side(mirror(side->wv), light_side);
+            result.is_beam = true;
+            result.weight = {chances.beam[k].r / chance, chances.beam[k].g / chance, chances.beam[k].b / chance};
+            return result;
         }
-        selector -= chances.of_beam[k];
+        selector -= chances.beam_chance[k];
     }
-    return drawn;
+    return result;
 }
 
 float pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {
-    const auto at = to_part_frame(wl, wv);
-    if (!at || !bsdf.parts_[std::size_t(at->part)]) return 0;
+    const auto pair = to_part_frame(wl, wv);
+    if (!pair || !bsdf.parts_[std::size_t(pair->part)]) return 0;
     const auto chances = bsdf.chances(wv);
-    return chances.of_part[std::size_t(is_transmission(at->part))] *
-           pdf(*bsdf.parts_[std::size_t(at->part)], at->wl, at->wv);
+    return chances.part_chance[std::size_t(is_transmission(pair->part))] *
+           pdf(*bsdf.parts_[std::size_t(pair->part)], pair->wl, pair->wv);
 }
 
 PreparedBsdf prepare_bsdf(const Model& model, const ProposeOptions& options) {
     const auto* bsdf = std::get_if<BsdfModel>(&model.model);
-    return bsdf ? prepared(bsdf->part, bsdf->beam, options) : PreparedBsdf(prepare(model, options));
+    return bsdf ? prepare_parts(bsdf->part, bsdf->beam, options) : PreparedBsdf(prepare(model, options));
 }
 
 PreparedBsdf prepare_bsdf(const Measured& measured, const ProposeOptions& options) {
     const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
     if (!bsdf) return PreparedBsdf(prepare(measured, options));
     Parts<Measured> parts = bsdf->band().part;
-    if (!measured.exchanged) return prepared(parts, bsdf->band().beam, options);
+    if (!measured.exchanged) return prepare_parts(parts, bsdf->band().beam, options);
     for (auto& part : parts) {
         if (!part) continue;
         Measured copy = *part;
@@ -126,7 +129,7 @@ PreparedBsdf prepare_bsdf(const Measured& measured, const ProposeOptions& option
         part = std::make_shared<const Measured>(std::move(copy));
     }
     std::swap(parts[std::size_t(Part::transmission_front)], parts[std::size_t(Part::transmission_back)]);
-    return prepared(parts, bsdf->band().beam, options);
+    return prepare_parts(parts, bsdf->band().beam, options);
 }
 
 }  // namespace srbf

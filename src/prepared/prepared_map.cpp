@@ -15,7 +15,7 @@ namespace {
 
 using Row = MixtureProposal::Row;
 constexpr std::size_t k_nodes = MixtureProposal::k_nodes, k_mixed = MixtureProposal::k_lobes;
-constexpr float k_least_cosine_of_view = 1e-3f;  // at which the last node is made
+constexpr float k_least_cosine_of_view = 1e-3f;  // cosine of the last node's view
 
 PmModel with_coefficients(PmModel basis, std::vector<Rgb> coefficient) {
     basis.coefficient = std::move(coefficient);
@@ -28,7 +28,8 @@ std::vector<Rgb> mean_coefficients(const Library& map) {
         for (std::size_t c = 0; c < 3; ++c) sum[i % J][c] += double(map.coefficient[i][int(c)]);
     std::vector<Rgb> mean;
     const double T = double(map.count());
-    for (const auto& of : sum) mean.push_back({float(of[0] / T), float(of[1] / T), float(of[2] / T)});
+    for (const auto& channel_sums : sum)
+        mean.push_back({float(channel_sums[0] / T), float(channel_sums[1] / T), float(channel_sums[2] / T)});
     return mean;
 }
 
@@ -36,72 +37,72 @@ std::vector<Rgb> mean_coefficients(const Library& map) {
 
 struct PreparedMap::Contents {
     std::size_t width = 0, height = 0;
-    std::vector<Rgb> coefficient;  // texels in rows, each with J of them
-    PmLanes lanes;                 // of the basis
-    MixtureProposal proposal;      // of the mean over the map
-    std::vector<std::array<Row, k_nodes>> of_lobe =
-        {};  // a_j w_jk: what a mixture's lobe draws of what basis lobe j reflects
+    std::vector<Rgb> coefficient;  // rows of texels, each with J coefficients
+    PmLanes lanes;                 // lanes of the basis
+    MixtureProposal proposal;      // the proposal for the mean over the map
+    // a_j w_jk: the weight of mixture lobe k for the light that basis lobe j reflects
+    std::vector<std::array<Row, k_nodes>> lobe_weights = {};
 };
 
-PreparedMap prepare_map(const Library& map, const ProposeOptions& of_caller) {
+PreparedMap prepare_map(const Library& map, const ProposeOptions& caller_options) {
     assert(map.dense() && map.width > 0);
-    ProposeOptions options = of_caller;
-    options.most_variance = std::numeric_limits<double>::infinity();  // mixtures alone, which are blended
+    ProposeOptions options = caller_options;
+    options.most_variance = std::numeric_limits<double>::infinity();  // mixtures only, because they are blended
     const auto J = std::size_t(map.basis.lobes), width = std::size_t(map.width);
-    const auto proposal_of = [&](std::vector<Rgb> coefficient) {
+    const auto prepare_with = [&](std::vector<Rgb> coefficient) {
         return prepare({with_coefficients(map.basis, std::move(coefficient)), {}}, options);
     };
     const auto mixture_of = [](const PreparedBrdf& brdf) { return std::get<MixtureProposal>(proposal(brdf)); };
     auto contents = std::make_shared<PreparedMap::Contents>(
         PreparedMap::Contents{width, map.count() / width, map.coefficient, PmLanes(map.basis),
-                              mixture_of(proposal_of(mean_coefficients(map)))});
-    contents->of_lobe.resize(J);
+                              mixture_of(prepare_with(mean_coefficients(map)))});
+    contents->lobe_weights.resize(J);
     for (std::size_t j = 0; j < J; ++j) {
-        std::vector<Rgb> alone(J);
-        alone[j] = {1, 1, 1};
-        const PreparedBrdf lobe = proposal_of(std::move(alone));
+        std::vector<Rgb> single(J);
+        single[j] = {1, 1, 1};
+        const PreparedBrdf lobe = prepare_with(std::move(single));
         for (std::size_t node = 0; node < k_nodes; ++node) {
             const float root = 1 - float(node) / float(k_nodes - 1);
             const float reflected = albedo(lobe, std::max(root * root, k_least_cosine_of_view)).g;
             const Row weight = mixture_of(lobe).weight(node);
-            for (std::size_t k = 0; k < k_mixed; ++k) contents->of_lobe[j][node][k] = reflected * weight[k];
+            for (std::size_t k = 0; k < k_mixed; ++k) contents->lobe_weights[j][node][k] = reflected * weight[k];
         }
     }
     return PreparedMap(std::move(contents));
 }
 
 PreparedBrdf brdf_at(const PreparedMap& map, Vec2f uv) {
-    const PreparedMap::Contents& of = *map.contents_;
-    const std::size_t J = of.of_lobe.size();
+    const PreparedMap::Contents& contents = *map.contents_;
+    const std::size_t J = contents.lobe_weights.size();
     struct Between {
         std::size_t texel[2];
         float weight[2];
     };
     const auto between = [](float u, std::size_t count) {
-        const float part = u - std::floor(u);  // not a number if u is none
+        const float part = u - std::floor(u);  // NaN if u is not finite
         const float x = (part < 1 ? part : 0) * float(count) - 0.5f, below = std::floor(x);
         const auto i = std::size_t(below + float(count)) % count;  // x ≥ −½
         return Between{{i, (i + 1) % count}, {1 - (x - below), x - below}};
     };
-    const Between column = between(uv.x, of.width), row = between(uv.y, of.height);
+    const Between column = between(uv.x, contents.width), row = between(uv.y, contents.height);
     std::vector<Rgb> coefficient(J);
     for (const int y : {0, 1})
         for (const int x : {0, 1}) {
-            const Rgb* const beta = &of.coefficient[(row.texel[y] * of.width + column.texel[x]) * J];
+            const Rgb* const beta = &contents.coefficient[(row.texel[y] * contents.width + column.texel[x]) * J];
             for (std::size_t j = 0; j < J; ++j)
                 for (int c = 0; c < 3; ++c) coefficient[j][c] += row.weight[y] * column.weight[x] * beta[j][c];
         }
-    const auto held = std::make_shared<const PmLanes>(of.lanes.with_coefficients(coefficient));
-    MixtureProposal proposal = of.proposal;
+    const auto held = std::make_shared<const PmLanes>(contents.lanes.with_coefficients(coefficient));
+    MixtureProposal proposal = contents.proposal;
     for (std::size_t node = 0; node < k_nodes; ++node) {
         Row weight{};
         for (std::size_t j = 0; j < J; ++j) {
             const float beta = float(luminance(coefficient[j]));
-            for (std::size_t k = 0; k < k_mixed; ++k) weight[k] += beta * of.of_lobe[j][node][k];
+            for (std::size_t k = 0; k < k_mixed; ++k) weight[k] += beta * contents.lobe_weights[j][node][k];
         }
         float sum = 0;
         for (const float w : weight) sum += w;
-        if (!(sum > 0)) weight = {1}, sum = 1;  // the cosine of a black texel
+        if (!(sum > 0)) weight = {1}, sum = 1;  // a black texel is sampled by the cosine
         for (float& w : weight) w /= sum;
         proposal.set_weights(node, std::span<const float, k_mixed>(weight));
     }

@@ -18,19 +18,20 @@ namespace {
 using K = Kernel<float>;
 
 constexpr int k_steps = 200;
-constexpr int k_points = 64;            // of each lobe, for each view
-constexpr double k_lowest_view = .001;  // cosθv at which the last node is made, for at 0 nothing is reflected
+constexpr int k_points = 64;            // for each lobe and view
+constexpr double k_lowest_view = .001;  // cosθv of the last node: nothing is reflected at 0
 constexpr float k_least_weight = 1e-3f;
-/// The share of draws that a node may lose at any of its elevations, and what losing all is made to cost until it does not,
-/// relative to the second moment.
+/// The fraction of samples that may be lost at any elevation of a node, and the costs of losing all samples,
+/// relative to the second moment. They are tried one after the other until no more is lost.
 constexpr double k_most_lost = 0.0075;
 constexpr double k_costs_of_loss[] = {0, 10, 20, 40, 80, 160, 320, 640};
-/// Anisotropic BRDFs use only the first ones; larger penalties double the variance at 75°.
-constexpr std::size_t k_costs_with_grain = 4;
-// The gains of the second moment that justify an anisotropy axis, and a step of a lobe's shape.
+/// Anisotropic BRDFs use only the first costs: larger ones double the variance at 75°.
+constexpr std::size_t k_costs_with_axis = 4;
+// The relative gains of the second moment that justify an anisotropy axis, and a step of a lobe's shape.
 constexpr double k_least_gain = 0.01, k_least_change = 0.002;
 
-/// Adds to `points` directions drawn for a view, of which `density` [1/sr] are drawn at each.
+/// Adds to `points` directions sampled for a view. `density` is the number of samples per solid angle at each
+/// [1/sr].
 void add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std::span<const double> density,
                 SamplingPoints& points) {
     std::vector<Rgb> f(wl.size());
@@ -47,7 +48,8 @@ void add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std::
         if (squared[i] > 0) points.add(wl[i], wv, float(squared[i] / (albedo * albedo)));
 }
 
-/// Adds to `wl` a lattice of `count` directions drawn from a lobe by `sample(u1, u2)`, but for those below the horizon.
+/// Adds to `wl` a lattice of `count` directions of a lobe, made by `sample(u1, u2)`, without those below the
+/// horizon.
 template <typename Sample> void add_lattice(int count, const Sample& sample, std::vector<Vec3f>& wl) {
     for (int i = 0; i < count; ++i) {
         const double golden = (std::sqrt(5.0) - 1) / 2;
@@ -56,8 +58,8 @@ template <typename Sample> void add_lattice(int count, const Sample& sample, std
     }
 }
 
-/// The weights of least variance over the points, of which lobe 0 (the cosine) keeps `k_least_cosine`; without points
-/// the cosine alone. `lost`: the share of each lobe's draws that is lost.
+/// The weights of least variance over the points. Lobe 0 (the cosine) keeps `k_least_cosine`; without points it is
+/// alone. `lost`: the fraction of each lobe's samples that is lost.
 std::vector<float> best_weights(const SamplingPoints& points, std::size_t lobes, int steps,
                                 std::span<const double> lost = {}, double cost_of_loss = 0) {
     std::vector<float> weight(lobes, points.size() ? 1 / float(lobes) : 0);
@@ -81,33 +83,33 @@ std::vector<float> best_weights(const SamplingPoints& points, std::size_t lobes,
 }
 
 K::Stretch map_of(const ProposalShape& shape, Vec3f wv) {
-    return K::stretch_along(shape.is_grain() ? Vec3f(shape.cosine, shape.sine, 0) : wv, shape.stretch);
+    return K::stretch_along(shape.has_axis() ? Vec3f(shape.cosine, shape.sine, 0) : wv, shape.stretch);
 }
 
-/// Adds to `wl` a lattice of `count` draws of lobe k, so shaped, for a view, but for those that are lost.
+/// Adds to `wl` a lattice of `count` samples of lobe k of this shape for a view, without those that are lost.
 void add_draws(int count, int k, const ProposalShape& shape, Vec3f wv, std::vector<Vec3f>& wl) {
     const K::Stretch map = map_of(shape, wv);
     add_lattice(
         count, [&](float u1, float u2) { return K::sample_proposal_lobe(k, wv, map, shape.power, u1, u2); }, wl);
 }
 
-/// The points of these views, `count` of each lobe of these shapes for each of them; their densities are of the first
-/// shape.
-SamplingPoints points_at(const Evaluate& brdf, std::span<const Vec3f> views, int count,
-                         std::initializer_list<ProposalShape> shapes) {
+/// Points for these views, `count` for each of them and for each lobe of these shapes. Their densities are those of
+/// the first shape.
+SamplingPoints make_points(const Evaluate& brdf, std::span<const Vec3f> views, int count,
+                           std::initializer_list<ProposalShape> shapes) {
     SamplingPoints points;
     for (const Vec3f wv : views) {
         std::vector<Vec3f> wl;
         for (const ProposalShape& shape : shapes)
             for (int k = 0; k < MixtureProposal::k_lobes; ++k) add_draws(count, k, shape, wv, wl);
-        SamplingPoints drawn;
-        for (const Vec3f& w : wl) drawn.add(w, wv, 1);
-        drawn.pad();
+        SamplingPoints samples;
+        for (const Vec3f& w : wl) samples.add(w, wv, 1);
+        samples.pad();
         std::vector<double> density(wl.size());
         for (const ProposalShape& shape : shapes) {
-            set_densities(drawn, shape);
-            for (const auto& of_lobe : drawn.density)
-                for (std::size_t i = 0; i < wl.size(); ++i) density[i] += count * double(of_lobe[i]);
+            set_densities(samples, shape);
+            for (const auto& lobe_density : samples.density)
+                for (std::size_t i = 0; i < wl.size(); ++i) density[i] += count * double(lobe_density[i]);
         }
         add_points(brdf, wv, wl, density, points);
     }
@@ -116,8 +118,8 @@ SamplingPoints points_at(const Evaluate& brdf, std::span<const Vec3f> views, int
     return points;
 }
 
-/// The share of each lobe's draws that have no direction, at that elevation of these views where it is largest; so many
-/// views are of one elevation.
+/// The fraction of each lobe's samples that have no direction, at the elevation of these views where it is largest.
+/// Each group of `azimuths` views has one elevation.
 std::vector<double> lost_draws(std::span<const Vec3f> views, std::size_t azimuths, const ProposalShape& shape) {
     constexpr int count = 256;
     std::vector<double> lost(MixtureProposal::k_lobes);
@@ -125,13 +127,13 @@ std::vector<double> lost_draws(std::span<const Vec3f> views, std::size_t azimuth
         for (std::size_t first = 0; first < views.size(); first += azimuths) {
             std::vector<Vec3f> wl;
             for (const Vec3f wv : views.subspan(first, azimuths)) add_draws(count, k, shape, wv, wl);
-            const double share = 1 - double(wl.size()) / (count * double(azimuths));
-            lost[std::size_t(k)] = std::max(lost[std::size_t(k)], share);
+            const double fraction = 1 - double(wl.size()) / (count * double(azimuths));
+            lost[std::size_t(k)] = std::max(lost[std::size_t(k)], fraction);
         }
     return lost;
 }
 
-/// The views at cosθv = z.
+/// Views at cosθv = z.
 std::vector<Vec3f> views_at(double z, int azimuths) {
     std::vector<Vec3f> views;
     for (int i = 0; i < azimuths; ++i)
@@ -139,42 +141,42 @@ std::vector<Vec3f> views_at(double z, int azimuths) {
     return views;
 }
 
-/// The views at a node and a third of the way to its neighbours: a table's highlights differ between the views that were
-/// measured.
+/// The views at a node and a third of the way to its neighbours, because a table's highlights differ between
+/// measured views.
 std::vector<Vec3f> views_about(std::size_t node, int azimuths) {
     std::vector<Vec3f> views;
-    for (const double beside : {-1. / 3, 0., 1. / 3}) {
-        const double x = (double(node) + beside) / (MixtureProposal::k_nodes - 1);
+    for (const double offset : {-1. / 3, 0., 1. / 3}) {
+        const double x = (double(node) + offset) / (MixtureProposal::k_nodes - 1);
         if (x < 0 || x > 1) continue;
-        const std::vector<Vec3f> some = views_at(std::max((1 - x) * (1 - x), k_lowest_view), azimuths);
-        views.insert(views.end(), some.begin(), some.end());
+        const std::vector<Vec3f> shifted = views_at(std::max((1 - x) * (1 - x), k_lowest_view), azimuths);
+        views.insert(views.end(), shifted.begin(), shifted.end());
     }
     return views;
 }
 
-/// The second moment of f cosθl / pdf with the best weights, over the square of its mean.
+/// The second moment of f cosθl / pdf for the best weights, relative to the square of its mean.
 double least_moment(const SamplingPoints& points) {
     constexpr int steps = 30;
     std::vector<double> slope(MixtureProposal::k_lobes);
     return set_slopes(points, best_weights(points, slope.size(), steps), slope);
 }
 
-/// The shapes that are tried: stretches 0.8^i and powers 0.8^(2 - 2 j), i from -k_most_step and j from 0 to
+/// The candidate shapes: stretches 0.8^i and powers 0.8^(2 - 2 j), for i from -k_most_step and j from 0 to
 /// k_most_step.
 constexpr int k_most_step = 6;
 
-/// The shape whose moment at these views is least among its neighbours, found by descent. Along an anisotropy axis the stretch
-/// remains.
+/// The shape with the least moment at these views among its neighbours, found by descent. With an anisotropy axis
+/// the stretch is kept.
 ProposalShape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, const ProposalShape& start) {
     constexpr int count = 12;
     const auto shape_at = [&](int i, int j) {
         ProposalShape shape = start;
-        if (!start.is_grain()) shape.stretch = float(elementary::pow(0.8, i));
+        if (!start.has_axis()) shape.stretch = float(elementary::pow(0.8, i));
         shape.power = float(elementary::pow(0.8, 2 - 2 * j));
         return shape;
     };
-    // All shapes use the same points, drawn from a wide shape and a narrow one.
-    SamplingPoints points = points_at(brdf, views, count, {shape_at(0, 1), shape_at(4, 3)});
+    // All shapes use the same points, sampled from a wide shape and a narrow one.
+    SamplingPoints points = make_points(brdf, views, count, {shape_at(0, 1), shape_at(4, 3)});
     std::array<std::array<double, k_most_step + 1>, 2 * k_most_step + 1> known{};
     const auto moment = [&](int i, int j) {
         double& value = known[std::size_t(i + k_most_step)][std::size_t(j)];
@@ -182,29 +184,29 @@ ProposalShape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, con
         set_densities(points, shape_at(i, j));
         return value = least_moment(points);
     };
-    const int most_i = start.is_grain() ? 0 : k_most_step;
-    int at_i = std::min(1, most_i), at_j = 2;
+    const int max_i = start.has_axis() ? 0 : k_most_step;
+    int best_i = std::min(1, max_i), best_j = 2;
     for (bool better = true; better;) {
         better = false;
-        const int from_i = at_i, from_j = at_j;
-        for (int i = std::max(from_i - 1, -most_i); i <= std::min(from_i + 1, most_i); ++i)
-            for (int j = std::max(from_j - 1, 0); j <= std::min(from_j + 1, k_most_step); ++j)
-                if (moment(i, j) < (1 - k_least_change) * moment(at_i, at_j)) at_i = i, at_j = j, better = true;
+        const int centre_i = best_i, centre_j = best_j;
+        for (int i = std::max(centre_i - 1, -max_i); i <= std::min(centre_i + 1, max_i); ++i)
+            for (int j = std::max(centre_j - 1, 0); j <= std::min(centre_j + 1, k_most_step); ++j)
+                if (moment(i, j) < (1 - k_least_change) * moment(best_i, best_j)) best_i = i, best_j = j, better = true;
     }
-    return shape_at(at_i, at_j);
+    return shape_at(best_i, best_j);
 }
 
-/// Sets what there is at a node.
+/// Computes the weights, stretch and power of one node.
 void make_node(const Evaluate& brdf, std::size_t node, int azimuths, MixtureProposal& proposal) {
     const std::vector<Vec3f> views = views_about(node, azimuths);
     ProposalShape shape{proposal.stretch[node], proposal.power[node], proposal.cosine, proposal.sine};
-    // At the normal the plane of incidence is none.
+    // At the normal the plane of incidence is undefined.
     if (node > 0) shape = best_shape(brdf, views, shape);
-    const SamplingPoints points = points_at(brdf, views, k_points, {shape});
+    const SamplingPoints points = make_points(brdf, views, k_points, {shape});
     const std::vector<double> lost = lost_draws(views, std::size_t(azimuths), shape);
     std::vector<float> weight;
     const std::span costs(k_costs_of_loss);
-    for (const double cost : costs.first(shape.is_grain() ? k_costs_with_grain : costs.size())) {
+    for (const double cost : costs.first(shape.has_axis() ? k_costs_with_axis : costs.size())) {
         weight = best_weights(points, MixtureProposal::k_lobes, k_steps, lost, cost);
         if (std::inner_product(lost.begin(), lost.end(), weight.begin(), 0.0) <= k_most_lost) break;
     }
@@ -212,22 +214,23 @@ void make_node(const Evaluate& brdf, std::size_t node, int azimuths, MixtureProp
     proposal.stretch[node] = shape.stretch, proposal.power[node] = shape.power;
 }
 
-/// Sets the anisotropy axis, and the stretch along it.
-void find_grain(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
+/// Sets the anisotropy axis and the stretch along it.
+void find_axis(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
     constexpr std::size_t azimuths = 12;
     constexpr int count = 32;
     const std::vector<Vec3f> views = views_at(std::sqrt(0.5), 8);
-    std::array<ProposalShape, azimuths * k_stretches.size()> tried;
-    std::array<double, tried.size()> moment;
-    parallel_for(tried.size(), threads, [&](std::size_t i) {
+    std::array<ProposalShape, azimuths * k_stretches.size()> candidates;
+    std::array<double, candidates.size()> moment;
+    parallel_for(candidates.size(), threads, [&](std::size_t i) {
         const double azimuth = k_pi * double(i % azimuths) / azimuths;
-        tried[i] = {k_stretches[i / azimuths], 1, float(elementary::cos(azimuth)), float(elementary::sin(azimuth))};
-        moment[i] = least_moment(points_at(brdf, views, count, {tried[i]}));
+        candidates[i] = {k_stretches[i / azimuths], 1, float(elementary::cos(azimuth)),
+                         float(elementary::sin(azimuth))};
+        moment[i] = least_moment(make_points(brdf, views, count, {candidates[i]}));
     });
     const auto best = std::size_t(std::min_element(moment.begin(), moment.end()) - moment.begin());
     if (!(moment[best] < (1 - k_least_gain) * moment[0])) return;
-    proposal.stretch.fill(tried[best].stretch);
-    proposal.cosine = tried[best].cosine, proposal.sine = tried[best].sine;
+    proposal.stretch.fill(candidates[best].stretch);
+    proposal.cosine = candidates[best].cosine, proposal.sine = candidates[best].sine;
 }
 
 }  // namespace
@@ -248,7 +251,7 @@ MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
     const StandardArithmetic mode;
     assert(brdf && options.azimuths >= 1);
     MixtureProposal proposal;
-    if (options.azimuths > 1) find_grain(brdf, options.threads, proposal);
+    if (options.azimuths > 1) find_axis(brdf, options.threads, proposal);
     parallel_for(MixtureProposal::k_nodes, options.threads,
                  [&](std::size_t node) { make_node(brdf, node, options.azimuths, proposal); });
     return proposal;

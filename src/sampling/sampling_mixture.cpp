@@ -1,11 +1,12 @@
-// Draws and densities of a mixture, its lobes in the lanes of vectors; and densities of the points by which its weights
-// are found, these in the lanes.
+// Sampling and densities of a mixture, with its lobes in the lanes of vectors; and densities at the points that
+// determine its weights, with points in the lanes.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
 
+#include "sampling/elevation_nodes.h"
 #include "sampling/sampling_points.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -18,29 +19,23 @@
 #define SRBF_SAMPLING_MIXTURE
 namespace srbf {
 
-/// The numbers of the lobes, side by side: those of directions to the light, then as many of half vectors.
+/// The parameters of the lobes, as columns: lobes of light directions, then as many lobes of half vectors.
 struct LobeTable {
-    static constexpr int k_count = MixtureProposal::k_lobes, k_of_kind = SRBF_FIRST_HALF_VECTOR_LOBE;
-    static_assert(k_count == 2 * k_of_kind);
-    using Row = std::array<float, k_of_kind>;
-    /// Lobes of directions, about the mirror direction. A cosine is a lobe of bandwidth 0 there.
+    static constexpr int k_count = MixtureProposal::k_lobes, k_per_kind = SRBF_FIRST_HALF_VECTOR_LOBE;
+    static_assert(k_count == 2 * k_per_kind);
+    using Row = std::array<float, k_per_kind>;
+    /// Lobes of directions around the mirror direction. A cosine has bandwidth 0.
     alignas(32) Row bandwidth, width, scale, rest;
-    /// The polynomial in cosθl that multiplies their densities, of which at −cosθl the constant is left.
+    /// The polynomial in cosθl that multiplies their densities. At −cosθl only the constant is left.
     alignas(32) Row constant, linear, square;
     /// Lobes of half vectors. `weighted` is 1, or 0 for the lobe that is not weighted by its visibility.
     alignas(32) Row half_bandwidth, weighted;
 };
 
-/// Between which nodes a view is, and the part of the upper one.
-struct NodesAbout {
-    std::size_t below;
-    float part;
-};
-
-/// A view as its mixture takes it.
-struct ViewOfMixture {
+/// A view direction, with the parameters that the mixture interpolates for it.
+struct MixtureView {
     Vec3f wv;
-    NodesAbout nodes;
+    NodePosition nodes;
     Kernel<float>::Stretch map;
     float sharpness;
 };
@@ -53,104 +48,108 @@ namespace srbf {
 namespace HWY_NAMESPACE {
 
 // A vector of lobes of one kind.
-using Lobes = BatchOf<hn::CappedTag<float, LobeTable::k_of_kind>, true>;
-// Few of what all lobes have in common.
-using Few = BatchOf<hn::CappedTag<float, 4>, true>;
+using LobeLanes = BatchOf<hn::CappedTag<float, LobeTable::k_per_kind>, true>;
+// A short vector for values that all lobes share.
+using FourLanes = BatchOf<hn::CappedTag<float, 4>, true>;
 
-template <typename Lanes> HWY_INLINE Lanes in_all(float x) { return Lanes(double(x)); }
-template <typename Lanes> HWY_INLINE Vec3<Lanes> in_all(const Vec3f& w) {
-    return {in_all<Lanes>(w.x), in_all<Lanes>(w.y), in_all<Lanes>(w.z)};
+template <typename Lanes> HWY_INLINE Lanes broadcast(float x) { return Lanes(double(x)); }
+template <typename Lanes> HWY_INLINE Vec3<Lanes> broadcast(const Vec3f& w) {
+    return {broadcast<Lanes>(w.x), broadcast<Lanes>(w.y), broadcast<Lanes>(w.z)};
 }
-template <typename Lanes> HWY_INLINE auto in_all(const Kernel<float>::Stretch& map) {
-    return typename Formulas<Lanes, PmModel>::Stretch{in_all<Lanes>(map.x), in_all<Lanes>(map.y),
-                                                      in_all<Lanes>(map.stretch_minus_1),
-                                                      in_all<Lanes>(map.inverse_minus_1), in_all<Lanes>(map.inverse)};
+template <typename Lanes> HWY_INLINE auto broadcast(const Kernel<float>::Stretch& map) {
+    return typename Formulas<Lanes, PmModel>::Stretch{
+        broadcast<Lanes>(map.x), broadcast<Lanes>(map.y), broadcast<Lanes>(map.stretch_minus_1),
+        broadcast<Lanes>(map.inverse_minus_1), broadcast<Lanes>(map.inverse)};
 }
-// The first few lanes.
-template <typename D> HWY_INLINE Few the_first(hn::Vec<D> v) {
+// The first four lanes.
+template <typename D> HWY_INLINE FourLanes first_four(hn::Vec<D> v) {
     if constexpr (hn::MaxLanes(D()) > 4)
-        return the_first<hn::Half<D>>(hn::LowerHalf(hn::Half<D>(), v));
+        return first_four<hn::Half<D>>(hn::LowerHalf(hn::Half<D>(), v));
     else
         return v;
 }
-HWY_INLINE Lobes everywhere(float x) { return in_all<Lobes>(x); }
+HWY_INLINE LobeLanes broadcast_lobes(float x) { return broadcast<LobeLanes>(x); }
 
-// Without branches, which could not be foreseen; `at` is less than the last node, so that there is an upper one.
-HWY_INLINE NodesAbout nodes_about(float z) {
+// Branch-free: branches would be unpredictable. The position is below the last node, so that there is an upper one.
+HWY_INLINE NodePosition node_position(float z) {
     constexpr float last = MixtureProposal::k_nodes - 1;
-    const Few at =
-        min(max(in_all<Few>(last) * (Few(1.0) - sqrt(in_all<Few>(z))), Few(0.0)), in_all<Few>(last * (1 - 1e-7f)));
-    return {std::size_t(int(hn::GetLane(at.v))), hn::GetLane((at - Few(hn::Floor(at.v))).v)};
+    const FourLanes position =
+        min(max(broadcast<FourLanes>(last) * (FourLanes(1.0) - sqrt(broadcast<FourLanes>(z))), FourLanes(0.0)),
+            broadcast<FourLanes>(last * (1 - 1e-7f)));
+    return {std::size_t(int(hn::GetLane(position.v))), hn::GetLane((position - FourLanes(hn::Floor(position.v))).v)};
 }
-HWY_INLINE ViewOfMixture view_of(const MixtureProposal& proposal, const Vec3f& wv) {
-    const NodesAbout nodes = nodes_about(wv.z);
-    const auto between = [&](const auto& row) {
-        return row[nodes.below] + nodes.part * (row[nodes.below + 1] - row[nodes.below]);
+HWY_INLINE MixtureView view_of(const MixtureProposal& proposal, const Vec3f& wv) {
+    const NodePosition nodes = node_position(wv.z);
+    const auto interpolate = [&](const auto& row) {
+        return row[nodes.below] + nodes.fraction * (row[nodes.below + 1] - row[nodes.below]);
     };
-    return {wv, nodes, Kernel<float>::stretch_along(tangent(proposal, wv), between(proposal.stretch)),
-            Kernel<float>::visibility_sharpness(wv, between(proposal.power))};
+    return {wv, nodes, Kernel<float>::stretch_along(tangent(proposal, wv), interpolate(proposal.stretch)),
+            Kernel<float>::visibility_sharpness(wv, interpolate(proposal.power))};
 }
 
-HWY_INLINE Lobes between(const MixtureProposal::Row& low, const MixtureProposal::Row& high, float part, int first) {
-    const Lobes a = Lobes::load(&low[std::size_t(first)]), b = Lobes::load(&high[std::size_t(first)]);
-    return a + everywhere(part) * (b - a);
+HWY_INLINE LobeLanes interpolate(const MixtureProposal::Row& low, const MixtureProposal::Row& high, float part,
+                                 int first) {
+    const LobeLanes a = LobeLanes::load(&low[std::size_t(first)]), b = LobeLanes::load(&high[std::size_t(first)]);
+    return a + broadcast_lobes(part) * (b - a);
 }
 
-HWY_INLINE Lobes at(const LobeTable::Row& row, int k) { return Lobes::load(&row[std::size_t(k)]); }
+HWY_INLINE LobeLanes load_row(const LobeTable::Row& row, int k) { return LobeLanes::load(&row[std::size_t(k)]); }
 
-// A mixture as a viewer sees it, its lobes in the lanes of one vector after the other.
-struct Seen {
-    using F = Formulas<Lobes, PmModel>;
-    static constexpr int k_vectors = LobeTable::k_of_kind / int(sizeof(Lobes) / sizeof(float));  // of each kind
+// A mixture for one view direction, with its lobes in the lanes of consecutive vectors.
+struct MixtureAtView {
+    using F = Formulas<LobeLanes, PmModel>;
+    static constexpr int k_vectors = LobeTable::k_per_kind / int(sizeof(LobeLanes) / sizeof(float));  // of each kind
     const LobeTable& table;
-    Vec3<Lobes> viewer, specular;
+    Vec3<LobeLanes> viewer, specular;
     typename F::Stretch map;
     typename F::ProposalLobe half[k_vectors];
 
-    HWY_INLINE Seen(const LobeTable& lobes, const ViewOfMixture& view)
+    HWY_INLINE MixtureAtView(const LobeTable& lobes, const MixtureView& view)
         : table(lobes),
-          viewer(in_all<Lobes>(view.wv)),
+          viewer(broadcast<LobeLanes>(view.wv)),
           specular(-viewer.x, -viewer.y, viewer.z),
-          map(in_all<Lobes>(view.map)) {
-        const Vec3<Lobes> stretched = in_all<Lobes>(Kernel<float>::stretched(view.wv, view.map));
+          map(broadcast<LobeLanes>(view.map)) {
+        const Vec3<LobeLanes> stretched = broadcast<LobeLanes>(Kernel<float>::stretched(view.wv, view.map));
         for (int i = 0; i < k_vectors; ++i) {
-            const int k = i * int(Lobes::size());
-            const Lobes sharpness = everywhere(view.sharpness) * at(table.weighted, k);
-            half[i] = F::half_vector_lobe(stretched, map.inverse, at(table.half_bandwidth, k), sharpness);
+            const int k = i * int(LobeLanes::size());
+            const LobeLanes sharpness = broadcast_lobes(view.sharpness) * load_row(table.weighted, k);
+            half[i] = F::half_vector_lobe(stretched, map.inverse, load_row(table.half_bandwidth, k), sharpness);
         }
     }
-    HWY_INLINE F::ProposalLobe of_directions(int k) const {
-        return {specular, at(table.bandwidth, k), at(table.width, k), at(table.scale, k), at(table.rest, k)};
+    HWY_INLINE F::ProposalLobe direction_lobe(int k) const {
+        return {specular, load_row(table.bandwidth, k), load_row(table.width, k), load_row(table.scale, k),
+                load_row(table.rest, k)};
     }
 };
 
-HWY_INLINE float density(const MixtureProposal& proposal, const Seen& seen, const ViewOfMixture& view,
-                         const Vec3f& wl) {
-    using F = Seen::F;
+HWY_INLINE float pdf_at_view(const MixtureProposal& proposal, const MixtureAtView& mixture, const MixtureView& view,
+                             const Vec3f& wl) {
+    using F = MixtureAtView::F;
     const auto &low = proposal.weight(view.nodes.below), &high = proposal.weight(view.nodes.below + 1);
-    const Vec3<Lobes> l = in_all<Lobes>(wl), mirrored(l.x, l.y, -l.z);
-    const auto above = F::half_vector(l, seen.viewer, seen.map),
-               below = F::half_vector(mirrored, seen.viewer, seen.map);
-    Lobes sum(0.0);
-    for (int i = 0; i < Seen::k_vectors; ++i) {
-        const int k = i * int(Lobes::size());
-        const Lobes constant = at(seen.table.constant, k);
-        const Lobes factor = constant + l.z * (at(seen.table.linear, k) + l.z * at(seen.table.square, k));
-        sum = sum + between(low, high, view.nodes.part, k) *
-                        F::reflected_pdf(seen.of_directions(k), {l, factor}, {mirrored, constant});
-        sum = sum + between(low, high, view.nodes.part, LobeTable::k_of_kind + k) *
-                        F::reflected_pdf(seen.half[i], above, below);
+    const Vec3<LobeLanes> l = broadcast<LobeLanes>(wl), mirrored(l.x, l.y, -l.z);
+    const auto above = F::half_vector(l, mixture.viewer, mixture.map),
+               below = F::half_vector(mirrored, mixture.viewer, mixture.map);
+    LobeLanes sum(0.0);
+    for (int i = 0; i < MixtureAtView::k_vectors; ++i) {
+        const int k = i * int(LobeLanes::size());
+        const LobeLanes constant = load_row(mixture.table.constant, k);
+        const LobeLanes factor =
+            constant + l.z * (load_row(mixture.table.linear, k) + l.z * load_row(mixture.table.square, k));
+        sum = sum + interpolate(low, high, view.nodes.fraction, k) *
+                        F::reflected_pdf(mixture.direction_lobe(k), {l, factor}, {mirrored, constant});
+        sum = sum + interpolate(low, high, view.nodes.fraction, LobeTable::k_per_kind + k) *
+                        F::reflected_pdf(mixture.half[i], above, below);
     }
     return sum.sum();
 }
 
 float mixture_pdf(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wl, const Vec3f& wv) {
-    const ViewOfMixture view = view_of(proposal, wv);
-    return density(proposal, Seen(table, view), view, wl);
+    const MixtureView view = view_of(proposal, wv);
+    return pdf_at_view(proposal, MixtureAtView(table, view), view, wl);
 }
 
-// Put together in one store, for which loads of several of them need not wait.
-HWY_INLINE DirectionSample with_pdf(const Vec3f& wl, float pdf) {
+// Assembles the sample in one store, for which later loads of several members need not wait.
+HWY_INLINE DirectionSample make_sample(const Vec3f& wl, float pdf) {
 #if HWY_TARGET == HWY_SCALAR
     return {wl, pdf};
 #else
@@ -165,103 +164,112 @@ HWY_INLINE DirectionSample with_pdf(const Vec3f& wl, float pdf) {
 #endif
 }
 
-// The direction that each lobe draws about its centre, computed for all lobes before one is chosen.
-struct Drawn {
+// The directions that all lobes sample around their centres, computed before one lobe is chosen.
+struct LobeSamples {
     alignas(32) float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], below[LobeTable::k_count];
 
-    HWY_INLINE Drawn(const Seen& seen, float u1) {
-        for (int i = 0; i < Seen::k_vectors; ++i) {
-            const int k = i * int(Lobes::size());
-            set(k, seen.of_directions(k), u1);
-            set(LobeTable::k_of_kind + k, seen.half[i], u1);
+    HWY_INLINE LobeSamples(const MixtureAtView& mixture, float u1) {
+        for (int i = 0; i < MixtureAtView::k_vectors; ++i) {
+            const int k = i * int(LobeLanes::size());
+            set(k, mixture.direction_lobe(k), u1);
+            set(LobeTable::k_per_kind + k, mixture.half[i], u1);
         }
     }
-    HWY_INLINE void set(int k, const Seen::F::ProposalLobe& lobe, float u1) {
+    HWY_INLINE void set(int k, const MixtureAtView::F::ProposalLobe& lobe, float u1) {
         lobe.centre.x.store(x + k), lobe.centre.y.store(y + k), lobe.centre.z.store(z + k);
-        Seen::F::sample_below(lobe.width, lobe.rest, everywhere(u1)).store(below + k);
+        MixtureAtView::F::sample_below(lobe.width, lobe.rest, broadcast_lobes(u1)).store(below + k);
     }
 };
 
-// The first lobe whose running sum exceeds the selector. What rounding leaves over is the cosine's.
-HWY_INLINE std::size_t chosen_lobe(const MixtureProposal& proposal, const NodesAbout& nodes, float selector) {
+// The first lobe whose running sum exceeds the selector. A remainder left by rounding belongs to the cosine.
+HWY_INLINE std::size_t choose_lobe(const MixtureProposal& proposal, const NodePosition& nodes, float selector) {
     const auto &low = proposal.running(nodes.below), &high = proposal.running(nodes.below + 1);
     std::size_t chosen = 0;
-    for (int k = 0; k < LobeTable::k_count; k += int(Lobes::size()))
-        chosen += hn::CountTrue(Lobes::Tag(), hn::Ge(everywhere(selector).v, between(low, high, nodes.part, k).v));
+    for (int k = 0; k < LobeTable::k_count; k += int(LobeLanes::size()))
+        chosen += hn::CountTrue(LobeLanes::Tag(),
+                                hn::Ge(broadcast_lobes(selector).v, interpolate(low, high, nodes.fraction, k).v));
     return chosen < LobeTable::k_count ? chosen : 0;
 }
 
-HWY_INLINE Vec3f draw(const MixtureProposal& proposal, const Seen& seen, const ViewOfMixture& view, const Vec2f& u,
-                      float selector) {
-    using F = Formulas<Few, PmModel>;
-    const Drawn drawn(seen, u.x);
-    const std::size_t k = chosen_lobe(proposal, view.nodes, selector);
-    const Few below = in_all<Few>(drawn.below[k]), u2 = in_all<Few>(u.y);
-    Vec3<Few> wl;
-    if (k < 2) {  // the logarithm of its cosine
-        wl = F::off_centre(Vec3<Few>(Few(0.0), Few(0.0), Few(1.0)), min(exp(below), Few(1.0)) - Few(1.0), u2);
+HWY_INLINE Vec3f sample_at_view(const MixtureProposal& proposal, const MixtureAtView& mixture, const MixtureView& view,
+                                const Vec2f& u, float selector) {
+    using F = Formulas<FourLanes, PmModel>;
+    const LobeSamples samples(mixture, u.x);
+    const std::size_t k = choose_lobe(proposal, view.nodes, selector);
+    const FourLanes below = broadcast<FourLanes>(samples.below[k]), u2 = broadcast<FourLanes>(u.y);
+    Vec3<FourLanes> wl;
+    if (k < 2) {  // `below` is the logarithm of the cosine
+        wl = F::off_centre(Vec3<FourLanes>(FourLanes(0.0), FourLanes(0.0), FourLanes(1.0)),
+                           min(exp(below), FourLanes(1.0)) - FourLanes(1.0), u2);
     } else {
-        const Vec3<Few> centre(in_all<Few>(drawn.x[k]), in_all<Few>(drawn.y[k]), in_all<Few>(drawn.z[k]));
-        const Vec3<Few> w = F::off_centre(centre, max(below, Few(-2.0)), u2);
-        const Vec3<Few> light = F::light_of(F::stretched(w, in_all<Few>(view.map)), in_all<Few>(view.wv));
-        wl = F::reflected_up(select(in_all<Few>(LobeTable::k_of_kind - 1) < in_all<Few>(float(k)), light, w));
+        const Vec3<FourLanes> centre(broadcast<FourLanes>(samples.x[k]), broadcast<FourLanes>(samples.y[k]),
+                                     broadcast<FourLanes>(samples.z[k]));
+        const Vec3<FourLanes> w = F::off_centre(centre, max(below, FourLanes(-2.0)), u2);
+        const Vec3<FourLanes> light =
+            F::light_of(F::stretched(w, broadcast<FourLanes>(view.map)), broadcast<FourLanes>(view.wv));
+        wl = F::reflected_up(
+            select(broadcast<FourLanes>(LobeTable::k_per_kind - 1) < broadcast<FourLanes>(float(k)), light, w));
     }
     return {hn::GetLane(wl.x.v), hn::GetLane(wl.y.v), hn::GetLane(wl.z.v)};
 }
 
-Vec3f draw_mixture(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u, float selector) {
-    const ViewOfMixture view = view_of(proposal, wv);
-    return draw(proposal, Seen(table, view), view, u, selector);
+Vec3f sample_mixture(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u, float selector) {
+    const MixtureView view = view_of(proposal, wv);
+    return sample_at_view(proposal, MixtureAtView(table, view), view, u, selector);
 }
 
-// A direction and its density, 0 where there is no direction.
-DirectionSample sample_mixture(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u,
-                               float selector) {
-    const ViewOfMixture view = view_of(proposal, wv);
-    const Seen seen(table, view);
-    const Vec3f wl = draw(proposal, seen, view, u, selector);
-    return with_pdf(wl, above_horizon(wl, wv) ? density(proposal, seen, view, wl) : 0);
+// A direction and its density, which is 0 if there is no direction.
+DirectionSample sample_mixture_with_pdf(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u,
+                                        float selector) {
+    const MixtureView view = view_of(proposal, wv);
+    const MixtureAtView mixture(table, view);
+    const Vec3f wl = sample_at_view(proposal, mixture, view, u, selector);
+    return make_sample(wl, above_horizon(wl, wv) ? pdf_at_view(proposal, mixture, view, wl) : 0);
 }
 
-void densities_of_points(SamplingPoints& points, const ProposalShape& shape) {
-    using F = Formulas<Lobes, PmModel>;
-    const auto at = [](const auto& rows, std::size_t i) HWY_ATTR {
-        return Vec3<Lobes>(Lobes::load(&rows[0][i]), Lobes::load(&rows[1][i]), Lobes::load(&rows[2][i]));
+void compute_densities(SamplingPoints& points, const ProposalShape& shape) {
+    using F = Formulas<LobeLanes, PmModel>;
+    const auto load = [](const auto& rows, std::size_t i) HWY_ATTR {
+        return Vec3<LobeLanes>(LobeLanes::load(&rows[0][i]), LobeLanes::load(&rows[1][i]),
+                               LobeLanes::load(&rows[2][i]));
     };
-    for (std::size_t i = 0; i < points.size(); i += Lobes::size()) {
-        const Vec3<Lobes> wv = at(points.wv, i);
-        const Vec3<Lobes> tangent = shape.is_grain() ? in_all<Lobes>(Vec3f(shape.cosine, shape.sine, 0)) : wv;
-        const auto point = F::proposal_point(at(points.wl, i), wv, F::stretch_along(tangent, everywhere(shape.stretch)),
-                                             everywhere(shape.power));
+    for (std::size_t i = 0; i < points.size(); i += LobeLanes::size()) {
+        const Vec3<LobeLanes> wv = load(points.wv, i);
+        const Vec3<LobeLanes> tangent =
+            shape.has_axis() ? broadcast<LobeLanes>(Vec3f(shape.cosine, shape.sine, 0)) : wv;
+        const auto point =
+            F::proposal_point(load(points.wl, i), wv, F::stretch_along(tangent, broadcast_lobes(shape.stretch)),
+                              broadcast_lobes(shape.power));
         for (int k = 0; k < LobeTable::k_count; ++k)
             F::proposal_lobe_pdf(k, point).store(&points.density[std::size_t(k)][i]);
     }
 }
 
-double slopes_of_points(const SamplingPoints& points, const float* of_lobe, double* slope) {
-    constexpr std::size_t most = 256;  // points at once
+double compute_slopes(const SamplingPoints& points, const float* lobe_weight, double* slope) {
+    constexpr std::size_t max_points = 256;  // number of points processed together
     const std::size_t lobes = points.density.size();
-    HWY_ALIGN float factor[most];
+    HWY_ALIGN float factor[max_points];
     double moment = 0;
     std::fill_n(slope, lobes, 0.0);
-    for (std::size_t first = 0; first < points.size(); first += most) {
-        const std::size_t count = std::min(most, points.size() - first);
-        Lobes sum(0.0);
-        for (std::size_t i = 0; i < count; i += Lobes::size()) {
-            Lobes pdf(0.0);
+    for (std::size_t first = 0; first < points.size(); first += max_points) {
+        const std::size_t count = std::min(max_points, points.size() - first);
+        LobeLanes sum(0.0);
+        for (std::size_t i = 0; i < count; i += LobeLanes::size()) {
+            LobeLanes pdf(0.0);
             for (std::size_t k = 0; k < lobes; ++k)
-                pdf = pdf + everywhere(of_lobe[k]) * Lobes::load(&points.density[k][first + i]);
-            pdf = max(pdf, everywhere(1e-15f));  // whose square is none too small for a float
-            const Lobes share = Lobes::load(&points.weight[first + i]) / pdf;
-            sum = sum + share;
-            (share / pdf).store(factor + i);
+                pdf = pdf + broadcast_lobes(lobe_weight[k]) * LobeLanes::load(&points.density[k][first + i]);
+            pdf = max(pdf, broadcast_lobes(1e-15f));  // its square does not underflow
+            const LobeLanes ratio = LobeLanes::load(&points.weight[first + i]) / pdf;
+            sum = sum + ratio;
+            (ratio / pdf).store(factor + i);
         }
         moment += double(sum.sum());
         for (std::size_t k = 0; k < lobes; ++k) {
-            Lobes of_these(0.0);
-            for (std::size_t i = 0; i < count; i += Lobes::size())
-                of_these = of_these + Lobes::load(factor + i) * Lobes::load(&points.density[k][first + i]);
-            slope[k] += double(of_these.sum());
+            LobeLanes block_slope(0.0);
+            for (std::size_t i = 0; i < count; i += LobeLanes::size())
+                block_slope =
+                    block_slope + LobeLanes::load(factor + i) * LobeLanes::load(&points.density[k][first + i]);
+            slope[k] += double(block_slope.sum());
         }
     }
     return moment;
@@ -276,10 +284,10 @@ namespace srbf {
 namespace {
 
 HWY_EXPORT(mixture_pdf);
-HWY_EXPORT(draw_mixture);
 HWY_EXPORT(sample_mixture);
-HWY_EXPORT(densities_of_points);
-HWY_EXPORT(slopes_of_points);
+HWY_EXPORT(sample_mixture_with_pdf);
+HWY_EXPORT(compute_densities);
+HWY_EXPORT(compute_slopes);
 
 using K = Kernel<float>;
 static_assert(MixtureProposal::k_lobes == SRBF_PROPOSAL_LOBES);
@@ -287,15 +295,15 @@ static_assert(MixtureProposal::k_lobes == SRBF_PROPOSAL_LOBES);
 const LobeTable& lobe_table() {
     static const LobeTable all = [] {
         LobeTable table;
-        for (int k = 0; k < LobeTable::k_of_kind; ++k) {
+        for (int k = 0; k < LobeTable::k_per_kind; ++k) {
             const auto i = std::size_t(k);
             auto lobe = K::mirror_lobe({0, 0, 1}, K::proposal_bandwidth(k));
             if (k < 2) lobe = {{0, 0, 1}, 0, 1 / float(k + 2), float((k + 2) / (2 * k_pi)), 0};
             table.bandwidth[i] = lobe.bandwidth, table.width[i] = lobe.width;
             table.scale[i] = lobe.scale, table.rest[i] = lobe.rest;
             table.constant[i] = k > 1, table.linear[i] = k == 0, table.square[i] = k == 1;
-            table.half_bandwidth[i] = K::proposal_bandwidth(LobeTable::k_of_kind + k);
-            table.weighted[i] = K::proposal_sharpness(LobeTable::k_of_kind + k, 1);
+            table.half_bandwidth[i] = K::proposal_bandwidth(LobeTable::k_per_kind + k);
+            table.weighted[i] = K::proposal_sharpness(LobeTable::k_per_kind + k, 1);
         }
         return table;
     }();
@@ -305,22 +313,22 @@ const LobeTable& lobe_table() {
 }  // namespace
 
 DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {
-    return HWY_DYNAMIC_DISPATCH(sample_mixture)(proposal, lobe_table(), wv, u, selector);
+    return HWY_DYNAMIC_DISPATCH(sample_mixture_with_pdf)(proposal, lobe_table(), wv, u, selector);
 }
 
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {
-    return HWY_DYNAMIC_DISPATCH(draw_mixture)(proposal, lobe_table(), wv, u, selector);
+    return HWY_DYNAMIC_DISPATCH(sample_mixture)(proposal, lobe_table(), wv, u, selector);
 }
 
 void set_densities(SamplingPoints& points, const ProposalShape& shape) {
     points.density.resize(MixtureProposal::k_lobes);
-    for (auto& of_lobe : points.density) of_lobe.resize(points.size());
-    HWY_DYNAMIC_DISPATCH(densities_of_points)(points, shape);
+    for (auto& lobe_density : points.density) lobe_density.resize(points.size());
+    HWY_DYNAMIC_DISPATCH(compute_densities)(points, shape);
 }
 
-double set_slopes(const SamplingPoints& points, std::span<const float> of_lobe, std::span<double> slope) {
-    assert(of_lobe.size() == points.density.size() && slope.size() == of_lobe.size());
-    return HWY_DYNAMIC_DISPATCH(slopes_of_points)(points, of_lobe.data(), slope.data());
+double set_slopes(const SamplingPoints& points, std::span<const float> lobe_weight, std::span<double> slope) {
+    assert(lobe_weight.size() == points.density.size() && slope.size() == lobe_weight.size());
+    return HWY_DYNAMIC_DISPATCH(compute_slopes)(points, lobe_weight.data(), slope.data());
 }
 
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv) {

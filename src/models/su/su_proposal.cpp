@@ -7,6 +7,7 @@
 
 #include "base/floating_point.h"
 #include "models/su/neighbours.h"
+#include "sampling/choice.h"
 #include "srbf/sampling.h"
 
 namespace srbf {
@@ -20,24 +21,18 @@ constexpr float k_least_by_cosine = 0.1f, k_most_by_cosine = 0.99f, k_variance_o
 constexpr int k_draws = 128;  // of a view, which find that variance
 /// A lobe that reflects nothing is drawn as this one.
 constexpr float k_least_integral = 1e-20f;
-constexpr float k_last = 0x1.fffffep-1f;  // below 1
 
-/// Splits u, uniform in [0,1), by shares that sum to 1: the first whose running sum exceeds u, and u uniform again
-/// within it.
-struct Choice {
-    int k;
-    float u;
-};
+/// Chooses an index by probabilities that sum to 1, with u uniform in [0,1).
 template <typename Share> Choice choose(int count, float u, const Share& share) {
     int last = 0;
     for (int k = 0; k < count; ++k) {
         const float part = share(k);
         if (!(part > 0)) continue;
-        if (u < part) return {k, std::min(u / part, k_last)};
+        if (u < part) return {k, std::min(u / part, k_below_one)};
         u -= part;
         last = k;
     }
-    return {last, k_last};  // what rounding left over
+    return {last, k_below_one};  // what rounding left over
 }
 
 /// A lobe times the cosine, as a lobe: the cosine is like a lobe of this bandwidth about the normal (Wang et al. 2009).
@@ -50,8 +45,8 @@ Vec3f sample_view(const ViewProposal& proposal, std::size_t view, Vec2f u, float
     const auto J = std::size_t(model.lobes);
     const float* const share = &proposal.share[view * (J + 1)];
     const Choice part = choose(model.lobes + 1, selector, [&](int k) { return share[k]; });
-    if (part.k == 0) return SuKernel::sample_cosine(u.x, u.y);
-    const auto lobe = lobe_of(model, view * J + std::size_t(part.k) - 1);
+    if (part.index == 0) return SuKernel::sample_cosine(u.x, u.y);
+    const auto lobe = lobe_of(model, view * J + std::size_t(part.index) - 1);
     return SuKernel::reflected_up(SuKernel::sample_vmf(lobe.centre, lobe.bandwidth, u.x, u.y));
 }
 float view_pdf(const ViewProposal& proposal, std::size_t view, Vec3f wl) {
@@ -112,7 +107,7 @@ ViewProposal propose(const SuModel& model) {
 Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector) {
     const ViewNeighbours neighbours = neighbours_at(*proposal.model, wv);
     const Choice view = choose(neighbours.count, selector, [&](int k) { return neighbours.of[std::size_t(k)].weight; });
-    const auto& neighbour = neighbours.of[std::size_t(view.k)];
+    const auto& neighbour = neighbours.of[std::size_t(view.index)];
     return SuKernel::turned(sample_view(proposal, std::size_t(neighbour.view), u, view.u), neighbour.cosine,
                             -neighbour.sine);
 }

@@ -1,9 +1,9 @@
-// Stable elementary functions, and frames.
+// Stable elementary functions and frames.
 
 #define SRBF_TWO_PI 6.283185307179586
 
-// e^x, with x clamped to at least -60 (9e-27). Products of it with coefficients of lobes then stay in the range of
-// normal floats; arithmetic on subnormal numbers is many times slower.
+// e^x, with x clamped to at least -60 (9e-27). Products of it with the coefficients of lobes then stay in the range
+// of normal floats; arithmetic on subnormal numbers is many times slower.
 SRBF_FN Real exp_of_lobe(Real x) { return exp(max(x, Real(-60.0))); }
 
 // 1 - exp(-x) for x >= 0, without cancellation: relative error 3e-7 in float, 5e-8 in double.

@@ -24,7 +24,7 @@ SRBF_FN Real ggx_facets(Vec3 wl, Vec3 wv, Real roughness) {
     return alpha2 / (Real(SRBF_TWO_PI) * slope * slope * masking);
 }
 
-// ggx_facets of facets with roughness alpha_x along x and alpha_y along y [1/sr].
+// ggx_facets for facets with roughness alpha_x along x and alpha_y along y [1/sr].
 SRBF_FN Real ggx_stretched_facets(Vec3 wl, Vec3 wv, Real alpha_x, Real alpha_y) {
     Vec3 sum = wl + wv;
     Real squared = max(dot(sum, sum), Real(1.0e-12));
@@ -54,7 +54,7 @@ SRBF_FN Vec3 ggx_lobe_value(GgxLobe lobe, Vec3 wl, Vec3 wv) {
            ((Real(1.0) - weight) * lobe.f0 + Vec3(f90, f90, f90));
 }
 
-// rho(wl, wv) = kd / pi + the two lobes [1/sr]; a model of one lobe has a second one whose Fresnel term is 0.
+// rho(wl, wv) = kd / pi + the two lobes [1/sr]. In a model with one lobe, the Fresnel term of the second one is 0.
 SRBF_FN Vec3 ggx_value(Vec3 diffuse, GgxLobe first, GgxLobe second, Vec3 wl, Vec3 wv) {
     return Real(2.0 / SRBF_TWO_PI) * diffuse + ggx_lobe_value(first, wl, wv) + ggx_lobe_value(second, wl, wv);
 }

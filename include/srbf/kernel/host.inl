@@ -1,5 +1,5 @@
-// kernel.glsl as the body of a struct, without include guard. kernel.h includes it once for plain numbers; SIMD code
-// includes it once per instruction set. `Triple<Real>` is the Vec3 of the including namespace.
+// kernel.glsl as the body of a struct, without an include guard. kernel.h includes it once for plain numbers, and
+// SIMD code once per instruction set. `Triple<Real>` is the Vec3 of the including namespace.
 #ifndef SRBF_FN
 #define SRBF_FN static
 #endif
@@ -9,8 +9,8 @@ template <typename Real_, typename Model, typename ByView = SuModel> struct Form
     using Bool = decltype(Real_() < Real_());
     using Pm = const Model&;
 
-    // Exponents of a PmModel are to the base e; these functions convert them. Any other model type provides the numbers
-    // that kernel.glsl expects under the same names, without the prefix pm_.
+    // Exponents of a PmModel are to base e; these functions convert them. Any other model type provides the numbers
+    // that kernel.glsl expects under the same names without the prefix pm_.
     static constexpr bool is_plain = std::is_same_v<Model, PmModel>;
     static constexpr double k_bits = 1.4426950408889634;
     static std::size_t place(Pm pm, int j, int n) { return std::size_t(j * pm.variates + n); }

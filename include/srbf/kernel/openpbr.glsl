@@ -1,15 +1,16 @@
-// Surfaces of renderers' parameters.
+// Surfaces with the parameters of renderers.
 
-// The product of two colours, and a + t (b - a).
+// The product of two colours, and linear interpolation a + t (b - a).
 SRBF_FN Vec3 product_of(Vec3 a, Vec3 b) { return Vec3(a.x * b.x, a.y * b.y, a.z * b.z); }
 SRBF_FN Vec3 interpolated(Vec3 a, Vec3 b, Real t) { return (Real(1.0) - t) * a + t * b; }
 
-// a + b y + c y^2, and x at least 0 and at most 1.
+// The polynomial a + b y + c y^2, and x clamped to [0, 1].
 SRBF_FN Real polynomial(Real y, Real a, Real b, Real c) { return a + y * (b + y * c); }
 SRBF_FN Real clamped_to_unit(Real x) { return min(max(x, Real(0.0)), Real(1.0)); }
 
-// The reflectance of an interface for unpolarised light at an angle of cosine c, from the side outside of a medium with
-// relative index of refraction ior >= 1 (Fresnel's equations, in the form of Cook & Torrance 1982), and at c = 1.
+// The reflectance of an interface for unpolarised light that arrives from outside at an angle of cosine c, and at c
+// = 1. The medium has the relative index of refraction ior >= 1 (Fresnel's equations, in the form of Cook &
+// Torrance 1982).
 SRBF_FN Real dielectric_reflectance(Real c, Real ior) {
     Real g = sqrt(max(ior * ior - Real(1.0) + c * c, Real(1.0e-12)));
     Real across = (g - c) / (g + c);
@@ -22,8 +23,8 @@ SRBF_FN Real normal_reflectance(Real ior) {
 }
 
 // The directional albedo of GGX facets with Schlick's Fresnel term, F0 scale + F90 bias, at cosine x to the normal
-// and roughness alpha = y: the rational functions that MaterialX 1.38 uses. Their sum differs by less than 0.02 from the
-// integral for x >= 0.5, by less than 0.03 for x >= 0.2, where y >= 0.01.
+// and with roughness alpha = y. These are the rational functions of MaterialX 1.38. For y >= 0.01 their sum differs
+// from the integral by less than 0.02 if x >= 0.5, and by less than 0.03 if x >= 0.2.
 struct FacetAlbedo {
     Real scale;
     Real bias;
@@ -46,21 +47,22 @@ SRBF_FN FacetAlbedo facet_albedo(Real x, Real y) {
                   polynomial(y, Real(13.08), Real(54.9), Real(-285.1))));
     return albedo_;
 }
-// (1 - E) / E, with E the albedo of facets that reflect all. Light that is scattered more than once multiplies a
-// lobe by 1 + F0 (1 - E) / E (Turquin, "Practical multiple scattering compensation for microfacet models", 2019).
+// (1 - E) / E, where E is the albedo of facets that reflect all light. Light that is scattered more than once
+// multiplies a lobe by 1 + F0 (1 - E) / E (Turquin, "Practical multiple scattering compensation for microfacet
+// models", 2019).
 SRBF_FN Real multiple_scattering(FacetAlbedo albedo_) {
     Real whole = max(albedo_.scale + albedo_.bias, Real(0.1));
     return max(Real(1.0) - whole, Real(0.0)) / whole;
 }
-// The albedo of facets of normal reflectance f0, with what they scatter again.
+// The albedo of facets with normal reflectance f0, including multiple scattering.
 SRBF_FN Real lobe_albedo(FacetAlbedo albedo_, Real f0) {
     return clamped_to_unit((f0 * albedo_.scale + albedo_.bias * clamped_to_unit(Real(50.0) * f0)) *
                      (Real(1.0) + f0 * multiple_scattering(albedo_)));
 }
 
-// The energy-preserving Oren-Nayar model, EON (Portsmouth, Kutz & Hill 2025) [1/sr], of roughness r from 0 (Lambert) to
-// 1. White reflects all light; other colours reflect less if they are rough. eon_share is the albedo of white's first
-// scattering, by the paper's polynomial, whose error is 1e-3.
+// The energy-preserving Oren-Nayar model, EON (Portsmouth, Kutz & Hill 2025) [1/sr], with roughness r from 0
+// (Lambert) to 1. White reflects all light; rough surfaces of other colours reflect less. eon_share is the albedo
+// of white's first scattering, by the paper's polynomial, whose error is 1e-3.
 SRBF_FN Real eon_share(Real cosine, Real r) {
     Real m = Real(1.0) - cosine;
     Real g = m * (Real(0.0571085289) + m * (Real(0.491881867) + m * (Real(-0.332181442) + m * Real(0.0714429953))));
@@ -81,17 +83,17 @@ SRBF_FN Vec3 eon_value(Vec3 colour, Real r, Vec3 wl, Vec3 wv) {
 }
 
 // Fuzz: the volume of fibres of Zeltner, Burley & Chiang ("Practical Multiple-Scattering Sheen Using Linearly
-// Transformed Cosines", 2022), a cosine lobe transformed by ((a, 0, b), (0, a, 0), (0, 0, 1)) in the frame of the
-// viewer's azimuth. Albedo, a and b are the functions of cosine and roughness that MaterialX 1.39 fits to the paper's
-// table.
+// Transformed Cosines", 2022). It is a cosine lobe transformed by ((a, 0, b), (0, a, 0), (0, 0, 1)) in the frame of
+// the viewer's azimuth. Albedo, a and b are the functions of cosine and roughness that MaterialX 1.39 fits to the
+// paper's table.
 SRBF_FN Real fuzz_albedo(Real x, Real y) {
     Real s = y * (Real(0.0206607) + Real(1.58491) * y) / (Real(0.0379424) + y * (Real(1.32227) + y));
     Real m = y * (Real(-0.193854) + y * (Real(-1.14885) + y * (Real(1.7932) - Real(0.95943) * y * y))) /
              (Real(0.046391) + y);
     Real rest = y * (Real(0.000654023) + (Real(-0.0207818) + Real(0.119681) * y) * y) /
                 (Real(1.26264) + y * (Real(-1.92021) + y));
-    Real at = (x - m) / s;
-    return clamped_to_unit(exp_of_lobe(Real(-0.5) * at * at) * Real(0.3989422804) / s + rest);
+    Real t = (x - m) / s;
+    return clamped_to_unit(exp_of_lobe(Real(-0.5) * t * t) * Real(0.3989422804) / s + rest);
 }
 SRBF_FN Real fuzz_value(Vec3 wl, Vec3 wv, Real y) {
     Real x = wv.z;
@@ -107,7 +109,8 @@ SRBF_FN Real fuzz_value(Vec3 wl, Vec3 wv, Real y) {
     return fuzz_albedo(x, y) * a2 / (squared * squared) * Real(2.0 / SRBF_TWO_PI);
 }
 
-// An opaque surface by parameters of OpenPBR Surface 1.1, whose names they have; see OpenPbrModel for their ranges.
+// An opaque surface with parameters of OpenPBR Surface 1.1, under the same names. See OpenPbrModel for their
+// ranges.
 struct OpenPbrSurface {
     Vec3 base_color;
     Real base_metalness;
@@ -126,10 +129,10 @@ struct OpenPbrSurface {
     Real fuzz_roughness;
 };
 
-// alpha of a roughness r: r^2, at least 1/1024.
+// alpha for a roughness r: r^2, at least 1/1024.
 SRBF_FN Real alpha_of(Real roughness) { return max(roughness * roughness, Real(1.0 / 1024.0)); }
 
-// The roughness of what lies under a coat, whose interface spreads the light twice: (r^4 + 2 c^4)^(1/4), at most 1.
+// The roughness of a base under a coat, whose interface spreads the light twice: (r^4 + 2 c^4)^(1/4), at most 1.
 SRBF_FN Real roughened(Real base, Real coat, Real weight) {
     Real b2 = base * base;
     Real c2 = coat * coat;
@@ -137,8 +140,8 @@ SRBF_FN Real roughened(Real base, Real coat, Real weight) {
     return (Real(1.0) - weight) * base + weight * sqrt(sqrt(fourth));
 }
 
-// The Fresnel term of a metal at l . h = c: Schlick's with F0 and F90 = 1, times a tint that is 1 at c = 0 and 1 and
-// the given one at c = 1/7, about 82 degrees ("F82", Kutz et al. 2021).
+// The Fresnel term of a metal at l . h = c: Schlick's with F0 and F90 = 1, times a tint that is 1 at c = 0 and c =
+// 1 and the given one at c = 1/7, approximately 82 degrees ("F82", Kutz et al. 2021).
 SRBF_FN Real metal_reflectance(Real c, Real weight, Real f0, Real tint) {
     Real schlick = f0 + (Real(1.0) - f0) * weight;
     Real at_82 = f0 + (Real(1.0) - f0) * Real(0.462664366);
@@ -154,23 +157,23 @@ struct OpenPbrFilm {
     Real ior;
 };
 
-// Facets of the base that are rougher along a tangent than across it: specular_roughness_anisotropy, and the cosine and
-// sine of the tangent's azimuth.
+// Facets of the base that are rougher along a tangent than across it: specular_roughness_anisotropy, and the cosine
+// and sine of the tangent's azimuth.
 struct OpenPbrAnisotropy {
     Real amount;
     Real cosine;
     Real sine;
 };
 
-// 1 - cos(x), |x| <= 128 pi: five times the double angle, 1 - cos(2 a) = 2 v (2 - v) with v = 1 - cos(a).
+// 1 - cos(x), |x| <= 128 pi: the angle is doubled five times, 1 - cos(2 a) = 2 v (2 - v) with v = 1 - cos(a).
 SRBF_FN Real doubled(Real v) { return Real(2.0) * v * (Real(2.0) - v); }
 SRBF_FN Real one_minus_cos(Real x) {
     Real s = sin(x * Real(1.0 / 64.0));
     return doubled(doubled(doubled(doubled(doubled(Real(2.0) * s * s)))));
 }
-// The colour of a spectrum 1 + cos(2 pi path / wavelength + shift), less 1, for R, G, B, where cos(shift) is
-// `turn`: Gaussians fitted to the Fourier transforms of the CIE curves (Belcour & Barla, "A Practical Extension to
-// Microfacet Theory for the Modeling of Varying Iridescence", 2017). path [1e-6 m].
+// The colour of a spectrum 1 + cos(2 pi path / wavelength + shift), minus 1, for R, G, B, where `turn` is
+// cos(shift). It uses Gaussians fitted to the Fourier transforms of the CIE curves (Belcour & Barla, "A Practical
+// Extension to Microfacet Theory for the Modeling of Varying Iridescence", 2017). path [1e-6 m].
 SRBF_FN Real film_wave(Real path, Real size, Real frequency, Real decay) {
     return size * (Real(1.0) - one_minus_cos(frequency * path)) * exp_of_lobe(-decay * path * path);
 }
@@ -184,11 +187,12 @@ SRBF_FN Vec3 film_colour(Real path, Vec3 turn) {
                 Real(0.0556434) * x - Real(0.2040259) * y + Real(1.0572252) * z);
 }
 
-// The reflectance of a film on a base of reflectance f0 at an angle of cosine c: what the two interfaces reflect, with
-// Schlick's Fresnel terms, and two orders of their interference, as KHR_materials_iridescence of glTF has it.
+// The reflectance of a film on a base of reflectance f0 at an angle of cosine c: the reflections at the two
+// interfaces, with Schlick's Fresnel terms, and two orders of their interference, as in KHR_materials_iridescence
+// of glTF.
 struct FilmBase {
-    Real reflectance;  // of the base within the film
-    Real turn;         // -1 if its wave keeps its sign
+    Real reflectance;  // of the base inside the film
+    Real turn;         // -1 if the wave reflected by the base keeps its sign
 };
 SRBF_FN FilmBase film_base(Real f0, Real ior, Real schlick) {
     Real root = sqrt(min(f0, Real(0.9999)));
@@ -222,20 +226,21 @@ SRBF_FN Vec3 film_reflectance(OpenPbrFilm film, Vec3 f0, Real c) {
 }
 
 // The base under a coat: its index of refraction is relative to the coat's. The specular weight scales F0 of the
-// dielectric, whose index is that of the scaled one.
+// dielectric, whose index is the one with the scaled F0.
 struct OpenPbrBase {
     Real f0;
     Real ior;
     Real alpha;
 };
-SRBF_FN OpenPbrBase openpbr_base(OpenPbrSurface of) {
-    Real coat_ior = Real(1.0) + of.coat_weight * (of.coat_ior - Real(1.0));
-    Real ratio = of.specular_ior / coat_ior;
+SRBF_FN OpenPbrBase openpbr_base(OpenPbrSurface material) {
+    Real coat_ior = Real(1.0) + material.coat_weight * (material.coat_ior - Real(1.0));
+    Real ratio = material.specular_ior / coat_ior;
     OpenPbrBase base;
-    base.f0 = min(of.specular_weight * normal_reflectance(max(max(ratio, Real(1.0) / ratio), Real(1.0))), Real(0.98));
+    Real f0 = normal_reflectance(max(max(ratio, Real(1.0) / ratio), Real(1.0)));
+    base.f0 = min(material.specular_weight * f0, Real(0.98));
     Real root = sqrt(base.f0);
     base.ior = (Real(1.0) + root) / (Real(1.0) - root);
-    base.alpha = alpha_of(roughened(of.specular_roughness, of.coat_roughness, of.coat_weight));
+    base.alpha = alpha_of(roughened(material.specular_roughness, material.coat_roughness, material.coat_weight));
     return base;
 }
 SRBF_FN Real half_cosine(Vec3 wl, Vec3 wv) {
@@ -250,23 +255,24 @@ struct OpenPbrFacets {
     Vec3 dielectric_f0;
     Vec3 metal_f0;
 };
-SRBF_FN OpenPbrFacets openpbr_facets(OpenPbrSurface of, OpenPbrBase base, Vec3 wl, Vec3 wv) {
+SRBF_FN OpenPbrFacets openpbr_facets(OpenPbrSurface material, OpenPbrBase base, Vec3 wl, Vec3 wv) {
     Real c = half_cosine(wl, wv);
     Real schlick = schlick_weight(wl, wv);
     Real plain = dielectric_reflectance(c, base.ior);
-    Vec3 f0 = of.base_color;
+    Vec3 f0 = material.base_color;
     OpenPbrFacets facets;
     facets.dielectric = Vec3(plain, plain, plain);
-    facets.metal = Vec3(metal_reflectance(c, schlick, f0.x, of.specular_color.x),
-                        metal_reflectance(c, schlick, f0.y, of.specular_color.y),
-                        metal_reflectance(c, schlick, f0.z, of.specular_color.z));
+    facets.metal = Vec3(metal_reflectance(c, schlick, f0.x, material.specular_color.x),
+                        metal_reflectance(c, schlick, f0.y, material.specular_color.y),
+                        metal_reflectance(c, schlick, f0.z, material.specular_color.z));
     facets.dielectric_f0 = Vec3(base.f0, base.f0, base.f0);
     facets.metal_f0 = f0;
     return facets;
 }
-// The reflectances under a film, which covers its weight of the surface.
-SRBF_FN OpenPbrFacets openpbr_film_facets(OpenPbrSurface of, OpenPbrFilm film, OpenPbrBase base, Vec3 wl, Vec3 wv) {
-    OpenPbrFacets facets = openpbr_facets(of, base, wl, wv);
+// The reflectances under a film, whose weight is the fraction of the surface that it covers.
+SRBF_FN OpenPbrFacets openpbr_film_facets(OpenPbrSurface material, OpenPbrFilm film, OpenPbrBase base, Vec3 wl,
+                                          Vec3 wv) {
+    OpenPbrFacets facets = openpbr_facets(material, base, wl, wv);
     Real c = half_cosine(wl, wv);
     facets.dielectric = interpolated(facets.dielectric, film_reflectance(film, facets.dielectric_f0, c), film.weight);
     facets.metal = interpolated(facets.metal, film_reflectance(film, facets.metal_f0, c), film.weight);
@@ -277,73 +283,79 @@ SRBF_FN OpenPbrFacets openpbr_film_facets(OpenPbrSurface of, OpenPbrFilm film, O
     return facets;
 }
 
-// The base: a dielectric over EON, blended with a metal by base_metalness [1/sr]. What the dielectric reflects towards the
-// viewer is taken from the diffuse part (albedo scaling): a factor 1 - E(wv).
+// The base: a dielectric over EON, blended with a metal by base_metalness [1/sr]. The light that the dielectric
+// reflects towards the viewer is subtracted from the diffuse part (albedo scaling): a factor 1 - E(wv).
 SRBF_FN Vec3 multiple_scattering_by(Vec3 f0, Real again) {
     return Vec3(Real(1.0) + f0.x * again, Real(1.0) + f0.y * again, Real(1.0) + f0.z * again);
 }
-SRBF_FN Vec3 openpbr_base_value(OpenPbrSurface of, OpenPbrBase base, OpenPbrFacets facets, Real density, Vec3 wl, Vec3 wv) {
+SRBF_FN Vec3 openpbr_base_value(OpenPbrSurface material, OpenPbrBase base, OpenPbrFacets facets, Real density, Vec3 wl,
+                                Vec3 wv) {
     FacetAlbedo whole = facet_albedo(wv.z, base.alpha);
     Real again = multiple_scattering(whole);
     Vec3 f0 = facets.dielectric_f0;
     Vec3 dielectric = density * product_of(facets.dielectric, multiple_scattering_by(f0, again));
     Vec3 through = Vec3(Real(1.0) - lobe_albedo(whole, f0.x), Real(1.0) - lobe_albedo(whole, f0.y),
                         Real(1.0) - lobe_albedo(whole, f0.z));
-    Vec3 glossy = product_of(dielectric, of.specular_color) +
-                  product_of(through, eon_value(of.base_color, of.base_diffuse_roughness, wl, wv));
-    Vec3 metal = (of.specular_weight * density) * product_of(facets.metal, multiple_scattering_by(facets.metal_f0, again));
-    return interpolated(glossy, metal, of.base_metalness);
+    Vec3 glossy = product_of(dielectric, material.specular_color) +
+                  product_of(through, eon_value(material.base_color, material.base_diffuse_roughness, wl, wv));
+    Vec3 metal = (material.specular_weight * density) *
+                 product_of(facets.metal, multiple_scattering_by(facets.metal_f0, again));
+    return interpolated(glossy, metal, material.base_metalness);
 }
 
-// The share that a coat leaves of light that is reflected between it and a base of this colour, relative to a base without it:
-// (1 - K) / (1 - colour K), with K what the coat reflects back down of diffuse light, 1 - (1 - F0) / ior^2.
+// The factor by which reflections between a coat and a base of this colour darken it, relative to a base without
+// the coat: (1 - K) / (1 - colour K). K = 1 - (1 - F0) / ior^2 is the coat's internal reflectance of diffuse light.
 SRBF_FN Real darkened(Real colour, Real k, Real strength) {
     return Real(1.0) - strength + strength * (Real(1.0) - k) / (Real(1.0) - colour * k);
 }
 
-// rho(wl, wv) of the surface [1/sr], for R, G, B: fuzz over a coat over the base. Each layer takes its directional
-// albedo at the viewer, E(wv), from what lies below, so that light and viewer may not be exchanged. The coat's
-// colour is what passes it twice, at any angle.
-SRBF_FN Vec3 openpbr_layers_value(OpenPbrSurface of, Vec3 base, Vec3 wl, Vec3 wv) {
+// rho(wl, wv) of the surface [1/sr], for R, G, B: fuzz over a coat over the base. Each layer reduces what lies
+// below by its directional albedo at the viewer, E(wv), so that the BRDF is not reciprocal. The coat's colour is
+// the transmittance of two passes, at any angle.
+SRBF_FN Vec3 openpbr_layers_value(OpenPbrSurface material, Vec3 base, Vec3 wl, Vec3 wv) {
     Real c = half_cosine(wl, wv);
-    Real alpha = alpha_of(of.coat_roughness);
+    Real alpha = alpha_of(material.coat_roughness);
     FacetAlbedo whole = facet_albedo(wv.z, alpha);
-    Real f0 = normal_reflectance(of.coat_ior);
-    Real coat = of.coat_weight * ggx_facets(wl, wv, alpha) * dielectric_reflectance(c, of.coat_ior) *
+    Real f0 = normal_reflectance(material.coat_ior);
+    Real coat = material.coat_weight * ggx_facets(wl, wv, alpha) * dielectric_reflectance(c, material.coat_ior) *
                 (Real(1.0) + f0 * multiple_scattering(whole));
-    Real k = Real(1.0) - (Real(1.0) - f0) / (of.coat_ior * of.coat_ior);
-    Real strength = of.coat_weight * of.coat_darkening;
-    Vec3 dark = Vec3(darkened(of.base_color.x, k, strength), darkened(of.base_color.y, k, strength),
-                     darkened(of.base_color.z, k, strength));
-    Vec3 passed = product_of(dark, interpolated(Vec3(Real(1.0), Real(1.0), Real(1.0)), of.coat_color, of.coat_weight));
-    Real through = Real(1.0) - of.coat_weight * lobe_albedo(whole, f0);
+    Real k = Real(1.0) - (Real(1.0) - f0) / (material.coat_ior * material.coat_ior);
+    Real strength = material.coat_weight * material.coat_darkening;
+    Vec3 dark = Vec3(darkened(material.base_color.x, k, strength), darkened(material.base_color.y, k, strength),
+                     darkened(material.base_color.z, k, strength));
+    Vec3 passed =
+        product_of(dark, interpolated(Vec3(Real(1.0), Real(1.0), Real(1.0)), material.coat_color, material.coat_weight));
+    Real through = Real(1.0) - material.coat_weight * lobe_albedo(whole, f0);
     Vec3 coated = Vec3(coat, coat, coat) + through * product_of(passed, base);
 
-    Real y = max(of.fuzz_roughness, Real(0.01));
-    Real below = Real(1.0) - of.fuzz_weight * fuzz_albedo(wv.z, y);
-    return below * coated + (of.fuzz_weight * fuzz_value(wl, wv, y)) * of.fuzz_color;
+    Real y = max(material.fuzz_roughness, Real(0.01));
+    Real below = Real(1.0) - material.fuzz_weight * fuzz_albedo(wv.z, y);
+    return below * coated + (material.fuzz_weight * fuzz_value(wl, wv, y)) * material.fuzz_color;
 }
-SRBF_FN Vec3 openpbr_value(OpenPbrSurface of, Vec3 wl, Vec3 wv) {
-    OpenPbrBase base = openpbr_base(of);
+SRBF_FN Vec3 openpbr_value(OpenPbrSurface material, Vec3 wl, Vec3 wv) {
+    OpenPbrBase base = openpbr_base(material);
     Real density = ggx_facets(wl, wv, base.alpha);
-    return openpbr_layers_value(of, openpbr_base_value(of, base, openpbr_facets(of, base, wl, wv), density, wl, wv), wl, wv);
+    OpenPbrFacets facets = openpbr_facets(material, base, wl, wv);
+    return openpbr_layers_value(material, openpbr_base_value(material, base, facets, density, wl, wv), wl, wv);
 }
 // rho of a surface with a film on the base.
-SRBF_FN Vec3 openpbr_film_value(OpenPbrSurface of, OpenPbrFilm film, Vec3 wl, Vec3 wv) {
-    OpenPbrBase base = openpbr_base(of);
-    OpenPbrFacets facets = openpbr_film_facets(of, film, base, wl, wv);
-    return openpbr_layers_value(of, openpbr_base_value(of, base, facets, ggx_facets(wl, wv, base.alpha), wl, wv), wl, wv);
+SRBF_FN Vec3 openpbr_film_value(OpenPbrSurface material, OpenPbrFilm film, Vec3 wl, Vec3 wv) {
+    OpenPbrBase base = openpbr_base(material);
+    OpenPbrFacets facets = openpbr_film_facets(material, film, base, wl, wv);
+    Real density = ggx_facets(wl, wv, base.alpha);
+    return openpbr_layers_value(material, openpbr_base_value(material, base, facets, density, wl, wv), wl, wv);
 }
-// rho of a surface with a film, whose weight may be 0, on facets that are rougher along a tangent than across it. Their albedo
-// is taken for that of the geometric mean of both.
-SRBF_FN Vec3 openpbr_anisotropic_value(OpenPbrSurface of, OpenPbrFilm film, OpenPbrAnisotropy facets_of, Vec3 wl, Vec3 wv) {
-    OpenPbrBase base = openpbr_base(of);
-    Real share = Real(1.0) - facets_of.amount;
+// rho of a surface with a film, whose weight may be 0, on facets that are rougher along a tangent than across it.
+// Their albedo is that of facets with the geometric mean of both roughnesses.
+SRBF_FN Vec3 openpbr_anisotropic_value(OpenPbrSurface material, OpenPbrFilm film, OpenPbrAnisotropy anisotropy, Vec3 wl,
+                                       Vec3 wv) {
+    OpenPbrBase base = openpbr_base(material);
+    Real share = Real(1.0) - anisotropy.amount;
     Real along = base.alpha * sqrt(Real(2.0) / (Real(1.0) + share * share));
     Real across = max(share * along, Real(1.0 / 1024.0));
-    Real density = ggx_stretched_facets(turned(wl, facets_of.cosine, -facets_of.sine),
-                                        turned(wv, facets_of.cosine, -facets_of.sine), along, across);
+    Real density = ggx_stretched_facets(turned(wl, anisotropy.cosine, -anisotropy.sine),
+                                        turned(wv, anisotropy.cosine, -anisotropy.sine), along, across);
     base.alpha = sqrt(along * across);
-    OpenPbrFacets facets = openpbr_film_facets(of, film, base, wl, wv);
-    return openpbr_layers_value(of, openpbr_base_value(of, base, facets, density, wl, wv), wl, wv);
+    OpenPbrFacets facets = openpbr_film_facets(material, film, base, wl, wv);
+    return openpbr_layers_value(material, openpbr_base_value(material, base, facets, density, wl, wv), wl, wv);
 }

@@ -8,8 +8,8 @@ SRBF_FN Vec3 sample_cosine(Real u1, Real u2) {
     return Vec3(radius * cos(phi), radius * sin(phi), sqrt(max(Real(1.0) - u1, Real(0.0))));
 }
 
-// The densities max(z, 0) / pi and 3 max(z, 0)^2 / (2 pi) [1/sr] as one, of power 1 and 2, and a direction sampled from
-// it: z = u1^width with width = 1 / (power + 1).
+// The densities max(z, 0) / pi and 3 max(z, 0)^2 / (2 pi) [1/sr] as one function, with power 1 and 2, and a
+// direction sampled from it: z = u1^width with width = 1 / (power + 1).
 SRBF_FN Real power_cosine_pdf(Vec3 wl, Real power) {
     Real z = max(wl.z, Real(0.0));
     return (power + Real(1.0)) * Real(1.0 / SRBF_TWO_PI) * z * select(Real(1.0) < power, z, Real(1.0));
@@ -19,7 +19,8 @@ SRBF_FN Real below_power_cosine(Real width, Real u1) {
 }
 
 // A map that multiplies the component of directions along a tangent of the surface, the unit vector t along (x, y):
-// M = I + (stretch - 1) t t^T. stretch_minus_1 and inverse_minus_1 are divided by x^2 + y^2; inverse is 1 / stretch. With (x, y) = (0, 0) nothing is mapped.
+// M = I + (stretch - 1) t t^T. stretch_minus_1 and inverse_minus_1 are divided by x^2 + y^2; inverse is 1 /
+// stretch. With (x, y) = (0, 0) it is the identity.
 struct Stretch {
     Real x;
     Real y;
@@ -43,19 +44,19 @@ SRBF_FN Vec3 grown_along(Vec3 w, Real x, Real y, Real gain) {
 }
 SRBF_FN Vec3 stretched(Vec3 w, Stretch map) { return grown_along(w, map.x, map.y, map.stretch_minus_1); }
 
-// A lobe G(g . z | lambda) of directions g, which a map M takes to half vectors h along M g, weighted by a power of the
-// visibility of these: G(g . z | lambda) (M g . wv)^power. With viewer = M wv, M g . wv is g . viewer. With its
-// logarithm linearised about the normal this is again a lobe, along lambda z + sharpness viewer with
-// sharpness = power / (n . wv). For a view direction close to the horizon its centre is not beyond halfway between the
-// normal and the viewer.
+// A lobe G(g . z | lambda) of directions g, which a map M takes to half vectors h along M g. It is weighted by a
+// power of their visibility: G(g . z | lambda) (M g . wv)^power. With viewer = M wv, M g . wv is g . viewer. If its
+// logarithm is linearised about the normal this is again a lobe, along lambda z + sharpness viewer with sharpness =
+// power / (n . wv). For a view direction close to the horizon, the centre is at most halfway between the normal and
+// the viewer.
 SRBF_FN Real visibility_sharpness(Vec3 wv, Real power) { return power / max(wv.z, Real(1.0e-6)); }
 SRBF_FN GaussianProduct visible_lobe(Vec3 viewer, Real inverse, Real bandwidth, Real sharpness) {
     return gaussian_product(Vec3(Real(0.0), Real(0.0), Real(1.0)), bandwidth, viewer,
                             min(sharpness, inverse * bandwidth));
 }
 
-// For half vectors h from a lobe that is stretched: the direction g = M^-1 h / |M^-1 h| before, and the factor that
-// converts the lobe's density there to the density of wl: 1 / (stretch |M^-1 h|^3) / (4 h . wl), where 2 h . wl =
+// For half vectors h from a stretched lobe: the unstretched direction g = M^-1 h / |M^-1 h|, and the factor that
+// converts the lobe's density there to the density of wl, 1 / (stretch |M^-1 h|^3) / (4 h . wl), where 2 h . wl =
 // |wl + wv|. Where wl = -wv there is no half vector, and the factor is 0.
 struct HalfVector {
     Vec3 direction;
@@ -73,32 +74,33 @@ SRBF_FN HalfVector half_vector(Vec3 wl, Vec3 wv, Stretch map) {
     return h;
 }
 
-// The density of wl = 2 (h . wv) h - wv [1/sr], with h from the stretched lobe, as visible from wv.
+// The density of wl = 2 (h . wv) h - wv [1/sr], with h from the stretched lobe weighted by visibility from wv.
 SRBF_FN Real half_vector_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Stretch map, Real power) {
-    HalfVector at = half_vector(wl, wv, map);
+    HalfVector h = half_vector(wl, wv, map);
     GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, visibility_sharpness(wv, power));
-    return vmf_pdf(at.direction, lobe.centre, lobe.bandwidth) * at.factor;
+    return vmf_pdf(h.direction, lobe.centre, lobe.bandwidth) * h.factor;
 }
 
-// The light direction wl with its half vector along h, of any length. Where h . wv <= 0 there is none; the result is
-// then the zero vector.
+// The light direction wl whose half vector points along h, which may have any length. It is the zero vector where h
+// . wv <= 0, as there is no such direction.
 SRBF_FN Vec3 light_of(Vec3 h, Vec3 wv) {
     Real along = dot(h, wv);
     Real twice = Real(2.0) * along / max(dot(h, h), Real(1.0e-20));
     return select(Real(0.0) < along, Real(1.0), Real(0.0)) * (twice * h - wv);
 }
 
-// Samples half_vector_pdf. The result is the zero vector where there is no direction.
+// Samples half_vector_pdf. The result is the zero vector if there is no direction.
 SRBF_FN Vec3 sample_half_vector(Vec3 wv, Real bandwidth, Stretch map, Real power, Real u1, Real u2) {
     GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, visibility_sharpness(wv, power));
     return light_of(stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), map), wv);
 }
 
-// Components of a mixture that covers any reflective BRDF. Of directions to the light, 0: the cosine; 1: its square; 2
-// to 7: lobes about the mirror direction, lambda = 4, 16, 64, 256 and, for highlights narrower than any of half
-// vectors, 8 4^6 and 8 4^7. Of half vectors, 8 to 14: lobes with lambda = 8, 32, .. 8 4^6, stretched and weighted by a
-// power of their visibility; 15: such a lobe of lambda = 128, not weighted. Directions of these lobes below the horizon
-// are reflected to above it, so that no sample is lost.
+// Components of a mixture that covers any reflective BRDF.
+// Components of directions to the light are 0: the cosine; 1: its square; 2 to 7: lobes around the mirror
+// direction, with lambda = 4, 16, 64, 256 and, for highlights narrower than any half-vector lobe, 8 4^6 and 8 4^7.
+// Directions of these lobes below the horizon are reflected to above it, so that no sample is lost.
+// Components of half vectors are 8 to 14: lobes with lambda = 8, 32, .. 8 4^6, stretched, and weighted by a power
+// of their visibility; 15: such a lobe with lambda = 128, not weighted.
 #define SRBF_PROPOSAL_LOBES 16
 #define SRBF_FIRST_HALF_VECTOR_LOBE 8
 SRBF_FN Real proposal_bandwidth(int k) {
@@ -109,8 +111,8 @@ SRBF_FN Real proposal_bandwidth(int k) {
     return bandwidth;
 }
 SRBF_FN Real proposal_sharpness(int k, Real sharpness) { return k == 15 ? Real(0.0) : sharpness; }
-// Common subexpressions of the components' densities at (wl, wv): wl above the horizon and reflected at it, with their
-// half vectors.
+// Common subexpressions of the components' densities at (wl, wv): wl above the horizon and mirrored at it, with
+// their half vectors.
 struct ProposalPoint {
     Vec3 wl;
     Vec3 mirrored;
@@ -122,16 +124,16 @@ struct ProposalPoint {
     HalfVector below;
 };
 SRBF_FN ProposalPoint proposal_point(Vec3 wl, Vec3 wv, Stretch map, Real power) {
-    ProposalPoint at;
-    at.wl = wl;
-    at.mirrored = Vec3(wl.x, wl.y, -wl.z);
-    at.specular = Vec3(-wv.x, -wv.y, wv.z);
-    at.viewer = stretched(wv, map);
-    at.inverse = map.inverse;
-    at.sharpness = visibility_sharpness(wv, power);
-    at.above = half_vector(wl, wv, map);
-    at.below = half_vector(at.mirrored, wv, map);
-    return at;
+    ProposalPoint terms;
+    terms.wl = wl;
+    terms.mirrored = Vec3(wl.x, wl.y, -wl.z);
+    terms.specular = Vec3(-wv.x, -wv.y, wv.z);
+    terms.viewer = stretched(wv, map);
+    terms.inverse = map.inverse;
+    terms.sharpness = visibility_sharpness(wv, power);
+    terms.above = half_vector(wl, wv, map);
+    terms.below = half_vector(terms.mirrored, wv, map);
+    return terms;
 }
 // A component that is a lobe: its density is scale G, width is 1 / lambda and rest e^(-2 lambda).
 struct ProposalLobe {
@@ -162,28 +164,29 @@ SRBF_FN ProposalLobe half_vector_lobe(Vec3 viewer, Real inverse, Real bandwidth,
     lobe.rest = Real(0.0);
     return lobe;
 }
-// Its density [1/sr] for a direction sampled at `above`, or at `below` and then reflected.
+// Its density [1/sr] for a direction sampled at `above`, or sampled at `below` and then reflected.
 SRBF_FN Real reflected_pdf(ProposalLobe lobe, HalfVector above, HalfVector below) {
     return lobe.scale * (gaussian(above.direction, lobe.centre, lobe.bandwidth) * above.factor +
                          gaussian(below.direction, lobe.centre, lobe.bandwidth) * below.factor);
 }
-// For a component that samples the direction itself instead of a half vector.
+// The same for a component that samples the direction itself instead of a half vector.
 SRBF_FN HalfVector itself(Vec3 direction) {
-    HalfVector at;
-    at.direction = direction;
-    at.factor = Real(1.0);
-    return at;
+    HalfVector h;
+    h.direction = direction;
+    h.factor = Real(1.0);
+    return h;
 }
 // The density of component k [1/sr]; wl is above the horizon.
-SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint at) {
+SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint terms) {
     Real bandwidth = proposal_bandwidth(k);
     if (k >= SRBF_FIRST_HALF_VECTOR_LOBE)
         return reflected_pdf(
-            half_vector_lobe(at.viewer, at.inverse, bandwidth, proposal_sharpness(k, at.sharpness)), at.above, at.below);
-    if (k > 1) return reflected_pdf(mirror_lobe(at.specular, bandwidth), itself(at.wl), itself(at.mirrored));
-    return power_cosine_pdf(at.wl, k == 0 ? Real(1.0) : Real(2.0));
+            half_vector_lobe(terms.viewer, terms.inverse, bandwidth, proposal_sharpness(k, terms.sharpness)), terms.above,
+            terms.below);
+    if (k > 1) return reflected_pdf(mirror_lobe(terms.specular, bandwidth), itself(terms.wl), itself(terms.mirrored));
+    return power_cosine_pdf(terms.wl, k == 0 ? Real(1.0) : Real(2.0));
 }
-// Samples component k from u1, u2 uniform in [0,1). z = 0 where there is no direction.
+// Samples component k from u1, u2 uniform in [0,1). z = 0 if there is no direction.
 SRBF_FN Vec3 reflected_up(Vec3 wl) { return Vec3(wl.x, wl.y, max(wl.z, -wl.z)); }
 SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Stretch map, Real power, Real u1, Real u2) {
     Real below = below_power_cosine(k == 0 ? Real(0.5) : Real(1.0 / 3.0), u1);

@@ -3,30 +3,31 @@
 //     su_lobes(su), su_views(su)             J, n                            [int]
 //     su_direction(su, i)                    the direction of sampled view i (unit vector; z rises with i)
 //     su_centre(su, i, j), su_bandwidth(su, i, j), su_coefficient(su, i, j)   xi_ij, lambda_ij, beta_ij (R, G, B)
-//     su_shape(su, i, j)                     tau_ij or -alpha_ij, 0 where the model has neither
+//     su_shape(su, i, j)                     tau_ij or -alpha_ij; 0 if the model has neither
 //   SuNearest               a handle of the sampled views nearest to a direction with the function
-//     su_nearest(nearest, k)                 the k-th nearest, from 0 on     [int]
+//     su_nearest(nearest, k)                 index of the k-th nearest, from k = 0 on   [int]
 
-// How much longer than along the normal the way of a direction through a layer is: 1/cos(theta) - 1. A layer of optical
-// depth tau transmits e^-(tau slant) of what it transmits along the normal. Cosines below 1e-6 count as 1e-6.
+// The relative excess of the path of a direction through a layer over that along the normal: 1/cos(theta) - 1. A
+// layer of optical depth tau transmits e^-(tau slant) times what it transmits along the normal. Cosines below 1e-6
+// count as 1e-6.
 SRBF_FN Real slant(Real cosine) { return Real(1.0) / max(cosine, Real(1.0e-6)) - Real(1.0); }
 
-// The unit tangent across the plane of w and the normal; the zero vector where w is the normal.
+// The unit tangent perpendicular to the plane of w and the normal; the zero vector if w is the normal.
 SRBF_FN Vec3 tangent_across(Vec3 w) {
     Real reciprocal = inversesqrt(max(w.x * w.x + w.y * w.y, Real(1.0e-20)));
     return Vec3(-reciprocal * w.y, reciprocal * w.x, Real(0.0));
 }
 
-// The exponent of a lobe with a shape, where `apart` is its distance omega - xi from the centre, `across` the component
-// of that along a tangent, and `further` slant(omega.z). A shape tau > 0 attenuates the lobe: -tau slant. A shape
-// -alpha < 0 narrows it along the tangent, to 1 + alpha times its bandwidth. A lobe of shape 0 is a Gaussian.
+// The exponent of a lobe with a shape. `apart` is the difference omega - xi from the centre, `across` its component
+// along a tangent, and `further` is slant(omega.z). A shape tau > 0 attenuates the lobe: -tau slant. A shape -alpha
+// < 0 narrows it along the tangent, to 1 + alpha times its bandwidth. A lobe of shape 0 is a Gaussian.
 SRBF_FN Real shaped_exponent(Vec3 apart, Real across, Real further, Real bandwidth, Real shape) {
     Real squared = dot(apart, apart) - min(shape, Real(0.0)) * (across * across);
     return Real(-0.5) * bandwidth * squared - max(shape, Real(0.0)) * further;
 }
 
-// The function of sampled view i: sum_j beta_ij G(wl . xi_ij | lambda_ij) [1/sr], for R, G, B, of lobes with shapes;
-// the tangent is that across the plane of the view and the normal.
+// The function of sampled view i: sum_j beta_ij G(wl . xi_ij | lambda_ij) [1/sr], for R, G, B, where G is a lobe
+// with a shape. The tangent is perpendicular to the plane of the view and the normal.
 SRBF_FN Vec3 su_view_value(Su su, int view, Vec3 wl) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     Vec3 tangent = tangent_across(su_direction(su, view));
@@ -40,13 +41,13 @@ SRBF_FN Vec3 su_view_value(Su su, int view, Vec3 wl) {
     return sum;
 }
 
-// w rotated about the normal by the angle with that cosine and sine.
+// w rotated about the normal by the angle with this cosine and sine.
 SRBF_FN Vec3 turned(Vec3 w, Real cosine, Real sine) {
     return Vec3(cosine * w.x - sine * w.y, sine * w.x + cosine * w.y, w.z);
 }
 
 // The contribution of a sampled view to the value at another view direction: its weight, and the rotation about the
-// normal that takes the view direction to the azimuth of the sampled view, to be applied to wl too.
+// normal that takes the view direction to the azimuth of the sampled view. wl is rotated by it too.
 struct SuNeighbour {
     int view;
     Real weight;
@@ -55,20 +56,20 @@ struct SuNeighbour {
 };
 
 // Interpolation for isotropic BRDFs. Sampled views are rotated to the azimuth of wv, so that they differ only in
-// elevation: the value is linear in wv.z between the two sampled views adjacent in elevation. Above the last sampled
-// view the azimuth is ill-defined: over that cap the weight of this view falls linearly to 0 at the pole, and three
-// copies of it, rotated by thirds of a circle, replace it. The interpolation is continuous in wv and exact at sampled
-// views. k: 0..SU_ROTATED_NEIGHBOURS-1.
+// elevation. The value is linear in wv.z between the two sampled views adjacent in elevation. Above the last
+// sampled view the azimuth is ill-defined: over that cap the weight of this view falls linearly to 0 at the pole,
+// and three copies of it, rotated by thirds of a circle, replace it. The interpolation is continuous in wv and
+// exact at sampled views. k: 0..SU_ROTATED_NEIGHBOURS-1.
 #define SU_ROTATED_NEIGHBOURS 5
 SRBF_FN SuNeighbour su_rotated_neighbour(Su su, Vec3 wv, int k) {
     int last = su_views(su) - 1;
-    Real at = max(wv.z * Real(su_views(su)) - Real(0.5), Real(0.0));  // the samples are uniform in z
-    int below = at < Real(last) ? int(at) : last;
+    Real position = max(wv.z * Real(su_views(su)) - Real(0.5), Real(0.0));  // the samples are uniform in z
+    int below = position < Real(last) ? int(position) : last;
     int above = below < last ? below + 1 : last;
     Vec3 top = su_direction(su, last);
     Real radius = sqrt(wv.x * wv.x + wv.y * wv.y);
     Real top_radius = max(sqrt(top.x * top.x + top.y * top.y), Real(1.0e-20));
-    Real cap = wv.z > top.z ? min(radius / top_radius, Real(1.0)) : Real(1.0);  // 1 outside of it, 0 at the pole
+    Real cap = wv.z > top.z ? min(radius / top_radius, Real(1.0)) : Real(1.0);  // 1 outside the cap, 0 at the pole
 
     SuNeighbour neighbour;
     neighbour.view = k == 0 ? below : k == 1 ? above : last;
@@ -89,8 +90,8 @@ SRBF_FN Vec3 su_rotated_part(Su su, Vec3 wl, Vec3 wv, int k) {
     return neighbour.weight * su_view_value(su, neighbour.view, turned(wl, neighbour.cosine, neighbour.sine));
 }
 
-// Neighbours beyond the first two contribute only within the cap. (A loop with no iterations is allowed where a branch
-// is not.)
+// Neighbours beyond the first two contribute only within the cap. (A loop may have no iterations where a branch is
+// not allowed.)
 SRBF_FN Vec3 su_rotated_value(Su su, Vec3 wl, Vec3 wv) {
     Vec3 sum = su_rotated_part(su, wl, wv, 0) + su_rotated_part(su, wl, wv, 1);
     int count = wv.z > su_direction(su, su_views(su) - 1).z ? SU_ROTATED_NEIGHBOURS : 2;
@@ -99,9 +100,9 @@ SRBF_FN Vec3 su_rotated_value(Su su, Vec3 wl, Vec3 wv) {
 }
 
 // Plain interpolation: the K nearest views, not rotated. The weight of a view at distance d from wv is 1/d - 1/d_K,
-// where d_K is the distance of the next nearest view; weights are not yet normalised. A weight falls to 0 as its view
-// leaves the K nearest, and dominates as wv approaches the view. It is at least 1e-5/d_K, so that the result is the
-// mean if all K+1 views are equally far, instead of rounding errors over 0.
+// where d_K is the distance of the next nearest view; weights are not yet normalised. A weight falls to 0 as its
+// view leaves the K nearest, and dominates as wv approaches the view. It is at least 1e-5/d_K: if all K+1 views are
+// equally far, the result is their mean instead of a quotient of rounding errors.
 SRBF_FN Real su_plain_weight(Su su, SuNearest nearest, Vec3 wv, int neighbours, int k) {
     Vec3 apart = wv - su_direction(su, su_nearest(nearest, k));
     Vec3 leaving = wv - su_direction(su, su_nearest(nearest, neighbours));

@@ -6,9 +6,9 @@
 
 namespace srbf {
 
-/// At most so many of a problem's lobes, for which its loss is small, by the loss to second order in the coefficients about
-/// those of the last call of `loss`: lobes are dropped, those first without which it rises least, and then exchanged as
-/// long as that lowers it.
+/// Chooses at most `most` of a problem's lobes such that its loss is small. The loss is taken to second order in
+/// the coefficients around those of the last call of `loss`. The lobes that raise it least are dropped first; then
+/// lobes are exchanged as long as that lowers it.
 std::vector<std::size_t> active_lobes(LobeProblem& problem, std::size_t most);
 
 }  // namespace srbf

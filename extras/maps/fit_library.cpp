@@ -18,7 +18,7 @@
 namespace srbf {
 namespace {
 
-/// The observations of this number of tables are kept in memory, 8 MB each; those of further ones are made again.
+/// The observations of this many tables are kept in memory, 8 MB each; those of further tables are made again.
 constexpr std::size_t k_kept_tables = 64;
 
 Error basis_error(const char* what, std::string expected, std::string found) {
@@ -44,19 +44,19 @@ Result<Measured> table_of(const LibrarySource& source) {
     return measured;
 }
 
-/// The observations of tables; those of the first `kept` are made once.
+/// The observations of tables. Those of the first `kept` tables are made only once.
 class ObservedTables {
   public:
-    ObservedTables(std::span<const LibrarySource> sources, const BasisOptions& of, std::size_t kept)
-        : sources_(sources), of_(of), kept_(std::min(sources.size(), kept)) {}
+    ObservedTables(std::span<const LibrarySource> sources, const BasisOptions& options, std::size_t kept)
+        : sources_(sources), options_(options), kept_(std::min(sources.size(), kept)) {}
 
-    /// From any thread, but one at a time for each t.
+    /// May be called from any thread, but only by one at a time for each t.
     Result<std::shared_ptr<const Observations>> at(std::size_t t) {
         if (t < kept_.size() && kept_[t]) return kept_[t];
         const auto measured = table_of(sources_[t]);
         if (!measured) return measured.error();
-        auto observed =
-            observe(signed_evaluator(*measured), {.max_theta = of_.max_theta, .seed = of_.seed, .threads = 1});
+        auto observed = observe(signed_evaluator(*measured),
+                                {.max_theta = options_.max_theta, .seed = options_.seed, .threads = 1});
         if (!observed) return observed.error();
         auto shared = std::make_shared<const Observations>(*std::move(observed));
         if (t < kept_.size()) kept_[t] = shared;
@@ -65,22 +65,23 @@ class ObservedTables {
 
   private:
     std::span<const LibrarySource> sources_;
-    const BasisOptions& of_;
+    const BasisOptions& options_;
     std::vector<std::shared_ptr<const Observations>> kept_;
 };
 
-/// The sources' coefficients for these lobes; their errors are measured. `scaled`: the log scales are those of `basis`.
-Result<Library> library_of(PmModel basis, bool scaled, std::span<const LibrarySource> sources, ObservedTables& tables,
-                           const BasisOptions& of, Reporter& reporter) {
-    const LobeShape shape = shape_of(lobe_options(of));
+/// Fits the sources' coefficients for these lobes, and computes their errors. `scaled`: keep the log scales of
+/// `basis`.
+Result<Library> library_of(PmModel basis, bool is_scaled, std::span<const LibrarySource> sources,
+                           ObservedTables& tables, const BasisOptions& options, Reporter& reporter) {
+    const LobeShape shape = shape_of(lobe_options(options));
     const Lobes lobes = to_lobes(basis, shape);
     std::vector<LogCoefficients> coefficients(sources.size());
     std::vector<std::optional<Error>> errors(sources.size());
-    parallel_for(sources.size(), of.threads, [&](std::size_t t) {
+    parallel_for(sources.size(), options.threads, [&](std::size_t t) {
         if (reporter.cancelled()) return;
         const auto observations = tables.at(t);
         if (!observations) return void(errors[t] = observations.error());
-        coefficients[t] = coefficients_of(**observations, lobes, of);
+        coefficients[t] = coefficients_of(**observations, lobes, options);
         reporter.advance("solving for coefficients", 0.5);
     });
     for (const auto& error : errors)
@@ -88,19 +89,19 @@ Result<Library> library_of(PmModel basis, bool scaled, std::span<const LibrarySo
     if (reporter.cancelled()) return cancelled_error("fit_library");
     Library library;
     library.basis = std::move(basis);
-    if (!scaled) set_scales(library.basis, coefficients);
-    library.stored = of.active > 0 ? of.active : library.basis.lobes;
-    for (const LogCoefficients& each : coefficients) add_material(library, each);
+    if (!is_scaled) set_scales(library.basis, coefficients);
+    library.stored = options.active > 0 ? options.active : library.basis.lobes;
+    for (const LogCoefficients& material : coefficients) add_material(library, material);
     for (const LibrarySource& source : sources) library.names.push_back(source.name);
     library.error.assign(sources.size(), 0.f);
     library = rounded(std::move(library));
-    parallel_for(sources.size(), of.threads, [&](std::size_t t) {
+    parallel_for(sources.size(), options.threads, [&](std::size_t t) {
         const auto measured = table_of(sources[t]);
         if (!measured) return void(errors[t] = measured.error());
         const Model model = material(library, t);
         const Evaluate fitted = evaluator(model);
-        const auto seen = compare_pictures(evaluator(*measured), {&fitted, 1}, 1);
-        library.error[t] = round_to_half(float(std::min(seen[0].mean.delta_e, double(k_half_max))));
+        const auto errors_of_pictures = compare_pictures(evaluator(*measured), {&fitted, 1}, 1);
+        library.error[t] = round_to_half(float(std::min(errors_of_pictures[0].mean.delta_e, double(k_half_max))));
         reporter.advance("measuring errors", 0.5);
     });
     for (const auto& error : errors)
@@ -130,8 +131,8 @@ Result<Library> fit_library(std::span<const LibrarySource> sources, const BasisO
         if (error) return *error;
     if (reporter.cancelled()) return cancelled_error("fit_library");
     const auto observations = [&](std::size_t t) {
-        const auto seen = tables.at(t);
-        return seen ? *seen : nullptr;
+        const auto observed = tables.at(t);
+        return observed ? *observed : nullptr;
     };
     PmModel basis = find_shared_lobes(rows, observations, options, reporter);
     if (reporter.cancelled()) return cancelled_error("fit_library");
@@ -142,14 +143,15 @@ Result<Library> fit_library(std::span<const LibrarySource> sources, const BasisO
 Result<Library> fit_to_basis(const Library& basis, std::span<const LibrarySource> sources, const BasisOptions& options,
                              const ProgressToken& progress) {
     const StandardArithmetic mode;
-    BasisOptions of = options;
-    of.form = basis.basis.form, of.axial = basis.basis.axial, of.lobes = basis.basis.lobes;
-    of.variates = basis.basis.variates;
-    if (const auto valid = check_basis_options(of); !valid) return valid.error();
+    BasisOptions lobe_settings = options;
+    lobe_settings.form = basis.basis.form, lobe_settings.axial = basis.basis.axial,
+    lobe_settings.lobes = basis.basis.lobes;
+    lobe_settings.variates = basis.basis.variates;
+    if (const auto valid = check_basis_options(lobe_settings); !valid) return valid.error();
     if (const auto valid = check_names(sources); !valid) return valid.error();
     Reporter reporter(progress, double(sources.size()));
-    ObservedTables tables(sources, of, 0);
-    return library_of(basis.basis, true, sources, tables, of, reporter);
+    ObservedTables tables(sources, lobe_settings, 0);
+    return library_of(basis.basis, true, sources, tables, lobe_settings, reporter);
 }
 
 }  // namespace srbf

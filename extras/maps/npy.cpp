@@ -12,13 +12,13 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-/// The text between `key` and the next of `ends`, or nothing.
-std::optional<std::string_view> after(std::string_view text, std::string_view key, std::string_view ends) {
-    const auto at = text.find(key);
-    if (at == text.npos) return {};
-    const auto end = text.find_first_of(ends, at + key.size());
+/// The text between `key` and the next of `ends`; no value if either is missing.
+std::optional<std::string_view> text_after(std::string_view text, std::string_view key, std::string_view ends) {
+    const auto begin = text.find(key);
+    if (begin == text.npos) return {};
+    const auto end = text.find_first_of(ends, begin + key.size());
     if (end == text.npos) return {};
-    return text.substr(at + key.size(), end - at - key.size());
+    return text.substr(begin + key.size(), end - begin - key.size());
 }
 
 }  // namespace
@@ -40,18 +40,18 @@ Result<NpyHead> read_npy_head(std::span<const std::byte> beginning, std::uint64_
     if (head.data > text.size())
         return fail(8, "header length", fmt::format("at most {}", text.size()), fmt::format("{}", length));
     const std::string_view header = text.substr(0, std::size_t(head.data));
-    const auto descr = after(header, "'descr': '", "'"), order = after(header, "'fortran_order': ", ",}"),
-               shape = after(header, "'shape': (", ")");
+    const auto descr = text_after(header, "'descr': '", "'"), order = text_after(header, "'fortran_order': ", ",}"),
+               shape = text_after(header, "'shape': (", ")");
     if (!descr || !order || !shape) return fail(10, "header", "descr, fortran_order and shape", "one is missing");
     if (*descr != "<f4") return fail(10, "descr", "<f4, float32", quoted(*descr));
     if (*order != "False") return fail(10, "fortran_order", "False", quoted(*order));
     std::uint64_t numbers = 1;
-    for (std::string_view rest = *shape; !rest.empty();) {
-        std::string_view one = rest.substr(0, rest.find(','));
-        rest.remove_prefix(std::min(one.size() + 1, rest.size()));
-        while (one.starts_with(' ')) one.remove_prefix(1);
-        if (one.empty()) continue;
-        const auto extent = to_number<std::uint64_t>(one);
+    for (std::string_view remaining = *shape; !remaining.empty();) {
+        std::string_view word = remaining.substr(0, remaining.find(','));
+        remaining.remove_prefix(std::min(word.size() + 1, remaining.size()));
+        while (word.starts_with(' ')) word.remove_prefix(1);
+        if (word.empty()) continue;
+        const auto extent = to_number<std::uint64_t>(word);
         if (!extent || *extent == 0 || *extent > size / numbers)
             return fail(10, "shape", "counts of the numbers in the file", quoted(*shape));
         numbers *= *extent;

@@ -13,52 +13,52 @@
 namespace srbf {
 namespace {
 
-/// Groups in which lobes are added, steps after each, and after the last.
+/// Number of groups in which lobes are added, of steps after each group, and of steps after the last.
 constexpr int k_basis_groups = 16, k_group_steps = 4, k_last_basis_steps = 16;
-/// Rounds in which active lobes are chosen and all lobes follow, and steps of each.
+/// Rounds in which active lobes are chosen and all lobes follow, and the steps of each round.
 constexpr int k_refinements = 3, k_refinement_steps = 6;
 
-constexpr Stage k_basis_stage{.name = "basis", .pairs = Pairs::few, .albedos = true};
+constexpr Stage k_basis_stage{.name = "basis", .pairs = Pairs::search, .albedos = true};
 
 void optimise(SharedProblem& problem, Eigen::VectorXd& x, int steps) {
     levenberg_marquardt(problem, x, {.max_iterations = steps, .adapts_to_bounds = true});
 }
 
-/// The lobes that materials with these rows share.
-Lobes shared_lobes(std::span<SharedRows> materials, const BasisOptions& of, Reporter& reporter) {
-    const LobeShape shape = shape_of(lobe_options(of));
-    std::mt19937_64 random = generator(of.seed, 0, 0);
+/// Finds the lobes that materials with these rows share.
+Lobes search_for_lobes(std::span<SharedRows> materials, const BasisOptions& options, Reporter& reporter) {
+    const LobeShape shape = shape_of(lobe_options(options));
+    std::mt19937_64 random = generator(options.seed, 0, 0);
     Lobes lobes = initial_parameterizations(shape, 0, random);
     SharedProblem problem(materials, shape, k_log_peak_limit);
-    const int group = std::max(1, of.lobes / k_basis_groups);
-    while (lobes.count() < of.lobes && !reporter.cancelled()) {
-        const int until = std::min(lobes.count() + group, of.lobes), before = lobes.count();
-        while (lobes.count() < until) {
+    const int group = std::max(1, options.lobes / k_basis_groups);
+    while (lobes.count() < options.lobes && !reporter.cancelled()) {
+        const int end = std::min(lobes.count() + group, options.lobes), begin = lobes.count();
+        while (lobes.count() < end) {
             problem.loss(pack(lobes));
-            if (lobes.count() == before) problem.weigh();
+            if (lobes.count() == begin) problem.weigh();
             const auto additions = random_candidates(random, lobes);
             lobes = with_lobe(std::move(lobes), problem.best_addition(additions));
-            if (of.active > 0) problem.offer(std::size_t(lobes.count()) - 1);
+            if (options.active > 0) problem.offer(std::size_t(lobes.count()) - 1);
         }
         Eigen::VectorXd x = pack(lobes);
-        if (of.active > 0 && lobes.count() > of.active) {
+        if (options.active > 0 && lobes.count() > options.active) {
             problem.loss(x);
-            problem.activate(std::size_t(of.active));
+            problem.activate(std::size_t(options.active));
         }
-        optimise(problem, x, until < of.lobes ? k_group_steps : k_last_basis_steps);
+        optimise(problem, x, end < options.lobes ? k_group_steps : k_last_basis_steps);
         lobes = unpack(x, shape);
-        reporter.advance("searching for shared lobes", double(until - before));
+        reporter.advance("searching for shared lobes", double(end - begin));
     }
     return lobes;
 }
 
-/// Lets lobes follow all terms of the objectives of materials, each of which is a sum of its active ones.
-Lobes refined(Lobes lobes, std::size_t count, const ObservationsOf& observations, const BasisOptions& of,
-              Reporter& reporter) {
+/// Lets lobes follow all terms of the materials' objectives, where each material is a sum of its active lobes.
+Lobes refine(Lobes lobes, std::size_t count, const ObservationsOf& observations, const BasisOptions& options,
+             Reporter& reporter) {
     for (int round = 0; round < k_refinements && !reporter.cancelled(); ++round) {
         std::vector<SharedRows> materials(count);
         parallel_for(count, [&](std::size_t t) {
-            if (const auto seen = observations(t)) materials[t] = material_of(*seen, lobes, of);
+            if (const auto observed = observations(t)) materials[t] = material_of(*observed, lobes, options);
         });
         std::erase_if(materials, [](const SharedRows& material) { return !material.rows; });
         if (materials.empty()) break;
@@ -73,9 +73,9 @@ Lobes refined(Lobes lobes, std::size_t count, const ObservationsOf& observations
     return lobes;
 }
 
-/// The lobes as they are stored.
-Lobes rounded(const Lobes& lobes, const Rows& of_any) {
-    LobeProblem problem(of_any, lobes.shape, false, k_log_peak_limit);
+/// The lobes with their stored precision.
+Lobes rounded(const Lobes& lobes, const Rows& any_rows) {
+    LobeProblem problem(any_rows, lobes.shape, false, k_log_peak_limit);
     problem.loss(pack(lobes));
     return to_lobes(to_halves(to_model(problem, lobes, true), lobes), lobes.shape);
 }
@@ -88,16 +88,16 @@ PmModel basis_model(const Lobes& lobes) {
     model.form = lobes.shape.form, model.axial = lobes.shape.axial, model.lobes = int(J), model.variates = int(N);
     model.coefficient.assign(J, {1, 1, 1}), model.log_scale.assign(J, 0);
     for (std::size_t j = 0; j < J; ++j) {
-        const auto of = lobes.weights_of(int(j));
+        const auto weights = lobes.weights_of(int(j));
         for (std::size_t n = 0; n < N; ++n) {
-            const Vec3d p = vector_of(of, lobes.shape, int(n));
+            const Vec3d p = vector_of(weights, lobes.shape, int(n));
             const double bandwidth = elementary::hypot(p.x, p.y, p.z);
             model.bandwidth.push_back(float(bandwidth));
             model.centre.push_back(bandwidth > 0
                                        ? Vec3f{float(p.x / bandwidth), float(p.y / bandwidth), float(p.z / bandwidth)}
                                        : Vec3f{0, 0, 1});
         }
-        for (std::size_t k = N * C; k < of.size(); ++k) model.exponent.push_back(float(of[k]));
+        for (std::size_t k = N * C; k < weights.size(); ++k) model.exponent.push_back(float(weights[k]));
     }
     for (const double angle : lobes.angle) model.parameterization.push_back(rounded_direction(angle));
     return rounded(model);
@@ -109,12 +109,12 @@ SharedRows rows_for_search(const Observations& observations) {
     return {std::make_unique<Rows>(Subsets(observations).rows(k_basis_stage, 0))};
 }
 
-PmModel find_shared_lobes(std::span<SharedRows> rows, const ObservationsOf& observations, const BasisOptions& of,
+PmModel find_shared_lobes(std::span<SharedRows> rows, const ObservationsOf& observations, const BasisOptions& options,
                           Reporter& reporter) {
     Lobes lobes;
-    on_threads(of.threads, [&] {
-        lobes = shared_lobes(rows, of, reporter);
-        if (observations) lobes = refined(std::move(lobes), rows.size(), observations, of, reporter);
+    on_threads(options.threads, [&] {
+        lobes = search_for_lobes(rows, options, reporter);
+        if (observations) lobes = refine(std::move(lobes), rows.size(), observations, options, reporter);
         lobes = rounded(lobes, *rows[0].rows);
     });
     return basis_model(lobes);

@@ -10,28 +10,29 @@
 namespace srbf {
 namespace {
 
-/// The share of the largest √L_t, as R_k of the point lights (docs/fitting.md): a material that the lobes match perfectly does not
-/// outweigh others.
+/// Lower bound on √L_t, as a fraction of the largest one, like R_k of the directional lights (docs/fitting.md): a
+/// material that the lobes match perfectly must not outweigh others.
 constexpr double k_least_root = 0.1;
-/// The number of materials whose Hessians are in memory at a time.
+/// The number of materials whose Hessians are in memory at once.
 constexpr std::size_t k_hessians = 8;
 
 }  // namespace
 
 SharedProblem::SharedProblem(std::span<SharedRows> materials, const LobeShape& shape, double log_peak_limit)
     : shape_(shape), materials_(materials) {
-    for (const SharedRows& of : materials)
-        problems_.push_back(std::make_unique<LobeProblem>(*of.rows, shape, false, log_peak_limit));
+    for (const SharedRows& material : materials)
+        problems_.push_back(std::make_unique<LobeProblem>(*material.rows, shape, false, log_peak_limit));
     factor_.assign(materials.size(), 1.0), loss_.assign(materials.size(), 0.0);
 }
 
 std::vector<Eigen::Index> SharedProblem::variables(std::size_t t, Eigen::Index size) const {
     const std::vector<std::size_t>& lobes = materials_[t].lobes;
-    std::vector<Eigen::Index> of;
-    for (Eigen::Index i = 0; i < (lobes.empty() ? size : shape_.variates); ++i) of.push_back(i);
+    std::vector<Eigen::Index> indices;
+    for (Eigen::Index i = 0; i < (lobes.empty() ? size : shape_.variates); ++i) indices.push_back(i);
     for (const std::size_t j : lobes)
-        for (int k = 0; k < shape_.width(); ++k) of.push_back(shape_.variates + Eigen::Index(j) * shape_.width() + k);
-    return of;
+        for (int k = 0; k < shape_.width(); ++k)
+            indices.push_back(shape_.variates + Eigen::Index(j) * shape_.width() + k);
+    return indices;
 }
 
 Eigen::VectorXd SharedProblem::lower(const Eigen::VectorXd& x) const {
@@ -55,16 +56,16 @@ double SharedProblem::loss(const Eigen::VectorXd& x) {
 
 void SharedProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
     H = Eigen::MatrixXd::Zero(x.size(), x.size()), g = Eigen::VectorXd::Zero(x.size());
-    std::vector<Eigen::MatrixXd> of_each(k_hessians);
+    std::vector<Eigen::MatrixXd> hessian(k_hessians);
     std::vector<Eigen::VectorXd> gradient(k_hessians);
     for (std::size_t first = 0; first < problems_.size(); first += k_hessians) {
         const std::size_t count = std::min(k_hessians, problems_.size() - first);
         parallel_for(count, [&](std::size_t i) {
-            problems_[first + i]->linearise(x(variables(first + i, x.size())), of_each[i], gradient[i]);
+            problems_[first + i]->linearise(x(variables(first + i, x.size())), hessian[i], gradient[i]);
         });
         for (std::size_t i = 0; i < count; ++i) {
-            const auto where = variables(first + i, x.size());
-            H(where, where) += factor_[first + i] * of_each[i], g(where) += factor_[first + i] * gradient[i];
+            const auto indices = variables(first + i, x.size());
+            H(indices, indices) += factor_[first + i] * hessian[i], g(indices) += factor_[first + i] * gradient[i];
         }
     }
 }
@@ -78,14 +79,14 @@ void SharedProblem::weigh() {
 void SharedProblem::activate(std::size_t most) {
     parallel_for(problems_.size(), [&](std::size_t t) {
         std::vector<std::size_t> active = active_lobes(*problems_[t], most);
-        if (const auto& before = materials_[t].lobes; !before.empty())
-            for (std::size_t& j : active) j = before[j];
+        if (const auto& previous = materials_[t].lobes; !previous.empty())
+            for (std::size_t& j : active) j = previous[j];
         materials_[t].lobes = std::move(active);
     });
 }
 
 void SharedProblem::offer(std::size_t j) {
-    for (SharedRows& of : materials_) of.lobes.push_back(j);
+    for (SharedRows& material : materials_) material.lobes.push_back(j);
 }
 
 std::vector<double> SharedProblem::best_addition(const std::vector<std::vector<double>>& candidates) {

@@ -12,35 +12,35 @@ namespace srbf {
 /// A material of a shared problem.
 struct SharedRows {
     std::unique_ptr<Rows> rows;
-    std::vector<std::size_t> lobes = {};  ///< those that it is a sum of; empty: all
+    std::vector<std::size_t> lobes = {};  ///< the lobes of which it is a sum; empty: all
 };
 
-/// Σ_t L_t(x) / r_t over the problems of materials t, each with coefficients of its own. The variables x are those of
-/// `LobeProblem` for all lobes. Materials are computed side by side on the threads of the caller's `on_threads`.
+/// Σ_t L_t(x) / r_t over the problems of materials t, each with its own coefficients. The variables x are those of
+/// `LobeProblem` for all lobes. Materials are computed in parallel on the threads of the caller's `on_threads`.
 class SharedProblem {
   public:
-    /// The materials must outlive it.
+    /// The materials must outlive this object.
     SharedProblem(std::span<SharedRows> materials, const LobeShape& shape, double log_peak_limit);
 
     double loss(const Eigen::VectorXd& x);
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
-    /// The bounds of `LobeProblem`, and of the length of a step: a lobe that would change more ends there. Shortened as a whole,
-    /// steps of so many lobes would be short.
+    /// The bounds of `LobeProblem`, narrowed to the longest step: a lobe that would move further stops there.
+    /// Shortening steps as a whole would make those of many lobes short.
     Eigen::VectorXd lower(const Eigen::VectorXd& x) const;
     Eigen::VectorXd upper(const Eigen::VectorXd& x) const;
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
-    /// Sets r_t by the losses of the last call of `loss`: √L_t, at least k_least_root of the largest.
+    /// Sets r_t from the losses of the last call of `loss`: √L_t, at least k_least_root of the largest.
     void weigh();
-    /// Limits each material to its active lobes, so many at most; valid after `loss`.
+    /// Limits each material to its active lobes, at most `most`. Valid after `loss`.
     void activate(std::size_t most);
-    /// Adds lobe j to those of each material.
+    /// Adds lobe j to the lobes of each material.
     void offer(std::size_t j);
-    /// The one of `candidates` that would lower the loss most if added; valid after `loss`.
+    /// The candidate whose addition would lower the loss most. Valid after `loss`.
     std::vector<double> best_addition(const std::vector<std::vector<double>>& candidates);
 
   private:
-    /// Where the variables of a material's lobes are among those of all; `size`: of all.
+    /// The indices of a material's variables among all variables, whose number is `size`.
     std::vector<Eigen::Index> variables(std::size_t t, Eigen::Index size) const;
 
     LobeShape shape_;

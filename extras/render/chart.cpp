@@ -22,7 +22,7 @@ bool is_shown(const ChartSeries::Point& point) {
 struct Range {
     double least = std::numeric_limits<double>::infinity(), most = 0;
     void add(double value) { least = std::min(least, value), most = std::max(most, value); }
-    double share(double value) const { return std::log(value / least) / std::log(most / least); }
+    double position(double value) const { return std::log(value / least) / std::log(most / least); }
 };
 
 }  // namespace
@@ -34,22 +34,22 @@ std::string chart_drawing(const Chart& chart) {
             if (is_shown(point)) x.add(point.x), y.add(point.y);
     for (const double tick : chart.x_ticks) x.add(tick);
     if (y.most == 0) x.add(1), y.add(1);
-    // Whole decades of errors, and some space on either side.
+    // Whole decades of errors, and some space on both ends of x.
     const int lowest = int(std::floor(std::log10(y.least))),
               highest = std::max(int(std::ceil(std::log10(y.most))), lowest + 1);
     y = {std::pow(10.0, lowest), std::pow(10.0, highest)};
     const double space = std::max(std::pow(x.most / x.least, 0.04), 1.05);
     x.add(x.least / space), x.add(x.most * space);
-    const auto x_of = [&](double value) { return k_left + x.share(value) * (k_right - k_left); };
-    const auto y_of = [&](double value) { return k_bottom - y.share(value) * (k_bottom - k_top); };
+    const auto x_of = [&](double value) { return k_left + x.position(value) * (k_right - k_left); };
+    const auto y_of = [&](double value) { return k_bottom - y.position(value) * (k_bottom - k_top); };
 
     std::string svg = fmt::format("<svg class='slice chart' viewBox='0 0 {} {}' role='img' aria-label='{}'>", k_width,
                                   k_height, html_escaped(chart.title));
     svg += svg_text(4, 14, "start", fmt::format("<tspan font-weight='bold'>{}</tspan>", html_escaped(chart.title)));
     for (int exponent = lowest; exponent <= highest; ++exponent) {
-        const double at = y_of(std::pow(10.0, exponent));
-        svg += svg_line("grid", k_left, at, k_right, at) +
-               svg_text(k_left - 5, at + 4, "end", fmt::format("{:g} %", std::pow(10.0, exponent + 2)));
+        const double tick_y = y_of(std::pow(10.0, exponent));
+        svg += svg_line("grid", k_left, tick_y, k_right, tick_y) +
+               svg_text(k_left - 5, tick_y + 4, "end", fmt::format("{:g} %", std::pow(10.0, exponent + 2)));
     }
     std::vector<double> ticks = chart.x_ticks;
     if (ticks.empty())

@@ -23,7 +23,7 @@ struct Chart {
     std::vector<ChartSeries> series;
 };
 
-/// A drawing (SVG) of the series with two logarithmic axes; y is a ratio, labelled in per cent.
+/// A drawing (SVG) of the series with two logarithmic axes. y is a ratio, labelled in per cent.
 std::string chart_drawing(const Chart& chart);
 
 }  // namespace srbf

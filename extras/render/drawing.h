@@ -5,7 +5,7 @@
 
 namespace srbf {
 
-/// A line of text at (x, y); `anchor`: start, middle or end. `content` is already SVG.
+/// A line of text at (x, y). `anchor` is start, middle or end; `content` is already SVG.
 std::string svg_text(double x, double y, std::string_view anchor, std::string_view content);
 /// A straight line with a CSS class.
 std::string svg_line(std::string_view kind, double x0, double y0, double x1, double y1);

@@ -1,4 +1,4 @@
-// An environment map, as of render/environment.h: radiance and importance sampling. To follow any material's text.
+// An environment map as in render/environment.h: radiance and importance sampling. Must follow a material's text.
 uniform sampler2D environment;          // radiance / environment_scale, with mip levels
 uniform sampler2D environment_columns;  // running sums of the light along each row, from 0 to 1: width + 1 numbers
 uniform sampler2D environment_rows;     // running sums over the rows: height + 1 numbers
@@ -9,8 +9,8 @@ const float k_pi_ = 3.141592653589793;
 
 ivec2 environment_size() { return textureSize(environment, 0); }
 
-// Where on the map a direction is, from 0 to 1; the row by an arc tangent, which near the poles is more accurate than
-// an arc cosine.
+// The position of a direction on the map, from 0 to 1. The row uses an arc tangent, which is more accurate near the
+// poles than an arc cosine.
 vec2 environment_place(Vec3 towards) {
     Vec3 w = into_environment * towards;
     return vec2(0.5 + atan(w.x, -w.z) / (2.0 * k_pi_), atan(length(w.xz), w.y) / k_pi_);
@@ -23,19 +23,20 @@ float texel_solid_angle(float row, vec2 size) {
     return 4.0 * k_pi_ / size.x * sin(k_pi_ * (row + 0.5) / size.y) * sin(0.5 * k_pi_ / size.y);
 }
 
-float running_sum(sampler2D sums, int at, int row) { return texelFetch(sums, ivec2(at, row), 0).r; }
+float running_sum(sampler2D sums, int column, int row) { return texelFetch(sums, ivec2(column, row), 0).r; }
 // The density of sample_environment in a texel [1/sr].
-float environment_texel_pdf(ivec2 at) {
-    float of_row = running_sum(environment_rows, at.y + 1, 0) - running_sum(environment_rows, at.y, 0);
-    float in_row = running_sum(environment_columns, at.x + 1, at.y) - running_sum(environment_columns, at.x, at.y);
-    return of_row * in_row / texel_solid_angle(float(at.y), vec2(environment_size()));
+float environment_texel_pdf(ivec2 texel) {
+    float row_probability = running_sum(environment_rows, texel.y + 1, 0) - running_sum(environment_rows, texel.y, 0);
+    float texel_probability =
+        running_sum(environment_columns, texel.x + 1, texel.y) - running_sum(environment_columns, texel.x, texel.y);
+    return row_probability * texel_probability / texel_solid_angle(float(texel.y), vec2(environment_size()));
 }
 float environment_pdf(vec2 place) {
     ivec2 size = environment_size();
     return environment_texel_pdf(clamp(ivec2(place * vec2(size)), ivec2(0), size - 1));
 }
 
-// The interval, of `count`, of running sums that contains u, and the place of u within it, from 0 to 1.
+// The interval of `count` running sums that contains u, and the position of u within it, from 0 to 1.
 struct Interval {
     int index;
     float within;
@@ -80,8 +81,8 @@ EnvironmentSample sample_environment(float u1, float u2) {
     return drawn;
 }
 
-// The level of the map at which a texel is as high as the square of that solid angle [sr]. By its width, near a pole,
-// it would take in all that is around it.
+// The level of the map at which the height of a texel is that of a square with this solid angle [sr]. If its width
+// were used, it would include all directions around a nearby pole.
 float environment_level(float solid_angle) {
     float height = k_pi_ / float(environment_size().y);
     return 0.5 * log2(max(solid_angle / (height * height), 1.0));

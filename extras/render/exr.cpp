@@ -28,16 +28,16 @@ using Position = decltype(std::declval<Imf::IStream&>().tellg());
 class Source : public Imf::IStream {
   public:
     explicit Source(std::span<const std::byte> bytes) : IStream("memory"), bytes_(bytes) {}
-    bool read(char* to, int count) override {
+    bool read(char* target, int count) override {
         if (count < 0 || std::uint64_t(count) > bytes_.size() - at_) throw std::runtime_error("the file ends early");
-        std::memcpy(to, bytes_.data() + at_, std::size_t(count));
+        std::memcpy(target, bytes_.data() + at_, std::size_t(count));
         at_ += std::size_t(count);
         return at_ < bytes_.size();
     }
     Position tellg() override { return at_; }
-    void seekg(Position to) override {
-        if (to > bytes_.size()) throw std::runtime_error("the file ends early");
-        at_ = std::size_t(to);
+    void seekg(Position position) override {
+        if (position > bytes_.size()) throw std::runtime_error("the file ends early");
+        at_ = std::size_t(position);
     }
 
   private:
@@ -46,9 +46,9 @@ class Source : public Imf::IStream {
 };
 
 /// The first line of the library's message.
-std::string said(const std::exception& error) {
-    const std::string_view all = error.what();
-    return std::string(all.substr(0, std::min(all.find('\n'), std::size_t(200))));
+std::string first_line(const std::exception& error) {
+    const std::string_view message = error.what();
+    return std::string(message.substr(0, std::min(message.find('\n'), std::size_t(200))));
 }
 
 /// Pixels at a distance of `stride` floats, starting at `first`.
@@ -58,7 +58,7 @@ Imf::Slice slice(const float* first, int width, int stride, std::int64_t x0, std
     return {Imf::FLOAT, const_cast<char*>(base), std::size_t(step), std::size_t(step * width)};
 }
 
-/// Writes what `frame` has of every pixel.
+/// Writes the channels of `frame`.
 Result<Done> write_frame(const Imf::Header& header, const Imf::FrameBuffer& frame, int height,
                          const std::string& path) {
     Imf::StdOSStream sink;
@@ -69,7 +69,7 @@ Result<Done> write_frame(const Imf::Header& header, const Imf::FrameBuffer& fram
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& error) {
-        return Error{path, {}, "cannot be written as EXR", {}, said(error)};
+        return Error{path, {}, "cannot be written as EXR", {}, first_line(error)};
     }
     return write_file(path, as_bytes(sink.str()));
 }
@@ -115,56 +115,56 @@ bool is_exr(std::span<const std::byte> bytes) {
 
 namespace {
 
-/// An attribute of a header: its value lies at `at` in the file.
+/// An attribute of a header, with the offset of its value in the file.
 struct Attribute {
     std::string_view name, type, value;
-    std::size_t at;
+    std::size_t offset;
 };
 
-/// The attributes of the first part; none where the text ends first. Sets `end` to where they end.
+/// The attributes of the first part, and in `end` the offset after them. No value if the text ends first.
 std::optional<std::vector<Attribute>> attributes(std::string_view text, std::size_t& end) {
     constexpr std::size_t k_before = 8;  // the mark, and version and flags
-    std::vector<Attribute> all;
-    std::size_t at = k_before;
+    std::vector<Attribute> attributes;
+    std::size_t offset = k_before;
     const auto word = [&]() -> std::optional<std::string_view> {
-        const std::size_t zero = text.find('\0', at);
+        const std::size_t zero = text.find('\0', offset);
         if (zero == text.npos) return {};
-        const std::string_view found = text.substr(at, zero - at);
-        at = zero + 1;
-        return found;
+        const std::string_view result = text.substr(offset, zero - offset);
+        offset = zero + 1;
+        return result;
     };
     for (;;) {
         const auto name = word();
         if (!name) return {};
-        end = at;
-        if (name->empty()) return all;
+        end = offset;
+        if (name->empty()) return attributes;
         const auto type = word();
         std::int32_t size;
-        if (!type || text.size() - at < sizeof size) return {};
-        std::memcpy(&size, text.data() + at, sizeof size);
-        at += sizeof size;
-        if (size < 0 || std::size_t(size) > text.size() - at) return {};
-        all.push_back({*name, *type, text.substr(at, std::size_t(size)), at});
-        at += std::size_t(size);
+        if (!type || text.size() - offset < sizeof size) return {};
+        std::memcpy(&size, text.data() + offset, sizeof size);
+        offset += sizeof size;
+        if (size < 0 || std::size_t(size) > text.size() - offset) return {};
+        attributes.push_back({*name, *type, text.substr(offset, std::size_t(size)), offset});
+        offset += std::size_t(size);
     }
 }
 
-/// The numbers of an attribute, if it has that many bytes.
+/// The numbers of an attribute, if it exists and has enough bytes.
 template <typename T, std::size_t N>
-std::optional<std::array<T, N>> numbers(const std::vector<Attribute>& all, std::string_view name) {
-    const auto of = std::ranges::find(all, name, &Attribute::name);
+std::optional<std::array<T, N>> numbers(const std::vector<Attribute>& attributes, std::string_view name) {
+    const auto attribute = std::ranges::find(attributes, name, &Attribute::name);
     std::array<T, N> numbers;
-    if (of == all.end() || of->value.size() < sizeof numbers) return {};
-    std::memcpy(numbers.data(), of->value.data(), sizeof numbers);
+    if (attribute == attributes.end() || attribute->value.size() < sizeof numbers) return {};
+    std::memcpy(numbers.data(), attribute->value.data(), sizeof numbers);
     return numbers;
 }
 
-/// The rows and columns of a block of pixels, as the file compresses them.
-std::array<std::int64_t, 2> block_of(const std::vector<Attribute>& all) {
-    if (const auto tile = numbers<std::uint32_t, 2>(all, "tiles"))
+/// The rows and columns of a block of pixels, the unit of the file's compression.
+std::array<std::int64_t, 2> block_of(const std::vector<Attribute>& attributes) {
+    if (const auto tile = numbers<std::uint32_t, 2>(attributes, "tiles"))
         return {std::max<std::int64_t>((*tile)[1], 1), std::max<std::int64_t>((*tile)[0], 1)};
     constexpr std::array<std::int64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};  // by the kind of compression
-    const auto kind = numbers<std::uint8_t, 1>(all, "compression");
+    const auto kind = numbers<std::uint8_t, 1>(attributes, "compression");
     return {kind && (*kind)[0] < rows.size() ? rows[(*kind)[0]] : 1, std::int64_t(1) << 32};
 }
 
@@ -174,34 +174,34 @@ Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t si
     constexpr std::size_t k_most_header = k_head_bytes;
     const auto text = as_text(start.first(std::min(start.size(), k_most_header)));
     std::size_t end = 0;
-    const auto all = attributes(text, end);
-    // The library would allocate what an attribute says that it takes.
-    if (!all) return Error{file_name, end, "header", fmt::format("at most {} bytes", text.size()), "more"};
-    const auto window = numbers<std::int32_t, 4>(*all, "dataWindow");
+    const auto header = attributes(text, end);
+    // The library would allocate the size that an attribute declares.
+    if (!header) return Error{file_name, end, "header", fmt::format("at most {} bytes", text.size()), "more"};
+    const auto window = numbers<std::int32_t, 4>(*header, "dataWindow");
     if (!window) return Done{};
-    const std::size_t at = std::ranges::find(*all, "dataWindow", &Attribute::name)->at;
+    const std::size_t offset = std::ranges::find(*header, "dataWindow", &Attribute::name)->offset;
     const std::int64_t width = std::int64_t((*window)[2]) - (*window)[0] + 1,
                        height = std::int64_t((*window)[3]) - (*window)[1] + 1;
     if (width < 1 || height < 1 || width > k_most_texels / height)
-        return Error{file_name, at, "dataWindow", fmt::format("1 to {} pixels", k_most_texels),
+        return Error{file_name, offset, "dataWindow", fmt::format("1 to {} pixels", k_most_texels),
                      fmt::format("{} x {}", width, height)};
-    // Compression that may lose something takes a fifth of a byte a pixel of a photograph; a small one may be of one colour.
-    constexpr std::uint64_t k_always = std::uint64_t(1) << 21, k_of_a_byte = 8;
-    const std::uint64_t most = k_always + k_of_a_byte * size;
-    if (std::uint64_t(width * height) > most)
-        return Error{file_name, at, "dataWindow", fmt::format("at most {} pixels in {} bytes", most, size),
+    // Lossy compression takes a fifth of a byte per pixel of a photograph; a small file may have a single colour.
+    constexpr std::uint64_t k_always = std::uint64_t(1) << 21, k_pixels_per_byte = 8;
+    const std::uint64_t max_pixels = k_always + k_pixels_per_byte * size;
+    if (std::uint64_t(width * height) > max_pixels)
+        return Error{file_name, offset, "dataWindow", fmt::format("at most {} pixels in {} bytes", max_pixels, size),
                      fmt::format("{} x {}", width, height)};
     // The file has the offset of each block, in 8 bytes.
-    const auto [rows, columns] = block_of(*all);
+    const auto [rows, columns] = block_of(*header);
     const std::int64_t blocks = ((height - 1) / rows + 1) * ((width - 1) / columns + 1);
     if (std::uint64_t(blocks) <= size / 8) return Done{};
-    return Error{file_name, at, "dataWindow", fmt::format("at most {} blocks of pixels", size / 8),
+    return Error{file_name, offset, "dataWindow", fmt::format("at most {} blocks of pixels", size / 8),
                  fmt::format("{}", blocks)};
 }
 
 Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
-    if (const auto sized = check_exr_header(bytes, bytes.size(), file_name); !sized) return sized.error();
+    if (const auto valid = check_exr_header(bytes, bytes.size(), file_name); !valid) return valid.error();
     try {
         Source stream(bytes);
         Imf::InputFile file(stream, 1);
@@ -227,7 +227,7 @@ Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& error) {
-        return Error{file_name, {}, "OpenEXR file", "whole", said(error)};
+        return Error{file_name, {}, "OpenEXR file", "whole", first_line(error)};
     }
 }
 

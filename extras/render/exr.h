@@ -14,23 +14,24 @@ struct Channel {
     std::string name;
     std::vector<float> pixels;  ///< rows from the top
 };
-/// The channels R, G, B of an image; `layer` ("" or "albedo.") is a prefix of their names.
+/// The channels R, G, B of an image; `layer` ("" or "albedo.") prefixes their names.
 std::vector<Channel> channels_of(const Image& image, const std::string& layer = {}, std::string_view names = "RGB");
 
 /// Writes the channels as 32-bit floats with lossless compression. Errors: those of write_file, and those of the
 /// library.
 Result<Done> write_exr(int width, int height, std::span<const Channel> channels, const std::string& path);
 
-/// Writes 16-bit floats: `halves` has a number for each of `names`, pixel after pixel.
+/// Writes 16-bit floats. `halves` has one number for each of `names`, pixel after pixel.
 Result<Done> write_half_exr(int width, int height, std::span<const std::string> names,
                             std::span<const std::uint16_t> halves, const std::string& path);
 
 /// Reads the channels R, G and B of an EXR file. Errors: not an EXR file, other channels, damaged, more than
 /// `k_most_texels` pixels. `file_name` appears in errors only.
 Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file_name);
-/// Looks at a header before the library, which allocates what it tells. `start`: the beginning of a file of `size`
-/// bytes. Errors: a header longer than the file or 1 MB, more than `k_most_texels` pixels, more pixels than 2²¹ and 8 a byte of
-/// the file, more blocks of them than a file of that size has. What else is damaged is left to the library.
+/// Checks a header before the library reads it, because the library allocates whatever the header declares. `start`
+/// is the beginning of a file of `size` bytes. Errors: a header longer than the file or 1 MB, more than
+/// `k_most_texels` pixels, more pixels than 2²¹ plus 8 per byte of the file, more blocks of pixels than a file of
+/// that size can have. All other damage is left to the library.
 Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t size, const std::string& file_name);
 inline constexpr std::int64_t k_most_texels = std::int64_t(1) << 26;
 bool is_exr(std::span<const std::byte> bytes);

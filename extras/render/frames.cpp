@@ -15,13 +15,15 @@ using Clock = std::chrono::steady_clock;
 double cpu_milliseconds() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
-    const auto of = [](const timeval& time) { return 1e3 * double(time.tv_sec) + 1e-3 * double(time.tv_usec); };
-    return of(usage.ru_utime) + of(usage.ru_stime);
+    const auto milliseconds = [](const timeval& time) {
+        return 1e3 * double(time.tv_sec) + 1e-3 * double(time.tv_usec);
+    };
+    return milliseconds(usage.ru_utime) + milliseconds(usage.ru_stime);
 }
 
-/// Draws a frame and waits for it. `on_cpu`: the end is marked only afterwards, since the clock of a library that draws
-/// later on other threads would stop before it begins.
-template <typename Draw> FrameTime timed(const Draw& draw, bool on_cpu) {
+/// Draws a frame and waits for it. With `on_cpu` the query ends only after that, because a library that draws later
+/// on other threads would stop its clock before it begins.
+template <typename Draw> FrameTime time_frame(const Draw& draw, bool on_cpu) {
     GLuint query = 0;
     glGenQueries(1, &query);
     glFinish();
@@ -56,25 +58,25 @@ Result<std::vector<FrameCost>> time_frames(const OffscreenContext& context, cons
         two_passes ? RasterTarget::make_for(*surface, RasterTarget::Format::bytes)
                    : RasterTarget::make(options.width, options.height, options.samples, RasterTarget::Format::bytes);
     if (!target) return target.error();
-    std::vector<RasterMaterial> made;
+    std::vector<RasterMaterial> raster_materials;
     std::vector<FrameCost> costs;
     constexpr double never = std::numeric_limits<double>::infinity();
-    for (const Material& of : materials) {
-        auto material = RasterMaterial::make(of, {.dialect = dialect, .input = options.input});
+    for (const Material& material_source : materials) {
+        auto material = RasterMaterial::make(material_source, {.dialect = dialect, .input = options.input});
         if (!material) return material.error();
         costs.push_back({{never, never, never}, material->data_bytes(), material->auxiliary_bytes()});
-        made.push_back(*std::move(material));
+        raster_materials.push_back(*std::move(material));
     }
-    for (int round = -2; round < options.frames; ++round)  // the first two warm up caches
-        for (std::size_t i = 0; i < made.size(); ++i) {
-            const FrameTime time = timed(
+    for (int round = -2; round < options.frames; ++round)  // the first two rounds warm up caches
+        for (std::size_t i = 0; i < raster_materials.size(); ++i) {
+            const FrameTime time = time_frame(
                 [&] {
                     target->begin();
                     if (two_passes) {
                         surface->draw(mesh, view);
-                        made[i].draw(*surface, view);
+                        raster_materials[i].draw(*surface, view);
                     } else {
-                        made[i].draw(mesh, view);
+                        raster_materials[i].draw(mesh, view);
                     }
                 },
                 on_cpu);

@@ -9,8 +9,8 @@
 
 namespace srbf {
 
-/// Milliseconds of a frame: by the graphics library's clock, by wall clock, and CPU time of all threads of this
-/// process.
+/// Milliseconds per frame: by the graphics library's clock, by the wall clock, and as CPU time of all threads of
+/// this process.
 struct FrameTime {
     double gpu = 0, wall = 0, cpu = 0;
 };
@@ -26,7 +26,8 @@ struct FrameOptions {
     int width = 640, height = 480;
     PixelInput input = PixelInput::surface;  ///< two passes with one sample, or one pass with `samples` per pixel
     int samples = 4;
-    int frames = 60;  ///< per material; materials alternate, so that other load on the machine affects all equally
+    /// per material; materials alternate, so that other load on the machine affects all of them equally
+    int frames = 60;
 };
 
 /// Draws the scene with each material in the current context, with back faces culled. Errors: those of

@@ -17,7 +17,7 @@ std::string log_of(GLuint id, decltype(glGetShaderInfoLog) read) {
     return log;
 }
 
-Result<GlObject> compiled(GLenum stage, const std::string& text) {
+Result<GlObject> compile(GLenum stage, const std::string& text) {
     GlObject shader(glCreateShader(stage), [](unsigned id) { glDeleteShader(id); });
     const char* const lines = text.c_str();
     glShaderSource(shader.id(), 1, &lines, nullptr);
@@ -34,9 +34,9 @@ Error gl_error(std::string what, std::string expected, std::string found) {
     return {"raster", {}, std::move(what), std::move(expected), std::move(found)};
 }
 
-int gl_integer(unsigned of) {
+int gl_integer(unsigned name) {
     GLint number = 0;
-    glGetIntegerv(of, &number);
+    glGetIntegerv(name, &number);
     return number;
 }
 
@@ -67,9 +67,9 @@ GlObject new_texture(GLenum target, GLenum filter) {
 }
 
 Result<GlObject> new_program(const ShaderText& text) {
-    const auto vertex = compiled(GL_VERTEX_SHADER, text.vertex);
+    const auto vertex = compile(GL_VERTEX_SHADER, text.vertex);
     if (!vertex) return vertex.error();
-    const auto fragment = compiled(GL_FRAGMENT_SHADER, text.fragment);
+    const auto fragment = compile(GL_FRAGMENT_SHADER, text.fragment);
     if (!fragment) return fragment.error();
     GlObject program(glCreateProgram(), [](unsigned id) { glDeleteProgram(id); });
     glAttachShader(program.id(), vertex->id());

@@ -43,11 +43,11 @@ void bind_texture(std::size_t unit, unsigned target, const GlObject& texture);
 /// A program; it is not in use. Errors: the library's compiler rejects the text.
 Result<GlObject> new_program(const ShaderText& text);
 
-/// The name of the renderer that draws with OpenGL.
+/// An error of the renderer that draws with OpenGL.
 Error gl_error(std::string what, std::string expected, std::string found = {});
 /// The value of a state or a limit of the library.
-int gl_integer(unsigned of);
-/// True if `size` is within a limit of the library.
+int gl_integer(unsigned name);
+/// Errors: `size` exceeds a limit of the library.
 Result<Done> check_gl_size(const char* what, std::uint64_t size, unsigned limit);
 
 }  // namespace srbf

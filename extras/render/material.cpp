@@ -6,23 +6,23 @@ namespace srbf {
 
 namespace {
 
-/// Sets each cell without a measurement to the mean of its neighbours with one.
-void grow(MerlTable& table) {
+/// Sets each cell without a measurement to the mean of its measured neighbours.
+void extrapolate(MerlTable& table) {
     const std::size_t n_h = table.size[0], n_d = table.size[1], n_p = table.size[2];
     const MerlTable before = table;
-    const auto at = [&](std::size_t h, std::size_t d, std::size_t p) { return p + n_p * (d + n_d * h); };
+    const auto index = [&](std::size_t h, std::size_t d, std::size_t p) { return p + n_p * (d + n_d * h); };
     for (std::size_t h = 0; h < n_h; ++h)
         for (std::size_t d = 0; d < n_d; ++d)
             for (std::size_t p = 0; p < n_p; ++p) {
-                Rgb& f = table.cells[at(h, d, p)];
+                Rgb& f = table.cells[index(h, d, p)];
                 if (is_finite(f)) continue;
                 Rgb sum;
                 int count = 0;
                 const auto add = [&](std::size_t i, std::size_t j, std::size_t k) {
                     if (i >= n_h || j >= n_d) return;
-                    const Rgb& of = before.cells[at(i, j, k)];
-                    if (!is_finite(of)) return;
-                    for (int c = 0; c < 3; ++c) sum[c] += of[c];
+                    const Rgb& neighbour = before.cells[index(i, j, k)];
+                    if (!is_finite(neighbour)) return;
+                    for (int c = 0; c < 3; ++c) sum[c] += neighbour[c];
                     ++count;
                 };
                 add(h - 1, d, p), add(h + 1, d, p), add(h, d - 1, p), add(h, d + 1, p);
@@ -31,7 +31,7 @@ void grow(MerlTable& table) {
             }
 }
 
-/// The parts that there are as tables.
+/// The existing parts as tables.
 BsdfTables tables_of(const AnyBrdf& bsdf, const Evaluate& values, const Beams& beams) {
     BsdfTables tables{{}, beams};
     for (std::size_t p = 0; p < k_parts; ++p)
@@ -44,17 +44,17 @@ BsdfTables tables_of(const AnyBrdf& bsdf, const Evaluate& values, const Beams& b
 
 MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size) {
     MerlTable table = to_merl(brdf, size);
-    for (int layer = 0; layer < 2; ++layer) grow(table);
+    for (int layer = 0; layer < 2; ++layer) extrapolate(table);
     return table;
 }
 
 Material material_of(const Model& model) {
     const auto* bsdf = std::get_if<BsdfModel>(&model.model);
-    const bool by_view = bsdf && std::ranges::any_of(bsdf->part, [](const auto& part) {
-                             return part && std::holds_alternative<SuModel>(part->model);
-                         });
-    if (by_view) return tables_of(model, evaluator(model), bsdf->beam);
-    return std::visit([](const auto& of) { return Material(of); }, model.model);
+    const bool has_views = bsdf && std::ranges::any_of(bsdf->part, [](const auto& part) {
+                               return part && std::holds_alternative<SuModel>(part->model);
+                           });
+    if (has_views) return tables_of(model, evaluator(model), bsdf->beam);
+    return std::visit([](const auto& content) { return Material(content); }, model.model);
 }
 
 Result<Material> material_of(const AnyBrdf& brdf, const std::string& path) {

@@ -1,4 +1,4 @@
-// The readers of `.ply` and `.obj`. tinyobjloader, the alternative in Debian, reads invalid numbers as 0 and reports no
+// Readers of `.ply` and `.obj`. tinyobjloader, the alternative in Debian, reads invalid numbers as 0 and reports no
 // line numbers.
 #include <fmt/format.h>
 
@@ -15,27 +15,28 @@
 namespace srbf {
 namespace {
 
-constexpr std::uint64_t k_most_numbers = std::numeric_limits<std::uint32_t>::max();  ///< of vertices, of corners
+/// Maximum number of vertices and of corners.
+constexpr std::uint64_t k_most_numbers = std::numeric_limits<std::uint32_t>::max();
 
 bool is_finite(Vec3f p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-/// Adds the triangle fan (first, k, k+1) of a polygon; none for fewer than three corners.
+/// Adds the triangle fan (first, k, k+1) of a polygon; nothing for fewer than three corners.
 void add_polygon(const std::vector<std::uint32_t>& corners, std::vector<Triangle>& triangles) {
     for (std::size_t k = 2; k < corners.size(); ++k) triangles.push_back({corners[0], corners[k - 1], corners[k]});
 }
 
-/// Signed volume that the triangles enclose; negative if they are clockwise seen from outside.
+/// The signed volume enclosed by the triangles, negative if they are clockwise seen from outside.
 double signed_volume(const Mesh& mesh) {
     const Vec3d origin = to_double(bounds(mesh).least);
-    double six = 0;
+    double sum = 0;
     for (const Triangle& t : mesh.triangles) {
-        const auto at = [&](std::size_t k) { return to_double(mesh.positions[t[k]]) - origin; };
-        six += dot(at(0), cross(at(1), at(2)));
+        const auto corner = [&](std::size_t k) { return to_double(mesh.positions[t[k]]) - origin; };
+        sum += dot(corner(0), cross(corner(1), corner(2)));
     }
-    return six / 6;
+    return sum / 6;
 }
 
-/// Errors: coordinates or an extent that a scene cannot have (mesh.h).
+/// Errors: coordinates or an extent that a scene must not have (mesh.h).
 Result<Done> check_size(const Mesh& mesh, const std::string& file_name) {
     const Bounds box = bounds(mesh);
     const auto& [x0, y0, z0] = box.least;
@@ -56,33 +57,35 @@ Result<Done> check_size(const Mesh& mesh, const std::string& file_name) {
     return Done{};
 }
 
-/// `mesh` with unit normals: its own where they exist, otherwise from its triangles. A surface without normals may be
-/// inside out: its orientation is inverted if it encloses a negative volume.
-Result<Mesh> finished(Mesh mesh, const std::string& file_name) {
+/// Completes a mesh with unit normals: its own where they exist, otherwise from its triangles. A surface without
+/// normals may be inside out: its orientation is inverted if it encloses a negative volume.
+Result<Mesh> complete_mesh(Mesh mesh, const std::string& file_name) {
     if (mesh.triangles.empty()) return Error{file_name, {}, "faces of the mesh", "one at least", "none"};
     if (const auto fits = check_size(mesh, file_name); !fits) return fits.error();
     if (mesh.normals.empty() && signed_volume(mesh) < 0) {
         for (auto& corners : mesh.triangles) std::swap(corners[1], corners[2]);
         for (auto& corners : mesh.texture) std::swap(corners[1], corners[2]);
     }
-    const std::vector<Vec3f> made = area_weighted_normals(mesh.positions, mesh.triangles);
+    const std::vector<Vec3f> computed = area_weighted_normals(mesh.positions, mesh.triangles);
     if (mesh.normals.empty()) {
-        mesh.normals = made;
+        mesh.normals = computed;
         return mesh;
     }
-    for (std::size_t i = 0; i < made.size(); ++i) {
+    for (std::size_t i = 0; i < computed.size(); ++i) {
         const Vec3d n = to_double(mesh.normals[i]);
-        mesh.normals[i] = dot(n, n) > 0 ? to_float(normalize(n)) : made[i];
+        mesh.normals[i] = dot(n, n) > 0 ? to_float(normalize(n)) : computed[i];
     }
     return mesh;
 }
 
-/// Converts a place in a file, whose v goes upwards.
-Vec2f place_in_map(float u, float v) { return std::isfinite(u) && std::isfinite(v) ? Vec2f{u, 1 - v} : Vec2f{0, 0}; }
+/// Converts texture coordinates of a file, whose v goes upwards.
+Vec2f texture_coordinates(float u, float v) {
+    return std::isfinite(u) && std::isfinite(v) ? Vec2f{u, 1 - v} : Vec2f{0, 0};
+}
 
 // ---- .ply --------------------------------------------------------------------------------------------------------
 
-/// A type of numbers by its two names.
+/// A type of numbers, with its two names.
 struct Type {
     std::array<std::string_view, 2> names;
     std::size_t size;
@@ -101,11 +104,11 @@ constexpr std::array<Type, 8> k_types{
     type_of<std::int16_t>("short", "int16"), type_of<std::uint16_t>("ushort", "uint16"),
     type_of<std::int32_t>("int", "int32"),   type_of<std::uint32_t>("uint", "uint32"),
     type_of<float>("float", "float32"),      type_of<double>("double", "float64")};
-/// None: nullptr.
+/// The type with this name, or nullptr.
 const Type* type_named(std::string_view name) {
-    const auto found =
+    const auto row =
         std::ranges::find_if(k_types, [&](const Type& type) { return type.names[0] == name || type.names[1] == name; });
-    return found == k_types.end() ? nullptr : &*found;
+    return row == k_types.end() ? nullptr : &*row;
 }
 
 struct Property {
@@ -127,7 +130,7 @@ struct Header {
 
 constexpr std::size_t k_most_elements = 64, k_most_properties = 256;
 
-/// A line `property ...` of the header, without its first word.
+/// Reads a line `property ...` of the header, without its first word.
 Result<Property> read_property(std::string_view words, const std::string& file_name, std::uint64_t line) {
     Property property;
     std::string_view word = next_word(words);
@@ -200,14 +203,14 @@ class Numbers {
     Numbers(std::span<const std::byte> bytes, std::size_t at, Encoding encoding)
         : bytes_(bytes), at_(at), encoding_(encoding) {}
     std::size_t at() const { return at_; }
-    /// The minimum size in bytes of a number of that type, including its separator.
+    /// The minimum size in bytes of a number of this type, including its separator.
     std::size_t least_bytes(const Type& type) const { return encoding_ == Encoding::ascii ? 2 : type.size; }
-    /// True if `count` numbers of that type may follow; the last number of a text needs no separator.
+    /// True if `count` numbers of this type may follow; the last number of a text needs no separator.
     bool may_hold(std::uint64_t count, std::uint64_t bytes_each) const {
         return count == 0 || bytes_each == 0 || count <= (bytes_.size() - at_ + 1) / bytes_each;
     }
     std::optional<double> next(const Type& type) {
-        return encoding_ == Encoding::ascii ? next_word_() : next_bytes(type);
+        return encoding_ == Encoding::ascii ? next_text() : next_bytes(type);
     }
     /// The text found instead of a number.
     std::string found() const {
@@ -219,7 +222,7 @@ class Numbers {
   private:
     static constexpr std::string_view k_blanks = " \t\r\n";
 
-    std::optional<double> next_word_() {
+    std::optional<double> next_text() {
         const std::string_view text = as_text(bytes_);
         const auto first = text.find_first_not_of(k_blanks, at_);
         at_ = std::min(first, text.size());
@@ -243,14 +246,14 @@ class Numbers {
     Encoding encoding_;
 };
 
-/// The nearest float; NaN if there is none.
+/// The nearest float, or NaN if x is out of range.
 float to_float(double x) {
     constexpr float most = std::numeric_limits<float>::max();
     return std::abs(x) <= double(most) ? float(x) : std::numeric_limits<float>::quiet_NaN();
 }
 
-/// Destination of a vertex property: a coordinate of the position (0 to 2), of the normal (3 to 5) or in a texture (6, 7), or
-/// none (8).
+/// The destination of a vertex property: a coordinate of the position (0 to 2), of the normal (3 to 5) or of the
+/// texture (6, 7), or no destination (8).
 constexpr std::size_t k_destinations = 9;
 std::size_t destination_of(const std::string& name) {
     constexpr std::array<std::string_view, 8> names{"x", "y", "z", "nx", "ny", "nz", "s", "t"};
@@ -288,11 +291,12 @@ class PlyReader {
         if (!texture_.empty())
             for (const Triangle& t : mesh_.triangles)
                 mesh_.texture.push_back({texture_[t[0]], texture_[t[1]], texture_[t[2]]});
-        return finished(std::move(mesh_), file_name_);
+        return complete_mesh(std::move(mesh_), file_name_);
     }
 
   private:
-    /// A row has at least its scalars and the lengths of its lists.
+    /// Checks that the file can hold the rows of an element. A row has at least its scalars and the lengths of its
+    /// lists.
     Result<Done> check_count(const Element& element) const {
         std::uint64_t row = 0;
         for (const Property& property : element.properties)
@@ -326,7 +330,7 @@ class PlyReader {
         if (has_normals) mesh_.normals.resize(std::size_t(element.count));
         if (has[6] && has[7]) texture_.resize(std::size_t(element.count));
         for (std::uint64_t row = 0; row < element.count; ++row) {
-            std::array<float, k_destinations> of{};
+            std::array<float, k_destinations> coordinates{};
             for (const Property& property : element.properties) {
                 if (property.count) {
                     if (auto passed = read_list(element, row, property, nullptr); !passed) return passed.error();
@@ -334,20 +338,21 @@ class PlyReader {
                 }
                 const auto number = numbers_.next(*property.type);
                 if (!number) return no_number(element, row);
-                of[destination_of(property.name)] = to_float(*number);
+                coordinates[destination_of(property.name)] = to_float(*number);
             }
-            const Vec3f position{of[0], of[1], of[2]}, normal{of[3], of[4], of[5]};
+            const Vec3f position{coordinates[0], coordinates[1], coordinates[2]},
+                normal{coordinates[3], coordinates[4], coordinates[5]};
             if (!is_finite(position) || (has_normals && !is_finite(normal)))
                 return Error{file_name_, numbers_.at(), fmt::format("vertex {} of {}", row + 1, element.count),
                              "finite numbers", "others"};
             mesh_.positions[std::size_t(row)] = position;
             if (has_normals) mesh_.normals[std::size_t(row)] = normal;
-            if (!texture_.empty()) texture_[std::size_t(row)] = place_in_map(of[6], of[7]);
+            if (!texture_.empty()) texture_[std::size_t(row)] = texture_coordinates(coordinates[6], coordinates[7]);
         }
         return Done{};
     }
 
-    /// Reads the list of a row into `list`, or skips it if that is null.
+    /// Reads the list of a row into `list`, or skips it if `list` is null.
     Result<Done> read_list(const Element& element, std::uint64_t row, const Property& property,
                            std::vector<std::uint32_t>* list) {
         const auto length = numbers_.next(*property.count);
@@ -368,7 +373,7 @@ class PlyReader {
         return Done{};
     }
 
-    /// Skips the rows of an element; property `index`, unless it is −1, holds the corners of a face.
+    /// Skips the rows of an element, except that property `index`, unless it is −1, holds the corners of a face.
     Result<Done> read_rows(const Element& element, int index) {
         if (element.properties.empty()) return Done{};
         std::vector<std::uint32_t> corners;
@@ -391,12 +396,12 @@ class PlyReader {
     Header header_;
     Numbers numbers_;
     Mesh mesh_;
-    std::vector<Vec2f> texture_;  // of vertices
+    std::vector<Vec2f> texture_;  // of the vertices
 };
 
 // ---- .obj --------------------------------------------------------------------------------------------------------
 
-/// The three numbers of a line `v` or `vn`; further numbers (a weight, a colour) are ignored.
+/// The three numbers of a line `v` or `vn`. Further numbers (a weight, a colour) are ignored.
 std::optional<Vec3f> read_vector(std::string_view words) {
     const auto x = to_number<float>(next_word(words)), y = to_number<float>(next_word(words)),
                z = to_number<float>(next_word(words));
@@ -404,21 +409,21 @@ std::optional<Vec3f> read_vector(std::string_view words) {
     return Vec3f{*x, *y, *z};
 }
 
-/// An index into `count` elements, from 1 or, if negative, relative to the end; returned from 0.
+/// An index into `count` elements, counted from 1 or, if negative, from the end. The result is counted from 0.
 std::optional<std::uint32_t> read_index(std::string_view word, std::size_t count) {
     const auto number = to_number<std::int64_t>(word);
     if (!number || *number == 0) return {};
-    const std::int64_t at = *number > 0 ? *number - 1 : std::int64_t(count) + *number;
-    return at >= 0 && at < std::int64_t(count) ? std::optional(std::uint32_t(at)) : std::nullopt;
+    const std::int64_t index = *number > 0 ? *number - 1 : std::int64_t(count) + *number;
+    return index >= 0 && index < std::int64_t(count) ? std::optional(std::uint32_t(index)) : std::nullopt;
 }
 
 constexpr std::uint32_t k_none = std::numeric_limits<std::uint32_t>::max();
-/// A corner of a face: its position, and its normal and its place in a texture, or k_none.
+/// A corner of a face: indices of its position, its normal and its texture coordinates; k_none if missing.
 struct Corner {
     std::uint32_t position, normal = k_none, texture = k_none;
 };
 
-/// None if there is no such position or normal.
+/// No value if the position or the normal does not exist.
 std::optional<Corner> read_corner(std::string_view word, std::size_t positions, std::size_t normals,
                                   std::size_t texture) {
     const auto slash = word.find('/'), second = slash == word.npos ? slash : word.find('/', slash + 1);
@@ -434,7 +439,7 @@ std::optional<Corner> read_corner(std::string_view word, std::size_t positions, 
     return corner;
 }
 
-/// Adds the triangles, whose indices are of corners, with one vertex for each pair of position and normal.
+/// Adds the triangles, which index corners, with one vertex for each pair of position and normal.
 void add_vertices(std::span<const Triangle> triangles, std::span<const Corner> corners,
                   std::span<const Vec3f> positions, std::span<const Vec3f> normals, Mesh& mesh) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> vertex_of;
@@ -442,9 +447,9 @@ void add_vertices(std::span<const Triangle> triangles, std::span<const Corner> c
         Triangle& triangle = mesh.triangles.emplace_back();
         for (std::size_t k = 0; k < 3; ++k) {
             const Corner& corner = corners[t[k]];
-            const auto [found, is_new] =
+            const auto [vertex, is_new] =
                 vertex_of.emplace(std::pair(corner.position, corner.normal), std::uint32_t(mesh.positions.size()));
-            triangle[k] = found->second;
+            triangle[k] = vertex->second;
             if (!is_new) continue;
             mesh.positions.push_back(positions[corner.position]);
             mesh.normals.push_back(normals[corner.normal]);
@@ -467,7 +472,7 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_
     std::vector<Vec2f> texture;
     std::vector<Corner> corners;
     std::vector<Triangle> triangles;  // indices of corners
-    bool every_corner_has_a_normal = true, every_corner_has_a_place = true;
+    bool every_corner_has_a_normal = true, every_corner_has_texture = true;
     Lines lines(as_text(bytes));
     while (auto line = lines.next()) {
         const std::string_view keyword = next_word(*line);
@@ -478,7 +483,7 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_
             (keyword == "v" ? positions : normals).push_back(*vector);
         } else if (keyword == "vt") {
             const auto u = to_number<float>(next_word(*line)), v = to_number<float>(next_word(*line));
-            texture.push_back(place_in_map(u.value_or(0), v.value_or(0)));
+            texture.push_back(texture_coordinates(u.value_or(0), v.value_or(0)));
         } else if (keyword == "f") {
             std::vector<std::uint32_t> polygon;
             for (auto word = next_word(*line); !word.empty() && word[0] != '#'; word = next_word(*line)) {
@@ -489,7 +494,7 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_
                         fmt::format("one of the {} vertices and {} normals so far", positions.size(), normals.size()),
                         quoted(word));
                 every_corner_has_a_normal &= corner->normal != k_none;
-                every_corner_has_a_place &= corner->texture != k_none;
+                every_corner_has_texture &= corner->texture != k_none;
                 polygon.push_back(std::uint32_t(corners.size()));
                 corners.push_back(*corner);
             }
@@ -498,10 +503,10 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_
     }
 
     Mesh mesh;
-    if (every_corner_has_a_place)
+    if (every_corner_has_texture)
         for (const Triangle& t : triangles) {
-            const auto at = [&](std::size_t k) { return texture[corners[t[k]].texture]; };
-            mesh.texture.push_back({at(0), at(1), at(2)});
+            const auto corner = [&](std::size_t k) { return texture[corners[t[k]].texture]; };
+            mesh.texture.push_back({corner(0), corner(1), corner(2)});
         }
     if (!every_corner_has_a_normal || normals.empty()) {
         mesh.positions = std::move(positions);
@@ -510,7 +515,7 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_
     } else {
         add_vertices(triangles, corners, positions, normals, mesh);
     }
-    return finished(std::move(mesh), file_name);
+    return complete_mesh(std::move(mesh), file_name);
 }
 
 }  // namespace srbf

@@ -25,11 +25,11 @@ bool is_loadable(const char* library) {
 }
 
 bool has_client_extension(std::string_view name) {
-    const char* const all = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-    return all && std::string_view(all).find(name) != std::string_view::npos;
+    const char* const extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+    return extensions && std::string_view(extensions).find(name) != std::string_view::npos;
 }
 
-/// Displays without a screen, in the order: devices (possibly a GPU), Mesa's surfaceless one, the default.
+/// Displays without a screen, in the order: devices (possibly a GPU), Mesa's surfaceless platform, the default.
 std::vector<EGLDisplay> offscreen_displays() {
     std::vector<EGLDisplay> displays;
     if (has_client_extension("EGL_EXT_platform_device") && has_client_extension("EGL_EXT_device_enumeration")) {
@@ -48,17 +48,17 @@ std::vector<EGLDisplay> offscreen_displays() {
     return displays;
 }
 
-/// Makes a context of the dialect current; EGL_NO_CONTEXT if there is none.
+/// Makes a context of this dialect current; EGL_NO_CONTEXT if none exists.
 EGLContext current_context(EGLDisplay display, Dialect dialect) {
     const bool is_es = dialect == Dialect::es_300;
     if (!is_loadable(is_es ? "libGLESv2.so.2" : "libOpenGL.so.0") && !is_loadable("libGL.so.1")) return EGL_NO_CONTEXT;
     if (!eglBindAPI(is_es ? EGL_OPENGL_ES_API : EGL_OPENGL_API)) return EGL_NO_CONTEXT;
-    const std::array<EGLint, 11> wanted{EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE,
-                                        is_es ? EGL_OPENGL_ES3_BIT : EGL_OPENGL_BIT, EGL_NONE};
+    const std::array<EGLint, 11> config_attributes{EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE,
+                                                   is_es ? EGL_OPENGL_ES3_BIT : EGL_OPENGL_BIT, EGL_NONE};
     EGLConfig config = EGL_NO_CONFIG_KHR;
     EGLint count = 0;
     if (!epoxy_has_egl_extension(display, "EGL_KHR_no_config_context") &&
-        (!eglChooseConfig(display, wanted.data(), &config, 1, &count) || count < 1))
+        (!eglChooseConfig(display, config_attributes.data(), &config, 1, &count) || count < 1))
         return EGL_NO_CONTEXT;
     std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION, is_es ? 3 : 4, EGL_CONTEXT_MINOR_VERSION, is_es ? 0 : 5};
     if (!is_es)
@@ -99,7 +99,7 @@ OffscreenContext::~OffscreenContext() {
 }
 
 std::string OffscreenContext::renderer() const {
-    const auto text = [](GLenum of) { return reinterpret_cast<const char*>(glGetString(of)); };
+    const auto text = [](GLenum name) { return reinterpret_cast<const char*>(glGetString(name)); };
     return fmt::format("{}, {}", text(GL_RENDERER), text(GL_VERSION));
 }
 

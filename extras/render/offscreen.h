@@ -7,11 +7,11 @@
 
 namespace srbf {
 
-/// An own context, current on this thread for the lifetime of the object. It uses EGL without a display or window;
-/// without a GPU the library renders on the CPU (Mesa's llvmpipe).
+/// A context of its own, current on this thread for the lifetime of the object. It uses EGL without a display or
+/// window; without a GPU the library renders on the CPU (Mesa's llvmpipe).
 class OffscreenContext {
   public:
-    /// A context for that dialect; by default OpenGL 4.5, or else OpenGL ES 3.0. Errors name what is missing.
+    /// A context for this dialect; by default OpenGL 4.5, or else OpenGL ES 3.0. Errors name the missing component.
     static Result<OffscreenContext> make(std::optional<Dialect> dialect = {});
     OffscreenContext(OffscreenContext&& other) noexcept;
     OffscreenContext& operator=(OffscreenContext&&) = delete;

@@ -34,8 +34,8 @@ Json texture(const char* sampler, const char* target, const char* format, std::v
             {"texels", std::move(texels)}};
 }
 
-/// The inputs of a material's shader: "block", the numbers of PmNumbers; "vectors", of the uniform "vectors_name";
-/// "textures".
+/// The inputs of a material's shader: "block" for the numbers of PmNumbers, "vectors" for the uniform
+/// "vectors_name", and "textures".
 Json numbers_of(const Flat&) { return Json::object(); }
 Json numbers_of(const PmModel& model) { return {{"block", base64_of(pm_numbers(model))}}; }
 Json numbers_of(const GgxModel& model) {
@@ -100,23 +100,23 @@ Json json_of(const Mesh& mesh) {
 /// The value of the choice of `Page::mesh`.
 constexpr const char* k_own_mesh = "own";
 
-/// The density by which pictures under an environment sample a material.
+/// The number of azimuths for the proposal by which pictures under an environment sample a material.
 int azimuths_of(const Material& material) {
-    const auto* general = std::get_if<PmModel>(&material);
+    const auto* pm = std::get_if<PmModel>(&material);
     const auto* bsdf = std::get_if<BsdfModel>(&material);
-    const bool isotropic = bsdf ? is_isotropic(Model{*bsdf, {}}) : !general || general->axial;
+    const bool isotropic = bsdf ? is_isotropic(Model{*bsdf, {}}) : !pm || pm->axial;
     return isotropic ? 1 : k_anisotropic_azimuths;
 }
 
 ShaderText text_of(const Material& material) { return shader_text(material, {.dialect = Dialect::es_300}); }
 
-/// True if a picture is of a BSDF.
+/// True if a picture shows a BSDF.
 bool shows_both_sides(const Page& page) {
-    return std::ranges::any_of(page.materials,
-                               [](const PageMaterial& of) { return of.material && is_two_sided(*of.material); });
+    return std::ranges::any_of(
+        page.materials, [](const PageMaterial& entry) { return entry.material && is_two_sided(*entry.material); });
 }
 
-/// The data of viewer.js but for the materials.
+/// The data of viewer.js, without the materials.
 Json common_data(bool two_sided) {
     Json data;
     data["fov"] = Viewpoint{}.fov;
@@ -146,32 +146,32 @@ Json common_data(bool two_sided) {
     return data;
 }
 
-/// The exposure of pictures under lights.
-float exposure_of(const PageMaterial& of) {
-    return automatic_exposure(render_sphere(of.brdf, {.size = 160, .samples = 2}));
+/// The exposure of pictures under directional lights.
+float exposure_of(const PageMaterial& entry) {
+    return automatic_exposure(render_sphere(entry.brdf, {.size = 160, .samples = 2}));
 }
 
-Json data_of(const PageMaterial& of) {
-    if (!of.material) return {};
-    Json numbers = std::visit([](const auto& m) { return numbers_of(m); }, *of.material);
-    const bool two_sided = is_two_sided(*of.material);
-    const ProposeOptions options{.azimuths = azimuths_of(*of.material)};
+Json data_of(const PageMaterial& entry) {
+    if (!entry.material) return {};
+    Json numbers = std::visit([](const auto& m) { return numbers_of(m); }, *entry.material);
+    const bool two_sided = is_two_sided(*entry.material);
+    const ProposeOptions options{.azimuths = azimuths_of(*entry.material)};
     const ProposalNumbers proposal =
-        proposal_numbers(two_sided ? propose_parts(of.brdf, options) : Proposals(propose(of.brdf, options)));
+        proposal_numbers(two_sided ? propose_parts(entry.brdf, options) : Proposals(propose(entry.brdf, options)));
     numbers["two_sided"] = two_sided;
     numbers["nodes"] = base64_of(proposal.nodes);
     numbers["grains"] = base64_of(proposal.grains);
     return numbers;
 }
 
-/// The data of viewer.js. The shaders of materials stand in the page.
+/// The data of viewer.js. The page holds the shaders of the materials.
 Json data_of(const Page& page) {
     Json data = common_data(shows_both_sides(page));
-    const auto pictured =
-        std::ranges::find_if(page.materials, [](const PageMaterial& of) { return of.material.has_value(); });
-    data["exposure"] = exposure_of(pictured == page.materials.end() ? page.materials[0] : *pictured);
+    const auto first_picture =
+        std::ranges::find_if(page.materials, [](const PageMaterial& entry) { return entry.material.has_value(); });
+    data["exposure"] = exposure_of(first_picture == page.materials.end() ? page.materials[0] : *first_picture);
     if (page.mesh) data["meshes"][k_own_mesh] = json_of(*page.mesh);
-    for (const PageMaterial& of : page.materials) data["materials"].push_back(data_of(of));
+    for (const PageMaterial& entry : page.materials) data["materials"].push_back(data_of(entry));
     return data;
 }
 
@@ -190,7 +190,7 @@ std::string label_of(const Page& page, std::size_t i) {
 }
 
 std::ptrdiff_t count_pictures(const Page& page) {
-    return std::ranges::count_if(page.materials, [](const PageMaterial& of) { return of.material.has_value(); });
+    return std::ranges::count_if(page.materials, [](const PageMaterial& entry) { return entry.material.has_value(); });
 }
 
 std::string figure(std::string_view material, std::string_view name, const std::string& caption) {
@@ -200,9 +200,9 @@ std::string figure(std::string_view material, std::string_view name, const std::
         material, html_escaped(name), caption);
 }
 
-/// The name of the difference of the first two materials.
+/// The caption of the difference of the first two materials.
 constexpr std::string_view k_difference = "difference × 10";
-/// True if the first two have pictures, whose difference is shown.
+/// True if the first two materials have pictures, whose difference is then entry.
 bool has_difference(const Page& page) {
     return page.materials.size() > 1 && page.materials[0].material && page.materials[1].material;
 }
@@ -277,13 +277,13 @@ std::string table_of(const Page& page) {
     html += "</tbody></table></div>\n";
     return meanings.empty() ? html : fmt::format("{}<dl>\n{}</dl>", html, meanings);
 }
-std::string copied(std::string_view title, std::string_view id, const std::string& text) {
+std::string copyable(std::string_view title, std::string_view id, const std::string& text) {
     return fmt::format(
         "<details><summary>{}</summary><button type='button' class='copy'>Copy</button><pre "
         "id='{}'>{}</pre></details>\n",
         html_escaped(title), id, html_escaped(text));
 }
-/// The named inputs of a shader, four numbers per line.
+/// The name of a shader's inputs, and their numbers, four per line.
 using NamedNumbers = std::pair<std::string, std::string>;
 NamedNumbers named(std::string name, std::span<const Float4> numbers) {
     std::string text;
@@ -300,16 +300,17 @@ NamedNumbers shader_numbers(const GgxModel& model) { return named("uniform ggx_n
 std::string texts_of(const Page& page) {
     std::string html;
     for (std::size_t i = 0; i < page.materials.size(); ++i) {
-        const PageMaterial& of = page.materials[i];
-        if (!of.parameters.empty())
-            html += copied(fmt::format("{}: parameters", of.name), fmt::format("parameters-{}", i), of.parameters);
-        if (of.material) {
-            if (const auto [name, text] = std::visit([](const auto& m) { return shader_numbers(m); }, *of.material);
+        const PageMaterial& entry = page.materials[i];
+        if (!entry.parameters.empty())
+            html +=
+                copyable(fmt::format("{}: parameters", entry.name), fmt::format("parameters-{}", i), entry.parameters);
+        if (entry.material) {
+            if (const auto [name, text] = std::visit([](const auto& m) { return shader_numbers(m); }, *entry.material);
                 !text.empty())
-                html += copied(fmt::format("{}: numbers of the shader's {}", of.name, name),
-                               fmt::format("numbers-{}", i), text);
-            html += copied(fmt::format("{}: fragment shader (GLSL ES 3.00)", of.name), fmt::format("glsl-{}", i),
-                           text_of(*of.material).fragment);
+                html += copyable(fmt::format("{}: numbers of the shader's {}", entry.name, name),
+                                 fmt::format("numbers-{}", i), text);
+            html += copyable(fmt::format("{}: fragment shader (GLSL ES 3.00)", entry.name), fmt::format("glsl-{}", i),
+                             text_of(*entry.material).fragment);
         }
     }
     return html;
@@ -325,9 +326,9 @@ Mesh page_mesh(std::string_view name) {
 
 std::string viewer_data() { return common_data(true).dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-std::string viewer_material(const PageMaterial& of) {
-    Json data = data_of(of);
-    if (of.material) data["text"] = text_of(*of.material).fragment, data["exposure"] = exposure_of(of);
+std::string viewer_material(const PageMaterial& entry) {
+    Json data = data_of(entry);
+    if (entry.material) data["text"] = text_of(*entry.material).fragment, data["exposure"] = exposure_of(entry);
     return data.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -336,7 +337,7 @@ std::string page_html(const Page& page) {
     const auto note = [](const std::string& text) {
         return text.empty() ? text : fmt::format("<p class='note'>{}</p>", html_escaped(text));
     };
-    const std::pair<std::string_view, std::string> of_pictures[] = {
+    const std::pair<std::string_view, std::string> viewer_parts[] = {
         {"pictures_lead",
          count_pictures(page) > 1
              ? "The same object under the same light, in each of the materials. Drag a picture to turn "
@@ -353,7 +354,7 @@ std::string page_html(const Page& page) {
     const std::pair<std::string_view, std::string> parts[] = {
         {"title", html_escaped(page.title)},
         {"style", k_style_text},
-        {"viewer", filled(k_pictures_text, of_pictures)},
+        {"viewer", filled(k_pictures_text, viewer_parts)},
         {"slices_lead", slices_lead_of(page)},
         {"slices", slices_of(page)},
         {"table", table_of(page)},

@@ -16,42 +16,44 @@ namespace srbf {
 struct PageMaterial {
     std::string name;                  ///< "Measured", "film"
     std::string kind;                  ///< "multivariate, 208 bytes"
-    std::optional<Material> material;  ///< for its picture; none: only plots and tables
+    std::optional<Material> material;  ///< for its picture; without it the page has only plots and tables of it
     Evaluate brdf;                     ///< for the plots
-    bool both_sides = false;           ///< a BSDF, whose plots go all around
+    bool both_sides = false;           ///< true for a BSDF, whose plots go all around
     std::string parameters;            ///< text to read and copy; may be empty
 };
 
 struct Page {
     std::string title;
     std::vector<PageMaterial> materials;  ///< at least one; the first is drawn widest in the plots
-    /// A table with a column per material.
+    /// A table with one column per material.
     struct Row {
         std::string name, meaning;       ///< `meaning` appears below the table; may be empty
         std::vector<std::string> cells;  ///< one per material
     };
     std::vector<Row> table;
-    std::string table_note, picture_note;  ///< below the table, and below the pictures
+    std::string table_note, picture_note;  ///< below the table and below the pictures
     std::string generator;                 ///< the last line: the program that wrote the page
-    std::optional<Mesh> mesh;              ///< with y upwards: the initial shape, beside the built-in ones
+    std::optional<Mesh> mesh;              ///< the initial shape, with y upwards, beside the built-in ones
     std::string mesh_name;
 };
 
-/// The page, HTML in UTF-8 without external references. Its shaders are those of `shader_text` in OpenGL ES 3.0; the
-/// page displays their text and compiles it. The initial picture is `mesh`, or `page_mesh("ball")`, seen from
-/// `Viewpoint{}` under `k_three_lights`, at automatic_exposure of the sphere of the first material with a picture.
+/// The page: HTML in UTF-8 without external references. Its shaders are those of `shader_text` in OpenGL ES 3.0;
+/// the page displays their text and compiles it. The initial picture shows `mesh`, or `page_mesh("ball")`, from
+/// `Viewpoint{}` under `k_three_lights`, with the automatic_exposure of the sphere of the first material with a
+/// picture.
 std::string page_html(const Page& page);
 
-/// The data of viewer.js apart from the page, for pages that show other materials later, as JSON: meshes, lights, the
-/// environment and shaders; and a material, with the text of its shader and the exposure of its picture under lights.
+/// Data of viewer.js as JSON, for pages that load their materials later. The first function returns meshes, lights,
+/// the environment and shaders; the second returns a material with the text of its shader and the exposure of its
+/// picture under directional lights.
 std::string viewer_data();
-std::string viewer_material(const PageMaterial& of);
-/// The bundled environment at half its width. Defined apart, for where there are no files.
+std::string viewer_material(const PageMaterial& material);
+/// The bundled environment at half its width. It is defined in a file of its own, for programs without files.
 Image page_environment();
 
 /// One of `k_built_in_meshes` with fewer triangles, for the page.
 Mesh page_mesh(std::string_view name);
-/// Aspect ratio (width / height) of the initial pictures, and of those of another mesh.
+/// Aspect ratio (width / height) of the initial pictures, and of pictures of another mesh.
 inline constexpr double k_page_aspect = 4.0 / 3;
 /// The polar angles of the light in the plots [degrees].
 inline constexpr std::array<double, 4> k_slice_theta{0, 30, 60, 75};

@@ -24,25 +24,25 @@ Vec3f operator-(Vec3f a) { return -1.f * a; }
 
 /// A 64-bit hash of x (SplitMix64, Steele, Lea & Flood 2014).
 constexpr std::uint64_t k_step = 0x9e3779b97f4a7c15;
-std::uint64_t mixed(std::uint64_t x) {
+std::uint64_t hash(std::uint64_t x) {
     x += k_step;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
     x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
     return x ^ (x >> 31);
 }
 
-/// Random numbers uniform in [0,1) for one path. The first `k_low_discrepancy` numbers of the paths of a pixel form an
-/// R sequence: path i has multiples i of powers of 1/g, g^(k_low_discrepancy+1) = g + 1 (Roberts 2018), with a random
-/// offset. The others are independent.
+/// Random numbers uniform in [0,1) for one path. The first `k_low_discrepancy` numbers of the paths of a pixel form
+/// an R sequence: path i uses multiples i of powers of 1/g, where g^(k_low_discrepancy+1) = g + 1 (Roberts 2018),
+/// with a random offset. The others are independent.
 class Random {
   public:
     Random(std::uint64_t seed, std::uint64_t pixel, std::uint64_t sample)
-        : sample_(sample), shift_(mixed(mixed(seed) ^ pixel)), state_(mixed(shift_ ^ sample)) {}
+        : sample_(sample), shift_(hash(hash(seed) ^ pixel)), state_(hash(shift_ ^ sample)) {}
     float next() {
         state_ += k_step;
-        if (taken_ >= k_low_discrepancy) return in_unit(mixed(state_));
+        if (taken_ >= k_low_discrepancy) return in_unit(hash(state_));
         const auto d = taken_++;
-        return in_unit(mixed(shift_ + k_step * (d + 1)) + sample_ * steps()[d]);
+        return in_unit(hash(shift_ + k_step * (d + 1)) + sample_ * steps()[d]);
     }
     /// Skips the remaining low-discrepancy numbers.
     void independent() { taken_ = k_low_discrepancy; }
@@ -51,7 +51,7 @@ class Random {
     static constexpr std::size_t k_low_discrepancy = 10;
     static float in_unit(std::uint64_t x) { return float(x >> 40) * 0x1p-24f; }
     static const std::array<std::uint64_t, k_low_discrepancy>& steps() {
-        static const auto all = [] {
+        static const auto powers = [] {
             double g = 1.5;
             for (int i = 0; i < 60; ++i) g = std::pow(1 + g, 1.0 / (k_low_discrepancy + 1));
             std::array<std::uint64_t, k_low_discrepancy> step;
@@ -59,7 +59,7 @@ class Random {
                 step[d] = std::uint64_t(std::pow(1 / g, double(d + 1)) * 0x1p64);
             return step;
         }();
-        return all;
+        return powers;
     }
     std::uint64_t sample_, shift_, state_;
     std::size_t taken_ = 0;
@@ -71,24 +71,24 @@ struct Axes {
     Vec3f to(Vec3f w) const { return {dot(w, x), dot(w, y), dot(w, z)}; }
     Vec3f from(Vec3f w) const { return w.x * x + w.y * y + w.z * z; }
 };
-Axes in_float(const Frame& frame) { return {to_float(frame.x), to_float(frame.y), to_float(frame.z)}; }
+Axes to_axes(const Frame& frame) { return {to_float(frame.x), to_float(frame.y), to_float(frame.z)}; }
 
-/// The power heuristic's weight of a sample with density `a` when another technique has density `b`.
-float share(float a, float b) { return a > 0 ? 1 / (1 + (b / a) * (b / a)) : 0; }
+/// The power heuristic: the weight of a sample with density `a` if another technique has density `b`.
+float power_heuristic(float a, float b) { return a > 0 ? 1 / (1 + (b / a) * (b / a)) : 0; }
 
 struct Surface {
     Vec3f position;
-    Vec3f geometric;                       ///< normal on the viewer's side
-    Axes axes;                             ///< about the shading normal, of a BRDF on the viewer's side
-    const PreparedBsdf* of_body;           ///< the same everywhere, or null
-    std::optional<PreparedBsdf> of_point;  ///< of a map
-    Vec3f wv;                              ///< in these axes, whose z is that of a BSDF's front
+    Vec3f geometric;                    ///< normal on the viewer's side
+    Axes axes;                          ///< around the shading normal, which for a BRDF is on the viewer's side
+    const PreparedBsdf* body_material;  ///< the body's material; null for a map
+    std::optional<PreparedBsdf> point_material;  ///< material of a map at this point
+    Vec3f wv;                                    ///< in these axes; z is the normal of a BSDF's front
 
-    const PreparedBsdf& material() const { return of_body ? *of_body : *of_point; }
+    const PreparedBsdf& material() const { return body_material ? *body_material : *point_material; }
 };
 
-/// The result of one path.
-struct Found {
+/// The result of tracing one path.
+struct PathResult {
     Rgb radiance, albedo;
     Vec3f normal{};
     float depth = 0;
@@ -103,14 +103,14 @@ class Tracer {
           options_(options),
           meshes_(meshes_of(scene)),
           rays_(meshes_),
-          camera_(in_float(frame(scene.camera))),
-          environment_axes_(in_float(environment_frame(scene.camera))) {
+          camera_(to_axes(frame(scene.camera))),
+          environment_axes_(to_axes(environment_frame(scene.camera))) {
         // Offset of a ray's origin from the surface, proportional to the size of the scene.
         double size = 0;
         for (const Mesh* mesh : meshes_) {
             const Bounds box = bounds(*mesh);
-            const Vec3d across = to_double(box.most) - to_double(box.least);
-            const double length = std::sqrt(dot(across, across));
+            const Vec3d diagonal = to_double(box.most) - to_double(box.least);
+            const double length = std::sqrt(dot(diagonal, diagonal));
             size = size == 0 ? length : std::min(size, length);
         }
         offset_ = float(1e-4 * std::min(size, 1e6));
@@ -118,39 +118,39 @@ class Tracer {
         eye_ = to_float(scene.camera.eye);
     }
 
-    Found path(float s, float t, Random& random) const {
+    PathResult path(float s, float t, Random& random) const {
         const float aspect = float(options_.width) / float(options_.height);
         Vec3f origin = eye_, direction = camera_.from(normalize(Vec3f{half_ * aspect * s, half_ * t, -1}));
-        Found found;
+        PathResult result;
         Rgb throughput{1, 1, 1};
-        float drawn_pdf = 0;  // of the direction; 0: a camera ray, which was not sampled
+        float sampled_pdf = 0;  // density of the direction; 0: a camera ray, which was not sampled
         for (int bounce = 0;; ++bounce) {
-            ++found.rays;
+            ++result.rays;
             const auto hit = is_free(bounce) ? std::nullopt : rays_.closest(origin, direction);
-            add_lights(found.radiance, throughput, origin, direction, hit ? hit->distance : k_far, drawn_pdf);
-            if (!hit || bounce == options_.bounces) return found;
+            add_lights(result.radiance, throughput, origin, direction, hit ? hit->distance : k_far, sampled_pdf);
+            if (!hit || bounce == options_.bounces) return result;
             const Surface surface = surface_at(*hit, direction);
             if (bounce == 0) {
-                found.hit = true;
-                found.depth = hit->distance;
-                found.normal = camera_.to(surface.wv.z > 0 ? surface.axes.z : -surface.axes.z);
+                result.hit = true;
+                result.depth = hit->distance;
+                result.normal = camera_.to(surface.wv.z > 0 ? surface.axes.z : -surface.axes.z);
             }
-            add_sampled_lights(found, throughput, surface, random);
+            add_sampled_lights(result, throughput, surface, random);
 
             const Vec2f u{random.next(), random.next()};
-            const BsdfSample drawn = sample(surface.material(), surface.wv, u, random.next());
-            if (!(largest(drawn.weight) > 0)) return found;
-            drawn_pdf = drawn.pdf;
-            if (bounce == 0) found.albedo = drawn.weight;
-            throughput = throughput * drawn.weight;
+            const BsdfSample bounce_sample = sample(surface.material(), surface.wv, u, random.next());
+            if (!(largest(bounce_sample.weight) > 0)) return result;
+            sampled_pdf = bounce_sample.pdf;
+            if (bounce == 0) result.albedo = bounce_sample.weight;
+            throughput = throughput * bounce_sample.weight;
             random.independent();
-            direction = surface.axes.from(drawn.wl);
-            if (!on_its_side(surface, drawn.wl, direction)) return found;
+            direction = surface.axes.from(bounce_sample.wl);
+            if (!is_consistent(surface, bounce_sample.wl, direction)) return result;
             origin = origin_of(surface, direction);
             if (bounce >= k_roulette) {
-                const float going_on = std::min(largest(throughput), 0.95f);
-                if (!(random.next() < going_on)) return found;
-                throughput = (1 / going_on) * throughput;
+                const float survival_probability = std::min(largest(throughput), 0.95f);
+                if (!(random.next() < survival_probability)) return result;
+                throughput = (1 / survival_probability) * throughput;
             }
         }
     }
@@ -158,7 +158,7 @@ class Tracer {
     Axes camera() const { return camera_; }
 
   private:
-    /// True if nothing stops the path after that many bounces.
+    /// True if nothing can stop the path after that many bounces.
     bool is_free(int bounce) const { return bounce > 0 && !options_.occlusion; }
 
     static constexpr float k_far = std::numeric_limits<float>::infinity();
@@ -172,32 +172,32 @@ class Tracer {
     Surface surface_at(const Hit& hit, Vec3f direction) const {
         const Body& body = scene_.bodies[hit.mesh];
         const Triangle& triangle = body.mesh->triangles[hit.triangle];
-        const float at_first = 1 - hit.u - hit.v;
-        const auto interpolated = [&](const std::vector<Vec3f>& at) {
-            return at_first * at[triangle[0]] + hit.u * at[triangle[1]] + hit.v * at[triangle[2]];
+        const float weight = 1 - hit.u - hit.v;
+        const auto interpolated = [&](const std::vector<Vec3f>& values) {
+            return weight * values[triangle[0]] + hit.u * values[triangle[1]] + hit.v * values[triangle[2]];
         };
         Surface surface{};
         surface.position = interpolated(body.mesh->positions);
-        surface.of_body = std::get_if<PreparedBsdf>(&scene_.materials[body.material]);
+        surface.body_material = std::get_if<PreparedBsdf>(&scene_.materials[body.material]);
         if (const auto* map = std::get_if<PreparedMap>(&scene_.materials[body.material])) {
             const auto& [a, b, c] = body.mesh->texture[hit.triangle];
-            surface.of_point =
-                brdf_at(*map, {at_first * a.x + hit.u * b.x + hit.v * c.x, at_first * a.y + hit.u * b.y + hit.v * c.y});
+            surface.point_material =
+                brdf_at(*map, {weight * a.x + hit.u * b.x + hit.v * c.x, weight * a.y + hit.u * b.y + hit.v * c.y});
         }
         surface.geometric = dot(hit.geometric_normal, direction) < 0 ? hit.geometric_normal : -hit.geometric_normal;
         Vec3f normal = interpolated(body.mesh->normals);
         if (!(dot(normal, normal) > 1e-12f)) normal = surface.geometric;
         if (dot(normal, surface.geometric) < 0) normal = -normal;
         normal = Shading<float>::visible_normal(normal, -direction);
-        const bool from_back = !surface.material().is_brdf() && dot(hit.geometric_normal, direction) > 0;
-        const float side = from_back ? -1.f : 1.f;
-        surface.axes = in_float(surface_frame(to_double(side * normal)));
+        const bool is_back = !surface.material().is_brdf() && dot(hit.geometric_normal, direction) > 0;
+        const float side = is_back ? -1.f : 1.f;
+        surface.axes = to_axes(surface_frame(to_double(side * normal)));
         surface.wv = surface.axes.to(-direction);
         return surface;
     }
 
-    /// True if a direction leaves the triangle on the side on which it leaves the shading normal's horizon.
-    bool on_its_side(const Surface& surface, Vec3f wl, Vec3f direction) const {
+    /// True if a direction is on the same side of the triangle as of the shading normal's horizon.
+    bool is_consistent(const Surface& surface, Vec3f wl, Vec3f direction) const {
         return !options_.occlusion || dot(direction, surface.geometric) * (wl.z * surface.wv.z > 0 ? 1.f : -1.f) > 0;
     }
     Vec3f origin_of(const Surface& surface, Vec3f direction) const {
@@ -209,67 +209,70 @@ class Tracer {
         return is_finite(f) ? f : Rgb{};
     }
 
-    /// Adds f cosθl times the radiance from `direction` if nothing is closer than `distance`; with multiple importance
-    /// sampling for density `light_pdf`, or without (0) for a light with a single direction.
-    void add_light(Found& found, const Rgb& throughput, const Surface& surface, Vec3f direction, float distance,
+    /// Adds f cosθl times the radiance from `direction` if nothing is closer than `distance`. Uses multiple
+    /// importance sampling for density `light_pdf`; 0 means a light with a single direction, which needs none.
+    void add_light(PathResult& result, const Rgb& throughput, const Surface& surface, Vec3f direction, float distance,
                    const Rgb& arriving, float light_pdf) const {
         const Vec3f wl = surface.axes.to(direction);
-        if (!on_its_side(surface, wl, direction)) return;
+        if (!is_consistent(surface, wl, direction)) return;
         const Rgb f = value_at(surface, wl);
         if (!(largest(f) > 0)) return;
         if (options_.occlusion) {
-            ++found.rays;
+            ++result.rays;
             if (rays_.occluded(origin_of(surface, direction), direction, distance - offset_)) return;
         }
-        const float by_brdf = light_pdf > 0 ? pdf(surface.material(), wl, surface.wv) : 0;
-        const float scale = light_pdf > 0 ? share(light_pdf, by_brdf) / light_pdf : 1;
-        found.radiance += (scale * std::abs(wl.z)) * (throughput * f * arriving);
+        const float brdf_pdf = light_pdf > 0 ? pdf(surface.material(), wl, surface.wv) : 0;
+        const float scale = light_pdf > 0 ? power_heuristic(light_pdf, brdf_pdf) / light_pdf : 1;
+        result.radiance += (scale * std::abs(wl.z)) * (throughput * f * arriving);
     }
 
-    void add_sampled_lights(Found& found, const Rgb& throughput, const Surface& surface, Random& random) const {
+    void add_sampled_lights(PathResult& result, const Rgb& throughput, const Surface& surface, Random& random) const {
         for (const DirectionalLight& light : scene_.lights)
-            add_light(found, throughput, surface, to_float(light.towards), k_far, light.irradiance, 0);
+            add_light(result, throughput, surface, to_float(light.towards), k_far, light.irradiance, 0);
         if (has_environment()) {
             const float u1 = random.next(), u2 = random.next();
             const Vec3f w = scene_.environment->sample(u1, u2);
             if (const auto light = scene_.environment->at(w); light.pdf > 0)
-                add_light(found, throughput, surface, environment_axes_.from(w), k_far, light.radiance, light.pdf);
+                add_light(result, throughput, surface, environment_axes_.from(w), k_far, light.radiance, light.pdf);
         }
         if (!scene_.area_lights.empty()) {
-            const float which = random.next() * float(scene_.area_lights.size()), u1 = random.next(),
+            const float position = random.next() * float(scene_.area_lights.size()), u1 = random.next(),
                         u2 = random.next();
-            const AreaLight& light = scene_.area_lights[std::min(std::size_t(which), scene_.area_lights.size() - 1)];
-            const Vec3f to = light.corner + u1 * light.x + u2 * light.y - seen_from(surface);
-            const float distance = std::sqrt(dot(to, to));
-            const Vec3f direction = (1 / distance) * to;
+            const AreaLight& light = scene_.area_lights[std::min(std::size_t(position), scene_.area_lights.size() - 1)];
+            const Vec3f offset = light.corner + u1 * light.x + u2 * light.y - seen_from(surface);
+            const float distance = std::sqrt(dot(offset, offset));
+            const Vec3f direction = (1 / distance) * offset;
             if (const float density = area_pdf(light, direction, distance); density > 0)
-                add_light(found, throughput, surface, direction, distance, light.radiance, density);
+                add_light(result, throughput, surface, direction, distance, light.radiance, density);
         }
     }
 
     Vec3f seen_from(const Surface& surface) const { return surface.position + offset_ * surface.geometric; }
     bool has_environment() const { return scene_.environment && !scene_.environment->is_black(); }
 
-    /// Density of sampling a direction by a point of that light; 0 from behind.
+    /// The density of sampling a direction by a point of this light; 0 from behind.
     float area_pdf(const AreaLight& light, Vec3f direction, float distance) const {
-        const Vec3f across = cross(light.x, light.y);
-        const float facing = -dot(across, direction);  // area times cosine
+        const Vec3f normal = cross(light.x, light.y);
+        const float facing = -dot(normal, direction);  // area times cosine
         return facing > 0 ? distance * distance / (facing * float(scene_.area_lights.size())) : 0;
     }
 
-    /// Adds the emission along a ray up to `distance`, whose direction was sampled with density `drawn_pdf`.
+    /// Adds the emission along a ray up to `distance`, whose direction was sampled with density `sampled_pdf`.
     void add_lights(Rgb& radiance, const Rgb& throughput, Vec3f origin, Vec3f direction, float distance,
-                    float drawn_pdf) const {
+                    float sampled_pdf) const {
         const auto add = [&](const Rgb& arriving, float light_pdf) {
-            radiance += (drawn_pdf > 0 ? share(drawn_pdf, light_pdf) : 1) * (throughput * arriving);
+            radiance += (sampled_pdf > 0 ? power_heuristic(sampled_pdf, light_pdf) : 1) * (throughput * arriving);
         };
         for (const AreaLight& light : scene_.area_lights) {
-            const Vec3f across = cross(light.x, light.y);
-            const float at = dot(light.corner - origin, across) / dot(direction, across), area = dot(across, across);
-            const Vec3f p = origin + at * direction - light.corner;
-            const float s = dot(cross(p, light.y), across) / area, t = dot(cross(light.x, p), across) / area;
-            if (!(at > 0 && at < distance && s >= 0 && s <= 1 && t >= 0 && t <= 1)) continue;
-            if (const float density = area_pdf(light, direction, at); density > 0) add(light.radiance, density);
+            const Vec3f normal = cross(light.x, light.y);
+            const float hit_distance = dot(light.corner - origin, normal) / dot(direction, normal),
+                        squared_area = dot(normal, normal);
+            const Vec3f p = origin + hit_distance * direction - light.corner;
+            const float s = dot(cross(p, light.y), normal) / squared_area,
+                        t = dot(cross(light.x, p), normal) / squared_area;
+            if (!(hit_distance > 0 && hit_distance < distance && s >= 0 && s <= 1 && t >= 0 && t <= 1)) continue;
+            if (const float density = area_pdf(light, direction, hit_distance); density > 0)
+                add(light.radiance, density);
         }
         if (distance < k_far || !has_environment()) return;
         const auto light = scene_.environment->at(environment_axes_.to(direction));
@@ -300,7 +303,7 @@ PathPicture render_paths(const PathScene& scene, const PathOptions& options) {
     int done = 0;
     parallel_for(std::size_t(columns * rows), options.threads, [&](std::size_t tile) {
         const int left = int(tile) % columns * k_tile, top = int(tile) / columns * k_tile;
-        std::uint64_t of_tile = 0;
+        std::uint64_t tile_rays = 0;
         for (int y = top; y < std::min(top + k_tile, height); ++y)
             for (int x = left; x < std::min(left + k_tile, width); ++x) {
                 const auto pixel = std::size_t(y) * std::size_t(width) + std::size_t(x);
@@ -308,21 +311,21 @@ PathPicture render_paths(const PathScene& scene, const PathOptions& options) {
                 for (int i = 0; i < options.samples; ++i) {
                     Random random(options.seed, pixel, std::uint64_t(i));
                     const float dx = random.next(), dy = random.next();
-                    const Found found = tracer.path(2 * (float(x) + dx) / float(width) - 1,
-                                                    1 - 2 * (float(y) + dy) / float(height), random);
-                    const float brought[] = {found.radiance.r,
-                                             found.radiance.g,
-                                             found.radiance.b,
-                                             found.normal.x,
-                                             found.normal.y,
-                                             found.normal.z,
-                                             found.albedo.r,
-                                             found.albedo.g,
-                                             found.albedo.b,
-                                             found.depth,
-                                             found.hit || largest(found.radiance) > 0 ? 1.f : 0.f};
-                    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += double(brought[k]);
-                    of_tile += found.rays;
+                    const PathResult result = tracer.path(2 * (float(x) + dx) / float(width) - 1,
+                                                          1 - 2 * (float(y) + dy) / float(height), random);
+                    const float values[] = {result.radiance.r,
+                                            result.radiance.g,
+                                            result.radiance.b,
+                                            result.normal.x,
+                                            result.normal.y,
+                                            result.normal.z,
+                                            result.albedo.r,
+                                            result.albedo.g,
+                                            result.albedo.b,
+                                            result.depth,
+                                            result.hit || largest(result.radiance) > 0 ? 1.f : 0.f};
+                    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += double(values[k]);
+                    tile_rays += result.rays;
                 }
                 const auto mean = [&](std::size_t k) { return float(sum[k] / options.samples); };
                 const float coverage = scene.environment ? 1 : mean(10);
@@ -333,7 +336,7 @@ PathPicture render_paths(const PathScene& scene, const PathOptions& options) {
                 picture.first.albedo.pixels[pixel] = {mean(6), mean(7), mean(8)};
                 picture.first.depth[pixel] = mean(9);
             }
-        rays += of_tile;
+        rays += tile_rays;
         if (!options.progress) return;
         const std::lock_guard lock(reporting);
         options.progress(double(++done) / (columns * rows));
@@ -345,7 +348,7 @@ PathPicture render_paths(const PathScene& scene, const PathOptions& options) {
 Mesh ground_below(const Mesh& mesh, Vec3d up, double size) {
     const Bounds box = bounds(mesh);
     const Vec3d least = to_double(box.least), most = to_double(box.most), middle = 0.5 * (least + most),
-                across = most - least;
+                extent = most - least;
     const Vec3d n = normalize(up), x = normalize(cross(std::abs(n.x) < 0.7 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0), n)),
                 y = cross(n, x);
     // The lowest corner of the bounding box along `up`.
@@ -354,10 +357,12 @@ Mesh ground_below(const Mesh& mesh, Vec3d up, double size) {
         const Vec3d corner{i & 1 ? most.x : least.x, i & 2 ? most.y : least.y, i & 4 ? most.z : least.z};
         lowest = std::min(lowest, dot(corner - middle, n));
     }
-    const double half = 0.5 * size * std::max({across.x, across.y, across.z});
-    const auto at = [&](double s, double t) { return to_float(middle + lowest * n + (s * half) * x + (t * half) * y); };
+    const double half = 0.5 * size * std::max({extent.x, extent.y, extent.z});
+    const auto corner_at = [&](double s, double t) {
+        return to_float(middle + lowest * n + (s * half) * x + (t * half) * y);
+    };
     Mesh ground;
-    ground.positions = {at(-1, -1), at(1, -1), at(1, 1), at(-1, 1)};
+    ground.positions = {corner_at(-1, -1), corner_at(1, -1), corner_at(1, 1), corner_at(-1, 1)};
     ground.normals.assign(4, to_float(n));
     ground.triangles = {{0, 1, 2}, {0, 2, 3}};
     return ground;

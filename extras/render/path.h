@@ -20,8 +20,8 @@ struct AreaLight {
     Rgb radiance;
 };
 
-/// A BRDF is the same on either side, and lets nothing through. A map has one at each point of a mesh with texture
-/// coordinates.
+/// The material of a body. A BRDF is the same on both sides and transmits nothing. A map has one BRDF at each point
+/// of a mesh with texture coordinates.
 using PathMaterial = std::variant<PreparedBsdf, PreparedMap>;
 
 /// An object: the indices of a mesh and a material.
@@ -36,38 +36,38 @@ struct PathScene {
     Camera camera;  ///< its `up` is also the environment's +y
     std::vector<DirectionalLight> lights;
     std::vector<AreaLight> area_lights;
-    const Environment* environment = nullptr;  ///< none: black
+    const Environment* environment = nullptr;  ///< null: black
 };
 
 struct PathOptions {
     int width = 640, height = 480;
     int samples = 64;  ///< paths per pixel, ≥ 1
-    int bounces = 8;   ///< maximum per path, ≥ 1; Russian roulette from the fourth on
-    /// True if surfaces block light. Without, all of it reaches every point, in one bounce, as in `rasterize`.
+    int bounces = 8;   ///< maximum number of bounces of a path, ≥ 1; Russian roulette from the fourth on
+    /// True if surfaces block light. If false, all light reaches every point, in one bounce, as in `rasterize`.
     bool occlusion = true;
     std::uint64_t seed = 0;
     int threads = 0;  ///< 0: as many as the machine has; the picture does not depend on it
-    /// Called regularly with the completed share, 0..1, from one thread at a time.
+    /// Called regularly with the completed fraction, 0..1, by one thread at a time.
     std::function<void(double)> progress;
 };
 
-/// Means over a pixel's paths of properties of the first hit; 0 where nothing is hit.
+/// Means over the paths of a pixel of properties of the first hit; 0 where nothing is hit.
 struct FirstHits {
     Image normal;              ///< x, y, z in the camera's frame, towards the viewer
     Image albedo;              ///< directional albedo of the material, estimated with one sample per path
     std::vector<float> depth;  ///< distance from the eye
 };
 struct PathPicture {
-    Rendering rendering;  ///< an environment covers every pixel, a light the pixels in which it is visible
+    Rendering rendering;  ///< an environment covers every pixel, a light only the pixels in which it is visible
     FirstHits first;
     std::uint64_t rays = 0;  ///< number of rays traced
 };
 
-/// Path tracing from the eye. At each hit the environment, the area lights and the BRDF are sampled and combined with
-/// the power heuristic (Veach & Guibas 1995); directional lights are summed. Normals are interpolated, and made visible
-/// (`visible_normal` of shading.glsl). The front of a BSDF is the side from which triangles are counter-clockwise; light
-/// that its beams let through is followed as it goes, so that they show the environment and area lights, but not
-/// directional ones.
+/// Traces paths from the eye. At each hit the environment, the area lights and the BRDF are sampled and combined
+/// with the power heuristic (Veach & Guibas 1995); directional lights are summed. Normals are interpolated, and
+/// made visible (`visible_normal` of shading.glsl). The front of a BSDF is the side from which triangles are
+/// counter-clockwise. Light that its beams transmit is followed along its direction, so that they show the
+/// environment and area lights, but not directional lights.
 PathPicture render_paths(const PathScene& scene, const PathOptions& options);
 
 /// A square on the ground below a mesh, `size` times as wide as the mesh, with its upper side towards `up`.

@@ -22,13 +22,13 @@ std::string pixel_text(const ShaderOptions& options) {
            k_shading_text + k_pixel_text;
 }
 
-ShaderText shader_text(const Material& material, const ShaderOptions& asked) {
-    ShaderOptions options = asked;
+ShaderText shader_text(const Material& material, const ShaderOptions& requested) {
+    ShaderOptions options = requested;
     options.two_sided = is_two_sided(material);
-    const bool whole = options.environment || options.input == PixelInput::surface;
-    const std::string first = version_text(options.dialect);
-    return {first + (whole ? k_whole_text : k_surface_text),
-            first + brdf_text(material, options.open) + pixel_text(options)};
+    const bool covers_picture = options.environment || options.input == PixelInput::surface;
+    const std::string version = version_text(options.dialect);
+    return {version + (covers_picture ? k_whole_text : k_surface_text),
+            version + brdf_text(material, options.open) + pixel_text(options)};
 }
 
 ShaderText surface_shader_text(Dialect dialect) {

@@ -13,19 +13,21 @@ enum class PixelOutput {
 };
 /// The source of a pixel's position and normal.
 enum class PixelInput {
-    /// Interpolated over the triangle. Also shades what is hidden later; samples of a pixel are shaded separately.
+    /// Interpolated over the triangle. Also shades surfaces that are hidden later; the samples of a pixel are shaded separately.
     triangles,
     /// From a `RasterSurface` of an earlier pass. Shades each pixel once, however small the triangles are.
     surface,
 };
 
-/// Which directions a pixel adds up the environment's light from.
+/// The directions from which a pixel sums the environment's light.
 enum class LightDraws {
-    both,      ///< two by the environment and one by the BRDF, combined with the power heuristic (Veach & Guibas 1995)
-    material,  ///< one by the BRDF
-    light,     ///< one by the environment
+    /// two sampled from the environment and one from the BRDF, combined with the power heuristic (Veach & Guibas
+    /// 1995)
+    both,
+    material,  ///< one sampled from the BRDF
+    light,     ///< one sampled from the environment
 };
-/// Samples that a picture begins with, and is drawn by while it moves.
+/// The number of samples with which a picture begins, and with which it is drawn while it moves.
 inline constexpr int k_first_samples = 4;
 
 struct ShaderOptions {
@@ -33,23 +35,25 @@ struct ShaderOptions {
     PixelOutput output = PixelOutput::shown;
     PixelInput input = PixelInput::triangles;
     int lights = 3;  ///< directional lights, ≥ 1
-    /// True if the light is an environment's, and `lights` are beside it: environment_pixel.glsl instead of pixel.glsl,
-    /// for radiance from a surface.
+    /// True if the light is an environment's, with `lights` beside it: environment_pixel.glsl instead of
+    /// pixel.glsl, for radiance from a surface.
     bool environment = false;
-    /// Use the open text of a multivariate model (`brdf_text`): compilation of another text takes longer than a fit.
+    /// Use the open text of a multivariate model (`brdf_text`), because compiling a new text takes longer than a
+    /// fit.
     bool open = false;
-    bool two_sided = false;  ///< the material; `shader_text` sets it
+    bool two_sided = false;  ///< true for a material with two sides; `shader_text` sets it
 };
 
 struct ShaderText {
     std::string vertex, fragment;
 };
 /// The complete shaders of a material: `version_text`, `brdf_text` and `pixel_text`. Their inputs are attributes 0
-/// `position` and 1 `normal` and the uniform `to_clip`, or samplers `surface_positions` and `surface_normals`; uniforms
-/// `eye`, `light_direction`, `light_irradiance` and `exposure`; and those of `brdf_text`. Those with an environment are
-/// in environment_pixel.glsl, environment.glsl and `proposal_text`.
+/// `position` and 1 `normal` and the uniform `to_clip`, or samplers `surface_positions` and `surface_normals`;
+/// uniforms `eye`, `light_direction`, `light_irradiance` and `exposure`; and those of `brdf_text`. Shaders with an
+/// environment have the inputs of environment_pixel.glsl, environment.glsl and `proposal_text`.
 ShaderText shader_text(const Material& material, const ShaderOptions& options);
-/// The part of a fragment shader that follows the text of a material: shading.glsl, and pixel.glsl or its like.
+/// The part of a fragment shader that follows the text of a material: shading.glsl, and pixel.glsl or
+/// environment_pixel.glsl.
 std::string pixel_text(const ShaderOptions& options);
 /// The shaders of a `RasterSurface`: positions to colour 0, normals to colour 1.
 ShaderText surface_shader_text(Dialect dialect);

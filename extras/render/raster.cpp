@@ -17,10 +17,10 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Mat
     const RasterMesh mesh(scene.mesh);
     const RasterView view{scene.camera, double(width) / height, scene.lights, 1};
     std::vector<Rendering> renderings;
-    for (const Material& of : materials) {
-        const auto material = RasterMaterial::make(of, {.dialect = context->dialect(),
-                                                        .output = PixelOutput::radiance,
-                                                        .lights = std::max(1, int(scene.lights.size()))});
+    for (const Material& material_source : materials) {
+        const auto material = RasterMaterial::make(material_source, {.dialect = context->dialect(),
+                                                                     .output = PixelOutput::radiance,
+                                                                     .lights = std::max(1, int(scene.lights.size()))});
         if (!material) return material.error();
         target->begin();
         material->draw(mesh, view);
@@ -48,14 +48,15 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& 
     if (!light) return light.error();
     const auto surface = RasterSurface::make(dialect, width, height, RasterSurface::Points::four);
     if (!surface) return surface.error();
-    std::vector<RasterMaterial> made;
+    std::vector<RasterMaterial> raster_materials;
     std::vector<RasterMean> means;
-    for (const SampledMaterial& of : materials) {
+    for (const SampledMaterial& sampled : materials) {
         auto material = RasterMaterial::make(
-            of.material, {.dialect = dialect, .lights = std::max(1, int(scene.lights.size())), .environment = true});
+            sampled.material,
+            {.dialect = dialect, .lights = std::max(1, int(scene.lights.size())), .environment = true});
         if (!material) return material.error();
-        material->set_proposal(of.proposal);
-        made.push_back(*std::move(material));
+        material->set_proposal(sampled.proposal);
+        raster_materials.push_back(*std::move(material));
         auto mean = RasterMean::make(*surface);
         if (!mean) return mean.error();
         means.push_back(*std::move(mean));
@@ -67,8 +68,9 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& 
                               .lights = scene.lights,
                               .shift = sample_shift(i, width, height)};
         surface->draw(mesh, view);
-        for (std::size_t k = 0; k < made.size(); ++k)
-            means[k].add(made[k], *surface, view, {&*light, environment_frame(scene.camera), options.draws});
+        for (std::size_t k = 0; k < raster_materials.size(); ++k)
+            means[k].add(raster_materials[k], *surface, view,
+                         {&*light, environment_frame(scene.camera), options.draws});
         glFinish();
         if (options.progress) options.progress(double(i + 1) / options.samples);
     }

@@ -20,10 +20,11 @@ struct RasterView {
     double aspect = 4.0 / 3;
     std::span<const DirectionalLight> lights;  ///< as many as the material was made for
     float exposure = 1;                        ///< for PixelOutput::shown
-    /// True: back faces are drawn, for open surfaces. Without them a frame of a scanned mesh takes two thirds of the
-    /// time.
+    /// True: back faces are drawn, which open surfaces need. Without them a frame of a scanned mesh takes two
+    /// thirds of the time.
     bool back_faces = true;
-    /// The offsets of the points that pixels show from their centres, right and up, in widths and heights of the picture.
+    /// Offset of the points that pixels show from the pixels' centres, right and up, in widths and heights of the
+    /// picture.
     std::array<double, 2> shift{};
 };
 
@@ -32,7 +33,7 @@ class RasterMesh {
   public:
     explicit RasterMesh(const Mesh& mesh);
     const Bounds& bounds() const { return bounds_; }
-    /// Draws it by the program in use, `program`, whose uniform `to_clip` is set for the view.
+    /// Draws the mesh with the program in use, `program`, after setting its uniform `to_clip` for the view.
     void draw(const GlObject& program, const RasterView& view) const;
 
   private:
@@ -51,28 +52,28 @@ class RasterEnvironment {
     friend class RasterMaterial;
     RasterEnvironment() = default;
     GlObject radiance_, columns_, rows_;
-    float scale_ = 1;  ///< of the radiance: half floats hold at most 65504
+    float scale_ = 1;  ///< factor of the radiance: half floats hold at most 65504
 };
 
 /// Light of an environment for one more sample of every pixel.
 struct EnvironmentLight {
     const RasterEnvironment* environment = nullptr;
-    Frame axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  ///< of the environment in the world
+    Frame axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  ///< axes of the environment in the world
     LightDraws draws = LightDraws::both;
 };
 
-/// Position and normal of the visible surface at a point of each pixel, or under an environment at 2 × 2: the first of
-/// two passes.
+/// Position and normal of the visible surface at one point of each pixel, or under an environment at 2 × 2 points:
+/// the first of two passes.
 class RasterSurface {
   public:
     enum class Points { one = 1, four = 2 };
     /// Errors: larger than the library's framebuffers; float formats that cannot be rendered to.
     static Result<RasterSurface> make(Dialect dialect, int width, int height, Points points = Points::one);
-    /// Draws the mesh. The view's shift is that of one of a pixel's points; the others are half a pixel away from it.
+    /// Draws the mesh. The view's shift is that of one point of a pixel; the others are half a pixel away from it.
     /// Restores the framebuffer binding and the viewport.
     void draw(const RasterMesh& mesh, const RasterView& view) const;
-    /// Rows of points from the top: (x, y, z), and 1 where there is a surface; its interpolated normal, facing the
-    /// viewer, and 1 at the front or −1 at the back.
+    /// Rows of points from the top. Positions are (x, y, z), and 1 where there is a surface. Normals are
+    /// interpolated and face the viewer; their fourth number is 1 at the front and −1 at the back.
     std::vector<Float4> read_positions() const { return read(0); }
     std::vector<Float4> read_normals() const { return read(1); }
 
@@ -81,8 +82,8 @@ class RasterSurface {
     friend class RasterTarget;
     RasterSurface() = default;
     std::vector<Float4> read(unsigned colour) const;
-    int width_ = 0, height_ = 0;  ///< of the picture
-    int along_ = 1;               ///< points along a side of a pixel
+    int width_ = 0, height_ = 0;  ///< size of the picture
+    int along_ = 1;               ///< number of points along a side of a pixel
     GlObject program_, positions_, normals_, depth_, framebuffer_;
 };
 
@@ -94,18 +95,19 @@ class RasterMaterial {
     /// Errors: a model larger than the library's buffers or textures; a text that the library's compiler rejects.
     static Result<RasterMaterial> make(const Material& material, const ShaderOptions& options);
 
-    /// Replaces the numbers by those of another model with the same text (`shader_text`). The cost is the upload of
-    /// these bytes.
+    /// Replaces the numbers by those of another model with the same text (`shader_text`). This costs only the
+    /// upload of these bytes.
     void update(const PmModel& model);
-    /// Draws the mesh into the current framebuffer with its current viewport; for PixelInput::triangles.
+    /// Draws the mesh into the current framebuffer with its current viewport. Requires PixelInput::triangles.
     void draw(const RasterMesh& mesh, const RasterView& view) const;
-    /// Shades `surface`, drawn from the same view, into a framebuffer with the depths of the surface, as made by
-    /// `RasterTarget::make_for`; for PixelInput::surface.
+    /// Shades `surface`, drawn from the same view, into a framebuffer with the depths of the surface, as
+    /// `RasterTarget::make_for` makes it. Requires PixelInput::surface.
     void draw(const RasterSurface& surface, const RasterView& view) const;
-    /// The density that directions to the light are drawn from, with `ShaderOptions::environment`.
+    /// Sets the density from which directions to the light are sampled. Requires `ShaderOptions::environment`.
     void set_proposal(const Proposals& proposals);
     /// Adds sample `index`, counted from 0, to the mean `before` of all samples before it, over the whole picture:
-    /// where there is no surface the environment is seen. With `ShaderOptions::environment`, after `set_proposal`.
+    /// where there is no surface, it shows the environment. Requires `ShaderOptions::environment` and
+    /// `set_proposal`.
     void draw(const RasterSurface& surface, const RasterView& view, const EnvironmentLight& light,
               const RasterTarget& before, int index) const;
     /// Size of the numbers that a pixel looks up, and of the index texture and table of directions.
@@ -120,7 +122,7 @@ class RasterMaterial {
     explicit RasterMaterial(GlObject program) : program_(std::move(program)) {}
     void add_texture(const char* sampler, Texture texture);
     void use(const RasterView& view) const;
-    /// Binds the textures of a pass that covers the picture, after the material's own; draws it.
+    /// Binds the textures of a pass over the whole picture after the material's own, and draws it.
     void draw_whole(std::initializer_list<std::pair<const char*, const GlObject*>> textures) const;
     void load(const Flat&) {}
     void load(const MerlTable& table);
@@ -128,7 +130,7 @@ class RasterMaterial {
     void load(const SuModel& model);
     void load(const GgxModel& model) { load_uniforms("ggx_numbers", ggx_numbers(model)); }
     void load(const OpenPbrModel& model) { load_uniforms("openpbr_numbers", openpbr_numbers(model)); }
-    void load(const BsdfModel&) {}  // its numbers are in the text
+    void load(const BsdfModel&) {}  // its numbers are part of the text
     void load(const BsdfTables& tables);
     void load_uniforms(const char* name, std::span<const Float4> numbers);
     void load_table(std::array<std::uint32_t, 3> size, std::vector<Float4> texels);
@@ -139,22 +141,23 @@ class RasterMaterial {
     bool is_open_ = false;  ///< for a multivariate model
 };
 
-/// An off-screen framebuffer. It is bound for drawing.
+/// An off-screen framebuffer. Drawing binds it.
 class RasterTarget {
   public:
     /// Pixel formats: 8 bits per channel, or floats (32 bits; 16 if multisampling requires it).
     enum class Format { bytes, floats };
-    /// `samples` per pixel, or as many as are supported. Errors: larger than the library's framebuffers; float formats
-    /// that cannot be rendered to.
+    /// `samples` per pixel, or as many as are supported. Errors: larger than the library's framebuffers; float
+    /// formats that cannot be rendered to.
     static Result<RasterTarget> make(int width, int height, int samples, Format format);
-    /// For the second pass over `surface`, with its size and, if of one point per pixel, depths; must not outlive it.
+    /// For the second pass over `surface`, with the same size and, with one point per pixel, the same depths. Must
+    /// not outlive it.
     static Result<RasterTarget> make_for(const RasterSurface& surface, Format format);
-    /// Binds the framebuffer, sets its viewport and clears it (only the colours if it shares depths): 0 without
-    /// coverage, or the grey background of `shown` pictures.
+    /// Binds the framebuffer, sets its viewport and clears it to 0 without coverage, or to the grey background of
+    /// `shown` pictures. Depths are cleared only if they are its own.
     void begin() const;
     /// The picture with its samples averaged: rows from the top, RGBA.
     std::vector<Float4> read_floats() const;
-    Float4 read_pixel(int x, int y) const;  ///< of them; (0, 0) is the upper left one
+    Float4 read_pixel(int x, int y) const;  ///< one pixel of it; (0, 0) is the upper left one
     Image8 read_bytes() const;
     int samples() const { return samples_; }
     /// The picture as a texture; requires one sample per pixel.
@@ -168,18 +171,18 @@ class RasterTarget {
     int width_ = 0, height_ = 0, samples_ = 1;
     Format format_{};
     GlObject colour_, depth_, framebuffer_;
-    GlObject resolved_colour_, resolved_;  ///< with one sample, if the other has several
+    GlObject resolved_colour_, resolved_;  ///< with one sample per pixel, if the others have several
 };
 
-/// The mean of the samples of a picture under an environment, which converges as they are added. Sample i is seen
-/// through points `sample_shift(i)` from the centres of pixels.
+/// The mean of the samples of a picture under an environment, which converges as they are added. Sample i shows the
+/// points that are `sample_shift(i)` from the centres of pixels.
 class RasterMean {
   public:
     static Result<RasterMean> make(const RasterSurface& surface);
-    /// Forgets all samples.
+    /// Discards all samples.
     void restart() { samples_ = 0; }
     int samples() const { return samples_; }
-    /// Adds a sample; `surface` was drawn from the same view, with the shift of sample `samples()`.
+    /// Adds a sample. `surface` must have been drawn from the same view, with the shift of sample `samples()`.
     void add(const RasterMaterial& material, const RasterSurface& surface, const RasterView& view,
              const EnvironmentLight& light);
     /// The mean; requires a sample.
@@ -190,20 +193,21 @@ class RasterMean {
     std::array<RasterTarget, 2> targets_;
     int samples_ = 0;
 };
-/// The shift of sample i in a picture of that size, uniform over a pixel: a low-discrepancy sequence.
+/// The shift of sample i in a picture of this size: a low-discrepancy sequence, uniform over a pixel.
 std::array<double, 2> sample_shift(int i, int width, int height);
 
 /// Displays previously rendered radiances, so that changes of exposure or of the scale of a difference need no shading.
 class RasterDevelopment {
   public:
-    /// Colours of a signed difference, sRGB from 0 to 1: the other is darker, equal, brighter; linear in between.
+    /// Colours of a signed difference, sRGB from 0 to 1: the other picture is darker, equal or brighter; linear in
+    /// between.
     static constexpr Rgb k_darker{0.13f, 0.40f, 0.67f}, k_equal{0.93f, 0.93f, 0.93f}, k_brighter{0.70f, 0.09f, 0.17f};
 
     static Result<RasterDevelopment> make(Dialect dialect);
-    /// Displays a target of floats in the current framebuffer of the same size, like `shown`.
+    /// Displays a target of floats in the current framebuffer, which must have the same size, like `shown`.
     void draw(const RasterTarget& radiance, float exposure) const { draw(radiance, radiance, exposure, 0, false); }
     /// Displays exposure (other − reference) of the luminances, or ΔE_ITP / 100 of the displayed colours (from
-    /// `k_equal` to `k_brighter`); `full_scale` > 0 has the full colour.
+    /// `k_equal` to `k_brighter`). `full_scale` > 0 is the difference with the full colour.
     void draw_difference(const RasterTarget& reference, const RasterTarget& other, float exposure, float full_scale,
                          bool in_delta_e = false) const {
         draw(reference, other, exposure, full_scale, in_delta_e);
@@ -216,11 +220,12 @@ class RasterDevelopment {
     GlObject program_, no_array_;
 };
 
-/// Pictures of the scene with each material: linear radiance and coverage, as from other renderers. Errors: as above.
+/// Pictures of the scene with each material: linear radiance and coverage, as from other renderers. Errors: as
+/// above.
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
                                          int samples = 4);
 
-/// A material and what the light that it reflects is drawn from.
+/// A material, and the proposal from which its light is sampled.
 struct SampledMaterial {
     Material material;
     Proposals proposal;
@@ -229,12 +234,12 @@ struct EnvironmentOptions {
     int width = 640, height = 480;
     int samples = 64;  ///< per pixel, at least 1
     LightDraws draws = LightDraws::both;
-    /// Called regularly with the completed share, 0..1.
+    /// Called regularly with the completed fraction, 0..1.
     std::function<void(double)> progress;
 };
-/// Draws the scene under an environment, which is seen around the scene as `environment_frame` has it, and the scene's lights.
-/// All light reaches every point of a surface, and is reflected once: pictures tend to those of `render_paths` without
-/// occlusion and ground. Further errors: an environment larger than the library's textures.
+/// Draws the scene under an environment, oriented by `environment_frame`, and the scene's lights. All light reaches
+/// every point of a surface and is reflected once: pictures converge to those of `render_paths` without occlusion
+/// and ground. Further errors: an environment larger than the library's textures.
 Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& environment,
                                          std::span<const SampledMaterial> materials, const EnvironmentOptions& options);
 

@@ -11,7 +11,7 @@
 namespace srbf {
 namespace {
 
-/// A texture of `levels` mip levels, to be filled.
+/// A texture with `levels` mip levels, still without texels.
 GlObject new_mip_texture(int levels) {
     GlObject texture = new_texture(GL_TEXTURE_2D, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
@@ -22,15 +22,15 @@ GlObject new_mip_texture(int levels) {
 
 }  // namespace
 
-Result<RasterEnvironment> RasterEnvironment::make(const Environment& of) {
-    const Image& texels = of.texels();
+Result<RasterEnvironment> RasterEnvironment::make(const Environment& source) {
+    const Image& texels = source.texels();
     const auto fits = check_gl_size("texels of an environment along a side",
                                     std::uint64_t(std::max(texels.width, texels.height)) + 1, GL_MAX_TEXTURE_SIZE);
     if (!fits) return fits.error();
     RasterEnvironment environment;
-    float most = 0;
-    for (const Rgb& texel : texels.pixels) most = std::max({most, texel.r, texel.g, texel.b});
-    environment.scale_ = std::max(1.f, most / k_half_max);
+    float maximum = 0;
+    for (const Rgb& texel : texels.pixels) maximum = std::max({maximum, texel.r, texel.g, texel.b});
+    environment.scale_ = std::max(1.f, maximum / k_half_max);
     const int levels = std::bit_width(unsigned(std::max(texels.width, texels.height)));
     environment.radiance_ = new_mip_texture(levels);
     Image level = texels;
@@ -46,8 +46,8 @@ Result<RasterEnvironment> RasterEnvironment::make(const Environment& of) {
         glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, width, height, 0, GL_RED, GL_FLOAT, numbers.data());
         return texture;
     };
-    environment.columns_ = sums(of.columns(), texels.width + 1, texels.height);
-    environment.rows_ = sums(of.rows(), texels.height + 1, 1);
+    environment.columns_ = sums(source.columns(), texels.width + 1, texels.height);
+    environment.rows_ = sums(source.rows(), texels.height + 1, 1);
     if (glGetError() == GL_OUT_OF_MEMORY)
         return gl_error("environment", "memory of the graphics library",
                         fmt::format("{} x {} texels", texels.width, texels.height));

@@ -10,8 +10,8 @@
 namespace srbf {
 namespace {
 
-/// True if a material's numbers fit the limits of the library; those without a check are few.
-template <typename Few> Result<Done> check_limits(const Few&) { return Done{}; }
+/// Errors: a material's numbers exceed the limits of the library. Materials without an overload have few numbers.
+template <typename Other> Result<Done> check_limits(const Other&) { return Done{}; }
 Result<Done> check_limits(const BsdfTables& tables) {
     const auto [h, d, p] = size_of(tables);
     return check_gl_size("nodes of a table along an axis", std::max({std::size_t(d), std::size_t(p), k_parts * h}),
@@ -48,16 +48,16 @@ void RasterMaterial::load(const BsdfTables& tables) {
 void RasterMaterial::load_table(std::array<std::uint32_t, 3> size, std::vector<Float4> texels) {
     const auto [h, d, p] = size;
     // Linear interpolation of 32-bit floats is an extension in OpenGL ES.
-    const bool is_fine = epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_OES_texture_float_linear");
-    if (!is_fine)
+    const bool has_float_filter = epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_OES_texture_float_linear");
+    if (!has_float_filter)
         for (Float4& texel : texels)
             for (float& x : texel) x = std::min(x, k_half_max);
     Texture texture{new_texture(GL_TEXTURE_3D, GL_LINEAR), GL_TEXTURE_3D};
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_WRAP_S, GL_REPEAT);
-    glTexImage3D(GL_TEXTURE_3D, 0, is_fine ? GL_RGBA32F : GL_RGBA16F, GLsizei(p), GLsizei(d), GLsizei(h), 0, GL_RGBA,
-                 GL_FLOAT, texels.data());
+    glTexImage3D(GL_TEXTURE_3D, 0, has_float_filter ? GL_RGBA32F : GL_RGBA16F, GLsizei(p), GLsizei(d), GLsizei(h), 0,
+                 GL_RGBA, GL_FLOAT, texels.data());
     add_texture("merl_table", std::move(texture));
-    data_bytes_ = texels.size() * (is_fine ? 16 : 8);
+    data_bytes_ = texels.size() * (has_float_filter ? 16 : 8);
 }
 
 void RasterMaterial::load(const PmModel& model) {
@@ -98,16 +98,16 @@ void RasterMaterial::load(const SuModel& model) {
 }
 
 Result<RasterMaterial> RasterMaterial::make(const Material& material, const ShaderOptions& options) {
-    const auto fits = std::visit([](const auto& of) { return check_limits(of); }, material);
+    const auto fits = std::visit([](const auto& content) { return check_limits(content); }, material);
     if (!fits) return fits.error();
     auto program = new_program(shader_text(material, options));
     if (!program) return program.error();
-    RasterMaterial made(*std::move(program));
-    made.no_array_ = new_array();
-    made.is_open_ = options.open;
-    glUseProgram(made.program_.id());
-    std::visit([&](const auto& of) { made.load(of); }, material);
-    return made;
+    RasterMaterial result(*std::move(program));
+    result.no_array_ = new_array();
+    result.is_open_ = options.open;
+    glUseProgram(result.program_.id());
+    std::visit([&](const auto& content) { result.load(content); }, material);
+    return result;
 }
 
 void RasterMaterial::update(const PmModel& model) {
@@ -158,7 +158,7 @@ void RasterMaterial::draw_whole(std::initializer_list<std::pair<const char*, con
 
 void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view) const {
     use(view);
-    // The triangle lies at the far plane: the surface is where the depth is less.
+    // The triangle lies at the far plane; the surface is where the depth is less.
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
     draw_whole({{"surface_positions", &surface.positions_}, {"surface_normals", &surface.normals_}});
@@ -178,14 +178,14 @@ void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view, 
                           const RasterTarget& before, int index) const {
     use(view);
     const auto place = [&](const char* uniform) { return glGetUniformLocation(program_.id(), uniform); };
-    const auto set_axes = [&](const char* uniform, Vec3d x, Vec3d y, Vec3d z, bool in_rows) {
+    const auto set_axes = [&](const char* uniform, Vec3d x, Vec3d y, Vec3d z, bool is_transposed) {
         const std::array<Vec3f, 3> vectors{to_float(x), to_float(y), to_float(z)};
         std::array<float, 9> columns;
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t k = 0; k < 3; ++k) {
-                const Vec3f& w = vectors[in_rows ? k : i];
-                const std::size_t of = in_rows ? i : k;
-                columns[3 * i + k] = of == 0 ? w.x : of == 1 ? w.y : w.z;
+                const Vec3f& w = vectors[is_transposed ? k : i];
+                const std::size_t component = is_transposed ? i : k;
+                columns[3 * i + k] = component == 0 ? w.x : component == 1 ? w.y : w.z;
             }
         glUniformMatrix3fv(place(uniform), 1, GL_FALSE, columns.data());
     };

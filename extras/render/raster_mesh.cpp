@@ -24,7 +24,7 @@ std::array<float, 16> to_clip(const RasterView& view, const Bounds& box) {
     near = std::max(near * 0.99, far * 1e-4);
     const double half = std::tan(camera.fov / 2);
     const double scale_z = (near + far) / (near - far), shift_z = 2 * near * far / (near - far);
-    // Rows of the matrix times (p − eye): x, y, z' and −z.
+    // Rows of the matrix, to be multiplied by (p − eye): x, y, z' and −z.
     const std::array<Vec3d, 4> rows{1 / (half * view.aspect) * axes.x + 2 * view.shift[0] * axes.z,
                                     1 / half * axes.y + 2 * view.shift[1] * axes.z, scale_z * axes.z, -1.0 * axes.z};
     std::array<float, 16> columns{};

@@ -33,9 +33,9 @@ GlObject framebuffer(const GlObject& colour, bool is_texture, const GlObject* de
 }
 
 Result<Done> check_picture(int width, int height, bool floats) {
-    const int most = gl_integer(GL_MAX_RENDERBUFFER_SIZE);
-    if (std::max(width, height) > most)
-        return gl_error("picture", fmt::format("at most {} pixels along a side here", most),
+    const int max_size = gl_integer(GL_MAX_RENDERBUFFER_SIZE);
+    if (std::max(width, height) > max_size)
+        return gl_error("picture", fmt::format("at most {} pixels along a side here", max_size),
                         fmt::format("{} x {}", width, height));
     if (floats && !epoxy_is_desktop_gl() && !epoxy_has_gl_extension("GL_EXT_color_buffer_float"))
         return gl_error("pictures of floats", "GL_EXT_color_buffer_float", "OpenGL ES without it");
@@ -60,11 +60,11 @@ std::vector<Float4> read_colour(GLenum colour, int columns, int rows) {
     return pixels;
 }
 
-int most_samples(GLenum format) {
-    GLint count = 0, most = 1;
+int max_samples(GLenum format) {
+    GLint count = 0, samples = 1;
     glGetInternalformativ(GL_RENDERBUFFER, format, GL_NUM_SAMPLE_COUNTS, 1, &count);
-    if (count > 0) glGetInternalformativ(GL_RENDERBUFFER, format, GL_SAMPLES, 1, &most);
-    return most;
+    if (count > 0) glGetInternalformativ(GL_RENDERBUFFER, format, GL_SAMPLES, 1, &samples);
+    return samples;
 }
 
 }  // namespace
@@ -82,23 +82,23 @@ Result<RasterTarget> RasterTarget::make_for(const RasterSurface& surface, Format
 Result<RasterTarget> RasterTarget::make(int width, int height, int samples, Format format) {
     assert(width >= 1 && height >= 1 && samples >= 1);
     if (auto fits = check_picture(width, height, format == Format::floats); !fits) return fits.error();
-    GLenum of_pixel = GL_RGBA8;
-    if (format == Format::floats) of_pixel = most_samples(GL_RGBA32F) >= samples ? GL_RGBA32F : GL_RGBA16F;
+    GLenum pixel_format = GL_RGBA8;
+    if (format == Format::floats) pixel_format = max_samples(GL_RGBA32F) >= samples ? GL_RGBA32F : GL_RGBA16F;
 
     RasterTarget target;
     target.width_ = width, target.height_ = height, target.format_ = format;
-    target.samples_ = std::clamp(most_samples(of_pixel), 1, samples);
+    target.samples_ = std::clamp(max_samples(pixel_format), 1, samples);
     const bool is_texture = target.samples_ == 1;
     if (is_texture) {
         target.colour_ = new_texture(GL_TEXTURE_2D, GL_LINEAR);
-        glTexImage2D(GL_TEXTURE_2D, 0, GLint(of_pixel), width, height, 0, GL_RGBA,
+        glTexImage2D(GL_TEXTURE_2D, 0, GLint(pixel_format), width, height, 0, GL_RGBA,
                      format == Format::floats ? GL_FLOAT : GL_UNSIGNED_BYTE, nullptr);
     } else {
-        target.colour_ = renderbuffer(of_pixel, width, height, target.samples_);
+        target.colour_ = renderbuffer(pixel_format, width, height, target.samples_);
     }
     target.depth_ = renderbuffer(GL_DEPTH_COMPONENT24, width, height, target.samples_);
     if (target.samples_ > 1) {
-        target.resolved_colour_ = renderbuffer(of_pixel, width, height, 1);
+        target.resolved_colour_ = renderbuffer(pixel_format, width, height, 1);
         target.resolved_ = framebuffer(target.resolved_colour_, false, nullptr);
     }
     target.framebuffer_ = framebuffer(target.colour_, is_texture, &target.depth_);
@@ -197,7 +197,7 @@ void RasterSurface::draw(const RasterMesh& mesh, const RasterView& view) const {
     glUseProgram(program_.id());
     RasterView shifted = view;
     const std::array<int, 2> size{width_, height_};
-    // The shift of all points: that point lies in the lower or the upper half of its pixel.
+    // The shift of all points together: the point of the view lies in the lower or the upper half of its pixel.
     for (std::size_t axis = 0; axis < 2 && along_ == 2; ++axis)
         shifted.shift[axis] -= (view.shift[axis] < 0 ? -0.25 : 0.25) / size[axis];
     mesh.draw(program_, shifted);

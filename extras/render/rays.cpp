@@ -47,48 +47,49 @@ void occlude(RTCScene scene, RTCRay& ray) {
 
 namespace {
 
-/// Embree returns null where memory does not suffice.
-template <typename T> T* made(T* of) {
-    if (of == nullptr) throw std::bad_alloc();
-    return of;
+/// Embree returns null if memory does not suffice.
+template <typename T> T* require_memory(T* object) {
+    if (object == nullptr) throw std::bad_alloc();
+    return object;
 }
 
 }  // namespace
 
 Rays::Rays(const std::vector<const Mesh*>& meshes) {
-    device_ = {made(rtcNewDevice("set_affinity=0")),  // with its option `threads` Embree limits all of the process
-               [](void* device) { rtcReleaseDevice(static_cast<RTCDevice>(device)); }};
+    device_ = {
+        require_memory(rtcNewDevice("set_affinity=0")),  // its option `threads` would limit Embree in the whole process
+        [](void* device) { rtcReleaseDevice(static_cast<RTCDevice>(device)); }};
     const auto device = static_cast<RTCDevice>(device_.get());
-    scene_ = {made(rtcNewScene(device)), [](void* scene) { rtcReleaseScene(static_cast<RTCScene>(scene)); }};
+    scene_ = {require_memory(rtcNewScene(device)), [](void* scene) { rtcReleaseScene(static_cast<RTCScene>(scene)); }};
     rtcSetSceneFlags(scene_of(scene_), RTC_SCENE_FLAG_ROBUST);
     for (unsigned i = 0; i < meshes.size(); ++i) {
         const Mesh& mesh = *meshes[i];
-        const RTCGeometry geometry = made(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
-        // Embree reads 16 bytes for a vertex of 12, so the vertices are copied into its own padded buffer.
-        auto* vertices = static_cast<Vec3f*>(made(rtcSetNewGeometryBuffer(
+        const RTCGeometry geometry = require_memory(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
+        // Embree reads 16 bytes for a vertex of 12, so that vertices are copied into its own padded buffer.
+        auto* vertices = static_cast<Vec3f*>(require_memory(rtcSetNewGeometryBuffer(
             geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), mesh.positions.size())));
         std::copy(mesh.positions.begin(), mesh.positions.end(), vertices);
-        auto* triangles = static_cast<Triangle*>(made(rtcSetNewGeometryBuffer(
+        auto* triangles = static_cast<Triangle*>(require_memory(rtcSetNewGeometryBuffer(
             geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), mesh.triangles.size())));
         std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles);
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(scene_of(scene_), geometry, i);
         rtcReleaseGeometry(geometry);
     }
-    // On one thread the tree of such a mesh is built quickly and independently of the machine.
+    // On one thread, the tree of such a mesh is built quickly and independently of the machine.
     on_threads(1, [&] { rtcCommitScene(scene_of(scene_)); });
     if (rtcGetDeviceError(device) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
 }
 
 std::optional<Hit> Rays::closest(Vec3f origin, Vec3f direction) const {
-    RTCRayHit found{};
-    found.ray = ray_of(origin, direction, std::numeric_limits<float>::infinity());
-    found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    intersect(scene_of(scene_), found);
-    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    return Hit{found.ray.tfar, found.hit.geomID, found.hit.primID,
-               found.hit.u,    found.hit.v,      normalize(Vec3f(found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z))};
+    RTCRayHit query{};
+    query.ray = ray_of(origin, direction, std::numeric_limits<float>::infinity());
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    intersect(scene_of(scene_), query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+    return Hit{query.ray.tfar, query.hit.geomID, query.hit.primID,
+               query.hit.u,    query.hit.v,      normalize(Vec3f(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z))};
 }
 
 bool Rays::occluded(Vec3f origin, Vec3f direction, float distance) const {

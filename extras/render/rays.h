@@ -17,7 +17,7 @@ struct Hit {
     Vec3f geometric_normal;  ///< unit normal of the triangle, on its counter-clockwise side
 };
 
-/// Meshes for ray intersection. Keeps references to them; they must outlive it.
+/// Meshes for ray intersection. Keeps references to them; they must outlive this object.
 class Rays {
   public:
     explicit Rays(const std::vector<const Mesh*>& meshes);

@@ -3,7 +3,7 @@
 namespace srbf {
 namespace {
 
-/// A rectangle from corner to corner + s + t, its front to s × t.
+/// A rectangle with the corners `corner`, + s, + s + t and + t; its front faces s × t.
 void add_rectangle(Mesh& mesh, Vec3f corner, Vec3f s, Vec3f t) {
     const auto first = std::uint32_t(mesh.positions.size());
     const Vec3f n = normalize(cross(s, t));
@@ -29,8 +29,8 @@ Room room() {
     add_rectangle(walls, {-x, 0, -k_depth}, {0, k_height, 0}, {0, 0, k_depth});        // left
     add_rectangle(walls, {x, 0, -k_depth}, {0, 0, k_depth}, {0, k_height, 0});         // right
     add_rectangle(walls, {-x, 0, -k_depth}, {k_width, 0, 0}, {0, k_height, 0});        // far from the shade
-    const auto front = [&](float from, float bottom, float to, float top) {
-        add_rectangle(walls, {from, bottom, 0}, {0, top - bottom, 0}, {to - from, 0, 0});
+    const auto front = [&](float left, float bottom, float right, float top) {
+        add_rectangle(walls, {left, bottom, 0}, {0, top - bottom, 0}, {right - left, 0, 0});
     };
     front(-x, 0, x, k_sill), front(-x, k_top, x, k_height);
     front(-x, k_sill, k_left, k_top), front(k_right, k_sill, x, k_top);

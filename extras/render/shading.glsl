@@ -1,5 +1,5 @@
-// From a point of a surface to the colour of a pixel, in the common subset of GLSL and C++ like kernel.glsl. The host
-// also defines pow, normalize, cross and dot.
+// From a point of a surface to the colour of a pixel, in the common subset of GLSL and C++ like kernel.glsl. The
+// host must also define pow, normalize, cross and dot.
 
 // ---- To the screen -----------------------------------------------------------------------------------------------
 
@@ -33,9 +33,9 @@ SRBF_FN Real srgb_transfer(Real x) {
 // The least cosine between a shading normal and the direction to the viewer: 89.4 degrees.
 #define SRBF_LEAST_COSINE 0.01
 
-// The unit vector of an interpolated normal of any length but 0, visible to the viewer at wv. A normal that points away
-// from the viewer, as happens along the silhouette of a mesh, is first moved towards wv so that the cosine is
-// SRBF_LEAST_COSINE.
+// The unit vector of an interpolated normal of any length except 0, made visible to the viewer at wv. A normal that
+// points away from the viewer, as happens along the silhouette of a mesh, is first moved towards wv until the
+// cosine is SRBF_LEAST_COSINE.
 SRBF_FN Vec3 visible_normal(Vec3 interpolated, Vec3 wv) {
     Vec3 n = normalize(interpolated);
     return normalize(n + max(Real(SRBF_LEAST_COSINE) - dot(n, wv), Real(0.0)) * wv);
@@ -47,8 +47,8 @@ struct SurfaceFrame {
     Vec3 normal;
 };
 
-// The frame about a unit normal n: t = (n_z, 0, -n_x) / sqrt(n_x^2 + n_z^2) along the circle of latitude about y, n x
-// t, n. At the poles t = (1, 0, 0).
+// The frame around a unit normal n: t = (n_z, 0, -n_x) / sqrt(n_x^2 + n_z^2) along the circle of latitude around y,
+// n x t, n. At the poles t = (1, 0, 0).
 SRBF_FN SurfaceFrame surface_frame_about(Vec3 n) {
     SurfaceFrame frame;
     Real squared = n.x * n.x + n.z * n.z;

@@ -19,16 +19,17 @@ constexpr int k_tick = 30;  // degrees
 /// The frame of the plot within the drawing.
 constexpr double k_width = 360, k_height = 250, k_left = 40, k_right = 344, k_top = 36, k_bottom = 210;
 
-/// The angles of one side about its normal at `normal` [degrees], with the mirror direction, or that straight through, at `peak`.
+/// Adds the angles of one side around its normal at `normal` [degrees], with the mirror direction, or the straight
+/// direction of transmission, at `peak`.
 void add_angles(std::vector<double>& degrees, double normal, double peak) {
     const auto first = std::ptrdiff_t(degrees.size());
-    for (double at = -89; at <= 89; at += 0.5) degrees.push_back(normal + at);
+    for (double angle = -89; angle <= 89; angle += 0.5) degrees.push_back(normal + angle);
     for (int i = -40; i <= 40; ++i) degrees.push_back(std::clamp(peak + 0.1 * i, normal - 89.0, normal + 89.0));
     std::sort(degrees.begin() + first, degrees.end());
 }
 
-/// The points of a curve as a path: interrupted where `y` is not finite, without points that nearly coincide with the
-/// previous one.
+/// The points of a curve as a path. It is interrupted where `y` is not finite, and omits points that nearly
+/// coincide with the previous one.
 struct Outline {
     std::string path;
     double x = 0, y = 0;
@@ -43,15 +44,15 @@ struct Outline {
         x = to_x, y = to_y, is_drawing = true;
     }
 };
-std::string drawn(const SliceCurve& curve, const Outline& outline, bool is_first) {
+std::string curve_path(const SliceCurve& curve, const Outline& outline, bool is_first) {
     return fmt::format("<path class='curve' style='stroke:{}' stroke-width='{}' d='{}'><title>{}</title></path>",
                        curve.colour, is_first ? 3 : 1.5, outline.path, html_escaped(curve.name));
 }
 
-/// "0.52", "1100".
+/// x with two significant digits: "0.52", "1100".
 std::string two_digits(double x) { return fmt::format("{:g}", std::strtod(fmt::format("{:.2g}", x).c_str(), nullptr)); }
 
-/// The powers of ten about positive values, at most `decades` of them.
+/// The powers of ten around positive values, at most `decades` of them.
 struct Decades {
     int lowest = -1, highest = 0;
     Decades(double least, double most, int decades) {
@@ -59,8 +60,8 @@ struct Decades {
         highest = std::max(int(std::ceil(std::log10(most))), int(std::floor(std::log10(least))) + 1);
         lowest = std::max(int(std::floor(std::log10(least))), highest - decades);
     }
-    /// 0 at the lowest, 1 at the highest; NaN is kept.
-    double share(double value) const {
+    /// The position on the scale: 0 at the lowest power, 1 at the highest; NaN is kept.
+    double position(double value) const {
         return std::isnan(value) ? value : (std::log10(std::max(value, 1e-300)) - lowest) / (highest - lowest);
     }
 };
@@ -70,10 +71,10 @@ struct DecadePlot {
     Decades decades;
     double left, right;  ///< [degrees]
 
-    double x_of(double at) const { return k_left + (at - left) / (right - left) * (k_right - k_left); }
+    double x_of(double degrees) const { return k_left + (degrees - left) / (right - left) * (k_right - k_left); }
     double y_of(double value) const {
-        const double share = decades.share(value);
-        return std::isnan(share) ? share : k_bottom - std::clamp(share, 0.0, 1.0) * (k_bottom - k_top);
+        const double position = decades.position(value);
+        return std::isnan(position) ? position : k_bottom - std::clamp(position, 0.0, 1.0) * (k_bottom - k_top);
     }
     /// The opening of the drawing, its heading, and a line for each power of ten.
     std::string begin(const std::string& label, const std::string& heading) const {
@@ -86,43 +87,44 @@ struct DecadePlot {
         }
         return svg;
     }
-    std::string tick(double at, const std::string& name) const {
-        return svg_line("grid", x_of(at), k_bottom, x_of(at), k_bottom + 4) +
-               svg_text(x_of(at), k_bottom + 16, "middle", name);
+    std::string tick(double degrees, const std::string& name) const {
+        return svg_line("grid", x_of(degrees), k_bottom, x_of(degrees), k_bottom + 4) +
+               svg_text(x_of(degrees), k_bottom + 16, "middle", name);
     }
     std::string caption(const std::string& text) const {
         return svg_text((k_left + k_right) / 2, k_height - 8, "middle", text);
     }
-    /// A slice, whose degrees are those of the plot plus `shift`.
-    std::string drawn(const SliceCurve& curve, const LuminanceSlice& slice, double shift, bool is_first) const {
+    /// The curve of a slice whose angles are those of the plot plus `shift`.
+    std::string curve_path(const SliceCurve& curve, const LuminanceSlice& slice, double shift, bool is_first) const {
         Outline outline;
         for (std::size_t i = 0; i < slice.degrees.size(); ++i)
             outline.add(x_of(slice.degrees[i] - shift), y_of(slice.luminance[i]), 0);
-        return srbf::drawn(curve, outline, is_first);
+        return srbf::curve_path(curve, outline, is_first);
     }
 };
 
 }  // namespace
 
 LuminanceSlice luminance_slice(const Evaluate& brdf, double theta_l, bool both_sides) {
-    // The light is at −light; its mirror direction and that straight through are on its side and across.
-    const double light = theta_l / k_degree, of_front = light <= 90 ? light : 180 - light;
-    LuminanceSlice of;
-    add_angles(of.degrees, 0, of_front);
-    const auto front = std::ptrdiff_t(of.degrees.size());
-    if (both_sides) add_angles(of.degrees, 180, 180 - of_front);
-    const std::vector<Vec3f> wl(of.degrees.size(), {float(std::sin(theta_l)), 0, float(std::cos(theta_l))});
+    // The light is at −light. `mirror` is its mirror direction, or the straight direction of transmission, from the
+    // nearer normal.
+    const double light = theta_l / k_degree, mirror = light <= 90 ? light : 180 - light;
+    LuminanceSlice slice;
+    add_angles(slice.degrees, 0, mirror);
+    const auto front = std::ptrdiff_t(slice.degrees.size());
+    if (both_sides) add_angles(slice.degrees, 180, 180 - mirror);
+    const std::vector<Vec3f> wl(slice.degrees.size(), {float(std::sin(theta_l)), 0, float(std::cos(theta_l))});
     std::vector<Vec3f> wv;
-    for (const double at : of.degrees)
-        wv.push_back({float(-std::sin(at * k_degree)), 0, float(std::cos(at * k_degree))});
+    for (const double angle : slice.degrees)
+        wv.push_back({float(-std::sin(angle * k_degree)), 0, float(std::cos(angle * k_degree))});
     std::vector<Rgb> f(wv.size());
     brdf(wl, wv, f);
-    for (const Rgb& value : f) of.luminance.push_back(luminance(value));
+    for (const Rgb& value : f) slice.luminance.push_back(luminance(value));
     if (both_sides) {  // a gap between the sides
-        of.degrees.insert(of.degrees.begin() + front, 90);
-        of.luminance.insert(of.luminance.begin() + front, std::numeric_limits<double>::quiet_NaN());
+        slice.degrees.insert(slice.degrees.begin() + front, 90);
+        slice.luminance.insert(slice.luminance.begin() + front, std::numeric_limits<double>::quiet_NaN());
     }
-    return of;
+    return slice;
 }
 
 std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
@@ -135,10 +137,11 @@ std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
             if (y > 0 && std::isfinite(y)) most = std::max(most, y), least = std::min(least, y);
     }
     const DecadePlot plot{Decades(least, most, k_slice_decades), -90, 90};
-    const auto x_of = [&](double at) { return plot.x_of(at); };
+    const auto x_of = [&](double degrees) { return plot.x_of(degrees); };
     std::string svg = plot.begin(fmt::format("Reflectance for light at {:g}° from the normal", light),
                                  fmt::format("light at {:g}°", light));
-    for (int at = -90; at <= 90; at += k_tick) svg += plot.tick(at, fmt::format("{}°", std::abs(at)));
+    for (int degrees = -90; degrees <= 90; degrees += k_tick)
+        svg += plot.tick(degrees, fmt::format("{}°", std::abs(degrees)));
     svg += svg_line("axis", x_of(0), k_top, x_of(0), k_bottom);
     if (light > 0) {
         svg += svg_line("mark", x_of(light), k_top, x_of(light), k_bottom) +
@@ -147,7 +150,7 @@ std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
             svg_text(x_of(-light), k_top - 4, "middle", "light") + svg_text(x_of(light), k_top - 4, "middle", "mirror");
     }
     svg += plot.caption("seen from this angle; light comes from the left");
-    for (std::size_t c = 0; c < curves.size(); ++c) svg += plot.drawn(curves[c], slices[c], 0, c == 0);
+    for (std::size_t c = 0; c < curves.size(); ++c) svg += plot.curve_path(curves[c], slices[c], 0, c == 0);
     return svg + "</svg>\n";
 }
 
@@ -161,7 +164,7 @@ std::vector<Scan> scans_in_plane(const ScatteredSamples& samples) {
     for (std::size_t i = 0; i < samples.wl.size(); ++i) {
         const Vec3f wl = samples.wl[i], wv = samples.wv[i];
         if (!is_in_plane(wl, wv)) continue;
-        // The normal has no mirror's side: that of +x.
+        // At normal incidence there is no mirror side; the side of +x is used.
         const float along = std::hypot(wl.x, wl.y) > 1e-4f ? -(wl.x * wv.x + wl.y * wv.y) : wv.x;
         const double side = along < 0 ? -1 : 1;
         const auto theta = [](Vec3f w) { return std::atan2(std::hypot(w.x, w.y), w.z) / float(k_degree); };
@@ -183,13 +186,13 @@ std::string scan_drawing(const Scan& scan, std::span<const SliceCurve> models) {
     double most = 0, least = std::numeric_limits<double>::infinity();
     for (const double y : scan.luminance)
         if (y > 0 && std::isfinite(y)) most = std::max(most, y), least = std::min(least, y);
-    const double around = std::pow(10.0, k_around);
-    const DecadePlot plot{Decades(least / around, most * around, k_most_decades), -90 - scan.theta_l,
+    const double margin = std::pow(10.0, k_around);
+    const DecadePlot plot{Decades(least / margin, most * margin, k_most_decades), -90 - scan.theta_l,
                           90 - scan.theta_l};
     std::string svg = plot.begin(fmt::format("Scan of f for light at {:.3g}° from the normal", scan.theta_l),
                                  fmt::format("light at {:.3g}°", scan.theta_l));
-    for (int at = int(std::ceil(plot.left / k_tick)) * k_tick; at <= plot.right; at += k_tick)
-        svg += plot.tick(at, fmt::format("{}°", at));
+    for (int degrees = int(std::ceil(plot.left / k_tick)) * k_tick; degrees <= plot.right; degrees += k_tick)
+        svg += plot.tick(degrees, fmt::format("{}°", degrees));
     svg += svg_line("axis", plot.x_of(0), k_top, plot.x_of(0), k_bottom);
     svg += plot.caption("angle from the mirror direction; f in 1/sr");
     for (std::size_t i = 0; i < scan.degrees.size(); ++i)
@@ -197,31 +200,31 @@ std::string scan_drawing(const Scan& scan, std::span<const SliceCurve> models) {
             svg += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='1.6' style='fill:var(--measured)'/>",
                                plot.x_of(scan.degrees[i] - scan.theta_l), plot.y_of(scan.luminance[i]));
     for (const SliceCurve& model : models)
-        svg += plot.drawn(model, luminance_slice(model.brdf, scan.theta_l * k_degree), scan.theta_l, false);
+        svg += plot.curve_path(model, luminance_slice(model.brdf, scan.theta_l * k_degree), scan.theta_l, false);
     return svg + "</svg>\n";
 }
 
 std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, LobeScale scale) {
-    constexpr double radius = 140, x0 = 180, outside = 1.04, least_step = 1.5, counted = 85;
-    const bool whole = std::ranges::any_of(curves, &SliceCurve::both_sides);
-    const double y0 = whole ? 186 : 190, height = whole ? 366 : 218;
+    constexpr double radius = 140, x0 = 180, outside = 1.04, least_step = 1.5, counted_theta = 85;
+    const bool is_circle = std::ranges::any_of(curves, &SliceCurve::both_sides);
+    const double y0 = is_circle ? 186 : 190, height = is_circle ? 366 : 218;
     const double light = theta_l / k_degree;
     std::vector<LuminanceSlice> slices;
     for (const SliceCurve& curve : curves) slices.push_back(luminance_slice(curve.brdf, theta_l, curve.both_sides));
     double most = 0, least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < slices[0].degrees.size(); ++i)
         if (const double y = slices[0].luminance[i];
-            std::abs(std::cos(slices[0].degrees[i] * k_degree)) >= std::cos(counted * k_degree) && y > 0)
+            std::abs(std::cos(slices[0].degrees[i] * k_degree)) >= std::cos(counted_theta * k_degree) && y > 0)
             most = std::max(most, y), least = std::min(least, y);
     if (most == 0) most = least = 1;
     // Logarithms from the centre to the outermost ring, which is the largest value.
     const double highest = std::log10(most),
-                 // With front and back the smallest value is still a visible lobe.
-        lowest = std::max(std::min(std::log10(least), highest - 1) - (whole ? 1 : 0), highest - k_lobe_decades);
+                 // With front and back, the smallest value is still a visible lobe.
+        lowest = std::max(std::min(std::log10(least), highest - 1) - (is_circle ? 1 : 0), highest - k_lobe_decades);
     const bool is_linear = scale == LobeScale::linear;
     const auto r_of = [&](double y) {
-        const double share = is_linear ? y / most : (std::log10(std::max(y, 1e-300)) - lowest) / (highest - lowest);
-        return radius * std::max(share, 0.0);
+        const double position = is_linear ? y / most : (std::log10(std::max(y, 1e-300)) - lowest) / (highest - lowest);
+        return radius * std::max(position, 0.0);
     };
     const auto x_of = [&](double r, double degrees) { return x0 + r * std::sin(degrees * k_degree); };
     const auto y_of = [&](double r, double degrees) { return y0 - r * std::cos(degrees * k_degree); };
@@ -234,11 +237,11 @@ std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, Lob
         4, 14, "start",
         fmt::format("<tspan font-weight='bold'>light at {:g}°{}</tspan>, {}", light <= 90 ? light : 180 - light,
                     light <= 90 ? "" : " behind", is_linear ? "linear" : "every ring ten times the one within"));
-    std::string labels;  // over the curves
+    std::string labels;  // drawn over the curves
     const auto ring = [&](double r, const std::string& label) {
         svg += fmt::format("<path class='grid' fill='none' d='M{:.1f} {}A{:.1f} {:.1f} 0 0 1 {:.1f} {}'/>", x0 - r, y0,
                            r, r, x0 + r, y0);
-        if (whole)
+        if (is_circle)
             svg += fmt::format("<path class='grid' fill='none' d='M{:.1f} {}A{:.1f} {:.1f} 0 0 0 {:.1f} {}'/>", x0 - r,
                                y0, r, r, x0 + r, y0);
         labels += svg_text(x0 + r, y0 + 13, "middle", label);
@@ -249,19 +252,20 @@ std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, Lob
         for (int exponent = int(std::floor(lowest)) + 1; exponent <= highest; ++exponent)
             ring(r_of(std::pow(10.0, exponent)), power_of_ten(exponent));
     svg += svg_line("axis", x0 - radius, y0, x0 + radius, y0) +
-           svg_line("axis", x0, whole ? y0 + radius : y0, x0, y0 - radius);
-    if (whole) labels += svg_text(4, y0 - 6, "start", "front") + svg_text(4, y0 + 13, "start", "back");
-    const double far = 1.1 * radius;
-    svg += svg_line("mark", x0, y0, x_of(far, -light), y_of(far, -light));
-    labels += svg_text(x_of(far, -light), y_of(far, -light) + (light <= 90 ? -3 : 11), "middle", "light");
+           svg_line("axis", x0, is_circle ? y0 + radius : y0, x0, y0 - radius);
+    if (is_circle) labels += svg_text(4, y0 - 6, "start", "front") + svg_text(4, y0 + 13, "start", "back");
+    const double light_radius = 1.1 * radius;
+    svg += svg_line("mark", x0, y0, x_of(light_radius, -light), y_of(light_radius, -light));
+    labels +=
+        svg_text(x_of(light_radius, -light), y_of(light_radius, -light) + (light <= 90 ? -3 : 11), "middle", "light");
     for (std::size_t c = 0; c < curves.size(); ++c) {
         Outline outline;
         for (std::size_t i = 0; i < slices[c].degrees.size(); ++i) {
-            const double y = slices[c].luminance[i], at = slices[c].degrees[i];
+            const double y = slices[c].luminance[i], angle = slices[c].degrees[i];
             const double r = std::isnan(y) ? y : std::min(r_of(y), outside * radius);
-            outline.add(x_of(r, at), y_of(r, at), least_step);
+            outline.add(x_of(r, angle), y_of(r, angle), least_step);
         }
-        svg += drawn(curves[c], outline, c == 0);
+        svg += curve_path(curves[c], outline, c == 0);
     }
     return svg + labels + "</svg>\n";
 }

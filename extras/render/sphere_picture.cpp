@@ -17,7 +17,7 @@ template <typename Visit> void for_each_normal(int x, int y, const SphereOptions
         for (int i = 0; i < options.samples; ++i) {
             const double u = (x + (i + 0.5) / options.samples - half) / radius;
             const double v = (half - y - (j + 0.5) / options.samples) / radius;
-            if (const double rest = 1 - u * u - v * v; rest > 0) visit(Vec3d{u, v, std::sqrt(rest)});
+            if (const double squared_z = 1 - u * u - v * v; squared_z > 0) visit(Vec3d{u, v, std::sqrt(squared_z)});
         }
 }
 
@@ -25,11 +25,11 @@ template <typename Visit> void for_each_normal(int x, int y, const SphereOptions
 struct LitPoints {
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f;
-    std::vector<Rgb> irradiance;  ///< max(0, n·l) E over the number of the pixel's points on the sphere
+    std::vector<Rgb> irradiance;  ///< max(0, n·l) E divided by the number of the pixel's points on the sphere
     std::vector<int> column;
 };
 
-/// Adds row y of the sphere to `image`, which is 0 there.
+/// Adds row y of the sphere to `image`, which must be 0 there.
 void render_row(const Evaluate& f, const SphereOptions& options, int y, Image& image) {
     LitPoints points;
     for (int x = 0; x < options.size; ++x) {
@@ -42,10 +42,10 @@ void render_row(const Evaluate& f, const SphereOptions& options, int y, Image& i
                 const double cosine = dot(n, light.towards);
                 if (cosine <= 0) continue;
                 const Rgb e = light.irradiance;
-                const float share = float(cosine / hits);
+                const float scale = float(cosine / hits);
                 points.wl.push_back(local(light.towards));
                 points.wv.push_back(local({0, 0, 1}));
-                points.irradiance.push_back({share * e.r, share * e.g, share * e.b});
+                points.irradiance.push_back({scale * e.r, scale * e.g, scale * e.b});
                 points.column.push_back(x);
             }
         });

@@ -1,5 +1,5 @@
-// Position and normal of the visible surface at a pixel, input of pixel.glsl in a second pass; the normal points to the
-// viewer, and its fourth number is 1 at the front, -1 at the back.
+// Position and normal of the visible surface at a pixel, as input of pixel.glsl in a second pass. The normal points
+// to the viewer; its fourth number is 1 at the front and -1 at the back.
 in vec3 surface_position;
 in vec3 surface_normal;
 layout(location = 0) out vec4 position;

@@ -26,19 +26,20 @@ std::string kind_of(const Subject& subject) {
 }  // namespace
 
 PageMaterial shown(const Subject& subject) {
-    PageMaterial of{stem_of(subject.path), kind_of(subject), {}, evaluator(subject), is_two_sided(subject.content), {}};
+    PageMaterial entry{
+        stem_of(subject.path), kind_of(subject), {}, evaluator(subject), is_two_sided(subject.content), {}};
     if (const auto* model = std::get_if<Model>(&subject.content)) {
-        of.material = material_of(*model);
-        of.parameters = rows_text(*model);
+        entry.material = material_of(*model);
+        entry.parameters = rows_text(*model);
         for (const auto& [key, text] : model->provenance)
-            of.parameters += fmt::format("  {:<36}{}\n", printable(key), printable(text));
+            entry.parameters += fmt::format("  {:<36}{}\n", printable(key), printable(text));
     }
-    return of;
+    return entry;
 }
 
 namespace {
 
-/// θmax of what is reported for all models: the minimum over the models [degrees].
+/// The θmax [degrees] that all models have in common: their minimum.
 double common_theta(const std::vector<Subject>& models) {
     double least = 90;
     for (const Subject& model : models)
@@ -46,28 +47,29 @@ double common_theta(const std::vector<Subject>& models) {
     return least < 90 ? least : 80;
 }
 
-/// The measurement of a reference, with its picture if it has one and the size of a table, of which the page's note tells.
+/// The material of the measurement, with its picture unless it is anisotropic. The page's note describes the loss
+/// of its table.
 PageMaterial measured_material(Page& page, const Subject& reference, const MeasureOptions& options) {
-    PageMaterial of = shown(reference);
-    of.name = "Measured";
+    PageMaterial entry = shown(reference);
+    entry.name = "Measured";
     if (!is_isotropic(std::get<Measured>(reference.content))) {
         page.picture_note =
             "The measurement depends on rotation about the normal and has no picture here; "
             "the plots are of one turn.";
-        return of;
+        return entry;
     }
     const Evaluate measured = evaluator(reference);
     const MerlTable table = table_of(measured, k_page_table);
-    const Evaluate drawn[] = {evaluator(table)}, in_both_orders = [&](auto wl, auto wv, auto f) {
-        std::vector<Rgb> exchanged(f.size());
-        measured(wl, wv, f), measured(wv, wl, exchanged);
+    const Evaluate pictured[] = {evaluator(table)}, symmetrised = [&](auto wl, auto wv, auto f) {
+        std::vector<Rgb> swapped(f.size());
+        measured(wl, wv, f), measured(wv, wl, swapped);
         for (std::size_t i = 0; i < f.size(); ++i)
-            for (int c = 0; c < 3; ++c) f[i][c] = (f[i][c] + exchanged[i][c]) / 2;
+            for (int c = 0; c < 3; ++c) f[i][c] = (f[i][c] + swapped[i][c]) / 2;
     };
     MeasureOptions numbers = options;
     numbers.pictures = false;
-    const auto lost = [&](const Evaluate& against) {
-        return percent(compare(against, drawn, numbers, {})[0].heldout.squared_error_ratio_cosine);
+    const auto error_against = [&](const Evaluate& against) {
+        return percent(compare(against, pictured, numbers, {})[0].heldout.squared_error_ratio_cosine);
     };
     page.picture_note = fmt::format(
         "The picture of the measurement is drawn from a table of {} × {} × {} colours made of the file, so that "
@@ -76,24 +78,24 @@ PageMaterial measured_material(Page& page, const Subject& reference, const Measu
         "with light and viewer "
         "exchanged: such a table takes them to be exchangeable. The plots and the figures below are of the file "
         "itself.",
-        k_page_table[0], k_page_table[1], k_page_table[2], options.max_theta / k_degree, lost(measured),
-        lost(in_both_orders));
+        k_page_table[0], k_page_table[1], k_page_table[2], options.max_theta / k_degree, error_against(measured),
+        error_against(symmetrised));
     if (std::ranges::any_of(table.cells, [](const Rgb& f) { return std::max({f.r, f.g, f.b}) > k_half_max; }))
         page.picture_note += fmt::format(" Values above {:g} are drawn as that.", k_half_max);
-    of.material = table;
-    return of;
+    entry.material = table;
+    return entry;
 }
 
-/// Errors of the models against the measurement, a row for each measure.
+/// Adds the errors of the models against the measurement, one row for each measure.
 void add_errors(Page& page, const Subject& reference, const std::vector<Subject>& models,
                 const MeasureOptions& options) {
     const Evaluate measured = evaluator(reference);
     std::vector<Evaluate> others;
     for (const Subject& model : models) others.push_back(evaluator(model));
     const std::vector<Comparison> errors = compare(measured, others, options, {});
-    const auto add_row = [&](const char* name, const char* meaning, auto&& text_of) {
+    const auto add_row = [&](const char* name, const char* meaning, auto&& cell_text) {
         Page::Row& row = page.table.emplace_back(Page::Row{name, meaning, {"–"}});
-        for (std::size_t k = 0; k < models.size(); ++k) row.cells.push_back(text_of(k));
+        for (std::size_t k = 0; k < models.size(); ++k) row.cells.push_back(cell_text(k));
     };
     add_row(
         "visible error",
@@ -124,7 +126,7 @@ void add_errors(Page& page, const Subject& reference, const std::vector<Subject>
         options.max_theta / k_degree, options.max_theta / k_degree);
 }
 
-/// The reference first, then errors of the models.
+/// Adds the measurement as the first material, and the errors of the models.
 void add_reference(Page& page, const Subject& reference, const std::vector<Subject>& models) {
     const MeasureOptions options{common_theta(models) * k_degree, 0};
     page.title = stem_of(reference.path);

@@ -8,9 +8,9 @@
 
 namespace srbf {
 
-/// A subject with its plots, and a model with its picture and its parameters.
+/// The page material of a subject: its plots, and for a model also its picture and parameters.
 PageMaterial shown(const Subject& subject);
-/// The page of at least one model; with a measurement beside them, of one side, the errors against it too. It refers to
+/// The page of at least one model. With a measurement (of a BRDF) it also has the errors against it. It refers to
 /// the subjects.
 Page page_of(const std::vector<Subject>& models, const Subject* measured);
 

@@ -22,20 +22,20 @@ AreaLight softbox(const Scene& scene) {
     return {to_float(corner), to_float(0.8 * size * x), to_float(0.8 * size * y), {12, 12, 12}};
 }
 
-PreparedBsdf by_cosine(const Subject& subject) {
+PreparedBsdf prepare_by_cosine(const Subject& subject) {
     return std::visit([](const auto& content) { return prepare(content, CosineProposal{}); }, subject.content);
 }
 
-/// Errors of a map that cannot be drawn so.
-Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const PathCommand& asked) {
+/// Errors: a map that cannot be drawn with these options.
+Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const PathCommand& command) {
     if (!std::holds_alternative<const Library*>(pictured)) return Done{};
-    const auto refused = [](const char* what, const char* expected, const char* found) {
+    const auto refuse = [](const char* what, const char* expected, const char* found) {
         return Error{"render", {}, what, expected, found, ErrorCode::argument};
     };
-    if (asked.scene_name != "object") return refused("scene of a map", "object", "room");
-    if (asked.draw == "cosine") return refused("draws of a map", "by the brdf", "by the cosine");
+    if (command.scene_name != "object") return refuse("scene of a map", "object", "room");
+    if (command.draw == "cosine") return refuse("draws of a map", "by the brdf", "by the cosine");
     if (mesh.texture.empty())
-        return refused("mesh of a map", "one with texture coordinates", "none of a corner at least");
+        return refuse("mesh of a map", "one with texture coordinates", "none of a corner at least");
     return Done{};
 }
 
@@ -51,12 +51,12 @@ Result<std::optional<Environment>> load_light(const std::string& name) {
     return std::optional(*std::move(loaded));
 }
 
-PreparedBsdf prepared(const Subject& subject, int threads) {
+PreparedBsdf prepare_subject(const Subject& subject, int threads) {
     const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
     return std::visit([&](const auto& content) { return prepare_bsdf(content, options); }, subject.content);
 }
 
-PreparedMap prepared(const Library& map, int threads) {
+PreparedMap prepare_subject(const Library& map, int threads) {
     return prepare_map(map, {.azimuths = map.basis.axial ? 1 : k_anisotropic_azimuths, .threads = threads});
 }
 
@@ -65,7 +65,7 @@ std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::
     sub.add_option("--env", environment,
                    "Environment map, a .hdr or .exr file, or studio (default of path) or none (default of raster)")
         .type_name("FILE");
-    const Option of_lights =
+    const Option further_lights =
         sub.add_option("--lights", lights,
                        "Further lights: three (directional; default without environment), behind (one behind the "
                        "object,\nfor what light passes through), softbox (path: a square) or none")
@@ -79,7 +79,7 @@ std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::
                                     .type_name("N")
                                     .check(within(1, 1000))
                                     .capture_default_str();
-    const Option drawn =
+    const Option draw_option =
         sub.add_option("--draw", draw, "path: sample directions by the brdf or, for comparison, by the cosine")
             .type_name("BY")
             .one_of({"brdf", "cosine"})
@@ -95,23 +95,23 @@ std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::
     const Option without_occlusion =
         sub.add_flag("--no-occlusion", no_occlusion,
                      "path: let all light reach every point, in one bounce, as the renderer raster does");
-    const Option of_seed =
+    const Option seed_option =
         sub.add_option("--seed", seed, "path: seed of the random numbers").type_name("N").capture_default_str();
-    const Option of_threads =
+    const Option threads_option =
         sub.add_option("--threads", threads,
                        "path: number of threads; 0: all of the machine. The picture does not depend on it")
             .type_name("T")
             .check(within(0, k_most_threads))
             .capture_default_str();
-    std::vector<Option> of_object = about_mesh;
-    of_object.push_back(without_ground);
+    std::vector<Option> object_options = about_mesh;
+    object_options.push_back(without_ground);
     return {
-        {{most_bounces, drawn, scene, without_ground, without_occlusion, of_seed, of_threads},
+        {{most_bounces, draw_option, scene, without_ground, without_occlusion, seed_option, threads_option},
          "only with --renderer path",
          is_path},
-        {{of_lights}, "softbox only with --renderer path", [=, this] { return is_path() || lights != "softbox"; }},
+        {{further_lights}, "softbox only with --renderer path", [=, this] { return is_path() || lights != "softbox"; }},
         {{most_bounces}, "not with --no-occlusion, in one bounce", [this] { return !no_occlusion; }},
-        {of_object, "only with --scene object", [this] { return scene_name == "object"; }},
+        {object_options, "only with --scene object", [this] { return scene_name == "object"; }},
     };
 }
 
@@ -140,13 +140,13 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
     std::vector<PathPicture> pictures;
     for (const Pictured& pictured : subjects) {
         if (const auto* subject = std::get_if<const Subject*>(&pictured))
-            paths.materials = {draw == "cosine" ? by_cosine(**subject) : prepared(**subject, threads)};
+            paths.materials = {draw == "cosine" ? prepare_by_cosine(**subject) : prepare_subject(**subject, threads)};
         else
-            paths.materials = {prepared(*std::get<const Library*>(pictured), threads)};
+            paths.materials = {prepare_subject(*std::get<const Library*>(pictured), threads)};
         paths.materials.insert(paths.materials.end(), others.begin(), others.end());
-        const auto before = double(pictures.size()), all = double(subjects.size());
-        const auto of_all = [&](double part) {
-            if (progress) progress((before + part) / all);
+        const auto done = double(pictures.size()), total = double(subjects.size());
+        const auto report_total = [&](double part) {
+            if (progress) progress((done + part) / total);
         };
         pictures.push_back(render_paths(paths, {.width = width,
                                                 .height = height,
@@ -155,7 +155,7 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
                                                 .occlusion = !no_occlusion,
                                                 .seed = seed,
                                                 .threads = threads,
-                                                .progress = of_all}));
+                                                .progress = report_total}));
     }
     return pictures;
 }

@@ -12,33 +12,36 @@
 
 namespace srbf {
 
-/// The subject of a picture: a measurement or a model, or a map of texels.
+/// The subject of a picture: a measurement or model, or a map of texels.
 using Pictured = std::variant<const Subject*, const Library*>;
 
 struct PathCommand {
-    /// Not given: the renderer's default; three lights if `environment` is none.
+    /// Empty: not given. The default environment is the renderer's; the default lights are three if `environment`
+    /// is none.
     std::string environment, lights, draw = "brdf", scene_name = "object";
     int samples = 0;  ///< 0: not given
     int bounces = 8, threads = 0;
     std::uint64_t seed = 0;
     bool no_ground = false, no_occlusion = false;
 
-    /// Returns what is read of them, and of `about_mesh`; `is_path()`: by the path tracer, otherwise by raster.
+    /// Returns the conditions under which these options and `about_mesh` are read. `is_path()`: true for the path
+    /// tracer, false for raster.
     std::vector<Reading> add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
                                      std::function<bool()> is_path);
     /// Renders the scene with each of the subjects under the lights of `lights`. `progress` receives the completed
-    /// share of the whole. Errors: a map for a mesh without places in it.
+    /// fraction of all pictures. Errors: a map for a mesh without texture coordinates.
     Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Pictured> subjects, int width,
                                             int height, const std::function<void(double)>& progress = {}) const;
 };
 
-/// Samples per pixel under an environment, where none are asked for.
+/// Samples per pixel under an environment, by default.
 inline constexpr int k_samples = 64;
-/// The environment of that name or file; none for "none". Says on standard error what of it counts as 0.
+/// The environment with this name or in this file; no value for "none". Reports texels that count as 0 on standard
+/// error.
 Result<std::optional<Environment>> load_light(const std::string& name);
 
-/// The subject, importance-sampled by a proposal prepared for it.
-PreparedBsdf prepared(const Subject& subject, int threads);
-PreparedMap prepared(const Library& map, int threads);
+/// Prepares the subject, with importance sampling by its own proposal.
+PreparedBsdf prepare_subject(const Subject& subject, int threads);
+PreparedMap prepare_subject(const Library& map, int threads);
 
 }  // namespace srbf

@@ -17,14 +17,14 @@ namespace srbf {
 /// The material of a subject in OpenGL. Errors: an anisotropic measurement.
 Result<Material> material_of(const Subject& subject);
 
-/// The density that the subject's light is drawn from in OpenGL. `threads`: 0 is as many as the machine has.
+/// The density from which the subject's light is sampled in OpenGL. `threads`: 0 is as many as the machine has.
 Proposals proposal_of(const Subject& subject, int threads = 0);
 
 /// The light of a rasterized picture.
 struct RasterLight {
-    const Environment* environment = nullptr;  ///< none: the scene's lights alone
+    const Environment* environment = nullptr;  ///< null: the scene's lights alone
     int samples = 4;                           ///< per pixel
-    std::function<void(double)> progress;      ///< with an environment: receives the completed share
+    std::function<void(double)> progress;      ///< with an environment: receives the completed fraction
 };
 /// Renders the scene with each of the subjects. Errors: those of `material_of` and `rasterize`; a program built without
 /// this renderer.

@@ -32,14 +32,14 @@ struct RenderCommand {
     PathCommand path;
 
     int run() const;
-    /// The output's name with this inserted before its extension.
+    /// The output's name with `what` inserted before its extension.
     std::string beside(std::string_view what) const {
         return std::filesystem::path(output).replace_extension(fmt::format("{}.png", what)).string();
     }
     bool is_exr() const { return std::filesystem::path(output).extension() == ".exr"; }
 };
 
-/// The results of a renderer for each subject; first hits only from the path tracer.
+/// The results of a renderer for each subject; first hits come from the path tracer only.
 struct RenderedPictures {
     std::vector<Rendering> renderings;
     std::vector<FirstHits> first;
@@ -51,12 +51,12 @@ Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Pictur
     auto pictures = options.path.render(scene, subjects, options.width, options.height,
                                         [&](double part) { line.show("tracing paths", part); });
     if (!pictures) return pictures.error();
-    RenderedPictures all;
+    RenderedPictures rendered;
     for (PathPicture& picture : *pictures) {
-        all.renderings.push_back(std::move(picture.rendering));
-        all.first.push_back(std::move(picture.first));
+        rendered.renderings.push_back(std::move(picture.rendering));
+        rendered.first.push_back(std::move(picture.first));
     }
-    return all;
+    return rendered;
 }
 
 Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictured> pictured,
@@ -73,8 +73,8 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictu
                          "a map"};
         subjects.push_back(*subject);
     }
-    const PathCommand& asked = options.path;
-    const auto environment = load_light(asked.environment.empty() ? "none" : asked.environment);
+    const PathCommand& path_options = options.path;
+    const auto environment = load_light(path_options.environment.empty() ? "none" : path_options.environment);
     if (!environment) return environment.error();
     RasterLight light;
     ProgressLine line;
@@ -83,16 +83,16 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictu
         light.samples = k_samples;
         light.progress = [&](double part) { line.show("drawing", part); };
     }
-    if (asked.samples > 0) light.samples = asked.samples;
+    if (path_options.samples > 0) light.samples = path_options.samples;
     Scene lit = scene;
-    if (asked.lights == "behind") lit.lights = {light_behind(scene.camera)};
-    if (asked.lights == "none" || (asked.lights.empty() && *environment)) lit.lights.clear();
+    if (path_options.lights == "behind") lit.lights = {light_behind(scene.camera)};
+    if (path_options.lights == "none" || (path_options.lights.empty() && *environment)) lit.lights.clear();
     auto renderings = rasterize(lit, subjects, options.width, options.height, light);
     if (!renderings) return renderings.error();
     return RenderedPictures{*std::move(renderings), {}};
 }
 
-/// A renderer: pictures of the scene, one for each subject.
+/// A renderer: draws one picture of the scene for each subject.
 struct Renderer {
     std::string_view name;
     Result<RenderedPictures> (*render)(const Scene& scene, std::span<const Pictured> subjects,
@@ -103,33 +103,35 @@ struct Renderer {
 constexpr std::array<Renderer, 2> k_renderers{{{"path", render_paths}, {"raster", render_raster}}};
 
 /// Images of equal size side by side.
-template <typename Pixel> Picture<Pixel> abreast(const std::vector<Picture<Pixel>>& images) {
+template <typename Pixel> Picture<Pixel> join_images(const std::vector<Picture<Pixel>>& images) {
     const int width = images[0].width, height = images[0].height;
-    Picture<Pixel> all(width * int(images.size()), height);
+    Picture<Pixel> row(width * int(images.size()), height);
     for (std::size_t i = 0; i < images.size(); ++i)
-        for (int y = 0; y < height; ++y) std::copy_n(&images[i].at(0, y), width, &all.at(int(i) * width, y));
-    return all;
+        for (int y = 0; y < height; ++y) std::copy_n(&images[i].at(0, y), width, &row.at(int(i) * width, y));
+    return row;
 }
 
 Result<Done> write_float(const RenderedPictures& pictures, const RenderCommand& options) {
     std::vector<Image> radiance, normal, albedo, depth;
     for (const Rendering& rendering : pictures.renderings) radiance.push_back(rendering.radiance);
-    std::vector<Channel> channels = channels_of(abreast(radiance));
-    const Image all = abreast(radiance);
+    std::vector<Channel> channels = channels_of(join_images(radiance));
+    const Image joined = join_images(radiance);
     if (options.aov) {
         for (const FirstHits& first : pictures.first) {
             normal.push_back(first.normal), albedo.push_back(first.albedo);
             depth.emplace_back(first.normal.width, first.normal.height);
             for (std::size_t i = 0; i < first.depth.size(); ++i) depth.back().pixels[i].r = first.depth[i];
         }
-        for (Channel& channel : channels_of(abreast(normal), "normal.", "XYZ")) channels.push_back(std::move(channel));
-        for (Channel& channel : channels_of(abreast(albedo), "albedo.")) channels.push_back(std::move(channel));
-        channels.push_back({"Z", channels_of(abreast(depth))[0].pixels});
+        for (Channel& channel : channels_of(join_images(normal), "normal.", "XYZ"))
+            channels.push_back(std::move(channel));
+        for (Channel& channel : channels_of(join_images(albedo), "albedo.")) channels.push_back(std::move(channel));
+        channels.push_back({"Z", channels_of(join_images(depth))[0].pixels});
     }
-    return write_exr(all.width, all.height, channels, options.output);
+    return write_exr(joined.width, joined.height, channels, options.output);
 }
 
-/// First hits of paths as pictures: normals from −1 to 1, depths from the nearest (white) to the farthest.
+/// Writes the first hits of paths as pictures: normals from −1 to 1, depths from the nearest (white) to the
+/// farthest.
 Result<Done> write_first_hits(const RenderedPictures& pictures, const RenderCommand& options) {
     std::vector<Image8> normal, albedo, depth;
     for (const FirstHits& first : pictures.first) {
@@ -148,11 +150,12 @@ Result<Done> write_first_hits(const RenderedPictures& pictures, const RenderComm
         }
     }
     for (const auto& [what, images] : {std::pair(".normal", &normal), {".albedo", &albedo}, {".depth", &depth}})
-        if (const auto written = write_png(abreast(*images), options.beside(what)); !written) return written.error();
+        if (const auto written = write_png(join_images(*images), options.beside(what)); !written)
+            return written.error();
     return Done{};
 }
 
-/// Reports the difference of each image from the reference, and writes it.
+/// Prints the difference of each image from the reference, and writes it.
 Result<Done> compare_pictures(const Image8& reference, std::span<const Image8> images,
                               std::span<const std::string> captions, const RenderCommand& options) {
     std::vector<Image8> differences;
@@ -162,18 +165,20 @@ Result<Done> compare_pictures(const Image8& reference, std::span<const Image8> i
         fmt::print("{:<40}  {:>8}  {:>8}  {:>8}\n", printable("against " + options.compare), "PSNR, dB", "SSIM",
                    "FLIP");
     for (std::size_t i = 0; i < images.size(); ++i) {
-        const Likeness of = likeness(reference, images[i]);
+        const Likeness errors = likeness(reference, images[i]);
         differences.push_back(in_false_colours(flip_map(reference, images[i]), reference.width, reference.height));
         if (!quiet)
-            fmt::print("{:<40}  {:>8.2f}  {:>8.4f}  {:>8.4f}\n", printable(captions[i]), of.psnr, of.ssim, of.flip);
-        json.push_back({{"file", options.files[i]}, {"psnr", of.psnr}, {"ssim", of.ssim}, {"flip", of.flip}});
+            fmt::print("{:<40}  {:>8.2f}  {:>8.4f}  {:>8.4f}\n", printable(captions[i]), errors.psnr, errors.ssim,
+                       errors.flip);
+        json.push_back(
+            {{"file", options.files[i]}, {"psnr", errors.psnr}, {"ssim", errors.ssim}, {"flip", errors.flip}});
     }
     if (!options.json.empty())
         if (const auto written = write_json(json, options.json); !written) return written.error();
     return write_png(side_by_side(differences, captions), options.beside(".difference"));
 }
 
-/// The subject that is drawn: a measurement or model, or a map of texels.
+/// A subject to draw: a measurement or model, or a map of texels.
 using Loaded = std::variant<Subject, Library>;
 Result<Loaded> load_pictured(const std::string& file) {
     auto map = library_in(file);
@@ -184,7 +189,7 @@ Result<Loaded> load_pictured(const std::string& file) {
     return Loaded(*std::move(subject));
 }
 
-/// The picture in `file`, of the size that is asked for; nothing if the file is none.
+/// The picture in `file`, which must have the requested size; no value if the file is not a picture.
 Result<std::optional<Image>> picture_in(const std::string& file, const RenderCommand& options) {
     const auto bytes = read_file(file, all_if(srbf::is_exr));
     if (!bytes) return bytes.error();
@@ -200,8 +205,8 @@ Result<std::optional<Image>> picture_in(const std::string& file, const RenderCom
     return std::optional(*std::move(image));
 }
 
-/// Writes the pictures, what else is asked for, and their errors against `reference` if there is one. All pictures have
-/// the same exposure, so that they are comparable.
+/// Writes the pictures, the requested further files, and the errors against `reference` if there is one. All
+/// pictures have the same exposure, so that they are comparable.
 Result<Done> write_pictures(const RenderedPictures& pictures, const std::optional<Image>& reference,
                             const std::vector<std::string>& captions, const RenderCommand& options) {
     const float exposure = automatic_exposure(reference ? *reference : pictures.renderings.front().radiance);
@@ -213,14 +218,14 @@ Result<Done> write_pictures(const RenderedPictures& pictures, const std::optiona
     if (options.aov && !options.is_exr())
         if (const auto done = write_first_hits(pictures, options); !done) return done.error();
     if (!reference) return Done{};
-    const Rendering seen{*reference, pictures.renderings.front().coverage};
-    return compare_pictures(shown(seen, exposure), images, captions, options);
+    const Rendering reference_rendering{*reference, pictures.renderings.front().coverage};
+    return compare_pictures(shown(reference_rendering, exposure), images, captions, options);
 }
 
 int RenderCommand::run() const {
     std::vector<std::string> inputs = files, captions;
     std::vector<Loaded> subjects;
-    std::optional<Image> reference;  // or one more subject
+    std::optional<Image> reference;  // otherwise the reference is one more subject
     if (!compare.empty()) {
         inputs.push_back(compare);
         auto picture = picture_in(compare, *this);
@@ -247,7 +252,8 @@ int RenderCommand::run() const {
     const Scene scene = scene_of(*std::move(loaded), viewpoint, double(width) / height);
     const auto chosen = std::ranges::find(k_renderers, renderer, &Renderer::name);
     std::vector<Pictured> pictured;
-    for (const Loaded& subject : subjects) std::visit([&](const auto& of) { pictured.emplace_back(&of); }, subject);
+    for (const Loaded& subject : subjects)
+        std::visit([&](const auto& content) { pictured.emplace_back(&content); }, subject);
     auto pictures = chosen->render(scene, pictured, *this);
     if (!pictures) return complain(pictures.error());
     if (subjects.size() > files.size()) {
@@ -265,12 +271,12 @@ Check size_in_pixels(int& width, int& height) {
     return [&](std::string& text) -> std::string {
         const auto number = [](std::string_view word) {
             int n = 0;
-            const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), n);
-            return error == std::errc() && rest == word.data() + word.size() && n <= k_most_pixels ? n : 0;
+            const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), n);
+            return error == std::errc() && end == word.data() + word.size() && n <= k_most_pixels ? n : 0;
         };
-        const std::string_view all = text;
-        const auto by = std::min(all.find('x'), all.size());
-        width = number(all.substr(0, by)), height = number(all.substr(std::min(by + 1, all.size())));
+        const std::string_view size = text;
+        const auto separator = std::min(size.find('x'), size.size());
+        width = number(size.substr(0, separator)), height = number(size.substr(std::min(separator + 1, size.size())));
         if (width >= 1 && height >= 1) return {};
         return fmt::format("expected WxH, each from 1 to {}, found {}", k_most_pixels, text);
     };

@@ -109,7 +109,7 @@ PmForm form_of(ParameterReader& reader) {
         if (row.terms == reader.length('F')) return row.form;
         known.push_back(std::to_string(row.terms));
     }
-    reader.refuse("exponent", fmt::format("shape [J, F], F one reader {}", fmt::join(known, ", ")),
+    reader.refuse("exponent", fmt::format("shape [J, F], F one of {}", fmt::join(known, ", ")),
                   fmt::format("F = {}", reader.length('F')));
     return {};
 }
@@ -145,7 +145,7 @@ PmModel Stored<PmModel>::made_of(ParameterReader& reader) {
     reader.word("form", {srbf::name(model.form)}, srbf::name(model.form));
     const bool is_along_z = std::ranges::all_of(model.centre, [](const Vec3f& xi) { return std::abs(xi.z) == 1; });
     model.axial = reader.flag("axial", is_along_z);
-    if (model.axial && !is_along_z) reader.refuse("centre", "(0, 0, 1) or (0, 0, -1) reader an axial model", "others");
+    if (model.axial && !is_along_z) reader.refuse("centre", "(0, 0, 1) or (0, 0, -1) of an axial model", "others");
     if (reader.error()) return model;
     round_log_scales(model, coefficient);
     if (is_spectral)

@@ -7,7 +7,7 @@
 #include "srbf/vec.h"
 
 namespace srbf {
-
+/// A camera. In its frame x points right, y up and z to the viewer, away from `target`.
 /// A camera. Its frame: x right, y up, z to the viewer, away from `target`.
 struct Camera {
     Vec3d eye{0, 0, 1}, target{0, 0, 0};
@@ -16,7 +16,7 @@ struct Camera {
 };
 
 Frame frame(const Camera& camera);
-/// The axes of an environment for that camera: its +y is `up`, and the picture is of what lies towards its -z.
+/// The axes of an environment for this camera: its +y is `up`, and the picture shows its -z side.
 Frame environment_frame(const Camera& camera);
 /// The unit vector from the eye through the point (s, t) of the picture: s from −1 (left) to 1 (right), t from −1
 /// (bottom) to 1 (top); aspect = width / height.
@@ -29,12 +29,11 @@ struct Viewpoint {
     double fov = 30 * k_degree;        ///< [rad]
     bool z_up = false;                 ///< the mesh's z axis is up, otherwise its y axis
 };
-/// A camera towards the centre of the mesh's bounds, as close as possible with the whole mesh within the picture and a
-/// margin of `k_margin` of its size.
+/// A camera that looks at the centre of the mesh's bounds. It is as close as possible with the whole mesh within the
+/// picture and a margin of `k_margin` of the picture's size.
 Camera camera_of(const Mesh& mesh, const Viewpoint& viewpoint, double aspect);
 inline constexpr double k_margin = 0.04;
 
-/// A directional light.
 struct DirectionalLight {
     Vec3d towards;   ///< unit vector to the light
     Rgb irradiance;  ///< E on a surface that faces the light
@@ -47,12 +46,12 @@ inline constexpr std::array<DirectionalLight, 3> k_three_lights{{
     {{6.0 / 7, 2.0 / 7, -3.0 / 7}, {2, 2, 2}},
     {{1.0 / 3, -2.0 / 3, 2.0 / 3}, {0.5f, 0.5f, 0.5f}},
 }};
-/// `k_three_lights` in the camera's frame.
+/// `k_three_lights`, transformed from the camera's frame to the world.
 std::array<DirectionalLight, 3> lights_of(const Camera& camera);
-/// A light behind the scene in the camera's frame, from the upper left, 132° off the view direction: what of a surface
-/// faces the camera is lit only by what passes through it.
+/// A light behind the scene in the camera's frame, from the upper left, 132° off the view direction: surfaces that face
+/// the camera show only transmitted light.
 inline constexpr DirectionalLight k_light_behind{{-1.0 / 3, 2.0 / 3, -2.0 / 3}, {3, 3, 3}};
-/// `k_light_behind` in the camera's frame.
+/// `k_light_behind`, transformed from the camera's frame to the world.
 DirectionalLight light_behind(const Camera& camera);
 
 /// A scene without its material.

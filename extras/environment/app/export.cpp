@@ -16,12 +16,12 @@
 namespace srbf {
 namespace {
 
-int filter_environment(const ExportCommand& asked) {
-    const auto& files = asked.files;
+int filter_environment(const ExportCommand& command) {
+    const auto& files = command.files;
     if (files.size() != 1)
         return complain(
-            {asked.output, {}, "inputs", "one environment", std::to_string(files.size()), ErrorCode::argument});
-    if (const auto writable = check_outputs(files, {asked.output}); !writable) return complain(writable.error());
+            {command.output, {}, "inputs", "one environment", std::to_string(files.size()), ErrorCode::argument});
+    if (const auto writable = check_outputs(files, {command.output}); !writable) return complain(writable.error());
     const auto environment = load_light(files[0]);
     if (!environment) return complain(environment.error());
     if (!*environment) return complain({files[0], {}, "input", "an environment", "none", ErrorCode::argument});
@@ -32,16 +32,16 @@ int filter_environment(const ExportCommand& asked) {
     const CubeFile file = to_dds(filtered);
     if (file.clamped > 0)
         fmt::print(stderr, "srbf: {}: {} texels are brighter than 65504, the largest 16-bit float, and are set to it\n",
-                   printable(asked.output), grouped(file.clamped));
-    const auto written = write_file(asked.output, file.bytes);
+                   printable(command.output), grouped(file.clamped));
+    const auto written = write_file(command.output, file.bytes);
     return written ? int(k_done) : complain(written.error());
 }
 
 }  // namespace
 
-void add_environment_exports(const Subcommand&, const ExportCommand&, Exports& to) {
-    to.kinds.push_back({"dds", filter_environment});
-    to.about +=
+void add_environment_exports(const Subcommand&, const ExportCommand&, Exports& exports) {
+    exports.kinds.push_back({"dds", filter_environment});
+    exports.about +=
         "\ndds: an environment (.hdr, .exr or studio), which is MODEL here, filtered for NAME_environment, a cube map "
         "of\n"
         "16-bit floats";

@@ -15,13 +15,13 @@
 namespace srbf {
 namespace {
 
-/// Draws of K for each texel; small levels, whose kernels are wide, have more. Eight times as many change ΔE_ITP of
-/// pictures of glossy paints by .1 of 8.
-constexpr int k_least_draws = 256, k_most_draws = 8192, k_draws_of_level = 1 << 24;
-/// A draw reads texels this many times as large as its share of the directions, so that neighbours overlap.
+/// Number of samples of K for each texel; small levels, whose kernels are wide, have more. Eight times as many
+/// change ΔE_ITP of pictures of glossy paints by 0.1 of 8.
+constexpr int k_least_samples = 256, k_most_samples = 8192, k_level_samples = 1 << 24;
+/// A sample reads texels this many times as large as its solid angle, so that neighbours overlap.
 constexpr double k_overlap = 2;
 
-/// The direction through (s, t) of a face, from −1 to 1 rightwards and downwards.
+/// The direction through (s, t) of a face, from −1 to 1 to the right and downwards.
 Vec3d through_face(std::size_t face, double s, double t) {
     switch (face) {
         case 0:
@@ -38,11 +38,11 @@ Vec3d through_face(std::size_t face, double s, double t) {
             return {-s, -t, -1};
     }
 }
-struct FacePlace {
+struct FacePosition {
     std::size_t face;
     double s, t;
 };
-FacePlace place_of(const Vec3d& w) {
+FacePosition face_position(const Vec3d& w) {
     const double x = std::abs(w.x), y = std::abs(w.y), z = std::abs(w.z);
     if (x >= y && x >= z) return {w.x > 0 ? std::size_t(0) : 1, (w.x > 0 ? -w.z : w.z) / x, -w.y / x};
     if (y >= z) return {w.y > 0 ? std::size_t(2) : 3, w.x / y, (w.y > 0 ? w.z : -w.z) / y};
@@ -53,11 +53,11 @@ std::size_t index_of(int side, std::size_t face, int x, int y) {
     return (face * std::size_t(side) + std::size_t(y)) * std::size_t(side) + std::size_t(x);
 }
 
-/// The environment at texels of about that size, and at half as many along a side again and again.
+/// The environment as cube images: the first has `side` texels along a side, each further one half as many.
 class Pyramid {
   public:
-    Pyramid(const Environment& of, int side, int threads) {
-        Image map = of.texels();  // in latitude and longitude; a face is a quarter of its width
+    Pyramid(const Environment& source, int side, int threads) {
+        Image map = source.texels();  // in latitude and longitude; a face is a quarter of its width
         while (map.width >= 8 * side && map.height > 1) map = halved(map);
         const Environment environment(std::move(map));
         levels_.push_back({side, std::vector<Rgb>(std::size_t(6 * side * side))});
@@ -85,7 +85,7 @@ class Pyramid {
         }
     }
     const CubeImage& finest() const { return levels_[0]; }
-    /// Whose texels have that solid angle [sr].
+    /// The level whose texels have this solid angle [sr].
     double level_of(double solid_angle) const {
         const double finest = 4 * k_pi / double(levels_[0].texels.size());
         return std::clamp(0.5 * std::log2(solid_angle / finest), 0.0, double(levels_.size() - 1));
@@ -99,54 +99,54 @@ class Pyramid {
     std::vector<CubeImage> levels_;
 };
 
-/// A direction about z, its share of ∫ K dω, and the level of the pyramid to read.
-struct Draw {
+/// A direction in the frame of the kernel's axis z, its fraction of ∫ K dω, and the level of the pyramid to read.
+struct Sample {
     Vec3d w;
     double weight, level;
 };
-/// They stand as close as they are far from z: K falls slowly, and a lamp in what it is far from may be brighter by as
-/// much. With t = tan(θ/2), u uniform in [0, 1): t = α/2 ((1 + 2/α)ᵘ − 1), α = r².
-std::vector<Draw> draws_of(float roughness, int count, const Pyramid& pyramid, double texel) {
+/// Samples K. Their spacing is proportional to their distance from z: K falls slowly, and a lamp far from z may be
+/// brighter by as much. With t = tan(θ/2) and u uniform in [0, 1), t = α/2 ((1 + 2/α)ᵘ − 1), α = r².
+std::vector<Sample> sample_kernel(float roughness, int count, const Pyramid& pyramid, double texel) {
     constexpr double k_golden_angle = 2.39996322972865332;
     const double half = 0.5 * std::pow(double(roughness), 2), range = std::log1p(1 / half);
-    std::vector<Draw> draws;
+    std::vector<Sample> samples;
     double sum = 0;
     for (int i = 0; i < count; ++i) {
-        const double u = (i + 0.5) / count, grown = std::exp(range * u), t = half * (grown - 1);
+        const double u = (i + 0.5) / count, growth = std::exp(range * u), t = half * (growth - 1);
         const double c = (1 - t * t) / (1 + t * t), s = 2 * t / (1 + t * t), phi = k_golden_angle * i;
         // dω = 2π sinθ dθ, dθ = 2 dt / (1 + t²), dt = half range grown du
-        const double solid_angle = 2 * k_pi * s * 2 / (1 + t * t) * half * range * grown / count;
+        const double solid_angle = 2 * k_pi * s * 2 / (1 + t * t) * half * range * growth / count;
         const double weight = solid_angle * double(filter_kernel(roughness, float(c)));
-        draws.push_back({{s * std::cos(phi), s * std::sin(phi), c},
-                         weight,
-                         pyramid.level_of(std::max(k_overlap * solid_angle, texel))});
+        samples.push_back({{s * std::cos(phi), s * std::sin(phi), c},
+                           weight,
+                           pyramid.level_of(std::max(k_overlap * solid_angle, texel))});
         sum += weight;
     }
-    for (Draw& draw : draws) draw.weight /= sum;
-    return draws;
+    for (Sample& sample : samples) sample.weight /= sum;
+    return samples;
 }
 
 }  // namespace
 
 Rgb CubeImage::at(const Vec3d& w) const {
-    const FacePlace of = place_of(w);
-    const double x = (of.s + 1) / 2 * side - 0.5, y = (of.t + 1) / 2 * side - 0.5, left = std::floor(x),
+    const FacePosition position = face_position(w);
+    const double x = (position.s + 1) / 2 * side - 0.5, y = (position.t + 1) / 2 * side - 0.5, left = std::floor(x),
                  top = std::floor(y);
     const auto inner = [&](int k) { return std::clamp(k, 0, side - 1); };
-    // Beyond an edge, of the face that shares it.
+    // Beyond an edge, the texel belongs to the adjacent face.
     const auto across = [&](int i, int j) {
         const auto on_edge = [&](int k) { return std::clamp(centre_of(k, side), -1 - 1e-9, 1 + 1e-9); };
-        const FacePlace there = place_of(through_face(of.face, on_edge(i), on_edge(j)));
-        const auto nearest = [&](double at) { return inner(int((at + 1) / 2 * side)); };
-        return texels[index_of(side, there.face, nearest(there.s), nearest(there.t))];
+        const FacePosition neighbour = face_position(through_face(position.face, on_edge(i), on_edge(j)));
+        const auto nearest = [&](double coordinate) { return inner(int((coordinate + 1) / 2 * side)); };
+        return texels[index_of(side, neighbour.face, nearest(neighbour.s), nearest(neighbour.t))];
     };
     const auto texel = [&](int i, int j) {
         const bool in_row = i == inner(i), in_column = j == inner(j);
-        if (in_row && in_column) return texels[index_of(side, of.face, i, j)];
+        if (in_row && in_column) return texels[index_of(side, position.face, i, j)];
         if (in_row || in_column) return across(i, j);
         // Three texels meet at a corner.
-        const Rgb of_two = mixed(across(i, inner(j)), across(inner(i), j), 0.5f);
-        return mixed(of_two, texels[index_of(side, of.face, inner(i), inner(j))], 1.f / 3);
+        const Rgb mean = mixed(across(i, inner(j)), across(inner(i), j), 0.5f);
+        return mixed(mean, texels[index_of(side, position.face, inner(i), inner(j))], 1.f / 3);
     };
     const int i = int(left), j = int(top);
     const float s = float(x - left);
@@ -154,38 +154,38 @@ Rgb CubeImage::at(const Vec3d& w) const {
                  float(y - top));
 }
 
-FilteredEnvironment::FilteredEnvironment(const Environment& of, int size, int threads,
+FilteredEnvironment::FilteredEnvironment(const Environment& environment, int size, int threads,
                                          const std::function<void(double)>& progress) {
     assert(std::has_single_bit(unsigned(size)) && size >= k_least_size && size <= k_largest_size);
-    const Pyramid pyramid(of, size, threads);
+    const Pyramid pyramid(environment, size, threads);
     levels_.push_back(pyramid.finest());
-    // The finest level that is filtered has three quarters of the texels, and the fewest draws for each.
-    constexpr double k_share_of_first = 0.75;
+    // The finest filtered level has three quarters of the texels, and the fewest samples for each.
+    constexpr double k_first_fraction = 0.75;
     std::mutex reporting;
     double done = 0;
     for (int k = 1; k < k_levels; ++k) {
         const int side = size >> k;
         const double texel = 4 * k_pi / (6.0 * side * side);
-        const std::vector<Draw> draws =
-            draws_of(float(roughness_of_level(k)),
-                     std::clamp(k_draws_of_level / (6 * side * side), k_least_draws, k_most_draws), pyramid, texel);
+        const std::vector<Sample> samples = sample_kernel(
+            float(roughness_of_level(k)),
+            std::clamp(k_level_samples / (6 * side * side), k_least_samples, k_most_samples), pyramid, texel);
         CubeImage& level = levels_.emplace_back(CubeImage{side, std::vector<Rgb>(std::size_t(6 * side * side))});
-        const double share = k == 1 ? k_share_of_first : (1 - k_share_of_first) / (k_levels - 2);
+        const double fraction = k == 1 ? k_first_fraction : (1 - k_first_fraction) / (k_levels - 2);
         parallel_for(std::size_t(6 * side), threads, [&](std::size_t row) {
             const std::size_t face = row / std::size_t(side);
             const int y = int(row % std::size_t(side));
             for (int x = 0; x < side; ++x) {
                 const Frame axes = frame_about(normalize(through_face(face, centre_of(x, side), centre_of(y, side))));
                 std::array<double, 3> sum{};
-                for (const Draw& draw : draws) {
-                    const Rgb light = pyramid.at(axes.from(draw.w), draw.level);
-                    for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += draw.weight * double(light[c]);
+                for (const Sample& sample : samples) {
+                    const Rgb light = pyramid.at(axes.from(sample.w), sample.level);
+                    for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += sample.weight * double(light[c]);
                 }
                 level.texels[index_of(side, face, x, y)] = {float(sum[0]), float(sum[1]), float(sum[2])};
             }
             if (!progress) return;
             const std::lock_guard lock(reporting);
-            progress(done += share / (6 * side));
+            progress(done += fraction / (6 * side));
         });
     }
 }
@@ -199,7 +199,7 @@ Rgb FilteredEnvironment::at(Vec3f w, float roughness) const {
 }
 
 CubeFile to_dds(const FilteredEnvironment& environment) {
-    // DDS_HEADER and DDS_PIXELFORMAT of Direct3D 9's documentation; D3DFMT_A16B16G16R16F in place of four characters.
+    // DDS_HEADER and DDS_PIXELFORMAT of the Direct3D 9 documentation; D3DFMT_A16B16G16R16F replaces the four characters.
     constexpr std::uint32_t k_caps_height_width_pitch_format_levels = 0x1 | 0x2 | 0x4 | 0x8 | 0x1000 | 0x20000;
     constexpr std::uint32_t k_four_characters = 0x4, k_halves = 113;
     constexpr std::uint32_t k_complex_texture_mipmap = 0x8 | 0x1000 | 0x400000, k_cube_of_all_faces = 0x200 | 0xfc00;

@@ -1,4 +1,4 @@
-// Environments filtered for surfaces, as engines look them up.
+// Environments filtered for surfaces, in the form that engines look up.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -9,8 +9,8 @@
 
 namespace srbf {
 
-/// An image on the faces of a cube, +x −x +y −y +z −z, each of `side` × `side` texels in rows as OpenGL and Direct3D
-/// have them.
+/// An image on the faces of a cube, +x −x +y −y +z −z, each with `side` × `side` texels in rows as in OpenGL and
+/// Direct3D.
 struct CubeImage {
     int side = 0;
     std::vector<Rgb> texels;  ///< 6 side²
@@ -18,16 +18,17 @@ struct CubeImage {
     Rgb at(const Vec3d& w) const;
 };
 
-/// A cube map of an environment whose levels are blurred by K of srbf/extended_light.h, more and more: level k for
+/// A cube map of an environment whose levels are blurred increasingly by K of srbf/extended_light.h: level k for
 /// roughness (k / (k_levels − 1))², with size / 2ᵏ texels along a side. Level 0 is the environment itself, the last
-/// irradiance / π.
+/// level irradiance / π.
 class FilteredEnvironment {
   public:
     static constexpr int k_levels = ExtendedLight::k_levels;
-    /// With 256 texels irradiance has 8 along a side: pictures of white paper in a studio are off by ΔE_ITP 6.1, not 4.0.
+    /// With 256 texels, irradiance has 8 along a side: the error of pictures of white paper in a studio is ΔE_ITP
+    /// 6.1 instead of 4.0.
     static constexpr int k_usual_size = 512, k_least_size = 64, k_largest_size = 2048;
-    /// `size` is a power of two in that range; `progress` is called as in PathOptions.
-    explicit FilteredEnvironment(const Environment& of, int size = k_usual_size, int threads = 0,
+    /// `size` must be a power of two in this range. `progress` is called as in PathOptions.
+    explicit FilteredEnvironment(const Environment& environment, int size = k_usual_size, int threads = 0,
                                  const std::function<void(double)>& progress = {});
 
     const CubeImage& level(int k) const { return levels_[std::size_t(k)]; }
@@ -38,8 +39,9 @@ class FilteredEnvironment {
     std::vector<CubeImage> levels_;
 };
 
-/// A DirectDraw Surface (.dds) of a filtered environment: a cube map with its levels, 16-bit floats R, G, B, A = 1.
-/// Values above 65504, the largest that these hold, are set to it; `clamped` is the number of such texels.
+/// The bytes of a DirectDraw Surface (.dds) of a filtered environment: a cube map with its levels in 16-bit floats
+/// R, G, B, A = 1. Values above 65504, the largest 16-bit float, are set to it; `clamped` is the number of such
+/// texels.
 struct CubeFile {
     std::vector<std::byte> bytes;
     std::size_t clamped = 0;

@@ -24,7 +24,7 @@ struct LightOptions {
     bool has_lobes() const { return code.environment || code.area; }
 };
 
-/// A row of `columns` numbers for each node of light_lobes, linear between nodes.
+/// A table with one row of `columns` numbers for each node of light_lobes, linear between nodes.
 std::string light_number(std::size_t columns) {
     return fmt::format(
         "Real light_number(int i, NodesAbout nodes) {{\n"
@@ -35,12 +35,13 @@ std::string light_number(std::size_t columns) {
 std::string light_width(std::size_t column) {
     return fmt::format("Real light_width(NodesAbout nodes) {{ return light_number({}, nodes); }}\n", column);
 }
-/// Weights sum to 1 at most, but of materials of a basis to the albedo, for the sum is linear in their coefficients.
+/// Weights sum to at most 1, but for materials of a basis to the albedo, because the sum is linear in their
+/// coefficients.
 constexpr std::string_view k_light_whole =
     "Vec3 light_whole(Vec3 albedo) {\n"
     "    return Vec3(min(albedo.x, Real(1.0)), min(albedo.y, Real(1.0)), min(albedo.z, Real(1.0)));\n}\n";
 constexpr std::string_view k_light_whole_of_basis = "Vec3 light_whole(Vec3 albedo) { return albedo; }\n";
-/// The text for lobes that the host has.
+/// The text for lobes that the host supplies.
 constexpr std::string_view k_light_of_host =
     "Vec3 light_between(int i, NodesAbout nodes) {\n"
     "    Vec3 here = light_texel(i, nodes.below);\n"
@@ -60,15 +61,15 @@ std::string light_of(const Model& model, const LightOptions& options, Program& p
         {},
         5 * others + 1};
     if (options.has_lobes()) {
-        const ExtendedLight of = extended_light(prepare(model), {.lobes = options.code.lobes,
-                                                                 .isotropic = is_isotropic(model),
-                                                                 .levels = options.code.levels,
-                                                                 .threads = options.threads});
+        const ExtendedLight extended = extended_light(prepare(model), {.lobes = options.code.lobes,
+                                                                       .isotropic = is_isotropic(model),
+                                                                       .levels = options.code.levels,
+                                                                       .threads = options.threads});
         for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
-            for (const auto& lobe : std::span(of.lobe).subspan((others + 1) * node + 1, others))
+            for (const auto& lobe : std::span(extended.lobe).subspan((others + 1) * node + 1, others))
                 light.numbers.insert(light.numbers.end(),
                                      {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
-            light.numbers.push_back(of.width[node]);
+            light.numbers.push_back(extended.width[node]);
         }
     }
     program.tables.push_back(std::move(light));
@@ -79,8 +80,8 @@ std::string light_of(const Model& model, const LightOptions& options, Program& p
            "    return Vec3(whole.x * light_number(5 * k - 3, nodes), whole.y * light_number(5 * k - 2, nodes),\n"
            "                whole.z * light_number(5 * k - 1, nodes));\n}\n";
 }
-/// The text where the coefficients are arguments: beside the cosine of all there is one lobe of each of the basis, lobe j + 1
-/// of j, so that the sum is linear in them.
+/// The text if the coefficients are arguments. Beside a common cosine there is one lobe for each lobe of the basis,
+/// j + 1 for lobe j, so that the sum is linear in the coefficients.
 std::string light_of_basis(const PmModel& basis, const LightOptions& options, Program& program) {
     const auto J = std::size_t(basis.lobes), columns = 3 * J + 1;
     Table light{
@@ -91,16 +92,16 @@ std::string light_of_basis(const PmModel& basis, const LightOptions& options, Pr
         columns};
     if (options.has_lobes()) light.numbers.resize(columns * ExtendedLight::k_views);
     for (std::size_t j = 0; j < J && !light.numbers.empty(); ++j) {
-        const Model one = lobe_alone(basis, j);
-        const ExtendedLight of = extended_light(
-            prepare(one),
-            {.lobes = 2, .isotropic = is_isotropic(one), .levels = options.code.levels, .threads = options.threads});
+        const Model single = lobe_alone(basis, j);
+        const ExtendedLight extended = extended_light(
+            prepare(single),
+            {.lobes = 2, .isotropic = is_isotropic(single), .levels = options.code.levels, .threads = options.threads});
         for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
-            const ExtendedLight::Lobe& lobe = of.lobe[2 * node + 1];
-            const float whole = albedo_of_node(of.brdf, ExtendedLight::cosine(int(node))).g;
+            const ExtendedLight::Lobe& lobe = extended.lobe[2 * node + 1];
+            const float total = albedo_of_node(extended.brdf, ExtendedLight::cosine(int(node))).g;
             float* const row = &light.numbers[columns * node];
-            row[3 * j] = lobe.axis, row[3 * j + 1] = lobe.roughness, row[3 * j + 2] = lobe.weight.g * whole;
-            row[columns - 1] = j == 0 ? of.width[node] : std::min(row[columns - 1], of.width[node]);
+            row[3 * j] = lobe.axis, row[3 * j + 1] = lobe.roughness, row[3 * j + 2] = lobe.weight.g * total;
+            row[columns - 1] = j == 0 ? extended.width[node] : std::min(row[columns - 1], extended.width[node]);
         }
     }
     program.tables.push_back(std::move(light));
@@ -121,13 +122,13 @@ constexpr const char* k_texel_of_host =
 std::map<std::string, std::string> light_entries(const EnvironmentCode& code, CodeLanguage language) {
     std::map<std::string, std::string> names;
     const auto add = [&](const char* name) { names.emplace(name, name); };
-    const bool sees_textures = syntax::reads_buffers(language);  // of the host, in a function
+    const bool can_read_textures = syntax::reads_buffers(language);  // of the host, in a function
     if (code.environment || code.area) add("environment_lobe");
     if (code.draws) add("environment_draw");
     if (code.texels) add("light_texel");
     if (code.area) add("area");
-    if (code.environment && sees_textures) add("radiance"), add("environment");
-    if (code.draws && sees_textures) add("radiance_over"), add("environment_sampled");
+    if (code.environment && can_read_textures) add("radiance"), add("environment");
+    if (code.draws && can_read_textures) add("radiance_over"), add("environment_sampled");
     return names;
 }
 
@@ -146,7 +147,7 @@ AddedCode added_of(const EnvironmentCode& code, const CodeOptions& options) {
     return added;
 }
 
-/// The features of `k_features` that are named.
+/// The functions that `CodeOptions::with` names.
 AddedCode light_functions(const CodeOptions& options) {
     const auto is_named = [&](const char* name) { return std::ranges::count(options.with, name) > 0; };
     const EnvironmentCode code{
@@ -170,8 +171,8 @@ LightTexels light_texels(const ExtendedLight& light) {
     const std::size_t others = std::size_t(light.lobes) - 1,
                       columns = 2 * others + (k_albedo_nodes + k_views - 1) / k_views;
     LightTexels texels{columns, std::vector<float>(3 * columns * k_views)};
-    const auto set = [&](std::size_t i, std::size_t view, const Rgb& of) {
-        std::copy_n(&of.r, 3, &texels.numbers[3 * (i + view * columns)]);
+    const auto set = [&](std::size_t i, std::size_t view, const Rgb& texel) {
+        std::copy_n(&texel.r, 3, &texels.numbers[3 * (i + view * columns)]);
     };
     for (std::size_t view = 0; view < k_views; ++view)
         for (std::size_t k = 0; k < others; ++k) {

@@ -1,13 +1,15 @@
-// An environment by draws of the BRDF, to follow mixture.glsl, extended.glsl and brdf.
+// An environment sampled by the BRDF. Must follow mixture.glsl, extended.glsl and brdf.
 
-// A draw: the mean radiance over a solid angle [sr] about a direction of the local frame is reflected with `weight`.
+// A sample: the mean radiance over a solid angle [sr] around a direction of the local frame is reflected with
+// `weight`.
 struct LightDraw {
     Vec3 direction;
     Real solid_angle;
     Vec3 weight;
 };
-// Draw i of `count`, by a sequence that covers the unit cube evenly (R2, Roberts 2018). Each stands for the solid angle in
-// which one draw is expected (Krivanek & Colbert 2008). One without a direction to the light has weight 0.
+// Sample i of `count`, from a sequence that covers the unit cube evenly (R2, Roberts 2018). Each sample represents
+// the solid angle in which one sample is expected (Krivanek & Colbert 2008). A sample without a direction to the
+// light has weight 0.
 LightDraw environment_draw(Su su, Vec3 wv, int i, int count, Pm pm) {
     Real number = Real(i);
     Real u2 = Real(0.5) + Real(0.75487767) * number;
@@ -23,10 +25,11 @@ LightDraw environment_draw(Su su, Vec3 wv, int i, int count, Pm pm) {
     return draw;
 }
 
-// The mean radiance of the environment over a solid angle [sr] about a direction of the local frame, which the host supplies: of a
-// chain of levels, each of half as many texels along a side, level log2(solid angle / that of a texel of the first) / 2.
+// The mean radiance of the environment over a solid angle [sr] around a direction of the local frame, which the
+// host supplies. In a chain of levels, each with half as many texels along a side, it is level log2(solid angle /
+// that of a texel of the first level) / 2.
 Vec3 radiance_over(Vec3 direction, Real solid_angle);
-// The radiance that leaves towards the viewer, by `count` draws.
+// The radiance that leaves towards the viewer, from `count` samples.
 Vec3 environment_sampled(Su su, Vec3 wv, int count, Pm pm) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     if (wv.z <= Real(0.0)) return sum;

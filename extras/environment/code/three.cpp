@@ -11,26 +11,29 @@
 namespace srbf {
 namespace {
 
-/// A frame takes up to twice the time of MeshStandardMaterial's, with five 2.8 times and with six more than thrice.
+/// With this many lobes a frame takes up to twice the time of MeshStandardMaterial's; with five it takes 2.8 times,
+/// with six more than three times as long.
 constexpr int k_three_lobes = 4;
 
 /// "CcIbizaSunset" for "cc_ibiza_sunset".
 std::string capitalised(const std::string& name) {
     std::string words;
-    bool begins = true;
+    bool is_first = true;
     for (const char c : name) {
-        if (c != '_') words += begins ? char(std::toupper(static_cast<unsigned char>(c))) : c;
-        begins = c == '_';
+        if (c != '_') words += is_first ? char(std::toupper(static_cast<unsigned char>(c))) : c;
+        is_first = c == '_';
     }
     return words;
 }
 
-void replace_all(std::string& text, std::string_view place, const std::string& by) {
-    for (auto at = text.find(place); at != text.npos; at = text.find(place, at + by.size()))
-        text.replace(at, place.size(), by);
+void replace_all(std::string& text, std::string_view place, const std::string& replacement) {
+    for (auto position = text.find(place); position != text.npos;
+         position = text.find(place, position + replacement.size()))
+        text.replace(position, place.size(), replacement);
 }
 
-/// The module of these functions; `classes`: what its text names of three and what extends its class.
+/// The module with these functions. `imports` are further names from three, `classes` the text that extends its
+/// class.
 std::string module_of(const std::string& functions, std::string_view imports, std::string_view classes) {
     std::string text = k_three_text;
     replace_all(text, "import {", fmt::format("import {{{}", imports));
@@ -39,7 +42,7 @@ std::string module_of(const std::string& functions, std::string_view imports, st
     text += classes;
     return text;
 }
-/// `more`: arguments of the constructor of `base`.
+/// A class that extends `base`; `more` is appended to the arguments of the constructor of `base`.
 std::string class_text(const std::string& name, std::string_view base, std::string_view more = "") {
     return fmt::format(
         "export class {}Material extends {} {{\n    constructor(parameters) {{\n"
@@ -47,40 +50,42 @@ std::string class_text(const std::string& name, std::string_view base, std::stri
         capitalised(name), base, name, more);
 }
 /// The lobes of a model as a texture, for its class.
-std::string lobes_text(const NamedModel& of, int threads) {
-    const ExtendedLight light = extended_light(
-        prepare(*of.model),
-        {.lobes = k_three_lobes, .isotropic = is_isotropic(*of.model), .levels = MapLevels::three, .threads = threads});
+std::string lobes_text(const NamedModel& named, int threads) {
+    const ExtendedLight light = extended_light(prepare(*named.model), {.lobes = k_three_lobes,
+                                                                       .isotropic = is_isotropic(*named.model),
+                                                                       .levels = MapLevels::three,
+                                                                       .threads = threads});
     const LightTexels texels = light_texels(light);
     std::string numbers;
     for (std::size_t i = 0; i < texels.numbers.size(); i += 3)
         numbers += fmt::format("    {}, {}, {},\n", texels.numbers[i], texels.numbers[i + 1], texels.numbers[i + 2]);
-    return fmt::format("\nconst {}_lobes = lobesTexture([\n{}]);\n", of.name, numbers);
+    return fmt::format("\nconst {}_lobes = lobesTexture([\n{}]);\n", named.name, numbers);
 }
 
 }  // namespace
 
 Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads) {
-    for (const NamedModel& of : models) {
-        if (std::holds_alternative<SuModel>(of.model->model))
-            return Error{of.name, {}, "model", "multivariate, or Lambert and GGX", "view by view", ErrorCode::argument};
-        if (std::holds_alternative<BsdfModel>(of.model->model))
-            return Error{of.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
+    for (const NamedModel& named : models) {
+        if (std::holds_alternative<SuModel>(named.model->model))
+            return Error{named.name,         {}, "model", "multivariate, or Lambert and GGX", "view by view",
+                         ErrorCode::argument};
+        if (std::holds_alternative<BsdfModel>(named.model->model))
+            return Error{named.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
     }
     const auto code =
         environment_code(models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
                          {.environment = true, .area = true, .lobes = k_three_lobes, .texels = true});
     if (!code) return code.error();
-    std::string functions;  // whose environment is three's
+    std::string functions;  // their environment is that of three
     std::string classes;
     DefinedNames defined;
-    for (const NamedModel& of : models) {
-        if (const auto distinct = defined.add(capitalised(of.name) + "Material", of.name); !distinct)
+    for (const NamedModel& named : models) {
+        if (const auto distinct = defined.add(capitalised(named.name) + "Material", named.name); !distinct)
             return distinct.error();
         functions += fmt::format(
-            "#define {0}_radiance measured_radiance\n#define {0}_light_texel measured_light_texel\n", of.name);
-        classes += lobes_text(of, threads);
-        classes += class_text(of.name, "MeasuredMaterial", fmt::format(", {{ lobes: {}_lobes }}", of.name));
+            "#define {0}_radiance measured_radiance\n#define {0}_light_texel measured_light_texel\n", named.name);
+        classes += lobes_text(named, threads);
+        classes += class_text(named.name, "MeasuredMaterial", fmt::format(", {{ lobes: {}_lobes }}", named.name));
     }
     return module_of(functions + *code, "", classes);
 }

@@ -7,11 +7,11 @@ if (parseInt(REVISION) !== 187)
 const functions = /* glsl */ `
 FUNCTIONS`;
 
-// What three calls for each of its lights instead of the formulas of its standard material. `texel` follows the arguments of
-// the reflectance's functions.
+// Replaces the formulas of three's standard material for each of its lights. `texel` is appended to the arguments
+// of the reflectance's functions.
 const reflection = (name, texel) => /* glsl */ `
-mat3 measured_frame;  // from the frame about the normal to that of the view
-// The environment, filtered by three as for GGX; without one the functions below are not called.
+mat3 measured_frame;  // from the frame around the normal to that of the view
+// The environment, filtered by three as for GGX. Without an environment, the functions below are not called.
 vec3 measured_radiance(vec3 direction, float roughness) {
     #if defined(USE_ENVMAP) && defined(ENVMAP_TYPE_PMREM)
         vec3 w = envMapRotation * transformDirectionByInverseViewMatrix(measured_frame * direction, viewMatrix);
@@ -21,13 +21,13 @@ vec3 measured_radiance(vec3 direction, float roughness) {
     #endif
 }
 // The lobes of the views, and albedos, in a texture since some drivers index constants slowly.
-uniform highp sampler2D measured_lobes;
+// The lobes of the views, and albedos. They are in a texture because some drivers index constants slowly.
 vec3 measured_light_texel(int i, int view) {
     return texelFetch(measured_lobes, ivec2(i, view), 0).rgb;
 }
 ${functions}
-// The frame about the normal, made visible to the viewer: x along the tangent if the geometry has tangents (define
-// USE_TANGENT), otherwise along the circle of latitude about y.
+// The frame around the normal, made visible to the viewer. x is along the tangent if the geometry has tangents
+// (define USE_TANGENT), otherwise along the circle of latitude around y.
 mat3 ${name}_frame(vec3 n, vec3 wv) {
     n = normalize(n + max(0.01 - dot(n, wv), 0.0) * wv);
     #ifdef USE_TANGENT
@@ -47,7 +47,7 @@ void RE_Direct_${name}(const in IncidentLight directLight, const in vec3 geometr
     reflectedLight.directDiffuse += max(wl.z, 0.0) * f * material.diffuseColor * directLight.color;
 }
 #if NUM_RECT_AREA_LIGHTS > 0
-// A rectangle of light shines to one side.
+// A rectangular light emits to one side only.
 void RE_Direct_RectArea_${name}(const in RectAreaLight rectAreaLight, const in vec3 geometryPosition,
                                 const in vec3 geometryNormal, const in vec3 geometryViewDir,
                                 const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material,
@@ -85,7 +85,7 @@ void RE_IndirectSpecular_${name}(const in vec3 radiance, const in vec3 irradianc
 #define RE_IndirectSpecular RE_IndirectSpecular_${name}
 `;
 
-// The texels that measured_light_texel is asked for, a row for each view.
+// The texels of measured_light_texel, one row for each view.
 function lobesTexture(numbers) {
     const views = VIEWS, texels = new Float32Array((4 * numbers.length) / 3);
     for (let i = 0, j = 0; i < numbers.length; i += 3, j += 4) texels.set(numbers.slice(i, i + 3), j);
@@ -94,10 +94,10 @@ function lobesTexture(numbers) {
     return texture;
 }
 
-// A MeshStandardMaterial with a measured reflectance under every light of three: environments (of the scene or its own),
-// area lights, ambient light and light probes too. Skinning, instances, shadows, fog, occlusion, transparency, normal and
-// bump maps are three's; colours, colour maps and vertex colours multiply the reflectance. Roughness and metalness are
-// not read.
+// A MeshStandardMaterial with a measured reflectance under every light of three: environments (of the scene or its
+// own), area lights, ambient light and light probes too. Skinning, instances, shadows, fog, occlusion,
+// transparency, normal and bump maps are three's. Colours, colour maps and vertex colours multiply the reflectance.
+// Roughness and metalness are not used.
 class MeasuredMaterial extends MeshStandardMaterial {
     constructor(reflectance, parameters, { texel = '', lobes = null } = {}) {
         super({ metalness: 0, ...parameters });
@@ -111,7 +111,7 @@ class MeasuredMaterial extends MeshStandardMaterial {
     customProgramCacheKey() {
         return this.reflectance + functions + this.onBeforeCompile;
     }
-    // The JSON of three has no reflectance: what it loads is a MeshStandardMaterial.
+    // The JSON of three has no reflectance: loading it yields a MeshStandardMaterial.
     toJSON(meta) {
         console.warn(`${this.constructor.name}: JSON does not keep the reflectance; construct the material after loading`);
         return super.toJSON(meta);

@@ -1,5 +1,5 @@
 
-// A map's coefficients as a texture, from its KTX 2 file with the levels there: row 0 of the map is at v = 0.
+// A map's coefficients as a texture, from its KTX 2 file with all levels of the file. Row 0 of the map is at v = 0.
 export async function loadCoefficients(url = new URL('FILE', import.meta.url)) {
     const response = await fetch(url);
     if (!response.ok) throw new Error(`${url}: ${response.status}`);
@@ -12,14 +12,14 @@ export async function loadCoefficients(url = new URL('FILE', import.meta.url)) {
         width: Math.max(width >> k, 1),
         height: Math.max(height >> k, 1),
     }));
-    // An array with levels of its own is uploaded only as a "compressed" one, which takes this format too.
+    // An array with its own levels can only be uploaded as a "compressed" one, which accepts this format too.
     const texture = new CompressedArrayTexture(levels, width, height, layers, RGBAFormat, HalfFloatType);
     texture.needsUpdate = true;
     return texture;
 }
 
-// A MeasuredMaterial whose reflectance varies over the surface, as `coefficients` do at the mesh's uv: a texture with its
-// repeat, offset, rotation, wrapping and anisotropy. Black until there is one.
+// A MeasuredMaterial whose reflectance varies over the surface, like `coefficients` at the mesh's uv. They are a
+// texture with its repeat, offset, rotation, wrapping and anisotropy. The material is black until they are set.
 class MeasuredMap extends MeasuredMaterial {
     constructor(reflectance, { coefficients = null, ...parameters } = {}) {
         super(reflectance, parameters, { texel: ', measured_texel' });
@@ -32,18 +32,18 @@ class MeasuredMap extends MeasuredMaterial {
     }
     onBeforeCompile(shader) {
         super.onBeforeCompile(shader);
-        const of = this;
+        const material = this;
         const after = (text, place, more) => text.replace(place, () => place + more);
         Object.assign(shader.uniforms, {
             measured_coefficients: {
                 get value() {
-                    return of.coefficients;
+                    return material.coefficients;
                 },
             },
             measured_transform: {
                 get value() {
-                    if (of.coefficients?.matrixAutoUpdate) of.coefficients.updateMatrix();
-                    return of.coefficients?.matrix ?? new Matrix3();
+                    if (material.coefficients?.matrixAutoUpdate) material.coefficients.updateMatrix();
+                    return material.coefficients?.matrix ?? new Matrix3();
                 },
             },
         });

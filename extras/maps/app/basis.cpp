@@ -26,9 +26,9 @@ struct BasisCommand {
     std::vector<std::string> inputs;
     std::string output, lobes = std::to_string(BasisOptions{}.lobes);  // a number, or the library whose lobes are used
     FitTexts texts;
-    FitRequest request;         // of the texts
-    int active = 0;             // 0: all
-    double target_delta_e = 0;  // 0: none
+    FitRequest request;         // the parsed texts
+    int active = 0;             // 0: all lobes
+    double target_delta_e = 0;  // 0: no target
 
     std::optional<int> count() const { return to_number<int>(lobes); }
     BasisOptions options() const {
@@ -44,7 +44,7 @@ struct BasisCommand {
     }
 };
 
-/// How many materials the report lists, those with the largest errors.
+/// Maximum number of materials in the report: those with the largest errors.
 constexpr std::size_t k_most_listed_materials = 20;
 
 Result<Library> load_library(const std::string& path) {
@@ -59,20 +59,20 @@ double mean_error(const Library& library) {
     return std::accumulate(library.error.begin(), library.error.end(), 0.0) / double(library.count());
 }
 
-/// The library with the fewest lobes, of numbers that double up to the options', whose mean error reaches the target, or else
-/// that of most lobes; `tried` receives a line for each.
+/// Fits libraries with doubling numbers of lobes, up to that of the options. Returns the first whose mean error
+/// reaches the target, or else the one with most lobes. `report` receives a line for each.
 Result<Library> smallest_library(const BasisCommand& fit, std::span<const LibrarySource> sources,
-                                 const ProgressToken& progress, std::string& tried) {
+                                 const ProgressToken& progress, std::string& report) {
     BasisOptions options = fit.options();
-    const int most = options.lobes;
+    const int max_lobes = options.lobes;
     for (int lobes = std::max(1, options.active);; lobes *= 2) {
-        options.lobes = std::min(lobes, most);
+        options.lobes = std::min(lobes, max_lobes);
         auto library = fit_library(sources, options, progress);
         if (!library) return library;
         const double error = mean_error(*library);
-        const bool is_last = options.lobes == most;
-        tried += fmt::format("  {:>3} lobes     mean ΔE_ITP {:.3g}{}\n", options.lobes, error,
-                             is_last && error > fit.target_delta_e ? ", above the target" : "");
+        const bool is_last = options.lobes == max_lobes;
+        report += fmt::format("  {:>3} lobes     mean ΔE_ITP {:.3g}{}\n", options.lobes, error,
+                              is_last && error > fit.target_delta_e ? ", above the target" : "");
         if (error <= fit.target_delta_e || is_last) return library;
     }
 }
@@ -85,10 +85,10 @@ void print_library(const BasisCommand& fit, const Library& library, double secon
                library.dense() ? std::string("all of them") : fmt::format("at most {}", library.stored), seconds);
     fmt::print("  bytes         {} shared, {} a material\n", basis_bytes(library), material_bytes(library));
     fmt::print("  mean ΔE_ITP   {:.3g}\n", mean_error(library));
-    const std::size_t listed = std::min(order.size(), k_most_listed_materials);
-    for (std::size_t i = 0; i < listed; ++i)
+    const std::size_t listed_count = std::min(order.size(), k_most_listed_materials);
+    for (std::size_t i = 0; i < listed_count; ++i)
         fmt::print("  {:<13} {:.3g}\n", printable(library.names[order[i]]), library.error[order[i]]);
-    if (listed < order.size()) fmt::print("  .. and {} better ones\n", order.size() - listed);
+    if (listed_count < order.size()) fmt::print("  .. and {} better ones\n", order.size() - listed_count);
     fmt::print("  library       {}\n", printable(fit.output));
 }
 
@@ -102,9 +102,9 @@ int fit_basis(const BasisCommand& fit) {
     ProgressLine line;
     const auto progress = [&](const Progress& now) { return line.show(now.stage, now.fraction), true; };
     Result<Library> library = Library{};
-    std::string tried;
+    std::string report;
     if (fit.target_delta_e > 0) {
-        library = smallest_library(fit, sources, progress, tried);
+        library = smallest_library(fit, sources, progress, report);
     } else if (fit.count()) {
         library = fit_library(sources, fit.options(), progress);
     } else {
@@ -119,7 +119,7 @@ int fit_basis(const BasisCommand& fit) {
     library->provenance = {{"generator", "srbf " SRBF_VERSION}, {"objective", "appearance"}};
     const std::vector<NewFile> files{{fit.output, write_library(*library)}};
     const auto written = write_files(files, [&]() -> Result<Done> {
-        fmt::print("{}", tried);
+        fmt::print("{}", report);
         print_library(fit, *library, watch.seconds());
         return flush_standard_output();
     });
@@ -158,7 +158,7 @@ void add_basis(CommandLine& app, int& status) {
                        "(ITP) of pictures of a sphere, where 1 is just noticeable")
             .type_name("E")
             .check(within(k_finest_delta_e, k_most_delta_e));
-    const OptionsByName of =
+    const OptionsByName options =
         add_fit_options(sub, fit->texts, {"form", "variates", "axial", "max_theta", "seed", "threads"});
     sub.footer(
         "Examples:\n  srbf basis materials/*.binary --lobes 32 --active 16 -o library.srbf\n"
@@ -171,9 +171,9 @@ void add_basis(CommandLine& app, int& status) {
         {{{active},
           "at most the number of shared lobes",
           [fit] { return fit->active <= fit->count().value_or(k_most_basis_lobes); }},
-         {{target, of.at("form"), of.at("variates"), of.at("axial")}, "only with a number of lobes", [fit] {
-              return fit->count().has_value();
-          }}});
+         {{target, options.at("form"), options.at("variates"), options.at("axial")},
+          "only with a number of lobes",
+          [fit] { return fit->count().has_value(); }}});
 }
 
 }  // namespace srbf

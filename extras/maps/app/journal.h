@@ -1,4 +1,4 @@
-// Work in progress, beside the file that it is for.
+// A journal of work in progress, beside the file that it is for.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -10,25 +10,25 @@
 
 namespace srbf {
 
-/// A file OUTPUT.part of what a long run has done: a line with the key of the work, then records. A record has its number
-/// of bytes and a hash of the key and of all bytes up to its end, so that records that are torn, changed, or of other work
-/// are not taken for its own. While the journal is open no other process can open it.
+/// A file OUTPUT.part that records what a long run has done: a line with the key of the work, then records. A
+/// record has its number of bytes and a hash of the key and of all bytes up to its end, so that torn or changed
+/// records, and records of other work, are recognised. While the journal is open, no other process can open it.
 class Journal {
   public:
-    /// Begins a journal, or with `resume` continues one of the same key. A line on standard error names an older one, if it
-    /// is replaced or if its end is damaged. Errors: another process has it; `resume`, and it is of another key; the file
-    /// is no journal; it cannot be written.
+    /// Begins a journal, or with `resume` continues one with the same key. Reports on standard error if an older
+    /// one is replaced or its end is damaged. Errors: another process has it open; `resume` with another key; the
+    /// file is not a journal; it cannot be written.
     static Result<Journal> open(const std::string& output, const std::string& key, bool resume);
     Journal(Journal&& other) noexcept;
     Journal& operator=(Journal&&) = delete;
     /// Deletes the file if it has no record.
     ~Journal();
 
-    /// The records of earlier runs; they are moved from here.
+    /// The records of earlier runs; callers may move them out.
     std::vector<std::vector<std::byte>> kept;
-    /// Adds a record, and waits until the disk has it.
+    /// Adds a record, and waits until it is on the disk.
     Result<Done> add(std::span<const std::byte> record);
-    /// Deletes the file: the output is written.
+    /// Deletes the file, once the output is written.
     void remove();
 
   private:
@@ -40,7 +40,7 @@ class Journal {
     std::string path_;
     int descriptor_;
     std::size_t records_ = 0;
-    std::uint64_t hash_ = 0;  ///< of the last record, or of the key
+    std::uint64_t hash_ = 0;  ///< hash of the last record, or of the key
 };
 
 }  // namespace srbf

@@ -16,74 +16,78 @@ struct MapOptions {
     OptionsByName fit;
 };
 
-constexpr std::size_t k_most_texels_of_a_slab = std::size_t(1) << 20;
+constexpr std::size_t k_max_slab_texels = std::size_t(1) << 20;
 
-/// FIRST:END, FIRST < END.
+/// Checks for FIRST:END with FIRST < END.
 Check texel_range() {
     return [](const std::string& text) -> std::string {
-        const auto at = text.find(':');
-        const auto first = to_number<std::uint64_t>(std::string_view(text).substr(0, at)),
-                   end = at == text.npos ? std::nullopt : to_number<std::uint64_t>(text.substr(at + 1));
+        const auto colon = text.find(':');
+        const auto first = to_number<std::uint64_t>(std::string_view(text).substr(0, colon)),
+                   end = colon == text.npos ? std::nullopt : to_number<std::uint64_t>(text.substr(colon + 1));
         return first && end && *first < *end ? "" : fmt::format("expected FIRST:END, found {}", text);
     };
 }
 
-void add_texel_files(const Subcommand& sub, MapCommand& to, MapOptions& of) {
-    of.texels = sub.add_option("TEXELS", to.texels,
-                               "A .npy file, float32 [T, M, 3], [T, M, 1] or [T, M]: f_r of T texels at M pairs of\n"
-                               "directions")
-                    .type_name("")
-                    .required();
-    of.pairs = sub.add_option("--pairs", to.pairs, "The pairs, a CSV file with columns wl_x to wv_z")
-                   .type_name("P.csv")
-                   .required();
-    of.output = sub.add_option("-o,--output", to.output,
-                               "The folder, for stacks of models DIR/STEM-FIRST.srbf; with --basis the library")
-                    .type_name("DIR|FILE")
-                    .required();
-    of.resume = sub.add_flag("--resume", to.resume,
-                             "Keep the texels that were fitted to the same values by the same options and version");
+void add_texel_files(const Subcommand& sub, MapCommand& command, MapOptions& options) {
+    options.texels =
+        sub.add_option("TEXELS", command.texels,
+                       "A .npy file, float32 [T, M, 3], [T, M, 1] or [T, M]: f_r of T texels at M pairs of\n"
+                       "directions")
+            .type_name("")
+            .required();
+    options.pairs = sub.add_option("--pairs", command.pairs, "The pairs, a CSV file with columns wl_x to wv_z")
+                        .type_name("P.csv")
+                        .required();
+    options.output = sub.add_option("-o,--output", command.output,
+                                    "The folder, for stacks of models DIR/STEM-FIRST.srbf; with --basis the library")
+                         .type_name("DIR|FILE")
+                         .required();
+    options.resume =
+        sub.add_flag("--resume", command.resume,
+                     "Keep the texels that were fitted to the same values by the same options and version");
 }
 
-void add_own_lobes(const Subcommand& sub, MapCommand& to, MapOptions& of) {
-    of.lobes =
-        sub.add_option("--lobes", to.lobes,
+void add_own_lobes(const Subcommand& sub, MapCommand& command, MapOptions& options) {
+    options.lobes =
+        sub.add_option("--lobes", command.lobes,
                        fmt::format("Number of lobes of each texel, 1 to {}; a short search", k_most_fitted_lobes))
             .type_name("J")
             .check(within(1, k_most_fitted_lobes))
             .capture_default_str();
-    const auto take = [&to](const std::string& text) {
-        const auto at = text.find(':');
-        to.first = std::stoull(text.substr(0, at));
-        to.last = std::stoull(text.substr(at + 1));
+    const auto set_range = [&command](const std::string& text) {
+        const auto colon = text.find(':');
+        command.first = std::stoull(text.substr(0, colon));
+        command.last = std::stoull(text.substr(colon + 1));
     };
-    of.range = sub.add_option("--texels", take, "Only texels FIRST to END - 1, for one of several machines")
-                   .type_name("FIRST:END")
-                   .check(texel_range());
-    of.slab = sub.add_option("--slab", to.slab, "Number of texels in memory and in a file")
-                  .type_name("T")
-                  .check(within(std::size_t(1), k_most_texels_of_a_slab))
-                  .capture_default_str();
+    options.range = sub.add_option("--texels", set_range, "Only texels FIRST to END - 1, for one of several machines")
+                        .type_name("FIRST:END")
+                        .check(texel_range());
+    options.slab = sub.add_option("--slab", command.slab, "Number of texels in memory and in a file")
+                       .type_name("T")
+                       .check(within(std::size_t(1), k_max_slab_texels))
+                       .capture_default_str();
 }
 
-void add_shared_lobes(const Subcommand& sub, MapCommand& to, MapOptions& of) {
-    of.basis = sub.add_option("--basis", to.basis,
-                              fmt::format("One library of all texels, which share N lobes, 1 to {}. Texels are FILE#T",
-                                          k_most_basis_lobes))
-                   .type_name("N")
-                   .check(within(1, k_most_basis_lobes));
-    of.width = sub.add_option("--width", to.width, "With --basis: texels in a row of the map, for FILE#X,Y")
-                   .type_name("W")
-                   .check(within(std::size_t(1), std::size_t(1) << 20));
+void add_shared_lobes(const Subcommand& sub, MapCommand& command, MapOptions& options) {
+    options.basis =
+        sub.add_option("--basis", command.basis,
+                       fmt::format("One library of all texels, which share N lobes, 1 to {}. Texels are FILE#T",
+                                   k_most_basis_lobes))
+            .type_name("N")
+            .check(within(1, k_most_basis_lobes));
+    options.width = sub.add_option("--width", command.width, "With --basis: texels in a row of the map, for FILE#X,Y")
+                        .type_name("W")
+                        .check(within(std::size_t(1), std::size_t(1) << 20));
 }
 
-std::vector<Reading> map_readings(const MapOptions& of, const MapCommand& fit) {
+std::vector<Reading> map_readings(const MapOptions& options, const MapCommand& fit) {
     return {
-        {{of.lobes, of.fit.at("reciprocal"), of.fit.at("no_scale"), of.fit.at("objective"), of.range, of.slab},
+        {{options.lobes, options.fit.at("reciprocal"), options.fit.at("no_scale"), options.fit.at("objective"),
+          options.range, options.slab},
          "not with --basis",
          [&] { return fit.basis == 0; }},
-        {{of.width}, "only with --basis", [&] { return fit.basis > 0; }},
-        {{of.output},
+        {{options.width}, "only with --basis", [&] { return fit.basis > 0; }},
+        {{options.output},
          "a folder, not the name of a model",
          [&] { return fit.basis > 0 || is_folder(fit.output) || !fit.output.ends_with(".srbf"); }},
     };
@@ -94,14 +98,14 @@ std::vector<Reading> map_readings(const MapOptions& of, const MapCommand& fit) {
 void add_map(CommandLine& app, int& status) {
     struct State {
         MapCommand fit;
-        MapOptions of;
+        MapOptions options;
     };
     const auto state = std::make_shared<State>();
-    auto& [fit, of] = *state;
+    auto& [fit, options] = *state;
     const Subcommand sub =
         app.add_subcommand("map", "Fit the texels of a surface: of their own lobes, or of lobes that they share");
-    for (const auto add : {add_texel_files, add_own_lobes, add_shared_lobes}) add(sub, fit, of);
-    of.fit = add_fit_options(
+    for (const auto add : {add_texel_files, add_own_lobes, add_shared_lobes}) add(sub, fit, options);
+    options.fit = add_fit_options(
         sub, fit.texts,
         {"form", "variates", "axial", "reciprocal", "no_scale", "objective", "max_theta", "seed", "threads"});
     sub.footer(
@@ -109,16 +113,16 @@ void add_map(CommandLine& app, int& status) {
         "  srbf map texels.npy --pairs pairs.csv --basis 16 --width 512 -o map.srbf --resume");
     sub.callback(
         [sub, state, &status] {
-            const MapOptions& given = state->of;
+            const MapOptions& given = state->options;
             MapCommand& map = state->fit;
             map.request = requested(sub, map.texts);
             std::get<PmRequest>(map.request.model).size = LobeCount{map.lobes};
-            // The key has the content of inputs; texels and the width only place the coefficients.
+            // The key includes the contents of the inputs; the range of texels and the width only place the coefficients.
             map.settings = sub.settings({given.texels, given.pairs, given.output, given.resume, given.range,
                                          given.width, given.fit.at("threads")});
             status = map.basis > 0 ? fit_map(map) : fit_slabs(map);
         },
-        map_readings(of, fit));
+        map_readings(options, fit));
 }
 
 }  // namespace srbf

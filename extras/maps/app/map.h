@@ -1,4 +1,4 @@
-// The command line of `srbf map`, and the two kinds of what it writes.
+// The command line of `srbf map`, and its two kinds of output.
 #pragma once
 #include <string>
 #include <variant>
@@ -10,12 +10,12 @@ namespace srbf {
 
 struct MapCommand {
     std::string texels, pairs, output;
-    std::string settings;  // the options that results depend on
+    std::string settings;  // the options on which results depend
     FitTexts texts;
-    FitRequest request;  // of the texts, with the number of each texel's lobes
+    FitRequest request;  // parsed from the texts, with the number of each texel's lobes
     int lobes = std::get<LobeCount>(*std::get<PmRequest>(BatchOptions{}.request.model).size).lobes;
-    int basis = 0;                    // the number of lobes that the texels share; 0: each has its own
-    std::size_t first = 0, last = 0;  // the texels; last 0: all
+    int basis = 0;                    // number of lobes that the texels share; 0: each has its own
+    std::size_t first = 0, last = 0;  // range of texels; last 0: all
     std::size_t slab = TexelStream{}.slab, width = 0;
     bool resume = false;
 

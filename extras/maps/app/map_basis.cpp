@@ -22,13 +22,12 @@
 namespace srbf {
 namespace {
 
-/// Texels in memory, and in a record of the journal.
-constexpr std::size_t k_texels_at_once = 4096;
-/// Texels among which those are chosen that span the set, and how many.
+/// Number of texels in memory, and in a record of the journal.
+constexpr std::size_t k_texels_per_record = 4096;
+/// Number of candidates for the texels that span the set, and the number chosen from them.
 constexpr std::size_t k_spread_texels = 1024, k_spanning_texels = 48;
 
-/// The values of texels that span the set: of some at equal distances each the farthest from those chosen before, by
-/// cube roots.
+/// The values of texels that span the set: each is the one farthest from those chosen before, by cube roots.
 std::vector<Rgb> spanning_texels(std::span<const Rgb> f, std::size_t pairs) {
     const std::size_t count = f.size() / pairs;
     const auto distance = [&](std::size_t a, std::size_t b) {
@@ -53,29 +52,31 @@ std::vector<Rgb> spanning_texels(std::span<const Rgb> f, std::size_t pairs) {
     return chosen;
 }
 
-/// A record of the journal: of each texel its 3 J coefficients and its error.
-std::vector<std::uint16_t> numbers_of(const TexelCoefficients& of, std::size_t J) {
+/// A record of the journal: for each texel its 3 J coefficients and its error.
+std::vector<std::uint16_t> numbers_of(const TexelCoefficients& texels, std::size_t J) {
     std::vector<std::uint16_t> numbers;
-    for (std::size_t t = 0; t < of.error.size(); ++t) {
+    for (std::size_t t = 0; t < texels.error.size(); ++t) {
         for (std::size_t j = 0; j < J; ++j)
-            for (int c = 0; c < 3; ++c) numbers.push_back(to_half(of.coefficient[t * J + j][c]));
-        numbers.push_back(to_half(of.error[t]));
+            for (int c = 0; c < 3; ++c) numbers.push_back(to_half(texels.coefficient[t * J + j][c]));
+        numbers.push_back(to_half(texels.error[t]));
     }
     return numbers;
 }
 
-/// Appends the coefficients and errors of a record to the library. Errors: it has no whole number of texels.
+/// Appends the coefficients and errors of a record to the library. Errors: a record without a whole number of
+/// texels.
 Result<Done> add_texels(Library& library, std::span<const std::byte> record, const std::string& file_name) {
     const std::size_t J = std::size_t(library.basis.lobes);
-    std::vector<std::uint16_t> of(3 * J + 1);
-    const std::size_t bytes = of.size() * sizeof of[0];
+    std::vector<std::uint16_t> numbers(3 * J + 1);
+    const std::size_t bytes = numbers.size() * sizeof numbers[0];
     if (record.size() % bytes != 0)
         return Error{file_name, {}, "record", "whole texels", fmt::format("{} bytes", record.size())};
     for (; !record.empty(); record = record.subspan(bytes)) {
-        std::memcpy(of.data(), record.data(), bytes);
+        std::memcpy(numbers.data(), record.data(), bytes);
         for (std::size_t j = 0; j < J; ++j)
-            library.coefficient.push_back({from_half(of[3 * j]), from_half(of[3 * j + 1]), from_half(of[3 * j + 2])});
-        library.error.push_back(from_half(of[3 * J]));
+            library.coefficient.push_back(
+                {from_half(numbers[3 * j]), from_half(numbers[3 * j + 1]), from_half(numbers[3 * j + 2])});
+        library.error.push_back(from_half(numbers[3 * J]));
     }
     return Done{};
 }
@@ -84,11 +85,11 @@ Result<Done> add_texels(Library& library, std::span<const std::byte> record, con
 Result<Library> texel_basis(const BasisOptions& options, const SharedPairs& pairs, const Texels& texels,
                             ProgressLine& line) {
     const std::size_t M = pairs.wl.size(), spread = std::min(texels.count(), k_spread_texels);
-    std::vector<Rgb> some(spread * M);
+    std::vector<Rgb> candidates(spread * M);
     for (std::size_t n = 0; n < spread; ++n)
-        if (const auto read = texels.read(n * texels.count() / spread, std::span(some).subspan(n * M, M)); !read)
+        if (const auto read = texels.read(n * texels.count() / spread, std::span(candidates).subspan(n * M, M)); !read)
             return read.error();
-    auto library = fit_texel_basis(pairs, spanning_texels(some, M), options,
+    auto library = fit_texel_basis(pairs, spanning_texels(candidates, M), options,
                                    [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
     if (library) library->provenance = {{"generator", "srbf " SRBF_VERSION}, {"objective", "appearance"}};
     return library;
@@ -111,7 +112,7 @@ struct FittedMap {
     double basis_seconds = 0, seconds = 0;
 };
 
-/// Goes on with what the journal has.
+/// Continues the work recorded in the journal.
 Result<FittedMap> fit_rest(const MapCommand& fit, const SharedPairs& pairs, const Texels& texels, Journal& journal) {
     const BasisOptions options = map_options(fit);
     const std::string part = fit.output + ".part";
@@ -129,8 +130,8 @@ Result<FittedMap> fit_rest(const MapCommand& fit, const SharedPairs& pairs, cons
         if (const auto added = add_texels(library, journal.kept[n], part); !added) return added.error();
     map.kept = library.count();
     std::vector<Rgb> f;
-    for (std::size_t first = map.kept; first < texels.count(); first += k_texels_at_once) {
-        f.resize(std::min(k_texels_at_once, texels.count() - first) * pairs.wl.size());
+    for (std::size_t first = map.kept; first < texels.count(); first += k_texels_per_record) {
+        f.resize(std::min(k_texels_per_record, texels.count() - first) * pairs.wl.size());
         if (const auto done = texels.read(first, f); !done) return done.error();
         const auto numbers =
             numbers_of(fit_texels_to_basis(*basis, pairs, f, fit.request.threads), std::size_t(basis->basis.lobes));

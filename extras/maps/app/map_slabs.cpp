@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Counts of the slabs, for the summary.
+/// Counts over the slabs, for the summary.
 struct SlabSummary {
     std::size_t fitted = 0, black = 0, failed = 0, kept = 0;
     double error = 0;  ///< sum over fitted and kept texels
@@ -29,36 +29,37 @@ struct SlabSummary {
 
 constexpr char k_hash[] = "hash";
 
-/// The file of a stack with the hash of the file without it.
+/// The file of a stack, including the hash of the file without the hash.
 std::vector<std::byte> write_hashed(ModelStack stack) {
     stack.provenance[k_hash] = hash_of(write_stack(stack));
     return write_stack(stack);
 }
 
-/// A stack that an earlier run made of the same values by the same options; none if it is missing or has changed.
-std::optional<ModelStack> done_before(const std::string& path, const std::string& key, std::size_t count) {
+/// A stack that an earlier run made from the same values with the same options; no value if it is missing or
+/// changed.
+std::optional<ModelStack> read_finished(const std::string& path, const std::string& key, std::size_t count) {
     const auto bytes = read_file(path);
     if (!bytes) return {};
     auto stack = read_stack(*bytes, path);
     if (!stack || stack->models.size() != count || stack->provenance["key"] != key) return {};
-    ModelStack without = *stack;
-    without.provenance.erase(k_hash);
-    if (write_hashed(std::move(without)) != *bytes) return {};
+    ModelStack unhashed = *stack;
+    unhashed.provenance.erase(k_hash);
+    if (write_hashed(std::move(unhashed)) != *bytes) return {};
     return *std::move(stack);
 }
 
-/// Slabs in the folder that are of another division of the texels, or of more of them than there are: readers would take
-/// them for slabs of this file.
+/// Errors: slabs in the folder that divide the texels differently, or have more texels than the file. Readers would
+/// mistake them for slabs of this file.
 Result<Done> check_slabs(const MapCommand& fit, const std::string& stem, std::size_t texels, std::size_t end) {
     std::map<std::size_t, std::string> slabs;  // by their first texel
-    std::error_code none;
-    for (const auto& entry : fs::directory_iterator(fit.output, none)) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(fit.output, ignored)) {
         const std::string name = entry.path().stem().string();
         if (entry.path().extension() != ".srbf" || !name.starts_with(stem + "-")) continue;
         if (const auto first = to_number<std::size_t>(std::string_view(name).substr(stem.size() + 1)))
             slabs[*first] = entry.path().string();
     }
-    const auto refused = [](const std::string& path, std::string expected) {
+    const auto refuse = [](const std::string& path, std::string expected) {
         return Error{path,
                      {},
                      "slab",
@@ -67,7 +68,7 @@ Result<Done> check_slabs(const MapCommand& fit, const std::string& stem, std::si
     };
     for (const auto& [first, path] : slabs) {
         const bool is_within = first >= fit.first && first < end && (first - fit.first) % fit.slab != 0;
-        if (is_within || first >= texels) return refused(path, "none that begins at this texel");
+        if (is_within || first >= texels) return refuse(path, "none that begins at this texel");
     }
     std::vector<std::size_t> bounds{fit.first};
     if (end < texels) bounds.insert(bounds.end(), {end, texels});  // otherwise the last slab is replaced
@@ -79,18 +80,18 @@ Result<Done> check_slabs(const MapCommand& fit, const std::string& stem, std::si
         if (!bytes) continue;
         const auto stack = read_stack(*bytes, path);
         if (stack && first + stack->models.size() > bound)
-            return refused(path, fmt::format("none across texel {}", bound));
+            return refuse(path, fmt::format("none across texel {}", bound));
     }
     return Done{};
 }
 
-/// The files of slabs: reads texels, and writes the fits of a slab with the key of all that they depend on.
+/// The files of slabs. Reads texels, and writes the fits of a slab with the key of everything on which they depend.
 class Slabs {
   public:
     Slabs(const MapCommand& fit, const Pairs& pairs, const Texels& texels)
-        : fit_(fit), pairs_(pairs), texels_(texels), of_all_("slab", fit.settings) {
-        of_all_.add(std::as_bytes(std::span(pairs.wl))), of_all_.add(std::as_bytes(std::span(pairs.wv)));
-        of_all_.add(source());
+        : fit_(fit), pairs_(pairs), texels_(texels), common_key_("slab", fit.settings) {
+        common_key_.add(std::as_bytes(std::span(pairs.wl))), common_key_.add(std::as_bytes(std::span(pairs.wv)));
+        common_key_.add(source());
     }
     std::string stem() const { return fs::path(fit_.texels).stem().string(); }
     Result<Done> read(std::size_t first, std::span<Rgb> f) {
@@ -99,11 +100,11 @@ class Slabs {
         return read;
     }
     bool is_done(std::size_t first, std::size_t count) {
-        std::error_code none;
-        if (!fit_.resume || !fs::exists(name_of(first), none)) return false;
+        std::error_code ignored;
+        if (!fit_.resume || !fs::exists(name_of(first), ignored)) return false;
         std::vector<Rgb> f(count * pairs_.wl.size());
         if (!texels_.read(first, f)) return false;
-        const auto stack = done_before(name_of(first), key_of(first, f), count);
+        const auto stack = read_finished(name_of(first), key_of(first, f), count);
         if (!stack) return false;
         summary.kept += stack->models.size();
         for (const float error : stack->error) summary.error += double(error);
@@ -112,15 +113,15 @@ class Slabs {
     Result<Done> take(std::size_t first, std::span<const TexelFit> fits) {
         const Objective objective = fit_.request.objective;
         ModelStack stack;
-        for (const TexelFit& of : fits) {
-            stack.models.push_back(of.model);
-            const bool fitted = of.state == TexelState::fitted;
-            stack.error.push_back(fitted ? float(error_of(of.errors, objective)) : 0.f);
-            stack.state.push_back(std::uint16_t(of.state));
-            summary.fitted += fitted, summary.black += of.state == TexelState::black;
-            summary.failed += of.state == TexelState::failed;
+        for (const TexelFit& texel : fits) {
+            stack.models.push_back(texel.model);
+            const bool fitted = texel.state == TexelState::fitted;
+            stack.error.push_back(fitted ? float(error_of(texel.errors, objective)) : 0.f);
+            stack.state.push_back(std::uint16_t(texel.state));
+            summary.fitted += fitted, summary.black += texel.state == TexelState::black;
+            summary.failed += texel.state == TexelState::failed;
             summary.error += double(stack.error.back());
-            if (of.failure && summary.first_failure.empty()) summary.first_failure = message(*of.failure);
+            if (texel.failure && summary.first_failure.empty()) summary.first_failure = message(*texel.failure);
         }
         stack.provenance = {{"generator", "srbf " SRBF_VERSION},
                             {"source", source()},
@@ -138,7 +139,7 @@ class Slabs {
         return (fs::path(fit_.output) / fmt::format("{}-{:09}.srbf", stem(), first)).string();
     }
     std::string key_of(std::size_t first, std::span<const Rgb> f) const {
-        ResultKey key = of_all_;
+        ResultKey key = common_key_;
         key.add(std::to_string(first));
         key.add(std::as_bytes(f));
         return key.text();
@@ -147,18 +148,17 @@ class Slabs {
     const MapCommand& fit_;
     const Pairs& pairs_;
     const Texels& texels_;
-    ResultKey of_all_;
-    std::string key_;  // of the slab that was read last
+    ResultKey common_key_;
+    std::string key_;  // key of the slab that was read last
 };
 
 int print_slabs(const MapCommand& fit, const SlabSummary& summary, double seconds) {
-    const double with_error = double(summary.fitted + summary.kept);
+    const double count = double(summary.fitted + summary.kept);
     fmt::print("  {} texels fitted in {:.1f} s, {:.3g} a second; {} kept, {} black, {} failed\n",
                grouped(summary.fitted), seconds, double(summary.fitted) / seconds, grouped(summary.kept),
                grouped(summary.black), grouped(summary.failed));
-    if (with_error > 0)
-        fmt::print("  {}: mean {}\n", measure_named_for(fit.request.objective).title,
-                   percent(summary.error / with_error));
+    if (count > 0)
+        fmt::print("  {}: mean {}\n", measure_named_for(fit.request.objective).title, percent(summary.error / count));
     fmt::print("  models        {}\n", printable(fit.output));
     if (summary.failed > 0) fmt::print(stderr, "srbf: {} texels: {}\n", summary.failed, summary.first_failure);
     if (const auto written = flush_standard_output(); !written) return complain(written.error());

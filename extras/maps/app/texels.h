@@ -1,4 +1,4 @@
-// A file of texels.
+// Files of texels.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,12 +9,12 @@
 
 namespace srbf {
 
-/// A file of f_r [1/sr]: float32 [T, M, 3], or [T, M, 1] and [T, M] of grey ones.
+/// A file of f_r [1/sr]: float32 [T, M, 3], or [T, M, 1] and [T, M] for grey texels.
 class Texels {
   public:
     static Result<Texels> open(const std::string& path, std::size_t pairs);
     std::size_t count() const { return count_; }
-    /// Reads the texels from `first` on, as many as `f` has room for.
+    /// Reads texels from `first` on, as many as fit into `f`.
     Result<Done> read(std::size_t first, std::span<Rgb> f) const;
 
   private:

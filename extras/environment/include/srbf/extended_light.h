@@ -1,5 +1,5 @@
-// BRDFs under environments and area lights, as a few lobes for each view that hosts look up in filtered maps.
-// Part of the target `srbf::srbf`.
+// BRDFs under environments and area lights, as a few lobes for each view that hosts look up in filtered maps. Part
+// of the target `srbf::srbf`.
 #pragma once
 #include <array>
 #include <span>
@@ -9,45 +9,47 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// The lobes of f(wl, wv) cosθl over the light wl, for views wv at some cosines to the normal:
+/// The lobes of f(wl, wv) cosθl as a function of the light wl, for views wv at some cosines to the normal:
 ///   f cosθl ≈ Σ_k weight_k K(roughness_k, axis_k · wl)
 ///   axis_k = (−p_k wv.x, −p_k wv.y, √(1 − p_k² (1 − wv.z²)))
-/// K is what a filtered environment map holds, so that the light that leaves towards wv is a sum of look-ups,
-/// Σ_k weight_k radiance(axis_k, roughness_k). At the roughness r of one of the map's `k_levels` levels (MapLevels)
-/// it is what engines filter with for GGX of that roughness seen along the normal (Karis 2013),
-///   K(r, c) ∝ c / (1 + α² − (1 − α²) c)² for c > 0 and 0 below, α = r², ∫ K dω = 1 [1/sr],
-/// and between two levels it is linear in the level, as a graphics library looks it up. The axes lie in the plane of
-/// incidence: p = 1 is the mirror direction, 0 the normal, −1 the viewer. The first lobe of each view is the cosine
-/// about the normal, p = 0 and r = 1, which is irradiance / π. Weights are shares, which sum to 1, of the directional albedo
-/// or of 1 where the BRDF reflects more. Some are negative, so that the sum of look-ups can be, where an environment is
-/// dark but for a few lights; it is then taken as 0.
+/// K is the kernel of a filtered environment map, so that the light that leaves towards wv is a sum of look-ups,
+/// Σ_k weight_k radiance(axis_k, roughness_k). At the roughness r of one of the map's `k_levels` levels
+/// (MapLevels), it is the filter that engines use for GGX with this roughness viewed along the normal (Karis 2013),
+///   K(r, c) ∝ c / (1 + α² − (1 − α²) c)² for c > 0 and 0 below, α = r², ∫ K dω = 1 [1/sr].
+/// Between two levels it is linear in the level, like the look-up of a graphics library.
+///
+/// The axes lie in the plane of incidence: p = 1 is the mirror direction, 0 the normal, −1 the viewer. The first
+/// lobe of each view is the cosine around the normal, p = 0 and r = 1, which is irradiance / π. Weights are
+/// fractions, with sum 1, of the directional albedo, or of 1 if the BRDF reflects more. Some are negative, so that
+/// the sum of look-ups can be negative in an environment that is dark except for a few lights; it then counts as 0.
 struct ExtendedLight {
     static constexpr int k_views = 32;
     struct Lobe {
         float axis;       ///< p
         float roughness;  ///< r, from `k_least_roughness` to 1
-        Rgb weight;       ///< of the nodes: the share
+        Rgb weight;       ///< at the nodes: the fraction
     };
     static constexpr float k_least_roughness = 0.05f;
     static constexpr int k_levels = 6;  ///< of a filtered map
     int lobes = 0;
     std::vector<Lobe> lobe;  ///< k_views × lobes, the views from the horizon to the normal
-    /// ∫ f cosθl dωl / max f cosθl of each view [sr], in the mean of R, G, B: a light that takes much less of the hemisphere
-    /// is seen as by points of it.
+    /// ∫ f cosθl dωl / max f cosθl of each view [sr], in the mean of R, G, B. A light that covers much less of the
+    /// hemisphere is evaluated at points of it.
     std::vector<float> width;
-    PreparedBrdf brdf;  ///< whose albedos they are shares of
+    PreparedBrdf brdf;  ///< the BRDF whose albedos the fractions refer to
 
-    /// cosθv of a node: nodes are uniform in ∜cosθv − √(1 − cosθv), as those of directional albedo.
+    /// cosθv of a node: nodes are uniform in ∜cosθv − √(1 − cosθv), like those of directional albedo.
     static double cosine(int node);
 };
-/// The lobes of a view: p, r and shares are linear in the coordinate of the nodes. Requires 0 < cos_v ≤ 1.
+/// The lobes of a view: p, r and fractions are linear in the coordinate of the nodes. Requires 0 < cos_v ≤ 1.
 std::vector<ExtendedLight::Lobe> lobes_at(const ExtendedLight& light, float cos_v);
 /// The axis of a lobe for a view.
 Vec3f axis_of(const ExtendedLight::Lobe& lobe, const Vec3f& wv);
-/// The roughnesses that a filtered map has levels for: level = (k_levels − 1) x.
+/// The roughnesses for which a filtered map has levels: level = (k_levels − 1) x.
 enum class MapLevels {
     root,  ///< x = √r, r = 0, 0.04, 0.16, 0.36, 0.64, 1
-    three  ///< x = r (2 − r), r = 0, 0.11, 0.23, 0.37, 0.55, 1: three.js', release 187, of environments up to 2047 × 1023
+    /// x = r (2 − r), r = 0, 0.11, 0.23, 0.37, 0.55, 1: those of three.js 187 for environments up to 2047 × 1023
+    three
 };
 double level_of_roughness(double roughness, MapLevels levels = MapLevels::root);
 double roughness_of_level(double level, MapLevels levels = MapLevels::root);
@@ -56,13 +58,13 @@ float filter_kernel(float roughness, float cosine, MapLevels levels = MapLevels:
 
 inline constexpr int k_least_extended_lobes = 2, k_most_extended_lobes = 8;
 struct ExtendedLightOptions {
-    int lobes = 6;          ///< with the cosine, from `k_least_extended_lobes` to `k_most_extended_lobes`
+    int lobes = 6;          ///< including the cosine, from `k_least_extended_lobes` to `k_most_extended_lobes`
     bool isotropic = true;  ///< otherwise the lobes are those of the BRDF's mean over azimuths
     MapLevels levels = MapLevels::root;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
-/// The lobes of a BRDF. The fit minimises the error under lights of
-/// several sizes everywhere, relative to the radiance that they show.
+/// The lobes of a BRDF. The fit minimises the error under lights of several sizes everywhere, relative to the
+/// radiance under them.
 ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOptions& options = {});
 
 }  // namespace srbf

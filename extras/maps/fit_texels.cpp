@@ -195,7 +195,7 @@ Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f
             observed[t] = std::make_shared<const Observations>(std::move(observations->gap_filled_table));
         reporter.advance("observing", 1);
     });
-    std::erase_if(observed, [](const auto& of) { return !of; });
+    std::erase_if(observed, [](const auto& observations) { return !observations; });
     if (reporter.cancelled()) return cancelled_error("fit_texel_basis");
     if (observed.empty()) return no_data_error("fit_texel_basis", "texels with values above 0");
     Library best;

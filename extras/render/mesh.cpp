@@ -37,7 +37,7 @@ bool is_ply(std::span<const std::byte> bytes) {
     return bytes.size() >= 3 && bytes[0] == std::byte('p') && bytes[1] == std::byte('l') && bytes[2] == std::byte('y');
 }
 
-/// True if a file that begins like this may be a mesh: `.obj` is text, which has no zero.
+/// True if a file with this beginning may be a mesh: `.obj` is text, which has no zero byte.
 bool may_be_mesh(std::span<const std::byte> head) {
     const auto first = head.first(4096);
     return is_ply(head) || std::ranges::find(first, std::byte(0)) == first.end();
@@ -62,8 +62,8 @@ Result<Mesh> load_mesh(const std::string& name) {
 
 namespace {
 
-/// Adds the quadrilaterals of a grid of rows × columns vertices, from vertex `first` on, with places in a map by `place` of
-/// row and column. Column `columns` is column 0; row `rows` is row 0 if `closed`.
+/// Adds the quadrilaterals of a grid of rows × columns vertices that begins with vertex `first`. `place` returns
+/// the texture coordinates of a row and column. Column `columns` is column 0; row `rows` is row 0 if `closed`.
 template <typename Place>
 void add_grid(std::uint32_t first, std::uint32_t rows, std::uint32_t columns, bool closed, const Place& place,
               Mesh& mesh) {
@@ -95,20 +95,20 @@ Mesh sphere(int rings) {
             mesh.positions.push_back(to_float(Vec3d{w.y, w.z, w.x}));  // poles along y
         }
     mesh.normals = mesh.positions;
-    Mesh all;
+    Mesh grid;
     add_grid(
         0, std::uint32_t(rings + 1), std::uint32_t(around), false,
         [](float down, float turn) {
             return Vec2f{turn + 0.5f, down};
         },
-        all);
+        grid);
     const auto ring = [&](std::uint32_t i) { return i / std::uint32_t(around); };
-    for (std::size_t i = 0; i < all.triangles.size(); ++i) {
-        const Triangle& t = all.triangles[i];
+    for (std::size_t i = 0; i < grid.triangles.size(); ++i) {
+        const Triangle& t = grid.triangles[i];
         const bool is_degenerate =
             ring(t[1]) == ring(t[2]) ? ring(t[1]) == std::uint32_t(rings) : ring(t[0]) == ring(t[2]) && ring(t[0]) == 0;
         if (is_degenerate) continue;  // at the poles
-        mesh.triangles.push_back(t), mesh.texture.push_back(all.texture[i]);
+        mesh.triangles.push_back(t), mesh.texture.push_back(grid.texture[i]);
     }
     return mesh;
 }
@@ -116,7 +116,7 @@ Mesh sphere(int rings) {
 Mesh ball(int rings) {
     assert(rings >= 6 && rings % 2 == 0);
     Mesh mesh = sphere(rings);
-    // The foot: a ring with circular cross-section about the y axis.
+    // The foot: a ring with circular cross-section around the y axis.
     const int along = 2 * rings, around = rings / 2;
     constexpr double ring = 0.66, section = 0.17, height = -0.9;
     const auto first = std::uint32_t(mesh.positions.size());

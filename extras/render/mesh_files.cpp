@@ -200,22 +200,22 @@ Result<Header> read_header(std::span<const std::byte> bytes, const std::string& 
 /// Reads consecutive numbers of a file's data.
 class Numbers {
   public:
-    Numbers(std::span<const std::byte> bytes, std::size_t at, Encoding encoding)
-        : bytes_(bytes), at_(at), encoding_(encoding) {}
-    std::size_t at() const { return at_; }
+    Numbers(std::span<const std::byte> bytes, std::size_t offset, Encoding encoding)
+        : bytes_(bytes), offset_(offset), encoding_(encoding) {}
+    std::size_t offset() const { return offset_; }
     /// The minimum size in bytes of a number of this type, including its separator.
     std::size_t least_bytes(const Type& type) const { return encoding_ == Encoding::ascii ? 2 : type.size; }
     /// True if `count` numbers of this type may follow; the last number of a text needs no separator.
     bool may_hold(std::uint64_t count, std::uint64_t bytes_each) const {
-        return count == 0 || bytes_each == 0 || count <= (bytes_.size() - at_ + 1) / bytes_each;
+        return count == 0 || bytes_each == 0 || count <= (bytes_.size() - offset_ + 1) / bytes_each;
     }
     std::optional<double> next(const Type& type) {
         return encoding_ == Encoding::ascii ? next_text() : next_bytes(type);
     }
-    /// The text found instead of a number.
+    /// The text at the current offset, for an error message.
     std::string found() const {
-        if (at_ >= bytes_.size() || encoding_ != Encoding::ascii) return "the end of the file";
-        std::string_view rest = as_text(bytes_.subspan(at_, std::min<std::size_t>(bytes_.size() - at_, 60)));
+        if (offset_ >= bytes_.size() || encoding_ != Encoding::ascii) return "the end of the file";
+        std::string_view rest = as_text(bytes_.subspan(offset_, std::min<std::size_t>(bytes_.size() - offset_, 60)));
         return quoted(next_word(rest, k_blanks));
     }
 
@@ -224,25 +224,25 @@ class Numbers {
 
     std::optional<double> next_text() {
         const std::string_view text = as_text(bytes_);
-        const auto first = text.find_first_not_of(k_blanks, at_);
-        at_ = std::min(first, text.size());
-        const auto end = std::min(text.find_first_of(k_blanks, at_), text.size());
-        const auto number = to_number<double>(text.substr(at_, end - at_));
-        if (number) at_ = end;
+        const auto first = text.find_first_not_of(k_blanks, offset_);
+        offset_ = std::min(first, text.size());
+        const auto end = std::min(text.find_first_of(k_blanks, offset_), text.size());
+        const auto number = to_number<double>(text.substr(offset_, end - offset_));
+        if (number) offset_ = end;
         return number;
     }
     std::optional<double> next_bytes(const Type& type) {
-        if (bytes_.size() - at_ < type.size) return {};
+        if (bytes_.size() - offset_ < type.size) return {};
         std::array<std::byte, 8> raw{};
-        std::copy_n(&bytes_[at_], type.size, raw.begin());
-        at_ += type.size;
+        std::copy_n(&bytes_[offset_], type.size, raw.begin());
+        offset_ += type.size;
         static_assert(std::endian::native == std::endian::little);
         if (encoding_ == Encoding::big) std::reverse(raw.begin(), raw.begin() + std::ptrdiff_t(type.size));
         return type.number(raw.data());
     }
 
     std::span<const std::byte> bytes_;
-    std::size_t at_;
+    std::size_t offset_;
     Encoding encoding_;
 };
 
@@ -302,13 +302,13 @@ class PlyReader {
         for (const Property& property : element.properties)
             row += numbers_.least_bytes(property.count ? *property.count : *property.type);
         if (numbers_.may_hold(element.count, row) && element.count <= k_most_numbers) return Done{};
-        return Error{file_name_, numbers_.at(), fmt::format("number of elements {}", element.name),
+        return Error{file_name_, numbers_.offset(), fmt::format("number of elements {}", element.name),
                      "as many as the file's size can hold", std::to_string(element.count)};
     }
 
     Error no_number(const Element& element, std::uint64_t row) const {
-        return Error{file_name_, numbers_.at(), fmt::format("{} {} of {}", element.name, row + 1, element.count),
-                     "a number", numbers_.found()};
+        return Error{file_name_, numbers_.offset(), fmt::format("{} {} of {}", element.name, row + 1, element.count),
+                     "a number", numbers_.text_here()};
     }
 
     static int index_property(const Element& element) {
@@ -343,7 +343,7 @@ class PlyReader {
             const Vec3f position{coordinates[0], coordinates[1], coordinates[2]},
                 normal{coordinates[3], coordinates[4], coordinates[5]};
             if (!is_finite(position) || (has_normals && !is_finite(normal)))
-                return Error{file_name_, numbers_.at(), fmt::format("vertex {} of {}", row + 1, element.count),
+                return Error{file_name_, numbers_.offset(), fmt::format("vertex {} of {}", row + 1, element.count),
                              "finite numbers", "others"};
             mesh_.positions[std::size_t(row)] = position;
             if (has_normals) mesh_.normals[std::size_t(row)] = normal;
@@ -359,14 +359,14 @@ class PlyReader {
         if (!length) return no_number(element, row);
         if (!(*length >= 0) || *length != std::floor(*length) || *length > double(k_most_numbers) ||
             !numbers_.may_hold(std::uint64_t(*length), numbers_.least_bytes(*property.type)))
-            return Error{file_name_, numbers_.at(), fmt::format("length of a list of {} {}", element.name, row + 1),
+            return Error{file_name_, numbers_.offset(), fmt::format("length of a list of {} {}", element.name, row + 1),
                          "one that the file's size can hold", fmt::format("{:.12g}", *length)};
         for (std::uint64_t k = 0; k < std::uint64_t(*length); ++k) {
             const auto number = numbers_.next(*property.type);
             if (!number) return no_number(element, row);
             if (!list) continue;
             if (!(*number >= 0 && *number <= double(k_most_numbers)) || *number != std::floor(*number))
-                return Error{file_name_, numbers_.at(), fmt::format("vertex index of face {}", row + 1),
+                return Error{file_name_, numbers_.offset(), fmt::format("vertex index of face {}", row + 1),
                              "a number from 0 on", fmt::format("{:.12g}", *number)};
             list->push_back(std::uint32_t(*number));
         }

@@ -26,16 +26,16 @@ Camera camera_of(const Mesh& mesh, const Viewpoint& viewpoint, double aspect) {
     const double c = std::cos(viewpoint.elevation);
     const Vec3d from{c * std::sin(viewpoint.azimuth), std::sin(viewpoint.elevation), c * std::cos(viewpoint.azimuth)};
     // The axes x, y, z of a mesh with y upwards correspond to x, z, −y of one with z upwards.
-    const auto turned = [&](Vec3d w) { return viewpoint.z_up ? Vec3d{w.x, -w.z, w.y} : w; };
+    const auto to_mesh_axes = [&](Vec3d w) { return viewpoint.z_up ? Vec3d{w.x, -w.z, w.y} : w; };
 
     const Bounds box = bounds(mesh);
     Camera camera;
     camera.target = 0.5 * (to_double(box.least) + to_double(box.most));
     camera.fov = viewpoint.fov;
-    camera.up = turned(std::abs(c) > 1e-6
-                           ? Vec3d{0, 1, 0}
+    camera.up = to_mesh_axes(
+        std::abs(c) > 1e-6 ? Vec3d{0, 1, 0}
                            : Vec3d{-from.y * std::sin(viewpoint.azimuth), 0, -from.y * std::cos(viewpoint.azimuth)});
-    camera.eye = camera.target + turned(from);
+    camera.eye = camera.target + to_mesh_axes(from);
 
     // A point (x, y, z) of the frame about the target is projected to x / (distance − z).
     const Frame axes = frame(camera);
@@ -68,8 +68,8 @@ Scene scene_of(Mesh mesh, const Viewpoint& viewpoint, double aspect) {
 }
 
 Frame surface_frame(Vec3d n) {
-    const auto about = Shading<double>::surface_frame_about(n);
-    return {about.tangent, about.bitangent, about.normal};
+    const auto surface = Shading<double>::surface_frame_about(n);
+    return {surface.tangent, surface.bitangent, surface.normal};
 }
 
 }  // namespace srbf

@@ -31,7 +31,7 @@ struct BrdfParts {
 };
 PreparedBrdf prepare(BrdfParts parts);
 
-/// Prepares a model, or the front of a BSDF (prepared_bsdf.h prepares both sides). The first overload computes a
+/// Prepares a model, or the front of a BSDF (prepared_bsdf.h prepares its front and back). The first overload computes a
 /// sampling density by `propose` and `refine`, which takes about 75 ms of one processor core (docs/performance.md).
 /// The second samples by the cosine; use it if you only call `value`, `evaluate` or `albedo`. For anisotropic
 /// models too, the default of `options.azimuths` is 1; with `k_anisotropic_azimuths` their samples have a smaller

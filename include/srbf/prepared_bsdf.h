@@ -21,7 +21,7 @@ struct BsdfSample {
 class PreparedBsdf {
   public:
     using PreparedParts = std::array<std::optional<PreparedBrdf>, k_parts>;
-    /// The same BRDF at the front and the back, without transmission.
+    /// Uses one BRDF at the front and the back, without transmission.
     PreparedBsdf(PreparedBrdf both_sides);
     /// A missing part is 0.
     PreparedBsdf(PreparedParts parts, Beams beams);

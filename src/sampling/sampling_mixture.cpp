@@ -293,7 +293,7 @@ using K = Kernel<float>;
 static_assert(MixtureProposal::k_lobes == SRBF_PROPOSAL_LOBES);
 
 const LobeTable& lobe_table() {
-    static const LobeTable all = [] {
+    static const LobeTable lobes = [] {
         LobeTable table;
         for (int k = 0; k < LobeTable::k_per_kind; ++k) {
             const auto i = std::size_t(k);
@@ -307,7 +307,7 @@ const LobeTable& lobe_table() {
         }
         return table;
     }();
-    return all;
+    return lobes;
 }
 
 }  // namespace

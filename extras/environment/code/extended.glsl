@@ -30,7 +30,7 @@ LightLobe lobe_about(Vec3 wv, int k, NodesAbout nodes, Vec3 whole, Pm pm) {
     lobe.weight = light_weight(k, whole, nodes, pm);
     return lobe;
 }
-// The first lobe, the cosine around the normal, with the remainder of the other weights.
+// The first lobe, the cosine around the normal. Its weight is the total minus all other weights.
 LightLobe cosine_lobe(Vec3 weight) {
     LightLobe lobe;
     lobe.axis = Vec3(Real(0.0), Real(0.0), Real(1.0));
@@ -174,7 +174,7 @@ Vec3 by_points(Su su, Vec3 wv, Polygon polygon, int parts, Pm pm) {
     }
     return sum;
 }
-// The radiance that leaves towards the viewer from a quadrilateral that emits radiance 1 on both sides of it. Its
+// The radiance that leaves towards the viewer from a quadrilateral that emits radiance 1 at its front and back. Its
 // consecutive corners are relative to the point of the surface, in the local frame. A small light is evaluated at
 // points, because it shows f_r itself; others are the sum of the lobes.
 Vec3 area(Su su, Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {

@@ -169,7 +169,7 @@ SRBF_FN Real reflected_pdf(ProposalLobe lobe, HalfVector above, HalfVector below
     return lobe.scale * (gaussian(above.direction, lobe.centre, lobe.bandwidth) * above.factor +
                          gaussian(below.direction, lobe.centre, lobe.bandwidth) * below.factor);
 }
-// The same for a component that samples the direction itself instead of a half vector.
+// The equivalent of half_vector for a component that samples the direction itself.
 SRBF_FN HalfVector itself(Vec3 direction) {
     HalfVector h;
     h.direction = direction;

@@ -18,7 +18,7 @@ class PmLanes {
     static constexpr int k_lanes = 8;
 
     explicit PmLanes(const PmModel& model);
-    /// The same lobes with other coefficients.
+    /// A copy with other coefficients.
     PmLanes with_coefficients(std::span<const Rgb> coefficient) const;
 
     PmForm form() const { return form_; }

@@ -213,7 +213,7 @@ class Numbers {
         return encoding_ == Encoding::ascii ? next_text() : next_bytes(type);
     }
     /// The text at the current offset, for an error message.
-    std::string found() const {
+    std::string text_here() const {
         if (offset_ >= bytes_.size() || encoding_ != Encoding::ascii) return "the end of the file";
         std::string_view rest = as_text(bytes_.subspan(offset_, std::min<std::size_t>(bytes_.size() - offset_, 60)));
         return quoted(next_word(rest, k_blanks));

@@ -31,10 +31,10 @@ std::vector<Term> terms_of(Objective objective) {
                      fmt::format("the loss, at most {}, if their errors are {:g} %", k_most_albedo_loss,
                                  100 * (of_pictures ? k_albedo_error_with_pixels : k_albedo_error))});
     if (!of_pictures) return terms;
-    terms.push_back({"point lights", "radiance in pictures by one light, of every phase angle",
+    terms.push_back({"directional", "radiance under one directional light, of every phase angle",
                      fmt::format("{} times the loss; albedos {} times more", k_directional_lights,
                                  k_albedos_beside_directional_lights)});
-    terms.push_back({"pixels", "delta E ITP in pictures under extended and single lights (robust: linear above 1)",
+    terms.push_back({"pixels", "delta E ITP in pictures under extended and directional lights (robust: linear above 1)",
                      fmt::format("{} times the loss for each of its mean", k_pixels)});
     return terms;
 }
@@ -57,9 +57,10 @@ std::string work_of(const Stage& stage, const FitOptions& options) {
 
 /// `bounds`: whether this stage or one before it adds bounds, which remain rows of those after it.
 std::string rows_of(const Stage& stage, bool bounds) {
-    return fmt::format(
-        "{}, beyond{}{}{}", stage.pairs == Pairs::all ? "all pairs" : fmt::format("{} pairs", std::size_t(stage.pairs)),
-        bounds ? ", bounds" : "", stage.albedos ? ", albedos" : "", stage.pictures ? ", point lights, pixels" : "");
+    return fmt::format("{}, beyond{}{}{}",
+                       stage.pairs == Pairs::all ? "all pairs" : fmt::format("{} pairs", std::size_t(stage.pairs)),
+                       bounds ? ", bounds" : "", stage.albedos ? ", albedos" : "",
+                       stage.pictures ? ", directional lights, pixels" : "");
 }
 
 }  // namespace
@@ -73,11 +74,11 @@ std::string explain(const FitRequest& request) {
     text += fmt::format("{:<13} {:<66} {}\n", "term", "error of", "cost");
     for (const Term& term : terms_of(request.objective))
         text += fmt::format("{:<13} {:<66} {}\n", term.name, term.of, term.weight);
-    text += fmt::format("\n{:<13} {:<58} {:>10}  {}\n", "stage", "rows and terms", "candidates", "work");
+    text += fmt::format("\n{:<13} {:<64} {:>10}  {}\n", "stage", "rows and terms", "candidates", "work");
     bool bounds = false;
     for (const Stage& stage : schedule(traits(request.objective).of_pictures)) {
         bounds = bounds || stage.adds_exceeded_pairs;
-        text += fmt::format("{:<13} {:<58} {:>10}  {}\n", stage.name, rows_of(stage, bounds), stage.candidates(options),
+        text += fmt::format("{:<13} {:<64} {:>10}  {}\n", stage.name, rows_of(stage, bounds), stage.candidates(options),
                             work_of(stage, options));
     }
     return text;

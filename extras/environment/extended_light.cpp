@@ -450,7 +450,8 @@ class Tracks {
   public:
     Tracks(const std::vector<View>& views, const BlurredKernels& kernels, int lobes, int threads)
         : views_(views), kernels_(kernels), threads_(threads), x_(views.size()) {
-        // One view at 45 degrees is fitted from several starts; from there on, each view begins with its neighbour's lobes.
+        // One view at 45 degrees is fitted from several starts; from there on, each view begins with its
+        // neighbour's lobes.
         std::size_t first = 0;
         while (views[first].wv.z < 0.7) ++first;
         x_[first] = best_of_starts(views[first], lobes);

@@ -20,8 +20,8 @@ struct AreaLight {
     Rgb radiance;
 };
 
-/// The material of a body. A BRDF is the same at the front and the back, and transmits nothing. A map has one BRDF at each point
-/// of a mesh with texture coordinates.
+/// The material of a body. A BRDF is the same at the front and the back, and transmits nothing. A map has one BRDF
+/// at each point of a mesh with texture coordinates.
 using PathMaterial = std::variant<PreparedBsdf, PreparedMap>;
 
 /// An object: the indices of a mesh and a material.

@@ -13,7 +13,8 @@ enum class PixelOutput {
 };
 /// The source of a pixel's position and normal.
 enum class PixelInput {
-    /// Interpolated over the triangle. Also shades surfaces that are hidden later; the samples of a pixel are shaded separately.
+    /// Interpolated over the triangle. Also shades surfaces that are hidden later; the samples of a pixel are
+    /// shaded separately.
     triangles,
     /// From a `RasterSurface` of an earlier pass. Shades each pixel once, however small the triangles are.
     surface,

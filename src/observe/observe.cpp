@@ -99,7 +99,9 @@ Result<MeasuredPairs> measure_pairs(const Evaluate& f, double theta_max, const O
                         evaluate(draws.bound_pairs(), &PairDraws::bound),
                         {}};
     if (reporter.cancelled()) return cancelled_error("observe");
-    const auto raise_values = [&](Observations& pairs) { return raise(pairs.f, pairs.wl, pairs.wv, options.smoothed); };
+    const auto raise_values = [&](Observations& observations) {
+        return raise(observations.f, observations.wl, observations.wv, options.smoothed);
+    };
     pairs.level = raise_values(pairs.pool);
     raise_values(pairs.horizon);
     pairs.bound.f = raise_values(pairs.bound);  // bounds are compared with values, not with their noise

@@ -69,7 +69,7 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
         fit_pm(alone, quick_options(bounded, k_quick_starts, k_quick_perturbations), progress.part(0, 0.3));
     if (!quick) return quick;
     const std::size_t fitted = observations.samples.fitted_count();
-    const auto first_fitted = [&](const auto& values) { return std::span(values).first(fitted); };
+    const auto first_fitted = [&](const auto& column) { return std::span(column).first(fitted); };
     const Measures remaining = measure_samples(first_fitted(alone.wl), first_fitted(alone.wv), first_fitted(alone.f),
                                                evaluator(quick->unrounded), max_theta);
     SampleObservations weighed = observations;

@@ -94,7 +94,7 @@ double root_error(const Observations& samples, const GgxModel& g) {
     return sum;
 }
 
-/// Fits Lambert and GGX, with the weights of the objective, to samples of weight 1, each of which is there twice.
+/// Fits Lambert and GGX, with the weights of the objective, to samples of weight 1, each of which occurs twice.
 /// The results have at most one and at most two lobes, as many as the samples support.
 Result<std::array<GgxModel, k_most_ggx_lobes>> fit_priors(Objective objective, Observations samples, int threads) {
     samples.objective = objective;

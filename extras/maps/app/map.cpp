@@ -117,7 +117,8 @@ void add_map(CommandLine& app, int& status) {
             MapCommand& map = state->fit;
             map.request = requested(sub, map.texts);
             std::get<PmRequest>(map.request.model).size = LobeCount{map.lobes};
-            // The key includes the contents of the inputs; the range of texels and the width only place the coefficients.
+            // The key includes the contents of the inputs; the range of texels and the width only place the
+            // coefficients.
             map.settings = sub.settings({given.texels, given.pairs, given.output, given.resume, given.range,
                                          given.width, given.fit.at("threads")});
             status = map.basis > 0 ? fit_map(map) : fit_slabs(map);

@@ -323,8 +323,8 @@ SRBF_FN Vec3 openpbr_layers_value(OpenPbrSurface material, Vec3 base, Vec3 wl, V
     Real strength = material.coat_weight * material.coat_darkening;
     Vec3 dark = Vec3(darkened(material.base_color.x, k, strength), darkened(material.base_color.y, k, strength),
                      darkened(material.base_color.z, k, strength));
-    Vec3 passed =
-        product_of(dark, interpolated(Vec3(Real(1.0), Real(1.0), Real(1.0)), material.coat_color, material.coat_weight));
+    Vec3 white = Vec3(Real(1.0), Real(1.0), Real(1.0));
+    Vec3 passed = product_of(dark, interpolated(white, material.coat_color, material.coat_weight));
     Real through = Real(1.0) - material.coat_weight * lobe_albedo(whole, f0);
     Vec3 coated = Vec3(coat, coat, coat) + through * product_of(passed, base);
 

@@ -181,8 +181,8 @@ SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint terms) {
     Real bandwidth = proposal_bandwidth(k);
     if (k >= SRBF_FIRST_HALF_VECTOR_LOBE)
         return reflected_pdf(
-            half_vector_lobe(terms.viewer, terms.inverse, bandwidth, proposal_sharpness(k, terms.sharpness)), terms.above,
-            terms.below);
+            half_vector_lobe(terms.viewer, terms.inverse, bandwidth, proposal_sharpness(k, terms.sharpness)),
+            terms.above, terms.below);
     if (k > 1) return reflected_pdf(mirror_lobe(terms.specular, bandwidth), itself(terms.wl), itself(terms.mirrored));
     return power_cosine_pdf(terms.wl, k == 0 ? Real(1.0) : Real(2.0));
 }

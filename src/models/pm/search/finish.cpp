@@ -105,7 +105,8 @@ PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors,
         const bool costs_much = fit.unrounded_loss > k_costly_bounds * first_loss;
         const auto rising = costs_much ? exceeding_lobes(observations, first_bound, fit.model) : std::vector<int>{};
         if (costs_much && rising != without_features_before) {
-            // Larger weights would narrow a lobe that rises steeply towards the horizon, at the expense of the others. Without features the lobe begins below the bound, which then holds it there.
+            // Larger weights would narrow a lobe that rises steeply towards the horizon, at the expense of the
+            // others. Without features the lobe begins below the bound, which then holds it there.
             lobes = without_features(first_lobes, rising), without_features_before = rising;
             reset_bound_weights(observations, first_bound, first_loss);
             is_new = true;

@@ -19,9 +19,9 @@ enum class StageKind {
     finish,       ///< takes steps as long as they pay off, adds exceeded bounds, and rounds
 };
 
-/// The number of first pairs that are rows: while there are many candidates, afterwards, and in the polish. Pictures are
-/// observed beside `selection` and `all`. A quick fit, with fewer observations than another's polish, uses `selection`
-/// instead of `search`, because its first candidates are its only ones.
+/// The number of first pairs that are rows: while there are many candidates, afterwards, and in the polish.
+/// Pictures are observed beside `selection` and `all`. A quick fit, with fewer observations than another's polish,
+/// uses `selection` instead of `search`, because its first candidates are its only ones.
 enum class Pairs : std::size_t { search = 2048, selection = 4096, polish = 16384, all = 0 };
 
 /// A stage of a fit, a row of the tables below.
@@ -64,9 +64,9 @@ inline constexpr Stage by_pairs[] = {
      .max_candidates = 4, .steps = 25},
     {.name = "finish", .kind = StageKind::finish, .pairs = all, .albedos = true, .max_candidates = 3},
 };
-/// With pictures. Candidates with the same loss of pairs look different, and further perturbations hardly lower that
-/// loss: all candidates remain for pictures to choose from. The best one after all steps is nearly always among the best
-/// ones after three.
+/// With pictures. Candidates with the same loss of pairs look different, and further perturbations hardly lower
+/// that loss: all candidates remain for pictures to choose from. The best one after all steps is nearly always
+/// among the best ones after three.
 inline constexpr Stage with_pictures[] = {
     {.name = "grow", .kind = StageKind::grow, .pairs = search},
     {.name = "perturb", .kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = search, .albedos = true,

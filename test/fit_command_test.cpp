@@ -186,7 +186,7 @@ TEST_F(Command, fit_of_texels_resumes_what_is_whole) {
     expect_failure(1, {"map", ".", "--pairs", "p.csv", "-o", "d"},
                    ".: cannot be read: expected a readable file, found a folder");
     expect_failure(1, {"map", "t.npy", "--pairs", ".", "-o", "d"}, "found a folder");
-    expect_failure(1, {"map", "t.npy", "--pairs", "p.csv", "-o", "p.csv"}, "output: expected a folder, or none yet");
+    expect_failure(1, {"map", "t.npy", "--pairs", "p.csv", "-o", "p.csv"}, "output: expected a folder, or a new name");
     expect_failure(1, {"map", "t.npy", "--pairs", "p.csv", "-o", "/proc/none/d"}, "/proc/none/d: output: ");
 }
 

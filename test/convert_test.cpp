@@ -326,8 +326,7 @@ TEST(Convert, WarpUndoesUnwarp) {
 }
 
 /// Importance sampling of a written file as in renderers, for light at 45°: luminance first, then visible normals.
-/// The relative
-/// variance of f cosθv / pdf, and the fraction of samples below the horizon.
+/// The relative variance of f cosθv / pdf, and the fraction of samples below the horizon.
 struct SamplingQuality {
     double theta, variance, lost, albedo;
 };

@@ -477,8 +477,7 @@ TEST(GapFilledSamples, UseGgxForHighlightsIfFoldsPreferIt) {
 }
 
 /// Pairs of directions as instruments measure them, none at the mirror direction: a grid of angles, scans in the
-/// plane of
-/// incidence, and a few random pairs.
+/// plane of incidence, and a few random pairs.
 std::vector<ScatteredSamples> layouts_without_mirror() {
     std::vector<ScatteredSamples> layouts(3);
     const auto add = [](ScatteredSamples& layout, double theta_l, double theta_v, double azimuth) {

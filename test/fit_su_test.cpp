@@ -38,9 +38,8 @@ double heldout_error(const Evaluate& reference, const SuModel& model) {
     return measure_heldout(rgb_channels(reference), rgb_channels(others), {k_cap, 0}, 50000)[0].squared_error_ratio;
 }
 
-/// A model with J well separated lobes for each view in the upper hemisphere. If `isotropic`, the lobes are the
-/// same for each
-/// view relative to its azimuth, otherwise independent.
+/// A model with J well separated lobes for each view in the upper hemisphere. If `isotropic`, the lobes are the same
+/// for each view relative to its azimuth, otherwise independent.
 SuModel separated_lobes(int lobes, bool isotropic, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     SuModel model;

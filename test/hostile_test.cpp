@@ -23,9 +23,8 @@ constexpr bool k_is_sanitized = true;
 constexpr bool k_is_sanitized = false;
 #endif
 
-/// Writes `part` `count` times between `first` and `last`, without holding it in memory: a child process starts
-/// with the
-/// memory size of this program.
+/// Writes `part` `count` times between `first` and `last`, without holding it in memory: a child process starts with
+/// the memory size of this program.
 void write_many(const fs::path& path, const std::string& first, std::string_view part, std::size_t count,
                 const std::string& last = {}) {
     std::ofstream out(path, std::ios::binary);

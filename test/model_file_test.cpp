@@ -90,8 +90,7 @@ TEST(ModelFile, ReadsAValidFile) {
 }
 
 /// Expects an error for every prefix of a model's bytes, and an error or a valid model for every flipped byte.
-/// Returns the
-/// number of valid models.
+/// Returns the number of valid models.
 int check_damaged_bytes(const Bytes& bytes) {
     EXPECT_EQ(error_of(bytes), "");
     for (std::size_t size = 0; size < bytes.size(); ++size)

@@ -1,6 +1,5 @@
-// Every option of every subcommand changes the output or is rejected. No option is accepted that the chosen mode
-// does not
-// read.
+// Every option of every subcommand changes the output or is rejected. No option is accepted that the chosen mode does
+// not read.
 #include <sys/file.h>
 
 #include <map>
@@ -138,8 +137,7 @@ const std::set<std::string> k_without_effect{"--threads", "--resume", "--axial"}
 const std::set<std::string> k_tried_once{"--exchange", "--max-theta", "--seed", "--json", "--preview",
                                          "--env",      "--mesh",      "--up",   "--size", "--lights"};
 /// Options that are read but have no effect in a mode: axial lobes take fewer bytes anyway; MERL tables are
-/// reciprocal; the
-/// lights are outside the room and on a side without its window.
+/// reciprocal; the lights are outside the room and on a side without its window.
 const std::set<std::pair<std::string, std::string>> k_without_effect_in_mode{
     {"a goal", "--no-axial"}, {"to MERL", "--exchange"}, {"a room", "--lights"}};
 
@@ -290,9 +288,8 @@ class Resuming : public Options {
         std::filesystem::copy(partial_output / "o", folder / "o", std::filesystem::copy_options::recursive);
         return written(arguments + Arguments{"--resume"});
     }
-    /// Expects that a resumed run writes the same files as a fresh one, `expected`, or reports that it cannot
-    /// resume. Returns
-    /// false without running if the command is rejected.
+    /// Expects that a resumed run writes the same files as a fresh one, `expected`, or reports that it cannot resume.
+    /// Returns false without running if the command is rejected.
     bool expect_resumed(const Arguments& arguments, const Written& expected) {
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
         if (expected.status != 0) return false;
@@ -361,9 +358,8 @@ TEST_F(Resuming, does_not_mix_old_results_into_new_ones) {
     }
 }
 
-/// A journal that is truncated or modified is recomputed from there on. A file that is not a journal is not
-/// modified. A second
-/// run on the same output is rejected without waiting.
+/// A journal that is truncated or modified is recomputed from there on. A file that is not a journal is not modified.
+/// A second run on the same output is rejected without waiting.
 TEST_F(Resuming, checks_the_journal_of_a_map) {
     const Arguments base = words(std::get<1>(k_resuming[2]));
     const Written& expected = fresh(base);

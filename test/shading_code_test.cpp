@@ -116,8 +116,7 @@ struct Answer {
 };
 
 /// A third of the pairs has a grazing direction and a third is close to the mirror direction. A few are below the
-/// horizon or
-/// contain a NaN.
+/// horizon or contain a NaN.
 const std::vector<Question>& questions() {
     static const std::vector<Question> list = [] {
         std::mt19937_64 random(2);
@@ -168,8 +167,7 @@ double tolerance(const Model& model) {
 }
 
 /// Compares answers with the library's. Tolerances: values within 1e-4 or 1e-6 of the peak, also for albedos;
-/// densities within
-/// 1e-3; samples within 0.002, except the few whose selector falls between two lobes.
+/// densities within 1e-3; samples within 0.002, except the few whose selector falls between two lobes.
 void expect_equal(const Answers& answers, const std::string& language) {
     static const Answers library = expected();
     ASSERT_EQ(answers.size(), library.size()) << language;

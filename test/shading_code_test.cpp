@@ -360,7 +360,7 @@ using std::exp; using std::exp2; using std::log; using std::sqrt; using std::abs
 using std::acos;
 }
 )");
-    ask_compiled(fmt::format("{} -x c++ -std=c++14 -I'{}'", SRBF_COMPILER, folder_.path.string()),
+    expect_compiled(fmt::format("{} -x c++ -std=c++14 -I'{}'", SRBF_COMPILER, folder_.path.string()),
                  code(CodeLanguage::msl, true), "metal::float3", "msl");
     EXPECT_TRUE(
         runs(fmt::format("{} -x c++ -std=c++14 -I'{}' -fsyntax-only '{}'", SRBF_COMPILER, folder_.path.string(),

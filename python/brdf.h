@@ -59,7 +59,7 @@ class PyBrdf {
         return front_->get(*this,
                            [](const auto& brdf, const ProposeOptions& options) { return prepare(brdf, options); });
     }
-    /// The same for a BSDF.
+    /// A BSDF arranged for evaluation and sampling of single pairs.
     const PreparedBsdf& prepared_sides() const {
         return sides_->get(*this,
                            [](const auto& brdf, const ProposeOptions& options) { return prepare_bsdf(brdf, options); });

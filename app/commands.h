@@ -14,8 +14,9 @@
 
 namespace srbf {
 
-/// Exit statuses of the program. What is wrong with the command line whatever files hold is wrong usage; what files,
-/// folders or the machine have that it does not expect is an error of input. With several inputs the others are done.
+/// Exit statuses of the program. k_usage: the command line is invalid regardless of the files' content.
+/// k_input_error: a file, a folder or the machine caused the error. With several inputs, the others are still
+/// processed.
 enum Status { k_done = 0, k_input_error = 1, k_usage = 2 };
 
 /// The program, from its command line to its exit status.
@@ -32,7 +33,7 @@ template <typename T> Check within(T least, T most) {
     };
 }
 
-/// Accepts "x.png", "x.PNG" and names without an extension, such as that of a pipe.
+/// Accepts "x.png", "x.PNG" and names without an extension, such as the name of a pipe.
 inline Check png_name() {
     return [](const std::string& name) -> std::string {
         std::string ending = std::filesystem::path(name).extension().string();
@@ -42,8 +43,7 @@ inline Check png_name() {
     };
 }
 
-// Each function adds its subcommand. If the subcommand is chosen, parsing runs it and stores its exit status in
-// `status`.
+// Each function adds its subcommand. If it is chosen, parsing runs it and stores its exit status in `status`.
 void add_fit(CommandLine& app, int& status);
 void add_explain(CommandLine& app, int& status);
 void add_info(CommandLine& app, int& status);
@@ -51,9 +51,9 @@ void add_eval(CommandLine& app, int& status);
 void add_compare(CommandLine& app, int& status);
 void add_convert(CommandLine& app, int& status);
 void add_export(CommandLine& app, int& status);
-/// The completions of shells; after the others, which they tell of.
+/// Shell completion. Call it after the others, whose options it prints.
 void add_completion(CommandLine& app, int& status);
-/// All of them.
+/// Adds all subcommands.
 void add_subcommands(CommandLine& app, int& status);
 
 }  // namespace srbf

@@ -14,15 +14,15 @@ namespace {
 
 struct CompareCommand {
     std::string reference, other, json;
-    ReadOptions read;      // of the reference
-    double max_theta = 0;  // [degrees], 0: that of the model, otherwise 80
+    ReadOptions read;      // for the reference
+    double max_theta = 0;  // [degrees]; 0: that of the model, otherwise 80
     int threads = 0;
 
     int run() const;
-    int of_both_sides(const Subject& a, const Subject& b, double theta) const;
+    int run_on_parts(const Subject& a, const Subject& b, double theta) const;
 };
 
-/// The names of the parts that are known.
+/// The names of the parts that the subject has.
 std::string parts_text(const Subject& subject) {
     std::vector<std::string_view> names;
     for (std::size_t p = 0; p < k_parts; ++p)
@@ -30,10 +30,10 @@ std::string parts_text(const Subject& subject) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// The measures for each part that both have. Unscattered light is not a part of f, and of no measure.
-int CompareCommand::of_both_sides(const Subject& a, const Subject& b, double theta) const {
+/// Compares each part that both have. Beams of unscattered light are not a part of f and enter no measure.
+int CompareCommand::run_on_parts(const Subject& a, const Subject& b, double theta) const {
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
-    bool any = false;
+    bool has_common_part = false;
     for (std::size_t p = 0; p < k_parts; ++p) {
         const Part part = Part(p);
         if (!has_part(a.content, part) || !has_part(b.content, part)) continue;
@@ -41,18 +41,18 @@ int CompareCommand::of_both_sides(const Subject& a, const Subject& b, double the
         const Comparison comparison = compare(part_of(evaluator(a), part), others, {theta * k_degree, threads},
                                               fibonacci_directions(k_matrix_directions, theta * k_degree))[0];
         if (comparison.matrix.pairs == 0 || comparison.heldout.pairs == 0) continue;
-        if (!any && json != "-")
+        if (!has_common_part && json != "-")
             fmt::print("{} against {}, directions within {:g}° of the normal, without beams\n", printable(other),
                        printable(reference), theta);
-        any = true;
-        Json of;
-        add_measures(of, comparison, "");
-        report[std::string(name(part))] = of;
+        has_common_part = true;
+        Json measures;
+        add_measures(measures, comparison, "");
+        report[std::string(name(part))] = measures;
         if (json == "-") continue;
         fmt::print("\n{}\n", name(part));
         print_measures({{"", &comparison}});
     }
-    if (!any)
+    if (!has_common_part)
         return complain({fmt::format("{} and {}", reference, other),
                          {},
                          "parts",
@@ -73,7 +73,7 @@ int CompareCommand::run() const {
     if (!writable) return complain(writable.error());
 
     const double own = fitted_theta(*b), theta = max_theta > 0 ? max_theta : own > 0 ? own : 80;
-    if (is_two_sided(a->content) || is_two_sided(b->content)) return of_both_sides(*a, *b, theta);
+    if (is_two_sided(a->content) || is_two_sided(b->content)) return run_on_parts(*a, *b, theta);
     const Evaluate others[] = {evaluator(*b)};
     const auto* model = std::get_if<Model>(&b->content);
     const std::vector<Vec3f> directions = model ? matrix_directions(*model, theta * k_degree)
@@ -84,7 +84,7 @@ int CompareCommand::run() const {
         return complain({fmt::format("{} and {}", reference, other),
                          {},
                          "compared pairs of directions",
-                         "some that both hold",
+                         "pairs with values in both",
                          "none"});
 
     const auto repeats = repeatability(a->content, threads);

@@ -1,11 +1,11 @@
-// srbf completion: the completions of shells, made of what --help says.
+// srbf completion: completion scripts for shells, made from the content of --help.
 #include "app/commands.h"
 
 namespace srbf {
 namespace {
 
-/// Names of options, without those of positional arguments.
-std::vector<std::string> dashed(const SubcommandHelp& sub) {
+/// Names of the options, without positional arguments.
+std::vector<std::string> option_names(const SubcommandHelp& sub) {
     std::vector<std::string> names;
     for (const OptionHelp& option : sub.options)
         if (!option.positional) names.insert(names.end(), option.names.begin(), option.names.end());
@@ -13,32 +13,32 @@ std::vector<std::string> dashed(const SubcommandHelp& sub) {
 }
 
 std::vector<std::string> names(const Help& help) {
-    std::vector<std::string> all;
-    for (const SubcommandHelp& sub : help.subcommands) all.push_back(sub.name);
-    return all;
+    std::vector<std::string> names;
+    for (const SubcommandHelp& sub : help.subcommands) names.push_back(sub.name);
+    return names;
 }
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-/// In single quotes, for any shell.
+/// `text` in single quotes, valid in any shell.
 std::string quoted(const std::string& text) {
     std::string out = "'";
     for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
     return out + "'";
 }
 
-/// Names of the options before the subcommand; only of those that take a text, if asked for.
+/// Names of the options before the subcommand; `with_text`: only of those that take a text.
 std::vector<std::string> names_before(const Help& help, bool with_text) {
-    std::vector<std::string> all;
+    std::vector<std::string> names;
     for (const OptionHelp& option : help.options)
-        if (!with_text || !option.flag) all.insert(all.end(), option.names.begin(), option.names.end());
-    return all;
+        if (!with_text || !option.flag) names.insert(names.end(), option.names.begin(), option.names.end());
+    return names;
 }
 
 std::string bash(const Help& help) {
     std::string choices, options;
     for (const SubcommandHelp& sub : help.subcommands) {
-        options += fmt::format("    {}:*:-*) words='{}' ;;\n", sub.name, fmt::join(dashed(sub), " "));
+        options += fmt::format("    {}:*:-*) words='{}' ;;\n", sub.name, fmt::join(option_names(sub), " "));
         for (const OptionHelp& option : sub.options)
             for (const std::string& name : option.names)
                 if (!option.choices.empty())
@@ -74,7 +74,7 @@ std::string zsh(const Help& help) {
         subcommands += fmt::format("    {}\n", quoted(sub.name + ":" + sub.about));
         cases += fmt::format("{})\n    _arguments", sub.name);
         for (const OptionHelp& option : sub.options) {
-            // In a specification brackets end the description and colons the parts.
+            // In a specification, brackets end the description and colons separate the parts.
             std::string about;
             for (const char c : first_line(option.about))
                 about += std::string("[]:\\").find(c) < 4 ? std::string("\\") + c : std::string(1, c);
@@ -104,7 +104,7 @@ std::string zsh(const Help& help) {
         help.name, subcommands, cases, before, fmt::join(names_before(help, true), "|"));
 }
 
-/// An option as fish completes it where `when` holds.
+/// The line that completes an option in fish under the condition `when`.
 std::string fish(const Help& help, const OptionHelp& option, const std::string& when) {
     std::string text = fmt::format("complete -c {} -n '{}'", help.name, when);
     for (const std::string& name : option.names)
@@ -118,7 +118,7 @@ std::string fish(const Help& help, const OptionHelp& option, const std::string& 
 
 std::string fish(const Help& help) {
     std::string text = fmt::format("# Completion of {0} for fish.\n", help.name);
-    // An option before the subcommand may have a text, which is none.
+    // The condition also holds after an option with a text, since no such text is a subcommand's name.
     const std::string before = fmt::format("not __fish_seen_subcommand_from {}", fmt::join(names(help), " "));
     for (const OptionHelp& option : help.options) text += fish(help, option, before);
     for (const SubcommandHelp& sub : help.subcommands) {
@@ -138,15 +138,15 @@ constexpr Shell k_shells[] = {{"bash", bash}, {"zsh", zsh}, {"fish", fish}};
 }  // namespace
 
 void add_completion(CommandLine& app, int& status) {
-    const auto as = std::make_shared<std::string>();
+    const auto shell_name = std::make_shared<std::string>();
     const Subcommand sub = app.add_subcommand("completion", "Print a shell's completion of options");
-    std::vector<std::string> all;
-    for (const Shell& shell : k_shells) all.emplace_back(shell.name);
-    sub.add_option("SHELL", *as, "bash, zsh or fish").type_name("").required().one_of(all);
+    std::vector<std::string> choices;
+    for (const Shell& shell : k_shells) choices.emplace_back(shell.name);
+    sub.add_option("SHELL", *shell_name, "bash, zsh or fish").type_name("").required().one_of(choices);
     sub.footer("Example:\n  srbf completion bash > ~/.local/share/bash-completion/completions/srbf");
-    sub.callback([&app, as, &status] {
+    sub.callback([&app, shell_name, &status] {
         for (const Shell& shell : k_shells)
-            if (*as == shell.name) fmt::print("{}", shell.completion(app.help()));
+            if (*shell_name == shell.name) fmt::print("{}", shell.completion(app.help()));
         status = k_done;
     });
 }

@@ -13,7 +13,7 @@
 namespace srbf {
 namespace {
 
-/// Pairs at a time: their values are printed before the next ones are read.
+/// Pairs in a block. The values of a block are printed before the next block is read.
 constexpr std::size_t k_block = 1 << 16;
 
 std::string header_of(const Channels& brdf) {
@@ -23,7 +23,7 @@ std::string header_of(const Channels& brdf) {
     return header + '\n';
 }
 
-/// The rows of pairs and their values.
+/// The rows of CSV with the pairs and their values.
 std::string rows_of(const Channels& brdf, const Pairs& pairs) {
     const std::size_t C = brdf.count();
     std::vector<float> f(C * pairs.wl.size());
@@ -37,14 +37,14 @@ std::string rows_of(const Channels& brdf, const Pairs& pairs) {
     return rows;
 }
 
-int run(const std::string& file, const ReadOptions& read, const std::string& pairs_file, const std::string& asked,
-        bool exchanged) {
+int run(const std::string& file, const ReadOptions& read, const std::string& pairs_file,
+        const std::string& requested_channels, bool exchanged) {
     auto subject = load_subject(file, read);
     if (!subject) return complain(subject.error());
-    if (exchanged) std::visit([](auto& of) { exchange(of); }, subject->content);
-    if (asked == "spectral" && wavelengths(*subject).empty())
+    if (exchanged) std::visit([](auto& brdf) { exchange(brdf); }, subject->content);
+    if (requested_channels == "spectral" && wavelengths(*subject).empty())
         return complain({file, {}, "spectral channels", "a measurement or a model at wavelengths", "one of colours"});
-    const bool spectral = asked == "spectral" || (asked.empty() && subject->is_model());
+    const bool spectral = requested_channels == "spectral" || (requested_channels.empty() && subject->is_model());
     const Channels brdf = spectral ? channels(*subject) : rgb_channels(evaluator(*subject));
 
     auto reader = PairReader::open(pairs_file);
@@ -63,33 +63,34 @@ int run(const std::string& file, const ReadOptions& read, const std::string& pai
 }  // namespace
 
 void add_eval(CommandLine& app, int& status) {
-    struct Names {
+    struct EvalCommand {
         std::string file, pairs, channels;
         ReadOptions read;
         bool exchange = false;
     };
-    const auto names = std::make_shared<Names>();
+    const auto command = std::make_shared<EvalCommand>();
     const Subcommand sub = app.add_subcommand("eval", "Evaluate a BRDF at given pairs of directions, as CSV");
-    sub.add_option("FILE", names->file, "A measurement or a model").type_name("").required();
-    sub.add_flag("--exchange", names->exchange, "Exchange light and viewer of FILE");
-    sub.add_option("--pairs", names->pairs,
+    sub.add_option("FILE", command->file, "A measurement or a model").type_name("").required();
+    sub.add_flag("--exchange", command->exchange, "Exchange light and viewer of FILE");
+    sub.add_option("--pairs", command->pairs,
                    "CSV whose first line names its columns: wl_x, wl_y, wl_z to the light\n"
                    "and wv_x, wv_y, wv_z to the viewer, unit vectors with normal +z.\n"
                    "Other columns are ignored")
         .type_name("FILE")
         .required();
-    sub.add_option("--channels", names->channels,
+    sub.add_option("--channels", command->channels,
                    "rgb: columns r,g,b; spectral: a column for each wavelength, such as 450nm;\n"
                    "default: spectral for a spectral model, otherwise rgb")
         .type_name("NAME")
         .one_of({"rgb", "spectral"});
-    add_read_options(sub, names->read);
+    add_read_options(sub, command->read);
     sub.footer(
         "Writes the directions and f_r [1/sr] of each channel, without the cosine: 0 below the horizon\n"
         "unless FILE has transmission, nan where nothing was measured.\n\n"
         "Example:\n  srbf eval paper_white_rgb.srbf --pairs pairs.csv > values.csv");
-    sub.callback(
-        [names, &status] { status = run(names->file, names->read, names->pairs, names->channels, names->exchange); });
+    sub.callback([command, &status] {
+        status = run(command->file, command->read, command->pairs, command->channels, command->exchange);
+    });
 }
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-// `srbf explain`: what a multivariate fit minimises, and in which stages.
+// `srbf explain` prints what a multivariate fit minimises, and its stages.
 #include <memory>
 
 #include "app/commands.h"

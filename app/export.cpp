@@ -21,18 +21,18 @@
 namespace srbf {
 namespace {
 
-/// A kind of text of models, and of a map if it has any.
+/// A kind of source text for models, and for a map if `map` is set.
 struct TextKind {
     std::string name, about;
-    bool of_parts = false;  ///< the parts of a BSDF are materials of their own
+    bool of_parts = false;  ///< each part of a BSDF becomes a material of its own
     std::function<Result<std::string>(const ExportCommand&, const std::vector<NamedModel>&, const std::string& prefix)>
         models;
-    /// `texture`: the name of the file beside it that has the coefficients; empty: the host finds them.
+    /// `texture`: the file beside the text that holds the coefficients; empty: the host supplies them.
     std::function<Result<std::string>(const ExportCommand&, const Library&, const std::string& name)> map = {};
     bool has_texture = false;
 };
 
-/// The names of a model and of its parts, without what names of classes leave out.
+/// The names of a model and of its parts, reduced to what distinguishes class names: lower case without underscores.
 std::vector<std::string> keys_of(const std::string& name, const Model& model) {
     std::vector<std::string> keys{name};
     if (std::holds_alternative<BsdfModel>(model.model))
@@ -44,43 +44,47 @@ std::vector<std::string> keys_of(const std::string& name, const Model& model) {
     return keys;
 }
 
-/// Models by the names of their files, numbered where those of two differ by capitals and underscores alone. What is
-/// numbered is called as no file is.
+/// Names models after their files. Files whose names differ only in capitals and underscores get numbers; a
+/// numbered name never equals the name of another file.
 std::vector<NamedModel> names_of(const std::vector<Subject>& models) {
     std::vector<NamedModel> named;
-    std::set<std::string> taken, of_files;
+    std::set<std::string> taken, file_keys;
     const auto are_in = [](const std::set<std::string>& names, const std::vector<std::string>& keys) {
         return std::ranges::any_of(keys, [&](const std::string& key) { return names.contains(key); });
     };
-    for (const Subject& of : models)
-        for (const auto& key : keys_of(identifier(stem_of(of.path)), std::get<Model>(of.content))) of_files.insert(key);
-    for (const Subject& of : models) {
-        const Model& model = std::get<Model>(of.content);
-        const std::string name = identifier(stem_of(of.path));
-        std::string own = name;
-        for (int i = 2; are_in(taken, keys_of(own, model)) || (own != name && are_in(of_files, keys_of(own, model)));
+    for (const Subject& subject : models)
+        for (const auto& key : keys_of(identifier(stem_of(subject.path)), std::get<Model>(subject.content)))
+            file_keys.insert(key);
+    for (const Subject& subject : models) {
+        const Model& model = std::get<Model>(subject.content);
+        const std::string name = identifier(stem_of(subject.path));
+        std::string unique = name;
+        for (int i = 2;
+             are_in(taken, keys_of(unique, model)) || (unique != name && are_in(file_keys, keys_of(unique, model)));
              ++i)
-            own = fmt::format("{}_{}", name, i);
-        for (const std::string& key : keys_of(own, model)) taken.insert(key);
-        named.push_back({own, &model});
+            unique = fmt::format("{}_{}", name, i);
+        for (const std::string& key : keys_of(unique, model)) taken.insert(key);
+        named.push_back({unique, &model});
     }
     return named;
 }
 
-/// The models with a BSDF's parts in its place, as in its code.
+/// The models, with each BSDF replaced by its parts, as in the exported code.
 std::vector<NamedModel> with_parts(const std::vector<NamedModel>& named) {
-    std::vector<NamedModel> all;
-    for (const NamedModel& of : named) {
-        const auto* bsdf = std::get_if<BsdfModel>(&of.model->model);
-        if (!bsdf) all.push_back(of);
+    std::vector<NamedModel> parts;
+    for (const NamedModel& item : named) {
+        const auto* bsdf = std::get_if<BsdfModel>(&item.model->model);
+        if (!bsdf) parts.push_back(item);
         for (std::size_t p = 0; bsdf && p < k_parts; ++p)
-            if (bsdf->part[p]) all.push_back({fmt::format("{}_{}", of.name, k_part_names[p]), bsdf->part[p].get()});
+            if (bsdf->part[p]) parts.push_back({fmt::format("{}_{}", item.name, k_part_names[p]), bsdf->part[p].get()});
     }
-    return all;
+    return parts;
 }
 
-/// Where the numbers of a view-by-view model go.
-std::string data_path(const ExportCommand& asked, const NamedModel& of) { return asked.beside(of.name + ".data"); }
+/// The file for the numbers of a view-by-view model.
+std::string data_path(const ExportCommand& asked, const NamedModel& model) {
+    return asked.beside(model.name + ".data");
+}
 
 NewFile file_of(const std::string& path, std::span<const std::byte> bytes) {
     return {path, {bytes.begin(), bytes.end()}};
@@ -91,12 +95,12 @@ int write_map(const ExportCommand& asked, const TextKind& kind) {
     const auto map = load_map(asked, kind.has_texture ? std::vector{texture} : std::vector<std::string>());
     if (!map) return complain(map.error());
     const auto written = within_memory(texture, [&]() -> Result<Done> {
-        std::vector<NewFile> all;
-        if (kind.has_texture) all.push_back({texture, map_ktx2(*map)});
+        std::vector<NewFile> files;
+        if (kind.has_texture) files.push_back({texture, map_ktx2(*map)});
         const auto text = kind.map(asked, *map, name);
         if (!text) return text.error();
-        all.push_back(file_of(asked.output, as_bytes(*text)));
-        return write_files(all);
+        files.push_back(file_of(asked.output, as_bytes(*text)));
+        return write_files(files);
     });
     return written ? int(k_done) : complain(written.error());
 }
@@ -109,16 +113,16 @@ int write_text(const ExportCommand& asked, const TextKind& kind) {
     }
     const auto models = load_models(asked.files);
     if (!models) return complain(models.error());
-    const std::vector<NamedModel> all = names_of(*models), brdfs = with_parts(all);
+    const std::vector<NamedModel> models_by_name = names_of(*models), brdfs = with_parts(models_by_name);
     std::vector<std::string> outputs{asked.output};
     std::vector<NewFile> files;
-    for (const NamedModel& of : brdfs)
-        if (const auto* su = std::get_if<SuModel>(&of.model->model)) {
-            outputs.push_back(data_path(asked, of));
+    for (const NamedModel& brdf : brdfs)
+        if (const auto* su = std::get_if<SuModel>(&brdf.model->model)) {
+            outputs.push_back(data_path(asked, brdf));
             files.push_back(file_of(outputs.back(), std::as_bytes(std::span<const float>(shading_data(*su)))));
         }
     if (const auto writable = check_outputs(asked.files, outputs); !writable) return complain(writable.error());
-    const std::vector<NamedModel>& named = kind.of_parts ? brdfs : all;
+    const std::vector<NamedModel>& named = kind.of_parts ? brdfs : models_by_name;
     const auto text = kind.models(asked, named, named.size() == 1 ? named[0].name : identifier(stem_of(asked.output)));
     if (!text) return complain(text.error());
     files.push_back(file_of(asked.output, as_bytes(*text)));
@@ -133,16 +137,16 @@ int write_ktx2(const ExportCommand& asked) {
     return written ? int(k_done) : complain(written.error());
 }
 
-/// The file of one surface; prints what it loses.
+/// The text of one surface; prints its visible error.
 Result<std::string> surface(const ExportCommand& asked, const std::vector<NamedModel>& named) {
     if (named.size() != 1)
         return Error{asked.output, {}, "models", "one surface", std::to_string(named.size()), ErrorCode::argument};
     auto text = surface_file(asked.to, named[0]);
     const auto& provenance = named[0].model->provenance;
     const auto heldout = provenance.find("heldout_delta_e_itp");
-    if (const auto at = provenance.find("delta_e_itp"); text && at != provenance.end())
+    if (const auto entry = provenance.find("delta_e_itp"); text && entry != provenance.end())
         fmt::print(
-            "{}: ΔE_ITP {} against the measurement{}\n", printable(asked.output), printable(at->second),
+            "{}: ΔE_ITP {} against the measurement{}\n", printable(asked.output), printable(entry->second),
             heldout != provenance.end() ? fmt::format(", {} in cross-validation", printable(heldout->second)) : "");
     return text;
 }
@@ -165,25 +169,27 @@ std::vector<TextKind> text_kinds() {
         const auto options = [language = row.language](const auto& asked) { return code_options(asked, language); };
         kinds.push_back(
             {std::string(row.name), "", false,
-             [=](const auto& asked, const auto& of, auto& prefix) { return shading_code(of, prefix, options(asked)); },
+             [=](const auto& asked, const auto& models, auto& prefix) {
+                 return shading_code(models, prefix, options(asked));
+             },
              [=](const auto& asked, const auto& map, auto& name) { return map_code(map, name, options(asked)); }});
     }
     for (const CodeModule& row : code_modules())
         kinds.push_back(
             {std::string(row.name), std::string(row.summary), true,
-             [=](const auto&, const auto& of, auto& prefix) { return row.text(of, prefix, 0); },
+             [=](const auto&, const auto& models, auto& prefix) { return row.text(models, prefix, 0); },
              [=](const auto&, const auto& map, auto& name) { return row.map_text(map, name, name + ".ktx2", 0); },
              true});
     kinds.push_back({"radiance",
                      "a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them", false,
-                     [](const auto&, const auto& of, auto&) { return radiance_text(of); }});
+                     [](const auto&, const auto& models, auto&) { return radiance_text(models); }});
     for (const std::string_view name : k_surface_files)
         kinds.push_back({std::string(name), "", false,
-                         [](const auto& asked, const auto& of, auto&) { return surface(asked, of); }});
+                         [](const auto& asked, const auto& models, auto&) { return surface(asked, models); }});
     return kinds;
 }
 
-/// Describes each kind, for the help.
+/// The help's description of source code.
 std::string about_code() {
     std::vector<std::string_view> names;
     for (const CodeLanguageRow& row : k_code_languages) names.push_back(row.name);
@@ -199,19 +205,19 @@ constexpr const char* k_about_others =
     "ktx2: the coefficients of a map (srbf map --basis N --width W), as layers of a KTX 2 texture with its levels;\n"
     "its code has NAME_brdf(wl, wv, NAME_coefficients(u, v))";
 constexpr const char* k_about_models =
-    "\nThe numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF the functions are\n"
-    "NAME_bsdf, of directions on either side, and NAME_beam, the share of light that passes unscattered";
+    "\nThe numbers of a view-by-view model go into NAME.data beside the code. The functions of a BSDF are\n"
+    "NAME_bsdf, for directions on either side, and NAME_beam, the fraction of light that passes unscattered";
 
-/// The kinds of the core.
+/// The kinds of files that the core writes.
 Exports core_exports() {
-    Exports all{{}, about_code(), {}};
+    Exports exports{{}, about_code(), {}};
     for (TextKind& kind : text_kinds()) {
-        if (!kind.about.empty()) all.about += "\n" + kind.name + ": " + kind.about;
-        all.kinds.push_back({kind.name, [kind](const ExportCommand& asked) { return write_text(asked, kind); }});
+        if (!kind.about.empty()) exports.about += "\n" + kind.name + ": " + kind.about;
+        exports.kinds.push_back({kind.name, [kind](const ExportCommand& asked) { return write_text(asked, kind); }});
     }
-    all.kinds.push_back({"ktx2", write_ktx2});
-    all.about += std::string("\n") + k_about_others;
-    return all;
+    exports.kinds.push_back({"ktx2", write_ktx2});
+    exports.about += std::string("\n") + k_about_others;
+    return exports;
 }
 
 }  // namespace
@@ -232,8 +238,8 @@ Result<std::vector<Subject>> load_models(const std::vector<std::string>& files) 
 }
 
 Result<Library> load_map(const ExportCommand& asked, const std::vector<std::string>& more) {
-    const bool is_one = asked.files.size() == 1;
-    auto map = is_one ? library_in(asked.files[0]) : Result<std::optional<Library>>(std::optional<Library>());
+    const bool single = asked.files.size() == 1;
+    auto map = single ? library_in(asked.files[0]) : Result<std::optional<Library>>(std::optional<Library>());
     if (!map) return map.error();
     if (!*map) {
         const auto models = load_models(asked.files);
@@ -249,16 +255,15 @@ Result<Library> load_map(const ExportCommand& asked, const std::vector<std::stri
 
 void add_export(CommandLine& app, int& status) {
     const auto command = std::make_shared<ExportCommand>();
-    const Subcommand sub =
-        app.add_subcommand("export", "Export models as shading code, or as a page to look at and to share");
+    const Subcommand sub = app.add_subcommand("export", "Export models as shading code, or as an interactive page");
     sub.add_option("MODEL", command->files, "Fitted models, or a map of shared lobes").type_name("").required();
-    Exports all = core_exports();
-    for (const auto add : k_extra_exports) add(sub, *command, all);
+    Exports exports = core_exports();
+    for (const auto add : k_extra_exports) add(sub, *command, exports);
     std::vector<std::string> names, features{"sampling", "albedo"};
-    for (const ExportKind& kind : all.kinds) names.push_back(kind.name);
-    sub.add_option("--to", command->to, all.about + k_about_models).type_name("KIND").required().one_of(names);
+    for (const ExportKind& kind : exports.kinds) names.push_back(kind.name);
+    sub.add_option("--to", command->to, exports.about + k_about_models).type_name("KIND").required().one_of(names);
     std::string about =
-        "sampling: code with NAME_sample and NAME_pdf too; albedo: with NAME_albedo, the share of light that\n"
+        "sampling: also NAME_sample and NAME_pdf; albedo: also NAME_albedo, the fraction of light that\n"
         "is reflected to a view";
     for (const CodeFeature& feature : code_features()) {
         about += fmt::format(";\n{}: {}", feature.name, feature.summary);
@@ -272,10 +277,10 @@ void add_export(CommandLine& app, int& status) {
     sub.footer(
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
         "  srbf export map.srbf --to ktx2 -o map.ktx2");
-    all.readings.push_back({{with}, "is for source code", [command] { return is_code(command->to); }});
-    sub.callback([command, kinds = all.kinds,
+    exports.readings.push_back({{with}, "is for source code", [command] { return is_code(command->to); }});
+    sub.callback([command, kinds = exports.kinds,
                   &status] { status = std::ranges::find(kinds, command->to, &ExportKind::name)->run(*command); },
-                 all.readings);
+                 exports.readings);
 }
 
 }  // namespace srbf

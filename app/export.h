@@ -1,4 +1,4 @@
-// The kinds of files that `srbf export` writes: kinds of the core, and those that extras add.
+// The kinds of files that `srbf export` writes, from the core and from extras.
 #pragma once
 #include <functional>
 #include <string>
@@ -14,11 +14,11 @@ struct ExportCommand {
     std::vector<std::string> files, with;
     std::string to, output;
 
-    /// A file of that name beside the output.
+    /// The path of a file beside the output.
     std::string beside(const std::string& name) const;
 };
 
-/// A kind of what is written, and what writes it and returns the exit status.
+/// A kind of file, and the function that writes it and returns the exit status.
 struct ExportKind {
     std::string name;
     std::function<int(const ExportCommand&)> run;
@@ -29,9 +29,10 @@ struct Exports {
     std::vector<Reading> readings;
 };
 
-/// The models in those files; other content is an error.
+/// Loads the models in the files; other content is an error.
 Result<std::vector<Subject>> load_models(const std::vector<std::string>& files);
-/// The map in the file of the command line, whose output and `more` can be written. Errors: none, several files.
+/// Loads the map that the command line names, and checks that the output and `more` can be written. Errors: no map,
+/// or several files.
 Result<Library> load_map(const ExportCommand& asked, const std::vector<std::string>& more = {});
 
 }  // namespace srbf

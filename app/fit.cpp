@@ -11,14 +11,14 @@
 namespace srbf {
 namespace {
 
-/// Which measurements an option is read for. Those of fit_command.cpp are of what depends on the command line alone.
+/// Which measurements an option applies to. The readings in fit_command.cpp depend on the command line alone.
 struct ReadFor {
     std::vector<std::string_view> options;
     bool are_read;
     std::string expected, found;
 };
 
-/// An error if an option was given that the fit of such a measurement does not read.
+/// Returns an error if an option was given that the fit of this measurement does not read.
 Result<Done> check_read(const Measured& measured, const FileFit& fit) {
     const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
     const OwnFit* own = nullptr;
@@ -27,7 +27,7 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
             if (part && own_fit_of(*part)) own = own_fit_of(*part);
     const std::string fitted(own ? own->fitted : "");
     const auto* pm = std::get_if<PmRequest>(&fit.request.model);
-    const bool of_views = std::holds_alternative<SuRequest>(fit.request.model);
+    const bool is_view_by_view = std::holds_alternative<SuRequest>(fit.request.model);
     const bool tries_kinds =
         goal_of(fit.request) && pm->log_scale && !std::holds_alternative<ScatteredSamples>(measured.table);
     const ReadFor rows[] = {
@@ -37,7 +37,7 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
          "a number of lobes too",
          fmt::format("none, so that sizes of {} are tried", fitted)},
         {{"--target-delta-e", "--budget"}, !own, "a table or samples", fitted},
-        {{"--objective", "--max-theta"}, !own || of_views, "a table or samples", fitted},
+        {{"--objective", "--max-theta"}, !own || is_view_by_view, "a table or samples", fitted},
         {{"--channels"}, !(own && fit.request.spectral), "rgb", "spectral, of " + fitted},
     };
     for (const ReadFor& row : rows)

@@ -1,4 +1,4 @@
-// Input, output and messages of `srbf fit`. The fit itself is in srbf/fitting.h.
+// Input, output and messages of `srbf fit`. The fit itself is in srbf/fit.h.
 #pragma once
 #include <functional>
 #include <string>
@@ -11,15 +11,15 @@
 
 namespace srbf {
 
-/// A fit of a file.
+/// The fit of a file.
 struct FileFit {
     std::string input, output;
     std::string preview, json;  // empty: none
     FitRequest request;
-    bool exchange = false;                // light and viewer of the measurement
-    ReadOptions read = {};                // what its file does not state
-    std::string band = {};                // of a two-sided measurement; empty: the default
-    std::vector<std::string> given = {};  // the options of the command line
+    bool exchange = false;                // exchange light and viewer of the measurement
+    ReadOptions read = {};                // for what the file does not state
+    std::string band = {};                // for a two-sided measurement; empty: the default
+    std::vector<std::string> given = {};  // the options on the command line
     double load_seconds = 0;
 };
 
@@ -28,27 +28,27 @@ int fit_file(FileFit fit);
 /// Fits a two-sided measurement, writes the outputs and prints the report; returns the exit status.
 int fit_both_sides(const FileFit& fit, const Measured& measured);
 Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome);
-/// Loads the measurement of a fit, with light and viewer exchanged if that is asked.
+/// Loads the measurement of a fit and, if requested, exchanges light and viewer.
 Result<Measured> load_measured(FileFit& fit);
 
-/// The measured and the fitted sphere beside each other.
+/// The measured and the fitted sphere side by side.
 Image8 preview_of(const FileFit& fit, const Measured& measured, const Model& model);
-/// Writes the model, the picture and the report, all of them or none; prints what `print` does, or the report itself if
-/// it goes to standard output, before they are renamed.
+/// Writes the model, the picture and the report, either all or none. Before the files are renamed into place, it
+/// calls `print`, or prints the report itself if that goes to standard output.
 Result<Done> write_fit(const FileFit& fit, const Model& model, const Image8& picture, const Json& report,
                        const std::function<Result<Done>()>& print);
 Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& outcome);
 Result<Done> print_report(const FileFit& fit, const Measured& measured, const FitOutcome& outcome);
 
-/// Fits of many files, with the same options.
+/// Fits of many files with the same options.
 struct FolderFit {
     std::vector<std::string> inputs;
     std::string folder;    // STEM.srbf and STEM.json of each input STEM.*
-    FileFit each;          // request and exchange
-    std::string settings;  // the options that models depend on
-    bool resume = false;   // keep what is done
+    FileFit each;          // the request, and whether to exchange
+    std::string settings;  // the options that the models depend on
+    bool resume = false;   // keep earlier results
 };
-/// Prints a line for each file in their order, and a summary; returns the exit status. Failures do not stop the others.
+/// Prints a row for each file, in order, and a summary; returns the exit status. A failure does not stop the others.
 int fit_files(const FolderFit& fit);
 
 }  // namespace srbf

@@ -16,7 +16,7 @@
 namespace srbf {
 namespace {
 
-/// As degrees, rounded to four digits after the point.
+/// Radians to degrees, rounded to four decimals.
 double degrees_of(double radians) { return std::round(radians / k_degree * 1e4) / 1e4; }
 
 }  // namespace
@@ -39,27 +39,27 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
               {"most_light_measured", outcome.most_measured},
               {"most_light", outcome.most_fitted}};
     for (const PartFit& part : outcome.parts) {
-        Json of{{"part", name(part.part)},
-                {"answered_by", part.answered_by ? Json(name(*part.answered_by)) : Json()},
-                {"black", part.black},
-                {"squared_error_ratio", part.squared_error_ratio}};
+        Json member{{"part", name(part.part)},
+                    {"answered_by", part.answered_by ? Json(name(*part.answered_by)) : Json()},
+                    {"black", part.black},
+                    {"squared_error_ratio", part.squared_error_ratio}};
         if (const auto& own = std::get<BsdfTable>(measured.table).band().part[std::size_t(part.part)]) {
             const Peak peak = peak_of(*own);
-            of["peak"] = name(peak.place), of["peak_ratio"] = peak.ratio;
+            member["peak"] = name(peak.place), member["peak_ratio"] = peak.ratio;
         }
         for (const Hemispherical& sum : part.hemispherical)
-            of["hemispherical"].push_back({{"theta", degrees_of(sum.theta)},
-                                           {"phi", degrees_of(sum.phi)},
-                                           {"measured", sum.measured},
-                                           {"fitted", sum.fitted}});
-        json["parts"].push_back(std::move(of));
+            member["hemispherical"].push_back({{"theta", degrees_of(sum.theta)},
+                                               {"phi", degrees_of(sum.phi)},
+                                               {"measured", sum.measured},
+                                               {"fitted", sum.fitted}});
+        json["parts"].push_back(std::move(member));
     }
     return json;
 }
 
 namespace {
 
-/// The largest errors of directional-hemispherical sums.
+/// The largest absolute and relative errors of the directional-hemispherical sums.
 std::string sums_text(const std::vector<Hemispherical>& sums) {
     double largest = 0, relative = 0;
     for (const Hemispherical& sum : sums) {

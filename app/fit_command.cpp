@@ -16,45 +16,46 @@ struct FitCommand {
     FileFit fit;
     bool resume = false;
 
-    /// Several inputs go into a folder, and one does if the output is a folder, as with `cp`.
+    /// Several inputs go into a folder. A single input does if the output is a folder, as with `cp`.
     bool into_folder() const { return inputs.size() > 1 || resume || is_folder(fit.output); }
 };
 
-/// The options of the command line, of which it is asked whether they are given.
+/// The options that the command checks for presence.
 struct GivenOptions {
     Option input, output, resume, picture, json;
 };
 
-void add_files(const Subcommand& sub, FitCommand& to, GivenOptions& of) {
-    of.input = sub.add_option("INPUT", to.inputs,
-                              "The measurement: a table of MERL's, RGL's, UTIA's or MDL's layout, scattered samples,\n"
-                              "or BSDF XML of WINDOW and Radiance; several of them with a folder for the models")
-                   .type_name("")
-                   .required();
-    of.output =
-        sub.add_option("-o,--output", to.fit.output,
+void add_files(const Subcommand& sub, FitCommand& command, GivenOptions& options) {
+    options.input =
+        sub.add_option("INPUT", command.inputs,
+                       "The measurement: a table of MERL's, RGL's, UTIA's or MDL's layout, scattered samples,\n"
+                       "or BSDF XML of WINDOW and Radiance; several of them with a folder for the models")
+            .type_name("")
+            .required();
+    options.output =
+        sub.add_option("-o,--output", command.fit.output,
                        "The model; default: INPUT's stem + .srbf in the working directory. Or a folder, for STEM.srbf\n"
                        "and the report STEM.json of each INPUT")
             .type_name("FILE|DIR");
-    of.resume =
-        sub.add_flag("--resume", to.resume,
-                     "Keep the models of the folder that were made of the same file by the same options and version");
-    of.picture = sub.add_option("--preview", to.fit.preview,
-                                "Write a picture of the measurement, the fit and 10 x their difference")
-                     .type_name("FILE.png")
-                     .check(png_name());
-    of.json =
-        sub.add_option("--json", to.fit.json, "Write the report to this file; - is standard output").type_name("FILE");
+    options.resume =
+        sub.add_flag("--resume", command.resume,
+                     "Keep models in the folder that the same version made from the same file with the same options");
+    options.picture = sub.add_option("--preview", command.fit.preview,
+                                     "Write a picture of the measurement, the fit and 10 x their difference")
+                          .type_name("FILE.png")
+                          .check(png_name());
+    options.json = sub.add_option("--json", command.fit.json, "Write the report to this file; - is standard output")
+                       .type_name("FILE");
 }
 
-/// How the measurement is read.
-void add_data(const Subcommand& sub, FitCommand& to) {
-    sub.add_flag("--exchange", to.fit.exchange,
-                 "Exchange light and viewer of the measurement, as renderers do that take the first\n"
-                 "direction of an RGL file for the viewer");
-    add_read_options(sub, to.fit.read);
-    sub.add_option("--band", to.fit.band,
-                   "Of BSDF XML: the band of wavelengths, Visible or Solar; default: Visible, or the first")
+/// Adds the options of how the measurement is read.
+void add_data(const Subcommand& sub, FitCommand& command) {
+    sub.add_flag("--exchange", command.fit.exchange,
+                 "Exchange light and viewer of the measurement, as renderers do that use the first\n"
+                 "direction of an RGL file as the viewer");
+    add_read_options(sub, command.fit.read);
+    sub.add_option("--band", command.fit.band,
+                   "BSDF XML only: the band of wavelengths, Visible or Solar; default: Visible, or the first")
         .type_name("NAME");
 }
 
@@ -71,10 +72,10 @@ void add_former(const Subcommand& sub) {
 
 void add_fit(CommandLine& app, int& status) {
     const auto command = std::make_shared<FitCommand>();
-    GivenOptions of;
+    GivenOptions options;
     const Subcommand sub =
         app.add_subcommand("fit", "Fit a model to a measurement, or to each of many, and report its errors");
-    add_files(sub, *command, of);
+    add_files(sub, *command, options);
     const Option threads = add_fit_options(sub, command->texts).at("threads");
     add_data(sub, *command);
     add_former(sub);
@@ -86,13 +87,13 @@ void add_fit(CommandLine& app, int& status) {
         "  srbf fit paper_white_rgb.bsdf --target-delta-e 2\n  srbf fit krylon_blue.brdf --objective cube-root");
     sub.callback(
         [=, &status] {
-            if (command->into_folder() && !of.output.given())
-                of.output.fail("a folder is required for several inputs and --resume");
+            if (command->into_folder() && !options.output.given())
+                options.output.fail("a folder is required for several inputs and --resume");
             command->fit.request = requested(sub, command->texts);
             command->fit.given = sub.given();
             if (command->into_folder()) {
-                // The key of a result has the inputs' content.
-                const std::string settings = sub.settings({of.input, of.output, of.resume, threads});
+                // The inputs' content is in the key of a result.
+                const std::string settings = sub.settings({options.input, options.output, options.resume, threads});
                 status = fit_files({command->inputs, command->fit.output, command->fit, settings, command->resume});
             } else {
                 command->fit.input = command->inputs[0];
@@ -101,10 +102,10 @@ void add_fit(CommandLine& app, int& status) {
                 status = fit_file(command->fit);
             }
         },
-        {{{of.picture, of.json},
+        {{{options.picture, options.json},
           "not with a folder, which has a report of each fit",
           [command] { return !command->into_folder(); }},
-         {{of.output}, "a folder, for several inputs and --resume, not the name of a model", [command] {
+         {{options.output}, "a folder, for several inputs and --resume, not the name of a model", [command] {
               const std::string& output = command->fit.output;
               return !command->into_folder() || is_folder(output) || !output.ends_with(".srbf");
           }}});

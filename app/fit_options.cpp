@@ -6,41 +6,41 @@
 namespace srbf {
 namespace {
 
-/// "--max-theta" of "max_theta".
+/// The option of a name: "--max-theta" for "max_theta".
 std::string dashed(std::string_view name) {
     std::string text = "--" + std::string(name);
     std::ranges::replace(text, '_', '-');
     return text;
 }
 
-Option add_fit_option(const Subcommand& sub, FitTexts& to, const FitOption& of) {
-    const std::string name(of.name), names = dashed(name);
-    if (of.type.empty() && of.negation.empty())
+Option add_fit_option(const Subcommand& sub, FitTexts& texts, const FitOption& row) {
+    const std::string name(row.name), names = dashed(name);
+    if (row.type.empty() && row.negation.empty())
         return sub.add_flag(
-            names, [&to, name] { to[name] = "true"; }, of.about);
-    if (of.type.empty())
+            names, [&texts, name] { texts[name] = "true"; }, row.about);
+    if (row.type.empty())
         return sub.add_flag(
-            names + "{1}," + dashed(of.negation) + "{-1}",
-            [&to, name](int sign) { to[name] = sign > 0 ? "true" : "false"; }, of.about);
+            names + "{1}," + dashed(row.negation) + "{-1}",
+            [&texts, name](int sign) { texts[name] = sign > 0 ? "true" : "false"; }, row.about);
     const Option option = sub.add_option(
-                                 names, [&to, name](const std::string& text) { to[name] = text; }, of.about)
-                              .type_name(of.type);
-    return option.default_text(of.preset).offers(of.choices);
+                                 names, [&texts, name](const std::string& text) { texts[name] = text; }, row.about)
+                              .type_name(row.type);
+    return option.default_text(row.preset).offers(row.choices);
 }
 
 }  // namespace
 
-OptionsByName add_fit_options(const Subcommand& sub, FitTexts& to, const std::vector<std::string_view>& names) {
-    OptionsByName all;
+OptionsByName add_fit_options(const Subcommand& sub, FitTexts& texts, const std::vector<std::string_view>& names) {
+    OptionsByName options;
     for (const std::string_view name : names)
-        if (!all.contains(name)) all[name] = add_fit_option(sub, to, fit_option(name));
-    return all;
+        if (!options.contains(name)) options[name] = add_fit_option(sub, texts, fit_option(name));
+    return options;
 }
 
-OptionsByName add_fit_options(const Subcommand& sub, FitTexts& to) {
+OptionsByName add_fit_options(const Subcommand& sub, FitTexts& texts) {
     std::vector<std::string_view> names;
     for (const FitOption& option : fit_options()) names.push_back(option.name);
-    return add_fit_options(sub, to, names);
+    return add_fit_options(sub, texts, names);
 }
 
 FitRequest requested(const Subcommand& sub, const FitTexts& texts) {

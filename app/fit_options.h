@@ -1,4 +1,4 @@
-// The options of fits on command lines, from their table (srbf/fit_options.h).
+// The options of fits on the command line, from their table (srbf/fit_options.h).
 #pragma once
 #include <map>
 #include <string>
@@ -11,15 +11,15 @@
 namespace srbf {
 
 using OptionsByName = std::map<std::string_view, Option>;
-/// Adds the options of these names, in their order. The texts of those that are given go into `to`, which must outlive
-/// the parsing.
-OptionsByName add_fit_options(const Subcommand& sub, FitTexts& to, const std::vector<std::string_view>& names);
-/// Adds all of them.
-OptionsByName add_fit_options(const Subcommand& sub, FitTexts& to);
-/// The request of these texts, once they are parsed. Ends the parsing with a usage error if they do not fit together.
+/// Adds the options with these names, in this order. The texts of the options that are given go into `texts`, which
+/// must outlive the parsing.
+OptionsByName add_fit_options(const Subcommand& sub, FitTexts& texts, const std::vector<std::string_view>& names);
+/// Adds all options of fits.
+OptionsByName add_fit_options(const Subcommand& sub, FitTexts& texts);
+/// The request that the parsed texts describe. Ends the parsing with a usage error if they contradict each other.
 FitRequest requested(const Subcommand& sub, const FitTexts& texts);
 
-/// True if an output is a folder, or is to be one.
+/// True if an output is an existing folder or ends in a slash.
 bool is_folder(const std::string& output);
 
 }  // namespace srbf

@@ -14,7 +14,7 @@
 namespace srbf {
 namespace {
 
-/// A goal of the size in JSON and in text.
+/// The goal of a choice of size, in JSON and as text.
 struct GoalWords {
     const char* key;
     Json value;
@@ -25,69 +25,70 @@ GoalWords words(const TargetDeltaE& goal) {
     return {"target_delta_e", goal.delta_e, fmt::format("a Delta E of {:g}", goal.delta_e)};
 }
 GoalWords words(const SizeGoal& goal) {
-    return std::visit([](const auto& one) { return words(one); }, goal);
+    return std::visit([](const auto& g) { return words(g); }, goal);
 }
 
-/// The models that were tried: the best of each size; of short fits only those whose error is smaller than that of all
-/// smaller models.
+/// Prints the models that were tried, the best of each size. Short fits are listed only if their error is below
+/// that of all smaller models.
 void print_path(const FitRequest& request, const FitOutcome& outcome) {
     if (outcome.path.empty()) return;
     const bool is_delta_e = is_by_pictures(request);
     const bool is_ratio = !is_delta_e && measure_named_for(request.objective).is_ratio;
     fmt::print("\n  {:>9}  {:>10}   {}\n", "bytes", is_delta_e ? "Delta E" : is_ratio ? "error, %" : "error", "tried");
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     for (const Trial& step : outcome.path) {
-        if (!step.whole && step.error >= least) continue;
-        least = std::min(least, step.error);
+        if (!step.whole && step.error >= smallest) continue;
+        smallest = std::min(smallest, step.error);
         fmt::print("  {:>9}  {:>10.4g}   {}, {} lobes, {} variates, {}{}\n", step.bytes,
                    is_ratio ? 100 * step.error : step.error, name(step.form), step.lobes, step.variates,
                    step.axial ? "axial" : "general", step.whole ? "" : ", short fit");
     }
 }
 
-/// True if the table was smoothed to its noise before the fit.
+/// True if the table was smoothed to its noise level before the fit.
 bool is_smoothed(const FitOutcome& outcome) { return outcome.against_smoothed.has_value(); }
 
-/// How far the measurement determines a fit: what is negative, its noise, and how it differs from itself.
+/// Prints what limits the accuracy of the measurement: negative values, noise, and deviations from reciprocity.
 void print_repeatability(const FitOutcome& outcome) {
     if (outcome.clamped > 0)
         fmt::print("  negative  {} values, {}\n", grouped(outcome.clamped),
                    is_smoothed(outcome) ? "fitted as noise about their mean" : "set to 0");
     if (is_smoothed(outcome)) {
         fmt::print(
-            "  noise     {:.0f} % of dark values; ΔE_ITP {:.3g} (worst {:.3g}) against the measurement smoothed\n",
+            "  noise     {:.0f} % of dark values; ΔE_ITP {:.3g} (worst {:.3g}) against the smoothed measurement\n",
             100 * outcome.noise->share(), outcome.against_smoothed->mean.delta_e,
             outcome.against_smoothed->worst_delta_e);
         if (outcome.noise->excess > 0)
             fmt::print(
-                "            its maker set what was below 0 to 0; zeros count as noise below 0, without which dark "
-                "values were {:.0f} % brighter\n",
+                "            negative values were published as 0; the fit treats zeros as negative noise, without "
+                "which dark values would be {:.0f} % brighter\n",
                 100 * outcome.noise->excess);
         else if (outcome.clamped == 0)
-            fmt::print("            none of it is below 0: its maker cut it off, which makes dark values brighter\n");
+            fmt::print(
+                "            no value is negative: the data were cut off at 0, which makes dark values brighter\n");
     }
     if (outcome.exchanged) fmt::print("  repeats   {}\n", repeats_text(*outcome.exchanged));
 }
 
-/// An angle [rad] in degrees, rounded to what was given.
+/// An angle [rad] in degrees, without the rounding error of the conversion.
 double degrees(double angle) { return std::round(angle / k_degree * 1e9) / 1e9; }
 
-/// Names the values that the fit of a request follows between samples.
+/// The values between samples that a fit follows, for the report.
 std::string_view followed(const FitRequest& request) {
     if (request.objective == Objective::relative) return "microfacets";
     return fills_gaps(request) ? "microfacet models" : "interpolated values";
 }
 
-/// Says which predicts left-out samples better, lobes or GGX.
+/// Prints which predicts held-out samples better, the lobes or GGX.
 void print_against_ggx(const Measures& lobes, const Measures& ggx) {
     const auto in_image = &Measures::squared_error_ratio_cosine, by_eye = &Measures::cube_root_error_ratio;
-    const bool nearer_in_image = lobes.*in_image < ggx.*in_image, nearer_by_eye = lobes.*by_eye < ggx.*by_eye;
+    const bool better_in_image = lobes.*in_image < ggx.*in_image, better_by_eye = lobes.*by_eye < ggx.*by_eye;
     fmt::print("  Held out, Lambert and one lobe of GGX: {} of f cosθl, {} of cube roots; {}.\n",
                percent(ggx.*in_image), percent(ggx.*by_eye),
-               nearer_in_image && nearer_by_eye ? "the lobes are nearer by both"
-               : nearer_in_image                ? "the lobes are nearer by the first alone"
-               : nearer_by_eye                  ? "the lobes are nearer by the second alone"
-                                                : "GGX is nearer by both: consider --model ggx");
+               better_in_image && better_by_eye ? "the lobes have smaller errors in both"
+               : better_in_image                ? "the lobes have the smaller error only in the first"
+               : better_by_eye                  ? "the lobes have the smaller error only in the second"
+                                                : "GGX has smaller errors in both: consider --model ggx");
 }
 
 }  // namespace
@@ -99,7 +100,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
         {"source", fit.input},  {"source_format", measured.format}, {"source_bytes", measured.bytes},
         {"output", fit.output}, {"version", SRBF_VERSION},          {"model", model_name(request)},
     };
-    for (const Parameter& of : report_members(outcome.model)) json[of.name] = json_of(of);
+    for (const Parameter& member : report_members(outcome.model)) json[member.name] = json_of(member);
     json.update(Json{
         {"channels", channels(outcome.model).count()},
         {"objective", name(request.objective)},
@@ -133,8 +134,8 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     if (!outcome.continued.empty()) json["highlights_continued_by"] = outcome.continued;
     if (outcome.ggx_heldout) add_measures(json, *outcome.ggx_heldout, "ggx_heldout_");
     if (const auto goal = goal_of(request)) {
-        const GoalWords of = words(*goal);
-        json[of.key] = of.value;
+        const GoalWords words_of_goal = words(*goal);
+        json[words_of_goal.key] = words_of_goal.value;
         json["reached"] = outcome.reached;
     }
     for (const Trial& step : outcome.path)
@@ -179,7 +180,7 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
         if (outcome.continued == k_no_highlight)
             fmt::print("  The samples show no highlight: Lambert alone predicts them as well as microfacets do.\n");
         else if (!outcome.continued.empty())
-            fmt::print("  Highlights beyond the samples: continued by {}, which predicts best what folds leave out.\n",
+            fmt::print("  Highlights beyond the samples: continued by {}, which best predicts held-out folds.\n",
                        outcome.continued);
         if (outcome.ggx_heldout) print_against_ggx(outcome.errors->heldout, *outcome.ggx_heldout);
     }

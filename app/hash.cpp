@@ -12,7 +12,7 @@ ResultKey::ResultKey(std::string_view kind, std::string_view settings) {
 }
 
 void ResultKey::add(std::span<const std::byte> bytes) {
-    const std::uint64_t size = bytes.size();  // so that parts cannot be divided otherwise
+    const std::uint64_t size = bytes.size();  // so that the same bytes in other parts have another hash
     hash_.add(std::as_bytes(std::span(&size, 1)));
     hash_.add(bytes);
 }

@@ -1,4 +1,4 @@
-// Hashes of files' contents, and keys of results.
+// Hashes of files' content, and keys of results.
 #pragma once
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 
 namespace srbf {
 
-/// FNV-1a, 64 bits.
+/// The 64-bit hash FNV-1a.
 class Hash {
   public:
     void add(std::span<const std::byte> bytes) {
@@ -30,15 +30,15 @@ inline std::string hash_of(std::span<const std::byte> bytes) {
     return hash.text();
 }
 
-/// The key of a result that is kept by a later run: a hash of all that the result depends on. The version of the program
-/// and what the constructor takes are a part of it; the inputs are to be added, in a fixed order.
+/// The key under which a later run finds a result: a hash of all that the result depends on. The constructor adds
+/// the program's version and its arguments; the caller adds the inputs, in a fixed order.
 class ResultKey {
   public:
-    /// `kind`: of the result; `settings`: the options on which it depends (`Subcommand::settings`).
+    /// `kind`: the kind of result; `settings`: the options that it depends on (`Subcommand::settings`).
     ResultKey(std::string_view kind, std::string_view settings);
     void add(std::span<const std::byte> bytes);
     void add(std::string_view text);
-    /// The content of a file, a block of it in memory. Errors: those of `FileReader`.
+    /// Adds the content of a file, with one block in memory. Errors: those of `FileReader`.
     Result<Done> add_file(const std::string& path);
     std::string text() const { return hash_.text(); }
 

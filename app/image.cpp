@@ -23,7 +23,7 @@ namespace srbf {
 
 namespace {
 
-/// `text` in the encoding of the font.
+/// `text` with '?' in place of characters that the font lacks.
 std::string in_ascii(std::string_view text) {
     std::string out(text);
     for (char& c : out)
@@ -41,11 +41,11 @@ struct Corner {
 
 float srgb_encoded(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, float(1 / 2.4)) - 0.055f; }
 
-Rgb8 to_srgb8(Rgb shown) {
+Rgb8 to_srgb8(Rgb colour) {
     Rgb8 out{};
     for (int c = 0; c < 3; ++c) {
-        if (std::isnan(shown[c])) return k_not_measured;
-        out[std::size_t(c)] = std::uint8_t(255 * srgb_encoded(std::clamp(shown[c], 0.0f, 1.0f)) + 0.5f);
+        if (std::isnan(colour[c])) return k_not_measured;
+        out[std::size_t(c)] = std::uint8_t(255 * srgb_encoded(std::clamp(colour[c], 0.0f, 1.0f)) + 0.5f);
     }
     return out;
 }
@@ -55,7 +55,7 @@ int text_width(std::string_view text) { return stb_easy_font_width(in_ascii(text
 void draw_text(Image8& image, int x, int y, std::string_view text, Rgb8 colour, int scale) {
     assert(scale >= 1);
     std::string line = in_ascii(text);
-    // A glyph has at most 11 strokes, each a rectangle; corner 0 is its upper left, 2 its lower right.
+    // A glyph has at most 11 strokes. Each is a rectangle, with corner 0 at the upper left and 2 at the lower right.
     std::vector<std::array<Corner, 4>> strokes(11 * line.size() + 1);
     const int count =
         stb_easy_font_print(0, 0, line.data(), nullptr, strokes.data(), int(strokes.size() * sizeof strokes[0]));
@@ -74,7 +74,7 @@ namespace {
 
 constexpr Rgb8 k_strip{38, 38, 38}, k_ink{225, 225, 225};
 
-/// A strip with centred `text`.
+/// A strip of this size with centred `text`.
 Image8 caption(int width, int height, const std::string& text) {
     Image8 out(width, height, k_strip);
     const int columns = text_width(text), rows = 9;  // the font's twelve rows without the line spacing
@@ -93,21 +93,21 @@ void paste(const Image8& part, int x, int y, Image8& image) {
 Image8 side_by_side(std::span<const Image8> images, std::span<const std::string> captions) {
     assert(!images.empty() && captions.size() == images.size());
     const int width = images[0].width, height = images[0].height, strip = std::max(12, width / 8);
-    Image8 all(int(images.size()) * width, height + strip);
+    Image8 row(int(images.size()) * width, height + strip);
     for (std::size_t i = 0; i < images.size(); ++i) {
         assert(images[i].width == width && images[i].height == height);
-        paste(images[i], int(i) * width, 0, all);
-        paste(caption(width, strip, captions[i]), int(i) * width, height, all);
+        paste(images[i], int(i) * width, 0, row);
+        paste(caption(width, strip, captions[i]), int(i) * width, height, row);
     }
-    return all;
+    return row;
 }
 
 namespace {
 
 /// Output callback of stb; `context` is a vector of bytes.
 void append(void* context, void* data, int size) {
-    auto& all = *static_cast<std::vector<std::byte>*>(context);
-    all.insert(all.end(), static_cast<std::byte*>(data), static_cast<std::byte*>(data) + size);
+    auto& bytes = *static_cast<std::vector<std::byte>*>(context);
+    bytes.insert(bytes.end(), static_cast<std::byte*>(data), static_cast<std::byte*>(data) + size);
 }
 
 }  // namespace

@@ -14,32 +14,32 @@
 
 namespace srbf {
 
-/// The colour for NaN (magenta).
+/// The colour of values that were not measured, which are NaN (magenta).
 inline constexpr Rgb8 k_not_measured{255, 0, 255};
 
 /// The transfer function of sRGB (IEC 61966-2-1) on [0,1]: 12.92 x if x ≤ 0.0031308, otherwise 1.055 x^(1/2.4) − 0.055.
 float srgb_encoded(float x);
 
 /// A colour in [0,1]³ as 8-bit sRGB, rounded to nearest; k_not_measured if it contains a NaN.
-Rgb8 to_srgb8(Rgb shown);
-/// Pictures of an object have this neutral grey beside it.
+Rgb8 to_srgb8(Rgb colour);
+/// The neutral grey around an object in pictures.
 inline constexpr float k_background = 0.16f;
 
-/// Draws a line of text with its upper left corner at (x, y), in a bitmap font of 12 `scale` rows, clipped to the
-/// image. Bytes that are not printable ASCII are drawn as '?'. scale ≥ 1.
+/// Draws a line of text with its upper left corner at (x, y). The bitmap font has 12 `scale` rows, scale ≥ 1. Text
+/// is clipped to the image; bytes that are not printable ASCII are drawn as '?'.
 void draw_text(Image8& image, int x, int y, std::string_view text, Rgb8 colour, int scale = 1);
 /// Width of `text` at scale 1 in pixels.
 int text_width(std::string_view text);
 
-/// Images of equal size side by side, each with a strip of max(12, width/8) rows below it that holds its caption in the
-/// largest size that fits. There are as many captions as images, at least one.
+/// Images of equal size side by side. Below each is a strip of max(12, width/8) rows with its caption in the
+/// largest size that fits. There must be at least one image and as many captions as images.
 Image8 side_by_side(std::span<const Image8> images, std::span<const std::string> captions);
 
-/// The bytes of a PNG of 8-bit RGB. Errors: an empty image, or more than 2²⁹ bytes.
+/// The bytes of a PNG with 8-bit RGB. Errors: an empty image, or more than 2²⁹ bytes.
 Result<std::vector<std::byte>> png(const Image8& image, const std::string& path);
-/// Writes the picture. Errors: those of write_file, too.
+/// Writes the picture as PNG. Errors: those of `png` and of write_file.
 Result<Done> write_png(const Image8& image, const std::string& path);
-/// The image as a JPEG of `quality` 1..100, reduced to at most k_largest_jpeg pixels per side, for pages.
+/// The image as a JPEG of `quality` 1..100. Each side has 1 to k_largest_jpeg pixels.
 std::vector<std::byte> jpeg(const Image8& image, int quality);
 inline constexpr int k_largest_jpeg = 65535;
 

@@ -19,9 +19,9 @@
 namespace srbf {
 namespace {
 
-void print_row(std::string_view name, const std::string& what) {
+void print_row(std::string_view name, const std::string& value) {
     std::string text;
-    add_row(text, name, what);
+    add_row(text, name, value);
     fmt::print("{}", text);
 }
 
@@ -66,23 +66,24 @@ void print_table(const MbsdfTable& table) {
     print_channel_ranges("value [1/sr]", table.cells);
 }
 
-/// Warns of a fit that lacks data: other planes than that of incidence, views on one side of it, values above the instrument's floor.
+/// Prints what limits a fit: samples in the plane of incidence alone, and values at the instrument's floor.
 void print_geometry(const ScatteredSamples& samples) {
-    std::size_t inside = 0, at_least = 0;
-    float least = std::numeric_limits<float>::infinity();
+    std::size_t in_plane = 0, smallest_count = 0;
+    float smallest = std::numeric_limits<float>::infinity();
     for (std::size_t i = 0; i < samples.wl.size(); ++i) {
-        inside += is_in_plane(samples.wl[i], samples.wv[i]);
-        if (samples.colour[i].g < least) least = samples.colour[i].g, at_least = 0;
-        at_least += samples.colour[i].g == least;
+        in_plane += is_in_plane(samples.wl[i], samples.wv[i]);
+        if (samples.colour[i].g < smallest) smallest = samples.colour[i].g, smallest_count = 0;
+        smallest_count += samples.colour[i].g == smallest;
     }
-    if (inside == samples.wl.size())
+    if (in_plane == samples.wl.size())
         print_row("geometry", "the plane of incidence alone; nothing was measured out of it");
     else
-        print_row("geometry", fmt::format("{} samples in the plane of incidence", grouped(inside)));
+        print_row("geometry", fmt::format("{} samples in the plane of incidence", grouped(in_plane)));
     constexpr std::size_t hundredth = 100;
-    if (at_least > 2 && at_least * hundredth >= samples.wl.size())
-        print_row("floor", fmt::format("{} samples have the least value, {:.4g}: perhaps a bound, see --floor",
-                                       grouped(at_least), least));
+    if (smallest_count > 2 && smallest_count * hundredth >= samples.wl.size())
+        print_row("floor",
+                  fmt::format("{} samples have the smallest value, {:.4g}: perhaps the noise floor, see --floor",
+                              grouped(smallest_count), smallest));
 }
 
 void print_table(const ScatteredSamples& samples) {
@@ -104,8 +105,8 @@ void print_table(const ScatteredSamples& samples) {
 }
 
 void print_table(const EvaluatedTable& table) {
-    for (const auto& [name, what, colours] : table.lines())
-        colours.empty() ? print_row(name, what) : print_channel_ranges(name, colours);
+    for (const auto& [name, value, colours] : table.lines())
+        colours.empty() ? print_row(name, value) : print_channel_ranges(name, colours);
 }
 
 void print_table(const BsdfTable& table) {
@@ -121,29 +122,29 @@ void print_table(const BsdfTable& table) {
         if (!table.band().part[p]) continue;
         const Measured& part = *table.band().part[p];
         fmt::print("\n  {}{}\n", k_part_names[p], is_isotropic(part) ? "" : ", anisotropic");
-        std::visit([](const auto& of) { print_table(of); }, part.table);
+        std::visit([](const auto& values) { print_table(values); }, part.table);
     }
 }
 
 /// Polar angles for directional albedo [degrees].
 constexpr std::array<double, 7> k_info_theta{0, 15, 30, 45, 60, 75, 85};
 
-/// Directional albedo, and deviations from the physical laws of a BRDF.
+/// Directional albedos, and deviations from the physical laws of a BRDF.
 void print_behaviour(const Subject& subject) {
     const Evaluate brdf = evaluator(subject);
     fmt::print("\n  {:<18}", "θv");
     for (const double theta : k_info_theta) fmt::print("{:>9}°", theta);
-    std::array<Rgb, k_info_theta.size()> of_theta;
-    for (std::size_t i = 0; i < of_theta.size(); ++i) of_theta[i] = albedo(brdf, k_info_theta[i] * k_degree, k_pi / 2);
-    const std::vector<std::string> names = channel_names("albedo", of_theta);
+    std::array<Rgb, k_info_theta.size()> albedos;
+    for (std::size_t i = 0; i < albedos.size(); ++i) albedos[i] = albedo(brdf, k_info_theta[i] * k_degree, k_pi / 2);
+    const std::vector<std::string> names = channel_names("albedo", albedos);
     for (int c = 0; c < int(names.size()); ++c) {
         fmt::print("\n  {:<18}", names[std::size_t(c)]);
-        for (const Rgb& reflected : of_theta) fmt::print("{:>#10.4g}", reflected[c]);
+        for (const Rgb& albedo_rgb : albedos) fmt::print("{:>#10.4g}", albedo_rgb[c]);
     }
     fmt::print("\n");
     std::vector<std::string> bright;
-    for (std::size_t i = 0; i < of_theta.size(); ++i)
-        if (std::max({of_theta[i].r, of_theta[i].g, of_theta[i].b}) > 1)
+    for (std::size_t i = 0; i < albedos.size(); ++i)
+        if (std::max({albedos[i].r, albedos[i].g, albedos[i].b}) > 1)
             bright.push_back(fmt::format("{}°", k_info_theta[i]));
     if (!bright.empty())
         print_row("warning",
@@ -158,7 +159,7 @@ void print_behaviour(const Subject& subject) {
     print_row("reciprocity error", fmt::format("{} of f cosθl, squared, between f(wl, wv) and f(wv, wl), θ ≤ {}°",
                                                percent(reciprocity.squared_error_ratio_cosine), max_theta));
     if (const auto repeats = repeatability(subject.content)) print_row("repeats", repeats_text(*repeats));
-    // A measurement before its negative channels are clamped.
+    // The measurement before negative values are set to 0.
     const Evaluate as_measured = measured ? signed_evaluator(*measured) : brdf;
     const std::vector<Vec3f> directions = fibonacci_directions(512, max_theta * k_degree);
     std::vector<Rgb> f(directions.size());
@@ -171,7 +172,7 @@ void print_behaviour(const Subject& subject) {
     print_row("smallest value", fmt::format("{:.4g} 1/sr, θ ≤ {}°", range.least, max_theta));
 }
 
-/// The light that leaves for light from a direction: directional-hemispherical sums of each part, with its beam.
+/// The light that leaves a surface lit from each direction: directional-hemispherical sums of each part and its beam.
 void print_sides(const Subject& subject) {
     const Evaluate bsdf = evaluator(subject);
     const auto* measured = std::get_if<Measured>(&subject.content);
@@ -180,36 +181,36 @@ void print_sides(const Subject& subject) {
     fmt::print("\n  {:<22}", "light from θl =");
     for (const double theta : k_info_theta) fmt::print("{:>9}°", theta);
     fmt::print("\n");
-    std::array<std::array<double, k_info_theta.size()>, 2> of_side{};
+    std::array<std::array<double, k_info_theta.size()>, 2> side_sums{};
     std::string peaks;
     for (std::size_t p = 0; p < k_parts; ++p) {
         const Part part = Part(p);
         if (!has_part(subject.content, part)) continue;
-        const Evaluate exchanged = [of = part_of(bsdf, part)](auto wl, auto wv, auto f) { of(wv, wl, f); };
+        const Evaluate exchanged = [brdf = part_of(bsdf, part)](auto wl, auto wv, auto f) { brdf(wv, wl, f); };
         fmt::print("  {:<22}", name(part));
         for (std::size_t i = 0; i < k_info_theta.size(); ++i) {
             const double theta = k_info_theta[i] * k_degree;
             const double sum = double(albedo(exchanged, theta, k_pi / 2).g) +
                                double(share_at(beams, part, to_float(spherical(theta, 0.0))).g);
-            of_side[std::size_t(is_back(part))][i] += sum;
+            side_sums[std::size_t(is_back(part))][i] += sum;
             fmt::print("{:>#10.4g}", sum);
         }
         fmt::print("\n");
-        const auto of = measured ? std::get<BsdfTable>(measured->table).band().part[p] : nullptr;
+        const auto own = measured ? std::get<BsdfTable>(measured->table).band().part[p] : nullptr;
         peaks += fmt::format("  {:<22}{}\n", name(part),
-                             peak_text(of ? peak_of(*of) : peak_of(part_of(bsdf, part)), is_transmission(part)));
+                             peak_text(own ? peak_of(*own) : peak_of(part_of(bsdf, part)), is_transmission(part)));
     }
     for (const std::size_t side : {0, 1}) {
-        fmt::print("  {:<22}", side ? "all, from the back" : "all, from the front");
-        for (const double sum : of_side[side]) fmt::print("{:>#10.4g}", sum);
+        fmt::print("  {:<22}", side ? "total, from the back" : "total, from the front");
+        for (const double sum : side_sums[side]) fmt::print("{:>#10.4g}", sum);
         fmt::print("\n");
-        if (std::ranges::any_of(of_side[side], [](double sum) { return sum > 1; }))
-            print_row("warning", "more light leaves it than it receives");
+        if (std::ranges::any_of(side_sums[side], [](double sum) { return sum > 1; }))
+            print_row("warning", "more light leaves this side than it receives");
     }
     fmt::print("\n{}", peaks);
 }
 
-/// A library of materials that share their lobes, as a whole.
+/// Describes a library of materials that share their lobes.
 int describe_library(std::span<const std::byte> bytes, const std::string& file) {
     const auto library = read_library(bytes, file);
     if (!library) return complain(library.error());
@@ -222,9 +223,9 @@ int describe_library(std::span<const std::byte> bytes, const std::string& file) 
         print_row("map", fmt::format("{} × {} texels", library->width, library->count() / library->width));
     print_row("bytes", fmt::format("{} shared, {} each", grouped(basis_bytes(*library)), material_bytes(*library)));
     ValueRange error;
-    for (const float of_one : library->error) error.add(of_one);
+    for (const float material_error : library->error) error.add(material_error);
     print_row("error", error.text());
-    print_row("one of them", file + "#" + (library->names.empty() ? "0" : printable(library->names.front())));
+    print_row("example", file + "#" + (library->names.empty() ? "0" : printable(library->names.front())));
     fmt::print("\n");
     for (std::size_t t = 0; t < library->names.size(); ++t)
         fmt::print("  {:<36}{:.3g}\n", printable(library->names[t]), library->error[t]);
@@ -232,7 +233,7 @@ int describe_library(std::span<const std::byte> bytes, const std::string& file) 
     return k_done;
 }
 
-/// A stack of models as a whole.
+/// Describes a stack of models.
 int describe_stack(std::span<const std::byte> bytes, const std::string& file) {
     const auto stack = read_stack(bytes, file);
     if (!stack) return complain(stack.error());
@@ -250,7 +251,7 @@ int describe_stack(std::span<const std::byte> bytes, const std::string& file) {
     for (std::size_t i = 0; i < stack->error.size(); ++i)
         if (stack->state[i] == std::uint16_t(TexelState::fitted)) error.add(stack->error[i]);
     print_row("error", error.text());
-    print_row("one of them", fmt::format("{0}#0 to {0}#{1}", file, stack->models.size() - 1));
+    print_row("example", fmt::format("{0}#0 to {0}#{1}", file, stack->models.size() - 1));
     fmt::print("\n");
     for (const auto& [key, text] : stack->provenance) fmt::print("  {:<36}{}\n", printable(key), printable(text));
     return k_done;

@@ -22,11 +22,12 @@ Evaluate evaluator(const Subject& subject) {
 }
 
 int azimuths_of(const Subject& subject) {
-    return std::visit([](const auto& of) { return is_isotropic(of); }, subject.content) ? 1 : k_anisotropic_azimuths;
+    return std::visit([](const auto& brdf) { return is_isotropic(brdf); }, subject.content) ? 1
+                                                                                            : k_anisotropic_azimuths;
 }
 
 std::span<const float> wavelengths(const Subject& subject) {
-    return std::visit([](const auto& of) { return wavelengths(of); }, subject.content);
+    return std::visit([](const auto& brdf) { return wavelengths(brdf); }, subject.content);
 }
 
 Channels channels(const Subject& subject) {
@@ -38,18 +39,19 @@ Channels channels(const Subject& subject) {
 double fitted_theta(const Subject& subject) {
     if (!subject.is_model()) return 0;
     const auto& provenance = std::get<Model>(subject.content).provenance;
-    const auto at = provenance.find("max_theta");
-    if (at == provenance.end()) return 0;
-    const double theta = std::atof(at->second.c_str());
+    const auto entry = provenance.find("max_theta");
+    if (entry == provenance.end()) return 0;
+    const double theta = std::atof(entry->second.c_str());
     return theta >= 1 && theta <= 90 ? theta : 0;
 }
 
 std::string stem_of(const std::string& path) {
     const std::string name = path.substr(path.find_last_of('/') + 1);  // npos + 1 is 0
-    constexpr std::string_view of_file = ".srbf#";
-    if (const auto at = name.find(of_file); at != name.npos) {
-        const std::string one = name.substr(at + of_file.size());
-        return one.find_first_not_of("0123456789,") == one.npos ? name.substr(0, at) + "_" + one : one;
+    constexpr std::string_view separator = ".srbf#";
+    if (const auto position = name.find(separator); position != name.npos) {
+        const std::string member = name.substr(position + separator.size());
+        return member.find_first_not_of("0123456789,") == member.npos ? name.substr(0, position) + "_" + member
+                                                                      : member;
     }
     const auto dot = name.rfind('.');
     return dot == name.npos || dot == 0 ? name : name.substr(0, dot);
@@ -67,7 +69,7 @@ Result<Subject> load_subject(const std::string& path, const ReadOptions& options
 Result<std::optional<Library>> library_in(const std::string& path) {
     using Found = Result<std::optional<Library>>;
     std::error_code code;
-    if (!std::filesystem::is_regular_file(path, code)) return std::optional<Library>();  // a pipe is read once
+    if (!std::filesystem::is_regular_file(path, code)) return std::optional<Library>();  // a pipe can be read only once
     return within_memory(path, [&]() -> Found {
         const auto bytes = read_file(path, all_if(is_safetensors));
         if (!bytes || !is_library(*bytes)) return std::optional<Library>();

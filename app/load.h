@@ -1,4 +1,4 @@
-// Loading of any BRDF from a file.
+// Loading any BRDF from a file.
 #pragma once
 #include <optional>
 #include <string>
@@ -9,33 +9,34 @@
 
 namespace srbf {
 
-/// A measurement or a model, recognised by the file's content.
+/// A measurement or a model from a file, distinguished by the content.
 struct Subject {
     std::string path;
     AnyBrdf content;
     bool is_model() const { return std::holds_alternative<Model>(content); }
 };
 Rgb value(const Subject& subject, Vec3f wl, Vec3f wv);
-/// The subject on arrays of pairs. It keeps a reference to `subject`.
+/// Evaluates the subject at arrays of pairs. The result keeps a reference to `subject`.
 Evaluate evaluator(const Subject& subject);
 
-/// How many azimuths `ProposeOptions` should have for the subject.
+/// The value of `ProposeOptions::azimuths` for the subject.
 int azimuths_of(const Subject& subject);
 
 /// The wavelengths [nm] of a spectral measurement or model; otherwise empty.
 std::span<const float> wavelengths(const Subject& subject);
-/// Its wavelengths if it has any, otherwise R, G, B. It keeps a reference to `subject`.
+/// A spectral subject's values at its wavelengths, otherwise R, G, B. The result keeps a reference to `subject`.
 Channels channels(const Subject& subject);
 
-/// θmax of a model's fit [degrees] if `subject` is a model with that metadata; otherwise 0.
+/// θmax of a model's fit [degrees], if `subject` is a model whose provenance states it; otherwise 0.
 double fitted_theta(const Subject& subject);
 
-/// "film" for "materials/film.srbf", "nickel" for "metals.srbf#nickel", "map_3,5" for "map.srbf#3,5".
+/// A name for the content of a path: "film" for "materials/film.srbf", "nickel" for "metals.srbf#nickel", "map_3,5"
+/// for "map.srbf#3,5".
 std::string stem_of(const std::string& path);
 
-/// Loads a file, and prints what its reader masked or assumed to standard error.
+/// Loads a file, and prints to standard error what its reader masked or assumed.
 Result<Subject> load_subject(const std::string& path, const ReadOptions& options = {});
-/// The library in a file; none if it holds something else.
+/// The library in a file; empty if the file holds something else.
 Result<std::optional<Library>> library_in(const std::string& path);
 
 /// Prints the error as one line to standard error; returns the exit status of an input error.

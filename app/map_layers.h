@@ -11,19 +11,21 @@ namespace srbf {
 /// A level of a map.
 struct MapLevel {
     std::size_t width = 0, height = 0;
-    std::vector<Rgb> coefficient;  ///< texels in rows, each with J of them
+    std::vector<Rgb> coefficient;  ///< row-major texels, with J coefficients each
 };
-/// The level of ⌊width/2⌋ × ⌊height/2⌋ texels, at least 1 each: a texel is the mean of the finer level over its share of
-/// the area, so that a BRDF is the mean of the finer BRDFs there.
+/// The next coarser level, of ⌊width/2⌋ × ⌊height/2⌋ texels and at least 1 × 1. A texel is the mean of the finer
+/// level over the texel's area, so its BRDF is the mean of the finer BRDFs there.
 MapLevel coarser(const MapLevel& finer);
 
-/// Each of OpenGL ES 3, WebGL 2, WebGPU, Vulkan and Direct3D 11 has this number of layers in an array.
+/// The number of layers of an array that OpenGL ES 3, WebGL 2, WebGPU, Vulkan and Direct3D 11 all guarantee.
 inline constexpr int k_most_layers = 256;
-/// Errors, of `file_name`: a sparse library, one that is no map, more lobes than that.
+/// Checks that a library can be written as layers. Errors, which name `file_name`: it is sparse, it is not a map,
+/// or it has more than k_most_layers lobes.
 Result<Done> check_layers(const Library& library, const std::string& file_name);
 
-/// Such a map as Khronos' texture container 2.0 (.ktx2): an array of J layers with levels down to 1 × 1, uncompressed
-/// 16-bit floats R, G, B, the coefficients of a lobe, and A = 1. Row 0 of texels is the map's Y = 0.
+/// The map as a KTX 2 file (Khronos texture container 2.0): an uncompressed array of J layers with levels down to 1
+/// × 1. A layer holds the coefficients of a lobe as 16-bit floats R, G, B, and A = 1. Row 0 of the texels is the
+/// map's Y = 0.
 std::vector<std::byte> map_ktx2(const Library& map);
 
 }  // namespace srbf

@@ -1,14 +1,15 @@
-// The bound of --max-memory on what the program may take.
+// The memory limit of --max-memory.
 #pragma once
 #include "srbf/result.h"
 
 namespace srbf {
 
-/// From now on the program takes at most so many megabytes of memory of its own, not counting files that it maps and
-/// what the system shares; what would exceed it ends in an error "out of memory". Bounds cannot be raised again.
+/// Limits the private memory of the program to this many megabytes, from now on. Mapped files and memory shared by
+/// the system do not count. Exceeding the limit ends in an error "out of memory". A limit can be lowered later but
+/// not raised.
 void limit_memory(int megabytes);
 
-/// An error where memory is bounded: OpenGL's drivers then end the program by a signal.
+/// An error if memory is limited, since OpenGL's drivers then end the program by a signal.
 Result<Done> check_drawing();
 
 }  // namespace srbf

@@ -29,7 +29,7 @@ OptionHelp help_of(CLI::Option& option) {
     return help;
 }
 
-/// Refuses empty arguments, and the names of options in their place.
+/// Refuses empty arguments, and option names where an argument is expected.
 void refuse_missing(const CLI::App& sub) {
     const auto is_option = [&](const std::string& text) {
         return text.starts_with('-') && sub.get_option_no_throw(text.substr(0, text.find('='))) != nullptr;
@@ -43,9 +43,9 @@ void refuse_missing(const CLI::App& sub) {
 }
 
 void refuse_unread(const std::vector<Reading>& readings) {
-    for (const Reading& of : readings)
-        for (const Option& option : of.options)
-            if (option.given() && !of.are_read()) option.fail(of.where);
+    for (const Reading& reading : readings)
+        for (const Option& option : reading.options)
+            if (option.given() && !reading.are_read()) option.fail(reading.where);
 }
 
 }  // namespace
@@ -74,20 +74,21 @@ Option Option::one_at_a_time() const { return Option(option_->allow_extra_args(f
 bool Option::given() const { return option_->count() > 0; }
 void Option::fail(const std::string& what) const { throw CLI::ValidationError(option_->get_name(), what); }
 
-Option Subcommand::add_option(const std::string& names, std::string& to, const std::string& about) const {
-    return Option(app_->add_option(names, to, about));
+Option Subcommand::add_option(const std::string& names, std::string& value, const std::string& about) const {
+    return Option(app_->add_option(names, value, about));
 }
-Option Subcommand::add_option(const std::string& names, std::vector<std::string>& to, const std::string& about) const {
-    return Option(app_->add_option(names, to, about));
+Option Subcommand::add_option(const std::string& names, std::vector<std::string>& value,
+                              const std::string& about) const {
+    return Option(app_->add_option(names, value, about));
 }
-Option Subcommand::add_option(const std::string& names, int& to, const std::string& about) const {
-    return Option(app_->add_option(names, to, about));
+Option Subcommand::add_option(const std::string& names, int& value, const std::string& about) const {
+    return Option(app_->add_option(names, value, about));
 }
-Option Subcommand::add_option(const std::string& names, std::uint64_t& to, const std::string& about) const {
-    return Option(app_->add_option(names, to, about));
+Option Subcommand::add_option(const std::string& names, std::uint64_t& value, const std::string& about) const {
+    return Option(app_->add_option(names, value, about));
 }
-Option Subcommand::add_option(const std::string& names, double& to, const std::string& about) const {
-    return Option(app_->add_option(names, to, about));
+Option Subcommand::add_option(const std::string& names, double& value, const std::string& about) const {
+    return Option(app_->add_option(names, value, about));
 }
 Option Subcommand::add_option(const std::string& names, std::function<void(const std::string&)> take,
                               const std::string& about) const {
@@ -96,11 +97,11 @@ Option Subcommand::add_option(const std::string& names, std::function<void(const
 Option Subcommand::add_option(const std::string& names, const std::string& about) const {
     return Option(app_->add_option(names, about));
 }
-Option Subcommand::add_flag(const std::string& names, bool& to, const std::string& about) const {
-    return Option(app_->add_flag(names, to, about)->disable_flag_override());
+Option Subcommand::add_flag(const std::string& names, bool& value, const std::string& about) const {
+    return Option(app_->add_flag(names, value, about)->disable_flag_override());
 }
 Option Subcommand::add_flag(const std::string& names, std::function<void(int)> take, const std::string& about) const {
-    // With a variable in place of a function, CLI11 from 2.2 on counts a flag as given where it is not.
+    // CLI11 2.2 and later count a flag that is bound to a variable as given even where it is not, hence a function.
     return Option(app_->add_flag_function(
                           names, [take](std::int64_t value) { take(int(value)); }, about)
                       ->multi_option_policy(CLI::MultiOptionPolicy::Throw)
@@ -173,10 +174,10 @@ Subcommand CommandLine::add_subcommand(const std::string& name, const std::strin
 }
 
 void CommandLine::print_all_help() const {
-    std::string all = app_->help();
-    const auto replace = [](std::string& text, const std::string& from, const std::string& to) {
-        for (auto at = text.find(from); at != text.npos; at = text.find(from, at + to.size()))
-            text.replace(at, from.size(), to);
+    std::string text = app_->help();
+    const auto replace = [](std::string& help, const std::string& from, const std::string& to) {
+        for (auto position = help.find(from); position != help.npos; position = help.find(from, position + to.size()))
+            help.replace(position, from.size(), to);
     };
     for (const CLI::App* sub : app_->get_subcommands([](CLI::App*) { return true; })) {
         std::string help = sub->help(app_->get_name());
@@ -184,19 +185,19 @@ void CommandLine::print_all_help() const {
         replace(help, "\nPositionals", "\nIts arguments");
         replace(help, "\nOptions", "\nIts options");
         replace(help, "\nExample", "\nIts example");
-        all += fmt::format("\n*{} {}*\n\n{}", app_->get_name(), sub->get_name(), help);
+        text += fmt::format("\n*{} {}*\n\n{}", app_->get_name(), sub->get_name(), help);
     }
-    replace(all, "\n  srbf ", "\n  $ srbf ");  // lines as they stand
-    fmt::print("{}", all);
+    replace(text, "\n  srbf ", "\n  $ srbf ");  // help2man keeps these lines verbatim
+    fmt::print("{}", text);
     throw CLI::Success();
 }
 
 Help CommandLine::help() const {
     const auto options_of = [](CLI::App& app) {
-        std::vector<OptionHelp> all;
+        std::vector<OptionHelp> options;
         for (CLI::Option* option : app.get_options())
-            if (!option->get_group().empty()) all.push_back(help_of(*option));
-        return all;
+            if (!option->get_group().empty()) options.push_back(help_of(*option));
+        return options;
     };
     Help help{app_->get_name(), app_->get_description(), app_->get_footer(), options_of(*app_), {}};
     for (CLI::App* sub : app_->get_subcommands([](CLI::App*) { return true; }))
@@ -216,13 +217,13 @@ std::optional<std::string> CommandLine::parse(int argc, char** argv) {
         const bool is_before = std::ranges::any_of(app_->get_options(), [&](const CLI::Option* option) {
             return std::string_view(error.what()).starts_with(option->get_name() + ":");
         });
-        std::string wrong = error.what();
-        if (wrong.starts_with(": ")) wrong.erase(0, 2);  // of a hidden option, which has no name
+        std::string problem = error.what();
+        if (problem.starts_with(": ")) problem.erase(0, 2);  // a hidden option has no name
         const auto chosen = is_before ? std::vector<CLI::App*>() : app_->get_subcommands();
-        if (const auto at = wrong.find(" was given a disallowed flag override"); at != wrong.npos)
-            wrong = "--" + wrong.substr(0, at) + ": expected no value, found one";
+        if (const auto end = problem.find(" was given a disallowed flag override"); end != problem.npos)
+            problem = "--" + problem.substr(0, end) + ": expected no value, found one";
         return fmt::format("{} (see srbf{} --help)",
-                           is_missing && !unknown.empty() ? "no such subcommand or option: " + unknown[0] : wrong,
+                           is_missing && !unknown.empty() ? "no such subcommand or option: " + unknown[0] : problem,
                            chosen.empty() ? "" : " " + chosen[0]->get_name());
     }
     return std::nullopt;

@@ -1,4 +1,4 @@
-// The command line: a thin interface to CLI11, so that only one file compiles it. Level 7.
+// The command line: a thin interface to CLI11, so that only one file compiles it.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -18,7 +18,7 @@ namespace srbf {
 /// Validates the text of an option, which it may change; returns an error message, or an empty string.
 using Check = std::function<std::string(std::string&)>;
 
-/// Accepts `names` alone.
+/// Accepts only `names`.
 Check one_of(const std::vector<std::string>& names);
 
 /// An option of a subcommand.
@@ -28,17 +28,17 @@ class Option {
 
     Option type_name(std::string_view name) const;
     Option required() const;
-    /// `choices`: texts that a shell offers.
+    /// `choices`: texts that shell completion offers.
     Option check(const Check& check, const std::vector<std::string>& choices = {}) const;
-    /// Accepts these texts alone, which a shell offers.
+    /// Accepts only these texts, which shell completion offers.
     Option one_of(const std::vector<std::string>& names) const;
     Option capture_default_str() const;
     Option default_text(const std::string& text) const;            ///< for --help and `settings`
-    Option offers(const std::vector<std::string>& choices) const;  ///< texts for a shell
+    Option offers(const std::vector<std::string>& choices) const;  ///< texts for shell completion
     Option hidden() const;                                         ///< from --help
-    Option one_at_a_time() const;  ///< for a list: the option takes one text each time it is given
+    Option one_at_a_time() const;                                  ///< for a list: the option takes one text per use
 
-    /// True if it was on the command line.
+    /// True if the option was on the command line.
     bool given() const;
     /// Ends the parsing with a usage error that names the option.
     [[noreturn]] void fail(const std::string& what) const;
@@ -49,8 +49,9 @@ class Option {
     CLI::Option* option_;
 };
 
-/// A row of a subcommand's table of what its modes read. To give one of `options` where `are_read()` is false is a
-/// usage error that says `where` they are read, as in "only with --pairs". It is asked once all options are read.
+/// A row of a subcommand's table of the options that its modes read. If one of `options` is given while
+/// `are_read()` is false, parsing ends with a usage error that says `where` they are read, as in "only with
+/// --pairs". `are_read` is called once all options are parsed.
 struct Reading {
     std::vector<Option> options;
     std::string where;
@@ -61,46 +62,46 @@ class Subcommand {
   public:
     explicit Subcommand(CLI::App* app) : app_(app) {}
 
-    Option add_option(const std::string& names, std::string& to, const std::string& about) const;
-    Option add_option(const std::string& names, std::vector<std::string>& to, const std::string& about) const;
-    Option add_option(const std::string& names, int& to, const std::string& about) const;
-    Option add_option(const std::string& names, std::uint64_t& to, const std::string& about) const;
-    Option add_option(const std::string& names, double& to, const std::string& about) const;
+    Option add_option(const std::string& names, std::string& value, const std::string& about) const;
+    Option add_option(const std::string& names, std::vector<std::string>& value, const std::string& about) const;
+    Option add_option(const std::string& names, int& value, const std::string& about) const;
+    Option add_option(const std::string& names, std::uint64_t& value, const std::string& about) const;
+    Option add_option(const std::string& names, double& value, const std::string& about) const;
     /// An option whose text is passed to `take`.
     Option add_option(const std::string& names, std::function<void(const std::string&)> take,
                       const std::string& about) const;
     /// An option whose text is only passed to its check.
     Option add_option(const std::string& names, const std::string& about) const;
-    Option add_flag(const std::string& names, bool& to, const std::string& about) const;
-    /// Names are followed by their values, as in --yes{1},--no{-1}.
+    Option add_flag(const std::string& names, bool& value, const std::string& about) const;
+    /// Each name is followed by its value, as in --yes{1},--no{-1}.
     Option add_flag(const std::string& names, std::function<void(int)> take, const std::string& about) const;
     Option add_flag(const std::string& names, std::function<void()> when_given, const std::string& about) const;
 
-    /// Former options, not in --help: to give one is a usage error that says what is used `instead`.
+    /// Former options, which --help does not list: using one is a usage error that says what to use `instead`.
     void add_former(const std::vector<std::string>& names, const std::string& instead) const;
 
-    /// The options of the command line, by their longest names.
+    /// The options that were on the command line, by their longest names.
     std::vector<std::string> given() const;
 
-    /// The settings that a result depends on: the options of the command line and their texts, without those of
-    /// `besides` and those that have their default.
+    /// The settings that a result depends on: the options on the command line with their texts, except those in
+    /// `besides` and those that equal their default.
     std::string settings(const std::vector<Option>& besides) const;
 
     void footer(const std::string& text) const;
     /// Ends the parsing with a usage error.
     [[noreturn]] void fail(const std::string& what) const;
-    /// The action of the subcommand, once all its options are read. Before it are refused empty arguments, names of
-    /// options in their place, and options that the chosen mode does not read.
+    /// Sets the action of the subcommand, which runs once all options are parsed. Before it, parsing refuses empty
+    /// arguments, option names in place of arguments, and options that the chosen mode does not read.
     void callback(std::function<void()> run, std::vector<Reading> readings = {}) const;
 
   private:
     CLI::App* app_;
 };
 
-/// The content of --help, for the shells.
+/// The content of --help, for shell completion.
 struct OptionHelp {
-    std::vector<std::string> names;  ///< with their dashes; of a positional argument its name
-    std::string type;  ///< of its text, and its default, as in NAME=pm; empty: a flag or a positional argument
+    std::vector<std::string> names;  ///< with their dashes; for a positional argument, its name
+    std::string type;  ///< name and default of its text, as in NAME=pm; empty: a flag or a positional argument
     std::string about;
     std::vector<std::string> choices;  ///< the texts that it accepts, if they can be listed
     bool positional, flag;
@@ -123,15 +124,15 @@ class CommandLine {
     CommandLine& operator=(const CommandLine&) = delete;
     ~CommandLine();
 
-    /// An option before the subcommand, whose text is passed to `take` before that runs.
+    /// An option before the subcommand. Its text is passed to `take` before the subcommand runs.
     Option add_option(const std::string& names, std::function<void(const std::string&)> take, const std::string& about);
     Subcommand add_subcommand(const std::string& name, const std::string& about);
     Help help() const;
-    /// Runs the subcommand of the arguments, or shows help. Returns an error message if the arguments are invalid.
+    /// Runs the subcommand in the arguments, or prints help. Returns an error message if the arguments are invalid.
     std::optional<std::string> parse(int argc, char** argv);
 
   private:
-    /// Prints the help of all subcommands, with headings of which help2man makes sections.
+    /// Prints the help of all subcommands. help2man makes sections of its headings.
     void print_all_help() const;
 
     std::unique_ptr<CLI::App> app_;

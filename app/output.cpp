@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// True if two names refer to one file, existing or not; a device or a pipe may be named twice.
+/// True if two names refer to the same file, whether it exists or not. A device or a pipe may be named twice.
 bool is_same_file(const fs::path& a, const fs::path& b) {
     std::error_code ignored;
     if (fs::is_other(a, ignored)) return false;
@@ -28,21 +28,22 @@ bool is_same_file(const fs::path& a, const fs::path& b) {
 }
 
 Result<Done> check_output(const std::string& path) {
-    const auto found = [&](std::string expected, std::string what) {
-        return Error{path, {}, "output", std::move(expected), std::move(what)};
+    const auto refused = [&](std::string expected, std::string found) {
+        return Error{path, {}, "output", std::move(expected), std::move(found)};
     };
     std::error_code code;
     const fs::file_type type = fs::status(path, code).type();
-    if (type == fs::file_type::none) return found("a file's name", code.message());
-    if (type == fs::file_type::directory) return found("a file's name", "a folder");
-    if (path == "-") return found("a file's name, or /dev/stdout", "-");
+    if (type == fs::file_type::none) return refused("a file's name", code.message());
+    if (type == fs::file_type::directory) return refused("a file's name", "a folder");
+    if (path == "-") return refused("a file's name, or /dev/stdout", "-");
     if (type != fs::file_type::not_found && access(path.c_str(), W_OK) != 0)
-        return found("a file that may be written", "one that may not");
-    // a device or a pipe is written directly
+        return refused("a writable file", "one without write permission");
+    // A device or a pipe is written directly.
     if (type != fs::file_type::not_found && type != fs::file_type::regular) return Done{};
     const fs::path folder = fs::weakly_canonical(fs::absolute(path, code), code).parent_path();
-    if (!fs::is_directory(folder, code)) return found("a folder that exists", fmt::format("no '{}'", folder.string()));
-    if (access(folder.c_str(), W_OK) != 0) return found("a folder that may be written", "one that may not");
+    if (!fs::is_directory(folder, code))
+        return refused("a folder that exists", fmt::format("no '{}'", folder.string()));
+    if (access(folder.c_str(), W_OK) != 0) return refused("a writable folder", "one without write permission");
     return Done{};
 }
 
@@ -83,7 +84,7 @@ void print_measures(const std::vector<std::pair<std::string, const Comparison*>>
 
 const Json* judged_pictures(const Json& report) {
     for (const char* name : {"heldout_pictures", "pictures"})
-        if (const auto at = report.find(name); at != report.end() && at->is_object()) return &*at;
+        if (const auto entry = report.find(name); entry != report.end() && entry->is_object()) return &*entry;
     return nullptr;
 }
 
@@ -101,14 +102,14 @@ Result<Done> write_json(const Json& json, const std::string& path) {
 }
 
 std::optional<Json> read_json(const std::string& path) {
-    // Far above any report: a tree of JSON takes up to forty times its text.
-    static constexpr std::uint64_t k_most_bytes = std::uint64_t(1) << 24;
-    constexpr int k_deepest = 16;
-    const auto bytes = read_file(path, [](auto) { return k_most_bytes; });
-    if (!bytes || bytes->size() > k_most_bytes) return {};
+    // Far above any report. Parsed JSON takes up to forty times the memory of its text.
+    static constexpr std::uint64_t k_max_bytes = std::uint64_t(1) << 24;
+    constexpr int k_max_depth = 16;
+    const auto bytes = read_file(path, [](auto) { return k_max_bytes; });
+    if (!bytes || bytes->size() > k_max_bytes) return {};
     bool too_deep = false;
     const auto is_shallow = [&](int depth, Json::parse_event_t, const Json&) {
-        too_deep = too_deep || depth > k_deepest;
+        too_deep = too_deep || depth > k_max_depth;
         return !too_deep;
     };
     const std::string_view text = as_text(*bytes);
@@ -130,9 +131,9 @@ Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::ve
         const auto is_same = [&](const std::string& other) { return !other.empty() && is_same_file(*path, other); };
         if (const auto writable = check_output(*path); !writable) return writable.error();
         if (std::any_of(inputs.begin(), inputs.end(), is_same))
-            return Error{*path, {}, "output", "another file than the input", "the same"};
+            return Error{*path, {}, "output", "another file than the input", "the input"};
         if (std::any_of(outputs.begin(), path, is_same))
-            return Error{*path, {}, "output", "a file for each output", "one for two"};
+            return Error{*path, {}, "output", "a file for each output", "the same file twice"};
     }
     return Done{};
 }
@@ -142,10 +143,10 @@ Result<Done> make_folder(const std::string& path) {
     fs::create_directories(path, code);
     if (std::error_code none; !fs::is_directory(path, none)) {
         const std::string found = fs::exists(path, none) || !code ? "something else" : code.message();
-        return Error{path, {}, "output", "a folder, or none yet", found};
+        return Error{path, {}, "output", "a folder, or a new name", found};
     }
     if (access(path.c_str(), W_OK) != 0)
-        return Error{path, {}, "output", "a folder that may be written", "one that may not"};
+        return Error{path, {}, "output", "a writable folder", "one without write permission"};
     return Done{};
 }
 
@@ -160,12 +161,12 @@ void ProgressLine::show(std::string_view stage, double fraction) {
     shown_ = now;
     stage_ = stage;
     visible_ = true;
-    const double left = fraction > 0.01 ? now * (1 - fraction) / fraction : std::nan("");
-    const std::string time = !std::isfinite(left) ? ""
-                             : left < 100         ? fmt::format(", {:.0f} s left", std::ceil(left))
-                                                  : fmt::format(", {:.0f} min left", std::ceil(left / 60));
+    const double remaining = fraction > 0.01 ? now * (1 - fraction) / fraction : std::nan("");
+    const std::string time = !std::isfinite(remaining) ? ""
+                             : remaining < 100         ? fmt::format(", {:.0f} s left", std::ceil(remaining))
+                                                       : fmt::format(", {:.0f} min left", std::ceil(remaining / 60));
     fmt::print(stderr, "\r\033[K\033[?7l{:3.0f} %  {}{}\033[?7h", 100 * fraction, printable(stage),
-               time);  // ?7: wrapping
+               time);  // ?7: line wrapping off and on
 }
 
 void ProgressLine::clear() {

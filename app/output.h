@@ -19,55 +19,55 @@ namespace srbf {
 
 using Json = nlohmann::ordered_json;
 
-/// The measure of `k_measures` by which an objective is judged.
+/// The row of `k_measures` by which fits with this objective are judged.
 const MeasureName& measure_named_for(Objective objective);
 /// The printed value of a measure.
 std::string text(const MeasureName& name, const Measures& measures);
 
-/// Adds measures to `json` with names that begin with `prefix`: "", "unrounded_", "samples_"; of a comparison all of
-/// them.
+/// Adds measures to `json`, with `prefix` before their names: "", "unrounded_", "samples_". A comparison adds all
+/// its measures.
 void add_measures(Json& json, const Measures& measures, std::string_view prefix);
 void add_measures(Json& json, const Comparison& comparison, std::string_view prefix);
-/// Errors of pictures: their means and worst, and those under each lighting.
+/// Errors of pictures: means, worst, and the errors under each lighting.
 Json json_of(const Appearance& appearance);
-Json json_of(const Parameter& of);
+Json json_of(const Parameter& parameter);
 
-/// The pictures in the report of a fit that it is judged by (`judged`); null: it has none.
+/// The errors of pictures by which a fit is judged, in its report; null if the report has none.
 const Json* judged_pictures(const Json& report);
 
-/// Picture errors of a table against its transpose; none if it is reciprocal or no table.
-std::optional<Appearance> repeatability(const AnyBrdf& of, int threads = 0);
+/// Picture errors of a table against its transpose; none if it is reciprocal or not a table.
+std::optional<Appearance> repeatability(const AnyBrdf& brdf, int threads = 0);
 /// "within ΔE_ITP 14.4 (worst 21.4) where light and viewer are exchanged"
 std::string repeats_text(const Appearance& exchanged);
 
-/// A table of measures with a column for each set of each comparison.
+/// Prints a table of measures, with a column for each set of pairs in each comparison.
 void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons);
 
-/// As it stands in a file.
+/// The bytes of a JSON file.
 std::vector<std::byte> json_bytes(const Json& json);
 /// Writes `json` to `path`; "-" is standard output, which is flushed.
 Result<Done> write_json(const Json& json, const std::string& path);
-/// The JSON in that file, if it can be read and is whole.
+/// The JSON in a file, if the file can be read and is complete.
 std::optional<Json> read_json(const std::string& path);
 
-/// A report names its model by the hash of the model's file.
+/// The member of a report that holds the hash of its model's file.
 inline constexpr const char* k_model_hash = "model_hash";
-/// True if `report` is that of the model in the file, which can be read.
+/// True if the file holds a readable model and `report` is its report.
 bool is_report_of(const Json& report, const std::string& model_file);
 
-/// Returns an error if one of `outputs` cannot be written: its folder is missing, it is a folder, an input, or the same
-/// file as another output. Empty names are ignored. To be called before long computations; the write itself may still
-/// fail.
+/// Returns an error if one of `outputs` cannot be written: its folder is missing, it is a folder or an input, or it
+/// is the same file as another output. Empty names are ignored. Call it before long computations; the write itself
+/// may still fail.
 Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
-/// Makes a folder to write into, unless there is one. Errors: it cannot be made or written.
+/// Makes a folder to write into, unless it exists. Errors: it cannot be made or written.
 Result<Done> make_folder(const std::string& path);
 /// Returns an error if standard output has not accepted everything that was printed (disk full).
 Result<Done> flush_standard_output();
 
-/// "0.741 %", with three digits.
+/// A ratio in percent with three digits: "0.741 %".
 std::string percent(double ratio);
 
-/// A stopwatch: seconds since its construction.
+/// Measures the seconds since its construction.
 class Stopwatch {
   public:
     double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
@@ -77,8 +77,8 @@ class Stopwatch {
     Clock::time_point start_ = Clock::now();
 };
 
-/// A progress line on standard error with the remaining time. Only on a terminal and after the first half second;
-/// truncated to the width of the terminal. Erased by the destructor.
+/// A progress line on standard error with the remaining time. It appears only on a terminal and after half a
+/// second, truncated to the terminal's width. The destructor erases it.
 class ProgressLine {
   public:
     ~ProgressLine() { clear(); }

@@ -58,9 +58,9 @@ Result<PairReader> PairReader::open(const std::string& path) {
     return PairReader(*std::move(file));
 }
 
-Result<Pairs> PairReader::next(std::size_t most) {
+Result<Pairs> PairReader::next(std::size_t max_count) {
     Pairs pairs;
-    while (pairs.wl.size() < most) {
+    while (pairs.wl.size() < max_count) {
         const auto line = lines_.next();
         if (!line) return line.error();
         if (!*line) {

@@ -18,14 +18,14 @@ struct Pairs {
     std::vector<std::array<std::string, 6>> text;  ///< as written in the file
 };
 
-/// Takes the lines of a CSV whose first line names its columns, and reads the columns `k_pair_columns`. Errors name the
-/// line.
+/// Parses the lines of a CSV file whose first line names its columns, and keeps the columns `k_pair_columns`.
+/// Errors state the line.
 class PairParser {
   public:
     explicit PairParser(std::string file_name) : file_name_(std::move(file_name)) {}
-    /// Adds the pair of a line to `pairs`; the first line is the header.
+    /// Adds the pair in a line to `pairs`. The first line is the header.
     Result<Done> take(std::string_view line, std::uint64_t number, Pairs& pairs);
-    /// An error if there was no header.
+    /// Returns an error if there was no header.
     Result<Done> finish() const;
 
   private:
@@ -37,12 +37,12 @@ class PairParser {
     std::vector<std::string_view> fields_;
 };
 
-/// The pairs of a file, some at a time.
+/// Reads the pairs of a file in blocks.
 class PairReader {
   public:
     static Result<PairReader> open(const std::string& path);
-    /// The next `most` pairs, or fewer where the file ends.
-    Result<Pairs> next(std::size_t most);
+    /// The next `max_count` pairs, or fewer at the end of the file.
+    Result<Pairs> next(std::size_t max_count);
 
   private:
     explicit PairReader(FileReader file) : parser_(file.path()), lines_(std::move(file)) {}

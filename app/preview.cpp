@@ -17,14 +17,14 @@ Image ten_times_difference(const Image& a, const Image& b) {
 }
 
 Image8 on_grey(const Image& radiance, float exposure) {
-    Image8 shown(radiance.width, radiance.height, to_srgb8({k_background, k_background, k_background}));
-    for (int y = 0; y < shown.height; ++y)
-        for (int x = 0; x < shown.width; ++x) {
-            const Rgb& of = radiance.at(x, y);
-            if (shows_sphere(shown.width, x, y))
-                shown.at(x, y) = to_srgb8({exposure * of.r, exposure * of.g, exposure * of.b});
+    Image8 picture(radiance.width, radiance.height, to_srgb8({k_background, k_background, k_background}));
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
+            const Rgb& value = radiance.at(x, y);
+            if (shows_sphere(picture.width, x, y))
+                picture.at(x, y) = to_srgb8({exposure * value.r, exposure * value.g, exposure * value.b});
         }
-    return shown;
+    return picture;
 }
 
 }  // namespace
@@ -32,10 +32,10 @@ Image8 on_grey(const Image& radiance, float exposure) {
 Image8 preview(const Evaluate& measured, const Evaluate& fit, const PreviewOptions& options) {
     const auto studio = std::ranges::find(standard_lightings(), "studio", &Lighting::name);
     const std::array brdfs{measured, fit};
-    const auto seen = sphere_pictures(brdfs, {&*studio, 1}, options.size, options.threads)[0];
-    const float exposure = exposure_to(seen[0], k_exposed_value);
+    const auto pictures = sphere_pictures(brdfs, {&*studio, 1}, options.size, options.threads)[0];
+    const float exposure = exposure_to(pictures[0], k_exposed_value);
     std::vector<Image8> images;
-    for (const Image& image : {seen[0], seen[1], ten_times_difference(seen[0], seen[1])})
+    for (const Image& image : {pictures[0], pictures[1], ten_times_difference(pictures[0], pictures[1])})
         images.push_back(on_grey(image, exposure));
     return side_by_side(images, std::array<std::string, 3>{"measured", options.caption, "10 x difference"});
 }

@@ -1,4 +1,4 @@
-// Options of subcommands that read samples: what their files do not state.
+// Options of subcommands that read samples. They state what the files do not.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace srbf {
 
-/// Adds --columns, --quantity and --floor, which set `to`; it must outlive the command line's parsing.
-std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& to);
+/// Adds --columns, --quantity and --floor, which set `options`. It must outlive the parsing of the command line.
+std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& options);
 
 }  // namespace srbf

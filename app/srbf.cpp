@@ -19,15 +19,16 @@
 namespace srbf {
 namespace {
 
-/// Limits vectors to the instruction set that the environment variable SRBF_INSTRUCTIONS names, as Highway calls it, or
-/// older ones. Returns what is wrong.
+/// Limits vectors to the instruction set named by the environment variable SRBF_INSTRUCTIONS, as Highway calls it,
+/// or older ones. Returns an error message if there is no such set.
 std::optional<std::string> limit_instructions() {
     const char* const wanted = std::getenv("SRBF_INSTRUCTIONS");
     if (!wanted) return {};
-    auto left = hwy::SupportedTargets(), newer = left - left;  // a set of bits, of which a newer set has a lower one
+    auto candidates = hwy::SupportedTargets(),
+         newer = candidates - candidates;  // bit sets; newer targets have lower bits
     std::string names;
-    for (; left != 0; left &= left - 1) {
-        const auto target = left & -left;
+    for (; candidates != 0; candidates &= candidates - 1) {
+        const auto target = candidates & -candidates;
         if (std::string_view(hwy::TargetName(target)) == wanted) {
             hwy::DisableTargets(newer);
             return {};
@@ -38,7 +39,8 @@ std::optional<std::string> limit_instructions() {
     return fmt::format("SRBF_INSTRUCTIONS: expected one of {}, found {}", names, wanted);
 }
 
-/// Destructors of JSON allocate and cannot throw, nor can what threads begin with.
+/// Reports exhausted memory where an exception cannot be caught: destructors of JSON and the start of threads
+/// allocate.
 [[noreturn]] void end_without_memory() noexcept {
     try {
         if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
@@ -55,7 +57,7 @@ std::optional<std::string> limit_instructions() {
 void add_subcommands(CommandLine& app, int& status) {
     app.add_option(
            "--max-memory", [](const std::string& text) { limit_memory(std::stoi(text)); },
-           "The most memory to take [MB], for files of unknown origin; without OpenGL")
+           "Limit the program's memory [MB], for files of unknown origin; excludes OpenGL")
         .type_name("MB")
         .check(within<int>(64, 1'000'000'000));
     add_fit(app, status);
@@ -79,21 +81,22 @@ int run_program(int argc, char** argv) {
         "exports BRDFs. A measurement is a file of " +
             names_of_formats() + ".",
         "Example:\n  srbf fit paper_white_rgb.bsdf --preview paper.png\n\n"
-        "Exit status: 0 done; 2 wrong usage, which is so whatever files hold; 1 any other error, of a file, a folder\n"
-        "or the machine. An error is one line. Of several inputs the others are done.");
+        "Exit status: 0: success. 2: the command line is invalid regardless of the files' content. 1: a file, a\n"
+        "folder or the machine caused the error. An error is one line. With several inputs, the others are still\n"
+        "processed.");
 
-    if (const auto wrong = limit_instructions()) {
-        complain({{}, {}, *wrong, {}, {}});
+    if (const auto problem = limit_instructions()) {
+        complain({{}, {}, *problem, {}, {}});
         return k_usage;
     }
     int status = k_done;
     add_subcommands(app, status);
     try {
-        if (const auto wrong = app.parse(argc, argv)) {
-            complain({{}, {}, *wrong, {}, {}});
+        if (const auto problem = app.parse(argc, argv)) {
+            complain({{}, {}, *problem, {}, {}});
             return k_usage;
         }
-    } catch (const std::bad_alloc&) {  // not of a file that was being read, which its reader names
+    } catch (const std::bad_alloc&) {  // an error while reading a file is reported by its reader
         std::fputs("srbf: out of memory\n", stderr);
         return k_input_error;
     } catch (const std::filesystem::filesystem_error& error) {
@@ -101,7 +104,7 @@ int run_program(int argc, char** argv) {
     } catch (const std::system_error& error) {  // from fmt, if standard output fails
         return complain({"standard output", {}, "cannot be written", {}, error.code().message()});
     }
-    // A full disk may be reported for standard output only now.
+    // A full disk may be reported only when standard output is flushed.
     const auto flushed = flush_standard_output();
     if (!flushed && status == k_done) return complain(flushed.error());
     return status;

@@ -19,21 +19,21 @@ using Json = nlohmann::ordered_json;
 
 constexpr float k_nanometres = 1000;  ///< in the unit of a film's thickness
 
-/// The lines about a surface at the head of its file.
-std::vector<std::string> notes(const NamedModel& of) {
+/// The comment lines at the head of a surface's file.
+std::vector<std::string> notes(const NamedModel& named) {
     std::vector<std::string> lines{
-        fmt::format("{}: written by srbf {}. Colours are linear, in Rec.709 primaries.", of.name, SRBF_VERSION)};
-    const auto& provenance = of.model->provenance;
+        fmt::format("{}: written by srbf {}. Colours are linear, in Rec.709 primaries.", named.name, SRBF_VERSION)};
+    const auto& provenance = named.model->provenance;
     for (const auto& [key, words] : {std::pair{"source", "Measurement"}, std::pair{"surface", "Fitted parameters of"},
                                      std::pair{"delta_e_itp", "dE_ITP of pictures against the measurement"},
                                      std::pair{"heldout_delta_e_itp", "dE_ITP of pictures in cross-validation"}})
-        if (const auto at = provenance.find(key); at != provenance.end())
-            lines.push_back(fmt::format("{}: {}", words, at->second));
+        if (const auto entry = provenance.find(key); entry != provenance.end())
+            lines.push_back(fmt::format("{}: {}", words, entry->second));
     return lines;
 }
 
-/// For programs whose coat leaves the base as it is: with the roughness and the index of refraction that the base has
-/// under its coat.
+/// For target programs whose coat does not alter the base. The returned base has the roughness and the index of
+/// refraction that it effectively has under its coat.
 OpenPbrModel with_plain_coat(const OpenPbrModel& model) {
     OpenPbrModel plain = model;
     plain.specular_roughness =
@@ -43,14 +43,15 @@ OpenPbrModel with_plain_coat(const OpenPbrModel& model) {
     return plain;
 }
 
-/// The roughnesses α along and across the tangent (`openpbr_anisotropic_value` of kernel.glsl), and its angle [turns].
+/// The roughnesses α along and across the tangent (`openpbr_anisotropic_value` of kernel.glsl), and the tangent's
+/// rotation [turns].
 struct Anisotropy {
     float along, across, rotation;
     explicit Anisotropy(const OpenPbrModel& model) : rotation(model.specular_rotation) {
         const float alpha = model.specular_roughness * model.specular_roughness,
-                    share = 1 - model.specular_roughness_anisotropy;
-        along = std::min(alpha * std::sqrt(2 / (1 + share * share)), 1.f);
-        across = share * along;
+                    ratio = 1 - model.specular_roughness_anisotropy;
+        along = std::min(alpha * std::sqrt(2 / (1 + ratio * ratio)), 1.f);
+        across = ratio * along;
     }
 };
 bool is_anisotropic(const OpenPbrModel& model) { return model.specular_roughness_anisotropy > 0; }
@@ -67,17 +68,19 @@ Input input(std::string_view name, const Rgb& c) {
     return {std::string(name), fmt::format("{:.6g}, {:.6g}, {:.6g}", c.r, c.g, c.b), true};
 }
 
-/// The parameters of OpenPBR Surface have the names of ours. Its tangent is a vector, for which there is a node.
+/// OpenPBR Surface uses the same parameter names. It takes the tangent as a vector, from a node, so the rotation is
+/// left out.
 std::vector<Input> openpbr_inputs(const OpenPbrModel& model) {
     std::vector<Input> inputs;
-    for (const OpenPbrParameter& of : k_openpbr_parameters)
-        if (of.name != "specular_rotation")
-            inputs.push_back(of.colour ? input(of.name, model.*of.colour) : input(of.name, model.*of.number));
+    for (const OpenPbrParameter& parameter : k_openpbr_parameters)
+        if (parameter.name != "specular_rotation")
+            inputs.push_back(parameter.colour ? input(parameter.name, model.*parameter.colour)
+                                              : input(parameter.name, model.*parameter.number));
     return inputs;
 }
-/// MaterialX turns vectors clockwise [degrees].
+/// MaterialX rotates vectors clockwise [degrees].
 float clockwise(const OpenPbrModel& model) { return -360 * model.specular_rotation; }
-/// Standard Surface has no darkening of a coat and no weight of a film, whose thickness is in nanometres. Its
+/// Standard Surface has neither coat darkening nor a film weight; its film thickness is in nanometres. Its
 /// roughnesses are α / a along the tangent and α a across it, with a² = 1 − specular_anisotropy.
 std::vector<Input> standard_surface_inputs(const OpenPbrModel& model) {
     const Anisotropy facets(model);
@@ -102,17 +105,17 @@ std::vector<Input> standard_surface_inputs(const OpenPbrModel& model) {
             input("thin_film_IOR", model.thin_film_ior)};
 }
 
-std::string mtlx_text(const NamedModel& of, const char* node, const char* specification,
+std::string mtlx_text(const NamedModel& named, const char* node, const char* specification,
                       const std::vector<Input>& inputs, const std::string& tangent = {}) {
     std::string text = "<?xml version=\"1.0\"?>\n<!--\n";
-    for (const std::string& line : notes(of)) text += fmt::format("  {}\n", in_xml_comment(line));
+    for (const std::string& line : notes(named)) text += fmt::format("  {}\n", in_xml_comment(line));
     text += fmt::format(
         "  {}, MaterialX 1.39.\n-->\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n{}"
         "  <{} name=\"{}_surface\" type=\"surfaceshader\">\n",
-        specification, tangent, node, of.name);
+        specification, tangent, node, named.name);
     if (!tangent.empty())
-        text +=
-            fmt::format("    <input name=\"geometry_tangent\" type=\"vector3\" nodename=\"{}_turned\" />\n", of.name);
+        text += fmt::format("    <input name=\"geometry_tangent\" type=\"vector3\" nodename=\"{}_turned\" />\n",
+                            named.name);
     for (const Input& input : inputs)
         text += fmt::format("    <input name=\"{}\" type=\"{}\" value=\"{}\" />\n", input.name,
                             input.is_colour ? "color3" : "float", input.numbers);
@@ -120,10 +123,10 @@ std::string mtlx_text(const NamedModel& of, const char* node, const char* specif
                       "  </{1}>\n  <surfacematerial name=\"{0}\" type=\"material\">\n"
                       "    <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"{0}_surface\" />\n"
                       "  </surfacematerial>\n</materialx>\n",
-                      of.name, node);
+                      named.name, node);
 }
 
-/// The nodes of a tangent that is turned about the normal, for the material of that name.
+/// Nodes that rotate the tangent about the normal, for the material `name`; empty if the surface is isotropic.
 std::string mtlx_tangent(const std::string& name, const OpenPbrModel& model) {
     if (!is_anisotropic(model)) return "";
     std::string text;
@@ -141,10 +144,12 @@ std::string mtlx_tangent(const std::string& name, const OpenPbrModel& model) {
                       name, clockwise(model));
 }
 
-std::string usd_colour(const Rgb& of) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", of.r, of.g, of.b); }
-Rgb scaled(float weight, const Rgb& of) { return {weight * of.r, weight * of.g, weight * of.b}; }
+std::string usd_colour(const Rgb& colour) {
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", colour.r, colour.g, colour.b);
+}
+Rgb scaled(float weight, const Rgb& colour) { return {weight * colour.r, weight * colour.g, weight * colour.b}; }
 
-/// The nodes of `mtlx_tangent`.
+/// The nodes of `mtlx_tangent` as USD shaders.
 std::string usd_tangent(const std::string& name, const OpenPbrModel& model) {
     std::string text;
     for (const auto& [prim, id] : {std::pair{"Tangent", "tangent"}, std::pair{"Normal", "normal"}})
@@ -163,9 +168,9 @@ std::string usd_tangent(const std::string& name, const OpenPbrModel& model) {
                       name, clockwise(model));
 }
 
-std::string usd_text(const NamedModel& of, const OpenPbrModel& model) {
+std::string usd_text(const NamedModel& named, const OpenPbrModel& model) {
     std::string text = "#usda 1.0\n(\n    defaultPrim = \"World\"\n    doc = \"\"\"";
-    for (const std::string& line : notes(of)) text += in_string(line) + "\n";
+    for (const std::string& line : notes(named)) text += in_string(line) + "\n";
     text += fmt::format(
         "UsdPreviewSurface 2.6; OpenPBR Surface 1.1 as a network of MaterialX 1.39.\"\"\"\n"
         "    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef Xform \"World\"\n{{\n"
@@ -177,7 +182,7 @@ std::string usd_text(const NamedModel& of, const OpenPbrModel& model) {
         "            token outputs:mtlx:surface.connect = </World/Materials/{0}/OpenPbr.outputs:out>\n\n"
         "            def Shader \"Preview\"\n            {{\n"
         "                uniform token info:id = \"UsdPreviewSurface\"\n",
-        of.name);
+        named.name);
     const auto preview = [&](const char* type, const char* name, const std::string& value) {
         text += fmt::format("                {} inputs:{} = {}\n", type, name, value);
     };
@@ -193,81 +198,82 @@ std::string usd_text(const NamedModel& of, const OpenPbrModel& model) {
     text +=
         "                token outputs:surface\n            }\n\n            def Shader \"OpenPbr\"\n            {\n"
         "                uniform token info:id = \"ND_open_pbr_surface_surfaceshader\"\n";
-    for (const Input& one : openpbr_inputs(model))
-        preview(one.is_colour ? "color3f" : "float", one.name.c_str(),
-                one.is_colour ? "(" + one.numbers + ")" : one.numbers);
+    for (const Input& input : openpbr_inputs(model))
+        preview(input.is_colour ? "color3f" : "float", input.name.c_str(),
+                input.is_colour ? "(" + input.numbers + ")" : input.numbers);
     if (is_anisotropic(model))
         text += fmt::format(
             "                vector3f inputs:geometry_tangent.connect = </World/Materials/{}/Turned.outputs:out>\n",
-            of.name);
+            named.name);
     text += "                token outputs:out\n            }\n";
-    if (is_anisotropic(model)) text += usd_tangent(of.name, model);
+    if (is_anisotropic(model)) text += usd_tangent(named.name, model);
     return text + "        }\n    }\n}\n";
 }
 
 // ---- glTF ----
 
-/// A sphere of radius 1: positions, which are its normals too, and triangles.
+/// A triangulated unit sphere. The positions are its normals too.
 struct Sphere {
-    std::vector<float> positions, tangents;  ///< these along the circles of latitude
+    std::vector<float> positions, tangents;  ///< tangents point along the circles of latitude
     std::vector<std::uint16_t> indices;
 };
 Sphere sphere() {
     constexpr int k_rings = 48, k_sides = 96;
-    Sphere made;
+    Sphere mesh;
     for (int ring = 0; ring <= k_rings; ++ring)
         for (int side = 0; side <= k_sides; ++side) {
             const double theta = k_pi * ring / k_rings, phi = 2 * k_pi * side / k_sides;
             const Vec3d w = spherical(theta, phi);
-            made.positions.insert(made.positions.end(), {float(w.y), float(w.z), float(w.x)});  // y is up
-            made.tangents.insert(made.tangents.end(), {float(std::cos(phi)), 0, float(-std::sin(phi)), 1});
+            mesh.positions.insert(mesh.positions.end(), {float(w.y), float(w.z), float(w.x)});  // y is up
+            mesh.tangents.insert(mesh.tangents.end(), {float(std::cos(phi)), 0, float(-std::sin(phi)), 1});
         }
     const auto vertex = [](int ring, int side) { return std::uint16_t(ring * (k_sides + 1) + side); };
     for (int ring = 0; ring < k_rings; ++ring)
         for (int side = 0; side < k_sides; ++side) {
             if (ring > 0)
-                made.indices.insert(made.indices.end(),
+                mesh.indices.insert(mesh.indices.end(),
                                     {vertex(ring, side), vertex(ring + 1, side), vertex(ring, side + 1)});
             if (ring + 1 < k_rings)
-                made.indices.insert(made.indices.end(),
+                mesh.indices.insert(mesh.indices.end(),
                                     {vertex(ring, side + 1), vertex(ring + 1, side), vertex(ring + 1, side + 1)});
         }
-    return made;
+    return mesh;
 }
 
-/// As the file has it: six digits are more than a 16-bit float has.
-double shown(float x) { return std::round(double(x) * 1e6) / 1e6; }
-Json shown(const Rgb& of) { return Json::array({shown(of.r), shown(of.g), shown(of.b)}); }
+/// Rounded to six decimals, which exceeds the precision of a 16-bit float.
+double rounded(float x) { return std::round(double(x) * 1e6) / 1e6; }
+Json rounded(const Rgb& colour) { return Json::array({rounded(colour.r), rounded(colour.g), rounded(colour.b)}); }
 
-Json gltf_material(const NamedModel& of, const OpenPbrModel& model) {
+Json gltf_material(const NamedModel& named, const OpenPbrModel& model) {
     const Rgb base = scaled(model.base_weight, model.base_color);
-    Json material{{"name", of.name},
+    Json material{{"name", named.name},
                   {"pbrMetallicRoughness",
-                   {{"baseColorFactor", {shown(base.r), shown(base.g), shown(base.b), 1}},
-                    {"metallicFactor", shown(model.base_metalness)},
-                    {"roughnessFactor", shown(model.specular_roughness)}}}};
+                   {{"baseColorFactor", {rounded(base.r), rounded(base.g), rounded(base.b), 1}},
+                    {"metallicFactor", rounded(model.base_metalness)},
+                    {"roughnessFactor", rounded(model.specular_roughness)}}}};
     Json& extensions = material["extensions"];
-    extensions["KHR_materials_ior"] = {{"ior", shown(model.specular_ior)}};
-    extensions["KHR_materials_specular"] = {{"specularFactor", shown(model.specular_weight)},
-                                            {"specularColorFactor", shown(model.specular_color)}};
+    extensions["KHR_materials_ior"] = {{"ior", rounded(model.specular_ior)}};
+    extensions["KHR_materials_specular"] = {{"specularFactor", rounded(model.specular_weight)},
+                                            {"specularColorFactor", rounded(model.specular_color)}};
     if (model.coat_weight > 0)
-        extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", shown(model.coat_weight)},
-                                                 {"clearcoatRoughnessFactor", shown(model.coat_roughness)}};
+        extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", rounded(model.coat_weight)},
+                                                 {"clearcoatRoughnessFactor", rounded(model.coat_roughness)}};
     if (model.fuzz_weight > 0)
-        extensions["KHR_materials_sheen"] = {{"sheenColorFactor", shown(scaled(model.fuzz_weight, model.fuzz_color))},
-                                             {"sheenRoughnessFactor", shown(model.fuzz_roughness)}};
-    if (is_anisotropic(model)) {  // α along the tangent is that across it, blended with 1 by the square of a strength
+        extensions["KHR_materials_sheen"] = {{"sheenColorFactor", rounded(scaled(model.fuzz_weight, model.fuzz_color))},
+                                             {"sheenRoughnessFactor", rounded(model.fuzz_roughness)}};
+    if (is_anisotropic(model)) {  // the roughness along the tangent is mix(roughness across, 1, strength²)
         const Anisotropy facets(model);
-        material["pbrMetallicRoughness"]["roughnessFactor"] = shown(std::sqrt(facets.across));
+        material["pbrMetallicRoughness"]["roughnessFactor"] = rounded(std::sqrt(facets.across));
         extensions["KHR_materials_anisotropy"] = {
             {"anisotropyStrength",
-             shown(std::sqrt((facets.along - facets.across) / std::max(1 - facets.across, 1e-6f)))},
-            {"anisotropyRotation", shown(2 * float(k_pi) * facets.rotation)}};
+             rounded(std::sqrt((facets.along - facets.across) / std::max(1 - facets.across, 1e-6f)))},
+            {"anisotropyRotation", rounded(2 * float(k_pi) * facets.rotation)}};
     }
     if (model.thin_film_weight > 0) {
-        const double thickness = shown(k_nanometres * model.thin_film_thickness);  // without a texture the largest
-        extensions["KHR_materials_iridescence"] = {{"iridescenceFactor", shown(model.thin_film_weight)},
-                                                   {"iridescenceIor", shown(model.thin_film_ior)},
+        const double thickness =
+            rounded(k_nanometres * model.thin_film_thickness);  // the maximum applies if there is no texture
+        extensions["KHR_materials_iridescence"] = {{"iridescenceFactor", rounded(model.thin_film_weight)},
+                                                   {"iridescenceIor", rounded(model.thin_film_ior)},
                                                    {"iridescenceThicknessMinimum", thickness},
                                                    {"iridescenceThicknessMaximum", thickness}};
     }
@@ -275,29 +281,29 @@ Json gltf_material(const NamedModel& of, const OpenPbrModel& model) {
 }
 
 struct Gltf {
-    Json json;  ///< all but the bytes' place
+    Json json;  ///< without the buffer's `uri`
     std::vector<std::byte> bytes;
 };
-Gltf gltf(const NamedModel& of, const OpenPbrModel& model) {
+Gltf gltf(const NamedModel& named, const OpenPbrModel& model) {
     const Sphere mesh = sphere();
     std::vector<std::byte> bytes;
-    const auto add = [&](std::span<const std::byte> more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
+    const auto add = [&](std::span<const std::byte> part) { bytes.insert(bytes.end(), part.begin(), part.end()); };
     add(std::as_bytes(std::span(mesh.positions)));
-    const std::size_t of_positions = bytes.size();
+    const std::size_t positions_end = bytes.size();
     if (is_anisotropic(model)) add(std::as_bytes(std::span(mesh.tangents)));
-    const std::size_t of_vertices = bytes.size();
+    const std::size_t vertices_end = bytes.size();
     add(std::as_bytes(std::span(mesh.indices)));
-    const Json material = gltf_material(of, model);
-    Json used = Json::array(), extras = Json::array();
-    for (const auto& [name, value] : material["extensions"].items()) used.push_back(name);
-    for (const std::string& line : notes(of)) extras.push_back(printable(line));
-    constexpr int k_array = 34962, k_elements = 34963, k_float = 5126, k_unsigned_short = 5123;  // of OpenGL
+    const Json material = gltf_material(named, model);
+    Json extension_names = Json::array(), extras = Json::array();
+    for (const auto& [name, value] : material["extensions"].items()) extension_names.push_back(name);
+    for (const std::string& line : notes(named)) extras.push_back(printable(line));
+    constexpr int k_array = 34962, k_elements = 34963, k_float = 5126, k_unsigned_short = 5123;  // OpenGL's enumerants
     Json json{
         {"asset", {{"version", "2.0"}, {"generator", "srbf " SRBF_VERSION}, {"extras", {{"notes", extras}}}}},
-        {"extensionsUsed", used},
+        {"extensionsUsed", extension_names},
         {"scene", 0},
         {"scenes", {{{"nodes", {0}}}}},
-        {"nodes", {{{"mesh", 0}, {"name", of.name}}}},
+        {"nodes", {{{"mesh", 0}, {"name", named.name}}}},
         {"meshes",
          {{{"primitives", {{{"attributes", {{"POSITION", 0}, {"NORMAL", 0}}}, {"indices", 1}, {"material", 0}}}}}}},
         {"materials", {material}},
@@ -313,10 +319,10 @@ Gltf gltf(const NamedModel& of, const OpenPbrModel& model) {
            {"count", mesh.indices.size()},
            {"type", "SCALAR"}}}},
         {"bufferViews",
-         {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", of_positions}, {"target", k_array}},
+         {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", positions_end}, {"target", k_array}},
           {{"buffer", 0},
-           {"byteOffset", of_vertices},
-           {"byteLength", bytes.size() - of_vertices},
+           {"byteOffset", vertices_end},
+           {"byteLength", bytes.size() - vertices_end},
            {"target", k_elements}}}},
         {"buffers", {{{"byteLength", bytes.size()}}}}};
     if (is_anisotropic(model)) {
@@ -326,19 +332,21 @@ Gltf gltf(const NamedModel& of, const OpenPbrModel& model) {
                                      {"count", mesh.tangents.size() / 4},
                                      {"type", "VEC4"}});
         json["bufferViews"].push_back({{"buffer", 0},
-                                       {"byteOffset", of_positions},
-                                       {"byteLength", of_vertices - of_positions},
+                                       {"byteOffset", positions_end},
+                                       {"byteLength", vertices_end - positions_end},
                                        {"target", k_array}});
     }
     return {std::move(json), bytes};
 }
-std::string gltf_text(Gltf of) {
-    of.json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(of.bytes);
-    return of.json.dump(1) + "\n";
+std::string gltf_text(Gltf document) {
+    document.json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(document.bytes);
+    return document.json.dump(1) + "\n";
 }
-/// Binary glTF: its name, version and size, and two chunks, each with its size and kind, padded to four bytes.
-std::string glb_bytes(const Gltf& of) {
-    std::string text = of.json.dump(), bytes(reinterpret_cast<const char*>(of.bytes.data()), of.bytes.size());
+/// Binary glTF: magic number, version and size, then two chunks, each with its size and kind and padded to four
+/// bytes.
+std::string glb_bytes(const Gltf& document) {
+    std::string text = document.json.dump(),
+                bytes(reinterpret_cast<const char*>(document.bytes.data()), document.bytes.size());
     text.resize((text.size() + 3) / 4 * 4, ' '), bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
     std::string file = "glTF";
     const auto add = [&](std::size_t x) {
@@ -353,9 +361,9 @@ std::string glb_bytes(const Gltf& of) {
 
 // ---- Blender ----
 
-std::string blender_text(const NamedModel& of, const OpenPbrModel& model) {
+std::string blender_text(const NamedModel& named, const OpenPbrModel& model) {
     std::string text;
-    for (const std::string& line : notes(of)) text += fmt::format("# {}\n", in_comment(line));
+    for (const std::string& line : notes(named)) text += fmt::format("# {}\n", in_comment(line));
     text += fmt::format(
         "# Makes the material of Blender's Principled BSDF, version 4.3 or later: run it in Blender. With the name of "
         "a\n"
@@ -366,7 +374,7 @@ std::string blender_text(const NamedModel& of, const OpenPbrModel& model) {
         "    material.use_fake_user = True  # so that it is stored though nothing has it\n"
         "    node = next(n for n in material.node_tree.nodes if n.type == \"BSDF_PRINCIPLED\")\n"
         "    for name, value in {{\n",
-        of.name);
+        named.name);
     const auto add_number = [&](const char* name, float x) {
         text += fmt::format("        \"{}\": {:.6g},\n", name, x);
     };
@@ -376,13 +384,13 @@ std::string blender_text(const NamedModel& of, const OpenPbrModel& model) {
     add_colour("Base Color", scaled(model.base_weight, model.base_color));
     add_number("Metallic", model.base_metalness);
     const Anisotropy facets(model);
-    // α / a along the tangent and α a across it, with a² = 1 − .9 of this number.
+    // Blender's roughnesses are α / a along the tangent and α a across it, with a² = 1 − 0.9 Anisotropic.
     add_number("Roughness", std::sqrt(std::sqrt(facets.along * facets.across)));
     add_number("Anisotropic", std::min(model.specular_roughness_anisotropy / 0.9f, 1.f));
     add_number("Anisotropic Rotation", facets.rotation);
     add_number("IOR", model.specular_ior);
     add_number("Diffuse Roughness", model.base_diffuse_roughness);
-    add_number("Specular IOR Level", 0.5f * model.specular_weight);  // .5 is the reflectance of the IOR itself
+    add_number("Specular IOR Level", 0.5f * model.specular_weight);  // 0.5: the reflectance that the IOR gives
     add_colour("Specular Tint", model.specular_color);
     add_number("Coat Weight", model.coat_weight);
     add_number("Coat Roughness", model.coat_roughness);
@@ -399,33 +407,33 @@ std::string blender_text(const NamedModel& of, const OpenPbrModel& model) {
                       "sys.argv:\n"
                       "        bpy.ops.wm.save_as_mainfile(filepath=sys.argv[sys.argv.index(\"--\") + 1])\n\n\n"
                       "if __name__ == \"__main__\":\n    _{0}_script()\n",
-                      of.name);
+                      named.name);
 }
 
 }  // namespace
 
-Result<std::string> surface_file(std::string_view kind, const NamedModel& of) {
-    const auto* model = std::get_if<OpenPbrModel>(&of.model->model);
+Result<std::string> surface_file(std::string_view kind, const NamedModel& named) {
+    const auto* model = std::get_if<OpenPbrModel>(&named.model->model);
     if (!model)
-        return Error{of.name,
+        return Error{named.name,
                      {},
                      "model for " + std::string(kind),
                      "a surface, of srbf fit --model openpbr",
                      "another model",
                      ErrorCode::argument};
     if (model->is_exchanged)
-        return Error{of.name, {}, "surface", "light and viewer as they are", "exchanged ones", ErrorCode::argument};
+        return Error{named.name, {}, "surface", "light and viewer as they are", "exchanged ones", ErrorCode::argument};
     if (kind == "mtlx")
-        return mtlx_text(of, "open_pbr_surface", "OpenPBR Surface 1.1", openpbr_inputs(*model),
-                         mtlx_tangent(of.name, *model));
+        return mtlx_text(named, "open_pbr_surface", "OpenPBR Surface 1.1", openpbr_inputs(*model),
+                         mtlx_tangent(named.name, *model));
     if (kind == "standard-surface")
-        return mtlx_text(of, "standard_surface", "Autodesk Standard Surface 1.0.1",
+        return mtlx_text(named, "standard_surface", "Autodesk Standard Surface 1.0.1",
                          standard_surface_inputs(with_plain_coat(*model)));
-    if (kind == "usd") return usd_text(of, *model);
+    if (kind == "usd") return usd_text(named, *model);
     const OpenPbrModel plain = with_plain_coat(*model);
-    if (kind == "gltf") return gltf_text(gltf(of, plain));
-    if (kind == "glb") return glb_bytes(gltf(of, plain));
-    return blender_text(of, plain);
+    if (kind == "gltf") return gltf_text(gltf(named, plain));
+    if (kind == "glb") return glb_bytes(gltf(named, plain));
+    return blender_text(named, plain);
 }
 
 }  // namespace srbf

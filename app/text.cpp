@@ -1,4 +1,4 @@
-// Texts and JSON of measures and models.
+// Text and JSON of measures and models.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,9 +24,9 @@ void add_measures(Json& json, const Measures& measures, std::string_view prefix)
 }
 
 Json json_of(const Appearance& appearance) {
-    const auto errors = [](const PictureErrors& of) {
+    const auto errors = [](const PictureErrors& picture_errors) {
         Json named;
-        for (const PictureErrorName& e : k_picture_errors) named[e.name] = of.*e.member;
+        for (const PictureErrorName& e : k_picture_errors) named[e.name] = picture_errors.*e.member;
         return named;
     };
     Json pictures = errors(appearance.mean);
@@ -36,12 +36,12 @@ Json json_of(const Appearance& appearance) {
     return pictures;
 }
 
-Json json_of(const Parameter& of) {
+Json json_of(const Parameter& parameter) {
     return std::visit(
         []<typename T>(const T& value) {
             Json json;
             if constexpr (std::is_same_v<T, Parameters>) {
-                for (const Parameter& one : value) json[one.name] = json_of(one);
+                for (const Parameter& nested : value) json[nested.name] = json_of(nested);
             } else if constexpr (std::is_same_v<T, NumberArray>) {
                 json = value.shape.empty() ? Json(value.numbers[0]) : Json(value.numbers);
             } else if constexpr (!std::is_same_v<T, std::monostate>) {
@@ -49,11 +49,11 @@ Json json_of(const Parameter& of) {
             }
             return json;
         },
-        of.value);
+        parameter.value);
 }
 
-std::optional<Appearance> repeatability(const AnyBrdf& of, int threads) {
-    const auto* measured = std::get_if<Measured>(&of);
+std::optional<Appearance> repeatability(const AnyBrdf& brdf, int threads) {
+    const auto* measured = std::get_if<Measured>(&brdf);
     if (!measured || std::holds_alternative<ScatteredSamples>(measured->table) ||
         std::holds_alternative<BsdfTable>(measured->table) || std::holds_alternative<MerlTable>(measured->table))
         return {};

@@ -11,58 +11,65 @@
 
 namespace srbf {
 
-/// Calls each(member) for the members of one of the structs.
-template <typename Each> void members(RglTable::VisibleNormals& of, const Each& each) {
-    each(of.width), each(of.height), each(of.nodes), each(of.rows);
+/// Calls each(member) for the members of a struct. There is one overload for each struct.
+template <typename Each> void members(RglTable::VisibleNormals& value, const Each& each) {
+    each(value.width), each(value.height), each(value.nodes), each(value.rows);
 }
-template <typename Each> void members(RglTable::Colours& of, const Each& each) {
-    each(of.width), each(of.height), each(of.nodes);
+template <typename Each> void members(RglTable::Colours& value, const Each& each) {
+    each(value.width), each(value.height), each(value.nodes);
 }
-template <typename Each> void members(RglTable::Profile& of, const Each& each) {
-    each(of.width), each(of.height), each(of.nodes);
+template <typename Each> void members(RglTable::Profile& value, const Each& each) {
+    each(value.width), each(value.height), each(value.nodes);
 }
-template <typename Each> void members(MerlTable& of, const Each& each) {
-    each(of.size), each(of.cells), each(of.masked);
+template <typename Each> void members(MerlTable& value, const Each& each) {
+    each(value.size), each(value.cells), each(value.masked);
 }
-template <typename Each> void members(RglTable& of, const Each& each) {
-    each(of.description), each(of.wavelengths), each(of.spectra), each(of.phi_l), each(of.symmetry), each(of.jacobian);
-    each(of.theta_l), each(of.ndf), each(of.sigma), each(of.visible), each(of.colour);
+template <typename Each> void members(RglTable& value, const Each& each) {
+    each(value.description), each(value.wavelengths), each(value.spectra), each(value.phi_l), each(value.symmetry),
+        each(value.jacobian);
+    each(value.theta_l), each(value.ndf), each(value.sigma), each(value.visible), each(value.colour);
 }
-template <typename Each> void members(UtiaTable& of, const Each& each) { each(of.cells), each(of.masked); }
-template <typename Each> void members(MbsdfTable::Entry& of, const Each& each) { each(of.key), each(of.value); }
-template <typename Each> void members(MbsdfTable& of, const Each& each) {
-    each(of.polar), each(of.azimuths), each(of.grey), each(of.cells), each(of.masked), each(of.metadata);
-    each(of.has_transmission);
+template <typename Each> void members(UtiaTable& value, const Each& each) { each(value.cells), each(value.masked); }
+template <typename Each> void members(MbsdfTable::Entry& value, const Each& each) {
+    each(value.key), each(value.value);
 }
-template <typename Each> void members(ScatteredSamples& of, const Each& each) {
-    each(of.description), each(of.isotropic), each(of.wavelengths), each(of.wl), each(of.wv), each(of.colour);
-    each(of.spectrum), each(of.weight), each(of.masked), each(of.notes);
+template <typename Each> void members(MbsdfTable& value, const Each& each) {
+    each(value.polar), each(value.azimuths), each(value.grey), each(value.cells), each(value.masked),
+        each(value.metadata);
+    each(value.has_transmission);
+}
+template <typename Each> void members(ScatteredSamples& value, const Each& each) {
+    each(value.description), each(value.isotropic), each(value.wavelengths), each(value.wl), each(value.wv),
+        each(value.colour);
+    each(value.spectrum), each(value.weight), each(value.masked), each(value.notes);
 }
 inline void complete(ScatteredSamples& samples) { make_index(samples); }
-/// A format packs its own table.
-template <typename Each> void members(EvaluatedTable& of, const Each& each) {
-    std::string name(of.format), bytes = of.packed ? of.packed() : std::string();
+/// The format of a table packs and unpacks it.
+template <typename Each> void members(EvaluatedTable& value, const Each& each) {
+    std::string name(value.format), bytes = value.packed ? value.packed() : std::string();
     each(name), each(bytes);
-    if (of.packed) return;
+    if (value.packed) return;
     const auto format = std::ranges::find(formats(), name, &Format::name);
     if (format == formats().end() || !format->unpack) throw std::invalid_argument("pickled BRDF: unknown format");
-    of = format->unpack(bytes);
+    value = format->unpack(bytes);
 }
-template <typename Each> void members(Beam& of, const Each& each) { each(of.theta), each(of.share), each(of.azimuths); }
-template <typename Each> void members(BsdfTable::Band& of, const Each& each) {
-    each(of.name), each(of.part), each(of.beam);
+template <typename Each> void members(Beam& value, const Each& each) {
+    each(value.theta), each(value.share), each(value.azimuths);
 }
-template <typename Each> void members(BsdfTable& of, const Each& each) {
-    each(of.bands), each(of.chosen), each(of.description);
+template <typename Each> void members(BsdfTable::Band& value, const Each& each) {
+    each(value.name), each(value.part), each(value.beam);
 }
-template <typename Each> void members(Measured& of, const Each& each) {
-    each(of.source), each(of.format), each(of.bytes), each(of.exchanged), each(of.table);
+template <typename Each> void members(BsdfTable& value, const Each& each) {
+    each(value.bands), each(value.chosen), each(value.description);
+}
+template <typename Each> void members(Measured& value, const Each& each) {
+    each(value.source), each(value.format), each(value.bytes), each(value.exchanged), each(value.table);
 }
 
-template <typename Each> void members(Model& of, const Each& each) { each(of.model), each(of.provenance); }
-/// Kinds of models have such a list themselves.
+template <typename Each> void members(Model& value, const Each& each) { each(value.model), each(value.provenance); }
+/// A kind of model has a list of its own members.
 template <typename M, typename Each>
-requires requires(M& of, const Each& each) { Stored<M>::for_members(of, each); }
-void members(M& of, const Each& each) { Stored<M>::for_members(of, each); }
+requires requires(M& value, const Each& each) { Stored<M>::for_members(value, each); }
+void members(M& value, const Each& each) { Stored<M>::for_members(value, each); }
 
 }  // namespace srbf

@@ -1,5 +1,5 @@
-// Arrays and errors between Python and the library. Arrays are contiguous, of float32, and of shape [n, 3] where they
-// hold directions or colours.
+// Arrays and errors between Python and the library. Arrays are contiguous and of float32. Those of directions and
+// colours have the shape [n, 3].
 #pragma once
 #include <pybind11/numpy.h>
 
@@ -26,7 +26,7 @@ inline std::size_t rows(const Array& array) { return std::size_t(array.shape(0))
 template <typename T> std::span<const T> span_of(const Array& array) {
     return {reinterpret_cast<const T*>(array.data()), rows(array)};
 }
-template <typename T> std::span<T> changing(Array& array) {
+template <typename T> std::span<T> mutable_span_of(Array& array) {
     return {reinterpret_cast<T*>(array.mutable_data()), rows(array)};
 }
 inline Array array_of(std::span<const float> numbers, std::vector<py::ssize_t> shape) {
@@ -34,14 +34,14 @@ inline Array array_of(std::span<const float> numbers, std::vector<py::ssize_t> s
     std::copy(numbers.begin(), numbers.end(), array.mutable_data());
     return array;
 }
-template <typename T> std::span<const float> floats(const std::vector<T>& of) {
-    return {reinterpret_cast<const float*>(of.data()), of.size() * sizeof(T) / sizeof(float)};
+template <typename T> std::span<const float> floats(const std::vector<T>& values) {
+    return {reinterpret_cast<const float*>(values.data()), values.size() * sizeof(T) / sizeof(float)};
 }
 
-/// A string of Python. Bytes that are not UTF-8 are kept as in its file names ("surrogateescape"), or written as \\xff
-/// ("backslashreplace").
-inline py::str text_of(std::string_view text, const char* otherwise = "backslashreplace") {
-    auto* decoded = PyUnicode_DecodeUTF8(text.data(), py::ssize_t(text.size()), otherwise);
+/// A string of Python. Bytes that are not UTF-8 are kept, as in Python's file names ("surrogateescape"), or written
+/// as \\xff ("backslashreplace").
+inline py::str text_of(std::string_view text, const char* error_handler = "backslashreplace") {
+    auto* decoded = PyUnicode_DecodeUTF8(text.data(), py::ssize_t(text.size()), error_handler);
     if (decoded == nullptr) throw py::error_already_set();
     return py::reinterpret_steal<py::str>(decoded);
 }
@@ -51,9 +51,10 @@ inline py::str file_name_of(std::string_view name) { return text_of(name, "surro
 [[noreturn]] inline void raise(const Error& error) {
     const py::object type = py::module_::import("srbf").attr("Error");
     const py::object offset = error.offset ? py::cast(*error.offset) : py::none();
-    const py::object made = type(text_of(message(error)), file_name_of(error.source), offset, printable(error.what),
-                                 printable(error.expected), printable(error.found), std::string(name(error.code)));
-    PyErr_SetObject(type.ptr(), made.ptr());
+    const py::object exception =
+        type(text_of(message(error)), file_name_of(error.source), offset, printable(error.what),
+             printable(error.expected), printable(error.found), std::string(name(error.code)));
+    PyErr_SetObject(type.ptr(), exception.ptr());
     throw py::error_already_set();
 }
 template <typename T> T required(Result<T> result) {
@@ -61,8 +62,9 @@ template <typename T> T required(Result<T> result) {
     return *std::move(result);
 }
 
-/// The first row that is not a unit vector, within 1e-3 of the square of its length; their number if all are.
-inline std::size_t first_of_other_length(std::span<const Vec3f> w) {
+/// The first row that is not a unit vector; w.size() if all are. The square of the length may differ from 1 by less
+/// than 1e-3.
+inline std::size_t first_not_unit(std::span<const Vec3f> w) {
     const auto is_wrong = [&](std::size_t i) { return !(std::abs(dot(w[i], w[i]) - 1) < 1e-3f); };
     constexpr std::size_t block = 1024;
     for (std::size_t first = 0; first < w.size(); first += block) {
@@ -80,16 +82,16 @@ inline void require_unit(const Array& directions, const char* argument) {
     const std::span<const Vec3f> w = span_of<Vec3f>(directions);
     const std::size_t i = [&] {
         const py::gil_scoped_release released;
-        return first_of_other_length(w);
+        return first_not_unit(w);
     }();
     if (i == w.size()) return;
     throw py::value_error(std::string(argument) + " at " + std::to_string(i) + ": expected a unit vector, found (" +
                           std::to_string(w[i].x) + ", " + std::to_string(w[i].y) + ", " + std::to_string(w[i].z) + ")");
 }
 
-/// Calls body(first, count) for parts of n rows, on all threads if there are many. Ctrl-C ends it where there are more
-/// than some tens of milliseconds take.
-template <typename Body> void in_parts(std::size_t n, const Body& body) {
+/// Calls body(first, count) for parts of n rows, on all threads if there are more than one part. For many rows,
+/// which take more than tens of milliseconds, Ctrl-C cancels.
+template <typename Body> void for_parts(std::size_t n, const Body& body) {
     constexpr std::size_t part = 1 << 14, many = 1 << 20;
     const auto run = [&](const ProgressToken& token) {
         parallel_for_parts(n, part, n > part ? 0 : 1, [&](std::size_t begin, std::size_t end) {

@@ -1,4 +1,4 @@
-// Runs what takes long, while Python is served.
+// Runs long computations while Python stays responsive.
 #pragma once
 #include <pybind11/pybind11.h>
 
@@ -17,8 +17,9 @@ namespace srbf {
 
 namespace py = pybind11;
 
-/// Runs work(token) on a thread of its own, so that signals (Ctrl-C) and `progress(stage, fraction)` are served here
-/// meanwhile. A callback that returns False cancels, as does an exception, which is raised again.
+/// Runs work(token) on a thread of its own. Meanwhile this thread handles signals (Ctrl-C) and calls
+/// `progress(stage, fraction)`. The computation is cancelled if the callback returns False or raises an exception,
+/// which is then rethrown.
 template <typename Work> auto in_background(const py::object& progress, const Work& work) {
     std::mutex mutex;
     std::condition_variable changed;
@@ -45,18 +46,20 @@ template <typename Work> auto in_background(const py::object& progress, const Wo
     {
         const py::gil_scoped_release released;
         std::unique_lock lock(mutex);
-        double told = -1;
+        double reported = -1;
         while (!changed.wait_for(lock, std::chrono::milliseconds(50), [&] { return done; })) {
             if (raised) continue;
-            const std::string now = stage;
-            const double at = fraction;
+            const std::string current_stage = stage;
+            const double current_fraction = fraction;
             lock.unlock();
             {
                 const py::gil_scoped_acquire acquired;
                 try {
                     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-                    if (!progress.is_none() && at > told && progress(now, at).is(py::bool_(false))) token.cancel();
-                    told = at;
+                    if (!progress.is_none() && current_fraction > reported &&
+                        progress(current_stage, current_fraction).is(py::bool_(false)))
+                        token.cancel();
+                    reported = current_fraction;
                 } catch (...) {
                     raised = std::current_exception();
                     token.cancel();

@@ -1,6 +1,6 @@
-// The library for Python: the module srbf._srbf, over which python/srbf/__init__.py lays arrays of any shape. The
-// headers beside it hold most of its functions: in two files they take half as long again to compile, because of
-// pybind11.
+// The library for Python: the module srbf._srbf. On top of it, python/srbf/__init__.py supports arrays of any
+// shape. Most of its functions are in the headers beside it: compiled as two files they took half as long again,
+// because of pybind11.
 #include <pybind11/stl.h>
 
 #include "fits.h"
@@ -13,18 +13,18 @@
 namespace srbf {
 namespace {
 
-Array render(const Held& brdf, const std::string& lighting, int size, bool is_sketch) {
-    constexpr int k_sketched_points = 48;
-    const auto found = std::ranges::find(standard_lightings(), std::string_view(lighting), &Lighting::name);
-    const Evaluate of[] = {brdf.evaluate()};
+Array render(const PyBrdf& brdf, const std::string& lighting, int size, bool is_preview) {
+    constexpr int k_preview_points = 48;
+    const auto lighting_row = std::ranges::find(standard_lightings(), std::string_view(lighting), &Lighting::name);
+    const Evaluate brdfs[] = {brdf.evaluate()};
     const auto pictures = in_background(py::none(), [&](const ProgressToken& token) {
-        return sphere_pictures(of, std::span(&*found, 1), size, 0, token,
-                               is_sketch ? k_sketched_points : k_mirror_points);
+        return sphere_pictures(brdfs, std::span(&*lighting_row, 1), size, 0, token,
+                               is_preview ? k_preview_points : k_mirror_points);
     });
     return array_of(floats(pictures[0][0].pixels), {size, size, 3});
 }
 
-void convert(const Held& brdf, const std::string& path, bool spectra, int threads) {
+void convert(const PyBrdf& brdf, const std::string& path, bool spectra, int threads) {
     const auto refused = [&](const char* what, std::string expected) {
         raise({"", {}, what, std::move(expected), path, ErrorCode::argument});
     };
@@ -47,7 +47,7 @@ template <typename Rows> std::vector<std::string> names_of(const Rows& rows) {
     return names;
 }
 
-std::string code(const std::vector<Held>& models, const std::vector<std::string>& names, const std::string& to,
+std::string code(const std::vector<PyBrdf>& models, const std::vector<std::string>& names, const std::string& to,
                  const std::string& prefix, bool sampling, bool albedo) {
     std::vector<NamedModel> named;
     for (std::size_t i = 0; i < models.size(); ++i) named.push_back({identifier(names[i]), &models[i].require_model()});
@@ -65,54 +65,56 @@ std::string code(const std::vector<Held>& models, const std::vector<std::string>
 
 PYBIND11_MODULE(_srbf, module) {
     using namespace srbf;
-    py::class_<Held>(module, "Brdf")
+    py::class_<PyBrdf>(module, "Brdf")
         .def("evaluate", &values_of)
         .def("evaluate_channels", &channels_of)
-        .def("sample", &sampled)
-        .def("density", &density)
-        .def("reflected", &reflected)
+        .def("sample", &sample_rows)
+        .def("pdf", &pdf_rows)
+        .def("albedo", &albedo_rows)
         .def("value_at",
-             [](const Held& brdf, float lx, float ly, float lz, float vx, float vy, float vz) {
+             [](const PyBrdf& brdf, float lx, float ly, float lz, float vx, float vy, float vz) {
                  return value_at(brdf, {lx, ly, lz}, {vx, vy, vz});
              })
-        .def("drawn_at",
-             [](const Held& brdf, float vx, float vy, float vz, float u, float v, float selector) {
-                 return drawn_at(brdf, {vx, vy, vz}, {u, v, selector});
+        .def("sample_at",
+             [](const PyBrdf& brdf, float vx, float vy, float vz, float u, float v, float selector) {
+                 return sample_at(brdf, {vx, vy, vz}, {u, v, selector});
              })
-        .def("parameters", [](const Held& brdf) { return to_python(parameters(brdf.require_model())); })
+        .def("parameters", [](const PyBrdf& brdf) { return to_python(parameters(brdf.require_model())); })
         .def("pickled", &pickled)
         .def("numbers", &numbers)
-        .def("is_model", [](const Held& brdf) { return brdf.model() != nullptr; })
-        .def("is_searched", &Held::is_searched)
-        .def("isotropic", &Held::isotropic)
-        .def("change_by_azimuth", [](const Held& brdf) { return change_by_azimuth(brdf); })
+        .def("is_model", [](const PyBrdf& brdf) { return brdf.model() != nullptr; })
+        .def("is_slow", &PyBrdf::is_slow)
+        .def("isotropic", &PyBrdf::isotropic)
+        .def("change_by_azimuth", [](const PyBrdf& brdf) { return change_by_azimuth(brdf); })
         .def("wavelengths",
-             [](const Held& brdf) {
-                 const auto of = brdf.model() ? wavelengths(*brdf.model()) : wavelengths(*brdf.measured());
-                 return array_of(of, {py::ssize_t(of.size())});
+             [](const PyBrdf& brdf) {
+                 const auto nm = brdf.model() ? wavelengths(*brdf.model()) : wavelengths(*brdf.measured());
+                 return array_of(nm, {py::ssize_t(nm.size())});
              })
-        .def("exchanged", &Held::exchanged, py::call_guard<py::gil_scoped_release>())
-        .def("is_exchanged", &Held::is_exchanged)
+        .def("exchanged", &PyBrdf::exchanged, py::call_guard<py::gil_scoped_release>())
+        .def("is_exchanged", &PyBrdf::is_exchanged)
         .def("kind",
-             [](const Held& brdf) { return brdf.model() ? std::string(kind(*brdf.model())) : brdf.measured()->format; })
+             [](const PyBrdf& brdf) {
+                 return brdf.model() ? std::string(kind(*brdf.model())) : brdf.measured()->format;
+             })
         .def("nbytes",
-             [](const Held& brdf) { return brdf.model() ? payload_bytes(*brdf.model()) : brdf.measured()->bytes; })
-        .def("source", [](const Held& brdf) { return file_name_of(brdf.measured() ? brdf.measured()->source : ""); })
+             [](const PyBrdf& brdf) { return brdf.model() ? payload_bytes(*brdf.model()) : brdf.measured()->bytes; })
+        .def("source", [](const PyBrdf& brdf) { return file_name_of(brdf.measured() ? brdf.measured()->source : ""); })
         .def("notes",
-             [](const Held& brdf) {
-                 py::list of;
+             [](const PyBrdf& brdf) {
+                 py::list lines;
                  if (brdf.measured())
-                     for (const std::string& note : notes(*brdf.measured())) of.append(text_of(note));
-                 return of;
+                     for (const std::string& note : notes(*brdf.measured())) lines.append(text_of(note));
+                 return lines;
              })
         .def("provenance",
-             [](const Held& brdf) {
-                 py::dict of;
+             [](const PyBrdf& brdf) {
+                 py::dict entries;
                  if (brdf.model())
-                     for (const auto& [key, value] : brdf.model()->provenance) of[text_of(key)] = text_of(value);
-                 return of;
+                     for (const auto& [key, value] : brdf.model()->provenance) entries[text_of(key)] = text_of(value);
+                 return entries;
              })
-        .def("save", [](const Held& brdf, const std::string& path) {
+        .def("save", [](const PyBrdf& brdf, const std::string& path) {
             const Model& model = brdf.require_model();
             required([&] {
                 const py::gil_scoped_release released;
@@ -122,12 +124,12 @@ PYBIND11_MODULE(_srbf, module) {
     py::class_<FitRequest>(module, "Request").def(py::init([](const FitTexts& texts) {
         return required(fit_request(texts));
     }));
-    module.def("load", &loaded);
+    module.def("load", &load_file);
     module.def("unpickled", &unpickled);
     module.def("model_of", &model_of);
-    module.def("from_arrays", &samples_of);
+    module.def("from_arrays", &brdf_of_samples);
     module.def("change_by_azimuth", [](const Array& wl, const Array& wv, const Array& f) {
-        return change_by_azimuth(samples_at(wl, wv, f, true));
+        return change_by_azimuth(valid_samples(wl, wv, f, true));
     });
     module.def("fit", &fit_brdf);
     module.def("fit_function", &fit_function);
@@ -138,10 +140,10 @@ PYBIND11_MODULE(_srbf, module) {
     module.def("render", &render);
     module.def("convert", &convert);
     module.def("code", &code);
-    module.def("python_code", [](const Held& brdf) { return required(python_code(brdf.require_model())); });
+    module.def("python_code", [](const PyBrdf& brdf) { return required(python_code(brdf.require_model())); });
     module.def("identifier", [](const std::string& text) { return identifier(text); });
     module.def("fit_options", [] {
-        py::dict choices;  // of each name
+        py::dict choices;  // the choices of each option
         for (const FitOption& option : fit_options()) choices[py::str(std::string(option.name))] = option.choices;
         return choices;
     });

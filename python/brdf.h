@@ -1,4 +1,4 @@
-// A BRDF, or BSDF, as Python holds it: what srbf.Brdf calls, and where one comes from.
+// The BRDF or BSDF that an srbf.Brdf of Python holds, with its functions.
 #pragma once
 #include <array>
 #include <limits>
@@ -15,10 +15,10 @@
 
 namespace srbf {
 
-/// A measurement or a model, with what sampling needs made when it is first asked for.
-class Held {
+/// A measurement or a model. What sampling needs is prepared at the first use.
+class PyBrdf {
   public:
-    explicit Held(AnyBrdf content, bool exchanged = false)
+    explicit PyBrdf(AnyBrdf content, bool exchanged = false)
         : content_(std::make_shared<const AnyBrdf>(std::move(content))), exchanged_(exchanged) {}
 
     const AnyBrdf& content() const { return *content_; }
@@ -28,52 +28,53 @@ class Held {
         if (!model()) raise({"srbf", {}, "brdf", "a model", "a measurement", ErrorCode::wrong_kind});
         return *model();
     }
-    /// True if light and viewer are those of the file, or of the data of a model, exchanged.
+    /// True if light and viewer are exchanged, compared with the file or with the data of a model.
     bool is_exchanged() const { return model() ? model()->provenance.contains("exchanged") : exchanged_; }
-    Held exchanged() const {
+    PyBrdf exchanged() const {
         AnyBrdf content = *content_;
-        std::visit([](auto& of) { exchange(of); }, content);
-        return Held(std::move(content), !exchanged_);
+        std::visit([](auto& brdf) { exchange(brdf); }, content);
+        return PyBrdf(std::move(content), !exchanged_);
     }
     bool isotropic() const {
-        return std::visit([](const auto& of) { return is_isotropic(of); }, *content_);
+        return std::visit([](const auto& brdf) { return is_isotropic(brdf); }, *content_);
     }
-    /// True if each value is searched for among samples, slices or patches, which takes up to twelve times as long as
-    /// from a table or a model.
-    bool is_searched() const {
+    /// True if each value is interpolated among samples, slices or patches, which takes up to twelve times as long
+    /// as a lookup in a table or an evaluation of a model.
+    bool is_slow() const {
         if (!measured()) return false;
         const auto& table = measured()->table;
         return !std::holds_alternative<MerlTable>(table) && !std::holds_alternative<RglTable>(table) &&
                !std::holds_alternative<UtiaTable>(table) && !std::holds_alternative<MbsdfTable>(table);
     }
-    /// It shares the content.
+    /// Evaluates the BRDF. The result shares the content.
     Evaluate evaluate() const {
-        const auto kept = content_;
+        const auto shared = content_;
         return std::visit(
-            [&kept](const auto& of) -> Evaluate {
-                return [kept, f = evaluator(of)](auto wl, auto wv, auto to) { f(wl, wv, to); };
+            [&shared](const auto& brdf) -> Evaluate {
+                return [shared, evaluate = evaluator(brdf)](auto wl, auto wv, auto f) { evaluate(wl, wv, f); };
             },
             *content_);
     }
     const PreparedBrdf& prepared() const {
-        return front_->of(*this, [](const auto& of, const ProposeOptions& options) { return prepare(of, options); });
+        return front_->get(*this,
+                           [](const auto& brdf, const ProposeOptions& options) { return prepare(brdf, options); });
     }
-    /// The part of something with front and back.
+    /// A BSDF arranged for evaluation and sampling of single pairs.
     const PreparedBsdf& prepared_sides() const {
-        return sides_->of(*this,
-                          [](const auto& of, const ProposeOptions& options) { return prepare_bsdf(of, options); });
+        return sides_->get(*this,
+                           [](const auto& brdf, const ProposeOptions& options) { return prepare_bsdf(brdf, options); });
     }
 
   private:
-    /// The prepared BRDF, made when it is first asked for.
+    /// A prepared BRDF, made at the first use.
     template <typename Prepared> struct Once {
         std::once_flag flag;
         std::optional<Prepared> prepared;
 
-        template <typename Prepare> const Prepared& of(const Held& held, const Prepare& prepare) {
+        template <typename Prepare> const Prepared& get(const PyBrdf& brdf, const Prepare& prepare) {
             std::call_once(flag, [&] {
-                const ProposeOptions options{.azimuths = held.isotropic() ? 1 : k_anisotropic_azimuths};
-                prepared = std::visit([&](const auto& of) { return prepare(of, options); }, *held.content_);
+                const ProposeOptions options{.azimuths = brdf.isotropic() ? 1 : k_anisotropic_azimuths};
+                prepared = std::visit([&](const auto& content) { return prepare(content, options); }, *brdf.content_);
             });
             return *prepared;
         }
@@ -85,118 +86,120 @@ class Held {
     std::shared_ptr<Once<PreparedBsdf>> sides_ = std::make_shared<Once<PreparedBsdf>>();
 };
 
-inline Array values_of(const Held& brdf, const Array& wl, const Array& wv) {
+inline Array values_of(const PyBrdf& brdf, const Array& wl, const Array& wv) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
     Array f({py::ssize_t(rows(wl)), py::ssize_t(3)});
     const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
-    const auto to = changing<Rgb>(f);
-    const Evaluate of = brdf.evaluate();
-    in_parts(l.size(), [&](std::size_t first, std::size_t count) {
-        of(l.subspan(first, count), v.subspan(first, count), to.subspan(first, count));
+    const auto values = mutable_span_of<Rgb>(f);
+    const Evaluate evaluate = brdf.evaluate();
+    for_parts(l.size(), [&](std::size_t first, std::size_t count) {
+        evaluate(l.subspan(first, count), v.subspan(first, count), values.subspan(first, count));
     });
     return f;
 }
 
-inline Array channels_of(const Held& brdf, const Array& wl, const Array& wv) {
+inline Array channels_of(const PyBrdf& brdf, const Array& wl, const Array& wv) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
-    const Channels of = brdf.model()                            ? channels(*brdf.model())
-                        : wavelengths(*brdf.measured()).empty() ? rgb_channels(brdf.evaluate())
-                                                                : spectra(*brdf.measured());
-    const std::size_t count_of = of.count();
-    Array f({py::ssize_t(rows(wl)), py::ssize_t(count_of)});
+    const Channels channels = brdf.model()                            ? srbf::channels(*brdf.model())
+                              : wavelengths(*brdf.measured()).empty() ? rgb_channels(brdf.evaluate())
+                                                                      : spectra(*brdf.measured());
+    const std::size_t channel_count = channels.count();
+    Array f({py::ssize_t(rows(wl)), py::ssize_t(channel_count)});
     const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
-    const std::span<float> to(f.mutable_data(), l.size() * count_of);
-    in_parts(l.size(), [&](std::size_t first, std::size_t count) {
-        of.evaluate(l.subspan(first, count), v.subspan(first, count), to.subspan(first * count_of, count * count_of));
+    const std::span<float> values(f.mutable_data(), l.size() * channel_count);
+    for_parts(l.size(), [&](std::size_t first, std::size_t count) {
+        channels.evaluate(l.subspan(first, count), v.subspan(first, count),
+                          values.subspan(first * channel_count, count * channel_count));
     });
     return f;
 }
 
-/// Calls use(prepared), with what the BRDF or BSDF is sampled by, made without the interpreter's lock.
-template <typename Use> void with_prepared(const Held& brdf, const Use& use) {
-    const auto made = [&](auto get) -> const auto& {
+/// Calls use(prepared) with the BRDF or BSDF prepared for sampling. The preparation does not hold the interpreter's
+/// lock.
+template <typename Use> void with_prepared(const PyBrdf& brdf, const Use& use) {
+    const auto prepared = [&](auto get) -> const auto& {
         const py::gil_scoped_release released;
         return (brdf.*get)();
     };
     if (is_two_sided(brdf.content()))
-        use(made(&Held::prepared_sides));
+        use(prepared(&PyBrdf::prepared_sides));
     else
-        use(made(&Held::prepared));
+        use(prepared(&PyBrdf::prepared));
 }
 
 inline bool is_beam(const LightSample&) { return false; }
-inline bool is_beam(const BsdfSample& drawn) { return drawn.is_beam; }
+inline bool is_beam(const BsdfSample& sample) { return sample.is_beam; }
 
-/// Directions, weights and densities.
-inline py::tuple sampled(const Held& brdf, const Array& wv, const Array& u) {
+/// Samples the light: directions, weights and densities.
+inline py::tuple sample_rows(const PyBrdf& brdf, const Array& wv, const Array& u) {
     require_unit(wv, "wv");
     const auto n = py::ssize_t(rows(wv));
     Array wl({n, py::ssize_t(3)}), weight({n, py::ssize_t(3)}), density(n);
     const auto v = span_of<Vec3f>(wv), uniform = span_of<Vec3f>(u);
-    const auto wl_to = changing<Vec3f>(wl);
-    const auto weight_to = changing<Rgb>(weight);
-    const auto density_to = changing<float>(density);
+    const auto directions = mutable_span_of<Vec3f>(wl);
+    const auto weights = mutable_span_of<Rgb>(weight);
+    const auto densities = mutable_span_of<float>(density);
     with_prepared(brdf, [&](const auto& prepared) {
-        in_parts(v.size(), [&](std::size_t first, std::size_t count) {
+        for_parts(v.size(), [&](std::size_t first, std::size_t count) {
             for (std::size_t i = first; i < first + count; ++i) {
-                const Vec3f& at = uniform[i];
-                const auto drawn = sample(prepared, v[i], {at.x, at.y}, at.z);
-                const bool has_direction = is_beam(drawn) || drawn.pdf > 0;
-                wl_to[i] = has_direction ? drawn.wl : Vec3f(0, 0, -1), weight_to[i] = drawn.weight;
-                density_to[i] = is_beam(drawn) ? std::numeric_limits<float>::infinity() : drawn.pdf;
+                const Vec3f& numbers = uniform[i];
+                const auto light = sample(prepared, v[i], {numbers.x, numbers.y}, numbers.z);
+                const bool has_direction = is_beam(light) || light.pdf > 0;
+                directions[i] = has_direction ? light.wl : Vec3f(0, 0, -1), weights[i] = light.weight;
+                densities[i] = is_beam(light) ? std::numeric_limits<float>::infinity() : light.pdf;
             }
         });
     });
     return py::make_tuple(wl, weight, density);
 }
 
-inline Array density(const Held& brdf, const Array& wl, const Array& wv) {
+inline Array pdf_rows(const PyBrdf& brdf, const Array& wl, const Array& wv) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
     Array densities{py::ssize_t(rows(wl))};
     const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
-    const auto to = changing<float>(densities);
+    const auto values = mutable_span_of<float>(densities);
     with_prepared(brdf, [&](const auto& prepared) {
-        in_parts(l.size(), [&](std::size_t first, std::size_t count) {
-            for (std::size_t i = first; i < first + count; ++i) to[i] = pdf(prepared, l[i], v[i]);
+        for_parts(l.size(), [&](std::size_t first, std::size_t count) {
+            for (std::size_t i = first; i < first + count; ++i) values[i] = pdf(prepared, l[i], v[i]);
         });
     });
     return densities;
 }
 
-inline Array reflected(const Held& brdf, const Array& cosine) {
+inline Array albedo_rows(const PyBrdf& brdf, const Array& cosine) {
     Array albedos({py::ssize_t(rows(cosine)), py::ssize_t(3)});
-    const auto at = span_of<float>(cosine);
-    const auto to = changing<Rgb>(albedos);
-    in_parts(at.size(), [&](std::size_t first, std::size_t count) {
-        for (std::size_t i = first; i < first + count; ++i) to[i] = albedo(brdf.prepared(), at[i]);
+    const auto cosines = span_of<float>(cosine);
+    const auto values = mutable_span_of<Rgb>(albedos);
+    for_parts(cosines.size(), [&](std::size_t first, std::size_t count) {
+        for (std::size_t i = first; i < first + count; ++i) values[i] = albedo(brdf.prepared(), cosines[i]);
     });
     return albedos;
 }
 
-/// The value at one pair of directions and the density of `sample`: R, G, B, 1/sr.
-inline std::array<float, 4> value_at(const Held& brdf, const Vec3f& wl, const Vec3f& wv) {
+/// The value at one pair of directions and the density of `sample` there: R, G, B, pdf [1/sr].
+inline std::array<float, 4> value_at(const PyBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
     const Rgb f = value(brdf.prepared(), wl, wv);
     return {f.r, f.g, f.b, pdf(brdf.prepared(), wl, wv)};
 }
-/// One draw: direction, weight, density.
-inline std::array<float, 7> drawn_at(const Held& brdf, const Vec3f& wv, const Vec3f& u) {
-    const LightSample drawn = sample(brdf.prepared(), wv, {u.x, u.y}, u.z);
-    return {drawn.wl.x, drawn.wl.y, drawn.wl.z, drawn.weight.r, drawn.weight.g, drawn.weight.b, drawn.pdf};
+/// One sample: direction, weight, pdf.
+inline std::array<float, 7> sample_at(const PyBrdf& brdf, const Vec3f& wv, const Vec3f& u) {
+    const LightSample light = sample(brdf.prepared(), wv, {u.x, u.y}, u.z);
+    return {light.wl.x, light.wl.y, light.wl.z, light.weight.r, light.weight.g, light.weight.b, light.pdf};
 }
 
-/// The change by azimuth of samples that are said to be isotropic; otherwise 0.
-inline double change_by_azimuth(const Held& brdf) {
+/// The variation with azimuth of samples that are declared isotropic; otherwise 0.
+inline double change_by_azimuth(const PyBrdf& brdf) {
     const auto* samples = brdf.measured() ? std::get_if<ScatteredSamples>(&brdf.measured()->table) : nullptr;
     if (!samples || !samples->isotropic) return 0;
     const py::gil_scoped_release released;
     return change_by_azimuth(*samples);
 }
 
-/// The samples that are finite and above the horizon, without an index.
-inline ScatteredSamples samples_at(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
+/// The samples that are finite and above the horizon, without an index for lookups.
+inline ScatteredSamples valid_samples(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
     ScatteredSamples samples;
@@ -214,18 +217,18 @@ inline ScatteredSamples samples_at(const Array& wl, const Array& wv, const Array
     return samples;
 }
 
-inline Held samples_of(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
-    ScatteredSamples samples = samples_at(wl, wv, f, isotropic);
+inline PyBrdf brdf_of_samples(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
+    ScatteredSamples samples = valid_samples(wl, wv, f, isotropic);
     if (samples.wl.empty()) raise({"arrays", {}, "samples", "some above the horizon", "none", ErrorCode::no_data});
     {
         const py::gil_scoped_release released;
         make_index(samples);
     }
     const std::uint64_t bytes = 36 * std::uint64_t(rows(wl));
-    return Held(Measured{"arrays", "arrays", bytes, std::move(samples)});
+    return PyBrdf(Measured{"arrays", "arrays", bytes, std::move(samples)});
 }
 
-inline py::bytes pickled(const Held& brdf) {
+inline py::bytes pickled(const PyBrdf& brdf) {
     ArchiveWriter writer;
     {
         const py::gil_scoped_release released;
@@ -233,13 +236,13 @@ inline py::bytes pickled(const Held& brdf) {
     }
     return writer.bytes;
 }
-inline Held unpickled(const py::bytes& bytes, bool exchanged) {
+inline PyBrdf unpickled(const py::bytes& bytes, bool exchanged) {
     const auto text = std::string_view(bytes);
     const py::gil_scoped_release released;
-    return Held(ArchiveReader{text}.next<AnyBrdf>(), exchanged);
+    return PyBrdf(ArchiveReader{text}.next<AnyBrdf>(), exchanged);
 }
-/// The members that determine the values: `pickled` without where they come from.
-inline py::bytes numbers(const Held& brdf) {
+/// The members that determine the values: `pickled` without source and provenance.
+inline py::bytes numbers(const PyBrdf& brdf) {
     ArchiveWriter writer;
     {
         const py::gil_scoped_release released;
@@ -260,15 +263,15 @@ inline py::list load_stack(const std::string& path) {
     }());
     py::list texels;
     for (std::size_t i = 0; i < stack.models.size(); ++i)
-        texels.append(py::make_tuple(Held(Model{stack.models[i], stack.provenance}), stack.error[i], stack.state[i]));
+        texels.append(py::make_tuple(PyBrdf(Model{stack.models[i], stack.provenance}), stack.error[i], stack.state[i]));
     return texels;
 }
 
-inline Held loaded(const std::string& path, const std::string& columns, const std::string& quantity, float floor) {
+inline PyBrdf load_file(const std::string& path, const std::string& columns, const std::string& quantity, float floor) {
     const ReadOptions options{columns, quantity_named(quantity), floor};
     const py::gil_scoped_release released;
     Result<AnyBrdf> brdf = load_brdf(path, options);
-    if (brdf) return Held(*std::move(brdf));
+    if (brdf) return PyBrdf(*std::move(brdf));
     const py::gil_scoped_acquire acquired;
     raise(brdf.error());
 }

@@ -1,4 +1,4 @@
-// Fits as Python asks for them, and their errors.
+// Fits and their errors, as Python calls them.
 #pragma once
 #include <array>
 #include <chrono>
@@ -15,25 +15,26 @@
 
 namespace srbf {
 
-inline py::dict measures_of(const Comparison& of) {
+inline py::dict measures_of(const Comparison& comparison) {
     py::dict errors;
     for (const MeasureName& measure : k_measures) {
-        errors[measure.name] = of.matrix.*measure.member;
-        errors[("heldout_" + std::string(measure.name)).c_str()] = of.heldout.*measure.member;
+        errors[measure.name] = comparison.matrix.*measure.member;
+        errors[("heldout_" + std::string(measure.name)).c_str()] = comparison.heldout.*measure.member;
     }
-    errors["albedo_error"] = of.albedo_error;
-    if (of.appearance.lighting.empty()) return errors;
-    for (const PictureErrorName& error : k_picture_errors) errors[error.name] = of.appearance.mean.*error.member;
-    errors["worst_delta_e_itp"] = of.appearance.worst_delta_e;
-    if (of.heldout_appearance) {
-        errors["heldout_delta_e_itp"] = of.heldout_appearance->mean.delta_e;
-        errors["heldout_worst_delta_e_itp"] = of.heldout_appearance->worst_delta_e;
+    errors["albedo_error"] = comparison.albedo_error;
+    if (comparison.appearance.lighting.empty()) return errors;
+    for (const PictureErrorName& error : k_picture_errors)
+        errors[error.name] = comparison.appearance.mean.*error.member;
+    errors["worst_delta_e_itp"] = comparison.appearance.worst_delta_e;
+    if (comparison.heldout_appearance) {
+        errors["heldout_delta_e_itp"] = comparison.heldout_appearance->mean.delta_e;
+        errors["heldout_worst_delta_e_itp"] = comparison.heldout_appearance->worst_delta_e;
     }
     py::dict lightings;
-    for (std::size_t i = 0; i < of.appearance.lighting.size(); ++i) {
+    for (std::size_t i = 0; i < comparison.appearance.lighting.size(); ++i) {
         py::dict lighting;
         for (const PictureErrorName& error : k_picture_errors)
-            lighting[error.name] = of.appearance.lighting[i].*error.member;
+            lighting[error.name] = comparison.appearance.lighting[i].*error.member;
         lightings[py::str(std::string(standard_lightings()[i].name))] = lighting;
     }
     errors["lightings"] = lightings;
@@ -41,37 +42,37 @@ inline py::dict measures_of(const Comparison& of) {
 }
 
 inline py::dict outcome_of(FitOutcome outcome) {
-    py::dict of;
-    of["errors"] = outcome.errors ? py::object(measures_of(*outcome.errors)) : py::none();
-    of["seconds"] = outcome.fit_seconds;
-    of["reached"] = outcome.reached;
-    of["stop_reason"] = outcome.stop ? py::object(py::str(std::string(name(*outcome.stop)))) : py::none();
-    of["model"] = Held(std::move(outcome.model));
-    return of;
+    py::dict result;
+    result["errors"] = outcome.errors ? py::object(measures_of(*outcome.errors)) : py::none();
+    result["seconds"] = outcome.fit_seconds;
+    result["reached"] = outcome.reached;
+    result["stop_reason"] = outcome.stop ? py::object(py::str(std::string(name(*outcome.stop)))) : py::none();
+    result["model"] = PyBrdf(std::move(outcome.model));
+    return result;
 }
 
-inline py::dict fit_brdf(const Held& brdf, const FitRequest& request, const py::object& progress) {
+inline py::dict fit_brdf(const PyBrdf& brdf, const FitRequest& request, const py::object& progress) {
     if (!brdf.measured()) raise({"srbf.fit", {}, "input", "a measurement", "a model", ErrorCode::wrong_kind});
     if (is_two_sided(brdf.content())) {
         BsdfOutcome outcome = required(in_background(
             progress, [&](const ProgressToken& token) { return fit_bsdf(*brdf.measured(), request, token); }));
-        py::dict of, errors;
+        py::dict result, errors;
         for (const PartFit& part : outcome.parts)
             errors[py::str(std::string(name(part.part)))] = part.squared_error_ratio;
-        of["errors"] = errors;
-        of["seconds"] = outcome.fit_seconds;
-        of["reached"] = true;
-        of["stop_reason"] = py::none();
-        of["model"] = Held(std::move(outcome.model));
-        return of;
+        result["errors"] = errors;
+        result["seconds"] = outcome.fit_seconds;
+        result["reached"] = true;
+        result["stop_reason"] = py::none();
+        result["model"] = PyBrdf(std::move(outcome.model));
+        return result;
     }
     FitOutcome outcome = required(
         in_background(progress, [&](const ProgressToken& token) { return fit(*brdf.measured(), request, token); }));
     return outcome_of(std::move(outcome));
 }
 
-/// A function of Python as a BRDF: `function(wl, wv)` returns f_r of n pairs as an array [n, 3] or [n, 1]. It keeps what
-/// the function raises, and then cancels the computation that asks it.
+/// A function of Python as a BRDF: `function(wl, wv)` returns f_r of n pairs as an array [n, 3] or [n, 1]. An
+/// exception of the function is kept and cancels the computation that called it.
 class CalledFunction {
   public:
     CalledFunction(const py::function& function, const ProgressToken& token) : function_(function), token_(token) {}
@@ -107,15 +108,15 @@ class CalledFunction {
     std::exception_ptr raised_;
 };
 
-/// Runs work(f, token) with `function` as the BRDF f, and raises what it raised.
+/// Runs work(f, token) with `function` as the BRDF f, and rethrows the exception of `function`, if any.
 template <typename Work>
 auto with_function(const py::function& function, const py::object& progress, const Work& work) {
     std::exception_ptr raised;
     auto result = in_background(progress, [&](const ProgressToken& token) {
-        CalledFunction called(function, token);
-        auto worked = work(Evaluate(std::ref(called)), token);
-        raised = called.raised();
-        return worked;
+        CalledFunction f(function, token);
+        auto output = work(Evaluate(std::ref(f)), token);
+        raised = f.raised();
+        return output;
     });
     if (raised) std::rethrow_exception(raised);
     return result;
@@ -138,23 +139,24 @@ inline py::list fit_texels(const Array& wl, const Array& wv, const Array& f, con
     const auto start = std::chrono::steady_clock::now();
     auto fits = required(
         in_background(progress, [&](const ProgressToken& token) { return fit_batch(pairs, values, options, token); }));
-    const std::chrono::duration<double> all = std::chrono::steady_clock::now() - start;
+    const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
     py::list outcomes;
     for (TexelFit& fit : fits) {
-        py::dict of, errors;
+        py::dict result, errors;
         const bool fitted = fit.state == TexelState::fitted;
         for (const MeasureName& measure : k_measures) errors[measure.name] = fit.errors.*measure.member;
-        of["errors"] = fitted ? py::object(errors) : py::none();
-        of["seconds"] = all.count() / double(fits.size());
-        of["reached"] = fitted;
-        of["stop_reason"] = fitted ? py::object(py::str(std::string(name(fit.stop)))) : py::none();
-        of["model"] = Held(Model{std::move(fit.model), {{"objective", std::string(name(options.request.objective))}}});
-        outcomes.append(of);
+        result["errors"] = fitted ? py::object(errors) : py::none();
+        result["seconds"] = duration.count() / double(fits.size());
+        result["reached"] = fitted;
+        result["stop_reason"] = fitted ? py::object(py::str(std::string(name(fit.stop)))) : py::none();
+        result["model"] =
+            PyBrdf(Model{std::move(fit.model), {{"objective", std::string(name(options.request.objective))}}});
+        outcomes.append(result);
     }
     return outcomes;
 }
 
-inline py::dict errors(const Held& reference, const Held& other, double max_theta, int threads) {
+inline py::dict errors(const PyBrdf& reference, const PyBrdf& other, double max_theta, int threads) {
     const double theta = max_theta * k_degree;
     const Evaluate a = reference.evaluate(), others[] = {other.evaluate()};
     const std::vector<Vec3f> directions =
@@ -164,7 +166,7 @@ inline py::dict errors(const Held& reference, const Held& other, double max_thet
     })[0]);
 }
 
-inline py::dict errors_of_function(const Held& reference, const py::function& other, double max_theta, int threads) {
+inline py::dict errors_of_function(const PyBrdf& reference, const py::function& other, double max_theta, int threads) {
     const double theta = max_theta * k_degree;
     const Evaluate a = reference.evaluate();
     const std::vector<Vec3f> directions = fibonacci_directions(k_matrix_directions, theta);

@@ -1,4 +1,4 @@
-// The numbers of a model as Python's values, and models of such values.
+// The numbers of a model as Python values, and models made from such values.
 #pragma once
 #include <map>
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace srbf {
 
-inline py::dict to_python(const Parameters& all) {
-    py::dict of;
-    for (const Parameter& one : all)
-        of[py::str(one.name)] = std::visit(
+inline py::dict to_python(const Parameters& parameters) {
+    py::dict values;
+    for (const Parameter& parameter : parameters)
+        values[py::str(parameter.name)] = std::visit(
             []<typename T>(const T& value) -> py::object {
                 if constexpr (std::is_same_v<T, Parameters>)
                     return to_python(value);
@@ -24,11 +24,11 @@ inline py::dict to_python(const Parameters& all) {
                 else
                     return py::cast(value);
             },
-            one.value);
-    return of;
+            parameter.value);
+    return values;
 }
 
-/// Raises TypeError for what is no array of real numbers.
+/// The numbers of an array. Raises TypeError for anything but an array of real numbers.
 inline NumberArray numbers_of(const std::string& name, const py::handle& value) {
     const py::array array = py::module_::import("numpy").attr("asarray")(value);
     if (const char kind = array.dtype().kind(); kind != 'f' && kind != 'i' && kind != 'u')
@@ -38,27 +38,27 @@ inline NumberArray numbers_of(const std::string& name, const py::handle& value) 
     return {{array.shape(), array.shape() + array.ndim()}, {numbers.data(), numbers.data() + numbers.size()}};
 }
 
-inline Parameters from_python(const py::dict& all) {
-    Parameters of;
-    for (const auto& [key, value] : all) {
-        Parameter& one = of.emplace_back(Parameter{key.cast<std::string>(), {}});
+inline Parameters from_python(const py::dict& values) {
+    Parameters parameters;
+    for (const auto& [key, value] : values) {
+        Parameter& parameter = parameters.emplace_back(Parameter{key.cast<std::string>(), {}});
         if (py::isinstance<py::dict>(value))
-            one.value = from_python(value.cast<py::dict>());
+            parameter.value = from_python(value.cast<py::dict>());
         else if (py::isinstance<py::str>(value))
-            one.value = value.cast<std::string>();
+            parameter.value = value.cast<std::string>();
         else if (py::isinstance<py::bool_>(value) ||
                  std::string(Py_TYPE(value.ptr())->tp_name).starts_with("numpy.bool"))
-            one.value = value.cast<bool>();
+            parameter.value = value.cast<bool>();
         else if (py::isinstance<py::int_>(value))
-            one.value = value.cast<int>();
+            parameter.value = value.cast<int>();
         else
-            one.value = numbers_of(one.name, value);
+            parameter.value = numbers_of(parameter.name, value);
     }
-    return of;
+    return parameters;
 }
 
-inline Held model_of(const py::dict& parameters, std::map<std::string, std::string> provenance) {
-    return Held(required(model_from(from_python(parameters), std::move(provenance))));
+inline PyBrdf model_of(const py::dict& parameters, std::map<std::string, std::string> provenance) {
+    return PyBrdf(required(model_from(from_python(parameters), std::move(provenance))));
 }
 
 }  // namespace srbf

@@ -11,8 +11,8 @@
 namespace srbf::command_test {
 namespace {
 
-/// A model without a fit, which would take a minute under sanitizers.
-class OfModel : public CommandLine {
+/// Tests that use a saved random model, because a fit would take a minute under sanitizers.
+class WithModel : public CommandLine {
   protected:
     static void SetUpTestSuite() {
         fitted = std::make_unique<TemporaryFolder>();
@@ -25,21 +25,21 @@ class OfModel : public CommandLine {
     }
     static void TearDownTestSuite() { fitted.reset(); }
 
-    /// What `export` writes of a surface.
+    /// The text that `export` writes for the surface `s.srbf`.
     std::string exported(const std::string& kind) {
-        const ProgramRun made = run(folder, {"export", "s.srbf", "--to", kind, "-o", "o"});
-        EXPECT_EQ(made.status, 0) << made.err;
+        const ProgramRun result = run(folder, {"export", "s.srbf", "--to", kind, "-o", "o"});
+        EXPECT_EQ(result.status, 0) << result.err;
         return contents(folder / "o");
     }
 
-    /// Of a measurement, of samples or of a model.
+    /// Converts a measurement, samples or a model, and expects a file of the given format.
     void expect_converted(const std::string& input, const std::string& output, const std::string& format) {
         Arguments convert{"convert", input, "-o", output};
         if (!output.ends_with(".csv")) convert = convert + Arguments{"--threads", "1"};
         if (output.ends_with(".csv") && !input.ends_with(".csv")) convert = convert + Arguments{"--directions", "9"};
-        const ProgramRun made = run(folder, convert);
-        ASSERT_EQ(made.status, 0) << made.err;
-        EXPECT_EQ(made.out, "");
+        const ProgramRun result = run(folder, convert);
+        ASSERT_EQ(result.status, 0) << result.err;
+        EXPECT_EQ(result.out, "");
         const auto measured = load_measured(folder / output);
         ASSERT_TRUE(measured.ok()) << message(measured.error());
         EXPECT_EQ(measured->format, format) << input;
@@ -48,7 +48,7 @@ class OfModel : public CommandLine {
     inline static std::unique_ptr<TemporaryFolder> fitted;
 };
 
-TEST_F(OfModel, export_writes_a_page_or_nothing) {
+TEST_F(WithModel, export_writes_a_page_or_nothing) {
     if (!is_offered({"html"})) GTEST_SKIP() << "without pages";
     const Arguments page{"export", *fitted / "m.srbf", "--to", "html"};
     const ProgramRun alone = run(folder, page + Arguments{"-o", "alone.html"});
@@ -58,7 +58,7 @@ TEST_F(OfModel, export_writes_a_page_or_nothing) {
     EXPECT_EQ(both.status, 0) << both.err;
     const std::string html = contents(folder / "both.html");
     EXPECT_NE(html.find("<title>paper_white_rgb</title>"), html.npos);
-    // The numbers are those that `srbf compare` calls held out.
+    // The page shows the errors that `srbf compare` reports as held out.
     const auto measured = load_measured(k_paper);
     const auto model = load_model(*fitted / "m.srbf");
     ASSERT_TRUE(measured && model);
@@ -87,18 +87,19 @@ TEST_F(OfModel, export_writes_a_page_or_nothing) {
     expect_failure(2, page + Arguments{"--with", "sampling", "-o", "x"}, "--with");
 }
 
-TEST_F(OfModel, export_writes_code_or_nothing) {
+TEST_F(WithModel, export_writes_code_or_nothing) {
     const Arguments start{"export", *fitted / "m.srbf", *fitted / "m.srbf"};
     for (const char* language : {"glsl", "hlsl", "wgsl", "msl", "c"}) {
         const Arguments to{"--to", language, "-o", std::string("two.") + language};
-        const ProgramRun plain = run(folder, start + to);
-        EXPECT_EQ(plain.status, 0) << plain.err;
-        EXPECT_EQ(plain.err + plain.out, "");
+        const ProgramRun result = run(folder, start + to);
+        EXPECT_EQ(result.status, 0) << result.err;
+        EXPECT_EQ(result.err + result.out, "");
         const std::string text = contents(folder / (std::string("two.") + language));
         for (const char* name : {"m_brdf(", "m_2_brdf(", "two_pm_", "source paper_white_rgb.bsdf"})
             EXPECT_NE(text.find(name), text.npos) << language << " " << name;
-        const ProgramRun all = run(folder, start + to + Arguments{"--with", "sampling", "--with", "albedo"});
-        EXPECT_EQ(all.status, 0) << all.err;
+        const ProgramRun result_with_features =
+            run(folder, start + to + Arguments{"--with", "sampling", "--with", "albedo"});
+        EXPECT_EQ(result_with_features.status, 0) << result_with_features.err;
         EXPECT_GT(contents(folder / (std::string("two.") + language)).size(), text.size());
     }
     const Arguments to{"--to", "c", "-o", "x.h"};
@@ -109,7 +110,7 @@ TEST_F(OfModel, export_writes_code_or_nothing) {
     expect_failure(2, start + to + Arguments{"--with", "lobes"}, "found lobes");
 }
 
-TEST_F(OfModel, export_writes_a_map_or_nothing) {
+TEST_F(WithModel, export_writes_a_map_or_nothing) {
     std::mt19937_64 random(2);
     const auto save = [&](const Library& library, const std::string& name) {
         write(folder / name, text_of(write_library(library)));
@@ -118,9 +119,9 @@ TEST_F(OfModel, export_writes_a_map_or_nothing) {
     save(map, "map.srbf");
     for (const char* kind : {"glsl", "hlsl", "wgsl", "msl", "c", "ktx2", "exr", "three"}) {
         if (!is_offered({kind})) continue;
-        const ProgramRun made = run(folder, {"export", "map.srbf", "--to", kind, "-o", std::string("o.") + kind});
-        EXPECT_EQ(made.status, 0) << made.err;
-        EXPECT_EQ(made.err + made.out, "");
+        const ProgramRun result = run(folder, {"export", "map.srbf", "--to", kind, "-o", std::string("o.") + kind});
+        EXPECT_EQ(result.status, 0) << result.err;
+        EXPECT_EQ(result.err + result.out, "");
     }
     EXPECT_NE(contents(folder / "o.glsl").find("vec3 map_brdf(vec3 wl, vec3 wv, map_Coefficients "), std::string::npos);
     if (is_offered({"three"})) {
@@ -150,7 +151,7 @@ TEST_F(OfModel, export_writes_a_map_or_nothing) {
     expect_failure(1, Arguments{"export", "broken.srbf"} + layers, "broken.srbf");
 }
 
-TEST_F(OfModel, compare_of_a_file_with_itself_is_zero) {
+TEST_F(WithModel, compare_of_a_file_with_itself_is_zero) {
     write(folder / "small.binary", small_merl());
     ASSERT_EQ(run(folder, {"compare", "small.binary", "small.binary", "--json", "r.json"}).status, 0);
     const Json json = Json::parse(contents(folder / "r.json"), nullptr, false);
@@ -160,30 +161,30 @@ TEST_F(OfModel, compare_of_a_file_with_itself_is_zero) {
         for (const std::string& key : {name, "heldout_" + name}) EXPECT_EQ(json.value(key, -1.0), 0.0) << key;
 }
 
-TEST_F(OfModel, info_gives_one_wavelength_no_colour) {
+TEST_F(WithModel, info_gives_one_wavelength_no_colour) {
     write(folder / "laser.csv",
           "theta_l_deg,theta_v_deg,phi_v_deg,532nm\n10,10,180,0.5\n10,40,180,0.2\n40,40,180,0.6\n");
-    const ProgramRun run_of = run(folder, {"info", "laser.csv"});
-    EXPECT_EQ(run_of.status, 0) << run_of.err;
-    EXPECT_NE(run_of.out.find("value [1/sr]      0.2 to 0.6"), std::string::npos) << run_of.out;
-    EXPECT_NE(run_of.out.find("  albedo "), std::string::npos);
-    for (const char* word : {"albedo R", "[1/sr] R"}) EXPECT_EQ(run_of.out.find(word), std::string::npos) << word;
+    const ProgramRun result = run(folder, {"info", "laser.csv"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.out.find("value [1/sr]      0.2 to 0.6"), std::string::npos) << result.out;
+    EXPECT_NE(result.out.find("  albedo "), std::string::npos);
+    for (const char* word : {"albedo R", "[1/sr] R"}) EXPECT_EQ(result.out.find(word), std::string::npos) << word;
 }
 
-TEST_F(OfModel, info_tells_what_a_file_is) {
+TEST_F(WithModel, info_describes_files) {
     const ProgramRun measured = run(*fitted, {"info", k_paper}), model = run(*fitted, {"info", "m.srbf"});
     EXPECT_EQ(measured.status + model.status, 0) << measured.err << model.err;
     for (const char* word :
          {"RGL", "658,928 bytes", "masked entries", "albedo R", "  peak ", "reciprocity error", "smallest value"})
         EXPECT_NE(measured.out.find(word), std::string::npos) << word;
     EXPECT_NE(measured.out.find("more light than it receives at θv = 85°\n"),
-              std::string::npos);  // where it is extrapolated
+              std::string::npos);  // where the measurement is extrapolated
     for (const char* word : {"2 lobes × 2 variates", "paper_white_rgb.bsdf", "objective", "albedo R", "  peak "})
         EXPECT_NE(model.out.find(word), std::string::npos) << word;
 }
 
-TEST_F(OfModel, info_warns_of_albedos_above_one) {
-    PmModel model;  // f = 0.4: an albedo of 0.4 pi
+TEST_F(WithModel, info_warns_of_albedos_above_one) {
+    PmModel model;  // f = 0.4, an albedo of 0.4 π
     model.lobes = model.variates = 1;
     model.coefficient = {{0.1f, 0.4f, 0.2f}};
     model.log_scale = {0}, model.centre = {{0, 0, 1}}, model.bandwidth = {0}, model.parameterization = {{1, 1}};
@@ -195,7 +196,7 @@ TEST_F(OfModel, info_warns_of_albedos_above_one) {
         EXPECT_NE(info.out.find(word), std::string::npos) << word << info.out;
 }
 
-TEST_F(OfModel, eval_agrees_with_the_reference_values) {
+TEST_F(WithModel, eval_agrees_with_the_reference_values) {
     const std::string csv = bundled_data() / "paper_white_rgb.csv";
     const ProgramRun eval = run(folder, {"eval", k_paper, "--pairs", csv});
     ASSERT_EQ(eval.status, 0) << eval.err;
@@ -212,10 +213,10 @@ TEST_F(OfModel, eval_agrees_with_the_reference_values) {
     }
 }
 
-TEST_F(OfModel, eval_keeps_order_and_text_of_rows) {
+TEST_F(WithModel, eval_keeps_order_and_text_of_rows) {
     const auto model = load_model(*fitted / "m.srbf");
     ASSERT_TRUE(model);
-    // Columns in another order, with additional ones, quotes, a byte-order mark, CRLF, and no line end at the end.
+    // Columns in another order, additional columns, quotes, a byte-order mark, CRLF, and no newline at the end.
     write(folder / "pairs.csv",
           "\xef\xbb\xbfnote,\"wv_z\",wv_y,wv_x, wl_x ,wl_y,wl_z,r\r\n"
           "\"a, b\",1.0,0,0.000,6e-1,+0,0.8,x\r\n"
@@ -234,7 +235,7 @@ TEST_F(OfModel, eval_keeps_order_and_text_of_rows) {
                             row("0,0,1,0,-.6,0.8", {0, 0, 1}, {0, -0.6f, 0.8f}) + "0.6,0,-0.8,0,0,1,0,0,0\n");
 }
 
-TEST_F(OfModel, eval_names_the_line_at_fault) {
+TEST_F(WithModel, eval_names_the_line_at_fault) {
     const std::string header = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n", good = "0,0,1,0,0,1\n";
     const std::pair<std::string, std::string> bad[] = {{"", "pairs.csv: line 1"},
                                                        {"wl_x,wl_y,wl_z,wv_x,wv_y\n", "line 1: header"},
@@ -243,18 +244,18 @@ TEST_F(OfModel, eval_names_the_line_at_fault) {
                                                        {header + "0,0,1,0,0,nan\n", "line 2: column wv_z"},
                                                        {header + "0,0,1,0,0,1e999\n", "line 2: column wv_z"},
                                                        {header + "0,0,1,0,0.2,1\n", "line 2: direction wv"}};
-    for (const auto& [csv, named] : bad) {
+    for (const auto& [csv, message_part] : bad) {
         write(folder / "pairs.csv", csv);
-        expect_failure(1, {"eval", *fitted / "m.srbf", "--pairs", "pairs.csv"}, named);
+        expect_failure(1, {"eval", *fitted / "m.srbf", "--pairs", "pairs.csv"}, message_part);
     }
     expect_failure(1, {"eval", *fitted / "m.srbf", "--pairs", "none.csv"}, "none.csv");
 }
 
-TEST_F(OfModel, help_shows_an_example) {
-    for (const Arguments& of :
+TEST_F(WithModel, help_shows_an_example) {
+    for (const Arguments& subcommand :
          {Arguments{}, {"fit"}, {"info"}, {"eval"}, {"compare"}, {"convert"}, {"render"}, {"completion"}}) {
-        if (!is_offered(of)) continue;
-        const ProgramRun help = run(folder, of + Arguments{"--help"});
+        if (!is_offered(subcommand)) continue;
+        const ProgramRun help = run(folder, subcommand + Arguments{"--help"});
         EXPECT_EQ(help.status, 0);
         EXPECT_EQ(help.err, "");
         EXPECT_NE(help.out.find("Example"), std::string::npos) << help.out;
@@ -265,21 +266,21 @@ TEST_F(OfModel, help_shows_an_example) {
     EXPECT_TRUE(version.out.starts_with("srbf 0.")) << version.out;
 }
 
-TEST_F(OfModel, completions_and_the_manual_tell_what_help_tells) {
-    const ProgramRun all = run(folder, {"--help-all"}), bash = run(folder, {"completion", "bash"});
-    ASSERT_EQ(all.status + bash.status, 0) << all.err << bash.err;
+TEST_F(WithModel, completions_and_the_manual_agree_with_help) {
+    const ProgramRun manual = run(folder, {"--help-all"}), bash = run(folder, {"completion", "bash"});
+    ASSERT_EQ(manual.status + bash.status, 0) << manual.err << bash.err;
     const std::regex option("  (-[a-z-]+)[ ,{]");
-    for (const auto& [sub, named] : long_options(folder)) {
+    for (const auto& [sub, options_of_sub] : long_options(folder)) {
         const std::string help = run(folder, {sub, "--help"}).out;
-        // help2man makes a section of such a line; "Options:" would be the section of the program's own.
-        const auto section = all.out.find(fmt::format("\n*srbf {}*\n\n", sub));
+        // help2man turns this line into a section. "Options:" would become the section of the program's own options.
+        const auto section = manual.out.find(fmt::format("\n*srbf {}*\n\n", sub));
         ASSERT_NE(section, std::string::npos) << sub;
-        EXPECT_EQ(all.out.find("\nOptions:", section), std::string::npos) << sub;
+        EXPECT_EQ(manual.out.find("\nOptions:", section), std::string::npos) << sub;
         std::size_t options = 0;
-        for (std::sregex_iterator at(help.begin(), help.end(), option), end; at != end; ++at, ++options) {
-            const std::string name = (*at)[1];
+        for (std::sregex_iterator match(help.begin(), help.end(), option), end; match != end; ++match, ++options) {
+            const std::string name = (*match)[1];
             EXPECT_NE(bash.out.find(name), std::string::npos) << sub << " " << name;
-            EXPECT_NE(all.out.find(name, section), std::string::npos) << sub << " " << name;
+            EXPECT_NE(manual.out.find(name, section), std::string::npos) << sub << " " << name;
         }
         EXPECT_GE(options, 1u) << help;
     }
@@ -290,7 +291,7 @@ TEST_F(OfModel, completions_and_the_manual_tell_what_help_tells) {
     }
     expect_failure(2, {"completion", "csh"}, "found csh");
 
-    // What bash offers.
+    // The completions that bash offers.
     write(folder / "completion", bash.out);
     write(folder / "ask",
           "source ./completion; COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _srbf; echo \"${COMPREPLY[@]}\"");
@@ -312,8 +313,8 @@ TEST_F(OfModel, completions_and_the_manual_tell_what_help_tells) {
     EXPECT_EQ(offered("srbf fit pap"), "\n");  // a file: bash's own completion
 }
 
-TEST_F(OfModel, convert_copies_and_converts) {
-    // Already of that format: byte for byte.
+TEST_F(WithModel, convert_copies_and_converts) {
+    // A file already in that format is copied byte for byte.
     const std::string merl = small_merl();
     write(folder / "m.binary", merl);
     write(folder / "s.csv", std::string(k_small_csv));
@@ -328,7 +329,7 @@ TEST_F(OfModel, convert_copies_and_converts) {
     expect_converted("s.csv", "o.csv", "CSV");
 }
 
-TEST_F(OfModel, convert_evaluates_whole_tables) {
+TEST_F(WithModel, convert_evaluates_whole_tables) {
     expect_converted(k_paper, "o.mbsdf", "MBSDF");
     const std::string model = *fitted / "m.srbf";
     expect_converted(model, "o.binary", "MERL");
@@ -337,7 +338,7 @@ TEST_F(OfModel, convert_evaluates_whole_tables) {
     expect_converted(model, "o.csv", "CSV");
 }
 
-TEST_F(OfModel, surfaces_are_exported_for_other_programs) {
+TEST_F(WithModel, surfaces_are_exported_for_other_programs) {
     OpenPbrModel surface{.base_color = {0.9f, 0.6f, 0.3f}, .base_metalness = 1, .specular_roughness = 0.2f};
     surface.coat_weight = 1, surface.coat_roughness = 0.5f;
     surface.thin_film_weight = 0.5f, surface.thin_film_thickness = 0.25f;
@@ -349,17 +350,19 @@ TEST_F(OfModel, surfaces_are_exported_for_other_programs) {
     EXPECT_NE(script.find("\"Thin Film Thickness\": 250,"), script.npos) << script;
     EXPECT_NE(exported("usd").find("inputs:thin_film_weight = 0.5"), std::string::npos);
 
-    // A script that runs it keeps its own names. What stands for Blender notes what is asked of it.
+    // The script does not change variables of the script that runs it. A replacement for Blender's module records
+    // the requests.
     write(folder / "s.py", script);
     write(folder / "bpy.py",
-          "from collections import defaultdict\nfrom types import SimpleNamespace as Of\n"
-          "node, made = Of(type='BSDF_PRINCIPLED', inputs=defaultdict(Of)), []\n"
-          "data = Of(materials=Of(new=lambda name: made.append(name) or Of(node_tree=Of(nodes=[node]))))\n");
+          "from collections import defaultdict\nfrom types import SimpleNamespace as Object\n"
+          "node, made = Object(type='BSDF_PRINCIPLED', inputs=defaultdict(Object)), []\n"
+          "data = Object(materials=Object(new=lambda name: made.append(name) or "
+          "Object(node_tree=Object(nodes=[node]))))\n");
     write(folder / "caller.py",
-          "import bpy as theirs\nsys = bpy = node = name = value = material = 'own'\n"
+          "import bpy as module\nsys = bpy = node = name = value = material = 'own'\n"
           "exec(open('s.py').read())\n"
           "assert {sys, bpy, node, name, value, material} == {'own'}\n"
-          "assert theirs.made == ['s'] and theirs.node.inputs['Thin Film Thickness'].default_value == 250\n");
+          "assert module.made == ['s'] and module.node.inputs['Thin Film Thickness'].default_value == 250\n");
     if (std::system("python3 -c '' > /dev/null 2>&1") == 0) {
         EXPECT_EQ(std::system(fmt::format("cd '{}' && python3 -B caller.py", folder.path.string()).c_str()), 0);
     }
@@ -367,31 +370,31 @@ TEST_F(OfModel, surfaces_are_exported_for_other_programs) {
     const Json gltf = Json::parse(exported("gltf"));
     const Json& material = gltf["materials"][0];
     EXPECT_EQ(material["extensions"]["KHR_materials_iridescence"]["iridescenceThicknessMaximum"], 250);
-    // The coat spreads the light of the base, which other programs' coats do not: (0.2⁴ + 2 · 0.5⁴)^(1/4).
+    // The coat widens the highlight of the base, as coats of other programs do not: (0.2⁴ + 2 · 0.5⁴)^(1/4).
     EXPECT_PRED3(near, material["pbrMetallicRoughness"]["roughnessFactor"].get<double>(), 0.5955, 1e-3);
 
-    // Binary glTF: its head, the text, and the same bytes as the other's.
+    // Binary glTF: its header, the text, and the same binary data as the other file.
     const std::string glb = exported("glb");
-    const auto number = [&](std::size_t at) {
+    const auto uint32_at = [&](std::size_t offset) {
         std::uint32_t x = 0;
-        for (int k = 3; k >= 0; --k) x = 256 * x + std::uint8_t(glb[at + std::size_t(k)]);
+        for (int k = 3; k >= 0; --k) x = 256 * x + std::uint8_t(glb[offset + std::size_t(k)]);
         return x;
     };
     ASSERT_GT(glb.size(), 28u);
     EXPECT_EQ(glb.substr(0, 4), "glTF");
-    EXPECT_EQ(number(4), 2u);
-    EXPECT_EQ(number(8), glb.size());
-    const std::size_t text = number(12);
+    EXPECT_EQ(uint32_at(4), 2u);
+    EXPECT_EQ(uint32_at(8), glb.size());
+    const std::size_t text_length = uint32_at(12);
     EXPECT_EQ(glb.substr(16, 4), "JSON");
-    const Json json = Json::parse(glb.substr(20, text));
+    const Json json = Json::parse(glb.substr(20, text_length));
     EXPECT_EQ(json["materials"], gltf["materials"]);
-    EXPECT_EQ(text % 4, 0u);
-    EXPECT_EQ(number(20 + text), json["buffers"][0]["byteLength"]);
-    EXPECT_EQ(glb.size(), 28 + text + number(20 + text));
+    EXPECT_EQ(text_length % 4, 0u);
+    EXPECT_EQ(uint32_at(20 + text_length), json["buffers"][0]["byteLength"]);
+    EXPECT_EQ(glb.size(), 28 + text_length + uint32_at(20 + text_length));
 }
 
-/// Facets that are rougher along a tangent than across it, as the other programs write them.
-TEST_F(OfModel, anisotropic_surfaces_are_exported_for_other_programs) {
+/// Facets that are rougher along the tangent than across it, written for the other programs.
+TEST_F(WithModel, anisotropic_surfaces_are_exported_for_other_programs) {
     OpenPbrModel surface{.base_metalness = 1, .specular_roughness = 0.5f};
     surface.specular_roughness_anisotropy = 0.5f, surface.specular_rotation = 0.125f;
     ASSERT_TRUE(save_model({surface, {}}, folder / "s.srbf").ok());
@@ -400,7 +403,8 @@ TEST_F(OfModel, anisotropic_surfaces_are_exported_for_other_programs) {
     EXPECT_NE(openpbr.find("name=\"geometry_tangent\""), openpbr.npos) << openpbr;
     EXPECT_NE(usd.find("inputs:geometry_tangent.connect"), usd.npos) << usd;
     // α along the tangent is .25 √(2 / 1.25) = .316228, and half of it across.
-    EXPECT_NE(script.find("\"Roughness\": 0.472871,"), script.npos) << script;    // the root of √(.316228 · .158114)
+    EXPECT_NE(script.find("\"Roughness\": 0.472871,"), script.npos)
+        << script;  // the square root of √(.316228 · .158114)
     EXPECT_NE(script.find("\"Anisotropic\": 0.555556,"), script.npos) << script;  // (1 − ½) / .9
 
     const Json gltf = Json::parse(exported("gltf"));
@@ -419,21 +423,21 @@ TEST_F(OfModel, anisotropic_surfaces_are_exported_for_other_programs) {
     EXPECT_EQ(bytes, gltf["buffers"][0]["byteLength"].get<std::size_t>());
 }
 
-TEST_F(OfModel, a_surface_is_fitted_to_an_anisotropic_measurement) {
+TEST_F(WithModel, a_surface_is_fitted_to_an_anisotropic_measurement) {
     write(folder / "a.bsdf", text_of(tensor_file(anisotropic_rgl())));
-    const ProgramRun made = run(folder, {"fit", "a.bsdf", "--model", "openpbr", "-o", "a.srbf"});
-    ASSERT_EQ(made.status, 0) << made.err;
+    const ProgramRun result = run(folder, {"fit", "a.bsdf", "--model", "openpbr", "-o", "a.srbf"});
+    ASSERT_EQ(result.status, 0) << result.err;
     EXPECT_TRUE(load_model(folder / "a.srbf").ok());
 }
 
-/// A file with transmission is one of both sides, and is copied whole.
-TEST_F(OfModel, mbsdf_files_are_read_with_their_transmission) {
+/// A file with transmission is read as a BSDF, and copied unchanged.
+TEST_F(WithModel, mbsdf_files_are_read_with_their_transmission) {
     write(folder / "t.mbsdf", text_of(grey_mbsdf()));
     write(folder / "r.mbsdf", text_of(small_mbsdf()));
     for (const Arguments& output : {Arguments{"o.csv", "--directions", "3"}, {"copy.mbsdf"}}) {
-        const ProgramRun made = run(folder, Arguments{"convert", "t.mbsdf", "-o"} + output);
-        EXPECT_EQ(made.status, 0);
-        EXPECT_EQ(made.err, "");
+        const ProgramRun result = run(folder, Arguments{"convert", "t.mbsdf", "-o"} + output);
+        EXPECT_EQ(result.status, 0);
+        EXPECT_EQ(result.err, "");
     }
     EXPECT_EQ(contents(folder / "copy.mbsdf"), text_of(grey_mbsdf()));
     const ProgramRun with = run(folder, {"info", "t.mbsdf"}), without = run(folder, {"info", "r.mbsdf"});
@@ -442,7 +446,7 @@ TEST_F(OfModel, mbsdf_files_are_read_with_their_transmission) {
     EXPECT_NE(with.out.find("dimensions        2 θl × 2 θv × 3 φ, grey\n"), std::string::npos) << with.out;
     EXPECT_EQ(without.err, "");
     EXPECT_NE(without.out.find("material          blue \"paint\"\n"), std::string::npos) << without.out;
-    // Anisotropic ones are refused.
+    // Anisotropic measurements are rejected.
     write(folder / "a.bsdf", text_of(tensor_file(anisotropic_rgl())));
     expect_failure(1, {"convert", "a.bsdf", "-o", "a.mbsdf"},
                    "an isotropic BRDF, as MBSDF tables are, found an anisotropic one");

@@ -1,5 +1,6 @@
-// One system call or allocation of the program fails: it ends with one line and status 1, or does its work all the same, and
-// each of its files holds what it held before or all of what it should hold. SRBF_FAILURES=all tries every one of them.
+// One system call or allocation of the program fails. The program then prints one line and ends with status 1, or
+// succeeds anyway. Each of its files has its old content or its complete new content. With SRBF_FAILURES=all every
+// call is tried.
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -16,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a run of the program should have written.
+/// A run of the program and the files that it writes.
 struct Task {
     Arguments arguments;
     std::vector<std::string> outputs;
@@ -24,11 +25,13 @@ struct Task {
 
 struct Failure {
     std::string call;
-    long at = -1;  ///< −1: none
+    long index = -1;  ///< index of the call that fails; −1: none
     int error = 0;
 };
 
-std::string text(const Failure& of) { return fmt::format("{} {} fails with {}", of.call, of.at, of.error); }
+std::string text(const Failure& failure) {
+    return fmt::format("{} {} fails with {}", failure.call, failure.index, failure.error);
+}
 
 std::string hash_of(const std::string& bytes) { return srbf::hash_of(std::as_bytes(std::span(bytes))); }
 
@@ -47,26 +50,26 @@ class Failures : public CommandLine {
         ASSERT_EQ(fitted.status, 0) << fitted.err;
     }
 
-    /// What is started meanwhile has such a call; the number of calls is written to the file `count`.
+    /// Calls `start` while the given call is set to fail. The number of calls is written to the file `count`.
     template <typename Start>
-    static auto failing(const Failure& failure, const std::string& count, const Start& start) {
+    static auto with_failure(const Failure& failure, const std::string& count, const Start& start) {
         ::setenv("LD_PRELOAD", SRBF_FAILING_CALLS, 1);
         ::setenv("SRBF_FAIL_CALL", failure.call.c_str(), 1);
-        ::setenv("SRBF_FAIL_AT", std::to_string(failure.at).c_str(), 1);
+        ::setenv("SRBF_FAIL_AT", std::to_string(failure.index).c_str(), 1);
         ::setenv("SRBF_FAIL_ERROR", std::to_string(failure.error).c_str(), 1);
         ::setenv("SRBF_FAIL_COUNT", count.c_str(), 1);
-        const auto started = start();
+        const auto result = start();
         ::unsetenv("LD_PRELOAD");
-        return started;
+        return result;
     }
-    /// Runs the task in which a call fails; `calls`: how many of its kind there were, if the program ended by itself.
+    /// Runs the task with a failure. `calls`: the number of calls of that kind, if the program ended normally.
     ProgramRun run_with(const Task& task, const Failure& failure, std::optional<long>& calls) {
-        const TemporaryFolder counted;
-        const std::string count = counted / "count";
-        const ProgramRun ended = failing(failure, count, [&] { return run(folder, task.arguments); });
+        const TemporaryFolder count_folder;
+        const std::string count = count_folder / "count";
+        const ProgramRun result = with_failure(failure, count, [&] { return run(folder, task.arguments); });
         const std::string number = contents(count);
         calls = number.empty() ? std::nullopt : std::optional(std::stol(number));
-        return ended;
+        return result;
     }
 
     void write_old(const Task& task) {
@@ -75,22 +78,23 @@ class Failures : public CommandLine {
             write(folder / name, "old");
         }
     }
-    /// The outputs of a run in which nothing fails.
-    std::map<std::string, std::string> whole(const Task& task) {
+    /// The outputs of a run without failures.
+    std::map<std::string, std::string> complete_outputs(const Task& task) {
         write_old(task);
-        const ProgramRun done = run(folder, task.arguments);
-        EXPECT_EQ(done.status, 0) << done.err;
-        std::map<std::string, std::string> all;
-        for (const std::string& name : task.outputs) all[name] = contents(folder / name);
-        return all;
+        const ProgramRun result = run(folder, task.arguments);
+        EXPECT_EQ(result.status, 0) << result.err;
+        std::map<std::string, std::string> outputs;
+        for (const std::string& name : task.outputs) outputs[name] = contents(folder / name);
+        return outputs;
     }
-    /// True if a file is old or whole. A report, which holds durations, is whole if it is JSON that names its model.
-    bool is_old_or_whole(const std::string& name, const std::string& expected) {
-        const std::string found = contents(folder / name);
-        if (found == "old" || found == expected) return true;
+    /// True if a file has its old or its complete content. A report contains durations; it is complete if it is
+    /// JSON and names its model.
+    bool is_old_or_complete(const std::string& name, const std::string& expected) {
+        const std::string content = contents(folder / name);
+        if (content == "old" || content == expected) return true;
         return name.ends_with(".json") && is_report(name, name.substr(0, name.size() - 5) + ".srbf");
     }
-    /// Whether the report is whole and that of the model.
+    /// True if the report is complete and belongs to the model.
     bool is_report(const std::string& name, const std::string& model) {
         const Json report = Json::parse(contents(folder / name), nullptr, false);
         return report.is_object() && report.value("model_hash", "") == hash_of(contents(folder / model));
@@ -102,55 +106,55 @@ class Failures : public CommandLine {
         return names;
     }
 
-    /// Whether the task was done; in any case what is promised of a failure holds.
+    /// Returns true if the task succeeded. Expects in any case that files are old or complete.
     bool try_failure(const Task& task, const Failure& failure, const std::map<std::string, std::string>& expected,
                      std::optional<long>& calls) {
         SCOPED_TRACE(fmt::format("{}: {}", fmt::join(task.arguments, " "), text(failure)));
         write_old(task);
-        const auto before = files();
-        const ProgramRun ended = run_with(task, failure, calls);
-        EXPECT_TRUE(ended.status == 0 || ended.status == 1) << ended.status << " " << ended.err;
-        if (ended.status == 1) {
-            EXPECT_TRUE(ended.err.starts_with("srbf: ")) << ended.err;
-            EXPECT_EQ(ended.err.find('\n'), ended.err.size() - 1) << ended.err;
+        const auto files_before = files();
+        const ProgramRun result = run_with(task, failure, calls);
+        EXPECT_TRUE(result.status == 0 || result.status == 1) << result.status << " " << result.err;
+        if (result.status == 1) {
+            EXPECT_TRUE(result.err.starts_with("srbf: ")) << result.err;
+            EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;
         }
         for (const auto& [name, content] : expected) {
-            EXPECT_TRUE(is_old_or_whole(name, content)) << name;
-            if (ended.status == 0) {
+            EXPECT_TRUE(is_old_or_complete(name, content)) << name;
+            if (result.status == 0) {
                 EXPECT_NE(contents(folder / name), "old") << name;
             }
         }
-        EXPECT_EQ(files(), before);
-        return ended.status == 0;
+        EXPECT_EQ(files(), files_before);
+        return result.status == 0;
     }
 
-    /// Each system call in turn.
+    /// Lets each system call fail in turn.
     void try_system_calls(const Task& task, const std::vector<std::string>& kinds, const std::vector<int>& errors) {
-        const auto expected = whole(task);
+        const auto expected = complete_outputs(task);
         for (const std::string& call : kinds)
             for (const int error : errors)
-                for (long at = 0;; ++at) {
+                for (long index = 0;; ++index) {
                     std::optional<long> calls;
-                    const bool done = try_failure(task, {call, at, error}, expected, calls);
+                    const bool succeeded = try_failure(task, {call, index, error}, expected, calls);
                     ASSERT_TRUE(calls);
-                    if (*calls <= at) break;  // it was not reached
-                    // What a signal interrupts is repeated.
+                    if (*calls <= index) break;  // the call was not reached
+                    // Calls interrupted by a signal are repeated.
                     const bool is_repeated = call != "rename" && call != "mmap";
-                    EXPECT_TRUE(done || error != EINTR || !is_repeated) << call << " " << at;
+                    EXPECT_TRUE(succeeded || error != EINTR || !is_repeated) << call << " " << index;
                     if (HasFailure()) return;
                 }
     }
-    /// The first allocations and some at random.
+    /// Lets the first allocations fail, and some random ones.
     void try_allocations(const Task& task, long first, long random_ones) {
-        const auto expected = whole(task);
-        std::optional<long> count;
-        try_failure(task, {"malloc", -1, ENOMEM}, expected, count);
-        ASSERT_TRUE(count && *count > first);
+        const auto expected = complete_outputs(task);
+        std::optional<long> total;
+        try_failure(task, {"malloc", -1, ENOMEM}, expected, total);
+        ASSERT_TRUE(total && *total > first);
         std::mt19937_64 random(1);
         for (long i = 0; i < first + random_ones; ++i) {
             std::optional<long> calls;
-            const long at = i < first ? i : long(random() % std::uint64_t(*count));
-            try_failure(task, {"malloc", at, ENOMEM}, expected, calls);
+            const long index = i < first ? i : long(random() % std::uint64_t(*total));
+            try_failure(task, {"malloc", index, ENOMEM}, expected, calls);
             if (HasFailure()) return;
         }
     }
@@ -166,7 +170,7 @@ class Failures : public CommandLine {
     const std::vector<std::string> writing_{"write", "fsync", "rename"};
 };
 
-TEST_F(Failures, SystemCallsLeaveFilesOldOrWhole) {
+TEST_F(Failures, SystemCallsLeaveFilesOldOrComplete) {
     if (tries_all()) {
         for (const Task& task : {convert_, export_, fit_, many_}) try_system_calls(task, every_call_, every_error_);
         return;
@@ -176,7 +180,7 @@ TEST_F(Failures, SystemCallsLeaveFilesOldOrWhole) {
     try_system_calls(fit_, writing_, {ENOSPC});
 }
 
-TEST_F(Failures, AllocationsLeaveFilesOldOrWhole) {
+TEST_F(Failures, AllocationsLeaveFilesOldOrComplete) {
     if (tries_all()) {
         for (const Task& task : {convert_, export_, many_}) try_allocations(task, 200, 500);
         return;
@@ -185,14 +189,14 @@ TEST_F(Failures, AllocationsLeaveFilesOldOrWhole) {
     try_allocations(fit_, 1, 3);
 }
 
-TEST_F(Failures, WhatWasKilledResumes) {
-    const auto expected = whole(many_);
+TEST_F(Failures, KilledRunsResume) {
+    const auto expected = complete_outputs(many_);
     for (const std::string call : {"write", "fsync", "rename"})
-        for (long at = 0;; at += tries_all() ? 1 : 17) {
-            SCOPED_TRACE(text({call, at, 0}));
+        for (long index = 0;; index += tries_all() ? 1 : 17) {
+            SCOPED_TRACE(text({call, index, 0}));
             fs::remove_all(folder / "models");
             std::optional<long> calls;
-            run_with(many_, {call, at, 0}, calls);
+            run_with(many_, {call, index, 0}, calls);
             const ProgramRun resumed = run(folder, many_.arguments);
             EXPECT_EQ(resumed.status, 0) << resumed.err;
             for (const auto& [name, content] : expected)
@@ -200,73 +204,75 @@ TEST_F(Failures, WhatWasKilledResumes) {
                     EXPECT_EQ(contents(folder / name), content) << name;
                 }
             EXPECT_NE(run(folder, many_.arguments).out.find("2 kept"), std::string::npos);
-            if (calls) break;  // it was not killed
+            if (calls) break;  // the run was not killed
         }
 }
 
-/// What a report has of results, without what depends on time.
+/// The results in a report, without content that depends on time.
 std::map<std::string, std::string> results_of(const fs::path& report) {
-    std::map<std::string, std::string> all;
+    std::map<std::string, std::string> results;
     for (const auto& entry : fs::recursive_directory_iterator(report)) {
         const fs::path file = fs::relative(entry.path(), report);
-        const bool is_of_clocks = !file.has_parent_path() || file.filename() == "times.json" ||
-                                  file.filename() == "frames.json" || file.filename() == "index.html";
-        if (entry.is_regular_file()) all[file.string()] = is_of_clocks ? "" : contents(entry.path());
+        const bool depends_on_time = !file.has_parent_path() || file.filename() == "times.json" ||
+                                     file.filename() == "frames.json" || file.filename() == "index.html";
+        if (entry.is_regular_file()) results[file.string()] = depends_on_time ? "" : contents(entry.path());
     }
-    return all;
+    return results;
 }
 
-/// A report that is killed while it draws, and between its tables, is done by the next run.
-TEST_F(Failures, AReportGoesOnWhereItWasKilled) {
+/// The next run completes a report that was killed while it rendered, or between its tables.
+TEST_F(Failures, AKilledReportResumes) {
     if (!is_offered({"report"})) GTEST_SKIP() << "without srbf report";
     ASSERT_EQ(run(folder, report_.arguments).status, 0);
-    const auto whole = results_of(folder.path / "r");
+    const auto complete = results_of(folder.path / "r");
     const auto files_beside = files();
     fs::remove_all(folder / "r");
-    for (const long at : {6, 45}) {
+    for (const long index : {6, 45}) {
         std::optional<long> calls;
-        run_with(report_, {"rename", at, 0}, calls);
-        EXPECT_FALSE(calls) << "it was done before it was killed, at " << at;
+        run_with(report_, {"rename", index, 0}, calls);
+        EXPECT_FALSE(calls) << "the report was complete before it was killed, at " << index;
     }
     EXPECT_EQ(run(folder, report_.arguments).status, 0);
-    EXPECT_TRUE(results_of(folder.path / "r") == whole);
+    EXPECT_TRUE(results_of(folder.path / "r") == complete);
     EXPECT_EQ(files(), files_beside);
 }
 
-/// The same of any moment; and a report in which something fails.
-TEST_F(Failures, AReportGoesOnAfterAnyOfThem) {
+/// The same for a kill at any call, and for a report in which something fails.
+TEST_F(Failures, AReportResumesAfterAnyFailure) {
     if (!tries_all()) GTEST_SKIP() << "SRBF_FAILURES=all";
     if (!is_offered({"report"})) GTEST_SKIP() << "without srbf report";
     const Task& task = report_;
     ASSERT_EQ(run(folder, task.arguments).status, 0);
-    const auto whole = results_of(folder.path / "r");
+    const auto complete = results_of(folder.path / "r");
     const auto files_beside = files();
-    /// Whether it had such a call.
-    const auto goes_on = [&](const Failure& failure) {
+    /// Returns true if there was such a call.
+    const auto resumes_after = [&](const Failure& failure) {
         SCOPED_TRACE(text(failure));
         fs::remove_all(folder / "r");
         std::optional<long> calls;
-        const ProgramRun ended = run_with(task, failure, calls);
+        const ProgramRun result = run_with(task, failure, calls);
         if (calls) {
-            EXPECT_TRUE(ended.status == 0 || ended.status == 1) << ended.status << " " << ended.err;
-            EXPECT_EQ(ended.status == 1, ended.err.starts_with("srbf: ")) << ended.err;
-            EXPECT_EQ(std::ranges::count(ended.err, '\n'), ended.status) << ended.err;
+            EXPECT_TRUE(result.status == 0 || result.status == 1) << result.status << " " << result.err;
+            EXPECT_EQ(result.status == 1, result.err.starts_with("srbf: ")) << result.err;
+            EXPECT_EQ(std::ranges::count(result.err, '\n'), result.status) << result.err;
         }
         const ProgramRun resumed = run(folder, task.arguments);
         EXPECT_EQ(resumed.status, 0) << resumed.err;
-        EXPECT_TRUE(results_of(folder.path / "r") == whole);
+        EXPECT_TRUE(results_of(folder.path / "r") == complete);
         EXPECT_EQ(files(), files_beside);
-        return !calls || *calls > failure.at;
+        return !calls || *calls > failure.index;
     };
     for (const std::string call : {"write", "fsync", "rename"})
-        for (long at = 0; goes_on({call, at, 0}) && !HasFailure(); at += 3) continue;
+        for (long index = 0; resumes_after({call, index, 0}) && !HasFailure(); index += 3) continue;
     for (const std::string& call : every_call_)
-        for (long at = 0; goes_on({call, at, call == "write" ? ENOSPC : EIO}) && !HasFailure(); at += 7) continue;
-    for (long at = 1; goes_on({"malloc", at, ENOMEM}) && !HasFailure(); at += at / 4 + 1) continue;
+        for (long index = 0; resumes_after({call, index, call == "write" ? ENOSPC : EIO}) && !HasFailure(); index += 7)
+            continue;
+    for (long index = 1; resumes_after({"malloc", index, ENOMEM}) && !HasFailure(); index += index / 4 + 1) continue;
 }
 
-/// Runs at once that write the same files leave a pair: the second waits until the first has renamed both.
-TEST_F(Failures, RunsAtOnceLeaveAPair) {
+/// Concurrent runs that write the same two files leave a matching pair: the second waits until the first has
+/// renamed both.
+TEST_F(Failures, ConcurrentRunsLeaveAMatchingPair) {
     const std::string k_flock = std::to_string(SYS_flock) + " ";
     const TemporaryFolder captured;
     write(folder / "c.binary", text_of(merl_file({9, 6, 8}, [](int h, int, int, int) { return 1.0 + h; })));
@@ -274,8 +280,8 @@ TEST_F(Failures, RunsAtOnceLeaveAPair) {
         return start(folder, k_quick_fit + Arguments{input, "-o", "same.srbf", "--json", "same.json"}, captured / input,
                      captured / "err");
     };
-    // Between both the first one stops; the second may end before it goes on, or wait for it.
-    const pid_t first = failing({"rename", 1, -1}, captured / "count", [&] { return start_fit("a.binary"); });
+    // The first run stops between the two renames. The second may end before the first continues, or wait for it.
+    const pid_t first = with_failure({"rename", 1, -1}, captured / "count", [&] { return start_fit("a.binary"); });
     int status = 0;
     ASSERT_EQ(::waitpid(first, &status, WUNTRACED), first);
     ASSERT_TRUE(WIFSTOPPED(status));
@@ -293,9 +299,9 @@ TEST_F(Failures, RunsAtOnceLeaveAPair) {
     }
     EXPECT_TRUE(is_report("same.json", "same.srbf"));
     for (int round = 0; round < (tries_all() ? 10 : 1); ++round) {
-        std::vector<pid_t> all;
-        for (const char* input : {"a.binary", "b.binary", "c.binary"}) all.push_back(start_fit(input));
-        for (const pid_t process : all) {
+        std::vector<pid_t> processes;
+        for (const char* input : {"a.binary", "b.binary", "c.binary"}) processes.push_back(start_fit(input));
+        for (const pid_t process : processes) {
             EXPECT_EQ(::waitpid(process, &status, 0), process);
             EXPECT_EQ(status, 0);
         }
@@ -303,8 +309,8 @@ TEST_F(Failures, RunsAtOnceLeaveAPair) {
     }
 }
 
-/// A report beside another model than its own is not taken for that model's.
-TEST_F(Failures, AReportIsThatOfItsModel) {
+/// A report next to another model is not accepted as the report of that model.
+TEST_F(Failures, AReportBelongsToItsModel) {
     const Arguments start = k_quick_fit + Arguments{"--resume", "-o", "models"};
     ASSERT_EQ(run(folder, start + Arguments{"a.binary"}).status, 0);
     ASSERT_EQ(run(folder, start + Arguments{"b.binary"}).status, 0);
@@ -317,11 +323,11 @@ TEST_F(Failures, AReportIsThatOfItsModel) {
     EXPECT_EQ(report.value("model_hash", ""), hash_of(model));
 }
 
-/// The bound of a file's size [bytes] that the program inherits; it ends no process that ignores the signal.
-TEST_F(Failures, FilesBeyondTheLimitAreOneLine) {
-    rlimit before;
-    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-    const auto old = ::signal(SIGXFSZ, SIG_DFL);
+/// The program inherits a limit on the file size [bytes]. A program that ignores the signal is not killed.
+TEST_F(Failures, FilesBeyondTheLimitGiveOneLineOfError) {
+    rlimit previous;
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &previous), 0);
+    const auto previous_handler = ::signal(SIGXFSZ, SIG_DFL);
     for (const Arguments& arguments : {Arguments{"convert", "a.binary", "-o", "x.csv"},
                                        {"convert", "m.srbf", "-o", "x.binary"},
                                        {"render", "m.srbf", "-o", "x.exr", "--size", "16x16", "--spp", "1"},
@@ -331,16 +337,16 @@ TEST_F(Failures, FilesBeyondTheLimitAreOneLine) {
         if (!is_offered(arguments)) continue;
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
         const auto files_before = files();
-        const rlimit low{512, before.rlim_max};
+        const rlimit low{512, previous.rlim_max};
         ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &low), 0);
-        const ProgramRun ended = run(folder, arguments);
-        ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
-        EXPECT_EQ(ended.status, 1) << ended.err;
-        EXPECT_TRUE(ended.err.starts_with("srbf: ")) << ended.err;
+        const ProgramRun result = run(folder, arguments);
+        ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &previous), 0);
+        EXPECT_EQ(result.status, 1) << result.err;
+        EXPECT_TRUE(result.err.starts_with("srbf: ")) << result.err;
         fs::remove_all(folder / "models");
         EXPECT_EQ(files(), files_before);
     }
-    ::signal(SIGXFSZ, old);
+    ::signal(SIGXFSZ, previous_handler);
 }
 
 }  // namespace

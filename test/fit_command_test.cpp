@@ -1,4 +1,4 @@
-// `srbf fit`: its output for each kind of model and measurement, and its dependencies.
+// `srbf fit`: its output for each kind of model and measurement, and independence of threads.
 #include "command.h"
 #include "srbf/file.h"
 #include "srbf/measured.h"
@@ -31,7 +31,7 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
     EXPECT_GT(json.value("fit_seconds", 0.0), 0.0);
     EXPECT_GT(json.value("load_seconds", 0.0), 0.0);
     EXPECT_NE(json.value("stop_reason", ""), "");
-    EXPECT_EQ(json.value("peak", ""), "none");  // of a paper
+    EXPECT_EQ(json.value("peak", ""), "none");  // paper is matte
     EXPECT_NE(first.out.find("  peak      no highlight (matte)"), std::string::npos);
     for (const std::string prefix : {"", "unrounded_"}) {
         Arguments names{"albedo_error"};
@@ -82,13 +82,15 @@ TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {
     ASSERT_EQ(second.status, 0) << second.err;
     EXPECT_EQ(second.err, "");
     const auto files = folder.files();
-    EXPECT_EQ(files.size(), 1u);  // the default name, in the working directory
+    EXPECT_EQ(files.size(), 1u);  // the default file name, in the working directory
     EXPECT_EQ(files.begin()->second, contents(*fitted / "m.srbf"));
 
-    Json ours = Json::parse(second.out, nullptr, false), theirs = report();  // standard output is JSON and nothing else
-    ASSERT_TRUE(ours.is_object());
-    for (const char* key : {"threads", "output", "fit_seconds", "load_seconds"}) ours.erase(key), theirs.erase(key);
-    EXPECT_EQ(ours, theirs);
+    Json report_of_two_threads = Json::parse(second.out, nullptr, false),
+         report_of_one_thread = report();  // standard output contains only JSON
+    ASSERT_TRUE(report_of_two_threads.is_object());
+    for (const char* key : {"threads", "output", "fit_seconds", "load_seconds"})
+        report_of_two_threads.erase(key), report_of_one_thread.erase(key);
+    EXPECT_EQ(report_of_two_threads, report_of_one_thread);
 
     ASSERT_EQ(run(folder, fit + Arguments{"--seed", "1", "-o", "seed.srbf"}).status, 0);
     const auto a = load_model(*fitted / "m.srbf"), b = load_model(folder / "seed.srbf");
@@ -96,8 +98,8 @@ TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {
     EXPECT_NE(std::get<PmModel>(a->model), std::get<PmModel>(b->model));
 }
 
-/// Numbers of the reports that are durations, or names.
-Json lasting(Json report) {
+/// A report without durations, names and the number of threads.
+Json without_durations(Json report) {
     for (const char* key : {"threads", "output", "source", "fit_seconds", "load_seconds", "key"}) report.erase(key);
     return report;
 }
@@ -107,34 +109,36 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
     write(folder / "broken.binary", small_merl() + "x");
     std::filesystem::copy(k_paper, folder / "small.bsdf");
     const Arguments options{"--lobes", "2", "--variates", "2", "--threads", "2"};
-    const Arguments many =
+    const Arguments arguments =
         Arguments{"fit", "small.binary", "broken.binary", "missing", k_paper, "small.bsdf", ".", "-o", "new/models"} +
         options;
-    const ProgramRun all = run(folder, many);
-    EXPECT_EQ(all.status, 1);
-    // A line for each on standard output or error, in their order; failures stop none of the others.
-    EXPECT_LT(all.out.find("\nsmall  "), all.out.find("\npaper_white_rgb  ")) << all.out;
-    EXPECT_NE(all.out.find("2 fitted"), all.out.npos) << all.out;
-    EXPECT_NE(all.out.find("0 kept; 4 failed"), all.out.npos) << all.out;
-    EXPECT_EQ(std::ranges::count(all.err, '\n'), 4) << all.err;
-    EXPECT_LT(all.err.find("broken.binary"), all.err.find("missing"));
-    EXPECT_NE(all.err.find("small.bsdf: model: expected a name of its own, found that of small.binary"), all.err.npos)
-        << all.err;
+    const ProgramRun result = run(folder, arguments);
+    EXPECT_EQ(result.status, 1);
+    // Each file has a line on standard output or error, in order. A failure does not stop the other files.
+    EXPECT_LT(result.out.find("\nsmall  "), result.out.find("\npaper_white_rgb  ")) << result.out;
+    EXPECT_NE(result.out.find("2 fitted"), result.out.npos) << result.out;
+    EXPECT_NE(result.out.find("0 kept; 4 failed"), result.out.npos) << result.out;
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 4) << result.err;
+    EXPECT_LT(result.err.find("broken.binary"), result.err.find("missing"));
+    EXPECT_NE(result.err.find("small.bsdf: model: expected a name of its own, found that of small.binary"),
+              result.err.npos)
+        << result.err;
     const std::string models = folder / "new/models/";
     EXPECT_EQ(contents(models + "paper_white_rgb.srbf"), contents(*fitted / "m.srbf"));
-    EXPECT_EQ(lasting(Json::parse(contents(models + "paper_white_rgb.json"), nullptr, false)), lasting(report()));
+    EXPECT_EQ(without_durations(Json::parse(contents(models + "paper_white_rgb.json"), nullptr, false)),
+              without_durations(report()));
     EXPECT_FALSE(std::filesystem::exists(models + "broken.srbf"));
 
-    // Resumed: what is done and whole is kept, as it is.
+    // A resumed run keeps complete models unchanged.
     const std::string small = contents(models + "small.srbf");
     write(models + "small.srbf", small.substr(0, small.size() / 2));
     const auto written = std::filesystem::last_write_time(models + "paper_white_rgb.srbf");
-    const ProgramRun again = run(folder, many + Arguments{"--resume"});
-    EXPECT_NE(again.out.find("1 fitted"), again.out.npos) << again.out;
-    EXPECT_NE(again.out.find("1 kept; 4 failed"), again.out.npos) << again.out;
+    const ProgramRun resumed = run(folder, arguments + Arguments{"--resume"});
+    EXPECT_NE(resumed.out.find("1 fitted"), resumed.out.npos) << resumed.out;
+    EXPECT_NE(resumed.out.find("1 kept; 4 failed"), resumed.out.npos) << resumed.out;
     EXPECT_EQ(contents(models + "small.srbf"), small);
     EXPECT_EQ(std::filesystem::last_write_time(models + "paper_white_rgb.srbf"), written);
-    // Not what was made by other options, or of another file.
+    // It does not keep models made with other options or from another measurement.
     const Arguments resume{"fit", "small.binary", "-o", "new/models", "--resume", "--variates", "2"};
     EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 fitted"), std::string::npos);
     EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 kept"), std::string::npos);
@@ -143,7 +147,7 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
     EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 fitted"), std::string::npos);
 }
 
-TEST_F(Command, fit_of_texels_resumes_what_is_whole) {
+TEST_F(Command, fit_of_texels_resumes_complete_slabs) {
     if (!is_offered({"map"})) GTEST_SKIP() << "without srbf map";
     constexpr int count = 4, pairs = 30;
     std::mt19937_64 random(4);
@@ -171,26 +175,26 @@ TEST_F(Command, fit_of_texels_resumes_what_is_whole) {
                                more);
     };
     ASSERT_EQ(fit("one", {}).status, 0);
-    const std::string early = contents(folder / "one/t-000000000.srbf"),
-                      late = contents(folder / "one/t-000000002.srbf");
-    ASSERT_FALSE(late.empty());
-    // By ranges, and after a slab was lost or cut short: the same bytes.
+    const std::string first_slab = contents(folder / "one/t-000000000.srbf"),
+                      second_slab = contents(folder / "one/t-000000002.srbf");
+    ASSERT_FALSE(second_slab.empty());
+    // Fits of ranges, and a resumed fit after a slab was lost or truncated, give the same bytes.
     for (const char* range : {"0:2", "2:4"}) ASSERT_EQ(fit("parts", {"--texels", range}).status, 0);
-    write(folder / "parts/t-000000002.srbf", late.substr(0, late.size() / 2));
-    const ProgramRun again = fit("parts", {"--resume"});
-    EXPECT_NE(again.out.find("2 texels fitted"), again.out.npos) << again.out;
-    EXPECT_NE(again.out.find("2 kept"), again.out.npos) << again.out;
-    EXPECT_EQ(contents(folder / "parts/t-000000000.srbf"), early);
-    EXPECT_EQ(contents(folder / "parts/t-000000002.srbf"), late);
+    write(folder / "parts/t-000000002.srbf", second_slab.substr(0, second_slab.size() / 2));
+    const ProgramRun resumed = fit("parts", {"--resume"});
+    EXPECT_NE(resumed.out.find("2 texels fitted"), resumed.out.npos) << resumed.out;
+    EXPECT_NE(resumed.out.find("2 kept"), resumed.out.npos) << resumed.out;
+    EXPECT_EQ(contents(folder / "parts/t-000000000.srbf"), first_slab);
+    EXPECT_EQ(contents(folder / "parts/t-000000002.srbf"), second_slab);
 
     expect_failure(1, {"map", ".", "--pairs", "p.csv", "-o", "d"},
                    ".: cannot be read: expected a readable file, found a folder");
     expect_failure(1, {"map", "t.npy", "--pairs", ".", "-o", "d"}, "found a folder");
-    expect_failure(1, {"map", "t.npy", "--pairs", "p.csv", "-o", "p.csv"}, "output: expected a folder, or none yet");
+    expect_failure(1, {"map", "t.npy", "--pairs", "p.csv", "-o", "p.csv"}, "output: expected a folder, or a new name");
     expect_failure(1, {"map", "t.npy", "--pairs", "p.csv", "-o", "/proc/none/d"}, "/proc/none/d: output: ");
 }
 
-/// `count` samples of a smooth BRDF at random directions, as CSV.
+/// `count` samples of a smooth BRDF at random pairs of directions, as CSV.
 std::string smooth_samples(int count) {
     std::mt19937_64 random(3);
     std::string csv = "# isotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,r,g,b\n";
@@ -215,20 +219,20 @@ TEST_F(Command, fit_chooses_the_lobes_of_scattered_samples) {
     EXPECT_EQ(json.value("folds", 0), 5);
     EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.1);
     EXPECT_GE(json.value("heldout_squared_error_ratio", 0.0), json.value("squared_error_ratio", 1.0));
-    // The path contains the chosen model: the smallest of those whose error is close to the least.
+    // The path contains the chosen model: the smallest whose error is close to the smallest error.
     ASSERT_TRUE(json.contains("path") && json["path"].size() > 1);
-    double least = 1;
-    for (const Json& step : json["path"]) least = std::min(least, step.value("error", 1.0));
+    double smallest_error = 1;
+    for (const Json& step : json["path"]) smallest_error = std::min(smallest_error, step.value("error", 1.0));
     for (const Json& step : json["path"]) {
-        const bool good = step.value("error", 1.0) <= 1.03 * least;
+        const bool is_close = step.value("error", 1.0) <= 1.03 * smallest_error;
         if (step.value("lobes", 0) <= json.value("lobes", 0)) {
-            EXPECT_EQ(good, step.value("lobes", 0) == json.value("lobes", 0)) << step;
+            EXPECT_EQ(is_close, step.value("lobes", 0) == json.value("lobes", 0)) << step;
         }
     }
     EXPECT_EQ(run(folder, {"compare", "samples.csv", "samples.srbf"}).status, 0);
 }
 
-TEST_F(Command, fit_ggx_is_a_model_as_the_others) {
+TEST_F(Command, fit_ggx_gives_a_model_that_the_others_read) {
     const ProgramRun fit = run(folder, {"fit", k_paper, "--model", "ggx", "--lobes", "2", "--objective", "cosine", "-o",
                                         "g.srbf", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
@@ -243,7 +247,7 @@ TEST_F(Command, fit_ggx_is_a_model_as_the_others) {
     EXPECT_NE(run(folder, {"info", "g.srbf"}).out.find("Lambert and GGX"), std::string::npos);
 }
 
-/// Smooth samples at five wavelengths, as Cornell's files have them.
+/// Smooth samples at five wavelengths, in Cornell's format.
 std::string smooth_spectra() {
     std::string text = "5\n400 450.5 500 600 700\n";
     for (int l = 0; l <= 70; l += 10)
@@ -271,7 +275,7 @@ TEST_F(Command, fit_takes_spectra) {
     EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.03);
     EXPECT_NE(run(folder, {"info", "s.srbf"}).out.find("5, 400 to 700 nm"), std::string::npos);
 
-    // Spectra of the model unless colours are requested; of the measurement only if requested.
+    // The model is evaluated at wavelengths unless colours are requested, the measurement only on request.
     write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0.6,0,0.8\n0.6,0,0.8,-0.6,0,0.8\n");
     const std::string directions = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", nm = ",400nm,450.5nm,500nm,600nm,700nm\n";
     for (const Arguments& arguments :
@@ -279,7 +283,7 @@ TEST_F(Command, fit_takes_spectra) {
         const ProgramRun eval = run(folder, Arguments{"eval", "--pairs", "p.csv"} + arguments);
         ASSERT_EQ(eval.status, 0) << eval.err;
         EXPECT_TRUE(eval.out.starts_with(directions + nm)) << eval.out;
-        // What is written is a measurement at wavelengths again.
+        // The output is a measurement at wavelengths again.
         const auto samples = read_csv(as_bytes(eval.out), "e");
         ASSERT_TRUE(samples.ok());
         ASSERT_EQ(samples->spectrum.size(), 10u);
@@ -319,7 +323,7 @@ TEST_F(Command, fit_su_takes_scattered_samples) {
                                         "--objective", "raw", "--max-theta", "70", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
     const Json json = Json::parse(fit.out, nullptr, false);
-    // Interpolation has the larger error: the samples are 10° apart.
+    // The error of interpolation is larger, because the samples are 10° apart.
     EXPECT_LT(json.value("squared_error_ratio", 1.0), 0.02);
     EXPECT_GT(json.value("squared_error_ratio", 0.0), 0.0);
     EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.03);
@@ -328,9 +332,9 @@ TEST_F(Command, fit_su_takes_scattered_samples) {
 
 TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     const Arguments fit{"fit", k_paper, "--model", "su", "--directions", "200", "--lobes", "2", "--objective", "raw"};
-    const ProgramRun done =
+    const ProgramRun result =
         run(folder, fit + Arguments{"-o", "su.srbf", "--with-index", "parabolic", "--json", "r.json"});
-    ASSERT_EQ(done.status, 0) << done.err;
+    ASSERT_EQ(result.status, 0) << result.err;
     const Json json = Json::parse(contents(folder / "r.json"), nullptr, false);
     const Json expected = Json::parse(R"({"model": "su", "form": "source", "lobes": 2, "variates": 1, "axial": false,
         "discretise": "view", "directions": 200, "interpolation": "rotated", "index": "parabolic", "channels": 3,
@@ -346,13 +350,13 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
 
     const ProgramRun compared = run(folder, {"compare", k_paper, "su.srbf", "--json", "-"});
     ASSERT_EQ(compared.status, 0) << compared.err;
-    const Json measures = Json::parse(compared.out, nullptr, false);
+    const Json compared_json = Json::parse(compared.out, nullptr, false);
     for (const std::string& name : k_measure_names)
         for (const std::string& key : {name, "heldout_" + name}) {
-            EXPECT_EQ(measures.value(key, -1.0), json.value(key, -2.0)) << key;
+            EXPECT_EQ(compared_json.value(key, -1.0), json.value(key, -2.0)) << key;
             EXPECT_TRUE(near_relative(json.value("unrounded_" + key, -1.0), json.value(key, -2.0), 0.02)) << key;
         }
-    EXPECT_EQ(measures.value("pairs", 0), 165 * 165);  // of 200 directions those within 80 degrees
+    EXPECT_EQ(compared_json.value("pairs", 0), 165 * 165);  // 165 of the 200 directions are within 80 degrees
 
     const ProgramRun info = run(folder, {"info", "su.srbf"});
     EXPECT_EQ(info.status, 0);
@@ -368,10 +372,10 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     EXPECT_NE(eval.out.find(fmt::format("0,0,1,{:.9g},{:.9g},{:.9g}\n", f[0].r, f[0].g, f[0].b)), std::string::npos)
         << eval.out;
 
-    // Without the texture, by light, and with plain interpolation as in Tsai 2009.
-    const Arguments otherwise{"-o",           "light.srbf", "--discretise", "light", "--interpolation", "plain",
-                              "--neighbours", "4"};
-    ASSERT_EQ(run(folder, fit + otherwise).status, 0);
+    // Without the texture, discretised by light, and with plain interpolation as in Tsai 2009.
+    const Arguments light_options{"-o",           "light.srbf", "--discretise", "light", "--interpolation", "plain",
+                                  "--neighbours", "4"};
+    ASSERT_EQ(run(folder, fit + light_options).status, 0);
     const auto by_light = load_model(folder / "light.srbf");
     ASSERT_TRUE(by_light);
     EXPECT_EQ(std::get<SuModel>(by_light->model).discretise, Discretise::light);
@@ -379,7 +383,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     EXPECT_EQ(std::get<SuModel>(by_light->model).neighbours, 4);
     EXPECT_FALSE(std::get<SuModel>(by_light->model).index);
 
-    // As many lobes as directions within 80 degrees, and one more.
+    // With as many lobes as there are directions within 80 degrees, and one more.
     expect_failure(1, {"fit", k_paper, "--model", "su", "--directions", "16", "--lobes", "14", "--objective", "raw"},
                    "paper_white_rgb.bsdf: directions with data in sampled view 0: expected none or at least 14");
     write(folder / "zero.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return 0; })));

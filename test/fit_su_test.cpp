@@ -1,4 +1,4 @@
-// The view-by-view fit: recovery of synthetic input, accuracy for measurements, errors.
+// The view-by-view fit: recovery of synthetic models, accuracy for measurements, errors.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -23,7 +23,7 @@ const Measured& bundled(const std::string& name) {
     return files.at(name);
 }
 
-/// The raw matrix of a bundled measurement, by default of 384 directions.
+/// The raw matrix of a bundled measurement, by default with 384 directions.
 RawMatrix matrix_of(const std::string& name, int directions = 384) {
     return *tabulate(signed_evaluator(bundled(name)), {.directions = directions});
 }
@@ -38,21 +38,21 @@ double heldout_error(const Evaluate& reference, const SuModel& model) {
     return measure_heldout(rgb_channels(reference), rgb_channels(others), {k_cap, 0}, 50000)[0].squared_error_ratio;
 }
 
-/// A model with J lobes per view that are separated in the upper hemisphere: independent for each view, or the same
-/// relative to every view's azimuth.
-SuModel separated(int lobes, bool isotropic, std::uint64_t seed) {
+/// A model with J well separated lobes for each view in the upper hemisphere. If `isotropic`, the lobes are the same
+/// for each view relative to its azimuth, otherwise independent.
+SuModel separated_lobes(int lobes, bool isotropic, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     SuModel model;
     model.lobes = lobes;
     model.direction = fibonacci_directions(256, k_pi / 2);
-    std::vector<double> turn, theta, bandwidth;
+    std::vector<double> azimuth_offset, theta, bandwidth;
     std::vector<Rgb> colour;
     for (std::size_t i = 0; i < model.direction.size(); ++i) {
         if (i == 0 || !isotropic) {
-            turn.clear(), theta.clear(), bandwidth.clear(), colour.clear();
+            azimuth_offset.clear(), theta.clear(), bandwidth.clear(), colour.clear();
             const double first = 2 * k_pi * uniform(random);
             for (int j = 0; j < lobes; ++j) {
-                turn.push_back(first + 2 * k_pi * j / lobes);
+                azimuth_offset.push_back(first + 2 * k_pi * j / lobes);
                 theta.push_back((25 + 30 * uniform(random)) * k_degree);
                 bandwidth.push_back(8 * elementary::pow(8, uniform(random)));
                 colour.push_back(
@@ -62,7 +62,7 @@ SuModel separated(int lobes, bool isotropic, std::uint64_t seed) {
         const double azimuth = elementary::atan2(double(model.direction[i].y), double(model.direction[i].x));
         for (std::size_t j = 0; j < std::size_t(lobes); ++j) {
             model.coefficient.push_back(colour[j]);
-            model.centre.push_back(to_float(spherical(theta[j], turn[j] + azimuth)));
+            model.centre.push_back(to_float(spherical(theta[j], azimuth_offset[j] + azimuth)));
             model.bandwidth.push_back(float(bandwidth[j]));
         }
     }
@@ -72,7 +72,7 @@ SuModel separated(int lobes, bool isotropic, std::uint64_t seed) {
 TEST(FitSu, RecoversSeparatedLobes) {
     for (int lobes = 1; lobes <= 4; ++lobes)
         for (const bool isotropic : {true, false}) {
-            const SuModel truth = separated(lobes, isotropic, std::uint64_t(lobes));
+            const SuModel truth = separated_lobes(lobes, isotropic, std::uint64_t(lobes));
             SuFitOptions options = k_raw;
             options.lobes = lobes;
             // Interpolation between independent views is not meaningful.
@@ -86,31 +86,31 @@ TEST(FitSu, RecoversSeparatedLobes) {
         }
 }
 
-TEST(FitSu, ComesNearToMeasurements) {
+TEST(FitSu, ApproximatesMeasurements) {
     const struct {
         const char* name;
         double matrix, heldout;
-    } expected[] = {{"paper_white_rgb", 0.005, 0.005}, {"cc_ibiza_sunset_rgb", 0.0012, 0.006}};
-    for (const auto& e : expected) {
-        const auto fit = fit_su(matrix_of(e.name, 1536), k_raw);
+    } bounds[] = {{"paper_white_rgb", 0.005, 0.005}, {"cc_ibiza_sunset_rgb", 0.0012, 0.006}};
+    for (const auto& bound : bounds) {
+        const auto fit = fit_su(matrix_of(bound.name, 1536), k_raw);
         ASSERT_TRUE(fit);
         EXPECT_EQ(payload_bytes(fit->model), 73728u);
-        const Evaluate reference = evaluator(bundled(e.name));
+        const Evaluate reference = evaluator(bundled(bound.name));
         const double error = matrix_error(reference, fit->model), unrounded = matrix_error(reference, fit->unrounded);
-        EXPECT_LE(error, e.matrix) << e.name;
-        EXPECT_LE(error, 1.01 * unrounded) << e.name;
-        EXPECT_LE(heldout_error(reference, fit->model), e.heldout) << e.name;
+        EXPECT_LE(error, bound.matrix) << bound.name;
+        EXPECT_LE(error, 1.01 * unrounded) << bound.name;
+        EXPECT_LE(heldout_error(reference, fit->model), bound.heldout) << bound.name;
         SuModel plain = fit->model;
         plain.interpolation = SuInterpolation::plain;
-        EXPECT_LE(matrix_error(reference, plain), e.matrix) << e.name;  // the same at the samples
-        if (e.heldout > e.matrix) {
-            EXPECT_GT(heldout_error(reference, plain), 5 * e.heldout)
-                << e.name;  // a highlight that moves with the view
+        EXPECT_LE(matrix_error(reference, plain), bound.matrix) << bound.name;  // the same at the samples
+        if (bound.heldout > bound.matrix) {
+            EXPECT_GT(heldout_error(reference, plain), 5 * bound.heldout)
+                << bound.name;  // a highlight that moves with the view
         }
     }
 }
 
-TEST(FitSu, FollowsTheAlbedoWherePicturesCount) {
+TEST(FitSu, FollowsTheAlbedoIfPicturesCount) {
     const std::string name = "cc_ibiza_sunset_rgb";
     const RawMatrix matrix = matrix_of(name);
     const auto error = [&](Objective objective) {
@@ -118,22 +118,22 @@ TEST(FitSu, FollowsTheAlbedoWherePicturesCount) {
         const Evaluate others[] = {evaluator(fit->model)};
         return albedo_errors(evaluator(bundled(name)), others, {k_cap})[0];
     };
-    const double followed = error(Objective::appearance);
-    EXPECT_LT(followed, 0.04);
-    EXPECT_LT(followed, 0.7 * error(Objective::cube_root));  // which also takes less of a highlight
+    const double appearance_error = error(Objective::appearance);
+    EXPECT_LT(appearance_error, 0.04);
+    EXPECT_LT(appearance_error, 0.7 * error(Objective::cube_root));  // which gives highlights less weight
 }
 
 TEST(FitSu, LooksLikeTheMeasurement) {
-    for (const auto& [name, most] : {std::pair("paper_white_rgb", 2.5), {"cc_ibiza_sunset_rgb", 7.3}}) {
+    for (const auto& [name, bound] : {std::pair("paper_white_rgb", 2.5), {"cc_ibiza_sunset_rgb", 7.3}}) {
         const RawMatrix matrix = matrix_of(name);
         const auto delta_e = [&](Objective objective) {
             const auto fit = fit_su(matrix, {.lobes = 4, .objective = objective});
             const Evaluate fits[] = {evaluator(fit->model)};
             return compare_pictures(evaluator(bundled(name)), fits)[0].mean.delta_e;
         };
-        const double by_appearance = delta_e(Objective::appearance);
-        EXPECT_LT(by_appearance, most) << name;
-        EXPECT_LT(by_appearance, delta_e(Objective::cosine)) << name;
+        const double appearance_delta_e = delta_e(Objective::appearance);
+        EXPECT_LT(appearance_delta_e, bound) << name;
+        EXPECT_LT(appearance_delta_e, delta_e(Objective::cosine)) << name;
     }
 }
 
@@ -166,8 +166,8 @@ TEST(FitSu, DoesNotDependOnThreads) {
 }
 
 TEST(FitSu, ScalesWithItsData) {
-    // Three lobes fitted by two, so that there is an error.
-    RawMatrix matrix = *tabulate(evaluator(separated(3, true, 7)), {.directions = 128});
+    // Three lobes are fitted with two, so that the error is not 0.
+    RawMatrix matrix = *tabulate(evaluator(separated_lobes(3, true, 7)), {.directions = 128});
     SuFitOptions options = k_raw;
     options.lobes = 2;
     const auto fit = fit_su(matrix, options);
@@ -178,19 +178,19 @@ TEST(FitSu, ScalesWithItsData) {
     std::mt19937_64 random(1);
     for (int i = 0; i < 500; ++i) {
         const Vec3f wl = to_float(random_direction(random, 0.2)), wv = to_float(random_direction(random, 0.2));
-        const double f = double(value(fit->unrounded, wl, wv).g), four_f = double(value(scaled->unrounded, wl, wv).g);
-        EXPECT_TRUE(near_relative(four_f, 4 * f, 1e-3)) << f << ' ' << four_f;
+        const double f = double(value(fit->unrounded, wl, wv).g), scaled_f = double(value(scaled->unrounded, wl, wv).g);
+        EXPECT_TRUE(near_relative(scaled_f, 4 * f, 1e-3)) << f << ' ' << scaled_f;
     }
 }
 
-/// The same function with its directions swapped.
-Evaluate swapped(const Evaluate& f) {
+/// The same function with light and viewer exchanged.
+Evaluate exchanged(const Evaluate& f) {
     return [&f](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) { f(wv, wl, out); };
 }
 
 TEST(FitSu, DiscretisesEitherDirection) {
     const Evaluate f = signed_evaluator(bundled("cc_ibiza_sunset_rgb"));
-    const auto by_view = fit_su(*tabulate(swapped(f), {.directions = 128}), k_raw);
+    const auto by_view = fit_su(*tabulate(exchanged(f), {.directions = 128}), k_raw);
     const auto by_light = fit_su(*tabulate(f, {.directions = 128, .discretise = Discretise::light}), k_raw);
     ASSERT_TRUE(by_view && by_light);
     EXPECT_EQ(by_light->model.discretise, Discretise::light);
@@ -202,7 +202,7 @@ TEST(FitSu, DiscretisesEitherDirection) {
     EXPECT_LE(matrix_error(evaluator(bundled("cc_ibiza_sunset_rgb")), by_light->model), 0.002);
 }
 
-TEST(FitSu, EachObjectiveIsTheBestByItsOwnMeasure) {
+TEST(FitSu, EachObjectiveIsBestInItsOwnMeasure) {
     const std::pair<Objective, double Measures::*> objectives[] = {
         {Objective::raw, &Measures::squared_error_ratio},
         {Objective::cosine, &Measures::squared_error_ratio_cosine},
@@ -230,7 +230,7 @@ TEST(FitSu, StaysBoundedUpToTheHorizon) {
         const auto fit = fit_su(matrix_of(name, 768), options);
         ASSERT_TRUE(fit);
         std::mt19937_64 random(3);
-        double measured = 0, most = 0;
+        double measured = 0, largest = 0;
         for (int i = 0; i < 200000; ++i) {
             const auto direction = [&] {
                 const double z = elementary::cos(89.9 * k_degree) *
@@ -244,9 +244,9 @@ TEST(FitSu, StaysBoundedUpToTheHorizon) {
             measured = std::max(measured, area(value(bundled(name), wl, wv)));
             const Rgb f = value(fit->model, wl, wv);
             ASSERT_TRUE(is_finite(f) && std::min({f.r, f.g, f.b}) >= 0);
-            most = std::max(most, area(f));
+            largest = std::max(largest, area(f));
         }
-        EXPECT_LE(most, 2 * measured) << name;
+        EXPECT_LE(largest, 2 * measured) << name;
     }
 }
 
@@ -255,9 +255,9 @@ constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
 TEST(FitSu, ViewsWithoutDataAreEmpty) {
     RawMatrix matrix = matrix_of("paper_white_rgb", 64);
     for (std::size_t l = 0; l < 64; ++l) {
-        matrix.f[10 * 64 + l] = {k_nan, k_nan, k_nan};  // one that was not measured
-        matrix.f[11 * 64 + l] = {};                     // a black one
-        if (l > 10) matrix.f[12 * 64 + l] = {};         // one that is black within 80°
+        matrix.f[10 * 64 + l] = {k_nan, k_nan, k_nan};  // a view that was not measured
+        matrix.f[11 * 64 + l] = {};                     // a black view
+        if (l > 10) matrix.f[12 * 64 + l] = {};         // a view that is black within 80°
     }
     const auto fit = fit_su(matrix, k_raw);
     ASSERT_TRUE(fit) << message(fit.error());
@@ -268,13 +268,13 @@ TEST(FitSu, ViewsWithoutDataAreEmpty) {
             EXPECT_TRUE(is_finite(f));
             EXPECT_EQ(f == Rgb{}, view >= 10 && view <= 12) << view;
         }
-    // A matrix without data.
+    // A matrix without any data.
     for (Rgb& f : matrix.f) f = {k_nan, k_nan, k_nan};
     const auto none = fit_su(matrix, k_raw);
     ASSERT_TRUE(none);
     EXPECT_EQ(none->empty, 64);
     EXPECT_EQ(value(none->model, {0, 0, 1}, {0, 0, 1}), Rgb{});
-    // Some values are missing.
+    // A matrix with some missing values.
     matrix = matrix_of("paper_white_rgb", 64);
     for (std::size_t i = 0; i < matrix.f.size(); i += 3) matrix.f[i].g = k_nan;
     EXPECT_TRUE(fit_su(matrix, k_raw));
@@ -282,35 +282,35 @@ TEST(FitSu, ViewsWithoutDataAreEmpty) {
 
 TEST(FitSu, RefusesBadOptionsAndMatrices) {
     const RawMatrix good = matrix_of("paper_white_rgb", 64);
-    const auto error_with = [&](auto change) {
+    const auto option_error = [&](auto change) {
         SuFitOptions options = k_raw;
         change(options);
         const auto fit = fit_su(good, options);
         return fit ? "" : message(fit.error());
     };
-    EXPECT_EQ(error_with([](SuFitOptions& o) { o.lobes = 0; }), "fit: number of lobes: expected 1 to 64, found 0");
-    for (const int bad : {-1, 65, 1 << 30}) EXPECT_NE(error_with([&](SuFitOptions& o) { o.lobes = bad; }), "") << bad;
-    for (const int bad : {0, 8}) EXPECT_NE(error_with([&](SuFitOptions& o) { o.neighbours = bad; }), "") << bad;
+    EXPECT_EQ(option_error([](SuFitOptions& o) { o.lobes = 0; }), "fit: number of lobes: expected 1 to 64, found 0");
+    for (const int bad : {-1, 65, 1 << 30}) EXPECT_NE(option_error([&](SuFitOptions& o) { o.lobes = bad; }), "") << bad;
+    for (const int bad : {0, 8}) EXPECT_NE(option_error([&](SuFitOptions& o) { o.neighbours = bad; }), "") << bad;
     for (const double bad : {-1.0, 0.001, 1.6, std::nan("")})
-        EXPECT_NE(error_with([&](SuFitOptions& o) { o.max_theta = bad; }), "") << bad;
-    EXPECT_NE(error_with([](SuFitOptions& o) { o.threads = -1; }), "");
+        EXPECT_NE(option_error([&](SuFitOptions& o) { o.max_theta = bad; }), "") << bad;
+    EXPECT_NE(option_error([](SuFitOptions& o) { o.threads = -1; }), "");
     // 53 of the 64 directions are within 80°.
-    EXPECT_NE(error_with([](SuFitOptions& o) { o.lobes = 60; }).find("expected none or at least 60"),
+    EXPECT_NE(option_error([](SuFitOptions& o) { o.lobes = 60; }).find("expected none or at least 60"),
               std::string::npos);
 
-    const auto without = [&](auto change) {
+    const auto matrix_error_message = [&](auto change) {
         RawMatrix bad = good;
         change(bad);
         const auto fit = fit_su(bad, k_raw);
         return fit ? "" : message(fit.error());
     };
-    EXPECT_NE(without([](RawMatrix& m) {
+    EXPECT_NE(matrix_error_message([](RawMatrix& m) {
                   for (std::size_t l = 0; l < 61; ++l) m.f[20 * 64 + l].r = k_nan;
               }).find("directions with data in sampled view 20"),
               std::string::npos);
-    EXPECT_NE(without([](RawMatrix& m) { m.f.pop_back(); }), "");
-    EXPECT_NE(without([](RawMatrix& m) { m.between.pop_back(); }), "");
-    EXPECT_NE(without([](RawMatrix& m) { m = {}; }), "");
+    EXPECT_NE(matrix_error_message([](RawMatrix& m) { m.f.pop_back(); }), "");
+    EXPECT_NE(matrix_error_message([](RawMatrix& m) { m.between.pop_back(); }), "");
+    EXPECT_NE(matrix_error_message([](RawMatrix& m) { m = {}; }), "");
     for (const int bad : {-1, 0, 7, 8193, 1 << 30})
         EXPECT_FALSE(tabulate(signed_evaluator(bundled("paper_white_rgb")), {.directions = bad})) << bad;
     // The smallest number of directions.
@@ -336,7 +336,7 @@ TEST(FitSu, ReportsProgressAndCanBeCancelled) {
     EXPECT_TRUE(is_finite(value(cancelled->model, {0, 0, 1}, {0, 0, 1})));
 }
 
-TEST(Tabulate, HoldsTheFunctionAndCountsWhatIsAmiss) {
+TEST(Tabulate, SamplesTheFunctionAndCountsInvalidValues) {
     const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
         for (std::size_t i = 0; i < out.size(); ++i)
             out[i] = wl[i].x < -0.9f ? Rgb{1, k_nan, 1} : Rgb{wl[i].x, wv[i].z, wl[i].y + 2 * wv[i].y};
@@ -345,17 +345,17 @@ TEST(Tabulate, HoldsTheFunctionAndCountsWhatIsAmiss) {
         const auto matrix = tabulate(f, {.directions = 50, .between = 40, .discretise = discretise});
         ASSERT_TRUE(matrix);
         std::uint64_t masked = 0, clamped = 0;
-        const auto check = [&](Vec3f wl, Vec3f wv, const Rgb& found, bool counts) {
+        const auto check = [&](Vec3f wl, Vec3f wv, const Rgb& tabulated, bool counts) {
             Rgb expected;
             f({&wl, 1}, {&wv, 1}, {&expected, 1});
             if (!is_finite(expected)) {
                 masked += counts;
-                EXPECT_FALSE(is_finite(found));
+                EXPECT_FALSE(is_finite(tabulated));
                 return;
             }
             for (int c = 0; c < 3; ++c) {
                 clamped += counts && expected[c] < 0;
-                EXPECT_EQ(found[c], std::max(expected[c], 0.f));
+                EXPECT_EQ(tabulated[c], std::max(expected[c], 0.f));
             }
         };
         for (std::size_t v = 0; v < 50; ++v) {

@@ -1,4 +1,4 @@
-// The fit: recovery of synthetic input, documented properties, errors.
+// The PM fit: recovery of synthetic models, documented properties, errors.
 #include "errors/measures.h"
 #include "models/pm/search/fit_pm.h"
 
@@ -22,12 +22,12 @@ const Measured& bundled(const char* name) {
 
 Observations observed(const Evaluate& f, Objective objective = Objective::raw) { return *observe(f, {objective, 0}); }
 
-/// Options of a search that is shorter than the default one, and finds what these tests look for.
+/// Options for a search that is shorter than the default, and sufficient for these tests.
 FitOptions short_search(PmForm form, int lobes, int variates) {
     return {.form = form, .lobes = lobes, .variates = variates, .starts = 6, .perturbations = 10};
 }
 
-/// A model of J axial lobes of N variates that are visible within the hemispheres.
+/// A model of J axial lobes and N variates whose features are visible within the hemispheres.
 PmModel model_of(int lobes, int variates, std::mt19937_64& random) {
     PmModel model;
     model.lobes = lobes;
@@ -48,7 +48,7 @@ PmModel model_of(int lobes, int variates, std::mt19937_64& random) {
     return model;
 }
 
-TEST(Fit, RecoversTheModelThatMadeTheData) {
+TEST(Fit, RecoversASyntheticModel) {
     std::mt19937_64 random(11);
     for (int lobes = 1; lobes <= 4; ++lobes)
         for (const int variates : {lobes % 2 ? 1 : 2, 3}) {
@@ -62,7 +62,7 @@ TEST(Fit, RecoversTheModelThatMadeTheData) {
         }
 }
 
-TEST(Fit, RecoversTheSpectraThatMadeTheData) {
+TEST(Fit, RecoversSyntheticSpectra) {
     std::mt19937_64 random(12);
     PmModel model = model_of(3, 3, random);
     for (int c = 0; c < 9; ++c) model.wavelength.push_back(400 + 35.5f * float(c));
@@ -84,16 +84,16 @@ TEST(Fit, RecoversTheSpectraThatMadeTheData) {
     EXPECT_FALSE(fit_pm(observations, options));
 }
 
-TEST(Fit, OfScaledDataIsTheScaledFit) {
+TEST(Fit, ScalesWithItsData) {
     const Measured& paper = bundled("paper_white_rgb");
-    const Evaluate once = signed_evaluator(paper), fourfold = [&](auto wl, auto wv, auto f) {
+    const Evaluate unscaled = signed_evaluator(paper), scaled = [&](auto wl, auto wv, auto f) {
         signed_evaluator(paper)(wl, wv, f);
         for (Rgb& x : f) x = {4 * x.r, 4 * x.g, 4 * x.b};
     };
     const FitOptions options = short_search(PmForm::extended, 3, 2);
-    const auto a = fit_pm(observed(once), options), b = fit_pm(observed(fourfold), options);
+    const auto a = fit_pm(observed(unscaled), options), b = fit_pm(observed(scaled), options);
     ASSERT_TRUE(a && b);
-    // Fits from the same random numbers reach the same minimum, with different rounding errors.
+    // Both fits use the same random numbers and reach the same minimum, with different rounding errors.
     const Evaluate others[] = {evaluator(b->unrounded)};
     const Evaluate reference = [&](auto wl, auto wv, auto f) {
         evaluator(a->unrounded)(wl, wv, f);
@@ -124,43 +124,43 @@ TEST(Fit, DoesNotDependOnTheNumberOfThreads) {
     const Observations o = observed(signed_evaluator(bundled("cc_ibiza_sunset_rgb")));
     FitOptions options;
     options.lobes = options.variates = 3;
-    options.starts = 5, options.perturbations = 8;  // rounds with 5, 3 and 1 of them
+    options.starts = 5, options.perturbations = 8;  // rounds with 5, 3 and 1 starts
     options.threads = 1;
-    const auto one = fit_pm(o, options), again = fit_pm(o, options);
+    const auto one_thread = fit_pm(o, options), repeated = fit_pm(o, options);
     options.threads = 2;
-    const auto two = fit_pm(o, options);
+    const auto two_threads = fit_pm(o, options);
     options.seed = 1;
-    const auto other = fit_pm(o, options);
-    ASSERT_TRUE(one && again && two && other);
-    EXPECT_EQ(write_model({one->model, {}}), write_model({again->model, {}}));
-    EXPECT_EQ(write_model({one->model, {}}), write_model({two->model, {}}));
-    EXPECT_EQ(one->unrounded, two->unrounded);
-    EXPECT_NE(write_model({one->model, {}}), write_model({other->model, {}}));
+    const auto other_seed = fit_pm(o, options);
+    ASSERT_TRUE(one_thread && repeated && two_threads && other_seed);
+    EXPECT_EQ(write_model({one_thread->model, {}}), write_model({repeated->model, {}}));
+    EXPECT_EQ(write_model({one_thread->model, {}}), write_model({two_threads->model, {}}));
+    EXPECT_EQ(one_thread->unrounded, two_threads->unrounded);
+    EXPECT_NE(write_model({one_thread->model, {}}), write_model({other_seed->model, {}}));
 }
 
-/// The full fit of each bundled material, once.
+/// The fit of a bundled material with default options, computed once.
 struct Fitted {
     const Measured& measured;
     PmFit fit;
     Measures rounded, unrounded;
 };
 const Fitted& fitted(const char* name) {
-    static std::map<std::string, Fitted> all;
-    if (const auto at = all.find(name); at != all.end()) return at->second;
+    static std::map<std::string, Fitted> fits;
+    if (const auto entry = fits.find(name); entry != fits.end()) return entry->second;
     const Measured& measured = bundled(name);
     PmFit fit = *fit_pm(observed(signed_evaluator(measured)), FitOptions{.form = PmForm::gaussian});
     const Evaluate others[] = {evaluator(fit.model), evaluator(fit.unrounded)};
     const auto measures = measure_heldout(rgb_channels(evaluator(measured)), rgb_channels(others), {80 * k_degree, 0});
-    return all.emplace(name, Fitted{measured, std::move(fit), measures[0], measures[1]}).first->second;
+    return fits.emplace(name, Fitted{measured, std::move(fit), measures[0], measures[1]}).first->second;
 }
 
-// A study of the same form found .68 to .74 % and 6.1 to 6.2 % (five seeds).
-TEST(Fit, OfRealMaterialsIsAsGoodAsTheFormAllows) {
+// A study with the same form had errors of 0.68 to 0.74 % and 6.1 to 6.2 % (five seeds).
+TEST(Fit, ReachesKnownErrorsForMeasuredMaterials) {
     EXPECT_LE(fitted("paper_white_rgb").rounded.squared_error_ratio, 0.0085);
     EXPECT_LE(fitted("cc_ibiza_sunset_rgb").rounded.squared_error_ratio, 0.066);
 }
 
-TEST(Fit, OfFurtherFormsIsBetterByFar) {
+TEST(Fit, FurtherFormsHaveMuchSmallerErrors) {
     for (const auto& [form, paper, film] :
          {std::tuple(PmForm::horizon, 0.0020, 0.0085), {PmForm::extended, 0.0008, 0.0040}}) {
         const FitOptions options = short_search(form, form == PmForm::horizon ? 8 : 6, 4);
@@ -192,8 +192,8 @@ TEST(Fit, IsReciprocalIfRequested) {
                          u5 = uniform(random);
             const Vec3d v = mixture.sample_cap(u1, u2);
             const Vec3f wv = to_float(v), wl = to_float(mixture.sample(v, u3, u4, u5));
-            const double f = value(fit->model, wl, wv).g, swapped = value(fit->model, wv, wl).g;
-            EXPECT_TRUE(near_relative(f, swapped, 1e-3));
+            const double f = value(fit->model, wl, wv).g, exchanged = value(fit->model, wv, wl).g;
+            EXPECT_TRUE(near_relative(f, exchanged, 1e-3));
         }
         const Evaluate others[] = {evaluator(fit->model)};
         const double error =
@@ -203,27 +203,28 @@ TEST(Fit, IsReciprocalIfRequested) {
     }
 }
 
-TEST(Fit, OfEachObjectiveIsTheBestByItsOwnMeasure) {
-    const std::pair<Objective, double Measures::*> own[] = {{Objective::raw, &Measures::squared_error_ratio},
-                                                            {Objective::cosine, &Measures::squared_error_ratio_cosine},
-                                                            {Objective::log, &Measures::log_rms_cosine},
-                                                            {Objective::cube_root, &Measures::cube_root_error_ratio},
-                                                            {Objective::relative, &Measures::log10_rms}};
+TEST(Fit, EachObjectiveIsBestInItsOwnMeasure) {
+    const std::pair<Objective, double Measures::*> objective_measures[] = {
+        {Objective::raw, &Measures::squared_error_ratio},
+        {Objective::cosine, &Measures::squared_error_ratio_cosine},
+        {Objective::log, &Measures::log_rms_cosine},
+        {Objective::cube_root, &Measures::cube_root_error_ratio},
+        {Objective::relative, &Measures::log10_rms}};
     const Measured& film = bundled("cc_ibiza_sunset_rgb");
     const double cap = 80 * k_degree;
     std::vector<Measures> measures;
-    for (const auto& [objective, measure] : own) {
+    for (const auto& [objective, measure] : objective_measures) {
         const auto fit =
             fit_pm(*observe(signed_evaluator(film), {objective, cap}), short_search(PmForm::extended, 4, 3));
         ASSERT_TRUE(fit);
         const Evaluate others[] = {evaluator(fit->model)};
         measures.push_back(measure_heldout(rgb_channels(evaluator(film)), rgb_channels(others), {cap, 0})[0]);
     }
-    for (std::size_t i = 0; i < std::size(own); ++i)
-        for (std::size_t k = 0; k < std::size(own); ++k) {
-            const auto measure = own[i].second;
+    for (std::size_t i = 0; i < std::size(objective_measures); ++i)
+        for (std::size_t k = 0; k < std::size(objective_measures); ++k) {
+            const auto measure = objective_measures[i].second;
             EXPECT_LE(measures[i].*measure, measures[k].*measure)
-                << name(own[i].first) << " by its measure against " << name(own[k].first);
+                << name(objective_measures[i].first) << " by its measure against " << name(objective_measures[k].first);
         }
 }
 
@@ -248,29 +249,31 @@ TEST(Fit, StaysBoundedUpToTheHorizon) {
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const Fitted& f = fitted(name);
         std::mt19937_64 random(17);
-        double measured = 0, most = 0;
+        double largest_measured = 0, largest_fit = 0;
         for (int i = 0; i < 300000; ++i) {
             const auto direction = [&] {
                 const double z = elementary::cos(89.9 * k_degree) *
                                  elementary::pow(1 / elementary::cos(89.9 * k_degree), uniform(random));
-                const double phi = i % 4 ? 2 * k_pi * uniform(random) : i % 8 ? 0 : k_pi;  // in-plane ones are likely
+                const double phi = i % 4   ? 2 * k_pi * uniform(random)
+                                   : i % 8 ? 0
+                                           : k_pi;  // in-plane directions are likely
                 return Vec3f{float(std::sqrt(1 - z * z) * elementary::cos(phi)),
                              float(std::sqrt(1 - z * z) * elementary::sin(phi)), float(z)};
             };
             const Vec3f wl = direction(), wv = direction();
-            const auto largest = [&](const Rgb& x) {
+            const auto area_value = [&](const Rgb& x) {
                 return double(std::max({x.r, x.g, x.b})) * double(wl.z) * double(wv.z);
             };
-            measured = std::max(measured, largest(value(f.measured, wl, wv)));
+            largest_measured = std::max(largest_measured, area_value(value(f.measured, wl, wv)));
             const Rgb fit = value(f.fit.model, wl, wv);
             ASSERT_TRUE(is_finite(fit) && std::min({fit.r, fit.g, fit.b}) >= 0);
-            most = std::max(most, largest(fit));
+            largest_fit = std::max(largest_fit, area_value(fit));
         }
-        EXPECT_LE(most, 2 * measured) << name;
+        EXPECT_LE(largest_fit, 2 * largest_measured) << name;
     }
 }
 
-TEST(Fit, WithoutLogScaleKeepsCoefficientsWithinHalves) {
+TEST(Fit, WithoutLogScaleCoefficientsFitHalfPrecision) {
     FitOptions options = short_search(PmForm::gaussian, 4, 3);
     options.log_scale = false;
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
@@ -299,44 +302,44 @@ TEST(Fit, ReportsProgressAndCanBeCancelled) {
     });
     ASSERT_TRUE(whole);
     EXPECT_TRUE(near(last, 1, 1e-9));
-    for (const double at : {0.0, 0.3, 0.9}) {
-        int later = 0;
+    for (const double limit : {0.0, 0.3, 0.9}) {
+        int calls_after = 0;
         const auto cancelled = fit_pm(o, options, [&](const Progress& progress) {
-            later += progress.fraction > at + 1e-9;
-            return progress.fraction <= at;
+            calls_after += progress.fraction > limit + 1e-9;
+            return progress.fraction <= limit;
         });
         ASSERT_TRUE(cancelled);
         EXPECT_EQ(cancelled->stop, StopReason::cancelled);
-        EXPECT_EQ(later, 1) << "not called again once it has cancelled";
+        EXPECT_EQ(calls_after, 1) << "called again after it had cancelled";
         EXPECT_TRUE(is_finite(value(cancelled->model, {0, 0, 1}, {0, 0, 1})));
     }
 }
 
 TEST(Fit, RefusesBadOptionsAndObservations) {
     const Observations good = observed(signed_evaluator(bundled("paper_white_rgb")));
-    const auto with = [&](auto change) {
+    const auto accepts = [&](auto change) {
         FitOptions options;
         change(options);
         return fit_pm(good, options).ok();
     };
-    for (const int bad : {0, -1, 65, 1 << 30}) EXPECT_FALSE(with([&](FitOptions& o) { o.lobes = bad; })) << bad;
-    for (const int bad : {0, -1, 9, 1 << 30}) EXPECT_FALSE(with([&](FitOptions& o) { o.variates = bad; })) << bad;
-    EXPECT_FALSE(with([](FitOptions& o) { o.log_scale = false; }));  // form extended
-    EXPECT_FALSE(with([](FitOptions& o) { o.starts = 0; }));
-    EXPECT_FALSE(with([](FitOptions& o) { o.perturbations = -1; }));
-    EXPECT_FALSE(with([](FitOptions& o) { o.threads = -1; }));
+    for (const int bad : {0, -1, 65, 1 << 30}) EXPECT_FALSE(accepts([&](FitOptions& o) { o.lobes = bad; })) << bad;
+    for (const int bad : {0, -1, 9, 1 << 30}) EXPECT_FALSE(accepts([&](FitOptions& o) { o.variates = bad; })) << bad;
+    EXPECT_FALSE(accepts([](FitOptions& o) { o.log_scale = false; }));  // form extended
+    EXPECT_FALSE(accepts([](FitOptions& o) { o.starts = 0; }));
+    EXPECT_FALSE(accepts([](FitOptions& o) { o.perturbations = -1; }));
+    EXPECT_FALSE(accepts([](FitOptions& o) { o.threads = -1; }));
 
-    const auto without = [&](auto change) {
+    const auto rejects = [&](auto change) {
         Observations bad = good;
         change(bad);
         const auto fit = fit_pm(bad, {});
         return !fit.ok() && !fit.error().what.empty();
     };
-    EXPECT_TRUE(without([](Observations& o) { o.f[5].g = std::numeric_limits<float>::quiet_NaN(); }));
-    EXPECT_TRUE(without([](Observations& o) { o.weight[5] = -1; }));
-    EXPECT_TRUE(without([](Observations& o) { o.weight[5] = std::numeric_limits<float>::infinity(); }));
-    EXPECT_TRUE(without([](Observations& o) { std::fill(o.weight.begin(), o.weight.end(), 0.f); }));
-    EXPECT_TRUE(without([](Observations& o) {
+    EXPECT_TRUE(rejects([](Observations& o) { o.f[5].g = std::numeric_limits<float>::quiet_NaN(); }));
+    EXPECT_TRUE(rejects([](Observations& o) { o.weight[5] = -1; }));
+    EXPECT_TRUE(rejects([](Observations& o) { o.weight[5] = std::numeric_limits<float>::infinity(); }));
+    EXPECT_TRUE(rejects([](Observations& o) { std::fill(o.weight.begin(), o.weight.end(), 0.f); }));
+    EXPECT_TRUE(rejects([](Observations& o) {
         o.bound_pairs = 0;
         o.wl.resize(20), o.wv.resize(20), o.f.resize(20), o.weight.resize(20);
     }));

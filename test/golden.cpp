@@ -1,9 +1,9 @@
 // golden DATA TABLE [--instructions NAME | --older [--every]] [--threads N] [--only ROW] [--write]
 //
-// Fits of every kind, compared with a table by the hashes of their models and of their figures, which are the same on every
-// processor. DATA is the folder of the bundled measurements. --older tries the processor's older instruction sets, with a
-// part of the rows or with --every one. --write replaces the table: for changes that mean to change fits. A program by
-// itself, so that it runs wherever the library does.
+// Fits of every kind, compared with a table of hashes of their models and figures, which are the same on every
+// processor. DATA is the folder of the bundled measurements. --older runs with the processor's older instruction
+// sets, with some rows or, with --every, all of them. --write replaces the table, for changes that intentionally
+// change fits. This is a separate program so that it runs wherever the library does.
 #include <algorithm>
 #include <cinttypes>
 #include <cstdio>
@@ -28,23 +28,23 @@
 namespace srbf {
 namespace {
 
-/// FNV-1a.
+/// An FNV-1a hash.
 class Hash {
   public:
     void add(std::span<const std::byte> bytes) {
         for (const std::byte b : bytes) state_ = (state_ ^ std::uint64_t(b)) * 1099511628211u;
     }
     void add(double x) { add(std::as_bytes(std::span(&x, 1))); }
-    void add(const Measures& of) {
-        for (const MeasureName& measure : k_measures) add(of.*measure.member);
-        add(double(of.pairs)), add(double(of.masked));
+    void add(const Measures& measures) {
+        for (const MeasureName& measure : k_measures) add(measures.*measure.member);
+        add(double(measures.pairs)), add(double(measures.masked));
     }
-    void add(const PictureErrors& of) {
-        for (const PictureErrorName& error : k_picture_errors) add(of.*error.member);
+    void add(const PictureErrors& errors) {
+        for (const PictureErrorName& error : k_picture_errors) add(errors.*error.member);
     }
-    void add(const Comparison& of) {
-        add(of.matrix), add(of.heldout), add(of.albedo_error), add(of.appearance.mean);
-        for (const PictureErrors& lighting : of.appearance.lighting) add(lighting);
+    void add(const Comparison& comparison) {
+        add(comparison.matrix), add(comparison.heldout), add(comparison.albedo_error), add(comparison.appearance.mean);
+        for (const PictureErrors& lighting : comparison.appearance.lighting) add(lighting);
     }
     std::string text() const {
         char digits[17];
@@ -57,23 +57,23 @@ class Hash {
 };
 
 std::string hash_of(Model model) {
-    model.provenance.clear();  // which names the version
+    model.provenance.clear();  // contains the version of the program
     Hash hash;
     hash.add(write_model(model));
     return hash.text();
 }
 
-/// What the table has of a fit.
+/// A row of the table.
 struct Line {
     std::string model, figures;  ///< hashes
-    std::string delta_e, error;  ///< for people: mean ΔE_ITP and the held-out error of f cosθl, or what there is
+    std::string delta_e, error;  ///< to read: mean ΔE_ITP and the held-out error of f cosθl, if available
 };
 
 [[noreturn]] void fail(const std::string& why) {
     std::fprintf(stderr, "golden: %s\n", why.c_str());
     std::exit(1);
 }
-template <typename T> T must(Result<T> result) {
+template <typename T> T value_or_fail(Result<T> result) {
     if (!result) fail(message(result.error()));
     return *std::move(result);
 }
@@ -90,24 +90,24 @@ Line line_of(const FitOutcome& outcome) {
         if (errors) figures.add(*errors);
     figures.add(double(outcome.masked)), figures.add(double(outcome.clamped));
     for (const Trial& step : outcome.path) figures.add(step.error);
-    // A model of many views is evaluated at fewer pairs than all.
+    // For a view-by-view model with many views, errors are measured at a subset of the pairs.
     return {hash_of(outcome.model), figures.text(), digits(outcome.errors->appearance.mean.delta_e),
             digits(outcome.errors->heldout.squared_error_ratio_cosine)};
 }
 
-/// Lambert below a varnish of GGX, for which there is a closed form.
+/// A diffuse base below a GGX varnish, which has a closed form.
 Evaluate varnished(float roughness, Rgb body) {
     return [=](auto wl, auto wv, auto f) {
         using K = Kernel<float>;
         const K::GgxLobe varnish{roughness, {0.04f, 0.04f, 0.04f}, 1};
         for (std::size_t i = 0; i < f.size(); ++i) {
-            const Vec3f of = K::ggx_value({body.r, body.g, body.b}, varnish, {1, {0, 0, 0}, 0}, wl[i], wv[i]);
-            f[i] = wl[i].z > 0 && wv[i].z > 0 ? Rgb{of.x, of.y, of.z} : Rgb{};
+            const Vec3f value = K::ggx_value({body.r, body.g, body.b}, varnish, {1, {0, 0, 0}, 0}, wl[i], wv[i]);
+            f[i] = wl[i].z > 0 && wv[i].z > 0 ? Rgb{value.x, value.y, value.z} : Rgb{};
         }
     };
 }
 
-/// Pairs of directions up to 80° from the normal, many of them about the mirror direction.
+/// Pairs of directions up to 80° from the normal, many of them close to the mirror direction.
 SharedPairs some_pairs(std::size_t count) {
     const MirrorMixture mixture(80 * k_degree);
     std::mt19937_64 random(1);
@@ -122,7 +122,8 @@ SharedPairs some_pairs(std::size_t count) {
     return pairs;
 }
 
-/// The measurement at these pairs as the text of a CSV file; with five wavelengths instead of colours, if wanted.
+/// The measurement at these pairs as the text of a CSV file. If `is_spectral`, it has five wavelengths instead of
+/// colours.
 Measured samples_of(const Measured& measured, std::size_t count, bool is_spectral) {
     const SharedPairs pairs = some_pairs(count);
     std::vector<Rgb> f(count);
@@ -144,51 +145,53 @@ Measured samples_of(const Measured& measured, std::size_t count, bool is_spectra
         }
         text += '\n';
     }
-    return must(read_measured(as_bytes(text), "samples.csv"));
+    return value_or_fail(read_measured(as_bytes(text), "samples.csv"));
 }
 
 struct Golden {
     Measured paper, film;
-    int threads;  ///< 0: as many as the machine has
+    int threads;  ///< 0: all of the machine
 
     FitRequest request(PmRequest pm, Objective objective = k_default_objective) const {
         return {.model = pm, .objective = objective, .threads = threads};
     }
-    Line fitted(const Measured& measured, const FitRequest& of) const { return line_of(must(fit(measured, of))); }
-    Line of_pm(const Measured& measured, int lobes, Objective objective = k_default_objective,
-               PmRequest pm = {}) const {
+    Line fitted(const Measured& measured, const FitRequest& fit_request) const {
+        return line_of(value_or_fail(fit(measured, fit_request)));
+    }
+    Line pm_line(const Measured& measured, int lobes, Objective objective = k_default_objective,
+                 PmRequest pm = {}) const {
         pm.size = LobeCount{lobes};
         return fitted(measured, request(pm, objective));
     }
-    Line of_goal(const Measured& measured, SizeGoal goal, Objective objective) const {
+    Line goal_line(const Measured& measured, SizeGoal goal, Objective objective) const {
         return fitted(measured, request({.variates = 2, .size = goal}, objective));
     }
-    Line of_su(const Measured& measured, SuRequest su, Objective objective) const {
+    Line su_line(const Measured& measured, SuRequest su, Objective objective) const {
         return fitted(measured, {.model = su, .objective = objective, .threads = threads});
     }
-    Line of_both_sides() const {
+    Line bsdf_line() const {
         const Evaluate front = varnished(0.3f, {0.4f, 0.3f, 0.2f}), back = varnished(0.5f, {0.2f, 0.3f, 0.4f}),
                        through = varnished(0.7f, {0.1f, 0.2f, 0.1f});
-        const BsdfOutcome outcome = must(
+        const BsdfOutcome outcome = value_or_fail(
             fit_bsdf(std::array{front, back, through, through}, request({.size = LobeCount{2}}, Objective::cosine)));
         Hash figures;
         for (const PartFit& part : outcome.parts) figures.add(part.squared_error_ratio);
-        for (const Hemispherical& of : outcome.parts[0].hemispherical) figures.add(of.fitted);
+        for (const Hemispherical& hemispherical : outcome.parts[0].hemispherical) figures.add(hemispherical.fitted);
         return {hash_of(outcome.model), figures.text(), "", digits(outcome.parts[0].squared_error_ratio)};
     }
-    Line of_texels() const {
+    Line texel_line() const {
         const SharedPairs pairs = some_pairs(300);
         std::vector<Rgb> f;
-        for (const Measured* of : {&paper, &film}) {
+        for (const Measured* measured : {&paper, &film}) {
             std::vector<Rgb> texel(pairs.wl.size());
-            evaluator (*of)(pairs.wl, pairs.wv, texel);
+            evaluator (*measured)(pairs.wl, pairs.wv, texel);
             f.insert(f.end(), texel.begin(), texel.end());
         }
         BatchOptions options;
         options.request.threads = threads;
         Hash figures;
         ModelStack stack;
-        for (const TexelFit& texel : must(fit_batch(pairs, f, options))) {
+        for (const TexelFit& texel : value_or_fail(fit_batch(pairs, f, options))) {
             figures.add(texel.errors);
             stack.models.push_back(texel.model);
             stack.error.push_back(float(texel.errors.squared_error_ratio_cosine));
@@ -206,40 +209,41 @@ struct Row {
 };
 const std::vector<Row>& rows() {
     using G = Golden;
-    static const std::vector<Row> all{
-        {"paper", [](const G& g) { return g.of_pm(g.paper, 8); }},
-        {"film", [](const G& g) { return g.of_pm(g.film, 8); }},
-        {"film-3-general", [](const G& g) { return g.of_pm(g.film, 3, k_default_objective, {.axial = false}); }},
-        {"film-3-source", [](const G& g) { return g.of_pm(g.film, 3, Objective::raw, {.form = PmForm::gaussian}); }},
-        {"film-3-cosine", [](const G& g) { return g.of_pm(g.film, 3, Objective::cosine, {.reciprocal = true}); }},
-        {"paper-3-log", [](const G& g) { return g.of_pm(g.paper, 3, Objective::log, {.form = PmForm::horizon}); }},
-        {"film-3-cube-root", [](const G& g) { return g.of_pm(g.film, 3, Objective::cube_root); }},
-        {"paper-budget", [](const G& g) { return g.of_goal(g.paper, ByteBudget{60}, Objective::cosine); }},
-        {"paper-delta-e", [](const G& g) { return g.of_goal(g.paper, TargetDeltaE{4}, k_default_objective); }},
-        {"film-views", [](const G& g) { return g.of_su(g.film, {.lobes = 3, .directions = 96}, k_default_objective); }},
+    static const std::vector<Row> list{
+        {"paper", [](const G& g) { return g.pm_line(g.paper, 8); }},
+        {"film", [](const G& g) { return g.pm_line(g.film, 8); }},
+        {"film-3-general", [](const G& g) { return g.pm_line(g.film, 3, k_default_objective, {.axial = false}); }},
+        {"film-3-source", [](const G& g) { return g.pm_line(g.film, 3, Objective::raw, {.form = PmForm::gaussian}); }},
+        {"film-3-cosine", [](const G& g) { return g.pm_line(g.film, 3, Objective::cosine, {.reciprocal = true}); }},
+        {"paper-3-log", [](const G& g) { return g.pm_line(g.paper, 3, Objective::log, {.form = PmForm::horizon}); }},
+        {"film-3-cube-root", [](const G& g) { return g.pm_line(g.film, 3, Objective::cube_root); }},
+        {"paper-budget", [](const G& g) { return g.goal_line(g.paper, ByteBudget{60}, Objective::cosine); }},
+        {"paper-delta-e", [](const G& g) { return g.goal_line(g.paper, TargetDeltaE{4}, k_default_objective); }},
+        {"film-views",
+         [](const G& g) { return g.su_line(g.film, {.lobes = 3, .directions = 96}, k_default_objective); }},
         {"film-lights",
          [](const G& g) {
-             return g.of_su(g.film, {.lobes = 2, .discretise = Discretise::light, .directions = 64}, Objective::raw);
+             return g.su_line(g.film, {.lobes = 2, .discretise = Discretise::light, .directions = 64}, Objective::raw);
          }},
         {"film-ggx", [](const G& g) { return g.fitted(g.film, {.model = GgxRequest{2}, .threads = g.threads}); }},
         {"film-openpbr",
          [](const G& g) { return g.fitted(g.film, {.model = OpenPbrRequest{}, .threads = g.threads}); }},
-        {"film-samples", [](const G& g) { return g.of_pm(samples_of(g.film, 400, false), 3); }},
+        {"film-samples", [](const G& g) { return g.pm_line(samples_of(g.film, 400, false), 3); }},
         {"film-samples-cube-root",
-         [](const G& g) { return g.of_pm(samples_of(g.film, 300, false), 2, Objective::cube_root); }},
+         [](const G& g) { return g.pm_line(samples_of(g.film, 300, false), 2, Objective::cube_root); }},
         {"film-spectra",
          [](const G& g) {
              FitRequest request = g.request({.size = LobeCount{2}}, Objective::cosine);
              request.spectral = true;
              return g.fitted(samples_of(g.film, 160, true), request);
          }},
-        {"both-sides", [](const G& g) { return g.of_both_sides(); }},
-        {"texels", [](const G& g) { return g.of_texels(); }},
+        {"both-sides", [](const G& g) { return g.bsdf_line(); }},
+        {"texels", [](const G& g) { return g.texel_line(); }},
     };
-    return all;
+    return list;
 }
 
-/// The lines of the table by name; empty where there is no such file.
+/// The rows of the table by name. Empty if the file does not exist.
 std::map<std::string, Line> read_table(const std::string& path) {
     std::map<std::string, Line> table;
     const auto bytes = read_file(path);
@@ -258,59 +262,59 @@ std::map<std::string, Line> read_table(const std::string& path) {
     return table;
 }
 
-/// The processor's instruction sets that the library was compiled for, the newest first.
+/// The processor's instruction sets for which the library was compiled, newest first.
 std::vector<std::string> instruction_sets() {
     std::vector<std::string> names;
     for (const auto target : hwy::SupportedAndGeneratedTargets()) names.push_back(hwy::TargetName(target));
     return names;
 }
-/// Dispatches to that instruction set alone until the next call.
+/// Restricts the library to one instruction set until the next call.
 void limit_to(const std::string& name) {
-    static std::unique_ptr<OneTarget> one;
-    one.reset();
+    static std::unique_ptr<OneTarget> target_limit;
+    target_limit.reset();
     for (const auto target : hwy::SupportedAndGeneratedTargets())
-        if (hwy::TargetName(target) == name) one = std::make_unique<OneTarget>(target);
-    if (!one) fail("this processor has no " + name);
+        if (hwy::TargetName(target) == name) target_limit = std::make_unique<OneTarget>(target);
+    if (!target_limit) fail("this processor has no " + name);
 }
 
-/// Fits the rows that are wanted, and returns how many differ from the table. Adds their lines to `text`, and those of
-/// the table for the others.
-int differing(const Golden& golden, const std::map<std::string, Line>& table,
-              const std::function<bool(const Row&)>& is_wanted, std::string& text) {
-    int failed = 0;
+/// Fits the wanted rows and returns how many differ from the table. Appends their lines to `text`, and the table's
+/// lines for the other rows.
+int compare_rows(const Golden& golden, const std::map<std::string, Line>& table,
+                 const std::function<bool(const Row&)>& is_wanted, std::string& text) {
+    int differing = 0;
     for (const Row& row : rows()) {
-        const auto at = table.find(row.name);
-        const Line expected = at == table.end() ? Line{} : at->second;
+        const auto entry = table.find(row.name);
+        const Line expected = entry == table.end() ? Line{} : entry->second;
         const bool is_fitted = is_wanted(row);
         const Line line = is_fitted ? row.fit(golden) : expected;
         text += std::string(row.name) + ',' + line.model + ',' + line.figures + ',' + line.delta_e + ',' + line.error +
                 '\n';
         if (!is_fitted) continue;
-        const auto print = [](const char* what, const Line& of) {
-            std::printf("%s: model %s, figures %s, delta E %s, error %s\n", what, of.model.c_str(), of.figures.c_str(),
-                        of.delta_e.c_str(), of.error.c_str());
+        const auto print = [](const char* label, const Line& printed) {
+            std::printf("%s: model %s, figures %s, delta E %s, error %s\n", label, printed.model.c_str(),
+                        printed.figures.c_str(), printed.delta_e.c_str(), printed.error.c_str());
         };
         const bool same = line.model == expected.model && line.figures == expected.figures;
-        failed += !same;
+        differing += !same;
         print(row.name, line);
         if (!same) print("  DIFFERS, expected", expected);
         std::fflush(stdout);
     }
-    return failed;
+    return differing;
 }
 
 int run(const std::vector<std::string>& arguments) {
     if (arguments.size() < 2) fail("expected the folder of data and the table");
     const std::string &data = arguments[0], &path = arguments[1];
-    Golden golden{must(load_measured(data + "/paper_white_rgb.bsdf")),
-                  must(load_measured(data + "/cc_ibiza_sunset_rgb.bsdf")), 0};
+    Golden golden{value_or_fail(load_measured(data + "/paper_white_rgb.bsdf")),
+                  value_or_fail(load_measured(data + "/cc_ibiza_sunset_rgb.bsdf")), 0};
     const std::map<std::string, Line> table = read_table(path);
     std::string only;
-    bool writes = false, is_older = false, every = false;
+    bool is_writing = false, is_older = false, every = false;
     for (std::size_t i = 2; i < arguments.size(); ++i) {
         const bool has_value = i + 1 < arguments.size();
         if (arguments[i] == "--write")
-            writes = true;
+            is_writing = true;
         else if (arguments[i] == "--older")
             is_older = true;
         else if (arguments[i] == "--every")
@@ -332,21 +336,21 @@ int run(const std::vector<std::string>& arguments) {
             limit_to(sets[i]);
             golden.threads = i == 1 ? 7 : 1;
             std::printf("%s, %d threads\n", sets[i].c_str(), golden.threads);
-            // Narrow vectors take long: the next newest set has the default fit and a row of each kind, the next fewer,
-            // the rest one.
-            const std::vector<std::string> some{"texels", "film-lights", "film-3-general", "film-ggx",
-                                                "film",   "film-views",  "film-openpbr"};
-            const std::ptrdiff_t count = every ? std::ssize(rows()) : i == 1 ? std::ssize(some) : i == 2 ? 3 : 1;
+            // Fits with narrow vectors are slow: the next older set runs the default fit and a row of each kind, the
+            // next one fewer, the rest one.
+            const std::vector<std::string> selected{"texels", "film-lights", "film-3-general", "film-ggx",
+                                                    "film",   "film-views",  "film-openpbr"};
+            const std::ptrdiff_t count = every ? std::ssize(rows()) : i == 1 ? std::ssize(selected) : i == 2 ? 3 : 1;
             const auto is_wanted = [&](const Row& row) {
-                return every || std::find(some.begin(), some.end(), row.name) - some.begin() < count;
+                return every || std::find(selected.begin(), selected.end(), row.name) - selected.begin() < count;
             };
-            failed += differing(golden, table, is_wanted, text);
+            failed += compare_rows(golden, table, is_wanted, text);
         }
     } else {
-        failed = differing(
+        failed = compare_rows(
             golden, table, [&](const Row& row) { return only.empty() || only == row.name; }, text);
     }
-    if (writes) {
+    if (is_writing) {
         std::FILE* const file = std::fopen(path.c_str(), "w");
         if (!file || std::fputs(text.c_str(), file) < 0 || std::fclose(file) != 0) fail("cannot write " + path);
         return 0;

@@ -1,4 +1,4 @@
-// The inner loops of the fit compared with plain ones, for each instruction set of this machine.
+// The inner loops of fits, compared with plain loops for every instruction set of this machine.
 #include "models/pm/solve/columns.h"
 #include "models/pm/solve/row_features.h"
 #include "models/pm/solve/rows.h"
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t k_count = 2 * k_block + 300, k_bound_pairs = 7;
 
-/// Two whole blocks and part of a third; some weights are 0.
+/// Two full blocks and part of a third. Some weights are 0.
 Observations random_observations() {
     std::mt19937_64 random(1);
     Observations observations;
@@ -51,7 +51,7 @@ class Gram : public testing::TestWithParam<Target> {
 INSTANTIATE_TEST_SUITE_P(EachTarget, Gram, testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
                          [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
 
-TEST_P(Gram, RowsHoldTheObservationsWithoutTheChecks) {
+TEST_P(Gram, RowsContainTheObservationsWithoutBoundPairs) {
     ASSERT_EQ(rows_.blocks, 3u);
     for (std::size_t i = 0; i < 3 * k_block; ++i) {
         const Vec3f wl(rows_.wl[0][i], rows_.wl[1][i], rows_.wl[2][i]),
@@ -81,7 +81,7 @@ TEST_P(Gram, RowsHoldTheObservationsWithoutTheChecks) {
 TEST_P(Gram, TheLastBlockHasFewerRows) {
     EXPECT_EQ(rows_.rows_in(0), k_block);
     EXPECT_EQ(rows_.rows_in(1), k_block);
-    EXPECT_EQ(rows_.rows_in(2), 320u);  // of 300
+    EXPECT_EQ(rows_.rows_in(2), 320u);  // for 300 rows
 }
 
 TEST_P(Gram, WeightsOfRowsSumToOne) {
@@ -90,71 +90,73 @@ TEST_P(Gram, WeightsOfRowsSumToOne) {
     EXPECT_TRUE(near(sum, 1, 1e-5));
 }
 
-TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAboutTheNormal) {
+TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
     using K = Kernel<double>;
-    const auto wide = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
+    const auto widened = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     for (int trial = 0; trial < 20; ++trial) {
         const double angle = 2 * k_pi * uniform(random_), h = 1e-5;
-        Aligned<float> s(k_block), by(k_block);
+        Aligned<float> s(k_block), derivative(k_block);
         for (std::size_t block = 0; block < 3; ++block) {
-            variate_features(rows_, block, float(std::cos(angle)), float(std::sin(angle)), true, s.data(), by.data());
+            variate_features(rows_, block, float(std::cos(angle)), float(std::sin(angle)), true, s.data(),
+                             derivative.data());
             for (std::size_t i = 0; i < k_block && block * k_block + i < k_count; ++i) {
-                const Vec3d wl = wide(observations_.wl[block * k_block + i]),
-                            wv = wide(observations_.wv[block * k_block + i]);
+                const Vec3d wl = widened(observations_.wl[block * k_block + i]),
+                            wv = widened(observations_.wv[block * k_block + i]);
                 const auto psi = [&](double t) { return K::psi(wl, wv, std::cos(t), std::sin(t)); };
                 const Vec3d d = std::cos(angle) * wl + std::sin(angle) * wv;
                 const double steepness = 1 / std::sqrt(dot(d, d));
                 EXPECT_TRUE(near(s[i], K::gaussian_exponent(psi(angle), {0, 0, 1}, 1), 1e-6 * (1 + steepness)));
                 EXPECT_TRUE(near(s[i], psi(angle).z - 1, 1e-6 * (1 + steepness)));
-                EXPECT_TRUE(near(by[i], K::psi_by_angle(wl, wv, std::cos(angle), std::sin(angle)).z,
+                EXPECT_TRUE(near(derivative[i], K::psi_by_angle(wl, wv, std::cos(angle), std::sin(angle)).z,
                                  1e-6 * steepness * steepness));
                 const double difference = (psi(angle + h).z - psi(angle - h).z) / (2 * h);
-                EXPECT_TRUE(near(by[i], difference, 1e-6 * std::pow(steepness, 3)));
+                EXPECT_TRUE(near(derivative[i], difference, 1e-6 * std::pow(steepness, 3)));
             }
         }
     }
 }
 
-TEST_P(Gram, GeneralFeaturesAreThoseOfTheText) {
-    const auto wide = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
+TEST_P(Gram, GeneralFeaturesMatchTheKernel) {
+    const auto widened = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     using K = Kernel<double>;
     const double a = std::cos(0.4), b = std::sin(0.4);
-    Aligned<float> s(3 * k_block), by(3 * k_block);
+    Aligned<float> s(3 * k_block), derivative(3 * k_block);
     for (std::size_t block = 0; block < 3; ++block) {
-        variate_features(rows_, block, float(a), float(b), false, s.data(), by.data());
+        variate_features(rows_, block, float(a), float(b), false, s.data(), derivative.data());
         for (std::size_t i = 0; i < k_block && block * k_block + i < k_count; ++i) {
-            const Vec3d wl = wide(observations_.wl[block * k_block + i]),
-                        wv = wide(observations_.wv[block * k_block + i]);
+            const Vec3d wl = widened(observations_.wl[block * k_block + i]),
+                        wv = widened(observations_.wv[block * k_block + i]);
             const Vec3d psi = K::psi(wl, wv, a, b), by_angle = K::psi_by_angle(wl, wv, a, b);
             const double expected[] = {psi.x, psi.y, psi.z - 1, by_angle.x, by_angle.y, by_angle.z};
             for (std::size_t k = 0; k < 3; ++k) {
                 EXPECT_TRUE(near(s[k * k_block + i], expected[k], 2e-6));
-                EXPECT_TRUE(near(by[k * k_block + i], expected[3 + k], 4e-6));
+                EXPECT_TRUE(near(derivative[k * k_block + i], expected[3 + k], 4e-6));
             }
         }
     }
 }
 
-TEST_P(Gram, FurtherFeaturesAreThoseOfTheText) {
-    const auto wide = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
+TEST_P(Gram, FurtherFeaturesMatchTheKernel) {
+    const auto widened = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     for (const PmForm form : k_forms) {
         const int count = features(form);
         Aligned<float> x(std::size_t(count) * k_block);
         for (std::size_t block = 0; block < 3; ++block) {
             further_features(rows_, block, count, x.data());
             for (std::size_t i = 0; i < k_block && block * k_block + i < k_count; ++i) {
-                const auto of = Kernel<double>::pm_further_features(count, wide(observations_.wl[block * k_block + i]),
-                                                                    wide(observations_.wv[block * k_block + i]));
+                const auto expected =
+                    Kernel<double>::pm_further_features(count, widened(observations_.wl[block * k_block + i]),
+                                                        widened(observations_.wv[block * k_block + i]));
                 for (std::size_t k = 0; k < std::size_t(count); ++k) {
-                    const double tolerance = k == 0 ? 2e-5 * (1 + std::abs(of.x[k])) : 1e-6;
-                    EXPECT_TRUE(near(x[k * k_block + i], of.x[k], tolerance)) << k;
+                    const double tolerance = k == 0 ? 2e-5 * (1 + std::abs(expected.x[k])) : 1e-6;
+                    EXPECT_TRUE(near(x[k * k_block + i], expected.x[k], tolerance)) << k;
                 }
             }
         }
     }
 }
 
-TEST_P(Gram, ExponentIsTheWeightedSumAndItsLargestThatCounts) {
+TEST_P(Gram, ExponentIsTheWeightedSumAndItsMaximumSkipsWeightsOfZero) {
     for (const std::size_t variates : {1u, 3u, 8u}) {
         std::vector<Aligned<float>> s;
         std::vector<float> weight;
@@ -162,7 +164,7 @@ TEST_P(Gram, ExponentIsTheWeightedSumAndItsLargestThatCounts) {
             s.push_back(column(random_, -2, 0));
             weight.push_back(float(40 * uniform(random_)));
         }
-        // Rows of weight 0 have the largest sums.
+        // The largest sums are in rows of weight 0.
         for (std::size_t block = 0; block < 3; ++block) {
             auto columns = s;
             for (auto& c : columns)
@@ -185,7 +187,7 @@ TEST_P(Gram, ExponentIsTheWeightedSumAndItsLargestThatCounts) {
             EXPECT_EQ(double(largest), expected_largest);
         }
     }
-    // A block without weights.
+    // A block whose weights are all 0.
     Observations idle = observations_;
     std::fill(idle.weight.begin(), idle.weight.end(), 0.f);
     const auto s = column(random_);
@@ -195,22 +197,23 @@ TEST_P(Gram, ExponentIsTheWeightedSumAndItsLargestThatCounts) {
               std::numeric_limits<float>::lowest());
 }
 
-TEST_P(Gram, ExponentiateTakesTheOffsetAway) {
+TEST_P(Gram, ExponentiateSubtractsTheOffset) {
     for (const float offset : {0.f, -30.f, 80.f}) {
-        const auto below = column(random_, -90, 0);
+        const auto exponents = column(random_, -90, 0);
         for (std::size_t block = 0; block < 3; ++block) {
             Aligned<float> x(k_block);
             for (std::size_t i = 0; i < k_block; ++i) {
-                const bool counts = rows_.root_weight[block * k_block + i] > 0;
-                x[i] = offset + (counts ? below[i] : 100.f * float(i));  // a row of weight 0 may exceed every bound
+                const bool has_weight = rows_.root_weight[block * k_block + i] > 0;
+                x[i] =
+                    offset + (has_weight ? exponents[i] : 100.f * float(i));  // rows of weight 0 may have any exponent
             }
-            const auto before = x;
+            const auto input = x;
             exponentiate(x.data(), &rows_.root_weight[block * k_block], offset, x.data(), rows_.rows_in(block));
             for (std::size_t i = 0; i < rows_.rows_in(block); ++i) {
                 const double root = double(rows_.root_weight[block * k_block + i]);
-                const double expected = root > 0 ? root * std::exp(double(before[i]) - double(offset)) : 0;
-                const double size = std::abs(double(before[i]) - double(offset));
-                EXPECT_TRUE(near(x[i], expected, 3e-7 * (1 + size / 2) * expected + 1e-37)) << before[i];
+                const double expected = root > 0 ? root * std::exp(double(input[i]) - double(offset)) : 0;
+                const double size = std::abs(double(input[i]) - double(offset));
+                EXPECT_TRUE(near(x[i], expected, 3e-7 * (1 + size / 2) * expected + 1e-37)) << input[i];
             }
         }
     }
@@ -243,25 +246,25 @@ TEST_P(Gram, MultiplyAndResidual) {
 }
 
 TEST_P(Gram, SumsAndProductsOfColumns) {
-    const auto a = column(random_, -1, 1), b = column(random_, -1, 1), before = column(random_, -1, 1);
-    auto c = before;
+    const auto a = column(random_, -1, 1), b = column(random_, -1, 1), other = column(random_, -1, 1);
+    auto c = other;
     add_product(a.data(), b.data(), c.data());
-    Aligned<float> x(k_block), times(k_block);
+    Aligned<float> x(k_block), product(k_block);
     const float* const columns[] = {a.data(), b.data()};
     combine(std::vector{2.f, -3.f}, columns, x.data());
-    combine(std::vector{2.f, -3.f}, columns, before.data(), times.data());
-    double sum_of = 0, squares = 0, size = 0;
+    combine(std::vector{2.f, -3.f}, columns, other.data(), product.data());
+    double expected_sum = 0, squares = 0, size = 0;
     for (std::size_t i = 0; i < k_block; ++i) {
-        EXPECT_TRUE(near(c[i], double(before[i]) + double(a[i]) * double(b[i]), 3e-7));
+        EXPECT_TRUE(near(c[i], double(other[i]) + double(a[i]) * double(b[i]), 3e-7));
         EXPECT_TRUE(near(x[i], 2 * double(a[i]) - 3 * double(b[i]), 6e-7));
-        EXPECT_EQ(times[i], before[i] * x[i]);
-        sum_of += double(a[i]), size += std::abs(double(a[i])), squares += double(a[i]) * double(a[i]);
+        EXPECT_EQ(product[i], other[i] * x[i]);
+        expected_sum += double(a[i]), size += std::abs(double(a[i])), squares += double(a[i]) * double(a[i]);
     }
-    EXPECT_TRUE(near(sum(a.data()), sum_of, 3e-6 * size));
+    EXPECT_TRUE(near(sum(a.data()), expected_sum, 3e-6 * size));
     EXPECT_TRUE(near_relative(sum_of_squares(a.data()), squares, 1e-5));
 }
 
-TEST_P(Gram, AddProductsAddsThoseOfRowsAndColumns) {
+TEST_P(Gram, AddProductsAddsProductsOfRowsAndColumns) {
     for (const std::size_t m : {1u, 4u, 7u})
         for (const std::size_t n : {1u, 3u, 8u}) {
             std::vector<Aligned<float>> rows, columns;
@@ -293,7 +296,7 @@ TEST_P(Gram, AddProductsOfTheFirstRowsOfColumns) {
     }
 }
 
-TEST_P(Gram, AddGramAddsTheProductsBelowTheDiagonal) {
+TEST_P(Gram, AddGramAddsProductsUpToTheDiagonal) {
     for (std::size_t n = 1; n <= 30; ++n) {
         std::vector<Aligned<float>> columns;
         for (std::size_t j = 0; j < n; ++j) columns.push_back(column(random_, -0.5, 1));
@@ -315,28 +318,30 @@ TEST_P(Gram, AddGramAddsTheProductsBelowTheDiagonal) {
     add_gram({}, none.data());
 }
 
-/// What the loops make of the same random columns.
+/// The results of all loops for the same random columns.
 std::vector<double> all_results(const Rows& rows) {
     std::mt19937_64 random(3);
-    std::vector<double> all;
+    std::vector<double> results;
     std::vector<Aligned<float>> columns;
     for (int j = 0; j < 13; ++j) columns.push_back(column(random, -0.5, 1));
     const auto pointers_to = pointers(columns);
     const std::vector<float> weight(13, 0.3f);
-    Aligned<float> x(k_block), s(3 * k_block), by(3 * k_block), features_of(SRBF_TERMS * k_block);
-    const auto add = [&](const Aligned<float>& numbers) { all.insert(all.end(), numbers.begin(), numbers.end()); };
-    variate_features(rows, 0, 0.6f, -0.8f, true, s.data(), by.data()), add(s), add(by);
-    variate_features(rows, 1, 0.6f, 0.8f, false, s.data(), by.data()), add(s), add(by);
-    further_features(rows, 0, SRBF_TERMS, features_of.data()), add(features_of);
+    Aligned<float> x(k_block), s(3 * k_block), derivatives(3 * k_block), further(SRBF_TERMS * k_block);
+    const auto add = [&](const Aligned<float>& numbers) {
+        results.insert(results.end(), numbers.begin(), numbers.end());
+    };
+    variate_features(rows, 0, 0.6f, -0.8f, true, s.data(), derivatives.data()), add(s), add(derivatives);
+    variate_features(rows, 1, 0.6f, 0.8f, false, s.data(), derivatives.data()), add(s), add(derivatives);
+    further_features(rows, 0, SRBF_TERMS, further.data()), add(further);
     const float* const root_weight = &rows.root_weight[k_block];
-    all.push_back(exponent(weight, pointers_to, root_weight, x.data(), rows.rows_in(1))), add(x);
+    results.push_back(exponent(weight, pointers_to, root_weight, x.data(), rows.rows_in(1))), add(x);
     exponentiate(x.data(), root_weight, 5, x.data(), rows.rows_in(1)), add(x);
-    all.push_back(residual(columns[0].data(), weight, pointers_to, x.data())), add(x);
-    all.push_back(sum(x.data())), all.push_back(sum_of_squares(x.data()));
+    results.push_back(residual(columns[0].data(), weight, pointers_to, x.data())), add(x);
+    results.push_back(sum(x.data())), results.push_back(sum_of_squares(x.data()));
     std::vector<double> G(13 * 13);
-    add_gram(pointers_to, G.data(), 448), all.insert(all.end(), G.begin(), G.end());
-    add_products(pointers_to, pointers_to, G.data()), all.insert(all.end(), G.begin(), G.end());
-    return all;
+    add_gram(pointers_to, G.data(), 448), results.insert(results.end(), G.begin(), G.end());
+    add_products(pointers_to, pointers_to, G.data()), results.insert(results.end(), G.begin(), G.end());
+    return results;
 }
 
 TEST(Gram, LoopsHaveTheSameBitsWithAllInstructionSets) {

@@ -1,4 +1,4 @@
-// Files made to do harm: memory stays bounded, the error names its file, and terminals get no control characters.
+// Malicious files: memory stays bounded, the error names its file, and no control characters reach the terminal.
 #include <sys/resource.h>
 #include <sys/wait.h>
 
@@ -16,15 +16,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Sanitizers take long, and keep memory that was freed.
+/// Under sanitizers programs are slow and keep freed memory.
 #ifdef __SANITIZE_ADDRESS__
 constexpr bool k_is_sanitized = true;
 #else
 constexpr bool k_is_sanitized = false;
 #endif
 
-/// Writes `part` again and again between `first` and `last`. This program stays small: a process that it starts begins
-/// with its size.
+/// Writes `part` `count` times between `first` and `last`, without holding it in memory: a child process starts with
+/// the memory size of this program.
 void write_many(const fs::path& path, const std::string& first, std::string_view part, std::size_t count,
                 const std::string& last = {}) {
     std::ofstream out(path, std::ios::binary);
@@ -39,11 +39,13 @@ std::string little_endian(std::uint64_t number, int bytes) {
     return text;
 }
 
-/// A model file of a header of that length, as far as it begins so.
-std::string model_of(std::size_t length, const std::string& header) { return little_endian(length, 8) + header; }
+/// A model file that declares `length` bytes of header and contains `header`.
+std::string model_with_header(std::size_t length, const std::string& header) {
+    return little_endian(length, 8) + header;
+}
 
-/// The most memory [bytes] that the program takes.
-std::int64_t memory_of(const TemporaryFolder& folder, const Arguments& arguments) {
+/// The peak memory of a run of the program [bytes].
+std::int64_t peak_memory(const TemporaryFolder& folder, const Arguments& arguments) {
     const TemporaryFolder captured;
     const pid_t process = start(folder, arguments, captured / "out", captured / "err");
     int status = 0;
@@ -57,18 +59,18 @@ std::int64_t memory_of(const TemporaryFolder& folder, const Arguments& arguments
 
 using Hostile = CommandLine;
 
-/// Many parts of a few bytes, of which a library or a reader would make objects.
-TEST_F(Hostile, SmallPartsTakeNoMoreMemoryThanPromised) {
+/// Many parts of a few bytes, each of which a library or a reader might store as an object.
+TEST_F(Hostile, SmallPartsStayWithinTheMemoryLimit) {
     constexpr std::size_t size = k_is_sanitized ? 1'000'000 : 20'000'000;
     struct File {
         std::string name, first, part, last;
     };
     const std::string columns = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n", xml = "<?xml?><WindowElement";
     const std::vector<File> files{
-        {"deep.srbf", model_of(size, ""), "{\"a\":", ""},
-        {"deep_short.srbf", model_of(1 << 20, ""), "{\"a\":", ""},
-        {"lists.srbf", model_of(1 << 20, "{\"a\":"), "[", ""},
-        {"numbers.srbf", model_of(1 << 20, "{\"a\":{\"shape\":["), "1,", ""},
+        {"deep.srbf", model_with_header(size, ""), "{\"a\":", ""},
+        {"deep_short.srbf", model_with_header(1 << 20, ""), "{\"a\":", ""},
+        {"lists.srbf", model_with_header(1 << 20, "{\"a\":"), "[", ""},
+        {"numbers.srbf", model_with_header(1 << 20, "{\"a\":{\"shape\":["), "1,", ""},
         {"deep.xml", "<?xml?>", "<a>", ""},
         {"wide.xml", xml + ">", "<a/>", "</WindowElement>"},
         {"attributes.xml", xml, " a=''", "/>"},
@@ -87,14 +89,14 @@ TEST_F(Hostile, SmallPartsTakeNoMoreMemoryThanPromised) {
         {"rows.fred", "type bsdf_data\n0 0\n", "1 1 1\n", ""},
         {"unknown", "", "unknown\1", ""},
     };
-    const std::int64_t base = memory_of(folder, {"info", "missing"});
+    const std::int64_t base = peak_memory(folder, {"info", "missing"});
     EXPECT_LT(base, 64 << 20 << k_is_sanitized);
     const auto check = [&](const std::string& name) {
         SCOPED_TRACE(name);
-        const auto promised = 4 * std::int64_t(fs::file_size(folder / name)) + (std::int64_t(64) << 20);
-        const std::int64_t taken = memory_of(folder, {"info", name}) - base;
+        const auto limit = 4 * std::int64_t(fs::file_size(folder / name)) + (std::int64_t(64) << 20);
+        const std::int64_t used = peak_memory(folder, {"info", name}) - base;
         if (!k_is_sanitized) {
-            EXPECT_LT(taken, promised);
+            EXPECT_LT(used, limit);
         }
         fs::remove(folder / name);
     };
@@ -104,13 +106,13 @@ TEST_F(Hostile, SmallPartsTakeNoMoreMemoryThanPromised) {
     }
     std::ofstream fields(folder / "fields.bsdf", std::ios::binary);
     fields << "tensor_file" << std::string("\0\1\0", 3) << little_endian(size / 20, 4);
-    for (std::uint64_t i = 0; i < size / 20; ++i)  // a name, no extents, u8, no offset
+    for (std::uint64_t i = 0; i < size / 20; ++i)  // name, rank 0, type u8, offset 0
         fields << little_endian(5, 2) << fmt::format("{:05x}", i) << little_endian(0, 2) << '\1' << little_endian(0, 8);
     fields.close();
     check("fields.bsdf");
 }
 
-/// A header of OpenEXR for three channels of floats, of which a test changes parts.
+/// An OpenEXR header for three float channels. Tests change parts of it.
 struct ExrHeader {
     std::string pixel_type = little_endian(2, 4), sampling = little_endian(1, 4), compression = "\3", tiles = {},
                 more = {};
@@ -133,32 +135,32 @@ struct ExrHeader {
     }
 };
 
-/// Sizes, counts, kinds and offsets that no file of that length has.
+/// Sizes, counts, types and offsets that are impossible for a file of that length.
 TEST_F(Hostile, HeadersOfOpenExrAreBounded) {
     if (!is_offered({"render"})) GTEST_SKIP() << "without srbf render";
-    constexpr std::uint32_t k_most = 0x7fffffff, k_tiled = 0x200;
+    constexpr std::uint32_t k_max = 0x7fffffff, k_tiled = 0x200;
     const auto tiles = [](std::uint32_t side, char mode) {
         return ExrHeader::attribute("tiles", "tiledesc", little_endian(side, 4) + little_endian(side, 4) + mode);
     };
-    const auto cut = [](const std::string& name, std::uint64_t size) {
+    const auto truncated_attribute = [](const std::string& name, std::uint64_t size) {
         return name + '\0' + "string" + '\0' + little_endian(size, 4);
     };
     const std::string first_row = little_endian(0x141, 8), zeros(400, '\0');
     const ExrHeader plain;
     const std::map<std::string, std::string> files{
-        {"window", ExrHeader{.window = {0, 0, k_most - 1, k_most - 1}}.text()},
-        {"overflowing_window", ExrHeader{.window = {k_most + 1, k_most + 1, k_most, k_most}}.text()},
+        {"window", ExrHeader{.window = {0, 0, k_max - 1, k_max - 1}}.text()},
+        {"overflowing_window", ExrHeader{.window = {k_max + 1, k_max + 1, k_max, k_max}}.text()},
         {"reversed_window", ExrHeader{.window = {5, 5, 1, 1}}.text()},
         {"wide_window", ExrHeader{.window = {0, 0, (1 << 26) - 1, 0}}.text()},
         {"tall_window", ExrHeader{.window = {0, 0, 0, (1 << 26) - 1}}.text()},
         {"more_pixels_than_bytes", ExrHeader{.window = {0, 0, 8191, 8191}}.text() + std::string(40000, '\0')},
         {"large_blocks", ExrHeader{.compression = "\x09", .window = {0, 0, (1 << 18) - 1, 255}}.text()},
-        {"huge_tiles", ExrHeader{.tiles = tiles(k_most, 0)}.text(k_tiled)},
+        {"huge_tiles", ExrHeader{.tiles = tiles(k_max, 0)}.text(k_tiled)},
         {"no_tiles", ExrHeader{.tiles = tiles(0, 0)}.text(k_tiled)},
         {"many_tiles", ExrHeader{.tiles = tiles(1, 0), .window = {0, 0, 8191, 8191}}.text(k_tiled)},
         {"tiles_of_all_sizes", ExrHeader{.tiles = tiles(1, 2), .window = {0, 0, 8191, 1}}.text(k_tiled)},
-        {"long_attribute", ExrHeader{.more = cut("x", k_most)}.text()},
-        {"negative_attribute", ExrHeader{.more = cut("x", 0xfffffffb)}.text()},
+        {"long_attribute", ExrHeader{.more = truncated_attribute("x", k_max)}.text()},
+        {"negative_attribute", ExrHeader{.more = truncated_attribute("x", 0xfffffffb)}.text()},
         {"pixel_type", ExrHeader{.pixel_type = little_endian(77, 4)}.text()},
         {"sampling", ExrHeader{.sampling = little_endian(0xffffffff, 4)}.text()},
         {"no_sampling", ExrHeader{.sampling = little_endian(0, 4)}.text()},
@@ -167,28 +169,28 @@ TEST_F(Hostile, HeadersOfOpenExrAreBounded) {
         {"parts", plain.text(0x1000)},
         {"offset_beyond", plain.text() + little_endian(std::uint64_t(1) << 63, 8)},
         {"offset_of_the_header", plain.text() + little_endian(8, 8)},
-        {"block_size", plain.text() + first_row + little_endian(0, 4) + little_endian(k_most, 4)},
-        {"negative_block_size", plain.text() + first_row + little_endian(k_most + 1, 4) + little_endian(-1ull, 4)},
+        {"block_size", plain.text() + first_row + little_endian(0, 4) + little_endian(k_max, 4)},
+        {"negative_block_size", plain.text() + first_row + little_endian(k_max + 1, 4) + little_endian(-1ull, 4)},
     };
     write(folder / "s.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n");
-    const auto with = [](const std::string& file) {
+    const auto render = [](const std::string& file) {
         return Arguments{"render", "s.csv", "-o", "x.png", "--env", file, "--size", "2x2", "--spp", "1"};
     };
-    const std::int64_t base = memory_of(folder, with("missing"));
+    const std::int64_t base = peak_memory(folder, render("missing"));
     for (const auto& [name, header] : files) {
         SCOPED_TRACE(name);
         write(folder / name, header + zeros);
-        expect_failure(1, with(name), "srbf: " + name + ": ");
-        const std::int64_t taken = memory_of(folder, with(name)) - base;
+        expect_failure(1, render(name), "srbf: " + name + ": ");
+        const std::int64_t used = peak_memory(folder, render(name)) - base;
         if (!k_is_sanitized) {
-            EXPECT_LT(taken, std::int64_t(64) << 20);
+            EXPECT_LT(used, std::int64_t(64) << 20);
         }
     }
     ASSERT_EQ(plain.text().size() + 8, 0x141u);
 }
 
-/// Holes of 8 GB: nothing is written, and next to nothing is read. The sanitizer alone takes nearly 100 MB.
-TEST_F(Hostile, UnknownInputIsRefusedByItsBeginning) {
+/// Sparse files of 8 GB, of which only the beginning is read. The sanitizer alone uses nearly 100 MB.
+TEST_F(Hostile, UnknownInputIsRejectedAfterItsBeginning) {
     for (const auto& [name, start] :
          {std::pair("zeros", std::string(64, '\0')), {"words", std::string("these are words\n")}}) {
         write(folder / name, start);
@@ -204,20 +206,20 @@ TEST_F(Hostile, UnknownInputIsRefusedByItsBeginning) {
                                            {"render", k_paper, "-o", "x.png", "--mesh", name},
                                            {"render", k_paper, "-o", "x.png", "--compare", name}})
             if (is_offered(arguments)) {
-                EXPECT_LT(memory_of(folder, arguments), (k_is_sanitized ? 300 : 100) << 20)
+                EXPECT_LT(peak_memory(folder, arguments), (k_is_sanitized ? 300 : 100) << 20)
                     << arguments[0] << " " << name;
             }
         fs::remove(folder / name);
     }
 }
 
-/// Each command does its work or says that there is too little memory, whatever the bound.
-TEST_F(Hostile, NoMoreMemoryIsTakenThanAllowed) {
+/// With any memory limit, each command succeeds or reports that memory is exhausted.
+TEST_F(Hostile, MemoryStaysWithinTheLimit) {
     if (k_is_sanitized) GTEST_SKIP() << "the sanitizer takes terabytes of addresses";
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
     write(folder / "a.binary", small_merl());
-    int done = 0, failed = 0;
+    int succeeded = 0, failed = 0;
     for (const char* megabytes : {"64", "100"})
         for (const Arguments& arguments : {Arguments{"info", k_paper},
                                            {"convert", "m.srbf", "-o", "x.binary"},
@@ -226,15 +228,15 @@ TEST_F(Hostile, NoMoreMemoryIsTakenThanAllowed) {
                                            k_quick_fit + Arguments{"a.binary", "-o", "x.srbf"}}) {
             if (!is_offered(arguments)) continue;
             SCOPED_TRACE(fmt::format("{} MB: {}", megabytes, fmt::join(arguments, " ")));
-            const ProgramRun ended = run(folder, Arguments{"--max-memory", megabytes} + arguments);
-            ++(ended.status == 0 ? done : failed);
-            if (ended.status == 0) continue;
-            EXPECT_EQ(ended.status, 1);
-            EXPECT_TRUE(ended.err.starts_with("srbf: ") && ended.err.find("out of memory") != ended.err.npos)
-                << ended.err;
-            EXPECT_EQ(ended.err.find('\n'), ended.err.size() - 1) << ended.err;
+            const ProgramRun result = run(folder, Arguments{"--max-memory", megabytes} + arguments);
+            ++(result.status == 0 ? succeeded : failed);
+            if (result.status == 0) continue;
+            EXPECT_EQ(result.status, 1);
+            EXPECT_TRUE(result.err.starts_with("srbf: ") && result.err.find("out of memory") != result.err.npos)
+                << result.err;
+            EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;
         }
-    EXPECT_GE(done, is_offered({"render", "html"}) ? 5 : 3);
+    EXPECT_GE(succeeded, is_offered({"render", "html"}) ? 5 : 3);
     EXPECT_GE(failed, 1);
     expect_failure(1, {"--max-memory", "500", "render", "m.srbf", "-o", "y.png", "--renderer", "raster"},
                    "no --max-memory");
@@ -245,22 +247,22 @@ TEST_F(Hostile, RunningOutOfMemoryNamesTheFile) {
     if (k_is_sanitized) GTEST_SKIP() << "the sanitizer takes terabytes of addresses";
     std::string pairs = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n";
     while (pairs.size() < 5000) pairs += "0,0,1,0,0,1,1\n";
-    for (const auto& [name, start] : {std::pair("large.csv", pairs), {"large.srbf", model_of(2, "{}")}}) {
+    for (const auto& [name, start] : {std::pair("large.csv", pairs), {"large.srbf", model_with_header(2, "{}")}}) {
         write(folder / name, start);
         fs::resize_file(folder / name, std::uint64_t(1) << 33);
-        rlimit before;
-        ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
-        const rlimit low{rlim_t(2) << 30, before.rlim_max};
+        rlimit previous;
+        ASSERT_EQ(::getrlimit(RLIMIT_AS, &previous), 0);
+        const rlimit low{rlim_t(2) << 30, previous.rlim_max};
         ASSERT_EQ(::setrlimit(RLIMIT_AS, &low), 0);  // the program inherits it
         const ProgramRun failed = run(folder, {"info", name});
-        ASSERT_EQ(::setrlimit(RLIMIT_AS, &before), 0);
+        ASSERT_EQ(::setrlimit(RLIMIT_AS, &previous), 0);
         EXPECT_EQ(failed.status, 1);
         EXPECT_EQ(failed.err, fmt::format("srbf: {}: out of memory\n", name));
     }
 }
 
-/// A path that leads nowhere is blamed itself, wherever it stands.
-TEST_F(Hostile, ErrorsNameThePathThatFails) {
+/// The error names the path that cannot be opened, wherever it is used.
+TEST_F(Hostile, ErrorsNameTheFailingPath) {
     const TemporaryFolder elsewhere;
     const std::string loop = elsewhere / "loop";
     fs::create_symlink("loop", loop);
@@ -284,15 +286,15 @@ TEST_F(Hostile, ErrorsNameThePathThatFails) {
                                            {"export", path, "--to", "c", "-o", "x.h"},
                                            {"export", "m.srbf", "--to", "html", "-o", "x.html", "--reference", path},
                                            {"export", "m.srbf", "--to", "html", "-o", "x.html", "--mesh", path}}) {
-            const bool into_file = arguments.back() == "file";
-            expect_failure(1, arguments, into_file ? "file" : path);
+            const bool writes_into_file = arguments.back() == "file";
+            expect_failure(1, arguments, writes_into_file ? "file" : path);
         }
         expect_failure(1, {"convert", "m.srbf", "-o", path + "/x.csv"}, path);
         expect_failure(1, {"compare", "m.srbf", "m.srbf", "--json", path + "/x.json"}, path);
     }
 }
 
-TEST_F(Hostile, CompareNamesBothFilesThatShareNothing) {
+TEST_F(Hostile, CompareNamesBothFilesWithoutCommonParts) {
     const auto one_sided = [](Part part) {
         BsdfModel bsdf;
         bsdf.part[std::size_t(part)] = random_part(1, {.lobes = 1});
@@ -306,11 +308,11 @@ TEST_F(Hostile, CompareNamesBothFilesThatShareNothing) {
 }
 
 TEST_F(Hostile, NoControlCharactersReachTheTerminal) {
-    const std::string evil =
+    const std::string escapes =
         "a\x1b]0;title\x07\x1b[2J\r\n\t\x7f\xc2\x9b"
         "31mb";
     std::mt19937_64 random(1);
-    ASSERT_TRUE(save_model({random_model(random, {}), {{"source", evil}, {evil, "x"}}}, folder / "m.srbf").ok());
+    ASSERT_TRUE(save_model({random_model(random, {}), {{"source", escapes}, {escapes, "x"}}}, folder / "m.srbf").ok());
     write(folder / "s.brdf", "# " +
                                  std::string("a\x1b[2J\x07"
                                              "b\n") +
@@ -321,25 +323,25 @@ TEST_F(Hostile, NoControlCharactersReachTheTerminal) {
                                        {"info", "s.csv"},
                                        {"fit", "s.csv", "--model", "ggx"},
                                        {"compare", "m.srbf", "m.srbf"}}) {
-        const ProgramRun shown = run(folder, arguments);
-        EXPECT_TRUE(shown.status == 0 || shown.status == 1);
-        for (const char c : shown.out + shown.err)
+        const ProgramRun result = run(folder, arguments);
+        EXPECT_TRUE(result.status == 0 || result.status == 1);
+        for (const char c : result.out + result.err)
             EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= 0x20) << fmt::format("{:02x}", int(c));
-        EXPECT_EQ((shown.out + shown.err).find("\xc2\x9b"), std::string::npos);
+        EXPECT_EQ((result.out + result.err).find("\xc2\x9b"), std::string::npos);
     }
     EXPECT_NE(run(folder, {"info", "m.srbf"}).out.find("source                              a?]0;title??[2J   ??31mb"),
               std::string::npos)
         << run(folder, {"info", "m.srbf"}).out;
 }
 
-/// Names of files of what ends strings, comments, elements and lines somewhere.
+/// File names with characters that end strings, comments, elements or lines in some language.
 const std::string k_names[] = {
     "a\nb\r\"\"\"\nimport os; os._exit(1) #\x1b[2J\x07\x7f\xc2\x9b\xe2\x80\xae\xe2\x81\xa6\xef\xbb\xbf\"];'); \\\" ?\?",
     "a\xe2\x80\xa8"
     "fn b() -> f32 { return 1.0; }\xe2\x80\xa9int b;\xc2\x85\x0b\x0c \xff\xc0\x80\xed\xa0\x80\xef\xbf\xbf <b>&amp;'--> "
     "]]>{{title}}`${b}`|*_[c](d) \\",
 };
-/// Texts of metadata, which are UTF-8, unlike a name, and have slashes.
+/// Metadata. Unlike file names it is UTF-8 and may contain slashes.
 const std::string k_texts[] = {"\"\"\"\nimport os; os._exit(1) #",
                                "\x1b[2J\x07\x7f\xc2\x9b\xe2\x80\xae\xe2\x81\xa6\xef\xbb\xbf\xef\xbf\xbf",
                                "\xe2\x80\xa8"
@@ -349,35 +351,35 @@ const std::string k_texts[] = {"\"\"\"\nimport os; os._exit(1) #",
                                "<b>&amp;'-->]]></script><script>alert(1)</script>{{title}}`${b}`"};
 constexpr std::size_t k_fields = std::size(k_texts);
 
-/// Metadata of those texts, or of `harmless` ones; `first`: that of the first field.
+/// Metadata with those texts, or harmless ones. Field 0 has text `first`.
 std::map<std::string, std::string> metadata(std::size_t first, bool harmless) {
     constexpr std::array<const char*, k_fields> fields{"source",      "surface",   "objective",
                                                        "delta_e_itp", "max_theta", "xx"};
-    std::map<std::string, std::string> all;
+    std::map<std::string, std::string> entries;
     for (std::size_t i = 0; i < k_fields; ++i) {
         const std::string text = harmless ? "b" : k_texts[(first + i) % k_fields];
-        all[fields[i]] = text, all[harmless ? fmt::format("x{}", i) : text] = text;
+        entries[fields[i]] = text, entries[harmless ? fmt::format("x{}", i) : text] = text;
     }
-    return all;
+    return entries;
 }
 
-/// The destinations that the program names.
+/// The export destinations that the program's error message lists.
 Arguments destinations(const TemporaryFolder& folder) {
-    const std::string said = run(folder, {"export", "x", "--to", "nothing", "-o", "x"}).err;
-    const auto begin = said.find("expected ") + 9;
-    std::string list = said.substr(begin, said.find(", found") - begin);
-    Arguments all;
-    for (std::size_t at; (at = list.find(" or ")) != list.npos; list.erase(0, at + 4))
-        all.push_back(list.substr(0, at));
-    all.push_back(list);
-    return all;
+    const std::string message_text = run(folder, {"export", "x", "--to", "nothing", "-o", "x"}).err;
+    const auto begin = message_text.find("expected ") + 9;
+    std::string list = message_text.substr(begin, message_text.find(", found") - begin);
+    Arguments names;
+    for (std::size_t position; (position = list.find(" or ")) != list.npos; list.erase(0, position + 4))
+        names.push_back(list.substr(0, position));
+    names.push_back(list);
+    return names;
 }
 
 /// Exported text without comments, documentation and notes.
-std::string code_alone(std::string text, const std::string& to) {
+std::string code_without_comments(std::string text, const std::string& to) {
     const auto remove = [&](std::string_view first, std::string_view last) {
-        for (std::size_t at; (at = text.find(first)) != text.npos;)
-            text.erase(at, text.find(last, at + first.size()) + last.size() - at);
+        for (std::size_t position; (position = text.find(first)) != text.npos;)
+            text.erase(position, text.find(last, position + first.size()) + last.size() - position);
     };
     if (to == "mtlx" || to == "standard-surface") remove("<!--", "-->");
     if (to == "usd") remove("doc = \"\"\"", "\"\"\"");
@@ -390,30 +392,31 @@ std::string code_alone(std::string text, const std::string& to) {
     return code;
 }
 
-/// Names and metadata stay text: exports are those of harmless names but for comments.
-TEST_F(Hostile, WhatFilesSayIsNoCode) {
+/// Names and metadata remain text: except for comments, the export is the same as with harmless names.
+TEST_F(Hostile, NamesAndMetadataAreNotCode) {
     std::mt19937_64 random(1);
     const PmModel pm = random_model(random, {.lobes = 1, .variates = 1});
     const Library map = random_map(random, {.lobes = 2}, 3, 2);
-    const Arguments surfaces{"mtlx", "standard-surface", "gltf", "glb", "usd", "blender"}, all = destinations(folder);
-    ASSERT_GE(all.size(), 12u);
+    const Arguments surfaces{"mtlx", "standard-surface", "gltf", "glb", "usd", "blender"}, kinds = destinations(folder);
+    ASSERT_GE(kinds.size(), 12u);
     fs::create_directory(folder / "clean");
     std::set<std::string> tried;
     for (std::size_t i = 0; i < k_fields; i += 2) {
         const std::string& name = k_names[i / 2 % std::size(k_names)];
-        for (const std::string& to : all) {
+        for (const std::string& to : kinds) {
             const bool is_map = to == "ktx2" || to == "exr", is_surface = std::ranges::count(surfaces, to) > 0,
-                       takes_long = to == "html" || to == "three";
-            if (to == "dds" || (takes_long && i > 0)) continue;
+                       is_slow = to == "html" || to == "three";
+            if (to == "dds" || (is_slow && i > 0)) continue;
             SCOPED_TRACE(fmt::format("{} {}: {}", to, i, printable(name)));
             const auto exported = [&](const std::string& file, bool harmless) {
-                Library own = map;
-                own.provenance = metadata(i, harmless);
-                const Model model = is_surface ? Model{OpenPbrModel{}, own.provenance} : Model{pm, own.provenance};
-                write(folder / file, text_of(is_map ? write_library(own) : write_model(model)));
-                const ProgramRun done = run(folder, {"export", file, "--to", to, "-o", "x"});
-                EXPECT_EQ(done.status, 0) << done.err;
-                EXPECT_EQ(printable_lines(done.out + done.err), done.out + done.err);
+                Library library = map;
+                library.provenance = metadata(i, harmless);
+                const Model model =
+                    is_surface ? Model{OpenPbrModel{}, library.provenance} : Model{pm, library.provenance};
+                write(folder / file, text_of(is_map ? write_library(library) : write_model(model)));
+                const ProgramRun result = run(folder, {"export", file, "--to", to, "-o", "x"});
+                EXPECT_EQ(result.status, 0) << result.err;
+                EXPECT_EQ(printable_lines(result.out + result.err), result.out + result.err);
                 return contents(folder / "x");
             };
             std::string x = exported(name + ".srbf", false), y = exported("clean/" + identifier(name) + ".srbf", true);
@@ -434,20 +437,20 @@ TEST_F(Hostile, WhatFilesSayIsNoCode) {
                 for (const char c : {'<', '>', '"', '\''})
                     EXPECT_EQ(std::ranges::count(x, c), std::ranges::count(y, c)) << c;
             else
-                EXPECT_EQ(code_alone(x, to), code_alone(y, to));
+                EXPECT_EQ(code_without_comments(x, to), code_without_comments(y, to));
         }
     }
-    EXPECT_EQ(tried.size(), all.size() - std::size_t(std::ranges::count(all, "dds")));
+    EXPECT_EQ(tried.size(), kinds.size() - std::size_t(std::ranges::count(kinds, "dds")));
 }
 
-/// The names that lines at the left margin define.
+/// The names defined on unindented lines.
 std::vector<std::string> defined_names(const std::string& text) {
     std::istringstream lines(text);
     std::vector<std::string> names;
     for (std::string line; std::getline(lines, line);) {
         if (line.empty() || !std::isalpha(static_cast<unsigned char>(line[0]))) continue;
         std::string head = line.substr(0, line.find_first_of("([={:"));
-        if (const auto at = head.find(" extends"); at != head.npos) head.resize(at);
+        if (const auto position = head.find(" extends"); position != head.npos) head.resize(position);
         head.erase(head.find_last_not_of(' ') + 1);
         const std::string name = head.substr(head.find_last_of(" $") + 1);
         if (name != "if" && name != "import" && name != "typedef struct" && name != "struct" && !name.empty())
@@ -456,49 +459,50 @@ std::vector<std::string> defined_names(const std::string& text) {
     return names;
 }
 
-/// Two files whose names would be one in the code: it tells them apart, or an error names both.
+/// Two files whose names could collide in code: the code distinguishes them, or an error names both.
 TEST_F(Hostile, NamesInCodeAreDistinct) {
     std::mt19937_64 random(1);
-    const Model pm{random_model(random, {.lobes = 1, .variates = 1}), {}}, two{full_bsdf(), {}};
+    const Model model{random_model(random, {.lobes = 1, .variates = 1}), {}}, bsdf{full_bsdf(), {}};
     using Named = std::pair<std::string, const Model*>;
-    const std::pair<Named, Named> pairs[] = {{{"a_b", &pm}, {"aB", &pm}},
-                                             {{"x", &pm}, {"x_r", &pm}},
-                                             {{"x", &pm}, {"x_light", &pm}},
-                                             {{"y", &two}, {"y_mirror", &two}},
-                                             {{"y", &two}, {"y_reflection_back", &pm}},
-                                             {{"y_reflection_back", &pm}, {"y", &two}}};
-    std::map<std::string, int> done;
+    const std::pair<Named, Named> pairs[] = {{{"a_b", &model}, {"aB", &model}},
+                                             {{"x", &model}, {"x_r", &model}},
+                                             {{"x", &model}, {"x_light", &model}},
+                                             {{"y", &bsdf}, {"y_mirror", &bsdf}},
+                                             {{"y", &bsdf}, {"y_reflection_back", &model}},
+                                             {{"y_reflection_back", &model}, {"y", &bsdf}}};
+    std::map<std::string, int> succeeded;
     for (const std::string& to : destinations(folder)) {
         if (to == "html" || to == "dds") continue;
         for (const auto& [a, b] : pairs) {
             if (to == "three" && &a != &pairs[0].first) continue;
             SCOPED_TRACE(fmt::format("{}: {} and {}", to, a.first, b.first));
-            for (const auto& [name, model] : {a, b}) ASSERT_TRUE(save_model(*model, folder / (name + ".srbf")).ok());
-            const ProgramRun ended =
+            for (const auto& [name, named_model] : {a, b})
+                ASSERT_TRUE(save_model(*named_model, folder / (name + ".srbf")).ok());
+            const ProgramRun result =
                 run(folder, {"export", a.first + ".srbf", b.first + ".srbf", "--to", to, "-o", "o"});
-            if (ended.status == 0) {
-                ++done[to];
+            if (result.status == 0) {
+                ++succeeded[to];
                 std::vector<std::string> names = defined_names(contents(folder / "o"));
                 EXPECT_GE(names.size(), 2u);
-                // A module has names of JavaScript and, in a text, of GLSL.
+                // A module contains names of JavaScript and, within a string, of GLSL.
                 if (to == "three") std::erase_if(names, [](const auto& name) { return !name.ends_with("Material"); });
                 std::ranges::sort(names);
-                const auto twice = std::ranges::adjacent_find(names);
-                EXPECT_EQ(twice, names.end()) << *twice;
+                const auto duplicate = std::ranges::adjacent_find(names);
+                EXPECT_EQ(duplicate, names.end()) << *duplicate;
                 continue;
             }
-            EXPECT_EQ(ended.status, 1);
-            EXPECT_EQ(std::ranges::count(ended.err, '\n'), 1) << ended.err;
-            if (ended.err.find("names in their code") != ended.err.npos) {
-                EXPECT_NE(ended.err.find(a.first + " and " + b.first), ended.err.npos) << ended.err;
+            EXPECT_EQ(result.status, 1);
+            EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+            if (result.err.find("names in their code") != result.err.npos) {
+                EXPECT_NE(result.err.find(a.first + " and " + b.first), result.err.npos) << result.err;
             }
         }
     }
-    EXPECT_GE(done.size(), 7u);
-    for (const auto& [to, count] : done) EXPECT_GE(count, to == "three" ? 1 : 4) << to;
+    EXPECT_GE(succeeded.size(), 7u);
+    for (const auto& [to, count] : succeeded) EXPECT_GE(count, to == "three" ? 1 : 4) << to;
 }
 
-/// Names of files reach the terminal, and JSON there, in one line each.
+/// File names are printed in a single line, also in JSON on the terminal.
 TEST_F(Hostile, NamesOfFilesAreOneLine) {
     std::mt19937_64 random(1);
     const Model model{random_model(random, {.lobes = 1, .variates = 1}), {}};
@@ -506,7 +510,7 @@ TEST_F(Hostile, NamesOfFilesAreOneLine) {
     const auto runs = [&](const std::string& name) {
         EXPECT_TRUE(save_model(model, folder / (name + ".srbf")).ok());
         write(folder / (name + ".binary"), small_merl());
-        std::vector<ProgramRun> all;
+        std::vector<ProgramRun> results;
         for (const Arguments& arguments :
              {Arguments{"info", name + ".srbf"},
               {"compare", name + ".srbf", name + ".srbf"},
@@ -520,23 +524,23 @@ TEST_F(Hostile, NamesOfFilesAreOneLine) {
               {"export", name + ".srbf", "--to", name, "-o", name},
               {"info", "--" + name},
               {name}})
-            if (is_offered(arguments)) all.push_back(run(folder, arguments));
-        return all;
+            if (is_offered(arguments)) results.push_back(run(folder, arguments));
+        return results;
     };
     write(folder / "b.binary", small_merl());
     const auto harmless = runs("a");
     for (const std::string& name : k_names) {
-        const auto done = runs(name);
-        for (std::size_t i = 0; i < done.size(); ++i) {
+        const auto results = runs(name);
+        for (std::size_t i = 0; i < results.size(); ++i) {
             SCOPED_TRACE(fmt::format("{}: {}", i, printable(name)));
-            const std::string said = done[i].out + done[i].err;
-            EXPECT_EQ(done[i].status, harmless[i].status) << said;
-            EXPECT_EQ(printable_lines(said), said);
-            EXPECT_EQ(std::ranges::count(said, '\n'), std::ranges::count(harmless[i].out + harmless[i].err, '\n'))
-                << said;
+            const std::string output = results[i].out + results[i].err;
+            EXPECT_EQ(results[i].status, harmless[i].status) << output;
+            EXPECT_EQ(printable_lines(output), output);
+            EXPECT_EQ(std::ranges::count(output, '\n'), std::ranges::count(harmless[i].out + harmless[i].err, '\n'))
+                << output;
         }
-        const Json report = Json::parse(done[2].out, nullptr, false);
-        ASSERT_TRUE(report.is_object()) << done[2].out;
+        const Json report = Json::parse(results[2].out, nullptr, false);
+        ASSERT_TRUE(report.is_object()) << results[2].out;
         if (name.find('\xff') == name.npos) {
             EXPECT_EQ(report["reference"], name + ".srbf");
         }

@@ -1,4 +1,4 @@
-// Lobes as a least-squares problem: derivatives, the linear part, and the steps of the search.
+// Lobes as a least-squares problem: derivatives, the linear subproblem, and the steps of the search.
 #include "models/pm/solve/lobe_problem.h"
 
 #include "base/least_squares.h"
@@ -13,7 +13,7 @@
 namespace srbf::lobes_test {
 namespace {
 
-/// Two lobes and a constant, which no single lobe can fit.
+/// Two lobes and a constant. No single lobe can fit their sum.
 Observations observations(Objective objective, std::size_t count = 4096) {
     const Evaluate f = [](auto wl, auto wv, auto out) {
         for (std::size_t i = 0; i < out.size(); ++i) {
@@ -36,20 +36,20 @@ Lobes reciprocal(Lobes lobes) {
     return lobes;
 }
 
-/// More lobes than channels.
-Lobes twice(Lobes lobes) {
+/// Twice the lobes, so that there are more of them than channels.
+Lobes doubled(Lobes lobes) {
     for (const double weight : std::vector(lobes.weight)) lobes.weight.push_back(0.7 * weight);
     return lobes;
 }
 
 const Rows& rows() {
-    static const Rows all(observations());
-    return all;
+    static const Rows cached(observations());
+    return cached;
 }
 
 Lobes some_lobes() { return {{PmForm::gaussian, 3}, {0.7, 0.1, 1.4}, {40, -2, 1, 3, 0.5, -1.5, -0.7, 4, 2}}; }
 
-/// 2 Jᵀr of linearise against central differences of the loss.
+/// Compares 2 Jᵀr from `linearise` with central differences of the loss.
 void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
     Eigen::MatrixXd H;
     Eigen::VectorXd g;
@@ -87,7 +87,7 @@ TEST(Lobes, ExponentsAreBoundedByTheirTerms) {
     EXPECT_EQ(weight_range(4, shape).most, 65504);  // σ
 }
 
-TEST(Lobes, DerivativesOfSpectraAreThoseOfDifferences) {
+TEST(Lobes, SpectralGradientMatchesDifferences) {
     Observations o = observations(2048);
     Channels five{{400, 450, 500, 600, 700}, [](auto wl, auto wv, auto f) {
                       for (std::size_t i = 0; i < wl.size(); ++i) {
@@ -101,10 +101,10 @@ TEST(Lobes, DerivativesOfSpectraAreThoseOfDifferences) {
     const Rows spectral(o, {.spectra = true}), with_integrals(o, {.integral_importance = 0.01, .spectra = true});
     EXPECT_EQ(spectral.y.size(), 5u);
     LobeProblem problem(spectral, {PmForm::gaussian, 3}, false),
-        and_integrals(with_integrals, {PmForm::gaussian, 3}, false);
+        problem_with_integrals(with_integrals, {PmForm::gaussian, 3}, false);
     const Eigen::VectorXd x = pack(some_lobes());
     check_gradient(problem, x);
-    check_gradient(and_integrals, x);
+    check_gradient(problem_with_integrals, x);
     problem.loss(x);
     EXPECT_EQ(problem.beta().cols(), 5);
     const PmModel model = to_model(problem, some_lobes(), true, o.wavelengths);
@@ -112,39 +112,39 @@ TEST(Lobes, DerivativesOfSpectraAreThoseOfDifferences) {
     EXPECT_EQ(model.coefficient, colours(model.spectrum, o.wavelengths));
 }
 
-TEST(Lobes, GradientIsThatOfTheLoss) {
+TEST(Lobes, GradientMatchesTheLoss) {
     const Lobes horizon{{PmForm::horizon, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, -1.5, 1}},
         extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
     for (const Lobes& lobes :
          {some_lobes(), horizon, extended, general_lobes(), reciprocal(some_lobes()), reciprocal(general_lobes()),
-          twice(some_lobes()), twice(general_lobes()), twice(reciprocal(general_lobes()))}) {
+          doubled(some_lobes()), doubled(general_lobes()), doubled(reciprocal(general_lobes()))}) {
         LobeProblem problem(rows(), lobes.shape, false);
         check_gradient(problem, pack(lobes));
     }
 }
 
-TEST(Lobes, GradientIsThatOfTheLossWhereCoefficientsAreBounded) {
+TEST(Lobes, GradientMatchesTheLossWithBoundedCoefficients) {
     LobeProblem problem(rows(), {PmForm::gaussian, 3}, false, -3.0);
     const Eigen::VectorXd x = pack(some_lobes());
     const double bounded = problem.loss(x);
-    LobeProblem free(rows(), {PmForm::gaussian, 3}, false);
-    ASSERT_GT(bounded, 1.05 * free.loss(x));  // the bound is active
+    LobeProblem unbounded(rows(), {PmForm::gaussian, 3}, false);
+    ASSERT_GT(bounded, 1.05 * unbounded.loss(x));  // the bound is active
     check_gradient(problem, x);
 
     LobeProblem general(rows(), {PmForm::extended, 2, false}, false, 0.0);
     const Eigen::VectorXd y = pack(general_lobes());
-    LobeProblem general_free(rows(), {PmForm::extended, 2, false}, false);
-    ASSERT_GT(general.loss(y), 1.05 * general_free.loss(y));
+    LobeProblem general_unbounded(rows(), {PmForm::extended, 2, false}, false);
+    ASSERT_GT(general.loss(y), 1.05 * general_unbounded.loss(y));
     check_gradient(general, y);
 }
 
-// Of an integral the squared difference of the sums counts, relative to its luminance.
-TEST(Lobes, LossCountsAlbedo) {
+// The loss contains the squared difference of each integral, relative to its luminance.
+TEST(Lobes, LossIncludesAlbedo) {
     const Observations o = observations();
     const double importance = 0.3;
-    const Rows with(o, {.integral_importance = importance});
+    const Rows rows_with_integrals(o, {.integral_importance = importance});
     for (const Lobes& lobes : {some_lobes(), general_lobes(), reciprocal(general_lobes())}) {
-        LobeProblem problem(with, lobes.shape, false);
+        LobeProblem problem(rows_with_integrals, lobes.shape, false);
         const Eigen::VectorXd x = pack(lobes);
         const double loss = problem.loss(x);
         check_gradient(problem, x);
@@ -154,51 +154,52 @@ TEST(Lobes, LossCountsAlbedo) {
             for (int c = 0; c < 3; ++c)
                 expected +=
                     o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
-        for (const ObservedIntegral& seen : o.integrals) {
-            double whole = 0;
-            std::array<double, 3> off{};
-            for (std::size_t i = 0; i < seen.wl.size(); ++i) {
-                whole += seen.weight[i] * luminance(seen.f[i]);
-                const Rgb f = value(model, seen.wl[i], seen.wv[i]);
+        for (const ObservedIntegral& integral : o.integrals) {
+            double total = 0;
+            std::array<double, 3> difference_sum{};
+            for (std::size_t i = 0; i < integral.wl.size(); ++i) {
+                total += integral.weight[i] * luminance(integral.f[i]);
+                const Rgb f = value(model, integral.wl[i], integral.wv[i]);
                 for (int c = 0; c < 3; ++c)
-                    off[std::size_t(c)] += seen.weight[i] * (double(seen.f[i][c]) - double(f[c]));
+                    difference_sum[std::size_t(c)] += integral.weight[i] * (double(integral.f[i][c]) - double(f[c]));
             }
-            for (const double difference : off)
-                expected += importance / double(o.integrals.size()) * elementary::pow(difference / whole, 2);
+            for (const double difference : difference_sum)
+                expected += importance / double(o.integrals.size()) * elementary::pow(difference / total, 2);
         }
         EXPECT_TRUE(near_relative(loss, expected, 2e-3));
     }
 }
 
-/// The same function, with pictures.
-const Rows& rows_with_views() {
-    static const Rows all(observations(Objective::appearance), {.picture_importance = 0.01});
-    return all;
+/// The same observations with pictures.
+const Rows& rows_with_pictures() {
+    static const Rows cached(observations(Objective::appearance), {.picture_importance = 0.01});
+    return cached;
 }
 
-TEST(Lobes, GradientIsThatOfTheLossWithPictures) {
+TEST(Lobes, GradientMatchesTheLossWithPictures) {
     const Lobes extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
     for (const Lobes& lobes : {some_lobes(), extended, general_lobes(), reciprocal(general_lobes())})
         for (const double limit : {std::numeric_limits<double>::infinity(), -3.0}) {
-            LobeProblem problem(rows_with_views(), lobes.shape, false, limit);
+            LobeProblem problem(rows_with_pictures(), lobes.shape, false, limit);
             const Eigen::VectorXd x = pack(lobes);
-            for (int i = 0; i < 10; ++i) problem.loss(x);  // each goes on from the coefficients of the last
+            for (int i = 0; i < 10; ++i) problem.loss(x);  // each starts from the previous coefficients
             check_gradient(problem, x);
         }
 }
 
-TEST(Lobes, LossCountsWhatIsSeen) {
+TEST(Lobes, LossIncludesPictures) {
     const Observations o = observations(Objective::appearance);
     ASSERT_FALSE(o.views.empty());
-    LobeProblem problem(rows_with_views(), {PmForm::gaussian, 3}, false);
+    LobeProblem problem(rows_with_pictures(), {PmForm::gaussian, 3}, false);
     const Eigen::VectorXd x = pack(some_lobes());
     double loss = 0;
     for (int i = 0; i < 10; ++i) loss = problem.loss(x);
     const PmModel model = to_model(problem, some_lobes(), true);
-    double of_pairs = 0, error = 0, delta_e = 0;
+    double pair_loss = 0, picture_loss = 0, delta_e = 0;
     for (std::size_t i = 0; i < o.fitted_count(); ++i)
         for (int c = 0; c < 3; ++c)
-            of_pairs += o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
+            pair_loss +=
+                o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
     int pixels = 0;
     for (const ObservedView& view : o.views)
         for (const ObservedPixel& pixel : view.pixels) {
@@ -211,16 +212,16 @@ TEST(Lobes, LossCountsWhatIsSeen) {
             for (int c = 0; c < 3; ++c)
                 if (measured[c] >= 1) measured[c] = 1, fitted[c] = std::min(fitted[c], 1.f);
             const double difference = delta_e_itp(measured, fitted);
-            delta_e += difference, error += 2 * (std::sqrt(difference * difference + 1) - 1);
+            delta_e += difference, picture_loss += 2 * (std::sqrt(difference * difference + 1) - 1);
             ++pixels;
         }
-    EXPECT_TRUE(near_relative(loss, of_pairs + 0.01 * error / pixels, 2e-3));
+    EXPECT_TRUE(near_relative(loss, pair_loss + 0.01 * picture_loss / pixels, 2e-3));
     EXPECT_TRUE(near_relative(problem.delta_e(), delta_e / pixels, 1e-3));
-    // The coefficients are those of pictures as well: those of the pairs alone look worse.
-    const Rows hardly(o, {.picture_importance = 1e-9});
-    LobeProblem alone(hardly, {PmForm::gaussian, 3}, false);
-    alone.loss(x);
-    EXPECT_LT(problem.delta_e(), 0.98 * alone.delta_e());
+    // Pictures influence the coefficients: those of the pairs alone have a larger visible error.
+    const Rows negligible(o, {.picture_importance = 1e-9});
+    LobeProblem without_pictures(negligible, {PmForm::gaussian, 3}, false);
+    without_pictures.loss(x);
+    EXPECT_LT(problem.delta_e(), 0.98 * without_pictures.delta_e());
 }
 
 TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
@@ -228,9 +229,9 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
     const Lobes lobes = some_lobes();
     const Eigen::VectorXd x = pack(lobes);
     const double loss = problem.loss(x);
-    // Σ w |f − Σ β E|² evaluated directly, for the coefficients found and for perturbed ones.
+    // Σ w |f − Σ β E|² evaluated directly, for the computed coefficients and for perturbed ones.
     const Observations o = observations();
-    const auto sum = [&](const Eigen::MatrixXd& beta) {
+    const auto loss_of = [&](const Eigen::MatrixXd& beta) {
         double total = 0;
         for (std::size_t i = 0; i < 4096; ++i)
             for (int c = 0; c < 3; ++c) {
@@ -250,14 +251,14 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
             }
         return total;
     };
-    EXPECT_TRUE(near_relative(loss, sum(problem.beta()), 1e-4));
+    EXPECT_TRUE(near_relative(loss, loss_of(problem.beta()), 1e-4));
     EXPECT_GE(problem.beta().minCoeff(), 0);
     for (int j = 0; j < 3; ++j)
         for (int c = 0; c < 3; ++c)
             for (const double change : {-0.02, 0.02}) {
                 Eigen::MatrixXd other = problem.beta();
                 other(j, c) = std::max(0.0, other(j, c) + change);
-                EXPECT_GE(sum(other), sum(problem.beta()) * (1 - 1e-6));
+                EXPECT_GE(loss_of(other), loss_of(problem.beta()) * (1 - 1e-6));
             }
 }
 
@@ -274,7 +275,7 @@ TEST(Lobes, AreTheSameInParallel) {
     EXPECT_EQ(g1, g2);
 }
 
-TEST(Lobes, DroppingCostsWhatItSays) {
+TEST(Lobes, CostOfDroppingIsARiseOfTheLoss) {
     LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
     const Lobes lobes{{PmForm::gaussian, 3}, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
     const double loss = problem.loss(pack(lobes));
@@ -284,7 +285,7 @@ TEST(Lobes, DroppingCostsWhatItSays) {
         fewer.weight.erase(fewer.weight.begin() + std::ptrdiff_t(3 * j),
                            fewer.weight.begin() + std::ptrdiff_t(3 * j + 3));
         const double rise = problem.loss(pack(fewer)) - loss;
-        EXPECT_GE(rise, cost[j] * 0.99) << j;  // non-negativity can only increase it
+        EXPECT_GE(rise, cost[j] * 0.99) << j;  // constraints on the sign can only increase it
         EXPECT_LE(rise, cost[j] * 1.5) << j;
     }
 }
@@ -311,9 +312,9 @@ TEST(Lobes, BestAdditionIsTheBestOfItsCandidates) {
     const auto chosen = std::find(candidates.begin(), candidates.end(), best) - candidates.begin();
     ASSERT_LT(chosen, 40);
     EXPECT_LT(losses[std::size_t(chosen)], before);
-    // The gain is that of signed coefficients; the choice is good, but not always optimal.
-    const double least = *std::min_element(losses.begin(), losses.end());
-    EXPECT_LT(losses[std::size_t(chosen)] - least, 0.2 * (before - least));
+    // The gain assumes signed coefficients, so the choice is good but not always optimal.
+    const double smallest = *std::min_element(losses.begin(), losses.end());
+    EXPECT_LT(losses[std::size_t(chosen)] - smallest, 0.2 * (before - smallest));
 }
 
 TEST(Rounding, KeepsDirections) {
@@ -330,7 +331,7 @@ TEST(Rounding, KeepsDirections) {
     EXPECT_LT(largest, 3e-5);
 }
 
-TEST(Rounding, ModelOfLobesEvaluatesToThem) {
+TEST(Rounding, ModelHasTheValuesOfItsLobes) {
     LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
     const Lobes lobes = some_lobes();
     problem.loss(pack(lobes));
@@ -339,7 +340,7 @@ TEST(Rounding, ModelOfLobesEvaluatesToThem) {
     for (std::size_t i = 0; i < lobes.weight.size(); ++i)
         EXPECT_TRUE(near_relative(back.weight[i], lobes.weight[i], 1e-6));
     const Observations o = observations();
-    double error = 0, whole = 0;
+    double error = 0, total = 0;
     for (std::size_t i = 0; i < 500; ++i) {
         double f = 0;
         for (int j = 0; j < 3; ++j) {
@@ -353,29 +354,29 @@ TEST(Rounding, ModelOfLobesEvaluatesToThem) {
             f += problem.scale() * problem.beta()(j, 1) * elementary::exp(exponent);
         }
         error += elementary::pow(f - double(value(model, o.wl[i], o.wv[i]).g), 2);
-        whole += f * f;
+        total += f * f;
     }
-    EXPECT_LT(error, 1e-6 * whole);
+    EXPECT_LT(error, 1e-6 * total);
 }
 
-TEST(Rounding, CostsNoMoreThanThatOfEachNumberForItself) {
+TEST(Rounding, IsAtLeastAsGoodAsRoundingEachNumber) {
     const Lobes extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
-    for (const Rows* of : {&rows(), &rows_with_views()})
+    for (const Rows* each_rows : {&rows(), &rows_with_pictures()})
         for (const Lobes& lobes : {some_lobes(), extended, general_lobes()}) {
-            LobeProblem problem(*of, lobes.shape, false);
+            LobeProblem problem(*each_rows, lobes.shape, false);
             Eigen::VectorXd x = pack(lobes);
             const double unrounded = levenberg_marquardt(problem, x, {.max_iterations = 30}).loss;
             const Lobes best = unpack(x, lobes.shape);
             const Eigen::MatrixXd beta = problem.beta();
-            const Lobes alone = round_lobes(problem, best, unrounded * 1e3);
+            const Lobes each_rounded = round_lobes(problem, best, unrounded * 1e3);
             problem.continue_from(beta);
-            const double plain = problem.loss(pack(alone));
+            const double loss_of_each = problem.loss(pack(each_rounded));
             problem.continue_from(beta);
             problem.loss(x);
-            const Lobes followed = round_lobes(problem, best, 0);  // no cost is small enough
-            EXPECT_LE(problem.loss(pack(followed)), 1.001 * plain);
-            const PmModel model = to_model(problem, followed, true);
-            EXPECT_EQ(pack(to_lobes(to_halves(model, followed), lobes.shape)), pack(followed));
+            const Lobes rounded = round_lobes(problem, best, 0);  // no increase is acceptable
+            EXPECT_LE(problem.loss(pack(rounded)), 1.001 * loss_of_each);
+            const PmModel model = to_model(problem, rounded, true);
+            EXPECT_EQ(pack(to_lobes(to_halves(model, rounded), lobes.shape)), pack(rounded));
         }
 }
 

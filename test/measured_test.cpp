@@ -1,4 +1,5 @@
-// Damaged files: an Error that says what is wrong, or a table that keeps its contract; never a crash.
+// Damaged files: reading gives an Error that describes the problem, or a table that keeps its contract; it never
+// crashes.
 #include "corpus.h"
 #include "measured_files.h"
 #include "srbf/file.h"
@@ -9,11 +10,11 @@
 namespace srbf::measured_test {
 namespace {
 
-/// Each way to read gives an error with its parts in place, or a table that keeps the contract of a BRDF.
-template <typename Table> void expect_answers(const Table& table, std::mt19937_64& random) {
+/// Expects that a read result is an error with all its parts, or a table that keeps the contract of a BRDF.
+template <typename Table> void expect_contract_or_error(const Table& table, std::mt19937_64& random) {
     constexpr bool may_lack = std::is_same_v<Table, MerlTable> || std::is_same_v<Table, UtiaTable> ||
                               std::is_same_v<Table, MbsdfTable> || std::is_same_v<Table, BsdfTable>;
-    constexpr bool two_sided = std::is_same_v<Table, BsdfTable>;  // which keeps the contract in the frame of each part
+    constexpr bool two_sided = std::is_same_v<Table, BsdfTable>;  // keeps the contract in the frame of each part
     for (int i = 0; i < 40; ++i) {
         Vec3f wl = to_float(random_direction(random)), wv = to_float(random_direction(random));
         if (i % 4 == 0) wl = {0, 0, 1};
@@ -25,28 +26,28 @@ template <typename Table> void expect_answers(const Table& table, std::mt19937_6
     }
 }
 
-template <typename Table> void expect_answers(const Result<Table>& table, std::mt19937_64& random) {
-    if (table) return expect_answers(*table, random);
+template <typename Table> void expect_contract_or_error(const Result<Table>& table, std::mt19937_64& random) {
+    if (table) return expect_contract_or_error(*table, random);
     EXPECT_EQ(table.error().source, "test\n.file");
     EXPECT_FALSE(table.error().what.empty());
     EXPECT_EQ(message(table.error()).find('\n'), std::string::npos);
     EXPECT_LT(message(table.error()).size(), 1000u);
 }
 
-/// Reads by content and by each format. False: an error by content.
+/// Reads the bytes by content and as each format. False if reading by content gives an error.
 bool read_all(std::span<const std::byte> bytes, std::mt19937_64& random) {
-    // A copy of just this size, so that reading past its end is seen.
+    // A copy of exactly this size, so that sanitizers notice reads past its end.
     const Bytes copy(bytes.begin(), bytes.end());
     const auto measured = read_measured(copy, "test\n.file");
     if (measured)
-        std::visit([&](const auto& table) { expect_answers(table, random); }, measured->table);
+        std::visit([&](const auto& table) { expect_contract_or_error(table, random); }, measured->table);
     else
-        expect_answers(Result<RglTable>(measured.error()), random);
-    expect_answers(read_merl(copy, "test\n.file"), random);
-    expect_answers(read_rgl(copy, "test\n.file"), random);
-    expect_answers(read_mbsdf(copy, "test\n.file"), random);
+        expect_contract_or_error(Result<RglTable>(measured.error()), random);
+    expect_contract_or_error(read_merl(copy, "test\n.file"), random);
+    expect_contract_or_error(read_rgl(copy, "test\n.file"), random);
+    expect_contract_or_error(read_mbsdf(copy, "test\n.file"), random);
     for (const auto reader : {read_cornell, read_astm, read_alta, read_csv})
-        expect_answers(reader(copy, "test\n.file"), random);
+        expect_contract_or_error(reader(copy, "test\n.file"), random);
     return measured.ok();
 }
 
@@ -61,27 +62,26 @@ std::string error_of(const std::vector<FieldToWrite>& fields) {
 
 TEST(DamagedInput, EveryTruncationIsAnError) {
     std::mt19937_64 random(1);
-    for (const Bytes& whole :
+    for (const Bytes& bytes :
          {small_merl(), tensor_file(simple_rgl()), tensor_file(spectral_rgl()), small_mbsdf(), grey_mbsdf()}) {
-        EXPECT_TRUE(read_all(whole, random));
-        for (std::size_t size = 0; size < whole.size(); ++size) {
-            // Without its transmission an MBSDF file is whole.
-            const std::string_view rest = as_text(std::span(whole).subspan(size));
-            EXPECT_EQ(read_all(std::span(whole).first(size), random), rest.starts_with("MBSDF_DATA_TRANSMISSION="))
+        EXPECT_TRUE(read_all(bytes, random));
+        for (std::size_t size = 0; size < bytes.size(); ++size) {
+            // An MBSDF file without its transmission is valid.
+            const std::string_view remainder = as_text(std::span(bytes).subspan(size));
+            EXPECT_EQ(read_all(std::span(bytes).first(size), random), remainder.starts_with("MBSDF_DATA_TRANSMISSION="))
                 << size;
         }
     }
 }
 
-/// A truncated text may end between two samples or within the digits of the last number, and is then a valid shorter
-/// file.
-TEST(DamagedInput, EveryTruncationOfATextIsAnErrorOrAShorterOne) {
+/// A text that is truncated between two samples or within the digits of the last number is a valid shorter file.
+TEST(DamagedInput, EveryTruncationOfATextIsAnErrorOrAShorterFile) {
     std::mt19937_64 random(5);
     for (const std::string_view text : {k_small_cornell, k_small_astm, k_small_alta, k_small_csv}) {
         EXPECT_TRUE(read_all(as_bytes(text), random)) << text;
         std::size_t errors = 0;
         for (std::size_t size = 0; size < text.size(); ++size) errors += !read_all(as_bytes(text).first(size), random);
-        // Whatever ends within the header, or within a row before its last number, is an error.
+        // Truncation within the header, or within a row before its last number, is an error.
         EXPECT_GE(errors, text.size() / 2) << text;
     }
 }
@@ -89,39 +89,39 @@ TEST(DamagedInput, EveryTruncationOfATextIsAnErrorOrAShorterOne) {
 TEST(DamagedInput, EveryFlippedByteOfATextIsAnErrorOrSamples) {
     std::mt19937_64 random(6);
     for (const std::string_view text : {k_small_cornell, k_small_astm, k_small_alta, k_small_csv})
-        for (std::size_t at = 0; at < text.size(); ++at)
+        for (std::size_t position = 0; position < text.size(); ++position)
             for (const int pattern : {0xff, 0x01, 0x80, 0x10, 0x20}) {
                 const auto bytes = as_bytes(text);
                 Bytes damaged(bytes.begin(), bytes.end());
-                damaged[at] ^= std::byte(pattern);
+                damaged[position] ^= std::byte(pattern);
                 read_all(damaged, random);
             }
 }
 
 TEST(DamagedInput, EveryFlippedHeaderByteIsAnErrorOrATable) {
     std::mt19937_64 random(2);
-    std::size_t header = 0, spectral_header = 0, turned_header = 0;
+    std::size_t header = 0, spectral_header = 0, anisotropic_header = 0;
     const Bytes rgl = tensor_file(simple_rgl(), &header), merl = small_merl();
     const Bytes spectral = tensor_file(spectral_rgl(), &spectral_header),
-                turned = tensor_file(anisotropic_rgl(), &turned_header);
-    for (const auto& [whole, size] :
+                anisotropic = tensor_file(anisotropic_rgl(), &anisotropic_header);
+    for (const auto& [bytes, size] :
          {std::pair(rgl, header), std::pair(merl, std::size_t(12)), std::pair(spectral, spectral_header),
-          std::pair(turned, turned_header), std::pair(small_mbsdf(), small_mbsdf().size()),
+          std::pair(anisotropic, anisotropic_header), std::pair(small_mbsdf(), small_mbsdf().size()),
           std::pair(grey_mbsdf(), grey_mbsdf().size())})
-        for (std::size_t at = 0; at < size; ++at)
+        for (std::size_t position = 0; position < size; ++position)
             for (const int pattern : {0xff, 0x01, 0x80}) {
-                Bytes damaged = whole;
-                damaged[at] ^= std::byte(pattern);
+                Bytes damaged = bytes;
+                damaged[position] ^= std::byte(pattern);
                 read_all(damaged, random);
             }
 }
 
 TEST(DamagedInput, EveryFlippedByteOfTheNumbersIsAnErrorOrATable) {
     std::mt19937_64 random(3);
-    for (const Bytes& whole : {small_merl(), tensor_file(simple_rgl())})
-        for (std::size_t at = 12; at < whole.size(); ++at) {
-            Bytes damaged = whole;
-            damaged[at] ^= std::byte(at % 2 ? 0x7f : 0xff);
+    for (const Bytes& bytes : {small_merl(), tensor_file(simple_rgl())})
+        for (std::size_t position = 12; position < bytes.size(); ++position) {
+            Bytes damaged = bytes;
+            damaged[position] ^= std::byte(position % 2 ? 0x7f : 0xff);
             read_all(damaged, random);
         }
 }
@@ -132,37 +132,37 @@ TEST(DamagedInput, GarbageIsAnErrorOrATable) {
     for (int i = 0; i < 3000; ++i) {
         Bytes garbage(random() % 700);
         for (auto& b : garbage) b = std::byte(random());
-        // After the first bytes of a true file, garbage gets further.
-        const Bytes& opening = i % 3 == 0 ? rgl : merl;
+        // Garbage after the first bytes of a valid file reaches later checks.
+        const Bytes& valid = i % 3 == 0 ? rgl : merl;
         const std::size_t kept = i % 3 == 2 ? 0 : i % 3 == 1 ? 12 : random() % rgl.size();
         if (i % 3 == 1) garbage.resize(merl.size());
-        std::copy_n(opening.begin(), std::min(kept, garbage.size()), garbage.begin());
+        std::copy_n(valid.begin(), std::min(kept, garbage.size()), garbage.begin());
         read_all(garbage, random);
     }
 }
 
-TEST(DamagedInput, IsToldInPlainWords) {
-    const auto say = [](std::span<const std::byte> bytes) {
+TEST(DamagedInput, HasPlainMessages) {
+    const auto message_for = [](std::span<const std::byte> bytes) {
         const auto measured = read_measured(bytes, "f");
         return measured ? "" : message(measured.error());
     };
-    EXPECT_EQ(say({}), "f: unknown format: expected " + names_of_formats() + ", found an empty file");
+    EXPECT_EQ(message_for({}), "f: unknown format: expected " + names_of_formats() + ", found an empty file");
     EXPECT_TRUE(names_of_formats().starts_with("RGL, MBSDF, MERL, "));
     EXPECT_TRUE(names_of_formats().ends_with("ALTA, ASTM E1392, Cornell, CSV or UTIA"));
-    EXPECT_NE(say(as_bytes("theta phi\n1 2\n")).find("unknown format"), std::string::npos);
+    EXPECT_NE(message_for(as_bytes("theta phi\n1 2\n")).find("unknown format"), std::string::npos);
 
-    Bytes cut = merl_file({90, 90, 180}, [](int, int, int, int) { return 0.1; });
-    ASSERT_EQ(say(cut), "");
-    cut.resize(cut.size() - 8);
-    EXPECT_EQ(say(cut),
+    Bytes truncated = merl_file({90, 90, 180}, [](int, int, int, int) { return 0.1; });
+    ASSERT_EQ(message_for(truncated), "");
+    truncated.resize(truncated.size() - 8);
+    EXPECT_EQ(message_for(truncated),
               "f: at 12: size of a MERL table of 90 x 90 x 180: expected 34992012 bytes, found 34992004 bytes");
 
     const double nan = std::nan("");
-    EXPECT_EQ(say(merl_file({3, 4, 5}, [&](int, int, int, int) { return nan; })),
+    EXPECT_EQ(message_for(merl_file({3, 4, 5}, [&](int, int, int, int) { return nan; })),
               "f: at 12: MERL cells: expected at least one measured (finite and not negative), found none");
 }
 
-/// A file of the format that is larger than any file of no known format is read.
+/// A file of the format that is larger than the size to which files of unknown format are read.
 Bytes large_file(const Format& format) {
     if (format.name == "UTIA") return Bytes(format.size({}));
     if (format.name == "MERL") return merl_file({50, 50, 50}, [](auto...) { return 1; });
@@ -177,7 +177,7 @@ Bytes large_file(const Format& format) {
     return {};
 }
 
-TEST(Formats, AreReadWhole) {
+TEST(Formats, AreReadCompletely) {
     const TemporaryFolder folder;
     EXPECT_GE(formats().size(), 8u);
     for (const Format& format : formats()) {
@@ -190,7 +190,7 @@ TEST(Formats, AreReadWhole) {
     }
 }
 
-TEST(DamagedInput, PromisesBeyondTheFileAreRefused) {
+TEST(DamagedInput, SizesBeyondTheFileAreRejected) {
     for (const std::int32_t n : {0, -1, 4097, 0x7fffffff}) {
         Bytes merl;
         for (int i = 0; i < 3; ++i) append(merl, n);
@@ -207,12 +207,11 @@ TEST(DamagedInput, PromisesBeyondTheFileAreRefused) {
         auto fields = simple_rgl();
         field(fields, "vndf").shape = {1, 3, n, n};
         EXPECT_NE(error_of(fields).find("to lie within"), std::string::npos);
-        field(fields, "vndf").shape = {0, n, n, n};  // no numbers at all
+        field(fields, "vndf").shape = {0, n, n, n};  // no elements
         EXPECT_FALSE(error_of(fields).empty());
     }
 
-    // An offset near 2⁶⁴, which wraps around when the size is added. It lies in the first entry, behind its
-    // name.
+    // An offset near 2⁶⁴ wraps around when the size is added. It is in the first entry, after its name.
     auto fields = simple_rgl();
     Bytes wrapping = tensor_file(fields);
     const std::uint64_t offset = ~std::uint64_t(1);
@@ -237,9 +236,9 @@ TEST(DamagedInput, EachNeededFieldIsChecked) {
         field(other_rank, name).shape.push_back(1);
         EXPECT_NE(error_of(other_rank).find("tensor field " + name), std::string::npos);
 
-        auto twice = simple_rgl();
-        twice.push_back(field(twice, name));
-        EXPECT_NE(error_of(twice).find("tensor field " + name + ": expected each name once"), std::string::npos);
+        auto duplicated = simple_rgl();
+        duplicated.push_back(field(duplicated, name));
+        EXPECT_NE(error_of(duplicated).find("tensor field " + name + ": expected each name once"), std::string::npos);
 
         if (type != TensorType::f32) continue;
         for (const float bad : {std::nanf(""), INFINITY, -INFINITY, -1e20f}) {
@@ -252,25 +251,27 @@ TEST(DamagedInput, EachNeededFieldIsChecked) {
 }
 
 TEST(DamagedInput, EachValueIsChecked) {
-    const auto with = [](const std::string& name, std::vector<std::uint64_t> shape, auto f) {
+    const auto error_with_field = [](const std::string& name, std::vector<std::uint64_t> shape, auto f) {
         auto fields = simple_rgl();
         field(fields, name) = float_field(name, std::move(shape), f);
         return error_of(fields);
     };
     const auto zero = [](std::size_t) { return 0.0f; };
     const auto index = [](std::size_t i) { return float(i); };
-    EXPECT_NE(with("theta_i", {3}, zero).find("increasing"), std::string::npos);
-    EXPECT_NE(with("vndf", {1, 3, 4, 5}, zero).find("positive integral"), std::string::npos);
-    EXPECT_NE(with("vndf", {1, 3, 4, 5}, [](std::size_t) { return -1.0f; }).find("found -1"), std::string::npos);
-    EXPECT_NE(with("sigma", {2, 5}, zero).find("found 0"), std::string::npos);
-    EXPECT_NE(with("ndf", {2, 4}, index).find("isotropic"), std::string::npos);
-    EXPECT_NE(with("ndf", {2, 1}, zero).find("at least 2 nodes"), std::string::npos);
-    EXPECT_NE(with("vndf", {1, 3, 1, 5}, index).find("at least 2 x 2"), std::string::npos);
-    EXPECT_NE(with("rgb", {1, 3, 3, 4, 1}, index).find("at least 2 x 2"), std::string::npos);
-    EXPECT_NE(with("rgb", {1, 3, 4, 4, 3}, index).find("expected 1 x 3 x 3 x n x n of f32"), std::string::npos);
-    EXPECT_NE(with("phi_i", {3}, zero).find("increasing azimuths over a whole turn"), std::string::npos);
-    EXPECT_NE(with("phi_i", {3}, index).find("increasing azimuths over a whole turn"),
-              std::string::npos);  // two radians
+    EXPECT_NE(error_with_field("theta_i", {3}, zero).find("increasing"), std::string::npos);
+    EXPECT_NE(error_with_field("vndf", {1, 3, 4, 5}, zero).find("positive integral"), std::string::npos);
+    EXPECT_NE(error_with_field("vndf", {1, 3, 4, 5}, [](std::size_t) { return -1.0f; }).find("found -1"),
+              std::string::npos);
+    EXPECT_NE(error_with_field("sigma", {2, 5}, zero).find("found 0"), std::string::npos);
+    EXPECT_NE(error_with_field("ndf", {2, 4}, index).find("isotropic"), std::string::npos);
+    EXPECT_NE(error_with_field("ndf", {2, 1}, zero).find("at least 2 nodes"), std::string::npos);
+    EXPECT_NE(error_with_field("vndf", {1, 3, 1, 5}, index).find("at least 2 x 2"), std::string::npos);
+    EXPECT_NE(error_with_field("rgb", {1, 3, 3, 4, 1}, index).find("at least 2 x 2"), std::string::npos);
+    EXPECT_NE(error_with_field("rgb", {1, 3, 4, 4, 3}, index).find("expected 1 x 3 x 3 x n x n of f32"),
+              std::string::npos);
+    EXPECT_NE(error_with_field("phi_i", {3}, zero).find("increasing azimuths over a whole turn"), std::string::npos);
+    EXPECT_NE(error_with_field("phi_i", {3}, index).find("increasing azimuths over a whole turn"),
+              std::string::npos);  // covers only two radians
 
     const auto with_wavelengths = [](const std::vector<float>& nm) {
         auto fields = spectral_rgl();
@@ -282,9 +283,9 @@ TEST(DamagedInput, EachValueIsChecked) {
          {std::vector<float>{450, 450, 600}, {450, 600, 550}, {1, 2, 3}, {500, 600, 1e9f}})
         EXPECT_NE(with_wavelengths(nm).find("tensor field wavelengths"), std::string::npos);
     EXPECT_NE(with_wavelengths({450, 550}).find("tensor field spectra: expected 1 x 3 x 2 x n x n"), std::string::npos);
-    auto nameless = spectral_rgl();
-    std::erase_if(nameless, [](const FieldToWrite& f) { return f.name == "wavelengths"; });
-    EXPECT_NE(error_of(nameless).find("tensor field wavelengths"), std::string::npos);
+    auto without_wavelengths = spectral_rgl();
+    std::erase_if(without_wavelengths, [](const FieldToWrite& f) { return f.name == "wavelengths"; });
+    EXPECT_NE(error_of(without_wavelengths).find("tensor field wavelengths"), std::string::npos);
 }
 
 TEST(DamagedInput, FilesThatCannotBeReadAreErrors) {

@@ -1,4 +1,4 @@
-// Surfaces by the parameters of renderers: the formula, its file, its fit.
+// Models with the parameters of renderers' surfaces: the formula, the file, the fit.
 #include "models/openpbr/fit_openpbr.h"
 #include "models/openpbr/openpbr_kernel.h"
 #include "properties.h"
@@ -14,9 +14,10 @@ using K = Kernel<float>;
 
 OpenPbrModel random_openpbr(std::mt19937_64& random) {
     OpenPbrModel model;
-    for (const OpenPbrParameter& of : k_openpbr_parameters)
-        for (int c = 0; c < of.count(); ++c)
-            number(model, of, c) = float(double(of.least) + uniform(random) * double(of.most - of.least));
+    for (const OpenPbrParameter& parameter : k_openpbr_parameters)
+        for (int c = 0; c < parameter.count(); ++c)
+            number(model, parameter, c) =
+                float(double(parameter.least) + uniform(random) * double(parameter.most - parameter.least));
     return model;
 }
 OpenPbrModel diffuse_alone(Rgb colour, float roughness) {
@@ -29,38 +30,38 @@ Vec3f above(std::mt19937_64& random) {
     return to_float({w.x, w.y, std::abs(w.z)});
 }
 
-/// What a known surface is made of.
-enum class Made { metal, coated, fuzzy, film, brushed };
-/// A coloured surface in several of its layers.
-OpenPbrModel known(Made of) {
+/// The layers of a synthetic surface.
+enum class Surface { metal, coated, fuzzy, film, brushed };
+/// A coloured surface with the given layers.
+OpenPbrModel synthetic_surface(Surface surface) {
     OpenPbrModel truth;
-    const bool is_metal = of == Made::metal || of == Made::film || of == Made::brushed;
+    const bool is_metal = surface == Surface::metal || surface == Surface::film || surface == Surface::brushed;
     truth.base_color = is_metal ? Rgb{0.9f, 0.6f, 0.3f} : Rgb{0.5f, 0.15f, 0.1f};
     truth.base_metalness = is_metal ? 1.f : 0.f;
     truth.specular_roughness = is_metal ? 0.35f : 0.25f;
-    if (of == Made::coated) truth.coat_weight = 0.6f, truth.coat_roughness = 0.1f;
-    if (of == Made::fuzzy)
+    if (surface == Surface::coated) truth.coat_weight = 0.6f, truth.coat_roughness = 0.1f;
+    if (surface == Surface::fuzzy)
         truth.fuzz_weight = 0.7f, truth.fuzz_color = {0.8f, 0.8f, 0.3f}, truth.fuzz_roughness = 0.4f,
         truth.specular_roughness = 0.4f;
-    if (of == Made::film) truth.thin_film_weight = 1, truth.thin_film_thickness = 0.35f;
-    if (of == Made::brushed) truth.specular_roughness_anisotropy = 0.6f, truth.specular_rotation = 0.4f;
+    if (surface == Surface::film) truth.thin_film_weight = 1, truth.thin_film_thickness = 0.35f;
+    if (surface == Surface::brushed) truth.specular_roughness_anisotropy = 0.6f, truth.specular_rotation = 0.4f;
     return truth;
 }
 
-TEST(Pbr, TurnsWithItsTangentIsNeverNegativeAndFinite) {
+TEST(Pbr, RotatesWithItsTangentAndIsFiniteAndNotNegative) {
     std::mt19937_64 random(1);
     for (int i = 0; i < 2000; ++i) {
         OpenPbrModel model = random_openpbr(random);
         if (i % 2) model.specular_roughness_anisotropy = 0;
         const Vec3f wl = above(random), wv = above(random);
         const Rgb f = value(model, wl, wv);
-        const double turn = 6 * uniform(random);
-        const auto turned = [&](Vec3f w) {
-            const auto c = float(elementary::cos(turn)), s = float(elementary::sin(turn));
+        const double rotation = 6 * uniform(random);
+        const auto rotated = [&](Vec3f w) {
+            const auto c = float(elementary::cos(rotation)), s = float(elementary::sin(rotation));
             return Vec3f{c * w.x - s * w.y, s * w.x + c * w.y, w.z};
         };
-        model.specular_rotation += float(turn / (2 * k_pi));
-        const Rgb g = value(model, turned(wl), turned(wv));
+        model.specular_rotation += float(rotation / (2 * k_pi));
+        const Rgb g = value(model, rotated(wl), rotated(wv));
         for (int c = 0; c < 3; ++c) {
             EXPECT_GE(f[c], 0);
             EXPECT_TRUE(near(f[c], g[c], 1e-3 * double(f[c]) + 1e-6)) << f[c] << ' ' << g[c];
@@ -69,7 +70,7 @@ TEST(Pbr, TurnsWithItsTangentIsNeverNegativeAndFinite) {
     EXPECT_EQ(value(OpenPbrModel{}, {0, 0, -1}, {0, 0, 1}), Rgb{});
 }
 
-/// D G / (4 cosθl cosθv) of GGX facets with a roughness along x and one along y, as it is in the literature.
+/// D G / (4 cosθl cosθv) of GGX facets with separate roughnesses along x and y, as in the literature.
 double stretched_facets(Vec3d l, Vec3d v, double along, double across) {
     const Vec3d h = normalize(l + v);
     const auto tan2 = [&](Vec3d w) { return (along * along * w.x * w.x + across * across * w.y * w.y) / (w.z * w.z); };
@@ -88,30 +89,32 @@ TEST(Pbr, FacetsAreRougherAlongTheTangent) {
         EXPECT_TRUE(near(K::ggx_stretched_facets(wl, wv, float(along), float(along)),
                          K::ggx_facets(wl, wv, float(along)), 1e-4 * double(K::ggx_facets(wl, wv, float(along)))));
     }
-    // A metal of F0 1 has the facets' value but for what is scattered again, and that is the same at all azimuths.
+    // A metal with F0 = 1 has the value of its facets plus multiple scattering, whose ratio to the facets does not
+    // depend on azimuth.
     OpenPbrModel white;
     white.base_color = {1, 1, 1}, white.base_metalness = 1, white.specular_roughness = 0.5f;
     white.specular_roughness_anisotropy = 0.5f, white.specular_rotation = 0.125f;
     const double along = 0.25 * std::sqrt(2 / 1.25), across = along / 2;
-    const auto at = [&](double azimuth, double rotation) {
+    const auto ratio_to_facets = [&](double azimuth, double rotation) {
         const Vec3d w = spherical(0.4, azimuth);
-        const double ratio = stretched_facets(spherical(0.4, azimuth - 2 * k_pi * rotation), {0, 0, 1}, along, across);
-        return double(value(white, to_float(w), {0, 0, 1}).g) / ratio;
+        const double facets = stretched_facets(spherical(0.4, azimuth - 2 * k_pi * rotation), {0, 0, 1}, along, across);
+        return double(value(white, to_float(w), {0, 0, 1}).g) / facets;
     };
     for (const double azimuth : {0.3, 0.8, 2.0, 4.0})
-        EXPECT_TRUE(near(at(azimuth, 0.125), at(0, 0.125), 1e-3)) << azimuth;
-    // A little of it is nearly none.
-    OpenPbrModel little = known(Made::coated);
-    const OpenPbrModel none = little;
-    little.specular_roughness_anisotropy = 1e-4f;
+        EXPECT_TRUE(near(ratio_to_facets(azimuth, 0.125), ratio_to_facets(0, 0.125), 1e-3)) << azimuth;
+    // A slight anisotropy gives nearly the isotropic value.
+    OpenPbrModel slightly_anisotropic = synthetic_surface(Surface::coated);
+    const OpenPbrModel isotropic = slightly_anisotropic;
+    slightly_anisotropic.specular_roughness_anisotropy = 1e-4f;
     for (int i = 0; i < 100; ++i) {
         const Vec3f wl = above(random), wv = above(random);
         for (int c = 0; c < 3; ++c)
-            EXPECT_TRUE(near(value(little, wl, wv)[c], value(none, wl, wv)[c], 1e-3 * double(value(none, wl, wv)[c])));
+            EXPECT_TRUE(near(value(slightly_anisotropic, wl, wv)[c], value(isotropic, wl, wv)[c],
+                             1e-3 * double(value(isotropic, wl, wv)[c])));
     }
 }
 
-TEST(Pbr, ExchangedItTakesLightForViewer) {
+TEST(Pbr, ExchangingSwapsLightAndViewer) {
     std::mt19937_64 random(2);
     Model model{random_openpbr(random), {}};
     const Vec3f wl = above(random), wv = above(random);
@@ -121,7 +124,7 @@ TEST(Pbr, ExchangedItTakesLightForViewer) {
     EXPECT_NE(value(model, wl, wv), f);  // layers scale by the albedo at the viewer
 }
 
-TEST(Pbr, ReflectsNoMoreThanItGets) {
+TEST(Pbr, DoesNotReflectMoreThanItReceives) {
     OpenPbrModel white;
     white.base_color = {1, 1, 1};
     for (const float metalness : {0.f, 1.f})
@@ -138,7 +141,7 @@ TEST(Pbr, ReflectsNoMoreThanItGets) {
                 }
 }
 
-TEST(Pbr, WithoutSpecularItIsLambertOrEon) {
+TEST(Pbr, WithoutSpecularIsLambertOrEon) {
     const Rgb colour{0.2f, 0.5f, 0.9f};
     EXPECT_TRUE(near(value(diffuse_alone(colour, 0), {0.6f, 0, 0.8f}, {0, 0, 1}).g, 0.5 / k_pi, 1e-6));
     for (const double theta : {0.0, 1.0, 1.4}) {
@@ -148,14 +151,15 @@ TEST(Pbr, WithoutSpecularItIsLambertOrEon) {
             EXPECT_TRUE(near(albedo(evaluator(diffuse_alone({1, 1, 1}, roughness)), theta, k_pi / 2).g, 1, 3e-3))
                 << roughness << ' ' << theta;
     }
-    // The first scattering is that of Fujii's Oren-Nayar: at l = v and r = 1, 1 / π (1 + sin²θ / cosθ) over 1.2878.
+    // Single scattering is that of Fujii's Oren-Nayar: for l = v and r = 1, 1 / π (1 + sin²θ / cosθ) divided by
+    // 1.2878.
     const float z = 0.6f;
     const Vec3f w{0.8f, 0, z};
-    const auto of = [&](float r) { return K::eon_value({1e-3f, 1e-3f, 1e-3f}, r, w, w).x; };
-    EXPECT_TRUE(near(of(1), 1e-3 / k_pi * (1 + 0.64 / 0.6) / (1.5 - 2 / (3 * k_pi)), 2e-7));
+    const auto eon = [&](float r) { return K::eon_value({1e-3f, 1e-3f, 1e-3f}, r, w, w).x; };
+    EXPECT_TRUE(near(eon(1), 1e-3 / k_pi * (1 + 0.64 / 0.6) / (1.5 - 2 / (3 * k_pi)), 2e-7));
 }
 
-TEST(Pbr, FresnelTermsAreThoseOfTheirEquations) {
+TEST(Pbr, FresnelTermsMatchTheirEquations) {
     EXPECT_TRUE(near(K::normal_reflectance(1.5f), 0.04, 1e-7));
     EXPECT_TRUE(near(K::dielectric_reflectance(1, 1.5f), 0.04, 1e-6));
     EXPECT_TRUE(near(K::dielectric_reflectance(0, 1.5f), 1, 1e-6));
@@ -175,10 +179,10 @@ TEST(Pbr, AlbedosOfLayersAreTheirIntegrals) {
         for (const float cosine : {0.2f, 0.5f, 1.f}) {
             const GgxModel white{{}, {{alpha, {1, 1, 1}, 1}}};
             const double theta = std::acos(double(cosine));
-            const K::FacetAlbedo whole = K::facet_albedo(cosine, alpha);
-            EXPECT_TRUE(near(double(whole.scale + whole.bias), double(albedo(evaluator(white), theta, k_pi / 2).g),
-                             cosine < 0.5f ? 0.03 : 0.02))
-                << alpha << ' ' << cosine << ' ' << whole.scale + whole.bias << ' '
+            const K::FacetAlbedo facet_albedo = K::facet_albedo(cosine, alpha);
+            EXPECT_TRUE(near(double(facet_albedo.scale + facet_albedo.bias),
+                             double(albedo(evaluator(white), theta, k_pi / 2).g), cosine < 0.5f ? 0.03 : 0.02))
+                << alpha << ' ' << cosine << ' ' << facet_albedo.scale + facet_albedo.bias << ' '
                 << albedo(evaluator(white), theta, k_pi / 2).g;
         }
     OpenPbrModel fuzz = diffuse_alone({0, 0, 0}, 0);
@@ -192,7 +196,7 @@ TEST(Pbr, AlbedosOfLayersAreTheirIntegrals) {
     }
 }
 
-TEST(Pbr, AFileHoldsAllItsNumbers) {
+TEST(Pbr, FilesStoreAllNumbers) {
     std::mt19937_64 random(3);
     for (int i = 0; i < 20; ++i) {
         Model model{rounded(random_openpbr(random)), {{"source", "made up"}}};
@@ -203,85 +207,87 @@ TEST(Pbr, AFileHoldsAllItsNumbers) {
         EXPECT_EQ(read->provenance, model.provenance);
     }
     EXPECT_EQ(payload_bytes(OpenPbrModel{}), 48u);
-    EXPECT_EQ(payload_bytes(known(Made::film)), 54u);
-    EXPECT_EQ(payload_bytes(known(Made::brushed)), 52u);
+    EXPECT_EQ(payload_bytes(synthetic_surface(Surface::film)), 54u);
+    EXPECT_EQ(payload_bytes(synthetic_surface(Surface::brushed)), 52u);
 }
 
-TEST(Pbr, DamagedFilesAreRefused) {
-    for (const OpenPbrModel& model : {OpenPbrModel{}, known(Made::film), known(Made::brushed)}) {
-        const std::vector<std::byte> whole = write_model({model, {}});
-        for (std::size_t size = 0; size < whole.size(); ++size)
-            EXPECT_FALSE(read_model(std::span(whole).first(size), "a").ok()) << size;
-        int refused = 0;
-        const std::size_t numbers = whole.size() - payload_bytes(model);
-        for (std::size_t i = numbers + 1; i < whole.size(); i += 2) {
-            auto flipped = whole;
-            flipped[i] = std::byte(0xc4);  // about −4, which no parameter may be
-            refused += !read_model(flipped, "a").ok();
+TEST(Pbr, DamagedFilesAreRejected) {
+    for (const OpenPbrModel& model :
+         {OpenPbrModel{}, synthetic_surface(Surface::film), synthetic_surface(Surface::brushed)}) {
+        const std::vector<std::byte> bytes = write_model({model, {}});
+        for (std::size_t size = 0; size < bytes.size(); ++size)
+            EXPECT_FALSE(read_model(std::span(bytes).first(size), "a").ok()) << size;
+        int rejected = 0;
+        const std::size_t numbers = bytes.size() - payload_bytes(model);
+        for (std::size_t i = numbers + 1; i < bytes.size(); i += 2) {
+            auto flipped = bytes;
+            flipped[i] = std::byte(0xc4);  // about −4, which is invalid for every parameter
+            rejected += !read_model(flipped, "a").ok();
         }
-        EXPECT_EQ(refused, int(openpbr_number_count(model)));
+        EXPECT_EQ(rejected, int(openpbr_number_count(model)));
     }
 }
 
-TEST(Pbr, AKnownSurfaceIsFittedBack) {
-    for (const Made made : {Made::metal, Made::coated, Made::fuzzy, Made::film, Made::brushed}) {
-        const OpenPbrModel truth = known(made);
+TEST(Pbr, RecoversSyntheticSurfaces) {
+    for (const Surface surface : {Surface::metal, Surface::coated, Surface::fuzzy, Surface::film, Surface::brushed}) {
+        const OpenPbrModel truth = synthetic_surface(surface);
         const auto observed = observe(evaluator(truth), {.count = 8192});
         ASSERT_TRUE(observed.ok());
-        const auto fit = fit_openpbr(*observed, {.is_isotropic = made != Made::brushed});
+        const auto fit = fit_openpbr(*observed, {.is_isotropic = surface != Surface::brushed});
         ASSERT_TRUE(fit.ok());
         const std::vector<Evaluate> fits{evaluator(fit->model)};
-        EXPECT_LT(compare_pictures(evaluator(truth), fits)[0].mean.delta_e, 0.3) << int(made);
-        for (const OpenPbrParameter& of : k_openpbr_parameters)
-            for (int c = 0; c < of.count(); ++c)
-                EXPECT_TRUE(near(number(fit->model, of, c), number(truth, of, c),
-                                 0.05 * std::max(double(number(truth, of, c)), 0.01)))
-                    << int(made) << ' ' << of.name << ' ' << number(fit->model, of, c) << ' ' << number(truth, of, c);
+        EXPECT_LT(compare_pictures(evaluator(truth), fits)[0].mean.delta_e, 0.3) << int(surface);
+        for (const OpenPbrParameter& parameter : k_openpbr_parameters)
+            for (int c = 0; c < parameter.count(); ++c)
+                EXPECT_TRUE(near(number(fit->model, parameter, c), number(truth, parameter, c),
+                                 0.05 * std::max(double(number(truth, parameter, c)), 0.01)))
+                    << int(surface) << ' ' << parameter.name << ' ' << number(fit->model, parameter, c) << ' '
+                    << number(truth, parameter, c);
         EXPECT_EQ(fit->model.base_metalness, truth.base_metalness);
-        // Parts that are not seen are not there.
-        EXPECT_EQ(fit->model.coat_weight > 0, made == Made::coated);
-        EXPECT_EQ(fit->model.fuzz_weight > 0, made == Made::fuzzy);
-        EXPECT_EQ(fit->model.thin_film_weight > 0, made == Made::film);
+        // Layers without a visible effect are absent.
+        EXPECT_EQ(fit->model.coat_weight > 0, surface == Surface::coated);
+        EXPECT_EQ(fit->model.fuzz_weight > 0, surface == Surface::fuzzy);
+        EXPECT_EQ(fit->model.thin_film_weight > 0, surface == Surface::film);
     }
 }
 
-TEST(Pbr, AFilmsColoursAreThoseOfItsEquations) {
-    // Belcour & Barla 2017 as they have it, in metres, with the C library's functions.
+TEST(Pbr, FilmColoursMatchTheirEquations) {
+    // The equations of Belcour & Barla 2017, in metres, with the C library's functions.
     for (const double path : {0.05e-6, 0.3e-6, 1e-6, 4e-6}) {
         const double phase = 2 * k_pi * path;
-        const auto wave = [&](double size, double at, double variance, double shift) {
-            return size * std::sqrt(2 * k_pi * variance) * std::cos(at * phase + shift) *
+        const auto wave = [&](double size, double position, double variance, double shift) {
+            return size * std::sqrt(2 * k_pi * variance) * std::cos(position * phase + shift) *
                    std::exp(-variance * phase * phase) / 1.0685e-7;
         };
         for (const double shift : {0.0, k_pi}) {
             const double x = wave(5.4856e-13, 1.6810e6, 4.3278e9, shift) + wave(9.7470e-14, 2.2399e6, 4.5282e9, shift),
                          y = wave(4.4201e-13, 1.7953e6, 9.3046e9, shift),
                          z = wave(5.2481e-13, 2.2084e6, 6.6121e9, shift);
-            const auto turn = float(std::cos(shift));
-            const Vec3f seen = K::film_colour(float(1e6 * path), {turn, turn, turn});
-            EXPECT_TRUE(near(seen.x, 3.2404542 * x - 1.5371385 * y - 0.4985314 * z, 2e-5)) << path;
-            EXPECT_TRUE(near(seen.y, -0.9692660 * x + 1.8760108 * y + 0.0415560 * z, 2e-5)) << path;
-            EXPECT_TRUE(near(seen.z, 0.0556434 * x - 0.2040259 * y + 1.0572252 * z, 2e-5)) << path;
+            const auto cos_shift = float(std::cos(shift));
+            const Vec3f colour = K::film_colour(float(1e6 * path), {cos_shift, cos_shift, cos_shift});
+            EXPECT_TRUE(near(colour.x, 3.2404542 * x - 1.5371385 * y - 0.4985314 * z, 2e-5)) << path;
+            EXPECT_TRUE(near(colour.y, -0.9692660 * x + 1.8760108 * y + 0.0415560 * z, 2e-5)) << path;
+            EXPECT_TRUE(near(colour.z, 0.0556434 * x - 0.2040259 * y + 1.0572252 * z, 2e-5)) << path;
         }
     }
     for (const float x : {0.f, 1e-3f, 1.f, 3.f, 40.f, 200.f})
         EXPECT_TRUE(near(K::one_minus_cos(x), 1 - std::cos(double(x)), 1e-4 + 1e-7 * double(x) * double(x))) << x;
 }
 
-TEST(Pbr, AFilmOfAirIsNone) {
-    OpenPbrModel plain = known(Made::film), film = plain;
+TEST(Pbr, AFilmOfAirHasNoEffect) {
+    OpenPbrModel plain = synthetic_surface(Surface::film), film = plain;
     plain.thin_film_weight = 0, film.thin_film_ior = 1;
     std::mt19937_64 random(4);
     for (int i = 0; i < 300; ++i) {
         const Vec3f wl = above(random), wv = above(random);
-        if (K::half_cosine(wl, wv) < 0.85f) continue;  // Schlick's term reflects at grazing angles whatever the index
+        if (K::half_cosine(wl, wv) < 0.85f) continue;  // Schlick's term reflects at grazing angles for any index
         const Rgb a = value(plain, wl, wv), b = value(film, wl, wv);
         for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(b[c], a[c], 0.05 * double(a[c]))) << a[c] << ' ' << b[c];
     }
 }
 
-TEST(Pbr, AFitDoesNotDependOnThreads) {
-    const OpenPbrModel truth = known(Made::coated);
+TEST(Pbr, FitDoesNotDependOnThreads) {
+    const OpenPbrModel truth = synthetic_surface(Surface::coated);
     const auto observed = observe(evaluator(truth), {.count = 2048});
     ASSERT_TRUE(observed.ok());
     const auto fit = [&](int threads) {
@@ -291,13 +297,13 @@ TEST(Pbr, AFitDoesNotDependOnThreads) {
     ASSERT_TRUE(one.ok() && two.ok());
     EXPECT_EQ(one->model, two->model);
     EXPECT_EQ(one->loss, two->loss);
-    // What a surface lacks has its default.
+    // Parameters that the kind of surface lacks keep their defaults.
     EXPECT_EQ(one->model.coat_color, (Rgb{1, 1, 1}));
     EXPECT_EQ(one->model.base_diffuse_roughness, 0);
 }
 
-TEST(Pbr, WithoutPicturesPairsAreFitted) {
-    const OpenPbrModel truth = known(Made::metal);
+TEST(Pbr, FitsPairsWithoutPictures) {
+    const OpenPbrModel truth = synthetic_surface(Surface::metal);
     const auto observed = observe(evaluator(truth), {.objective = Objective::cosine, .count = 4096});
     ASSERT_TRUE(observed.ok());
     const auto fit = fit_openpbr(*observed, {});

@@ -1,4 +1,4 @@
-// Every option of every subcommand changes what is written, or is refused: none is accepted that the chosen mode does
+// Every option of every subcommand changes the output or is rejected. No option is accepted that the chosen mode does
 // not read.
 #include <sys/file.h>
 
@@ -16,7 +16,7 @@ namespace {
 const std::string k_fit = "--lobes 1 --variates 1 --objective raw --seed 3";
 const std::string k_folder = "fit m.binary -o o/ --model su --directions 8 --lobes 1 --objective raw";
 /// Modes of subcommands: a name, and arguments to which each option is added. The quickest mode of a subcommand comes
-/// first. An input that is missing stands for one that takes long, where no option is read.
+/// first. Modes that would be slow have a missing input, so that no option is read.
 const std::pair<const char*, std::string> k_modes[] = {
     {"view by view", "fit m.binary -o o.srbf --model su --directions 8 --lobes 1 --objective raw"},
     {"a table", "fit m.binary -o o.srbf " + k_fit},
@@ -51,7 +51,7 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"page, mesh", "export m.srbf --to html -o o.html --mesh m.obj"},
 };
 
-/// An argument for each option, other than its default. Every option must be here.
+/// An argument for each option that differs from its default. Every option must be listed.
 const std::map<std::string, std::string> k_argument{
     {"--output", "x.srbf"},
     {"--resume", ""},
@@ -109,48 +109,49 @@ const std::map<std::string, std::string> k_argument{
     {"--with", "sampling"},
     {"--reference", "m.binary"},
 };
-/// Formats have options of `srbf convert`, with values of their own.
+/// The argument for an option. Formats have options of `srbf convert` with their own values.
 std::string argument_of(const std::string& subcommand, const std::string& option) {
     for (const Format& format : formats())
         if (subcommand == "convert" && format.option && format.option->name == option)
             return std::string(format.option->values[1]);
     return k_argument.at(option);
 }
-/// The runs above, and a conversion to each format that has an option.
+/// The modes above, and a conversion to each format that has an option.
 std::vector<std::pair<std::string, std::string>> all_modes() {
-    std::vector<std::pair<std::string, std::string>> all(std::begin(k_modes), std::end(k_modes));
+    std::vector<std::pair<std::string, std::string>> modes(std::begin(k_modes), std::end(k_modes));
     for (const Format& format : formats())
         if (format.option)
-            all.emplace_back("to " + std::string(format.name),
-                             fmt::format("convert b.srbf -o o{} {} {}", format.extension, format.option->name,
-                                         format.option->values.back()));
-    return all;
+            modes.emplace_back("to " + std::string(format.name),
+                               fmt::format("convert b.srbf -o o{} {} {}", format.extension, format.option->name,
+                                           format.option->values.back()));
+    return modes;
 }
-/// True if what a subcommand prints has durations.
-bool takes_time(const std::string& subcommand) {
+/// True if the output of a subcommand contains durations.
+bool prints_durations(const std::string& subcommand) {
     return subcommand == "fit" || subcommand == "map" || subcommand == "basis";
 }
-/// What promises not to change what is written, and the default of what is isotropic.
-const std::set<std::string> k_changes_nothing{"--threads", "--resume", "--axial"};
-/// What all modes of a subcommand that have it read by the same lines: tried in the first of them alone.
-const std::set<std::string> k_read_alike{"--exchange", "--max-theta", "--seed", "--json", "--preview",
+/// Options that do not change the output, and the default for isotropic measurements.
+const std::set<std::string> k_without_effect{"--threads", "--resume", "--axial"};
+/// Options that all modes of a subcommand read in the same lines of code. They are tried only in the first mode
+/// that reads them.
+const std::set<std::string> k_tried_once{"--exchange", "--max-theta", "--seed", "--json", "--preview",
                                          "--env",      "--mesh",      "--up",   "--size", "--lights"};
-/// What is read and changes nothing here: axial lobes take fewer bytes; tables of MERL's layout are reciprocal; the light
-/// is outside the room, on another side than its window.
-const std::set<std::pair<std::string, std::string>> k_reads_all_the_same{
+/// Options that are read but have no effect in a mode: axial lobes take fewer bytes anyway; MERL tables are
+/// reciprocal; the lights are outside the room and on a side without its window.
+const std::set<std::pair<std::string, std::string>> k_without_effect_in_mode{
     {"a goal", "--no-axial"}, {"to MERL", "--exchange"}, {"a room", "--lights"}};
 
 class Options : public CommandLine {
   protected:
     void SetUp() override {
-        static std::map<std::string, std::string> made;  // once
-        if (made.empty()) {
+        static std::map<std::string, std::string> input_files;  // created once
+        if (input_files.empty()) {
             write_inputs();
             if (HasFatalFailure()) return;
-            made = folder.files();
+            input_files = folder.files();
         }
-        for (const auto& [name, content] : made) write(folder / name, content);
-        inputs = made;
+        for (const auto& [name, content] : input_files) write(folder / name, content);
+        inputs = input_files;
     }
     void write_inputs() {
         write(folder / "m.binary", small_merl());
@@ -183,7 +184,7 @@ class Options : public CommandLine {
         ASSERT_EQ(run(folder, {"convert", "m.srbf", "-o", "r.bsdf"}).status, 0);
     }
 
-    /// The output and the files of a run, of fits without their reports, which hold durations.
+    /// The output and the files of a run. Reports of fits are left out because they contain durations.
     struct Written {
         int status;
         std::string out, err;
@@ -191,58 +192,58 @@ class Options : public CommandLine {
         bool operator==(const Written&) const = default;
     };
     Written written(const Arguments& arguments) {
-        ProgramRun done = run(folder, arguments);
-        Written all{done.status, takes_time(arguments[0]) ? "" : done.out, done.err, {}};
+        ProgramRun result = run(folder, arguments);
+        Written output{result.status, prints_durations(arguments[0]) ? "" : result.out, result.err, {}};
         for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path)) {
             const std::string name = entry.path().lexically_relative(folder.path).string();
             if (inputs.contains(name) || !entry.is_regular_file()) continue;
-            all.files[name] = name.ends_with(".json") ? "" : contents(entry.path());
+            output.files[name] = name.ends_with(".json") ? "" : contents(entry.path());
         }
         for (const auto& entry : std::filesystem::directory_iterator(folder.path))
             if (!inputs.contains(entry.path().filename().string())) std::filesystem::remove_all(entry.path());
-        return all;
+        return output;
     }
 
-    /// The same, with a folder `o` to write to.
-    Written written_anew(const Arguments& arguments) {
+    /// Runs the command with a folder `o` for its output.
+    Written written_fresh(const Arguments& arguments) {
         std::filesystem::create_directories(folder / "o");
         return written(arguments);
     }
-    /// The same of the inputs of `SetUp`, once for the same arguments.
+    /// The cached result of `written_fresh`.
     const Written& fresh(const Arguments& arguments) {
-        static std::map<Arguments, Written> all;
-        const auto [at, is_new] = all.try_emplace(arguments);
-        if (is_new) at->second = written_anew(arguments);
-        return at->second;
+        static std::map<Arguments, Written> results;
+        const auto [entry, is_new] = results.try_emplace(arguments);
+        if (is_new) entry->second = written_fresh(arguments);
+        return entry->second;
     }
 
     std::map<std::string, std::string> inputs;
 };
 
 TEST_F(Options, are_read_or_refused) {
-    const auto all = long_options(folder);
-    ASSERT_GE(all.at("fit").size(), 25u);
-    std::map<std::string, std::set<std::string>> was_read;  // by a mode of the subcommand
+    const auto options = long_options(folder);
+    ASSERT_GE(options.at("fit").size(), 25u);
+    std::map<std::string, std::set<std::string>> options_read;  // for each subcommand
     for (const auto& [name, text] : all_modes()) {
         const Arguments base = words(text);
         if (!is_offered(base)) continue;
         const Written& without = fresh(base);
         if (without.status != 0 && text.find("none.") == text.npos) {
-            EXPECT_NE(text.find("raster"), text.npos) << text << '\n' << without.err;  // where there is no OpenGL
+            EXPECT_NE(text.find("raster"), text.npos) << text << '\n' << without.err;  // there is no OpenGL
             continue;
         }
-        for (const std::string& option : all.contains(base[0]) ? all.at(base[0]) : Arguments{}) {
-            ASSERT_TRUE(k_argument.contains(option)) << option << " is to be tried";
+        for (const std::string& option : options.contains(base[0]) ? options.at(base[0]) : Arguments{}) {
+            ASSERT_TRUE(k_argument.contains(option)) << option << " has no argument in this test";
             const bool is_given =
                 std::ranges::count(base, option) > 0 || (option == "--output" && text.find("-o") != text.npos);
-            if (is_given || k_changes_nothing.contains(option) || k_reads_all_the_same.contains({name, option}))
+            if (is_given || k_without_effect.contains(option) || k_without_effect_in_mode.contains({name, option}))
                 continue;
-            if (k_read_alike.contains(option) && was_read[base[0]].contains(option)) continue;
+            if (k_tried_once.contains(option) && options_read[base[0]].contains(option)) continue;
             const Written& with = fresh(base + Arguments{option} + words(argument_of(base[0], option)));
             EXPECT_GE(with.status, 0) << text << ' ' << option;
             EXPECT_FALSE(with == without) << name << ": " << text << ": " << option << " is accepted and not read";
             if (with.status == 0) {
-                was_read[base[0]].insert(option);
+                options_read[base[0]].insert(option);
                 continue;
             }
             EXPECT_EQ(with.files.size(), 0u) << text << ' ' << option;
@@ -252,25 +253,25 @@ TEST_F(Options, are_read_or_refused) {
 }
 
 #ifdef SRBF_FAILING_CALLS
-/// Commands that resume, and their inputs.
+/// Commands that can resume, and their inputs.
 const std::tuple<const char*, std::string, Arguments> k_resuming[] = {
     {"models", k_folder, {"m.binary"}},
     {"slabs", "map t.npy --pairs p.csv -o o/ --slab 1 " + k_fit, {"t.npy", "p.csv"}},
     {"a map", "map t.npy --pairs p.csv --basis 1 --variates 1 -o o/map.srbf", {"t.npy", "p.csv"}},
 };
 
-/// Another measurement, or other pairs, that can be fitted as well.
-std::string changed(std::string content) {
+/// Different content of the same kind: another measurement, or other pairs.
+std::string changed_content(std::string content) {
     if (const auto row = content.find('\n'); content.starts_with("wl_x"))
         return content.insert(row + 1, content.substr(row + 1, content.find('\n', row + 1) - row))
             .erase(content.rfind('\n', content.size() - 2) + 1);
-    content[content.size() - 2] = char(content[content.size() - 2] ^ 1);  // of the last number
+    content[content.size() - 2] = char(content[content.size() - 2] ^ 1);  // a bit of the last number
     return content;
 }
 
 class Resuming : public Options {
   protected:
-    /// Runs a command until it is killed before it has finished its last output; what it leaves is in `left`.
+    /// Runs a command that is killed before it completes its last output. Moves the remaining files to `left`.
     void kill_at_the_end(const Arguments& arguments) {
         std::filesystem::create_directories(folder / "o");
         std::string count = run_failing(arguments, "-1", "5");
@@ -279,119 +280,121 @@ class Resuming : public Options {
         std::filesystem::create_directories(folder / "o");
         count = run_failing(arguments, std::to_string(std::stol(count) - 2), "0");
         ASSERT_TRUE(count.empty()) << "it was not killed";
-        for (const auto& entry : std::filesystem::directory_iterator(folder / "o"))  // a write that was not finished
+        for (const auto& entry : std::filesystem::directory_iterator(folder / "o"))  // an incomplete write
             if (entry.path().extension() == ".tmp") std::filesystem::remove(entry.path());
-        std::filesystem::rename(folder / "o", left / "o");
+        std::filesystem::rename(folder / "o", partial_output / "o");
     }
     Written resumed(const Arguments& arguments) {
-        std::filesystem::copy(left / "o", folder / "o", std::filesystem::copy_options::recursive);
+        std::filesystem::copy(partial_output / "o", folder / "o", std::filesystem::copy_options::recursive);
         return written(arguments + Arguments{"--resume"});
     }
-    /// After any change a run that resumes makes `expected`, which a fresh one does, or says that it cannot. Whether it
-    /// is tried: it is not if the command is refused.
-    bool try_resuming(const Arguments& arguments, const Written& expected) {
+    /// Expects that a resumed run writes the same files as a fresh one, `expected`, or reports that it cannot resume.
+    /// Returns false without running if the command is rejected.
+    bool expect_resumed(const Arguments& arguments, const Written& expected) {
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
         if (expected.status != 0) return false;
-        const Written found = resumed(arguments);
-        if (found.status == 0) {
-            EXPECT_TRUE(found.files == expected.files);
+        const Written result = resumed(arguments);
+        if (result.status == 0) {
+            EXPECT_TRUE(result.files == expected.files);
             return true;
         }
-        EXPECT_EQ(found.status, 1);
-        EXPECT_NE(found.err.find("unfinished work"), found.err.npos) << found.err;
-        std::filesystem::copy(left / "o", folder / "o", std::filesystem::copy_options::recursive);
-        const Written anew = written(arguments);
-        EXPECT_TRUE(anew.files == expected.files);
-        EXPECT_NE(anew.err.find("is replaced"), anew.err.npos) << anew.err;
+        EXPECT_EQ(result.status, 1);
+        EXPECT_NE(result.err.find("unfinished work"), result.err.npos) << result.err;
+        std::filesystem::copy(partial_output / "o", folder / "o", std::filesystem::copy_options::recursive);
+        const Written fresh_run = written(arguments);
+        EXPECT_TRUE(fresh_run.files == expected.files);
+        EXPECT_NE(fresh_run.err.find("is replaced"), fresh_run.err.npos) << fresh_run.err;
         return true;
     }
 
-    TemporaryFolder left;
+    TemporaryFolder partial_output;
 
   private:
-    /// The number of calls of fsync, of a run that ended by itself.
-    std::string run_failing(const Arguments& arguments, const std::string& at, const std::string& error) {
-        const TemporaryFolder counted;
+    /// The number of fsync calls of a run that ended normally, otherwise an empty string.
+    std::string run_failing(const Arguments& arguments, const std::string& fail_at, const std::string& error) {
+        const TemporaryFolder count_folder;
         ::setenv("LD_PRELOAD", SRBF_FAILING_CALLS, 1);
         ::setenv("SRBF_FAIL_CALL", "fsync", 1);
-        ::setenv("SRBF_FAIL_AT", at.c_str(), 1);
+        ::setenv("SRBF_FAIL_AT", fail_at.c_str(), 1);
         ::setenv("SRBF_FAIL_ERROR", error.c_str(), 1);
-        ::setenv("SRBF_FAIL_COUNT", (counted / "count").c_str(), 1);
+        ::setenv("SRBF_FAIL_COUNT", (count_folder / "count").c_str(), 1);
         (void)run(folder, arguments);
         ::unsetenv("LD_PRELOAD");
-        return contents(counted / "count");
+        return contents(count_folder / "count");
     }
 };
 
-/// Between a killed run and the one that resumes it each option and each input changes.
-TEST_F(Resuming, mixes_nothing_old_into_the_new) {
-    const auto all = long_options(folder);
+/// Each option and each input changes between a killed run and the run that resumes it.
+TEST_F(Resuming, does_not_mix_old_results_into_new_ones) {
+    const auto options = long_options(folder);
     for (const auto& [name, text, files] : k_resuming) {
         SCOPED_TRACE(name);
         const Arguments base = words(text);
         if (!is_offered(base)) continue;
-        std::filesystem::remove_all(left / "o");
+        std::filesystem::remove_all(partial_output / "o");
         kill_at_the_end(base);
         if (HasFatalFailure()) return;
-        std::filesystem::copy(left / "o", folder / "o", std::filesystem::copy_options::recursive);
+        std::filesystem::copy(partial_output / "o", folder / "o", std::filesystem::copy_options::recursive);
         EXPECT_EQ(run(folder, base + Arguments{"--resume"}).out.find(" 0 kept"), std::string::npos);
         std::filesystem::remove_all(folder / "o");
-        EXPECT_TRUE(try_resuming(base, fresh(base)));
+        EXPECT_TRUE(expect_resumed(base, fresh(base)));
         int tried = 0;
-        for (const std::string& option : all.at(base[0])) {
-            if (k_changes_nothing.contains(option) || option == "--output" || option == "--pairs") continue;
+        for (const std::string& option : options.at(base[0])) {
+            if (k_without_effect.contains(option) || option == "--output" || option == "--pairs") continue;
             Arguments with = base;
-            if (const auto at = std::ranges::find(with, option); at != with.end()) with.erase(at, at + 2);
+            if (const auto position = std::ranges::find(with, option); position != with.end())
+                with.erase(position, position + 2);
             with = with + Arguments{option} + words(argument_of(base[0], option));
-            tried += try_resuming(with, fresh(with));
+            tried += expect_resumed(with, fresh(with));
         }
         EXPECT_GE(tried, 5);
         for (const std::string& file : files) {
             const std::string before = contents(folder / file);
-            ASSERT_NE(changed(before), before);
-            write(folder / file, changed(before));
-            EXPECT_TRUE(try_resuming(base, written_anew(base)));
+            ASSERT_NE(changed_content(before), before);
+            write(folder / file, changed_content(before));
+            EXPECT_TRUE(expect_resumed(base, written_fresh(base)));
             write(folder / file, before);
         }
     }
 }
 
-/// A journal that is torn or changed is made again from there on; what is no journal is left alone; a second run waits
-/// for nobody and is refused.
-TEST_F(Resuming, takes_the_journal_of_a_map_for_what_it_is) {
+/// A journal that is truncated or modified is recomputed from there on. A file that is not a journal is not modified.
+/// A second run on the same output is rejected without waiting.
+TEST_F(Resuming, checks_the_journal_of_a_map) {
     const Arguments base = words(std::get<1>(k_resuming[2]));
     const Written& expected = fresh(base);
     kill_at_the_end(base);
-    const std::string part = left / "o/map.srbf.part", whole = contents(part);
-    for (const std::size_t size : {std::size_t(9), whole.size() - 1}) {
-        write(part, whole.substr(0, size));
+    const std::string journal = partial_output / "o/map.srbf.part", content = contents(journal);
+    for (const std::size_t size : {std::size_t(9), content.size() - 1}) {
+        write(journal, content.substr(0, size));
         EXPECT_TRUE(resumed(base).files == expected.files) << size;
     }
-    for (const std::size_t at : {whole.size() / 2, whole.size() - 1}) {
-        std::string other = whole;
-        other[at] = char(other[at] ^ 1);
-        write(part, other);
-        const Written found = resumed(base);
-        EXPECT_TRUE(found.files == expected.files) << at;
-        EXPECT_NE(found.err.find("made again"), found.err.npos) << found.err;
+    for (const std::size_t position : {content.size() / 2, content.size() - 1}) {
+        std::string modified = content;
+        modified[position] = char(modified[position] ^ 1);
+        write(journal, modified);
+        const Written result = resumed(base);
+        EXPECT_TRUE(result.files == expected.files) << position;
+        EXPECT_NE(result.err.find("made again"), result.err.npos) << result.err;
     }
-    write(part, "a file of the user's");
+    write(journal, "a file of the user's");
     EXPECT_EQ(resumed(base).status, 1);
 
-    write(part, whole);
-    std::filesystem::copy(left / "o", folder / "o", std::filesystem::copy_options::recursive);
+    write(journal, content);
+    std::filesystem::copy(partial_output / "o", folder / "o", std::filesystem::copy_options::recursive);
     const int held = ::open((folder / "o/map.srbf.part").c_str(), O_RDONLY);
     ASSERT_EQ(::flock(held, LOCK_EX), 0);
-    for (const Arguments& more : {Arguments{}, Arguments{"--resume"}})
-        expect_failure(1, base + more, "another run that writes it");
+    for (const Arguments& resume : {Arguments{}, Arguments{"--resume"}})
+        expect_failure(1, base + resume, "another run that writes it");
     ::close(held);
     EXPECT_EQ(run(folder, base + Arguments{"--resume"}).status, 0);
 }
 
 #endif
 
-/// A value of another kind than the option takes, of a flag any value. The input is missing, so that nothing takes long.
-TEST_F(Options, of_another_kind_are_wrong_use_or_failures) {
+/// Values of the wrong type for an option, and any value for a flag. The input is missing, so that every run is
+/// quick.
+TEST_F(Options, with_values_of_the_wrong_type_are_errors) {
     const std::map<std::string, std::string> base{{"fit", "fit x"},
                                                   {"map", "map x --pairs p.csv -o o"},
                                                   {"basis", "basis x -o o"},
@@ -403,17 +406,17 @@ TEST_F(Options, of_another_kind_are_wrong_use_or_failures) {
                                                   {"render", "render x -o o.png"},
                                                   {"export", "export x --to glsl -o o.glsl"},
                                                   {"report", "report x -o o"}};
-    const auto all = long_options(folder);
+    const auto options = long_options(folder);
     for (const auto& [subcommand, text] : base) {
-        if (!all.contains(subcommand)) continue;  // an extra that was left out
-        for (const std::string& option : all.at(subcommand) + Arguments{"--help", "--version", "--max-memory"}) {
+        if (!options.contains(subcommand)) continue;  // an extra that is not built
+        for (const std::string& option : options.at(subcommand) + Arguments{"--help", "--version", "--max-memory"}) {
             const bool is_flag = k_argument.contains(option) && k_argument.at(option).empty();
             for (const std::string value : {"rgb", "-7", "99999999999999999999"}) {
-                const Written done = written(words(text) + Arguments{option + "=" + value});
-                const std::string line = fmt::format("{} {}={}: {}", text, option, value, done.err);
-                EXPECT_TRUE(is_flag ? done.status == 2 : done.status == 1 || done.status == 2) << line;
-                EXPECT_EQ(std::ranges::count(done.err, '\n'), 1) << line;
-                EXPECT_TRUE(done.files.empty() || subcommand == "report") << line;  // which has a row for what failed
+                const Written result = written(words(text) + Arguments{option + "=" + value});
+                const std::string line = fmt::format("{} {}={}: {}", text, option, value, result.err);
+                EXPECT_TRUE(is_flag ? result.status == 2 : result.status == 1 || result.status == 2) << line;
+                EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << line;
+                EXPECT_TRUE(result.files.empty() || subcommand == "report") << line;  // a report has rows for failures
             }
         }
     }

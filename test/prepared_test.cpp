@@ -1,4 +1,5 @@
-// Prepared models, pair by pair, against kernel.glsl in double, for each instruction set of this machine.
+// Prepared models for pairs of directions, compared with kernel.glsl in double, for every instruction set of this
+// machine.
 #include "srbf/prepared.h"
 
 #include <algorithm>
@@ -25,20 +26,20 @@ struct Pair {
     Vec3f wl, wv;
 };
 
-/// Pairs all over the sphere, and about the mirror direction.
+/// Pairs all over the sphere, and close to the mirror direction.
 std::vector<Pair> random_pairs(std::mt19937_64& random, int count) {
     std::vector<Pair> pairs;
     for (int i = 0; i < count; ++i) {
         const Vec3d wl = random_direction(random, i % 5 == 0 ? -0.2 : 0);
-        const double reach = std::pow(10, -3 * uniform(random));
+        const double offset = std::pow(10, -3 * uniform(random));
         const Vec3d wv =
-            i % 2 ? random_direction(random, -0.2) : normalize(mirror(wl) + reach * random_direction(random));
+            i % 2 ? random_direction(random, -0.2) : normalize(mirror(wl) + offset * random_direction(random));
         pairs.push_back({to_float(wl), to_float(wv)});
     }
     return pairs;
 }
 
-/// Within 1e-4 of the exact value or 1e-6 of the largest one.
+/// Expects values within 1e-4 of the exact value, or 1e-6 of the largest one.
 void expect_exact(const PmModel& model, const std::vector<Pair>& pairs) {
     const PreparedBrdf prepared = prepare(Model{model, {}}, CosineProposal{});
     std::vector<Vec3d> exact;
@@ -83,7 +84,7 @@ TEST_P(PreparedOn, AgreesWithDouble) {
         }
 }
 
-TEST_P(PreparedOn, NegativeChannelsOfSpectraCountInTheSumAlone) {
+TEST_P(PreparedOn, NegativeChannelsMayCancelInTheSum) {
     const std::vector<Pair> pairs = random_pairs(random_, 120);
     for (const PmForm form : k_forms)
         for (const bool axial : {true, false}) {
@@ -94,7 +95,7 @@ TEST_P(PreparedOn, NegativeChannelsOfSpectraCountInTheSumAlone) {
         }
 }
 
-TEST_P(PreparedOn, KeepsTheDigitsOfTheSharpestPeaks) {
+TEST_P(PreparedOn, IsAccurateAtTheSharpestPeaks) {
     for (const bool axial : {true, false})
         for (const Parameterization p : {Parameterization{1, 1}, {-0.7f, -0.7f}, {0.8f, 0.6f}}) {
             PmModel model = random_model(random_, {.axial = axial, .lobes = 2, .variates = 1});
@@ -106,15 +107,15 @@ TEST_P(PreparedOn, KeepsTheDigitsOfTheSharpestPeaks) {
             for (const double theta : {0.0, 0.1, 0.7, 1.3, 1.5})
                 for (int i = 0; i < 200; ++i) {
                     const Vec3d wl = spherical(theta, 1.0);
-                    const double reach = (i % 2 ? 0.1 : 0.01) * uniform(random_);
+                    const double offset = (i % 2 ? 0.1 : 0.01) * uniform(random_);
                     pairs.push_back(
-                        {to_float(wl), to_float(normalize(mirror(wl) + reach * random_direction(random_)))});
+                        {to_float(wl), to_float(normalize(mirror(wl) + offset * random_direction(random_)))});
                 }
             expect_exact(model, pairs);
         }
 }
 
-TEST_P(PreparedOn, IsCutBeforeSubnormalNumbersAndInfinity) {
+TEST_P(PreparedOn, IsClampedToAvoidSubnormalNumbersAndInfinity) {
     PmModel model = random_model(random_, {.lobes = 1, .variates = 1});
     model.parameterization = {{1, 1}};
     model.coefficient = {{0x1p-24f, 0x1p-60f, 1}};
@@ -128,7 +129,7 @@ TEST_P(PreparedOn, IsCutBeforeSubnormalNumbersAndInfinity) {
     }
 }
 
-TEST_P(PreparedOn, BelowTheHorizonIsNothing) {
+TEST_P(PreparedOn, IsZeroBelowTheHorizon) {
     const PreparedBrdf model = prepare(Model{random_model(random_, {}), {}});
     const Vec3f up{0, 0, 1};
     for (const float z : {0.f, -0.f, -0.5f, 1e-40f}) {
@@ -142,59 +143,61 @@ TEST_P(PreparedOn, BelowTheHorizonIsNothing) {
 
 /// A BRDF or BSDF of each kind and format.
 std::vector<AnyBrdf> all_kinds() {
-    std::vector<AnyBrdf> all;
+    std::vector<AnyBrdf> list;
     const auto add = [&](const std::filesystem::path& folder) {
         for (const auto& entry : std::filesystem::directory_iterator(folder))
-            if (auto brdf = load_brdf(entry.path().string())) all.push_back(*std::move(brdf));
+            if (auto brdf = load_brdf(entry.path().string())) list.push_back(*std::move(brdf));
     };
     add(std::filesystem::path(SRBF_SOURCE_DIR) / "test/models/1");
     for (const auto& [target, folder] : corpora())
         if (target == "model" || target == "measured" || folder.string().find("extras") != std::string::npos)
             add(folder);
-    return all;
+    return list;
 }
-/// Pairs with a direction that is not above the horizon; `on_sides`: on neither side of the surface.
-std::vector<Pair> pairs_without_value(bool on_sides) {
-    constexpr float none = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-    std::vector<Vec3f> wrong{{none, none, none}, {none, 0, 1}, {0, none, 1}, {0, 0, none}, {1, 0, none},  {inf, 0, 1},
-                             {0, -inf, 1},       {0, 0, inf},  {1, 0, 0},    {1, 0, -0.f}, {1, 0, 1e-40f}};
-    if (!on_sides) wrong.push_back({0.6f, 0, -0.8f}), wrong.push_back({1, 0, -1e-40f});
+/// Pairs with a direction that is not above the horizon. With `on_sides`, that direction is on neither side of the
+/// surface.
+std::vector<Pair> pairs_without_value(bool two_sided) {
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    std::vector<Vec3f> invalid{{nan, nan, nan}, {nan, 0, 1}, {0, nan, 1}, {0, 0, nan},  {1, 0, nan},   {inf, 0, 1},
+                               {0, -inf, 1},    {0, 0, inf}, {1, 0, 0},   {1, 0, -0.f}, {1, 0, 1e-40f}};
+    if (!two_sided) invalid.push_back({0.6f, 0, -0.8f}), invalid.push_back({1, 0, -1e-40f});
     std::vector<Pair> pairs;
-    for (const Vec3f& w : wrong)
+    for (const Vec3f& w : invalid)
         for (const Vec3f& other : {w, Vec3f(0, 0, 1), Vec3f(0.48f, -0.36f, 0.8f)})
             pairs.push_back({w, other}), pairs.push_back({other, w});
     return pairs;
 }
-struct InArrays {
+struct PairArrays {
     std::vector<Vec3f> wl, wv;
 };
-InArrays in_arrays(const std::vector<Pair>& pairs) {
-    InArrays of;
-    for (const auto& [l, v] : pairs) of.wl.push_back(l), of.wv.push_back(v);
-    return of;
+PairArrays to_arrays(const std::vector<Pair>& pairs) {
+    PairArrays arrays;
+    for (const auto& [l, v] : pairs) arrays.wl.push_back(l), arrays.wv.push_back(v);
+    return arrays;
 }
 
-TEST_F(Prepared, NoEvaluatorAnswersWithoutDirections) {
-    const auto all = all_kinds();
-    ASSERT_GT(all.size(), 60u);
-    for (std::size_t b = 0; b < all.size(); ++b) {
-        const bool two_sided = is_two_sided(all[b]);
+TEST_F(Prepared, EvaluatorsReturnZeroForInvalidDirections) {
+    const auto brdfs = all_kinds();
+    ASSERT_GT(brdfs.size(), 60u);
+    for (std::size_t b = 0; b < brdfs.size(); ++b) {
+        const bool two_sided = is_two_sided(brdfs[b]);
         const std::vector<Pair> pairs = pairs_without_value(two_sided);
-        const auto [wl, wv] = in_arrays(pairs);
-        const auto expect_nothing = [&](const Evaluate& evaluate, const char* of) {
+        const auto [wl, wv] = to_arrays(pairs);
+        const auto expect_black = [&](const Evaluate& evaluate, const char* name) {
             std::vector<Rgb> f(wl.size(), Rgb{1, 1, 1});
             evaluate(wl, wv, f);
-            EXPECT_EQ(std::ranges::count(f, Rgb()), std::ptrdiff_t(f.size())) << of << " of BRDF " << b;
+            EXPECT_EQ(std::ranges::count(f, Rgb()), std::ptrdiff_t(f.size())) << name << " of BRDF " << b;
         };
         const PreparedBsdf sides =
-            std::visit([](const auto& of) { return PreparedBsdf(prepare(of, CosineProposal{})); }, all[b]);
-        const PreparedBrdf front = std::visit([](const auto& of) { return prepare(of, CosineProposal{}); }, all[b]);
+            std::visit([](const auto& brdf) { return PreparedBsdf(prepare(brdf, CosineProposal{})); }, brdfs[b]);
+        const PreparedBrdf front =
+            std::visit([](const auto& brdf) { return prepare(brdf, CosineProposal{}); }, brdfs[b]);
         std::visit(
-            [&](const auto& of) {
-                expect_nothing(evaluator(of), "arrays");
-                for (const auto& [l, v] : pairs) EXPECT_EQ(value(of, l, v), Rgb()) << b;
+            [&](const auto& brdf) {
+                expect_black(evaluator(brdf), "arrays");
+                for (const auto& [l, v] : pairs) EXPECT_EQ(value(brdf, l, v), Rgb()) << b;
             },
-            all[b]);
+            brdfs[b]);
         for (const auto& [l, v] : pairs) {
             EXPECT_EQ(value(front, l, v), Rgb());
             EXPECT_EQ(pdf(front, l, v), 0);
@@ -209,25 +212,25 @@ TEST_F(Prepared, NoEvaluatorAnswersWithoutDirections) {
                 EXPECT_EQ(sample(sides, v, {0.3f, 0.4f}, 0.5f).pdf, 0);
             }
         }
-        expect_nothing(evaluator(front), "prepared arrays");
+        expect_black(evaluator(front), "prepared arrays");
         EXPECT_EQ(albedo(front, std::numeric_limits<float>::quiet_NaN()), Rgb());
         const auto expect_dark = [&](const Channels& channels) {
             std::vector<float> f(channels.count() * wl.size(), 1);
             channels.evaluate(wl, wv, f);
             EXPECT_EQ(std::ranges::count(f, 0.f), std::ptrdiff_t(f.size())) << b;
         };
-        if (const auto* measured = std::get_if<Measured>(&all[b])) {
-            expect_nothing(signed_evaluator(*measured), "signed arrays");
+        if (const auto* measured = std::get_if<Measured>(&brdfs[b])) {
+            expect_black(signed_evaluator(*measured), "signed arrays");
             for (const auto& [l, v] : pairs) EXPECT_EQ(signed_value(*measured, l, v), Rgb());
             if (!wavelengths(*measured).empty())
                 expect_dark(spectra(*measured)), expect_dark(signed_spectra(*measured));
         } else {
-            expect_dark(channels(std::get<Model>(all[b])));
+            expect_dark(channels(std::get<Model>(brdfs[b])));
         }
     }
 }
 
-TEST_F(Prepared, NoProposalAnswersWithoutDirections) {
+TEST_F(Prepared, ProposalsReturnZeroForInvalidDirections) {
     const Model su{isotropic_su(64), {}}, pm{random_model(random_, {}), {}};
     const std::vector<Proposal> proposals{CosineProposal{}, propose(su), propose(pm),
                                           refine(evaluator(pm), propose(evaluator(pm)), {.most_variance = 1e-6})};
@@ -245,9 +248,9 @@ TEST_F(Prepared, NoProposalAnswersWithoutDirections) {
 TEST_F(Prepared, ArraysOfDifferentLengthsEndTheProgram) {
     const Vec3f two[] = {{0, 0, 1}, {0, 0, 1}};
     std::size_t kinds = 0;
-    for (const AnyBrdf& of : all_kinds()) {
-        if (++kinds % 8 != 1) continue;  // a process each
-        const Evaluate f = std::visit([](const auto& one) { return evaluator(one); }, of);
+    for (const AnyBrdf& brdf : all_kinds()) {
+        if (++kinds % 8 != 1) continue;  // each takes a process
+        const Evaluate f = std::visit([](const auto& value) { return evaluator(value); }, brdf);
         std::vector<Rgb> values(2);
         EXPECT_DEATH(f(two, std::span(two).first(1), values), "arrays of pairs");
         EXPECT_DEATH(f(two, two, std::span(values).first(1)), "arrays of pairs");
@@ -257,37 +260,37 @@ TEST_F(Prepared, ArraysOfDifferentLengthsEndTheProgram) {
     EXPECT_DEATH(rgb_channels(f).evaluate(two, two, few), "arrays of pairs");
 }
 
-/// With and without flushing of subnormal numbers by the processor.
-template <typename Ask> void in_mode(bool flushing, const Ask& ask) {
+/// Runs `body` with or without flushing of subnormal numbers by the processor.
+template <typename Body> void in_mode(bool flush, const Body& body) {
 #if defined(__SSE__)
     constexpr unsigned both = 0x8040;  // flush to zero, denormals are zero
-    const unsigned before = _mm_getcsr();
-    _mm_setcsr(flushing ? before | both : before & ~both);
-    ask();
-    _mm_setcsr(before);
+    const unsigned previous = _mm_getcsr();
+    _mm_setcsr(flush ? previous | both : previous & ~both);
+    body();
+    _mm_setcsr(previous);
 #else
-    (void)flushing;
-    ask();
+    (void)flush;
+    body();
 #endif
 }
 
-TEST_P(PreparedOn, NothingDependsOnTheModeOfTheProcessor) {
-    // For all instruction sets: the same models are prepared in the same way.
+TEST_P(PreparedOn, ResultsDoNotDependOnTheProcessorMode) {
+    // Prepared once for all instruction sets, since preparation does not depend on them.
     static const std::vector<PreparedBrdf> models = [] {
         std::mt19937_64 random(7);
-        std::vector<PreparedBrdf> made;
+        std::vector<PreparedBrdf> list;
         for (const PmForm form : k_forms)
             for (const bool axial : {true, false})
                 for (const int lobes : {5, 12}) {
                     const PmModel model = random_model(random, {axial, true, lobes, 4, k_half_max, form});
-                    made.push_back(prepare({model, {}}, {.azimuths = axial ? 1 : 4}));
+                    list.push_back(prepare({model, {}}, {.azimuths = axial ? 1 : 4}));
                 }
-        made.push_back(prepare(Model{random_su(random, 64, 5), {}}));
-        made.push_back(prepare(Model{GgxModel{{0.1f, 0.2f, 0.3f}, {{k_least_roughness, {1, 0.9f, 0.8f}, 1}}}, {}}));
-        return made;
+        list.push_back(prepare(Model{random_su(random, 64, 5), {}}));
+        list.push_back(prepare(Model{GgxModel{{0.1f, 0.2f, 0.3f}, {{k_least_roughness, {1, 0.9f, 0.8f}, 1}}}, {}}));
+        return list;
     }();
     std::vector<Pair> pairs = random_pairs(random_, 2000);
-    for (std::size_t i = 0; i < pairs.size(); i += 4) {  // exactly along the axes, or nearly
+    for (std::size_t i = 0; i < pairs.size(); i += 4) {  // exactly or nearly along the axes
         pairs[i].wl = {i % 8 ? 0 : 1e-25f, 1e-40f, 1};
         if (i % 16 == 0) pairs[i].wv = {1, 1e-30f, 1e-38f};
     }
@@ -295,14 +298,14 @@ TEST_P(PreparedOn, NothingDependsOnTheModeOfTheProcessor) {
         std::vector<Rgb> f[2];
         std::vector<Vec3f> wl[2];
         std::vector<float> density[2];
-        for (const int flushing : {0, 1})
-            in_mode(flushing != 0, [&] {
+        for (const int flush : {0, 1})
+            in_mode(flush != 0, [&] {
                 std::mt19937_64 random(3);
                 for (const auto& [l, v] : pairs) {
-                    f[flushing].push_back(value(model, l, v));
-                    density[flushing].push_back(pdf(model, l, v));
+                    f[flush].push_back(value(model, l, v));
+                    density[flush].push_back(pdf(model, l, v));
                     const float a = float(uniform(random)), b = float(uniform(random)), c = float(uniform(random));
-                    if (v.z > 0.01f) wl[flushing].push_back(sample(proposal(model), v, {a, b}, c));
+                    if (v.z > 0.01f) wl[flush].push_back(sample(proposal(model), v, {a, b}, c));
                 }
             });
         EXPECT_EQ(f[0], f[1]);
@@ -313,9 +316,9 @@ TEST_P(PreparedOn, NothingDependsOnTheModeOfTheProcessor) {
 
 void expect_integral(const Evaluate& f, const PreparedBrdf& prepared) {
     for (const double cosine : {1.0, 0.94, 0.7, 0.5, 0.26, 0.1, 0.05, 0.03, 0.02, 0.012, 0.007, 0.003, 0.0015}) {
-        const Rgb expected = albedo(f, std::acos(cosine), k_pi / 2), found = albedo(prepared, float(cosine));
+        const Rgb expected = albedo(f, std::acos(cosine), k_pi / 2), prepared_albedo = albedo(prepared, float(cosine));
         for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(found[c], expected[c], std::max(0.01 * double(expected[c]), 0.002)) << cosine;
+            EXPECT_NEAR(prepared_albedo[c], expected[c], std::max(0.01 * double(expected[c]), 0.002)) << cosine;
     }
 }
 
@@ -332,7 +335,7 @@ TEST_P(PreparedOn, AlbedoIsTheIntegral) {
     EXPECT_EQ(albedo(grey, std::numeric_limits<float>::quiet_NaN()), Rgb{});
 }
 
-/// What a film and white paper reflect changes fast at grazing angles.
+/// The albedos of a film and of white paper change rapidly at grazing angles.
 TEST_F(Prepared, AlbedoOfFitsIsTheIntegral) {
     for (const char* const name : {"cc_ibiza_sunset_rgb.bsdf", "paper_white_rgb.bsdf"}) {
         SCOPED_TRACE(name);
@@ -367,10 +370,10 @@ TEST_F(Prepared, ABrdfOfAnyTypeIsOwned) {
         owners.push_back(prepare(measured, CosineProposal{}));
         owners.push_back(prepare(std::move(measured)));
     }
-    const Measured kept = *load_measured((bundled_data() / "paper_white_rgb.bsdf").string());
+    const Measured reference = *load_measured((bundled_data() / "paper_white_rgb.bsdf").string());
     for (const PreparedBrdf& brdf : owners) {
         double mean = 0;
-        for (const auto& [l, v] : random_pairs(random_, 200)) EXPECT_EQ(value(brdf, l, v), value(kept, l, v));
+        for (const auto& [l, v] : random_pairs(random_, 200)) EXPECT_EQ(value(brdf, l, v), value(reference, l, v));
         const Vec3f wv = to_float(spherical(0.5, 0.0));
         for (int i = 0; i < 4000; ++i) {
             const Vec3f u = draw3();
@@ -380,15 +383,15 @@ TEST_F(Prepared, ABrdfOfAnyTypeIsOwned) {
     }
 }
 
-TEST_P(PreparedOn, BatchesAreTheModels) {
+TEST_P(PreparedOn, BatchesAgreeWithTheModel) {
     for (const bool axial : {true, false}) {
         const PmModel model = random_model(random_, {.axial = axial, .lobes = 11, .form = PmForm::extended});
         std::vector<Vec3f> wl, wv;
         for (const auto& [l, v] : random_pairs(random_, 100)) wl.push_back(l), wv.push_back(v);
-        std::vector<Rgb> of_model(wl.size()), of_prepared(wl.size());
-        evaluate(model, wl, wv, of_model);
-        evaluator(prepare(Model{model, {}}, CosineProposal{}))(wl, wv, of_prepared);
-        EXPECT_EQ(of_model, of_prepared);
+        std::vector<Rgb> model_values(wl.size()), prepared_values(wl.size());
+        evaluate(model, wl, wv, model_values);
+        evaluator(prepare(Model{model, {}}, CosineProposal{}))(wl, wv, prepared_values);
+        EXPECT_EQ(model_values, prepared_values);
     }
 }
 
@@ -398,8 +401,8 @@ TEST_F(Prepared, CopiesOutliveTheirSources) {
         if (kind == 0) source->model = random_model(random_, {.lobes = 9, .form = PmForm::extended});
         if (kind == 1) source->model = random_su(random_, 64, 3);
         if (kind == 2) source->model = GgxModel{{0.1f, 0.2f, 0.3f}, {{0.2f, {1, 0.9f, 0.8f}, 1}}};
-        const Model kept = *source;
-        const Proposal proposal = propose(kept);
+        const Model reference = *source;
+        const Proposal proposal = propose(reference);
         std::optional<PreparedBrdf> first = prepare(*source);
         source.reset();
         PreparedBrdf copy = *first;
@@ -408,21 +411,22 @@ TEST_F(Prepared, CopiesOutliveTheirSources) {
         const PreparedBrdf last = std::move(copy);
         for (const PreparedBrdf* model : {&moved, &last})
             for (const auto& [l, v] : random_pairs(random_, 200)) {
-                const Rgb f = value(*model, l, v), expected = value(kept, l, v);
+                const Rgb f = value(*model, l, v), expected = value(reference, l, v);
                 for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6));
                 EXPECT_EQ(pdf(*model, l, v), pdf(proposal, l, v));
                 if (!(v.z > 0)) continue;
                 const Vec3f u = draw3();
-                const LightSample drawn = sample(*model, v, {u.x, u.y}, u.z),
-                                  expected_draw = sample(kept, proposal, v, {u.x, u.y}, u.z);
-                EXPECT_EQ(drawn.pdf, expected_draw.pdf);
-                EXPECT_TRUE(drawn.wl == expected_draw.wl);
-                EXPECT_TRUE(near(drawn.weight.g, expected_draw.weight.g, 1e-4 * expected_draw.weight.g + 1e-6));
+                const LightSample prepared_sample = sample(*model, v, {u.x, u.y}, u.z),
+                                  reference_sample = sample(reference, proposal, v, {u.x, u.y}, u.z);
+                EXPECT_EQ(prepared_sample.pdf, reference_sample.pdf);
+                EXPECT_TRUE(prepared_sample.wl == reference_sample.wl);
+                EXPECT_TRUE(
+                    near(prepared_sample.weight.g, reference_sample.weight.g, 1e-4 * reference_sample.weight.g + 1e-6));
             }
     }
 }
 
-/// A mixture of random weights, a third of them 0, and its density by kernel.glsl in double.
+/// A mixture with random weights, a third of them 0, and its density computed by kernel.glsl in double.
 MixtureProposal random_mixture(std::mt19937_64& random, bool is_grain) {
     MixtureProposal proposal;
     if (is_grain) proposal.cosine = 0.6f, proposal.sine = 0.8f;
@@ -441,69 +445,69 @@ MixtureProposal random_mixture(std::mt19937_64& random, bool is_grain) {
     return proposal;
 }
 std::array<double, MixtureProposal::k_numbers> numbers_at(const MixtureProposal& proposal, double z) {
-    const double at = (1 - std::sqrt(z)) * (MixtureProposal::k_nodes - 1);
-    const int below = std::min(int(at), MixtureProposal::k_nodes - 2);
+    const double position = (1 - std::sqrt(z)) * (MixtureProposal::k_nodes - 1);
+    const int lower = std::min(int(position), MixtureProposal::k_nodes - 2);
     std::array<double, MixtureProposal::k_numbers> numbers;
     for (std::size_t k = 0; k < numbers.size(); ++k)
-        numbers[k] = (1 - at + below) * double(proposal.numbers(std::size_t(below))[k]) +
-                     (at - below) * double(proposal.numbers(std::size_t(below + 1))[k]);
+        numbers[k] = (1 - position + lower) * double(proposal.numbers(std::size_t(lower))[k]) +
+                     (position - lower) * double(proposal.numbers(std::size_t(lower + 1))[k]);
     return numbers;
 }
 
-TEST_P(PreparedOn, DensityAndDrawsAreThoseOfTheText) {
+TEST_P(PreparedOn, DensityAndSamplesAgreeWithTheKernel) {
     using D = Kernel<double>;
     for (const bool is_grain : {false, true})
         for (int i = 0; i < 4; ++i) {
             const MixtureProposal proposal = random_mixture(random_, is_grain);
-            int other = 0;
+            int different = 0;
             for (int n = 0; n < 2000; ++n) {
                 const Vec3f wv = to_float(random_direction(random_, 0.02)), u = draw3();
                 const Vec3d v = to_double(wv);
                 const auto weight = numbers_at(proposal, double(wv.z));
                 const auto map = D::stretch_along(is_grain ? Vec3d(0.6, 0.8, 0) : v, weight[MixtureProposal::k_lobes]);
                 const double power = weight[MixtureProposal::k_lobes + 1];
-                double left = double(u.z);
+                double remaining = double(u.z);
                 int k = 0;
-                while (k + 1 < MixtureProposal::k_lobes && left >= weight[std::size_t(k)])
-                    left -= weight[std::size_t(k++)];
+                while (k + 1 < MixtureProposal::k_lobes && remaining >= weight[std::size_t(k)])
+                    remaining -= weight[std::size_t(k++)];
                 const Vec3f wl = sample(proposal, wv, {u.x, u.y}, u.z);
                 const Vec3d expected = D::sample_proposal_lobe(k, v, map, power, double(u.x), double(u.y));
-                const Vec3d apart = to_double(wl) - expected;
-                other += !near(std::sqrt(dot(apart, apart)), 0, 2e-3);
-                const DirectionSample both = sample_with_pdf(proposal, wv, {u.x, u.y}, u.z);
-                EXPECT_TRUE(both.wl == wl);
-                EXPECT_EQ(both.pdf, pdf(proposal, wl, wv));
+                const Vec3d difference = to_double(wl) - expected;
+                different += !near(std::sqrt(dot(difference, difference)), 0, 2e-3);
+                const DirectionSample sample_and_pdf = sample_with_pdf(proposal, wv, {u.x, u.y}, u.z);
+                EXPECT_TRUE(sample_and_pdf.wl == wl);
+                EXPECT_EQ(sample_and_pdf.pdf, pdf(proposal, wl, wv));
                 if (!(wl.z > 0)) continue;
-                const auto at = D::proposal_point(to_double(wl), v, map, power);
+                const auto point = D::proposal_point(to_double(wl), v, map, power);
                 double density = 0;
                 for (int j = 0; j < MixtureProposal::k_lobes; ++j)
-                    density += weight[std::size_t(j)] * D::proposal_lobe_pdf(j, at);
+                    density += weight[std::size_t(j)] * D::proposal_lobe_pdf(j, point);
                 EXPECT_TRUE(near_relative(double(pdf(proposal, wl, wv)), density, 2e-3)) << n << ' ' << k;
             }
-            EXPECT_LE(other, 2);  // where rounding chooses another lobe
+            EXPECT_LE(different, 2);  // where rounding selects another lobe
         }
 }
 
-TEST_P(PreparedOn, DrawsAndDensityAgree) {
-    // The mean of g / pdf over draws is the integral of g above the horizon: of cosθ / π, and of a lobe that is sharp.
+TEST_P(PreparedOn, SamplesAndDensityAgree) {
+    // The mean of g / pdf over samples is the integral of g above the horizon, for g = cosθ / π and for a sharp lobe.
     const PmModel model = random_model(random_, {.lobes = 6, .form = PmForm::extended});
     const PreparedBrdf prepared = prepare(Model{model, {}});
     for (const double theta : {0.0, 0.5, 1.0, 1.4}) {
         const Vec3f wv = to_float(spherical(theta, 0.3)), specular = mirror(wv);
-        double of_cosine = 0, of_lobe = 0, squares = 0;
+        double cosine_sum = 0, lobe_sum = 0, squares = 0;
         constexpr int n = 48;
         for (int i = 0; i < n * n * n; ++i) {
             const Vec3f cell{float(i % n), float(i / n % n), float(i / n / n)};
             const Vec3f u = (1.f / n) * (cell + draw3()), wl = sample(proposal(prepared), wv, {u.x, u.y}, u.z);
             if (!(wl.z > 0)) continue;
             const double density = double(pdf(prepared, wl, wv));
-            of_cosine += double(wl.z) / k_pi / density;
+            cosine_sum += double(wl.z) / k_pi / density;
             const double lobe = double(Kernel<float>::vmf_pdf(wl, specular, 20.f) +
                                        Kernel<float>::vmf_pdf({wl.x, wl.y, -wl.z}, specular, 20.f));
-            of_lobe += lobe / density, squares += lobe * lobe / (density * density);
+            lobe_sum += lobe / density, squares += lobe * lobe / (density * density);
         }
-        EXPECT_TRUE(near(of_cosine / (n * n * n), 1, 3e-3)) << theta;
-        const double mean = of_lobe / (n * n * n),
+        EXPECT_TRUE(near(cosine_sum / (n * n * n), 1, 3e-3)) << theta;
+        const double mean = lobe_sum / (n * n * n),
                      deviation = std::sqrt((squares / (n * n * n) - mean * mean)) / (n * std::sqrt(double(n)));
         EXPECT_TRUE(near(mean, 1, 1e-3 + 4 * deviation)) << theta << ' ' << mean << " +- " << deviation;
     }

@@ -1,4 +1,4 @@
-// Errors of the command line: one line that names the cause, and no output files.
+// Errors of the command line: one line that states the cause, and no output files.
 
 #include "command.h"
 #include "models.h"
@@ -50,7 +50,8 @@ TEST_F(CommandLine, outputs_that_cannot_be_written_leave_nothing_behind) {
     const Arguments fit{"fit", "small.binary", "--model", "ggx"};
     for (const char* option : {"-o", "--preview", "--json"})
         for (const char* name : {"missing/x", "a folder", "link"})
-            if (option != std::string("-o") || name != std::string("a folder"))  // which is for the models of many
+            if (option != std::string("-o") ||
+                name != std::string("a folder"))  // which is valid as a folder for several models
                 expect_failure(1, fit + Arguments{option, name}, name);
     expect_failure(1, fit + Arguments{"-o", "./small.binary"}, "small.binary");
     expect_failure(1, fit + Arguments{"-o", "x.png", "--preview", "./x.png"}, "x.png");
@@ -60,7 +61,7 @@ TEST_F(CommandLine, outputs_that_cannot_be_written_leave_nothing_behind) {
         expect_failure(1, command, "standard output", "/dev/full");
 }
 
-/// Which is noticed only once all is fitted and measured.
+/// A full device is noticed only after fitting and measuring.
 TEST_F(CommandLine, full_devices_leave_nothing_behind) {
     write(folder / "small.binary", small_merl());
     const Arguments fit{"fit", "small.binary", "--model", "ggx", "--objective", "cosine"};
@@ -91,16 +92,16 @@ TEST_F(CommandLine, usage_errors_of_choices) {
 TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
     write(folder / "m.binary", small_merl());
     const Arguments raster{"render", "m.binary", "-o", "x.png", "--size", "8x8", "--renderer", "raster"};
-    for (const Arguments& of_path : {Arguments{"--aov"},
-                                     {"--bounces", "2"},
-                                     {"--scene", "room"},
-                                     {"--seed", "1"},
-                                     {"--draw", "cosine"},
-                                     {"--no-ground"},
-                                     {"--no-occlusion"},
-                                     {"--threads", "1"},
-                                     {"--lights", "softbox"}})
-        expect_failure(2, raster + of_path, "only with --renderer path (see srbf render --help)");
+    for (const Arguments& path_only : {Arguments{"--aov"},
+                                       {"--bounces", "2"},
+                                       {"--scene", "room"},
+                                       {"--seed", "1"},
+                                       {"--draw", "cosine"},
+                                       {"--no-ground"},
+                                       {"--no-occlusion"},
+                                       {"--threads", "1"},
+                                       {"--lights", "softbox"}})
+        expect_failure(2, raster + path_only, "only with --renderer path (see srbf render --help)");
     expect_failure(2, {"render", "m.binary", "-o", "x.png", "--json", "r.json"}, "--json: only with --compare");
     expect_failure(2, {"render", "m.binary", "-o", "x.png", "--scene", "room", "--mesh", "knot"}, "--scene object");
     expect_failure(2, {"convert", "m.binary", "-o", "x.csv", "--rgb-alone"}, "--rgb-alone: only with an output .bsdf");
@@ -122,7 +123,7 @@ TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
     expect_failure(2, {"fit", "m.binary", "-o", "-h"}, "--output: expected a text, found the option -h");
 }
 
-/// Of models, libraries and what is in them.
+/// Options of samples with models, libraries and models in libraries.
 TEST_F(CommandLine, options_of_samples_are_refused_for_models) {
     write(folder / "m.binary", small_merl());
     if (!is_offered({"basis"})) GTEST_SKIP() << "without srbf basis";
@@ -139,13 +140,13 @@ TEST_F(CommandLine, options_of_samples_are_refused_for_models) {
 }
 
 TEST_F(CommandLine, usage_errors_name_the_help_of_their_subcommand) {
-    for (const auto& [arguments, help] : {std::pair(Arguments{}, "srbf --help"),
-                                          {{"bogus"}, "srbf --help"},
-                                          {{"fit"}, "srbf fit --help"},
-                                          {{"--max-memory", "40", "info", "a"}, "srbf --help"},
-                                          {{"render", "--bogus"}, "srbf render --help"},
-                                          {{"compare", "a"}, "srbf compare --help"}})
-        expect_failure(2, arguments, fmt::format("(see {})", help));
+    for (const auto& [arguments, help_command] : {std::pair(Arguments{}, "srbf --help"),
+                                                  {{"bogus"}, "srbf --help"},
+                                                  {{"fit"}, "srbf fit --help"},
+                                                  {{"--max-memory", "40", "info", "a"}, "srbf --help"},
+                                                  {{"render", "--bogus"}, "srbf render --help"},
+                                                  {{"compare", "a"}, "srbf compare --help"}})
+        expect_failure(2, arguments, fmt::format("(see {})", help_command));
 }
 
 TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
@@ -179,7 +180,7 @@ TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
         {{"fit", k_paper, "--seed", "-1"}, "--seed"},
         {{"fit", k_paper, "--threads", "-1"}, "--threads"},
     };
-    for (const auto& [arguments, named] : bad) expect_failure(2, arguments, named);
+    for (const auto& [arguments, message_part] : bad) expect_failure(2, arguments, message_part);
     for (const char* lobes : {"0", "-1", "65", "1e9", "2.5", "abc", "", "3\n4"})
         expect_failure(2, {"fit", k_paper, "--lobes", lobes}, "--lobes");
     for (const char* variates : {"0", "9"}) expect_failure(2, {"fit", k_paper, "--variates", variates}, "--variates");

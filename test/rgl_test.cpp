@@ -1,4 +1,4 @@
-// RGL measurements: agreement with the authors' loader, the formula, the warp.
+// RGL measurements: agreement with the authors' loader, the formula, and the warp.
 #include <map>
 
 #include "measured/formats/warp.h"
@@ -20,7 +20,7 @@ const RglTable& bundled(std::string_view name) {
 
 const std::vector<std::string> k_bundled{"paper_white", "cc_ibiza_sunset"};
 
-/// Every row within 1e-4, or 2e-6 absolute, of the authors' own loader.
+/// Expects each row within 1e-4, or 2e-6 absolute, of the value from the authors' own loader.
 void expect_agreement(const std::filesystem::path& measurement, const std::filesystem::path& reference) {
     const auto measured = load_measured(measurement.string());
     ASSERT_TRUE(measured.ok()) << message(measured.error());
@@ -57,8 +57,8 @@ TEST(Rgl, ComputesItsFormula) {
     for (int i = 0; i < 5000; ++i) {
         const Vec3d wl = random_direction(random, 0.01), wv = random_direction(random, 0.01), h = wl + wv;
         const double u_h = std::sqrt(std::acos(normalize(h).z) * 2 / k_pi), u_l = std::sqrt(std::acos(wl.z) * 2 / k_pi);
-        const double turn = std::remainder(std::atan2(h.y, h.x) - std::atan2(wl.y, wl.x), 2 * k_pi);
-        const double scale = (1 + u_h) / (4 * (1 - u_l / 2) * wv.z), w_y = (turn + k_pi) / (2 * k_pi);
+        const double azimuth = std::remainder(std::atan2(h.y, h.x) - std::atan2(wl.y, wl.x), 2 * k_pi);
+        const double scale = (1 + u_h) / (4 * (1 - u_l / 2) * wv.z), w_y = (azimuth + k_pi) / (2 * k_pi);
         const Rgb f = signed_value(*table, to_float(wl), to_float(wv));
         EXPECT_PRED3(near, f.r, scale * u_h, 1e-4 * scale);
         EXPECT_PRED3(near, f.g, scale * w_y, 1e-4 * scale);
@@ -84,7 +84,7 @@ TEST(Rgl, WithoutJacobianTheColourIsTheValue) {
     }
 }
 
-/// Synthetic, since no spectral file is available.
+/// A synthetic file, since no spectral file is available.
 TEST(Rgl, SpectraBecomeColours) {
     const auto spectral = read_rgl(tensor_file(spectral_rgl()), "spectral"),
                rgb = read_rgl(tensor_file(simple_rgl()), "rgb");
@@ -95,8 +95,8 @@ TEST(Rgl, SpectraBecomeColours) {
     for (int i = 0; i < 2000; ++i) {
         const Vec3f wl = to_float(random_direction(random, 0.05)), wv = to_float(random_direction(random, 0.05));
         // simple_rgl's channels are the spectrum at the three wavelengths.
-        const Rgb at = signed_value(*rgb, wl, wv), f = signed_value(*spectral, wl, wv);
-        const std::vector<float> spectrum{at.r, at.g, at.b};
+        const Rgb channels = signed_value(*rgb, wl, wv), f = signed_value(*spectral, wl, wv);
+        const std::vector<float> spectrum{channels.r, channels.g, channels.b};
         const Rgb expected = to_rgb(spectrum, weights);
         for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, f[c], expected[c], 1e-4 * (1 + std::abs(double(expected[c]))));
         std::vector<float> looked_up(3);
@@ -116,8 +116,9 @@ TEST(Rgl, SpectraBecomeColours) {
     EXPECT_TRUE(wavelengths(Measured{"", "", 0, *rgb}).empty());
 }
 
-/// Synthetic, since no anisotropic file is available. The formula of `anisotropic_rgl`, in double.
-TEST(Rgl, AnisotropicOnesComputeTheirFormula) {
+/// A synthetic file, since no anisotropic file is available. Expected values are the formula of `anisotropic_rgl`
+/// in double.
+TEST(Rgl, AnisotropicTablesComputeTheirFormula) {
     std::mt19937_64 random(10);
     for (const int symmetry : {1, 2, 4}) {
         const auto table = read_rgl(tensor_file(anisotropic_rgl(symmetry)), "anisotropic");
@@ -127,7 +128,7 @@ TEST(Rgl, AnisotropicOnesComputeTheirFormula) {
         for (int i = 0; i < 5000; ++i) {
             Vec3d wl = random_direction(random, 0.01), wv = random_direction(random, 0.01);
             const Rgb f = signed_value(*table, to_float(wl), to_float(wv));
-            // By symmetry: rotated by π, or mirrored at both axes.
+            // Reduced by symmetry: rotated by π, or mirrored at both axes.
             if (symmetry == 2 && wl.y > 0) wl = mirror(wl), wv = mirror(wv);
             if (symmetry == 4 && wl.y > 0) wl.y = -wl.y, wv.y = -wv.y;
             if (symmetry == 4 && wl.x > 0) wl.x = -wl.x, wv.x = -wv.x;
@@ -146,7 +147,7 @@ TEST(Rgl, AnisotropicOnesComputeTheirFormula) {
     }
 }
 
-TEST(Rgl, WarpMapsTheSquareOntoItselfWithItsDensity) {
+TEST(Rgl, WarpMapsTheSquareToItselfWithItsDensity) {
     std::mt19937_64 random(4);
     for (const auto& name : k_bundled) {
         const RglTable& table = bundled(name);
@@ -154,7 +155,7 @@ TEST(Rgl, WarpMapsTheSquareOntoItselfWithItsDensity) {
             const Slices slices = slices_at(table.theta_l, float(k_pi / 2 * uniform(random)));
             const Warped any = unwarp(table.visible, slices, float(uniform(random)), float(uniform(random)));
             EXPECT_TRUE(any.x >= 0 && any.x <= 1 && any.y >= 0 && any.y <= 1 && any.density >= 0);
-            // Inside a cell the warp is quadratic, so that a central difference is its derivative.
+            // Within a cell the warp is quadratic, so a central difference is the exact derivative.
             const float cells_x = float(table.visible.width - 1), cells_y = float(table.visible.height - 1);
             const float x = (std::floor(float(uniform(random)) * cells_x) + 0.5f) / cells_x, dx = 0.4f / cells_x;
             const float y = (std::floor(float(uniform(random)) * cells_y) + 0.5f) / cells_y, dy = 0.4f / cells_y;
@@ -203,12 +204,12 @@ TEST(Rgl, IsIsotropicAndBounded) {
             const Vec3f wl = direction_to_the_ends(random), wv = direction_to_the_ends(random);
             const Rgb f = value(table, wl, wv);
             ASSERT_TRUE(keeps_contract(f, wl, wv, false));
-            const double turn = 6 * uniform(random);
-            const Vec3f turned_l = rotate(wl, turn), turned_v = rotate(wv, turn);
-            const Rgb turned = value(table, turned_l, turned_v);
+            const double angle = 6 * uniform(random);
+            const Vec3f rotated_l = rotate(wl, angle), rotated_v = rotate(wv, angle);
+            const Rgb rotated = value(table, rotated_l, rotated_v);
             const double sine_h = std::hypot(double(wl.x + wv.x), double(wl.y + wv.y));
             if (wl.z < 0.02f || wv.z < 0.02f || wl.z > 0.999f || sine_h < 0.05) continue;
-            for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, turned[c], f[c], 1e-3 * (1e-2 + double(f[c])));
+            for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, rotated[c], f[c], 1e-3 * (1e-2 + double(f[c])));
         }
         for (const float z : {1e-30f, 1e-42f})
             EXPECT_TRUE(is_finite(value(table, {1, 0, z}, {-1, 0, z})) &&
@@ -223,7 +224,7 @@ TEST(Rgl, IsContinuous) {
         const RglTable& table = bundled(name);
         for (int i = 0; i < 30000; ++i) {
             const Vec3d wl = random_direction(random, 0.1);
-            // Half of the pairs straddle the seam of the table, where h lies opposite of ωl.
+            // Half of the pairs straddle the seam of the table, where h is opposite to ωl.
             Vec3d wv = random_direction(random, 0.1);
             if (i % 2)
                 wv = spherical(std::min(1.4, std::acos(wl.z) + 0.15 + uniform(random)), std::atan2(-wl.y, -wl.x));

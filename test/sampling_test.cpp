@@ -24,7 +24,7 @@ std::array<float, MixtureProposal::k_lobes> weights_of(const MixtureProposal& pr
     return weight;
 }
 
-// A point and a selector in three numbers.
+// Samples from a 3-vector of uniform numbers: a point and a selector.
 template <typename P> Vec3f sample(const P& proposal, Vec3f wv, Vec3f u) {
     return sample(proposal, wv, Vec2f{u.x, u.y}, u.z);
 }
@@ -32,40 +32,40 @@ template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposa
     return sample(brdf, proposal, wv, Vec2f{u.x, u.y}, u.z);
 }
 
-/// A real material with a quick fit, and a proposal for each of the three BRDFs.
+/// A measured material with quick fits, and a proposal for each of the three BRDFs.
 struct Material {
     std::string name;
     Measured measured;
     PmModel pm;
     SuModel su;
-    MixtureProposal of_table, of_pm;
-    ViewProposal of_su;
+    MixtureProposal table_proposal, pm_proposal;
+    ViewProposal su_proposal;
     CosineProposal cosine;
 };
 
-/// Calls visit(name, brdf, proposal) with each pairing of a BRDF and a proposal.
+/// Calls visit(name, brdf, proposal) for each pair of a BRDF and a proposal.
 template <typename Visit> void for_each_pairing(const Material& material, const Visit& visit) {
-    visit(material.name + " PM", evaluator(material.pm), Proposal(material.of_pm));
-    visit(material.name + " SU", evaluator(material.su), Proposal(material.of_su));
-    visit(material.name + " table", evaluator(material.measured), Proposal(material.of_table));
-    visit(material.name + " table through PM", evaluator(material.measured), Proposal(material.of_pm));
+    visit(material.name + " PM", evaluator(material.pm), Proposal(material.pm_proposal));
+    visit(material.name + " SU", evaluator(material.su), Proposal(material.su_proposal));
+    visit(material.name + " table", evaluator(material.measured), Proposal(material.table_proposal));
+    visit(material.name + " table with the proposal of PM", evaluator(material.measured), Proposal(material.pm_proposal));
 }
 
 std::vector<std::filesystem::path> measurements() {
-    std::map<std::string, std::filesystem::path> found;
+    std::map<std::string, std::filesystem::path> files;
     for (const auto& folder : {bundled_data(), shared_data() / "rgl", shared_data() / "cornell"})
         if (std::filesystem::exists(folder))
             for (const auto& entry : std::filesystem::directory_iterator(folder))
-                if (const auto ending = entry.path().extension(); ending == ".bsdf" || ending == ".brdf")
-                    found.emplace(entry.path().stem().string(), entry.path());
+                if (const auto extension = entry.path().extension(); extension == ".bsdf" || extension == ".brdf")
+                    files.emplace(entry.path().stem().string(), entry.path());
     std::vector<std::filesystem::path> paths;
-    for (const auto& [name, path] : found) paths.push_back(path);
+    for (const auto& [name, path] : files) paths.push_back(path);
     return paths;
 }
 
 const std::vector<std::unique_ptr<Material>>& materials() {
-    static const auto all = [] {
-        std::vector<std::unique_ptr<Material>> made;
+    static const auto list = [] {
+        std::vector<std::unique_ptr<Material>> materials_list;
         for (const auto& path : measurements()) {
             auto material = std::make_unique<Material>();
             material->name = path.stem().string();
@@ -78,14 +78,14 @@ const std::vector<std::unique_ptr<Material>>& materials() {
             EXPECT_TRUE(pm.ok() && su.ok()) << path;
             material->pm = pm->model;
             material->su = su->model;
-            material->of_pm = propose(evaluator(material->pm));
-            material->of_su = propose(material->su);
-            material->of_table = propose(evaluator(material->measured));
-            made.push_back(std::move(material));
+            material->pm_proposal = propose(evaluator(material->pm));
+            material->su_proposal = propose(material->su);
+            material->table_proposal = propose(evaluator(material->measured));
+            materials_list.push_back(std::move(material));
         }
-        return made;
+        return materials_list;
     }();
-    return all;
+    return list;
 }
 
 class Sampling : public testing::Test {
@@ -101,11 +101,11 @@ class Sampling : public testing::Test {
     }
 };
 
-/// The density of the half vector h of wl and wv, where wl is of density pdf.
+/// The density of the half vector h between wl and wv if wl has the density of the proposal.
 double half_vector_density(const Proposal& proposal, Vec3d h, Vec3f wv) {
-    const double along = dot(h, to_double(wv));
-    if (along <= 0) return 0;
-    return 4 * along * double(pdf(proposal, to_float(2 * along * h - to_double(wv)), wv));
+    const double cosine = dot(h, to_double(wv));
+    if (cosine <= 0) return 0;
+    return 4 * cosine * double(pdf(proposal, to_float(2 * cosine * h - to_double(wv)), wv));
 }
 Vec3d half_vector(Vec3f wl, Vec3f wv) { return normalize(to_double(wl) + to_double(wv)); }
 
@@ -115,23 +115,23 @@ double variance(const Evaluate& brdf, const Proposal& proposal, double theta) {
     const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), 30000);
     std::vector<Rgb> f(points.w.size());
     brdf(points.w, std::vector<Vec3f>(f.size(), wv), f);
-    double whole = 0, squared = 0;
+    double mean = 0, second_moment = 0;
     for (std::size_t i = 0; i < f.size(); ++i) {
         const double g = is_finite(f[i]) ? luminance(f[i]) * double(points.w[i].z) : 0;
-        whole += points.weight[i] * g;
-        if (g > 0) squared += points.weight[i] * g * g / double(pdf(proposal, points.w[i], wv));
+        mean += points.weight[i] * g;
+        if (g > 0) second_moment += points.weight[i] * g * g / double(pdf(proposal, points.w[i], wv));
     }
-    return squared / (whole * whole) - 1;
+    return second_moment / (mean * mean) - 1;
 }
 
-/// A GGX highlight of which one side of the plane of incidence is dark: no sum of lobes is like it.
+/// A GGX highlight that is dark on one side of the plane of incidence: no mixture of lobes resembles it.
 void half_highlight(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     evaluate(GgxModel{{0.02f, 0.02f, 0.02f}, {{0.1f, {0.5f, 0.5f, 0.5f}, 1}}}, wl, wv, f);
     for (std::size_t i = 0; i < f.size(); ++i)
         if (wv[i].x * wl[i].y - wv[i].y * wl[i].x < 0) f[i] = {0.01f, 0.01f, 0.01f};
 }
 
-TEST_F(Sampling, DrawsFollowDensitiesThatIntegrateToOne) {
+TEST_F(Sampling, SamplesFollowDensitiesThatIntegrateToOne) {
     const int tests = int(materials().size()) * 5 * int(std::size(k_thetas));
     const double significance = sidak(0.01, tests);
     constexpr int count = 20000;
@@ -145,12 +145,12 @@ TEST_F(Sampling, DrawsFollowDensitiesThatIntegrateToOne) {
                 const Vec3f wl = sample(proposal, wv, draw3());
                 observed[wl.z > 0 ? bins.index(half_vector(wl, wv)) : bins.size()] += 1;
             }
-            double within = 0;
-            for (double& mass : expected) within += mass, mass *= count;
+            double total_mass = 0;
+            for (double& mass : expected) total_mass += mass, mass *= count;
             const double lost = observed.back() / count;
-            // The lost share has its own statistical error; it is 0 for most.
-            EXPECT_TRUE(near(within + lost, 1, 1e-3 + 4 * std::sqrt(lost / count))) << name << ' ' << theta;
-            expected.push_back(count * std::max(0.0, 1 - within));
+            // The fraction of samples that are lost has its own statistical error. For most it is 0.
+            EXPECT_TRUE(near(total_mass + lost, 1, 1e-3 + 4 * std::sqrt(lost / count))) << name << ' ' << theta;
+            expected.push_back(count * std::max(0.0, 1 - total_mass));
             EXPECT_GT(chi2_p_value(observed, expected), significance) << name << ' ' << theta;
         }
     };
@@ -160,54 +160,54 @@ TEST_F(Sampling, DrawsFollowDensitiesThatIntegrateToOne) {
     }
 }
 
-TEST_F(Sampling, WhatIsNotLikeLobesIsDrawnByCells) {
+TEST_F(Sampling, CellsSampleWhatLobesCannot) {
     const MixtureProposal mixture = propose(half_highlight);
     const Proposal cells = refine(half_highlight, mixture);
     ASSERT_TRUE(std::holds_alternative<TableProposal>(cells));
     for (double theta = 4; theta < 85; theta += 6.7)
         EXPECT_LT(variance(half_highlight, cells, theta), 0.3 * variance(half_highlight, mixture, theta)) << theta;
-    const auto matt = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
+    const auto matte = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
         std::ranges::fill(f, Rgb{0.3f, 0.3f, 0.3f});
     };
-    EXPECT_TRUE(std::holds_alternative<MixtureProposal>(refine(matt, propose(matt))));
+    EXPECT_TRUE(std::holds_alternative<MixtureProposal>(refine(matte, propose(matte))));
 
-    // ∫ cosθ / π = 1 by draws.
+    // A Monte Carlo estimate of ∫ cosθ / π = 1.
     constexpr int count = 50000;
     for (const double theta : k_thetas) {
         const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
         double sum = 0, squares = 0;
         for (int i = 0; i < count; ++i) {
             const Vec3f wl = sample(cells, wv, draw3());
-            const double share = wl.z > 0 ? double(wl.z) / k_pi / double(pdf(cells, wl, wv)) : 0;
-            sum += share, squares += share * share;
+            const double estimate = wl.z > 0 ? double(wl.z) / k_pi / double(pdf(cells, wl, wv)) : 0;
+            sum += estimate, squares += estimate * estimate;
         }
         const double mean = sum / count, deviation = std::sqrt((squares / count - mean * mean) / count);
         EXPECT_TRUE(near(mean, 1, 5 * deviation + 1e-3)) << theta << ": " << mean << " +- " << deviation;
     }
 }
 
-TEST_F(Sampling, LostDrawsAndTheDensityMakeOne) {
-    // Finer bins, for one material, so that 1e-3 holds for the sum itself.
+TEST_F(Sampling, LostSamplesAndTheDensitySumToOne) {
+    // With finer bins for one material, the sum itself is within 1e-3.
     const Material& material = *materials()[0];
     PolarBins bins = half_vector_bins();
     for (const double theta : k_thetas) {
         const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
-        const Proposal proposal = material.of_pm;
-        double within = 0;
+        const Proposal proposal = material.pm_proposal;
+        double total_mass = 0;
         for (const double mass : bins.masses([&](Vec3d h) { return half_vector_density(proposal, h, wv); }, 64))
-            within += mass;
+            total_mass += mass;
         constexpr int count = 400000;
         int lost = 0;
         for (int i = 0; i < count; ++i) lost += !(sample(proposal, wv, draw3()).z > 0);
-        EXPECT_TRUE(near(within + double(lost) / count, 1, 1e-3)) << theta;
+        EXPECT_TRUE(near(total_mass + double(lost) / count, 1, 1e-3)) << theta;
         EXPECT_LT(lost, 0.01 * count) << theta;
     }
 }
 
-TEST_F(Sampling, DrawsOfAnotherProposalAreToldApart) {
+TEST_F(Sampling, TestDetectsSamplesOfAnotherProposal) {
     const Material& material = *materials()[0];
     const PolarBins bins = half_vector_bins();
-    MixtureProposal other = material.of_pm;
+    MixtureProposal other = material.pm_proposal;
     for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
         auto weight = weights_of(other, node);
         weight[0] += 0.1f, *std::max_element(weight.begin() + 1, weight.end()) -= 0.1f;
@@ -215,8 +215,8 @@ TEST_F(Sampling, DrawsOfAnotherProposalAreToldApart) {
     }
     const Vec3f wv = to_float(spherical(30 * k_degree, 0.7));
     const auto density = [&](Vec3d h) { return half_vector_density(other, h, wv); };
-    const auto drawn = [&] { return half_vector(sample(material.of_pm, wv, draw3()), wv); };
-    EXPECT_LT(sampler_p_value(bins, density, 20000, drawn), 1e-6);
+    const auto sample_half_vector = [&] { return half_vector(sample(material.pm_proposal, wv, draw3()), wv); };
+    EXPECT_LT(sampler_p_value(bins, density, 20000, sample_half_vector), 1e-6);
 }
 
 TEST_F(Sampling, MeanWeightIsTheAlbedo) {
@@ -244,18 +244,18 @@ TEST_F(Sampling, MeanWeightIsTheAlbedo) {
                 }
                 const double mean = sum / count, deviation = std::sqrt((squares / count - mean * mean) / count);
                 const double expected = luminance(albedo(brdf, theta * k_degree, k_pi / 2));
-                // The quadrature itself errs by 1e-4, and by more where a measurement has an edge.
-                const double apart = std::max(0.0, std::abs(mean - expected) - 3e-4 * expected) / deviation;
-                EXPECT_GT(std::erfc(apart / std::sqrt(2.0)), significance)
+                // The quadrature has an error of 1e-4, and more where a measurement has an edge.
+                const double deviations = std::max(0.0, std::abs(mean - expected) - 3e-4 * expected) / deviation;
+                EXPECT_GT(std::erfc(deviations / std::sqrt(2.0)), significance)
                     << name << ' ' << theta << ": " << mean << " +- " << deviation << ", expected " << expected;
             }
         });
 }
 
-TEST_F(Sampling, FewDrawsAreLostAtAnyView) {
+TEST_F(Sampling, FewSamplesAreLostForAnyView) {
     constexpr int count = 20000;
     for (const auto& material : materials())
-        for (const MixtureProposal* proposal : {&material->of_table, &material->of_pm})
+        for (const MixtureProposal* proposal : {&material->table_proposal, &material->pm_proposal})
             for (const double theta : {0.0, 30.0, 60.0, 80.0, 87.0, 88.5, 89.4, 89.9}) {
                 const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
                 int lost = 0;
@@ -264,17 +264,17 @@ TEST_F(Sampling, FewDrawsAreLostAtAnyView) {
             }
 }
 
-/// Tables of few views have highlights of their own between these, which the nodes of a mixture do not see.
-TEST_F(Sampling, HighlightsThatDifferBetweenMeasuredViewsAreCovered) {
+/// Measurements with few views have highlights at each view. A mixture has no nodes for them.
+TEST_F(Sampling, CoversHighlightsBetweenMeasuredViews) {
     constexpr double step = 5 * k_degree, width = 1.5 * k_degree;
     const Evaluate coarse = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         for (std::size_t i = 0; i < f.size(); ++i) {
             const Vec3d l = to_double(wl[i]), v = to_double(wv[i]);
-            const double theta = std::acos(v.z), below = std::floor(theta / step), part = theta / step - below;
+            const double theta = std::acos(v.z), lower = std::floor(theta / step), fraction = theta / step - lower;
             double sum = 0.1;
-            for (const auto& [of_view, share] : {std::pair(below, 1 - part), {below + 1, part}}) {
-                const Vec3d mirror = spherical(of_view * step, std::atan2(-v.y, -v.x));
-                sum += 200 * share * std::exp(std::min((dot(l, mirror) - 1) / (width * width), 0.0));
+            for (const auto& [view_index, weight] : {std::pair(lower, 1 - fraction), {lower + 1, fraction}}) {
+                const Vec3d mirror = spherical(view_index * step, std::atan2(-v.y, -v.x));
+                sum += 200 * weight * std::exp(std::min((dot(l, mirror) - 1) / (width * width), 0.0));
             }
             f[i] = {float(sum), float(sum), float(sum)};
         }
@@ -289,26 +289,27 @@ TEST_F(Sampling, VarianceIsSmall) {
         for_each_pairing(*material, [&](const std::string& name, const Evaluate& brdf, const Proposal& proposal) {
             EXPECT_LT(variance(brdf, proposal, 45), is_rgl ? 0.15 : 0.3) << name;
         });
-        // Also where the viewer grazes, by a mixture of its own.
+        // Also at grazing views, with tighter bounds.
         if (!is_rgl) continue;
-        for (const auto& [theta, most] : {std::pair(60.0, 0.05), {75.0, 0.07}, {85.0, 0.15}}) {
-            EXPECT_LT(variance(evaluator(material->measured), material->of_table, theta), most)
+        for (const auto& [theta, bound] : {std::pair(60.0, 0.05), {75.0, 0.07}, {85.0, 0.15}}) {
+            EXPECT_LT(variance(evaluator(material->measured), material->table_proposal, theta), bound)
                 << material->name << " table " << theta;
-            EXPECT_LT(variance(evaluator(material->pm), material->of_pm, theta), most)
+            EXPECT_LT(variance(evaluator(material->pm), material->pm_proposal, theta), bound)
                 << material->name << " PM " << theta;
         }
     }
 }
 
-TEST_F(Sampling, AreaOfEachWarpTimesItsDensityIsOne) {
+TEST_F(Sampling, JacobianOfEachWarpTimesItsDensityIsOne) {
     using D = Kernel<double>;
     constexpr double h = 1e-6;
     const auto check = [&](const auto& warp, const auto& density, const std::string& name) {
         const double u1 = 0.01 + 0.98 * uniform(random), u2 = 0.01 + 0.98 * uniform(random);
         const Vec3d w = warp(u1, u2);
         if (dot(w, w) < 0.5) return;
-        const Vec3d by1 = (0.5 / h) * (warp(u1 + h, u2) - warp(u1 - h, u2)),
-                    by2 = (0.5 / h) * (warp(u1, u2 + h) - warp(u1, u2 - h)), area = cross(by1, by2);
+        const Vec3d derivative1 = (0.5 / h) * (warp(u1 + h, u2) - warp(u1 - h, u2)),
+                    derivative2 = (0.5 / h) * (warp(u1, u2 + h) - warp(u1, u2 - h)),
+                    area = cross(derivative1, derivative2);
         EXPECT_TRUE(near(std::sqrt(dot(area, area)) * density(w), 1, 2e-4)) << name << ' ' << u1 << ' ' << u2;
         EXPECT_TRUE(near(dot(w, w), 1, 1e-12)) << name;
     };
@@ -340,14 +341,14 @@ TEST_F(Sampling, LobesAreMirroredAtTheHorizon) {
         const Vec3d wl = D::sample_proposal_lobe(k, wv, map, 2.0, uniform(random), uniform(random));
         EXPECT_GE(wl.z, 0);
         if (!(wl.z > 0)) continue;
-        const auto plain = [&](Vec3d w) {
+        const auto unmirrored = [&](Vec3d w) {
             const double bandwidth = D::proposal_bandwidth(k);
             return k < SRBF_FIRST_HALF_VECTOR_LOBE
                        ? D::vmf_pdf(w, specular, bandwidth)
                        : D::half_vector_pdf(w, wv, bandwidth, map, D::proposal_sharpness(k, 2.0));
         };
         EXPECT_TRUE(near_relative(D::proposal_lobe_pdf(k, D::proposal_point(wl, wv, map, 2.0)),
-                                  plain(wl) + plain({wl.x, wl.y, -wl.z}), 2e-7));
+                                  unmirrored(wl) + unmirrored({wl.x, wl.y, -wl.z}), 2e-7));
     }
 }
 
@@ -361,65 +362,66 @@ TEST_F(Sampling, DoubleAndFloatAgree) {
         if (!(wl.z > 0)) continue;
         const auto density = [&]<typename Real>(Vec3<Real> l, Vec3<Real> v) {
             using K = Kernel<Real>;
-            const auto at = K::proposal_point(l, v, K::stretch_along(v, Real(stretch)), Real(2));
-            return double(K::proposal_lobe_pdf(k, at));
+            const auto point = K::proposal_point(l, v, K::stretch_along(v, Real(stretch)), Real(2));
+            return double(K::proposal_lobe_pdf(k, point));
         };
         EXPECT_TRUE(near_relative(density(wl, wv), density(to_double(wl), to_double(wv)), 2e-3)) << k;
     }
 }
 
-/// A brushed conductor: Trowbridge-Reitz, its roughness 0.3 along azimuth 40° and 0.06 across.
+/// A brushed conductor: Trowbridge-Reitz with roughness 0.3 along azimuth 40° and 0.06 across it.
 struct Brushed {};
 Rgb value(const Brushed&, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return {};
-    const auto turned = [](Vec3f w) { return Kernel<double>::turned(to_double(w), std::cos(0.7), -std::sin(0.7)); };
-    const Vec3d l = turned(wl), v = turned(wv), h = normalize(l + v);
+    const auto rotated = [](Vec3f w) { return Kernel<double>::turned(to_double(w), std::cos(0.7), -std::sin(0.7)); };
+    const Vec3d l = rotated(wl), v = rotated(wv), h = normalize(l + v);
     const auto square = [](double x) { return x * x; };
-    const auto wide = [&](Vec3d w) { return square(0.3 * w.x) + square(0.06 * w.y); };
+    const auto stretched = [&](Vec3d w) { return square(0.3 * w.x) + square(0.06 * w.y); };
     const double slope = square(h.x / 0.3) + square(h.y / 0.06) + square(h.z);
-    const auto hidden = [&](Vec3d w) { return 0.5 * (std::sqrt(1 + wide(w) / square(w.z)) - 1); };
-    const float f = float(1 / (k_pi * 0.3 * 0.06 * square(slope)) / (4 * l.z * v.z * (1 + hidden(l) + hidden(v))));
+    const auto lambda = [&](Vec3d w) { return 0.5 * (std::sqrt(1 + stretched(w) / square(w.z)) - 1); };
+    const float f = float(1 / (k_pi * 0.3 * 0.06 * square(slope)) / (4 * l.z * v.z * (1 + lambda(l) + lambda(v))));
     return {f, f, f};
 }
 
-TEST_F(Sampling, LobesAreStretchedAlongTheGrain) {
+TEST_F(Sampling, LobesStretchAlongTheGrain) {
     const Brushed brushed;
-    const MixtureProposal round = propose(evaluator(brushed)), along = propose(evaluator(brushed), {.azimuths = 8});
-    EXPECT_EQ(round.cosine * round.cosine + round.sine * round.sine, 0);
-    for (const float stretch : along.stretch) EXPECT_TRUE(near(double(stretch), 5, 1.1));
-    EXPECT_TRUE(near(std::atan2(double(along.sine), double(along.cosine)), 0.7, 0.14));
+    const MixtureProposal isotropic = propose(evaluator(brushed)),
+                          stretched = propose(evaluator(brushed), {.azimuths = 8});
+    EXPECT_EQ(isotropic.cosine * isotropic.cosine + isotropic.sine * isotropic.sine, 0);
+    for (const float stretch : stretched.stretch) EXPECT_TRUE(near(double(stretch), 5, 1.1));
+    EXPECT_TRUE(near(std::atan2(double(stretched.sine), double(stretched.cosine)), 0.7, 0.14));
     const PolarBins bins = half_vector_bins();
     const double significance = sidak(0.01, 6);
     for (const double theta : {0.0, 45.0, 75.0})
         for (const double phi : {0.2, 1.5}) {
             const Vec3f wv = to_float(spherical(theta * k_degree, phi));
-            double sum = 0, squares = 0, of_round = 0;
+            double sum = 0, squares = 0, isotropic_squares = 0;
             constexpr int count = 20000;
             for (int i = 0; i < count; ++i) {
-                const double x = double(sample(brushed, along, wv, draw3()).weight.g),
-                             y = double(sample(brushed, round, wv, draw3()).weight.g);
-                sum += x, squares += x * x, of_round += y * y;
+                const double x = double(sample(brushed, stretched, wv, draw3()).weight.g),
+                             y = double(sample(brushed, isotropic, wv, draw3()).weight.g);
+                sum += x, squares += x * x, isotropic_squares += y * y;
             }
             EXPECT_LT(squares * count / (sum * sum) - 1, theta > 50 ? 0.5 : 0.15) << theta << ' ' << phi;
-            EXPECT_GT(of_round * count / (sum * sum) - 1, 0.7) << theta << ' ' << phi;
-            // And of the density.
-            const Proposal proposal = along;
+            EXPECT_GT(isotropic_squares * count / (sum * sum) - 1, 0.7) << theta << ' ' << phi;
+            // Samples follow the density, too.
+            const Proposal proposal = stretched;
             std::vector<double> expected =
                                     bins.masses([&](Vec3d h) { return half_vector_density(proposal, h, wv); }, 64),
                                 observed(bins.size() + 1);
-            double within = 0;
-            for (double& mass : expected) within += mass, mass *= count;
+            double total_mass = 0;
+            for (double& mass : expected) total_mass += mass, mass *= count;
             for (int i = 0; i < count; ++i) {
-                const Vec3f wl = sample(along, wv, draw3());
+                const Vec3f wl = sample(stretched, wv, draw3());
                 observed[wl.z > 0 ? bins.index(half_vector(wl, wv)) : bins.size()] += 1;
             }
-            EXPECT_TRUE(near(within + observed.back() / count, 1, 2e-3)) << theta << ' ' << phi;
-            expected.push_back(count * std::max(0.0, 1 - within));
+            EXPECT_TRUE(near(total_mass + observed.back() / count, 1, 2e-3)) << theta << ' ' << phi;
+            expected.push_back(count * std::max(0.0, 1 - total_mass));
             EXPECT_GT(chi2_p_value(observed, expected), significance) << theta << ' ' << phi;
         }
 }
 
-/// f = 1/π, as a model.
+/// f = 1/π as a model.
 PmModel white() {
     PmModel model;
     model.lobes = model.variates = 1;
@@ -431,7 +433,7 @@ PmModel white() {
     return model;
 }
 
-TEST_F(Sampling, WhiteReflectsAllThatItReceives) {
+TEST_F(Sampling, WhiteReflectsAllLight) {
     const PmModel brdf = white();
     SuModel by_view = isotropic_su(64);
     std::fill(by_view.coefficient.begin(), by_view.coefficient.end(), Rgb{0.1f, float(0.5 / k_pi), 0.2f});
@@ -440,7 +442,7 @@ TEST_F(Sampling, WhiteReflectsAllThatItReceives) {
     for (const Proposal& proposal : proposals)
         for (const double theta : k_thetas) {
             const Vec3f wv = to_float(spherical(theta * k_degree, 1.0));
-            // With stratification the mean of this many samples has an error of 1e-3; independent samples have 1e-2.
+            // With stratified samples the mean has an error of 1e-3; with independent ones it would be 1e-2.
             constexpr int n = 64;
             double sum = 0;
             for (int i = 0; i < n; ++i)
@@ -455,10 +457,10 @@ TEST_F(Sampling, WhiteReflectsAllThatItReceives) {
         }
 }
 
-TEST_F(Sampling, WeightsAreSharesAndTheCosineKeepsSome) {
+TEST_F(Sampling, WeightsSumToOneAndTheCosineKeepsItsMinimum) {
     for (const auto& material : materials())
         for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
-            const auto weight = weights_of(material->of_pm, node);
+            const auto weight = weights_of(material->pm_proposal, node);
             float sum = 0;
             for (const float w : weight) sum += w;
             EXPECT_TRUE(near(double(sum), 1, 1e-5));
@@ -467,14 +469,14 @@ TEST_F(Sampling, WeightsAreSharesAndTheCosineKeepsSome) {
         }
 }
 
-TEST_F(Sampling, NothingDependsOnTheThreads) {
+TEST_F(Sampling, ResultsDoNotDependOnThreads) {
     const Material& material = *materials()[0];
     const MixtureProposal one = propose(evaluator(material.pm), {.threads = 1});
     for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
-        EXPECT_EQ(one.weight(node), material.of_pm.weight(node));
+        EXPECT_EQ(one.weight(node), material.pm_proposal.weight(node));
 }
 
-TEST_F(Sampling, BlackIsDrawnByTheCosine) {
+TEST_F(Sampling, BlackIsSampledByTheCosine) {
     PmModel black = white();
     black.coefficient = {{}};
     const MixtureProposal proposal = propose(evaluator(black));
@@ -493,37 +495,39 @@ TEST_F(Sampling, ViewsAreNoWorseThanTheCosine) {
     for (const auto& material : materials())
         for (const double theta : {0.0, 45.0, 60.0, 75.0, 85.0}) {
             const Evaluate brdf = evaluator(material->su);
-            EXPECT_LT(variance(brdf, material->of_su, theta), 1.1 * variance(brdf, CosineProposal{}, theta) + 1e-3)
+            EXPECT_LT(variance(brdf, material->su_proposal, theta), 1.1 * variance(brdf, CosineProposal{}, theta) + 1e-3)
                 << material->name << ' ' << theta;
         }
 }
 
-TEST_F(Sampling, NothingIsDrawnBelowTheHorizon) {
+TEST_F(Sampling, SamplesNothingBelowTheHorizon) {
     const Material& material = *materials()[0];
     for (const Vec3f wv : {Vec3f(0, 0, -1), Vec3f(1, 0, 0)}) {
-        EXPECT_EQ(sample(material.pm, material.of_pm, wv, draw3()).pdf, 0);
-        EXPECT_EQ(pdf(material.of_pm, {0, 0, 1}, wv), 0);
-        EXPECT_EQ(pdf(material.of_su, {0, 0, 1}, wv), 0);
+        EXPECT_EQ(sample(material.pm, material.pm_proposal, wv, draw3()).pdf, 0);
+        EXPECT_EQ(pdf(material.pm_proposal, {0, 0, 1}, wv), 0);
+        EXPECT_EQ(pdf(material.su_proposal, {0, 0, 1}, wv), 0);
     }
-    EXPECT_EQ(pdf(material.of_pm, {0, 0, -1}, {0, 0, 1}), 0);
-    EXPECT_EQ(pdf(material.of_su, {0, 0, -1}, {0, 0, 1}), 0);
+    EXPECT_EQ(pdf(material.pm_proposal, {0, 0, -1}, {0, 0, 1}), 0);
+    EXPECT_EQ(pdf(material.su_proposal, {0, 0, -1}, {0, 0, 1}), 0);
     EXPECT_EQ(pdf(material.cosine, {0, 0, -1}, {0, 0, 1}), 0);
 }
 
-/// There the half vector of the viewer and of the light mirrored at the horizon vanishes.
+/// The half vector of the viewer and of the light mirrored at the horizon vanishes at the mirror direction.
 TEST_F(Sampling, TheMirrorDirectionHasADensity) {
     for (const auto& material : materials())
         for_each_pairing(*material, [&](const std::string& name, const Evaluate&, const Proposal& proposal) {
             for (const float theta : {0.f, 0.3f, 1.f}) {
                 const Vec3f wv(std::sin(theta), 0, std::cos(theta)), mirrored = mirror(wv),
                                                                      beside = normalize(mirrored + Vec3f(0, 3e-4f, 0));
-                const double at = double(pdf(proposal, mirrored, wv)), near_it = double(pdf(proposal, beside, wv));
-                EXPECT_TRUE(near_relative(at, near_it, 0.5)) << name << " " << theta << ": " << at << " " << near_it;
+                const double density = double(pdf(proposal, mirrored, wv)),
+                             density_beside = double(pdf(proposal, beside, wv));
+                EXPECT_TRUE(near_relative(density, density_beside, 0.5))
+                    << name << " " << theta << ": " << density << " " << density_beside;
             }
         });
 }
 
-TEST_F(Sampling, ExtremeModelsAreDrawnFrom) {
+TEST_F(Sampling, ExtremeModelsCanBeSampled) {
     for (int i = 0; i < 8; ++i) {
         const PmModel model = random_model(
             random, {.axial = i % 2 == 0, .log_scale = true, .most_bandwidth = 65504, .form = PmForm::extended});
@@ -531,10 +535,10 @@ TEST_F(Sampling, ExtremeModelsAreDrawnFrom) {
         for (int n = 0; n < 1000; ++n) {
             const Vec3f wv = to_float(random_direction(random, n % 5 == 0 ? 1e-5 : 0.02));
             const Vec3f u = n % 7 == 0 ? Vec3f(0, 0, 0) : n % 7 == 1 ? 0x1.fffffep-1f * Vec3f(1, 1, 1) : draw3();
-            const LightSample drawn = sample(model, proposal, wv, u);
-            EXPECT_TRUE(std::isfinite(drawn.pdf) && drawn.pdf >= 0 && is_finite(drawn.weight));
-            if (drawn.pdf > 0) {
-                EXPECT_TRUE(near(double(dot(drawn.wl, drawn.wl)), 1, 1e-5));
+            const LightSample light_sample = sample(model, proposal, wv, u);
+            EXPECT_TRUE(std::isfinite(light_sample.pdf) && light_sample.pdf >= 0 && is_finite(light_sample.weight));
+            if (light_sample.pdf > 0) {
+                EXPECT_TRUE(near(double(dot(light_sample.wl, light_sample.wl)), 1, 1e-5));
             }
         }
     }

@@ -1,4 +1,4 @@
-// Scattered samples and the text formats that hold them.
+// Scattered samples and the text formats that store them.
 #include <fmt/format.h>
 
 #include <map>
@@ -34,14 +34,14 @@ TEST(Cornell, ReadsSpectra) {
     EXPECT_TRUE(s->isotropic);
     EXPECT_EQ(s->wavelengths, (std::vector<float>{450, 550, 650}));
     ASSERT_EQ(s->wl.size(), 3u);
-    EXPECT_TRUE(near_direction(s->wl[0], spherical(0.1, 0.0)));  // i: of the light
+    EXPECT_TRUE(near_direction(s->wl[0], spherical(0.1, 0.0)));  // i is the light
     EXPECT_TRUE(near_direction(s->wv[0], spherical(0.2, 3.0)));
     EXPECT_EQ(s->spectrum, (std::vector<float>{0.3f, 0.2f, 0.1f, 0.31f, 0.21f, 0.11f, 3, 2, 1}));
     const auto weights = rgb_weights(s->wavelengths);
     EXPECT_EQ(s->colour[1], to_rgb(std::span(s->spectrum).subspan(3, 3), weights));
 }
 
-TEST(Cornell, SaysWhatIsWrong) {
+TEST(Cornell, ReportsErrors) {
     has(error_of(read_cornell, "x\n"), "line 1: number of wavelengths: expected between 1 and 4096, found 'x'");
     has(error_of(read_cornell, "0\n"), "number of wavelengths");
     has(error_of(read_cornell, "2\n400\n"), "wavelength 2 of 2: expected a number, found the end of the file");
@@ -65,7 +65,7 @@ TEST(Astm, ReadsColumnsByName) {
     const auto other = read(read_astm, "VARS Y,theta_s,theta_i,phi_s,phi_i\n0.5,0.1,0.2,0.3,0.4\n");
     ASSERT_TRUE(other.ok()) << message(other.error());
     EXPECT_EQ(other->colour[0], (Rgb{0.5f, 0.5f, 0.5f}));
-    EXPECT_TRUE(other->isotropic);  // its one light has one azimuth
+    EXPECT_TRUE(other->isotropic);  // there is only one azimuth of the light
     EXPECT_TRUE(near_direction(other->wl[0], spherical(0.2, 0.4)) && near_direction(other->wv[0], spherical(0.1, 0.3)));
 
     const auto xyz = read(read_astm, "VARS theta_i,theta_s,phi_s,X,Y,Z\n0.2,0.1,0.3,0.95047,1,1.08883\n");
@@ -73,7 +73,7 @@ TEST(Astm, ReadsColumnsByName) {
     for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, xyz->colour[0][c], 1, 2e-4);
 }
 
-TEST(Astm, SaysWhatIsWrong) {
+TEST(Astm, ReportsErrors) {
     has(error_of(read_astm, ""), "a line VARS");
     has(error_of(read_astm, "VARS theta_i,phi_s,R,G,B\n"), "a column theta_s");
     has(error_of(read_astm, "VARS theta_i,theta_s,phi_s,R,G\n"),
@@ -87,14 +87,15 @@ TEST(Astm, SaysWhatIsWrong) {
     has(error_of(read_astm, "LAB_NAME x\n1,2,3\n"), "a line VARS before the samples");
 }
 
-/// A parameterization of ALTA, given by its numbers and the corresponding pair, view first.
+/// A parameterization of ALTA: its numbers for a pair of directions. ALTA names the view first.
 struct AltaCase {
     std::string name;
     std::vector<double> numbers;
     Vec3d view, light;
 };
 
-/// Numbers of a random pair by ALTA's definitions, converting directions to numbers.
+/// The numbers of a random pair of directions in each of ALTA's parameterizations, computed from the directions by
+/// ALTA's definitions.
 std::vector<AltaCase> alta_cases(std::mt19937_64& random) {
     const Vec3d v = random_direction(random, 0.05);
     Vec3d l = random_direction(random, 0.05);
@@ -106,7 +107,7 @@ std::vector<AltaCase> alta_cases(std::mt19937_64& random) {
         {"SPHERICAL_TL_PL_TV_PV", {theta(l), phi(l), theta(v), phi(v)}, v, l},
         {"STEREOGRAPHIC", {v.x / (1 + v.z), v.y / (1 + v.z), l.x / (1 + l.z), l.y / (1 + l.z)}, v, l},
     };
-    // Half vector: θ_d and φ_d of the viewer in the frame that takes h to the normal.
+    // Half vector: θ_d and φ_d of the viewer in the frame that rotates h to the normal.
     const auto in_half_frame = [&](Vec3d w) {
         const double c = std::cos(phi(h)), s = std::sin(phi(h));
         const Vec3d a{c * w.x + s * w.y, c * w.y - s * w.x, w.z};
@@ -115,14 +116,15 @@ std::vector<AltaCase> alta_cases(std::mt19937_64& random) {
     const Vec3d d = in_half_frame(v);
     cases.push_back({"RUSIN_TH_PH_TD_PD", {theta(h), phi(h), theta(d), phi(d)}, v, l});
 
-    // The isotropic ones: the light at azimuth 0.
-    const double turn = phi(l);
-    const auto turned = [&](Vec3d w) {
-        return Vec3d{std::cos(turn) * w.x + std::sin(turn) * w.y, std::cos(turn) * w.y - std::sin(turn) * w.x, w.z};
+    // Isotropic parameterizations: the light has azimuth 0.
+    const double light_azimuth = phi(l);
+    const auto rotated = [&](Vec3d w) {
+        return Vec3d{std::cos(light_azimuth) * w.x + std::sin(light_azimuth) * w.y,
+                     std::cos(light_azimuth) * w.y - std::sin(light_azimuth) * w.x, w.z};
     };
-    const Vec3d tv = turned(v), tl = turned(l);
-    const auto plane = [&](Vec3d w) { return std::pair(theta(w) * std::cos(phi(w)), theta(w) * std::sin(phi(w))); };
-    const auto [x, y] = plane(tv);
+    const Vec3d tv = rotated(v), tl = rotated(l);
+    const auto projected = [&](Vec3d w) { return std::pair(theta(w) * std::cos(phi(w)), theta(w) * std::sin(phi(w))); };
+    const auto [x, y] = projected(tv);
     cases.push_back({"ISOTROPIC_TL_TV_PROJ_DPHI", {theta(l), x, y}, tv, tl});
     cases.push_back({"ISOTROPIC_TV_PROJ_DPHI", {x, y}, tv, Vec3d{0, 0, 1}});
     const double dphi = phi(l) - phi(v);
@@ -130,27 +132,32 @@ std::vector<AltaCase> alta_cases(std::mt19937_64& random) {
         {"ISOTROPIC_TV_TL_DPHI", {theta(v), theta(l), dphi}, spherical(theta(v), 0.0), spherical(theta(l), dphi)});
     const Vec3d back = normalize(tv + mirror(tl));  // bisects the viewer and the reflected light
     if (dot(back, tv) > 0.05) {
-        const auto [kx, ky] = plane(back);
+        const auto [kx, ky] = projected(back);
         cases.push_back({"SCHLICK_TL_TK_PROJ_DPHI", {theta(l), kx, ky}, tv, tl});
     }
     const double between = std::acos(std::min(1.0, dot(v, l)));
     const double cos_at_l = (tv.z - tl.z * std::cos(between)) / (std::sin(theta(l)) * std::sin(between));
     const double sin_at_l = tv.y / std::sin(between);
     cases.push_back({"RETRO_TL_TVL_PROJ_DPHI", {theta(l), between * cos_at_l, between * sin_at_l}, tv, tl});
-    // Stark, Neumann: half vector (l + v)/2 and back vector (l − v)/2, whose azimuth counts from the former's.
+    // Stark and Neumann: half vector (l + v)/2 and back vector (l − v)/2. The azimuth of the back vector is
+    // relative to the half vector.
     const Vec3d half = 0.5 * (l + v), b = 0.5 * (l - v);
-    const auto flat = [](Vec3d w) { return std::hypot(w.x, w.y); };
+    const auto horizontal_length = [](Vec3d w) { return std::hypot(w.x, w.y); };
     const double angle = phi(b) - phi(half), c = std::cos(phi(half)), s = std::sin(phi(half));
-    const auto from_half = [&](Vec3d w) { return Vec3d{c * w.x + s * w.y, c * w.y - s * w.x, w.z}; };
-    cases.push_back({"STARK_3D", {flat(half), std::sqrt(dot(b, b)), angle}, from_half(v), from_half(l)});
-    // ALTA exchanges the two in Neumann's.
-    cases.push_back({"NEUMANN_3D", {flat(half), flat(b), angle}, from_half(l), from_half(v)});
+    const auto relative_to_half = [&](Vec3d w) { return Vec3d{c * w.x + s * w.y, c * w.y - s * w.x, w.z}; };
+    cases.push_back(
+        {"STARK_3D", {horizontal_length(half), std::sqrt(dot(b, b)), angle}, relative_to_half(v), relative_to_half(l)});
+    // ALTA exchanges the two directions in Neumann's parameterization.
+    cases.push_back({"NEUMANN_3D",
+                     {horizontal_length(half), horizontal_length(b), angle},
+                     relative_to_half(l),
+                     relative_to_half(v)});
     return cases;
 }
 
 TEST(Alta, ReadsItsParameterizations) {
     std::mt19937_64 random(1);
-    std::map<std::string, int> read_in;
+    std::map<std::string, int> reads;
     for (int i = 0; i < 200; ++i)
         for (const auto& [name, numbers, view, light] : alta_cases(random)) {
             std::string text = "#DIM " + std::to_string(numbers.size()) + " 1\n#PARAM_IN " + name + "\n";
@@ -160,22 +167,22 @@ TEST(Alta, ReadsItsParameterizations) {
             EXPECT_TRUE(near_direction(s->wv[0], view)) << name << ' ' << i;
             EXPECT_TRUE(near_direction(s->wl[0], light)) << name << ' ' << i;
             EXPECT_EQ(s->isotropic, !(name == "CARTESIAN" || numbers.size() == 4)) << name;
-            ++read_in[name];
+            ++reads[name];
         }
-    EXPECT_EQ(read_in.size(), 11u);
-    // Parameterizations that omit something: the rest agrees.
-    const auto two = [&](const std::string& name, double a, double b) {
+    EXPECT_EQ(reads.size(), 11u);
+    // These parameterizations omit a dimension; the remaining ones agree.
+    const auto read_two = [&](const std::string& name, double a, double b) {
         return *read(read_alta, "#DIM 2 1\n#PARAM_IN " + name + "\n" + fmt::format("{} {} 1\n", a, b));
     };
     for (const auto& [name, theta_h, theta_d] : {std::tuple("RUSIN_TH_TD", 0.3, 0.7), {"COS_TH_TD", 0.3, 0.7}}) {
         const bool cosines = name[0] == 'C';
-        const auto s = two(name, cosines ? std::cos(theta_h) : theta_h, cosines ? std::cos(theta_d) : theta_d);
+        const auto s = read_two(name, cosines ? std::cos(theta_h) : theta_h, cosines ? std::cos(theta_d) : theta_d);
         const Vec3f h = s.wl[0] + s.wv[0], d = s.wl[0] - s.wv[0];
         EXPECT_PRED3(near, std::atan2(std::hypot(h.x, h.y), h.z), theta_h, 1e-6);
         EXPECT_PRED3(near, std::asin(0.5 * std::sqrt(double(dot(d, d)))), theta_d, 1e-6);
     }
     for (const char* name : {"STARK_2D", "NEUMANN_2D"}) {
-        const auto s = two(name, 0.4, 0.3);
+        const auto s = read_two(name, 0.4, 0.3);
         const Vec3f h = s.wl[0] + s.wv[0], d = s.wl[0] - s.wv[0];
         EXPECT_PRED3(near, 0.5f * std::hypot(h.x, h.y), 0.4, 1e-6);
         EXPECT_PRED3(near, 0.5f * std::hypot(d.x, d.y), 0.3, 1e-6);
@@ -187,7 +194,7 @@ TEST(Alta, ReadsHeadersAndOutputs) {
     ASSERT_TRUE(s.ok()) << message(s.error());
     EXPECT_EQ(s->description, "Tape");
     ASSERT_EQ(s->wl.size(), 3u);
-    EXPECT_EQ(s->colour[2], (Rgb{2.5f, 2.5f, 2.5f}));  // the error bar is left aside
+    EXPECT_EQ(s->colour[2], (Rgb{2.5f, 2.5f, 2.5f}));  // the error bar is ignored
     const auto with_cosine = read(read_alta,
                                   "#DIM 6 3\n#PARAM_IN CARTESIAN\n#PARAM_OUT INV_STERADIAN_COSINE_FACTOR\n"
                                   "0.6 0 0.8 0 0 1 0.4 0.8 1.6\n");
@@ -203,8 +210,8 @@ TEST(Alta, ReadsHeadersAndOutputs) {
     has(error_of(read_alta, "#DIM 6 1\n#FORMAT binary\n"), "#FORMAT: expected text");
 }
 
-// Only differences of azimuths are known where all lights have one.
-TEST(Csv, IsIsotropicIfAllLightsHaveOneAzimuth) {
+// If all lights have the same azimuth, only differences of azimuths are known.
+TEST(Csv, IsIsotropicIfAllLightsHaveTheSameAzimuth) {
     const auto is_isotropic = [](const std::string& text) {
         const auto s = read(read_csv, text);
         EXPECT_TRUE(s.ok()) << message(s.error());
@@ -212,7 +219,7 @@ TEST(Csv, IsIsotropicIfAllLightsHaveOneAzimuth) {
     };
     const std::string angles = "theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value\n";
     EXPECT_TRUE(is_isotropic(angles + "10,180,20,0,1\n60,180,20,180,2\n60,-180,30,0,2\n"));
-    EXPECT_TRUE(is_isotropic(angles + "0,0,20,0,1\n60,77,20,180,2\n"));  // along the normal there is none
+    EXPECT_TRUE(is_isotropic(angles + "0,0,20,0,1\n60,77,20,180,2\n"));  // a direction along the normal has no azimuth
     EXPECT_FALSE(is_isotropic(angles + "10,180,20,0,1\n60,181,20,180,2\n"));
     EXPECT_FALSE(is_isotropic(angles + "10,0,20,0,1\n60,180,20,180,2\n"));
     const std::string vectors = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n";
@@ -223,7 +230,7 @@ TEST(Csv, IsIsotropicIfAllLightsHaveOneAzimuth) {
 TEST(Csv, ReadsNamedColumns) {
     const auto s = read(read_csv, k_small_csv);
     ASSERT_TRUE(s.ok()) << message(s.error());
-    EXPECT_TRUE(s->isotropic);  // it says so
+    EXPECT_TRUE(s->isotropic);  // as its header states
     ASSERT_EQ(s->wl.size(), 3u);
     EXPECT_EQ(s->masked, 1u);
     EXPECT_TRUE(near_direction(s->wl[1], spherical(70 * k_degree, 90 * k_degree)));
@@ -232,7 +239,7 @@ TEST(Csv, ReadsNamedColumns) {
 
     const auto vectors = read(read_csv, "wv_x,wv_y,wv_z,wl_x,wl_y,wl_z,value\n0.6,0,0.8,0,0.6,0.8,2\n");
     ASSERT_TRUE(vectors.ok()) << message(vectors.error());
-    EXPECT_TRUE(vectors->isotropic);  // its one light has one azimuth
+    EXPECT_TRUE(vectors->isotropic);  // there is only one azimuth of the light
     EXPECT_EQ(vectors->wl[0], (Vec3f{0, 0.6f, 0.8f}));
     EXPECT_EQ(vectors->colour[0], (Rgb{2, 2, 2}));
 
@@ -243,7 +250,8 @@ TEST(Csv, ReadsNamedColumns) {
     for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, spectrum->colour[0][c], 0.5, 1e-5);
 }
 
-/// A number that is no angle of its unit is an error with its place, in every layout; one below the horizon is masked.
+/// In every format, a number outside the range of its unit is an error that names its position. A direction below
+/// the horizon is masked.
 TEST(Angles, OutOfTheRangeOfTheirUnitAreErrors) {
     const std::string csv = "theta_l_rad,phi_l_rad,theta_v_rad,phi_v_rad,value\n0.1,0,0.2,0,1\n";
     const std::string degrees = "theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value\n1,0,2,0,1\n";
@@ -274,8 +282,9 @@ TEST(Angles, OutOfTheRangeOfTheirUnitAreErrors) {
     EXPECT_EQ(below->wl.size(), 2u);
 }
 
-/// A value far below 0 that stands for none is masked and noted, in every layout; noise and saturated colours are values.
-TEST(ScatteredSamples, MaskValuesThatStandForNone) {
+/// In every format, a value far below 0 that encodes a missing value is masked and noted. Noise and saturated
+/// colours remain values.
+TEST(ScatteredSamples, MaskMissingValues) {
     const std::string angles = "theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,";
     const auto rows = [](const std::string& header, const std::vector<std::string>& values,
                          const std::string& end = "") {
@@ -303,16 +312,17 @@ TEST(ScatteredSamples, MaskValuesThatStandForNone) {
     EXPECT_EQ(
         masked(read_alta, "#DIM 3 1\n#PARAM_IN ISOTROPIC_TV_TL_DPHI\n0.1 0.1 0 -99\n0.1 0.2 0 -99\n0.2 0.2 0 1\n"), 2u);
     EXPECT_EQ(masked(read_cornell, "2\n500 600\n0.1 0 0.1 0 -999 -999\n0.1 0 0.2 0 1 1\n"), 1u);
-    // Noise about 0, in steps too; a colour out of gamut at a highlight.
+    // Noise around 0, also quantised; an out-of-gamut colour at a highlight.
     EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-0.3", "0.1", "-0.1", "-0.3", "0.2", "-0.2"})), 0u);
     EXPECT_EQ(masked(read_csv, rows(angles + "r,g,b\n", {"-9,100,200", "-9,100,200", "0.1,0.1,0.1", "0.1,0.1,0.1"})),
               0u);
 }
 
-/// A table of a function of both angles and the azimuth of the viewer from the mirror plane, as a text.
+/// A function of both polar angles and the azimuth between viewer and light, written as a table in a text format.
 struct WrittenTable {
     std::string header, separator = ",", decimal = ".";
-    std::string (*row)(double, double, double) = nullptr;  // θ_l, θ_v, φ of the viewer from the light [degrees]
+    std::string (*row)(double, double,
+                       double) = nullptr;  // of θ_l, θ_v and the viewer's azimuth relative to the light [degrees]
     Quantity quantity = Quantity::bsdf;
 
     static double f(double theta_l, double theta_v, double phi) {
@@ -321,7 +331,7 @@ struct WrittenTable {
         return 0.2 + 2 * std::pow(h.z, 40);
     }
     std::string text(bool in_plane) const {
-        std::string all = header + "\n";
+        std::string content = header + "\n";
         for (const double l : {10., 30., 50.})
             for (const double v : {0., 10., 30., 50., 70.})
                 for (const double phi : {0., 60., 120., 180.}) {
@@ -330,18 +340,20 @@ struct WrittenTable {
                     if (quantity == Quantity::factor) value *= k_pi;
                     if (quantity == Quantity::cosine) value *= std::cos(v * k_degree);
                     std::string line = row(l, v, phi) + fmt::format(" {:.6f}\n", value);
-                    for (std::string::size_type at = 0; (at = line.find('.', at)) != line.npos; at += decimal.size())
-                        line.replace(at, 1, decimal);
-                    for (std::string::size_type at = 0; (at = line.find(' ', at)) != line.npos; at += separator.size())
-                        line.replace(at, 1, separator);
-                    all += line;
+                    for (std::string::size_type position = 0; (position = line.find('.', position)) != line.npos;
+                         position += decimal.size())
+                        line.replace(position, 1, decimal);
+                    for (std::string::size_type position = 0; (position = line.find(' ', position)) != line.npos;
+                         position += separator.size())
+                        line.replace(position, 1, separator);
+                    content += line;
                 }
-        return all;
+        return content;
     }
 };
 
-/// Names, units, separators and azimuths as instruments and spreadsheets write them: the same function is read.
-TEST(Csv, ReadsTextsAsPeopleHaveThem) {
+/// The same function is read from names, units, separators and azimuths as instruments and spreadsheets write them.
+TEST(Csv, ReadsCommonLayouts) {
     const auto full = [](double l, double v, double phi) { return fmt::format("{} 0 {} {}", l, v, phi); };
     const auto radians = [](double l, double v, double phi) {
         return fmt::format("{:.6f} 0 {:.6f} {:.6f}", l * k_degree, v * k_degree, phi * k_degree);
@@ -403,7 +415,7 @@ TEST(Csv, ReadsTextsAsPeopleHaveThem) {
     }
 }
 
-TEST(Csv, RefusesWhatNamesDoNotTell) {
+TEST(Csv, RefusesAmbiguousColumns) {
     has(error_of(read_csv, "theta_i,phi_i,theta_o,phi_o,brdf\n0.1,0,0.2,0,1\n"), "angles with their unit");
     has(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,r,g,b,r\n1,1,1,1,1,1,9\n"),
         "columns 4 and 7, 'r' and 'r'");
@@ -425,7 +437,7 @@ TEST(Csv, RefusesWhatNamesDoNotTell) {
     EXPECT_TRUE(is_isotropic(*isotropic));
 }
 
-TEST(Csv, SaysWhatIsWrong) {
+TEST(Csv, ReportsErrors) {
     has(error_of(read_csv, ""), "names of columns, found an empty file");
     has(error_of(read_csv, "theta_l,phi_l,theta_v,phi_v,r,g,b\n"), "angles with their unit");
     has(error_of(read_csv, "theta_l_deg,phi_l_deg,theta_v_deg,r,g,b\n"), "no phi_v");
@@ -439,7 +451,7 @@ TEST(Csv, SaysWhatIsWrong) {
         "line 2: direction wv: expected length 1");
 }
 
-/// Samples of a smooth BRDF at random pairs.
+/// Samples of a smooth BRDF at random pairs of directions.
 ScatteredSamples samples_of(const std::function<Rgb(Vec3d, Vec3d)>& f, int count, bool isotropic, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     ScatteredSamples s;
@@ -454,7 +466,7 @@ ScatteredSamples samples_of(const std::function<Rgb(Vec3d, Vec3d)>& f, int count
     return s;
 }
 
-TEST(ScatteredSamples, InterpolationMeetsItsSamples) {
+TEST(ScatteredSamples, InterpolationPassesThroughItsSamples) {
     std::mt19937_64 random(3);
     for (const bool isotropic : {true, false}) {
         const auto s = samples_of(
@@ -467,14 +479,15 @@ TEST(ScatteredSamples, InterpolationMeetsItsSamples) {
             for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, f[c], s.colour[i][c], 1e-4);
             EXPECT_EQ(value(s, s.wl[i], s.wv[i]).b, 0);
             if (!isotropic) continue;
-            const Rgb turned = signed_value(s, rotate(s.wl[i], 2.0), rotate(s.wv[i], 2.0));
-            for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, turned[c], s.colour[i][c], 2e-2);
+            const Rgb rotated = signed_value(s, rotate(s.wl[i], 2.0), rotate(s.wv[i], 2.0));
+            for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, rotated[c], s.colour[i][c], 2e-2);
         }
     }
 }
 
-TEST(ScatteredSamples, InterpolationApproachesWhatWasSampled) {
-    // A constant f cosθl cosθv is reproduced everywhere; for a smooth BRDF the error falls with the number of samples.
+TEST(ScatteredSamples, InterpolationConverges) {
+    // A constant f cosθl cosθv is reproduced everywhere. For a smooth BRDF the error falls as the number of samples
+    // grows.
     const auto flat = samples_of([](Vec3d wl, Vec3d wv) { return Rgb{float(1 / (wl.z * wv.z)), 0, 0}; }, 50, true, 5);
     std::mt19937_64 random(6);
     for (int i = 0; i < 500; ++i) {
@@ -488,17 +501,17 @@ TEST(ScatteredSamples, InterpolationApproachesWhatWasSampled) {
     double last = 1;
     for (const int count : {500, 4000, 32000}) {
         const auto s = samples_of(glossy, count, true, 7);
-        double difference = 0, whole = 0;
+        double difference = 0, total = 0;
         for (int i = 0; i < 4000; ++i) {
             const Vec3d wl = random_direction(random, 0.2), wv = random_direction(random, 0.2);
             const Rgb f = value(s, to_float(wl), to_float(wv)), g = glossy(wl, wv);
             for (int c = 0; c < 3; ++c) {
                 difference += std::pow(double(f[c]) - double(g[c]), 2);
-                whole += double(g[c]) * double(g[c]);
+                total += double(g[c]) * double(g[c]);
             }
         }
-        EXPECT_LT(difference / whole, count == 500 ? 0.05 : last / 3) << count;
-        last = difference / whole;
+        EXPECT_LT(difference / total, count == 500 ? 0.05 : last / 3) << count;
+        last = difference / total;
     }
     EXPECT_LT(last, 2e-3);
 }
@@ -542,7 +555,7 @@ TEST(ScatteredSamples, SpectraBetweenSamplesHaveTheirColour) {
     }
 }
 
-TEST(ScatteredSamples, ManySamplesAtOnePlaceAreLookedUpAsOne) {
+TEST(ScatteredSamples, ManySamplesOfOnePairAreInterpolatedQuickly) {
     ScatteredSamples samples;
     const Vec3f wl = to_float(spherical(0.5, 0.0)), wv = to_float(spherical(0.7, 2.0));
     samples.wl.assign(50'000, wl);
@@ -576,21 +589,21 @@ TEST(ScatteredSamples, RealMeasurements) {
     const auto &a = std::get<ScatteredSamples>(spectra->table).colour,
                &b = std::get<ScatteredSamples>(colours->table).colour;
     ASSERT_EQ(a.size(), b.size());
-    double difference = 0, whole = 0;
+    double difference = 0, total = 0;
     for (std::size_t i = 0; i < a.size(); ++i)
         for (int c = 0; c < 3; ++c) {
             difference += std::pow(double(a[i][c]) - double(b[i][c]), 2);
-            whole += std::pow(double(a[i][c]), 2);
+            total += std::pow(double(a[i][c]), 2);
             EXPECT_PRED3(near, b[i][c], a[i][c], 6e-3 * std::abs(double(a[i].b)) + 1e-5);
         }
-    EXPECT_LT(difference / whole, 2e-8);
+    EXPECT_LT(difference / total, 2e-8);
 
     const auto tape = load_measured((folder / "alta" / "retro-gray-tape.dat").string());
     ASSERT_TRUE(tape.ok()) << message(tape.error());
     EXPECT_EQ(tape->format, "ALTA");
     const auto& s = std::get<ScatteredSamples>(tape->table);
-    EXPECT_EQ(s.wl.size() + s.masked, 7405u);  // those masked lie at 90°
-    // It is retroreflective: at 30° larger towards the light than in the mirror direction.
+    EXPECT_EQ(s.wl.size() + s.masked, 7405u);  // the masked ones are at 90°
+    // The tape is retroreflective: at 30°, f is larger towards the light than in the mirror direction.
     const Vec3f light = to_float(spherical(30 * k_degree, 0.0));
     EXPECT_GT(value(s, light, light).g, 10 * value(s, light, mirror(light)).g);
 }

@@ -1,4 +1,4 @@
-// Exported code is what its languages' compilers accept, and computes what the library computes.
+// Compilers of each language accept the exported code, and it computes the same values as the library.
 #include "srbf/shading_code.h"
 
 #include <cstdlib>
@@ -22,9 +22,10 @@ namespace {
 
 using Float4 = std::array<float, 4>;
 
-/// One of each form and kind, as a model file holds it: axial and general lobes by turns, and both of the form of fits.
+/// One model of each form and kind, rounded as in a model file. Axial and general lobes alternate; the default form
+/// has both.
 const std::vector<Model>& models() {
-    static const std::vector<Model> all = [] {
+    static const std::vector<Model> list = [] {
         std::mt19937_64 random(1);
         std::vector<Model> models;
         const auto add = [&](PmForm form, bool axial) {
@@ -48,11 +49,12 @@ const std::vector<Model>& models() {
         models.back().provenance["note"] = "a */ comment \\\nthat */ would end # early \\";
         return models;
     }();
-    return all;
+    return list;
 }
 std::string name_of(std::size_t i) { return fmt::format("m{}", i); }
 
-/// Functions that a host supplies for functions of extras: environments, filtered and by draws.
+/// Functions that the host has to supply for exported features of extras: an environment's radiance, filtered or in
+/// one direction.
 std::string host_radiance(CodeLanguage language) {
     switch (language) {
         case CodeLanguage::glsl:
@@ -71,49 +73,52 @@ std::string host_radiance(CodeLanguage language) {
     return "";
 }
 
-/// The code of all models. Each is written once.
+/// The exported code of all models, generated once for each language.
 const std::string& code(CodeLanguage language, bool sampling = true) {
-    static std::map<std::pair<CodeLanguage, bool>, std::string> all;
-    static std::map<CodeLanguage, std::string> lit;
-    const auto [at, is_new] = all.try_emplace({language, sampling});
-    if (!is_new) return at->second;
+    static std::map<std::pair<CodeLanguage, bool>, std::string> texts;
+    static std::map<CodeLanguage, std::string> extra_texts;
+    const auto [entry, is_new] = texts.try_emplace({language, sampling});
+    if (!is_new) return entry->second;
     std::vector<NamedModel> named;
     for (std::size_t i = 0; i < models().size(); ++i) named.push_back({name_of(i), &models()[i]});
     const auto text = shading_code(named, "all", {.language = language, .sampling = sampling, .albedo = sampling});
-    if (!text) return ADD_FAILURE() << message(text.error()), at->second;
-    at->second = *text;
-    if (language == CodeLanguage::c || code_features().empty()) return at->second;
-    // Compiled, not run, where no test of C does: the functions of extras.
+    if (!text) return ADD_FAILURE() << message(text.error()), entry->second;
+    entry->second = *text;
+    if (language == CodeLanguage::c || code_features().empty()) return entry->second;
+    // Features of extras are compiled but not run unless a test runs them in C.
     const NamedModel last{"lit", &models().back()};
     std::vector<std::string> features;
     for (const CodeFeature& feature : code_features()) features.emplace_back(feature.name);
-    std::string& more = lit[language];
-    if (more.empty())
-        more = host_radiance(language) +
-               *shading_code(std::span(&last, 1), "lit", {.language = language, .with = features});
-    return at->second += more;
+    std::string& extra_text = extra_texts[language];
+    if (extra_text.empty())
+        extra_text = host_radiance(language) +
+                     *shading_code(std::span(&last, 1), "lit", {.language = language, .with = features});
+    return entry->second += extra_text;
 }
 
-/// The code of one model, with sampling and albedo. Of all of them the constants are too many for some drivers.
+/// The exported code of one model, with sampling and albedo. All models together have too many constants for some
+/// drivers.
 std::string code_of(std::size_t m, CodeLanguage language) {
-    const NamedModel one{name_of(m), &models()[m]};
-    const auto text = shading_code(std::span(&one, 1), "one", {.language = language, .sampling = true, .albedo = true});
+    const NamedModel model{name_of(m), &models()[m]};
+    const auto text =
+        shading_code(std::span(&model, 1), "one", {.language = language, .sampling = true, .albedo = true});
     return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
 
-/// What a model is asked: two directions, and three uniform numbers.
+/// The input of one evaluation: two directions and three uniform numbers.
 struct Question {
     Float4 wl, wv, uniform;
 };
-/// What it answers: f_r and the density of the light, a sample of the light and its density, directional albedo.
+/// The output of one evaluation: f_r and the density of the light; a sample of the light and its density;
+/// directional albedo.
 struct Answer {
     Float4 value, sample, albedo;
 };
 
-/// A third of the pairs has a grazing direction, a third is about the mirror direction, a few are below the horizon or
-/// have a NaN.
+/// A third of the pairs has a grazing direction and a third is close to the mirror direction. A few are below the
+/// horizon or contain a NaN.
 const std::vector<Question>& questions() {
-    static const std::vector<Question> all = [] {
+    static const std::vector<Question> list = [] {
         std::mt19937_64 random(2);
         std::vector<Question> questions(6'272);  // a multiple of 64
         for (std::size_t i = 0; i < questions.size(); ++i) {
@@ -121,19 +126,19 @@ const std::vector<Question>& questions() {
             if (i % 3 == 1) wl = spherical((0.5 - 0.01 * uniform(random)) * k_pi, 2 * k_pi * uniform(random));
             if (i % 3 == 2) wl = normalize(mirror(wv) + 0.05 * random_direction(random));
             if (i % 50 == 0) wl.z = -wl.z;
-            const auto four = [](Vec3d w) { return Float4{float(w.x), float(w.y), float(w.z), 0}; };
+            const auto padded = [](Vec3d w) { return Float4{float(w.x), float(w.y), float(w.z), 0}; };
             const auto u = [&] { return float(int(uniform(random) * 4096)) / 4096 + 1.f / 8192; };
-            questions[i] = {four(wl), four(wv), {u(), u(), u(), 0}};
+            questions[i] = {padded(wl), padded(wv), {u(), u(), u(), 0}};
             if (i % 100 == 7) (i % 200 == 7 ? questions[i].wl : questions[i].wv)[i / 200 % 3] = NAN;
         }
         return questions;
     }();
-    return all;
+    return list;
 }
 
 using Answers = std::vector<Answer>;  ///< questions × models
 
-/// The library's own.
+/// The results of the library.
 Answers expected() {
     Answers answers(questions().size() * models().size());
     for (std::size_t m = 0; m < models().size(); ++m) {
@@ -143,60 +148,65 @@ Answers expected() {
         for (std::size_t i = 0; i < questions().size(); ++i) {
             const auto& [l, v, u] = questions()[i];
             const Vec3f wl(l[0], l[1], l[2]), wv(v[0], v[1], v[2]);
-            const Rgb f = value(models()[m], wl, wv), reflected = albedo(prepared, wv.z);
-            const DirectionSample drawn = sample_with_pdf(proposal, wv, {u[0], u[1]}, u[2]);
-            answers[i * models().size() + m] = {{f.r, f.g, f.b, pdf(proposal, wl, wv)},
-                                                {drawn.wl.x, drawn.wl.y, drawn.wl.z, drawn.wl.z > 0 ? drawn.pdf : 0},
-                                                {reflected.r, reflected.g, reflected.b, 0}};
+            const Rgb f = value(models()[m], wl, wv), directional_albedo = albedo(prepared, wv.z);
+            const DirectionSample sample = sample_with_pdf(proposal, wv, {u[0], u[1]}, u[2]);
+            answers[i * models().size() + m] = {
+                {f.r, f.g, f.b, pdf(proposal, wl, wv)},
+                {sample.wl.x, sample.wl.y, sample.wl.z, sample.wl.z > 0 ? sample.pdf : 0},
+                {directional_albedo.r, directional_albedo.g, directional_albedo.b, 0}};
         }
     }
     return answers;
 }
 
-/// Ten times the bound for thin films: of a phase of tens of radians a shader that fuses other products keeps a digit less.
+/// Ten times the usual tolerance for thin films: a phase of tens of radians loses a digit in shaders that fuse
+/// other products.
 double tolerance(const Model& model) {
     const auto* const openpbr = std::get_if<OpenPbrModel>(&model.model);
     return openpbr && openpbr->thin_film_weight > 0 ? 10 : 1;
 }
 
-/// Values are the library's within 1e-4, or 1e-6 of the peak; so are albedos, densities within 1e-3 and samples within
-/// .002, but for the few whose selector falls between two lobes.
-void expect_equal(const Answers& answers, const std::string& of) {
+/// Compares answers with the library's. Tolerances: values within 1e-4 or 1e-6 of the peak, also for albedos;
+/// densities within 1e-3; samples within 0.002, except the few whose selector falls between two lobes.
+void expect_equal(const Answers& answers, const std::string& language) {
     static const Answers library = expected();
-    ASSERT_EQ(answers.size(), library.size()) << of;
+    ASSERT_EQ(answers.size(), library.size()) << language;
     const std::size_t count = models().size();
-    std::vector<float> peak(count), most_reflected(count);
+    std::vector<float> peak(count), largest_albedo(count);
     for (std::size_t i = 0; i < library.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) {
             peak[i % count] = std::max(peak[i % count], library[i].value[c]);
-            most_reflected[i % count] = std::max(most_reflected[i % count], library[i].albedo[c]);
+            largest_albedo[i % count] = std::max(largest_albedo[i % count], library[i].albedo[c]);
         }
     std::size_t wrong = 0, wrong_samples = 0;
-    double most_apart = 0;
+    double largest_difference = 0;
     for (std::size_t i = 0; i < library.size(); ++i) {
         const auto& [x, y, z, unused] = questions()[i / count].wv;
-        const bool has_view = std::isfinite(x + y + z);  // samples of no view have no meaning
+        const bool has_view = std::isfinite(x + y + z);  // without a view, samples are meaningless
         const Answer &a = answers[i], &b = library[i];
         for (std::size_t c = 0; c < 3; ++c) {
             const double bound =
                 tolerance(models()[i % count]) * std::max(1e-4 * double(b.value[c]), 1e-6 * double(peak[i % count]));
-            most_apart = std::max(most_apart, std::abs(double(a.value[c]) - double(b.value[c])) / bound);
+            largest_difference =
+                std::max(largest_difference, std::abs(double(a.value[c]) - double(b.value[c])) / bound);
             wrong += !near(double(a.value[c]), double(b.value[c]), bound);
             wrong += !near(double(a.albedo[c]), double(b.albedo[c]),
-                           1e-4 * double(b.albedo[c]) + 1e-5 * double(most_reflected[i % count]));
+                           1e-4 * double(b.albedo[c]) + 1e-5 * double(largest_albedo[i % count]));
         }
         wrong += !near(double(a.value[3]), double(b.value[3]), 1e-3 * double(b.value[3]) + 1e-6);
-        double apart = 0;
+        double distance = 0;
         for (std::size_t c = 0; c < 3; ++c)
-            apart = std::max(apart, std::abs(double(a.sample[c]) - double(b.sample[c])));
-        const bool same = apart < 0.002 && near(double(a.sample[3]), double(b.sample[3]), 0.02 * double(b.sample[3]));
+            distance = std::max(distance, std::abs(double(a.sample[c]) - double(b.sample[c])));
+        const bool same =
+            distance < 0.002 && near(double(a.sample[3]), double(b.sample[3]), 0.02 * double(b.sample[3]));
         wrong_samples += !same && has_view;
     }
-    EXPECT_EQ(wrong, 0u) << of << ", of " << library.size() << "; values " << most_apart << " bounds apart";
-    EXPECT_LE(double(wrong_samples), 0.001 * double(library.size())) << of;
+    EXPECT_EQ(wrong, 0u) << language << ", of " << library.size() << "; values differ by up to " << largest_difference
+                         << " tolerances";
+    EXPECT_LE(double(wrong_samples), 0.001 * double(library.size())) << language;
 }
 
-/// Statements that answer a question for a model: `write(k, vector, number)` stores answer k of three.
+/// Statements that evaluate a model: `write(k, vector, number)` stores answer k of three.
 std::string answer_text(std::size_t m, const std::string& zero, const auto& write) {
     const std::string name = name_of(m);
     return write(0, name + "_brdf(wl, wv)", name + "_pdf(wl, wv)") +
@@ -204,7 +214,7 @@ std::string answer_text(std::size_t m, const std::string& zero, const auto& writ
                  fmt::format("{0}_pdf({0}_sample(wv, u.x, u.y, u.z), wv)", name)) +
            write(2, name + "_albedo(wv.z)", zero);
 }
-/// The same for every model: answer k of all.
+/// The same for all models; the answers are numbered consecutively.
 std::string answers_text(const std::string& zero, const auto& write) {
     std::string text;
     for (std::size_t m = 0; m < models().size(); ++m)
@@ -216,9 +226,9 @@ std::string answers_text(const std::string& zero, const auto& write) {
 
 class ShadingCode : public WrittenCode {
   protected:
-    /// Compiles a C or C++ program with the code and asks it.
-    void ask_compiled(const std::string& compiler, const std::string& header, const std::string& vector,
-                      const std::string& of) {
+    /// Compiles the code as a C or C++ program, runs it and compares the answers.
+    void expect_compiled(const std::string& compiler, const std::string& header, const std::string& vector,
+                         const std::string& name) {
         const auto write = [](std::size_t k, const std::string& three, const std::string& number) {
             return fmt::format(
                 "        w = {}; r[4 * {} + 3] = {};\n        r[4 * {}] = w.x; r[4 * {} + 1] = w.y; r[4 * {} + 2] = "
@@ -226,7 +236,7 @@ class ShadingCode : public WrittenCode {
                 three, k, number, k, k, k);
         };
         void* const library =
-            compiled(compiler + " -Wall -Wextra -Wconversion -Werror", of,
+            compiled(compiler + " -Wall -Wextra -Wconversion -Werror", name,
                      header + fmt::format("#ifdef __cplusplus\nextern \"C\"\n#endif\n"
                                           "void answer(const float* q, float* r, int n);\n"
                                           "void answer(const float* q, float* r, int n) {{\n"
@@ -240,28 +250,28 @@ class ShadingCode : public WrittenCode {
         const auto answer = function<void(const float*, float*, int)>(library, "answer");
         Answers answers(questions().size() * models().size());
         answer(questions()[0].wl.data(), answers[0].value.data(), int(questions().size()));
-        expect_equal(answers, of);
+        expect_equal(answers, name);
     }
 };
 
 TEST_F(ShadingCode, RunsAsCAndCpp) {
     const std::string header = code(CodeLanguage::c);
-    ask_compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wstrict-prototypes", header, "srbf_vec3", "c");
-    ask_compiled(SRBF_COMPILER " -x c++ -std=c++11 -pedantic", header, "srbf_vec3", "cpp");
+    expect_compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wstrict-prototypes", header, "srbf_vec3", "c");
+    expect_compiled(SRBF_COMPILER " -x c++ -std=c++11 -pedantic", header, "srbf_vec3", "cpp");
     const std::string plain = written("plain.h", code(CodeLanguage::c, false)),
                       checks = " -x c -std=c99 -pedantic -Wall -Wextra -Werror -Wno-unused-function -fsyntax-only '{}'";
     EXPECT_TRUE(runs(SRBF_COMPILER + fmt::format(fmt::runtime(checks), plain)));
     if (!std::strlen(SRBF_CLANG)) GTEST_SKIP() << "no clang (Debian: clang)";
     EXPECT_TRUE(runs(SRBF_CLANG + fmt::format(fmt::runtime(checks), plain)));
-    ask_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang");
+    expect_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang");
 }
 
-/// Draws of the code against its own density, over bins of half vectors.
+/// Samples of the code follow its own density, over bins of half vectors.
 TEST_F(ShadingCode, SamplesFollowTheirDensity) {
-    std::string cases_of_sample, cases_of_pdf;
+    std::string sample_cases, pdf_cases;
     for (std::size_t m = 0; m < models().size(); ++m) {
-        cases_of_sample += fmt::format("    case {}: w = {}_sample(wv, u[0], u[1], u[2]); break;\n", m, name_of(m));
-        cases_of_pdf += fmt::format("    case {}: return {}_pdf(wl, wv);\n", m, name_of(m));
+        sample_cases += fmt::format("    case {}: w = {}_sample(wv, u[0], u[1], u[2]); break;\n", m, name_of(m));
+        pdf_cases += fmt::format("    case {}: return {}_pdf(wl, wv);\n", m, name_of(m));
     }
     void* const library =
         compiled(SRBF_COMPILER " -x c -std=c99", "draws",
@@ -270,11 +280,11 @@ TEST_F(ShadingCode, SamplesFollowTheirDensity) {
                      "float density(int m, const float* l, const float* v);\n"
                      "void draw(int m, const float* v, const float* u, float* to) {\n"
                      "    srbf_vec3 wv = {v[0], v[1], v[2]}, w = wv;\n    switch (m) {\n" +
-                     cases_of_sample +
+                     sample_cases +
                      "    }\n    to[0] = w.x, to[1] = w.y, to[2] = w.z;\n}\n"
                      "float density(int m, const float* l, const float* v) {\n"
                      "    srbf_vec3 wl = {l[0], l[1], l[2]}, wv = {v[0], v[1], v[2]};\n    switch (m) {\n" +
-                     cases_of_pdf + "    }\n    return 0;\n}\n");
+                     pdf_cases + "    }\n    return 0;\n}\n");
     ASSERT_TRUE(library);
     const auto draw = function<void(int, const float*, const float*, float*)>(library, "draw");
     const auto density = function<float(int, const float*, const float*)>(library, "density");
@@ -289,23 +299,23 @@ TEST_F(ShadingCode, SamplesFollowTheirDensity) {
             const Vec3d v = spherical(theta * k_degree, 0.7);
             const std::array<float, 3> wv{float(v.x), float(v.y), float(v.z)};
             std::vector<double> expected = bins.masses([&](Vec3d h) {
-                const double along = dot(h, v);
-                const Vec3d l = 2 * along * h - v;
+                const double cosine = dot(h, v);
+                const Vec3d l = 2 * cosine * h - v;
                 const std::array<float, 3> wl{float(l.x), float(l.y), float(l.z)};
-                return along > 0 ? 4 * along * double(density(m, wl.data(), wv.data())) : 0;
+                return cosine > 0 ? 4 * cosine * double(density(m, wl.data(), wv.data())) : 0;
             });
             std::vector<double> observed(bins.size() + 1);
             for (int i = 0; i < count; ++i) {
-                const std::array<float, 3> three{u(), u(), u()};
+                const std::array<float, 3> u3{u(), u(), u()};
                 std::array<float, 3> wl{};
-                draw(m, wv.data(), three.data(), wl.data());
+                draw(m, wv.data(), u3.data(), wl.data());
                 const Vec3d l{double(wl[0]), double(wl[1]), double(wl[2])};
                 observed[wl[2] > 0 ? bins.index(normalize(l + v)) : bins.size()] += 1;
             }
-            double within = 0;
-            for (double& mass : expected) within += mass, mass *= count;
-            expected.push_back(count * std::max(0.0, 1 - within));
-            EXPECT_GT(chi2_p_value(observed, expected), significance) << m << " from " << theta;
+            double total_mass = 0;
+            for (double& mass : expected) total_mass += mass, mass *= count;
+            expected.push_back(count * std::max(0.0, 1 - total_mass));
+            EXPECT_GT(chi2_p_value(observed, expected), significance) << m << " at " << theta;
         }
 }
 
@@ -319,15 +329,16 @@ TEST_F(ShadingCode, CompilesAsCuda) {
                                  path("code.o"))));
 }
 
-/// The code of a map.
-std::string map_in(CodeLanguage language) {
+/// The exported code of a map.
+std::string map_code_in(CodeLanguage language) {
     std::mt19937_64 random(4);
     const Library map = random_map(random, {.lobes = 3, .form = PmForm::extended}, 2, 2);
     const auto text = map_code(map, "map", {.language = language, .albedo = true});
     return text ? *text : message(text.error());
 }
 
-/// Metal's compiler exists on Apple's systems alone; its language is C++14, and its library of vectors is stood in for.
+/// Metal's compiler exists only on Apple's systems. Its language is C++14; a small replacement stands for its
+/// vector library.
 TEST_F(ShadingCode, RunsAsMetal) {
     written("metal_stdlib", R"(#pragma once
 #include <cmath>
@@ -349,33 +360,35 @@ using std::exp; using std::exp2; using std::log; using std::sqrt; using std::abs
 using std::acos;
 }
 )");
-    ask_compiled(fmt::format("{} -x c++ -std=c++14 -I'{}'", SRBF_COMPILER, folder_.path.string()),
+    expect_compiled(fmt::format("{} -x c++ -std=c++14 -I'{}'", SRBF_COMPILER, folder_.path.string()),
                  code(CodeLanguage::msl, true), "metal::float3", "msl");
-    EXPECT_TRUE(runs(fmt::format("{} -x c++ -std=c++14 -I'{}' -fsyntax-only '{}'", SRBF_COMPILER, folder_.path.string(),
-                                 written("plain.metal", code(CodeLanguage::msl, false) + map_in(CodeLanguage::msl)))));
+    EXPECT_TRUE(
+        runs(fmt::format("{} -x c++ -std=c++14 -I'{}' -fsyntax-only '{}'", SRBF_COMPILER, folder_.path.string(),
+                         written("plain.metal", code(CodeLanguage::msl, false) + map_code_in(CodeLanguage::msl)))));
 }
 
 #ifdef SRBF_RASTER
-/// Runs compute shaders of OpenGL 4.5 on the questions, one shader a model. Each finds them as an array of vec4 at
-/// binding 0; the answers are another at binding 1.
-Answers computed(const std::vector<std::string>& shaders) {
-    Answers answers(questions().size() * models().size()), of_one(questions().size());
+/// Runs one OpenGL 4.5 compute shader for each model. The questions are an array of vec4 at binding 0, the answers
+/// at binding 1.
+Answers run_shaders(const std::vector<std::string>& shaders) {
+    Answers answers(questions().size() * models().size()), model_answers(questions().size());
     std::array<GLuint, 2> buffers;
     glGenBuffers(2, buffers.data());
-    const auto fill = [&](GLuint at, std::size_t bytes, const void* data) {
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, at, buffers[at]);
+    const auto fill = [&](GLuint binding, std::size_t bytes, const void* data) {
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffers[binding]);
         glBufferData(GL_SHADER_STORAGE_BUFFER, GLsizeiptr(bytes), data, GL_STATIC_DRAW);
     };
     fill(0, questions().size() * sizeof(Question), questions().data());
-    fill(1, of_one.size() * sizeof(Answer), nullptr);
+    fill(1, model_answers.size() * sizeof(Answer), nullptr);
     for (std::size_t m = 0; m < shaders.size(); ++m) {
         const GLuint program = linked(shaders[m]);
         if (program == 0) continue;
         glUseProgram(program);
         glDispatchCompute(GLuint(questions().size() / 64), 1, 1);
         glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-        glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, GLsizeiptr(of_one.size() * sizeof(Answer)), of_one.data());
-        for (std::size_t i = 0; i < of_one.size(); ++i) answers[i * models().size() + m] = of_one[i];
+        glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, GLsizeiptr(model_answers.size() * sizeof(Answer)),
+                           model_answers.data());
+        for (std::size_t i = 0; i < model_answers.size(); ++i) answers[i * models().size() + m] = model_answers[i];
         glDeleteProgram(program);
     }
     EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
@@ -383,8 +396,8 @@ Answers computed(const std::vector<std::string>& shaders) {
     return answers;
 }
 
-/// The statements of such a shader.
-std::string body(std::size_t m, const std::string& vec3, const std::string& vec4) {
+/// The body of such a shader's main function.
+std::string shader_body(std::size_t m, const std::string& vec3, const std::string& vec4) {
     const auto write = [&](std::size_t k, const std::string& three, const std::string& number) {
         return fmt::format("    answers[3 * i + {}] = {}({}, {});\n", k, vec4, three, number);
     };
@@ -414,11 +427,11 @@ TEST_F(ShadingCode, RunsAsGlsl) {
             "layout(std430, binding = 0) readonly buffer Questions { vec4 questions[]; };\n"
             "layout(std430, binding = 1) writeonly buffer Answers { vec4 answers[]; };\n" +
             code_of(m, CodeLanguage::glsl) + "void main() {\n    uint i = gl_GlobalInvocationID.x;\n" +
-            body(m, "vec3", "vec4") + "}\n");
-    expect_equal(computed(shaders), "glsl");
+            shader_body(m, "vec3", "vec4") + "}\n");
+    expect_equal(run_shaders(shaders), "glsl");
 }
 
-/// What glslang makes of the HLSL is translated from SPIR-V to GLSL, which OpenGL runs.
+/// glslang compiles the HLSL to SPIR-V, which is translated to GLSL for OpenGL.
 TEST_F(ShadingCode, RunsAsHlsl) {
     EXPECT_TRUE(
         compiles_as_hlsl("frag", "all", code(CodeLanguage::hlsl) + "float4 main() : SV_Target { return 1.0; }\n"));
@@ -435,26 +448,26 @@ TEST_F(ShadingCode, RunsAsHlsl) {
             "RWStructuredBuffer<float4> answers : register(u1);\n" +
                 code_of(m, CodeLanguage::hlsl) +
                 "[numthreads(64, 1, 1)] void main(uint3 at : SV_DispatchThreadID) {\n    uint i = at.x;\n" +
-                body(m, "float3", "float4") + "}\n"));
+                shader_body(m, "float3", "float4") + "}\n"));
         ASSERT_TRUE(runs(fmt::format("'{}' '{}' --version 450 --no-es --output '{}'", SRBF_SPIRV_CROSS,
                                      path("code.spv"), path("code.glsl"))));
         shaders.push_back(contents(path("code.glsl")));
     }
-    expect_equal(computed(shaders), "hlsl");
+    expect_equal(run_shaders(shaders), "hlsl");
 }
 #endif
 
-/// The code of BSDFs, whose names are others than those of `code`.
-std::string both_sides_in_wgsl() {
+/// The exported code of a BSDF, with names that differ from those of `code`.
+std::string bsdf_in_wgsl() {
     const Model model{full_bsdf(), {}};
     const auto text =
         shading_code(std::vector<NamedModel>{{"b", &model}}, "b", {.language = CodeLanguage::wgsl, .sampling = true});
     return text ? *text : message(text.error());
 }
 
-/// In a browser's WebGPU.
+/// Runs in a browser's WebGPU.
 TEST_F(ShadingCode, RunsAsWgsl) {
-    const auto write_one = [&](std::size_t k, const std::string& three, const std::string& number) {
+    const auto write = [&](std::size_t k, const std::string& three, const std::string& number) {
         return fmt::format("    answers[{}u * i + {}u] = vec4f({}, {});\n", 3 * models().size(), k, three, number);
     };
     written("code.wgsl",
@@ -464,9 +477,9 @@ TEST_F(ShadingCode, RunsAsWgsl) {
                 "@compute @workgroup_size(64) fn main(@builtin(global_invocation_id) at: vec3u) {\n    let i = at.x;\n"
                 "    let wl = questions[3 * i].xyz;\n    let wv = questions[3 * i + 1].xyz;\n"
                 "    let u = questions[3 * i + 2].xyz;\n" +
-                answers_text("0.0", write_one) + "}\n");
+                answers_text("0.0", write) + "}\n");
     written("plain.wgsl",
-            code(CodeLanguage::wgsl, false) + both_sides_in_wgsl() + map_in(CodeLanguage::wgsl) +
+            code(CodeLanguage::wgsl, false) + bsdf_in_wgsl() + map_code_in(CodeLanguage::wgsl) +
                 "@group(0) @binding(0) var layers: texture_2d_array<f32>;\n"
                 "@group(0) @binding(1) var linear: sampler;\n"
                 "fn map_layer(j: i32, u: f32, v: f32) -> vec3f {\n"
@@ -478,21 +491,21 @@ TEST_F(ShadingCode, RunsAsWgsl) {
     written("questions", bytes);
     const int status = std::system(
         fmt::format("PYTHONDONTWRITEBYTECODE=1 python3 '{}/test/wgsl.py' '{}' {} > '{}' 2>&1", SRBF_SOURCE_DIR,
-                    folder_.path.string(), models().size() * sizeof(Answer) / sizeof(Question), path("said"))
+                    folder_.path.string(), models().size() * sizeof(Answer) / sizeof(Question), path("output"))
             .c_str());
-    const std::string said = contents(path("said"));
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 77) GTEST_SKIP() << said;
-    ASSERT_EQ(status, 0) << said;
+    const std::string output = contents(path("output"));
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 77) GTEST_SKIP() << output;
+    ASSERT_EQ(status, 0) << output;
     bytes = contents(path("answers"));
     Answers answers(bytes.size() / sizeof(Answer));
     std::memcpy(answers.data(), bytes.data(), answers.size() * sizeof(Answer));
     expect_equal(answers, "wgsl");
 }
 
-TEST(ShadingCodeText, HoldsWhatTheModelNeeds) {
+TEST(ShadingCodeText, ContainsOnlyWhatTheModelNeeds) {
     const std::vector<NamedModel> one{{"m", &models()[0]}};
     const std::string plain = *shading_code(one, "m", {}), sampled = *shading_code(one, "m", {.sampling = true});
-    EXPECT_EQ(plain.find("PmFeatures"), plain.npos);  // the form has none
+    EXPECT_EQ(plain.find("PmFeatures"), plain.npos);  // this form has none
     EXPECT_EQ(plain.find("m_sample("), plain.npos);
     EXPECT_NE(sampled.find("m_sample("), sampled.npos);
     EXPECT_EQ(sampled.find("m_albedo("), sampled.npos);
@@ -521,7 +534,7 @@ TEST(ShadingCodeText, NamesAreIdentifiers) {
     EXPECT_EQ(identifier("\xc3\xa9t\xc3\xa9"), "t");
 }
 
-/// The numbers of a view-by-view model come from the host, here from an array in C.
+/// The host supplies the numbers of a view-by-view model, here from an array in C.
 TEST_F(ShadingCode, RunsViewByView) {
     const Model model{isotropic_su(256), {}};
     const auto& su = std::get<SuModel>(model.model);
@@ -562,22 +575,22 @@ TEST_F(ShadingCode, RunsViewByView) {
     EXPECT_TRUE(compiles_as_hlsl("frag", "su", in_hlsl));
 }
 
-TEST(ShadingCodeText, WhatALanguageCannotHoldIsRefused) {
+TEST(ShadingCodeText, RejectsUnsupportedModels) {
     Model model{isotropic_su(256), {}};
     const std::vector<NamedModel> named{{"su", &model}};
-    const auto expect_refused = [&](const Result<std::string>& text) {
+    const auto expect_error = [&](const Result<std::string>& text) {
         ASSERT_FALSE(text);
         EXPECT_EQ(text.error().code, ErrorCode::argument);
     };
-    expect_refused(shading_code(named, "su", {.sampling = true}));
-    expect_refused(shading_code(named, "su", {.language = CodeLanguage::msl}));
-    const Model both{full_bsdf(), {}};
+    expect_error(shading_code(named, "su", {.sampling = true}));
+    expect_error(shading_code(named, "su", {.language = CodeLanguage::msl}));
+    const Model bsdf{full_bsdf(), {}};
     for (const CodeModule& module : code_modules()) {
-        expect_refused(module.text(named, "su", 0));
-        expect_refused(module.text(std::vector<NamedModel>{{"both", &both}}, "both", 0));
+        expect_error(module.text(named, "su", 0));
+        expect_error(module.text(std::vector<NamedModel>{{"bsdf", &bsdf}}, "bsdf", 0));
     }
     std::get<SuModel>(model.model).interpolation = SuInterpolation::plain;
-    expect_refused(shading_code(named, "su", {}));
+    expect_error(shading_code(named, "su", {}));
 }
 
 }  // namespace

@@ -14,8 +14,8 @@
 namespace srbf::su_test {
 namespace {
 
-/// The function of view i by the formula of the docstring, in double.
-std::array<double, 3> of_view(const SuModel& model, std::size_t view, Vec3f wl) {
+/// The function of a sampled view by the formula of the docstring, in double.
+std::array<double, 3> view_function(const SuModel& model, std::size_t view, Vec3f wl) {
     std::array<double, 3> f{};
     for (std::size_t j = view * std::size_t(model.lobes); j < (view + 1) * std::size_t(model.lobes); ++j) {
         const Vec3d d = to_double(wl) - to_double(model.centre[j]), v = to_double(model.direction[view]);
@@ -37,7 +37,7 @@ double difference(const Rgb& a, const Rgb& b) {
 
 constexpr SuInterpolation k_interpolations[] = {SuInterpolation::rotated, SuInterpolation::plain};
 
-TEST(Su, ASampleHasItsOwnFunction) {
+TEST(Su, SampledViewsHaveTheirOwnFunction) {
     std::mt19937_64 random(1);
     for (const auto interpolation : k_interpolations)
         for (const auto discretise : {Discretise::view, Discretise::light}) {
@@ -47,7 +47,7 @@ TEST(Su, ASampleHasItsOwnFunction) {
             for (std::size_t i = 0; i < model.direction.size(); ++i) {
                 const Vec3f w = to_float(random_direction(random, 0)), sample = model.direction[i];
                 const Rgb f = discretise == Discretise::view ? value(model, w, sample) : value(model, sample, w);
-                const auto expected = of_view(model, i, w);
+                const auto expected = view_function(model, i, w);
                 for (int c = 0; c < 3; ++c)
                     EXPECT_TRUE(near(double(f[c]), expected[std::size_t(c)], 2e-5)) << i << name(interpolation);
             }
@@ -72,7 +72,7 @@ TEST(Su, LobesIntegrateToTheirClosedForm) {
     for (std::size_t view = 0; view < 8; ++view) {
         std::array<double, 3> sum{}, closed{};
         for (int i = 0; i < count; ++i) {
-            const auto f = of_view(model, view, to_float(fibonacci_direction(i, count, k_pi)));
+            const auto f = view_function(model, view, to_float(fibonacci_direction(i, count, k_pi)));
             for (std::size_t c = 0; c < 3; ++c) sum[c] += 4 * k_pi / count * f[c];
         }
         for (std::size_t j = view * 5; j < view * 5 + 5; ++j)
@@ -81,51 +81,52 @@ TEST(Su, LobesIntegrateToTheirClosedForm) {
                     double(model.coefficient[j][c]) * Kernel<double>::gaussian_integral(double(model.bandwidth[j]));
         for (std::size_t c = 0; c < 3; ++c) EXPECT_TRUE(near_relative(sum[c], closed[c], 1e-4));
     }
-    // The model's own values are those: `ASampleHasItsOwnFunction`.
+    // The model's own values are those: `SampledViewsHaveTheirOwnFunction`.
 }
 
-/// The largest change of the value over steps of 1e-4 on great circles, in multiples of the largest value.
+/// The largest change of the value over steps of 1e-4 on great circles, relative to the largest value.
 double largest_jump(const SuModel& model, bool through_the_pole) {
     std::mt19937_64 random(4);
-    double most = 0, largest = 0;
+    double largest_change = 0, largest = 0;
     for (int circle = 0; circle < 6; ++circle) {
         const Vec3d wl = random_direction(random, 0.2),
                     a = through_the_pole ? Vec3d{0, 0, 1} : random_direction(random, 0);
         Vec3d b = random_direction(random, 0);
         b = normalize(b - dot(a, b) * a);
-        Rgb last{-1, -1, -1};
+        Rgb previous{-1, -1, -1};
         for (int step = 0; step < 31416; ++step) {  // from horizon to horizon
             const double t = 1e-4 * step - k_pi / 2;
             const Vec3d wv = std::cos(t) * a + std::sin(t) * b;
             if (wv.z <= 1e-3) {
-                last = {-1, -1, -1};
+                previous = {-1, -1, -1};
                 continue;
             }
             const Rgb f = value(model, to_float(wl), to_float(wv));
-            if (last.r >= 0) most = std::max(most, difference(f, last));
+            if (previous.r >= 0) largest_change = std::max(largest_change, difference(f, previous));
             largest = std::max(largest, double(f.g));
-            last = f;
+            previous = f;
         }
     }
-    return most / largest;
+    return largest_change / largest;
 }
 
 TEST(Su, IsContinuousInTheSampledDirection) {
-    // The weight of a sampled view changes over some hundredths of a radian, so that a step of 1e-4 changes little.
+    // The weight of a sampled view changes over a few hundredths of a radian, so a step of 1e-4 changes the value
+    // little.
     std::mt19937_64 random(5);
     SuModel model = random_su(random, 1536, 3);
     for (Vec3f& xi : model.centre) xi = normalize(xi + Vec3f(0, 0, 3));
     for (float& lambda : model.bandwidth) lambda = std::min(lambda, 3.f);
     model.interpolation = SuInterpolation::plain;
-    EXPECT_LE(largest_jump(model, false), 0.03);  // about where four views are equally near
+    EXPECT_LE(largest_jump(model, false), 0.03);  // largest where four views are equally close
     model.neighbours = 4;
     EXPECT_LE(largest_jump(model, false), 0.003);
-    // Views adjacent in elevation are independent here and 1/1536 apart in z: a step goes a sixth of the way.
+    // Views adjacent in elevation are independent here and differ by 1/1536 in z: a step covers a sixth of that.
     model.interpolation = SuInterpolation::rotated;
     EXPECT_LE(largest_jump(model, false), 0.16);
     const SuModel isotropic = isotropic_su(1536);
     EXPECT_LE(largest_jump(isotropic, false), 0.001);
-    EXPECT_LE(largest_jump(isotropic, true), 0.001);  // above the last sample, where the azimuth turns round
+    EXPECT_LE(largest_jump(isotropic, true), 0.001);  // above the last sample, across the pole
 }
 
 TEST(Su, RotatedInterpolationOfAnIsotropicModelIsIsotropic) {
@@ -139,32 +140,32 @@ TEST(Su, RotatedInterpolationOfAnIsotropicModelIsIsotropic) {
         const Rgb b =
             value(model, to_float(Kernel<double>::turned(wl, c, s)), to_float(Kernel<double>::turned(wv, c, s)));
         EXPECT_LE(difference(a, b), 3e-4) << wv.z;
-        // Its lobes: one about the mirror direction, one about the normal.
+        // The model has a lobe around the mirror direction and one around the normal.
         const double lobe = Kernel<double>::gaussian(wl, mirror(wv), 100.0);
         const double body = Kernel<double>::gaussian(wl, Vec3d(0, 0, 1), 0.5 + wv.z);
         EXPECT_TRUE(near(double(a.r), 0.3 * body + lobe, 4e-3)) << wv.z;
     }
 }
 
-TEST(Su, PlainWeightsAreAPartOfOneAndPositive) {
+TEST(Su, PlainWeightsArePositiveAndSumToOne) {
     std::mt19937_64 random(7);
     SuModel model = random_su(random, 500, 1);
-    // With lobes that are constant the value is the weighted mean of the neighbours' coefficients.
+    // With constant lobes, the value is the weighted mean of the neighbours' coefficients.
     for (float& lambda : model.bandwidth) lambda = 0;
     model.interpolation = SuInterpolation::plain;
     for (model.neighbours = 1; model.neighbours <= k_most_neighbours; ++model.neighbours)
         for (int i = 0; i < 300; ++i) {
             const Vec3f wv = to_float(random_direction(random, 0.01));
             const NearestViews nearest = nearest_views(model, wv);
-            float least = 1e9f, most = 0;
+            float smallest = 1e9f, largest = 0;
             for (int k = 0; k < model.neighbours; ++k) {
                 const float beta = model.coefficient[nearest[std::size_t(k)]].r;
-                least = std::min(least, beta), most = std::max(most, beta);
+                smallest = std::min(smallest, beta), largest = std::max(largest, beta);
             }
             const float f = value(model, {0, 0, 1}, wv).r;
-            EXPECT_TRUE(f >= least - 1e-6f && f <= most + 1e-6f);
+            EXPECT_TRUE(f >= smallest - 1e-6f && f <= largest + 1e-6f);
             if (model.neighbours == 1) {
-                EXPECT_TRUE(near(double(f), double(most), 1e-6));
+                EXPECT_TRUE(near(double(f), double(largest), 1e-6));
             }
         }
 }
@@ -177,7 +178,7 @@ TEST(Su, ArraysAgreeWithSingleValues) {
             model.interpolation = interpolation;
             model.discretise = discretise;
             std::vector<Vec3f> wl, wv;
-            while (wl.size() < 3000) {  // runs of one to 40 pairs with a common direction
+            while (wl.size() < 3000) {  // groups of 1 to 40 pairs with a common direction
                 const Vec3f common = to_float(random_direction(random, -0.1));
                 for (double i = 0; i < 40 * uniform(random); ++i) {
                     const Vec3f other = to_float(random_direction(random, -0.1));
@@ -208,7 +209,7 @@ TEST(Su, TextureHoldsTheNearestViews) {
         for (int i = 0; i < 200; ++i) {
             const auto texel = std::size_t(uniform(random) * double(index.texels.size()));
             const Vec3f w = texel_direction(map, index.size, texel);
-            // By trying all.
+            // Compared with an exhaustive search.
             std::vector<std::size_t> order(model.direction.size());
             std::iota(order.begin(), order.end(), std::size_t(0));
             const auto distance = [&](std::size_t view) {
@@ -234,14 +235,14 @@ TEST(Su, TexelsApproachTheExactNeighboursAsTheyShrink) {
         std::vector<double> errors;
         for (const int size : {8, 32, default_size(map)}) {
             const IndexTexture index = index_texture(model, map, size);
-            double squares = 0, whole = 0;
+            double squares = 0, total = 0;
             for (int i = 0; i < 3000; ++i) {
                 const Vec3f wl = to_float(random_direction(random, 0)), wv = to_float(random_direction(random, 0));
                 const double exact = double(value(model, wl, wv).g), by_texel = double(value(model, index, wl, wv).g);
                 squares += (exact - by_texel) * (exact - by_texel);
-                whole += exact * exact;
+                total += exact * exact;
             }
-            errors.push_back(squares / whole);
+            errors.push_back(squares / total);
         }
         EXPECT_GT(errors[0], 1e-3) << name(map);
         EXPECT_LT(errors[1], 0.1 * errors[0]) << name(map);
@@ -249,7 +250,7 @@ TEST(Su, TexelsApproachTheExactNeighboursAsTheyShrink) {
     }
 }
 
-TEST(Su, BytesAreTheSources) {
+TEST(Su, BytesMatchThePublication) {
     std::mt19937_64 random(11);
     EXPECT_EQ(payload_bytes(random_su(random, 1536, 5)), 92160u);
     EXPECT_EQ(payload_bytes(random_su(random, 1536, 4)), 73728u);
@@ -257,7 +258,7 @@ TEST(Su, BytesAreTheSources) {
     EXPECT_EQ(payload_bytes(random_su(random, 384, 1, true)), 384u * 14);
 }
 
-TEST(SuFile, ComesBackAsRounded) {
+TEST(SuFile, RoundTripGivesTheRoundedModel) {
     std::mt19937_64 random(12);
     for (const auto discretise : {Discretise::view, Discretise::light})
         for (const auto interpolation : k_interpolations)
@@ -268,41 +269,43 @@ TEST(SuFile, ComesBackAsRounded) {
                 model.neighbours = 1 + int(7 * uniform(random));
                 if (index > 0)
                     model.index = index_texture(model, index == 1 ? DirectionMap::cube : DirectionMap::parabolic, 16);
-                const SuModel once = rounded(model);
-                EXPECT_EQ(once.index, model.index);
-                EXPECT_EQ(once.direction, model.direction);
-                EXPECT_EQ(once.neighbours, model.neighbours);
+                const SuModel rounded_model = rounded(model);
+                EXPECT_EQ(rounded_model.index, model.index);
+                EXPECT_EQ(rounded_model.direction, model.direction);
+                EXPECT_EQ(rounded_model.neighbours, model.neighbours);
                 for (std::size_t i = 0; i < model.bandwidth.size(); ++i) {
-                    EXPECT_EQ(once.bandwidth[i], round_to_half(model.bandwidth[i]));
+                    EXPECT_EQ(rounded_model.bandwidth[i], round_to_half(model.bandwidth[i]));
                     for (int c = 0; c < 3; ++c)
-                        EXPECT_EQ(once.coefficient[i][c], round_to_half(model.coefficient[i][c]));
-                    const Vec3f d = once.centre[i] - model.centre[i];
+                        EXPECT_EQ(rounded_model.coefficient[i][c], round_to_half(model.coefficient[i][c]));
+                    const Vec3f d = rounded_model.centre[i] - model.centre[i];
                     EXPECT_LE(dot(d, d), 2e-6f);
                 }
                 const auto bytes = write_model({model, {{"source", "a.bsdf"}}});
-                const auto back = read_model(bytes, "x");
-                ASSERT_TRUE(back) << message(back.error());
-                EXPECT_EQ(std::get<SuModel>(back->model), once);
-                EXPECT_EQ(back->provenance, (std::map<std::string, std::string>{{"source", "a.bsdf"}}));
-                // Rounding again changes little: the angles count from a direction that is none of halves.
-                EXPECT_EQ(rounded(once).bandwidth, once.bandwidth);
-                EXPECT_EQ(rounded(once).shape, once.shape);
-                EXPECT_EQ(rounded(once).coefficient, once.coefficient);
+                const auto reread = read_model(bytes, "x");
+                ASSERT_TRUE(reread) << message(reread.error());
+                EXPECT_EQ(std::get<SuModel>(reread->model), rounded_model);
+                EXPECT_EQ(reread->provenance, (std::map<std::string, std::string>{{"source", "a.bsdf"}}));
+                // Rounding again has little effect: the angles are relative to a direction that is not in half
+                // precision.
+                EXPECT_EQ(rounded(rounded_model).bandwidth, rounded_model.bandwidth);
+                EXPECT_EQ(rounded(rounded_model).shape, rounded_model.shape);
+                EXPECT_EQ(rounded(rounded_model).coefficient, rounded_model.coefficient);
             }
 }
 
-TEST(SuFile, CentresAboutTheMirrorDirectionKeepTheirDigits) {
+TEST(SuFile, CentresNearTheMirrorDirectionAreAccurate) {
     std::mt19937_64 random(13);
     SuModel model = isotropic_su(1536);
     for (Vec3f& xi : model.centre) {
-        const Vec3d off = 0.01 * random_direction(random);
-        xi = to_float(normalize(to_double(mirror(model.direction[std::size_t(&xi - model.centre.data()) / 2])) + off));
+        const Vec3d offset = 0.01 * random_direction(random);
+        xi = to_float(
+            normalize(to_double(mirror(model.direction[std::size_t(&xi - model.centre.data()) / 2])) + offset));
     }
-    const SuModel back = rounded(model);
+    const SuModel reread = rounded(model);
     for (std::size_t i = 0; i < model.centre.size(); ++i) {
-        if (model.direction[i / 2].z > 0.99f) continue;  // about the pole azimuths are large
-        const Vec3f d = back.centre[i] - model.centre[i];
-        EXPECT_LE(std::sqrt(dot(d, d)), 3e-5f) << i;  // absolute angles would err by up to 1e-3
+        if (model.direction[i / 2].z > 0.99f) continue;  // azimuths vary strongly at the pole
+        const Vec3f d = reread.centre[i] - model.centre[i];
+        EXPECT_LE(std::sqrt(dot(d, d)), 3e-5f) << i;  // absolute angles would have an error of up to 1e-3
     }
 }
 

@@ -1,10 +1,10 @@
-// Parameterizations and multivariate models of kernel.glsl, also with a user-defined number type.
+// Parameterizations and multivariate models of kernel.glsl, also with a dual-number type.
 #include "models.h"
 #include "srbf/kernel.h"
 
 namespace srbf::variate_test::dual {
 
-/// v + d ε with ε² = 0: a value and its derivative.
+/// v + d ε with ε² = 0: a value v and its derivative d.
 struct Dual {
     double v = 0, d = 0;
     Dual() = default;
@@ -38,7 +38,7 @@ using K = Kernel<double>;
 Vec3d widen(Vec3f w) { return {double(w.x), double(w.y), double(w.z)}; }
 double length(Vec3d a) { return std::sqrt(dot(a, a)); }
 Vec3<Dual> constant(Vec3d w) { return {Dual(w.x), Dual(w.y), Dual(w.z)}; }
-Vec3d turned(Vec3d w, double angle) {
+Vec3d rotated(Vec3d w, double angle) {
     return {std::cos(angle) * w.x - std::sin(angle) * w.y, std::sin(angle) * w.x + std::cos(angle) * w.y, w.z};
 }
 bool all_near_relative(Vec3d a, Vec3d b, double tolerance) {
@@ -78,10 +78,11 @@ Vec3d written_value(const PmModel& model, Vec3d wl, Vec3d wv) {
             for (int k = 0; k < 3; ++k) square += (l[k] + v[k]) * (l[k] + v[k]);
             const long double cos2_theta_h = (l[2] + v[2]) * (l[2] + v[2]) / square;  // cos²θh
             product *= std::pow(area, (long double)(kappa[0]));
-            const long double across = std::max(1 - cos2_theta_h, 0.0L), apart = l[2] - v[2];
+            const long double across = std::max(1 - cos2_theta_h, 0.0L), cosine_difference = l[2] - v[2];
             if (F > 1)
                 product *= std::exp(kappa[1] * (std::sqrt(square) / 2 - 1) +
-                                    kappa[2] * (1 / 20.0L - std::sqrt(apart * apart + across / 16 + 1 / 400.0L)) -
+                                    kappa[2] * (1 / 20.0L - std::sqrt(cosine_difference * cosine_difference +
+                                                                      across / 16 + 1 / 400.0L)) -
                                     kappa[3] * std::sqrt(across));
         }
         for (int c = 0; c < 3; ++c) sum[c] += product * (long double)(model.coefficient[std::size_t(j)][c]);
@@ -98,8 +99,8 @@ TEST(Variate, PsiIsTheNormalisedSum) {
         EXPECT_TRUE(near(length(p), 1, 1e-14));
         EXPECT_TRUE(near(length(cross(p, a * wl + b * wv)), 0, 1e-14));
         EXPECT_GT(dot(p, a * wl + b * wv), 0);
-        EXPECT_LE(length(K::psi(wl, wv, 7 * a, 7 * b) - p), 1e-14);  // the scale of (a, b) is free
-        EXPECT_LE(length(K::psi(wv, wl, b, a) - p), 1e-14);          // each direction keeps its weight
+        EXPECT_LE(length(K::psi(wl, wv, 7 * a, 7 * b) - p), 1e-14);  // independent of the scale of (a, b)
+        EXPECT_LE(length(K::psi(wv, wl, b, a) - p), 1e-14);          // swapping the directions and the weights
         EXPECT_LE(length(K::psi(wl, wv, -a, -b) + p), 1e-14);
         EXPECT_LE(length(K::psi(wl, wv, 1, 0) - wl), 1e-14);
         EXPECT_LE(length(K::psi(wl, wv, 0, 1) - wv), 1e-14);
@@ -110,11 +111,11 @@ TEST(Variate, PsiIsTheNormalisedSum) {
 
 TEST(Variate, PsiIsAUnitVectorUntilTheSumVanishes) {
     std::mt19937_64 random(9);
-    for (const double apart : {1e-1, 1e-3, 1e-6, 1e-9}) {
+    for (const double distance : {1e-1, 1e-3, 1e-6, 1e-9}) {
         const Vec3d wl = random_direction(random), tangent = normalize(cross(wl, random_direction(random)));
-        const Vec3d p = K::psi(wl, wl + apart * tangent, -1, 1);
-        EXPECT_TRUE(near(length(p), 1, 1e-14)) << apart;
-        EXPECT_TRUE(near(dot(p, tangent), 1, 1e-6)) << apart;
+        const Vec3d p = K::psi(wl, wl + distance * tangent, -1, 1);
+        EXPECT_TRUE(near(length(p), 1, 1e-14)) << distance;
+        EXPECT_TRUE(near(dot(p, tangent), 1, 1e-6)) << distance;
     }
 }
 
@@ -133,24 +134,24 @@ TEST(Variate, PsiByAngleIsTheDerivative) {
     for (int i = 0; i < 2000; ++i) {
         const Vec3d wl = random_direction(random), wv = random_direction(random);
         const double angle = 2 * k_pi * uniform(random), h = 1e-6;
-        const auto at = [&](double t) { return K::psi(wl, wv, std::cos(t), std::sin(t)); };
-        const Vec3d by = K::psi_by_angle(wl, wv, std::cos(angle), std::sin(angle));
+        const auto psi_at = [&](double t) { return K::psi(wl, wv, std::cos(t), std::sin(t)); };
+        const Vec3d derivative = K::psi_by_angle(wl, wv, std::cos(angle), std::sin(angle));
         const double steepness = 1 / length(std::cos(angle) * wl + std::sin(angle) * wv);
-        const Vec3d difference = (0.5 / h) * (at(angle + h) - at(angle - h));
-        EXPECT_LE(length(by - difference), 1e-9 * std::pow(steepness, 3));
-        EXPECT_TRUE(near(dot(by, at(angle)), 0, 1e-13 * steepness));
+        const Vec3d difference = (0.5 / h) * (psi_at(angle + h) - psi_at(angle - h));
+        EXPECT_LE(length(derivative - difference), 1e-9 * std::pow(steepness, 3));
+        EXPECT_TRUE(near(dot(derivative, psi_at(angle)), 0, 1e-13 * steepness));
 
         using D = Kernel<Dual>;
         const auto p = D::psi(constant(wl), constant(wv), Dual(std::cos(angle), -std::sin(angle)),
                               Dual(std::sin(angle), std::cos(angle)));
-        EXPECT_LE(length(by - Vec3d(p.x.d, p.y.d, p.z.d)), 1e-13 * std::pow(steepness, 2));
+        EXPECT_LE(length(derivative - Vec3d(p.x.d, p.y.d, p.z.d)), 1e-13 * std::pow(steepness, 2));
         const auto f =
             Kernel<float>::psi_by_angle(to_float(wl), to_float(wv), float(std::cos(angle)), float(std::sin(angle)));
-        EXPECT_LE(length(by - widen(f)), 1e-6 * std::pow(steepness, 2));
+        EXPECT_LE(length(derivative - widen(f)), 1e-6 * std::pow(steepness, 2));
     }
 }
 
-TEST(Variate, ModelIsTheWrittenSum) {
+TEST(Variate, ModelMatchesTheFormula) {
     std::mt19937_64 random(3);
     for (int trial = 0; trial < 60; ++trial) {
         const PmModel model = random_model(random, {.axial = trial % 2 == 0,
@@ -159,7 +160,7 @@ TEST(Variate, ModelIsTheWrittenSum) {
         for (int i = 0; i < 50; ++i) {
             const Vec3d wl = random_direction(random), wv = random_direction(random);
             const Vec3d f = K::pm_value(model, wl, wv);
-            // A lobe far away is cut at 2^-100 of its coefficient, here at most 1.
+            // A distant lobe is clamped at 2^-100 of its coefficient, which here is at most 1.
             const Vec3d written = written_value(model, wl, wv);
             EXPECT_TRUE(all_near(f, written, 1e-5, 1.001 * model.lobes * 0x1p-100));
             const Vec3f g = Kernel<float>::pm_value(model, to_float(wl), to_float(wv));
@@ -170,37 +171,38 @@ TEST(Variate, ModelIsTheWrittenSum) {
     }
 }
 
-TEST(Variate, ModelOnDualNumbersCarriesDerivatives) {
+TEST(Variate, DualNumbersDifferentiateTheModel) {
     std::mt19937_64 random(4);
     for (int trial = 0; trial < 200; ++trial) {
         const PmModel model = random_model(
             random,
             {.axial = trial % 2 == 0, .most_bandwidth = 30, .form = k_forms[std::size_t(trial) % k_forms.size()]});
         const Vec3d wl = random_direction(random), wv = random_direction(random), tangent = random_direction(random);
-        const Vec3<Dual> moving(Dual(wl.x, tangent.x), Dual(wl.y, tangent.y), Dual(wl.z, tangent.z));
-        const Vec3<Dual> f = Kernel<Dual>::pm_value(model, moving, constant(wv));
+        const Vec3<Dual> dual_wl(Dual(wl.x, tangent.x), Dual(wl.y, tangent.y), Dual(wl.z, tangent.z));
+        const Vec3<Dual> f = Kernel<Dual>::pm_value(model, dual_wl, constant(wv));
         const double h = 1e-6;
         const Vec3d difference =
             (0.5 / h) * (K::pm_value(model, wl + h * tangent, wv) - K::pm_value(model, wl - h * tangent, wv));
         const Vec3d value = K::pm_value(model, wl, wv);
         EXPECT_TRUE(all_near_relative(Vec3d(f.x.v, f.y.v, f.z.v), value, 1e-13));
-        for (const auto& [by, expected, scale] :
+        for (const auto& [derivative, expected, scale] :
              {std::tuple(f.x.d, difference.x, value.x), {f.y.d, difference.y, value.y}, {f.z.d, difference.z, value.z}})
-            EXPECT_TRUE(near(by, expected, 1e-6 * (std::abs(expected) + 10 * scale)));
+            EXPECT_TRUE(near(derivative, expected, 1e-6 * (std::abs(expected) + 10 * scale)));
     }
 }
 
-TEST(Variate, DualNumbersPassThroughTheWholeText) {
-    // The warp's area by derivatives instead of differences, and d/dλ of the integral.
+TEST(Variate, DualNumbersDifferentiateTheKernel) {
+    // The Jacobian of the warp from derivatives instead of differences, and d/dλ of the integral.
     using D = Kernel<Dual>;
     std::mt19937_64 random(5);
     for (const double bandwidth : {0.005, 0.5, 40.0, 3e4}) {
         const Vec3d centre = random_direction(random);
         const double u1 = 0.1 + 0.8 * uniform(random), u2 = uniform(random);
-        const auto by1 = D::sample_vmf(constant(centre), Dual(bandwidth), Dual(u1, 1), Dual(u2));
-        const auto by2 = D::sample_vmf(constant(centre), Dual(bandwidth), Dual(u1), Dual(u2, 1));
-        const Vec3d area = cross(Vec3d(by1.x.d, by1.y.d, by1.z.d), Vec3d(by2.x.d, by2.y.d, by2.z.d));
-        const Vec3d w(by1.x.v, by1.y.v, by1.z.v);
+        const auto derivative1 = D::sample_vmf(constant(centre), Dual(bandwidth), Dual(u1, 1), Dual(u2));
+        const auto derivative2 = D::sample_vmf(constant(centre), Dual(bandwidth), Dual(u1), Dual(u2, 1));
+        const Vec3d area = cross(Vec3d(derivative1.x.d, derivative1.y.d, derivative1.z.d),
+                                 Vec3d(derivative2.x.d, derivative2.y.d, derivative2.z.d));
+        const Vec3d w(derivative1.x.v, derivative1.y.v, derivative1.z.v);
         EXPECT_TRUE(near(length(area) * K::vmf_pdf(w, centre, bandwidth), 1, 1e-5)) << bandwidth;
         const double h = 1e-4 * bandwidth;
         const double slope = (K::gaussian_integral(bandwidth + h) - K::gaussian_integral(bandwidth - h)) / (2 * h);
@@ -215,7 +217,7 @@ TEST(Variate, AxialModelsAreIsotropicAndOthersAreNot) {
         const PmModel axial = random_model(random, {.axial = true}), general = random_model(random, {.axial = false});
         const Vec3d wl = random_direction(random), wv = random_direction(random);
         const double angle = 1 + 4 * uniform(random);
-        const Vec3d tl = turned(wl, angle), tv = turned(wv, angle);
+        const Vec3d tl = rotated(wl, angle), tv = rotated(wv, angle);
         EXPECT_TRUE(all_near_relative(K::pm_value(axial, tl, tv), K::pm_value(axial, wl, wv), 1e-11));
         const Vec3d f = widen(Kernel<float>::pm_value(axial, to_float(wl), to_float(wv)));
         if (std::min({f.x, f.y, f.z}) > 1e-25) {
@@ -227,34 +229,34 @@ TEST(Variate, AxialModelsAreIsotropicAndOthersAreNot) {
     EXPECT_GT(anisotropic, 90);
 }
 
-TEST(Variate, FurtherFeaturesAreNoMoreThanZeroAndReciprocal) {
+TEST(Variate, FurtherFeaturesAreReciprocalAndNotPositive) {
     std::mt19937_64 random(10);
     for (int trial = 0; trial < 2000; ++trial) {
         const Vec3d wl = random_direction(random, 0), wv = trial % 4 == 0 ? mirror(wl) : random_direction(random, 0);
-        const auto of = K::pm_further_features(SRBF_TERMS, wl, wv),
-                   swapped = K::pm_further_features(SRBF_TERMS, wv, wl);
+        const auto features = K::pm_further_features(SRBF_TERMS, wl, wv),
+                   exchanged = K::pm_further_features(SRBF_TERMS, wv, wl);
         for (int k = 0; k < SRBF_TERMS; ++k) {
-            EXPECT_LE(of.x[k], 1e-15) << k;
-            EXPECT_TRUE(near(of.x[k], swapped.x[k], 1e-12)) << k;
+            EXPECT_LE(features.x[k], 1e-15) << k;
+            EXPECT_TRUE(near(features.x[k], exchanged.x[k], 1e-12)) << k;
         }
         for (int count = 0; count < SRBF_TERMS; ++count) {
             const auto first = K::pm_further_features(count, wl, wv);
-            for (int k = 0; k < count; ++k) EXPECT_EQ(first.x[k], of.x[k]) << k;
+            for (int k = 0; k < count; ++k) EXPECT_EQ(first.x[k], features.x[k]) << k;
         }
     }
 }
 
 TEST(Variate, EqualWeightsMakeAModelReciprocal) {
     std::mt19937_64 random(7);
-    int irreciprocal = 0;
+    int nonreciprocal = 0;
     for (int trial = 0; trial < 100; ++trial) {
         PmModel model = random_model(random, {.axial = trial % 2 == 0});
         const Vec3d wl = random_direction(random), wv = random_direction(random);
-        irreciprocal += !all_near_relative(K::pm_value(model, wv, wl), K::pm_value(model, wl, wv), 1e-3);
+        nonreciprocal += !all_near_relative(K::pm_value(model, wv, wl), K::pm_value(model, wl, wv), 1e-3);
         for (Parameterization& p : model.parameterization) p.b = p.a;
         EXPECT_TRUE(all_near_relative(K::pm_value(model, wv, wl), K::pm_value(model, wl, wv), 1e-13));
     }
-    EXPECT_GT(irreciprocal, 90);
+    EXPECT_GT(nonreciprocal, 90);
 }
 
 TEST(Variate, ExtremeStoredNumbersStayFinite) {

@@ -1,34 +1,35 @@
-// The page where a measurement becomes a formula. What takes long is done by workers: working.js fits, painter.js draws.
+// The page that fits lobes to a measurement. Workers do the long computations: working.js fits, painter.js draws.
 "use strict";
 const app = (() => {
 const $ = (id) => document.getElementById(id);
-const is_shown = (id, shown) => { $(id).hidden = !shown; };
+const set_shown = (id, shown) => { $(id).hidden = !shown; };
 
-// ---- What the folder holds ---------------------------------------------------------------------------------------
+// ---- The files of the folder -------------------------------------------------------------------------------------
 
-// A page from a disk may fetch nothing, but scripts: each file of `data` calls srbf_given.
-const k_most_bytes = 2 ** 28, waiting = {};
+// A page opened from a disk may load scripts but not fetch data, so each file of `data` is a script that calls
+// srbf_given.
+const k_max_bytes = 2 ** 28, waiting = {};
 window.srbf_given = (name, text) => waiting[name].done(text);
-function loaded(name) {
+function load_data(name) {
   if (waiting[name]) return waiting[name].promise;
-  const of = waiting[name] = {};
-  of.promise = new Promise((done, failed) => {
-    of.done = done;
+  const entry = waiting[name] = {};
+  entry.promise = new Promise((done, failed) => {
+    entry.done = done;
     const script = document.createElement("script");
     script.src = `data/${name}.js`;
     script.onerror = () => failed(new Error(`data/${name}.js is missing beside this page`));
     document.head.append(script);
   });
-  return of.promise;
+  return entry.promise;
 }
 
 // ---- The worker that fits ----------------------------------------------------------------------------------------
 
-let worker = null, asked = 0, open_questions = new Map(), kept = null;
+let worker = null, question_count = 0, open_questions = new Map(), cache = null;
 const url = URL.createObjectURL(new Blob([`${binding}\n${working}\nworking();`], { type: "text/javascript" }));
 
-// A new worker with the module in it; the one before is gone, whatever it was doing.
-function begin() {
+// Starts a worker with the module. Ends the previous one, whose current job is obsolete.
+function start_worker() {
   worker?.terminate();
   for (const { failed } of open_questions.values()) failed(null);
   open_questions = new Map();
@@ -43,105 +44,105 @@ function begin() {
     "error" in data ? question.failed(new Error(data.error)) : question.done(data.result);
   };
   return (async () => {
-    kept ??= { module: await loaded("module"), studio: await loaded("studio") };
-    const { module, studio, viewer: common } = await ask({ kind: "begin", ...kept });
-    kept = { module, studio };
+    cache ??= { module: await load_data("module"), studio: await load_data("studio") };
+    const { module, studio, viewer: common } = await ask({ kind: "begin", ...cache });
+    cache = { module, studio };
     return common;
   })();
 }
-function ask(question, gifts = []) {
+function ask(question, transfers = []) {
   return new Promise((done, failed) => {
-    const id = ++asked;
+    const id = ++question_count;
     open_questions.set(id, { done, failed });
-    worker.postMessage({ ...question, id }, gifts);
+    worker.postMessage({ ...question, id }, transfers);
   });
 }
-let ready = null; // what `begin` promised last
-const begun = () => ready ??= begin();
+let ready = null; // the promise of the last `start_worker`
+const ensure_worker = () => ready ??= start_worker();
 
-// ---- What the page shows -----------------------------------------------------------------------------------------
+// ---- The display -------------------------------------------------------------------------------------------------
 
 const k_level = ["good", "good", "fair", "poor"];
 let file = null, fitted = null, common = null, started = 0, draws = false, run = 0;
 
 const grouped = (n) => n.toLocaleString("en");
-const figures = (x) => Number(x.toPrecision(2)).toString();
+const two_digits = (x) => Number(x.toPrecision(2)).toString();
 const stem = (name) => name.replace(/(.)\.[^.]*$/, "$1");
 
 function fail(text) {
   $("failure").textContent = text;
-  is_shown("failure", text !== "");
+  set_shown("failure", text !== "");
 }
 function show_progress({ progress, stage }) {
-  const seconds = (performance.now() - started) / 1000, left = progress > 0.05 ? seconds * (1 - progress) / progress : NaN;
+  const seconds = (performance.now() - started) / 1000, remaining = progress > 0.05 ? seconds * (1 - progress) / progress : NaN;
   document.querySelector("progress").value = progress;
-  $("stage").textContent = `${stage}, ${Math.round(100 * progress)} %` + (left >= 1 ? `, about ${Math.ceil(left)} s left` : "");
+  $("stage").textContent = `${stage}, ${Math.round(100 * progress)} %` + (remaining >= 1 ? `, about ${Math.ceil(remaining)} s left` : "");
 }
 function show_working(stage) {
-  is_shown("working", stage !== "");
+  set_shown("working", stage !== "");
   document.querySelector("progress").value = 0;
   $("stage").textContent = stage;
   viewer.rest(stage !== "");
 }
 function show_slices(drawings) {
-  is_shown("plots", true);
+  set_shown("plots", true);
   document.querySelector("#plots .slices").innerHTML = drawings;
 }
-function show_measurement(of) {
-  const samples = of.samples ? `, ${grouped(of.samples)} samples` : "";
-  $("about").textContent = `${of.format}, ${grouped(of.bytes)} bytes${samples}${of.twoSided ? ", reflection and transmission" : ""}`
-    + (of.isotropic ? "" : "; it depends on rotation about the normal, so only the fit has a picture")
-    + of.notes.map((note) => `; ${note}`).join("");
+function show_measurement(measurement) {
+  const samples = measurement.samples ? `, ${grouped(measurement.samples)} samples` : "";
+  $("about").textContent = `${measurement.format}, ${grouped(measurement.bytes)} bytes${samples}${measurement.twoSided ? ", reflection and transmission" : ""}`
+    + (measurement.isotropic ? "" : "; it depends on rotation about the normal, so only the fit has a picture")
+    + measurement.notes.map((note) => `; ${note}`).join("");
   if (!draws) return;
   viewer.set_material(1, null);
-  viewer.set_material(0, of.material);
+  viewer.set_material(0, measurement.material);
 }
 function words_of({ seen, smoothed, samples, twoSided, energyError }) {
-  if (twoSided) return `Light sent back and through is right to ${figures(energyError)} of what arrives.`;
+  if (twoSided) return `The reflected and transmitted light have an error of at most ${two_digits(energyError)} of the incident light.`;
   if (!smoothed)
-    return `The difference is ${seen.verdict}: ΔE_ITP ${figures(seen.deltaE)} on average, ${figures(seen.worst)} in the worst of eight ` +
+    return `The difference is ${seen.verdict}: ΔE_ITP ${two_digits(seen.deltaE)} on average, ${two_digits(seen.worst)} in the worst of eight ` +
       `lightings${samples ? ", in cross-validation" : ""} (1 is just noticeable).`;
-  return `The difference is ${smoothed.verdict} once the measurement's noise is smoothed: ΔE_ITP ${figures(smoothed.deltaE)}, and ` +
-    `${figures(seen.deltaE)} with the noise (1 is just noticeable).`;
+  return `The difference is ${smoothed.verdict} once the measurement's noise is smoothed: ΔE_ITP ${two_digits(smoothed.deltaE)}, and ` +
+    `${two_digits(seen.deltaE)} with the noise (1 is just noticeable).`;
 }
-function show_draft(of) {
+function show_draft(draft) {
   $("verdict").className = "";
-  $("verdict").textContent = of.last ? `The fit of ${grouped(of.bytes)} bytes is shown. Its errors are being measured.`
-    : `A first draft of ${grouped(of.bytes)} bytes is shown. The fit goes on.`;
-  show_slices(of.slices);
-  if (draws) viewer.set_material(1, of.material);
+  $("verdict").textContent = draft.last ? `The fit of ${grouped(draft.bytes)} bytes is shown. Its errors are being measured.`
+    : `A first draft of ${grouped(draft.bytes)} bytes is shown. The fit goes on.`;
+  show_slices(draft.slices);
+  if (draws) viewer.set_material(1, draft.material);
 }
-function show_fit(of) {
-  const { seen, smoothed } = of, level = seen ? k_level[(smoothed ?? seen).level] : of.energyError <= 0.02 ? "good" : "fair";
+function show_fit(report) {
+  const { seen, smoothed } = report, level = seen ? k_level[(smoothed ?? seen).level] : report.energyError <= 0.02 ? "good" : "fair";
   $("verdict").className = level;
-  $("verdict").textContent = words_of(of);
-  const share = grouped(Math.round(of.sourceBytes / of.bytes));
+  $("verdict").textContent = words_of(report);
+  const ratio = grouped(Math.round(report.sourceBytes / report.bytes));
   $("sizes").textContent =
-    `${grouped(of.bytes)} bytes instead of ${grouped(of.sourceBytes)}: 1/${share}. Fitted in ${of.seconds.toFixed(1)} s.`;
-  is_shown("downloads", true);
-  show_slices(of.slices);
-  if (draws) viewer.set_material(1, of.material);
+    `${grouped(report.bytes)} bytes instead of ${grouped(report.sourceBytes)}: 1/${ratio}. Fitted in ${report.seconds.toFixed(1)} s.`;
+  set_shown("downloads", true);
+  show_slices(report.slices);
+  if (draws) viewer.set_material(1, report.material);
 }
 
-// ---- What it does ------------------------------------------------------------------------------------------------
+// ---- Actions -----------------------------------------------------------------------------------------------------
 
-// Says what went wrong with a step of this run, unless another took its place.
-async function step(mine, of) {
+// Runs a step of a fit, and shows its error unless a later run has replaced this one.
+async function step(mine, action) {
   try {
-    return await of();
+    return await action();
   } catch (error) {
     if (error && mine === run) fail(error.message), show_working("");
     return null;
   }
 }
 
-// Reads the file again if the worker is a new one.
+// Opens the file; a new worker has to read it again.
 async function open() {
-  common = await begun();
+  common = await ensure_worker();
   if (!draws && !$("viewer").dataset.tried) {
     $("viewer").dataset.tried = "yes";
     draws = await viewer.start(common);
-    is_shown("without", !draws);
+    set_shown("without", !draws);
   }
   return ask({ kind: "open", name: file.name, bytes: file.bytes });
 }
@@ -155,40 +156,40 @@ async function fit(mine) {
   show_working("");
   show_fit(result);
 }
-async function take(name, bytes) {
+async function fit_measurement(name, bytes) {
   const mine = ++run;
-  if (open_questions.size) ready = begin(); // what it is doing nobody waits for
+  if (open_questions.size) ready = start_worker(); // the current job is obsolete
   file = { name, bytes }, fitted = null;
   fail("");
-  for (const id of ["downloads", "plots"]) is_shown(id, false);
-  is_shown("state", true);
+  for (const id of ["downloads", "plots"]) set_shown(id, false);
+  set_shown("state", true);
   $("name").textContent = stem(name);
   for (const id of ["about", "verdict", "sizes", "saved"]) $(id).textContent = "";
   $("verdict").className = "";
   show_working("reading");
-  const of = await step(mine, open);
+  const measurement = await step(mine, open);
   if (mine !== run) return;
-  if (!of) return is_shown("state", false), is_shown("viewer", false);
-  if (draws) is_shown("viewer", true);
-  show_measurement(of);
-  show_slices(of.slices);
+  if (!measurement) return set_shown("state", false), set_shown("viewer", false);
+  if (draws) set_shown("viewer", true);
+  show_measurement(measurement);
+  show_slices(measurement.slices);
   await fit(mine);
 }
-async function take_file(of) {
+async function take_file(chosen) {
   const mine = ++run;
   fail("");
-  if (of.size > k_most_bytes) return fail(`${of.name}: size: expected at most ${grouped(k_most_bytes)} bytes, found ${grouped(of.size)}`);
-  const bytes = await of.arrayBuffer().catch((error) => (fail(`${of.name}: cannot be read: ${error.message}`), null));
-  if (bytes && mine === run) await take(of.name, new Uint8Array(bytes));
+  if (chosen.size > k_max_bytes) return fail(`${chosen.name}: size: expected at most ${grouped(k_max_bytes)} bytes, found ${grouped(chosen.size)}`);
+  const bytes = await chosen.arrayBuffer().catch((error) => (fail(`${chosen.name}: cannot be read: ${error.message}`), null));
+  if (bytes && mine === run) await fit_measurement(chosen.name, new Uint8Array(bytes));
 }
-// The worker ends at once. The next one reads the file again, for another number of lobes or what is saved.
+// Ends the worker at once. The next one reads the file again, for another number of lobes or to save.
 async function cancel() {
   const mine = ++run;
-  ready = begin();
+  ready = start_worker();
   show_working("");
   $("verdict").textContent = "Cancelled. Move the slider to fit again.";
   $("verdict").className = "";
-  is_shown("downloads", false);
+  set_shown("downloads", false);
   await step(mine, open);
 }
 async function change_lobes() {
@@ -196,7 +197,7 @@ async function change_lobes() {
   if (!file) return;
   const mine = ++run;
   if (open_questions.size) {
-    ready = begin();
+    ready = start_worker();
     if (!await step(mine, open) || mine !== run) return;
   }
   fail("");
@@ -217,8 +218,8 @@ async function save({ save: what, ending }) {
 
 for (const button of document.querySelectorAll("[data-sample]"))
   button.addEventListener("click", async () => {
-    const mine = ++run, bytes = await step(mine, () => loaded(button.dataset.sample));
-    if (bytes && mine === run) take(button.dataset.sample, bytes);
+    const mine = ++run, bytes = await step(mine, () => load_data(button.dataset.sample));
+    if (bytes && mine === run) fit_measurement(button.dataset.sample, bytes);
   });
 for (const button of document.querySelectorAll("[data-save]")) button.addEventListener("click", () => save(button.dataset));
 $("file").addEventListener("change", () => {
@@ -238,7 +239,7 @@ document.addEventListener("drop", (event) => {
   document.body.classList.remove("over");
   if (event.dataTransfer.files[0]) take_file(event.dataTransfer.files[0]);
 });
-window.addEventListener("load", () => setTimeout(() => begun().catch((error) => error && fail(error.message)), 50)); // once the page is seen
+window.addEventListener("load", () => setTimeout(() => ensure_worker().catch((error) => error && fail(error.message)), 50)); // after the page is shown
 
 return { take_file, save_as: (what, name) => ask({ kind: "save", what, name }), state: () => ({ file, fitted, busy: open_questions.size }) };
 })();

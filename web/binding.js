@@ -1,95 +1,95 @@
-// The library's WebAssembly module (web/module.cpp) as functions of JavaScript, for pages, workers and scripts alike. A function
-// of its own text, which a page gives to its worker too.
+// The library's WebAssembly module (web/module.cpp) as JavaScript functions, for pages, workers and scripts. The
+// text of this function is self-contained, since a page passes it to its worker too.
 "use strict";
 function binding() {
 "use strict";
 const encoder = new TextEncoder(), decoder = new TextDecoder();
 
-// What the C library asks of a system: a clock, and somewhere to say why it stops.
+// The functions that the C library needs from a system: a clock, and an output for the reason why it stops.
 function system_of(memory) {
   const view = () => new DataView(memory().buffer);
-  let said = "";
-  return { said: () => said, imports: {
-    clock_time_get(id, precision, at) { view().setBigUint64(at, BigInt(Math.round(performance.now() * 1e6)), true); return 0; },
-    clock_res_get(id, at) { view().setBigUint64(at, 1000n, true); return 0; },
+  let output = "";
+  return { output: () => output, imports: {
+    clock_time_get(id, precision, address) { view().setBigUint64(address, BigInt(Math.round(performance.now() * 1e6)), true); return 0; },
+    clock_res_get(id, address) { view().setBigUint64(address, 1000n, true); return 0; },
     fd_write(file, parts, count, written) {
       let sum = 0;
       for (let i = 0; i < count; ++i) {
-        const from = view().getUint32(parts + 8 * i, true), size = view().getUint32(parts + 8 * i + 4, true);
-        said += decoder.decode(new Uint8Array(memory().buffer, from, size).slice());
+        const start = view().getUint32(parts + 8 * i, true), size = view().getUint32(parts + 8 * i + 4, true);
+        output += decoder.decode(new Uint8Array(memory().buffer, start, size).slice());
         sum += size;
       }
       view().setUint32(written, sum, true);
       return 0;
     },
-    proc_exit(status) { throw new Error(said.trim() || `the module ended with status ${status}`); },
+    proc_exit(status) { throw new Error(output.trim() || `the module ended with status ${status}`); },
   } };
 }
 
-// An instance of the compiled module. `progress(stage, fraction)` may return false to cancel a fit.
+// Instantiates the compiled module. `progress(stage, fraction)` may return false to cancel a fit.
 async function new_srbf(module, progress = () => true) {
   let c = null;
-  const memory = () => c.memory, bytes_at = (at, size) => new Uint8Array(c.memory.buffer, at, size);
+  const memory = () => c.memory, bytes_at = (address, size) => new Uint8Array(c.memory.buffer, address, size);
   const system = system_of(memory), k_no_system = 52; // ENOSYS
-  const wasi = new Proxy(system.imports, { get: (all, name) => all[name] ?? (() => k_no_system) });
-  const imports = { srbf: { progress: (at, size, fraction) => progress(decoder.decode(bytes_at(at, size).slice()), fraction) === false ? 0 : 1 } };
+  const wasi = new Proxy(system.imports, { get: (functions, name) => functions[name] ?? (() => k_no_system) });
+  const imports = { srbf: { progress: (address, size, fraction) => progress(decoder.decode(bytes_at(address, size).slice()), fraction) === false ? 0 : 1 } };
   for (const { module: from, name } of WebAssembly.Module.imports(module))
     if (from === "wasi_snapshot_preview1") (imports[from] ??= {})[name] = wasi[name];
   c = (await WebAssembly.instantiate(module, imports)).exports;
   c._initialize?.();
 
-  // Calls f with the places and sizes of these texts and arrays of bytes.
-  function with_bytes(all, f) {
-    const places = all.map((of) => {
-      const bytes = typeof of === "string" ? encoder.encode(of) : of, at = c.srbf_allocate(Math.max(bytes.length, 1));
-      if (!at) throw new Error("out of memory");
-      bytes_at(at, bytes.length).set(bytes);
-      return [at, bytes.length];
+  // Calls f with the addresses and sizes of copies of these texts and byte arrays.
+  function with_bytes(values, f) {
+    const copies = values.map((value) => {
+      const bytes = typeof value === "string" ? encoder.encode(value) : value, address = c.srbf_allocate(Math.max(bytes.length, 1));
+      if (!address) throw new Error("out of memory");
+      bytes_at(address, bytes.length).set(bytes);
+      return [address, bytes.length];
     });
     try {
-      return f(...places.flat());
+      return f(...copies.flat());
     } finally {
-      for (const [at] of places) c.srbf_free(at);
+      for (const [address] of copies) c.srbf_free(address);
     }
   }
   const content = () => bytes_at(c.srbf_content(), c.srbf_content_size()).slice();
   const text = () => decoder.decode(content());
-  // What a function returned, unless it failed: then the content is why, in one line.
-  function checked(status) {
+  // Returns a function's result; if it failed, throws its content, which is the error in one line.
+  function check(status) {
     if (!status) throw new Error(text());
     return status;
   }
-  const described = (number) => ({ number, ...JSON.parse(text()) });
+  const describe = (number) => ({ number, ...JSON.parse(text()) });
   const floats = (directions) => {
-    const all = Float32Array.from(directions);
-    return new Uint8Array(all.buffer);
+    const numbers = Float32Array.from(directions);
+    return new Uint8Array(numbers.buffer);
   };
   return {
-    // A measurement or a model from the bytes of a file of that name.
-    open: (name, bytes) => described(checked(with_bytes([name, bytes], c.srbf_open))),
+    // Opens a measurement or a model from the bytes of a file with this name.
+    open: (name, bytes) => describe(check(with_bytes([name, bytes], c.srbf_open))),
     close: (number) => c.srbf_close(number),
-    // A first model of a measurement of one side, soon.
-    draft: (number, options = {}) => described(checked(with_bytes([JSON.stringify(options)], (at, size) => c.srbf_draft(number, at, size)))),
-    // A model of the measurement, with a report.
-    fit: (number, options = {}) => described(checked(with_bytes([JSON.stringify(options)], (at, size) => c.srbf_fit(number, at, size)))),
-    model_file: (number) => (checked(c.srbf_model_file(number)), content()),
+    // A quick first model of a one-sided measurement.
+    draft: (number, options = {}) => describe(check(with_bytes([JSON.stringify(options)], (address, size) => c.srbf_draft(number, address, size)))),
+    // A model of the measurement, and a report.
+    fit: (number, options = {}) => describe(check(with_bytes([JSON.stringify(options)], (address, size) => c.srbf_fit(number, address, size)))),
+    model_file: (number) => (check(c.srbf_model_file(number)), content()),
     code: (number, language, sampling = false) =>
-      (checked(with_bytes([language], (at, size) => c.srbf_code(number, at, size, sampling ? 1 : 0))), text()),
-    table: (number, name) => (checked(with_bytes([name], (at, size) => c.srbf_table(number, at, size))), content()),
-    // f [1/sr] at pairs of directions, x, y, z one after the other: red, green and blue of each.
+      (check(with_bytes([language], (address, size) => c.srbf_code(number, address, size, sampling ? 1 : 0))), text()),
+    table: (number, name) => (check(with_bytes([name], (address, size) => c.srbf_table(number, address, size))), content()),
+    // f [1/sr] at pairs of directions: x, y, z of each in `wl` and `wv`, and R, G, B of each in the result.
     evaluate: (number, wl, wv) => {
       const count = wl.length / 3;
       if (!Number.isInteger(count) || wv.length !== wl.length) throw new Error("directions: expected as many to the viewer as to the light, of three numbers each");
       return with_bytes([floats(wl), floats(wv), new Uint8Array(12 * count)], (a, size, b, same, f) => {
-        checked(c.srbf_evaluate(number, a, b, f, count));
+        check(c.srbf_evaluate(number, a, b, f, count));
         return new Float32Array(c.memory.buffer.slice(f, f + 12 * count));
       });
     },
-    set_studio: (bytes) => checked(with_bytes([bytes], c.srbf_set_studio)),
-    viewer_data: () => (checked(c.srbf_viewer_data()), JSON.parse(text())),
-    viewer_material: (number) => (checked(c.srbf_viewer_material(number)), content()), // JSON
-    slices: (measured, model) => (checked(c.srbf_slices(measured, model)), text()),
-    page: (model, measured) => (checked(c.srbf_page(model, measured)), text()),
+    set_studio: (bytes) => check(with_bytes([bytes], c.srbf_set_studio)),
+    viewer_data: () => (check(c.srbf_viewer_data()), JSON.parse(text())),
+    viewer_material: (number) => (check(c.srbf_viewer_material(number)), content()), // JSON
+    slices: (measured, model) => (check(c.srbf_slices(measured, model)), text()),
+    page: (model, measured) => (check(c.srbf_page(model, measured)), text()),
     memory_bytes: () => c.memory.buffer.byteLength,
   };
 }

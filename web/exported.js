@@ -1,4 +1,4 @@
-// An exported page: its materials stand in it.
+// An exported page, which contains its materials.
 "use strict";
 (async () => {
   const data = JSON.parse(document.getElementById("data").textContent), { materials } = data;

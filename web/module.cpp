@@ -1,6 +1,6 @@
-// The library for a page or a script: C functions of one WebAssembly module (web/binding.js calls them). Subjects,
-// measurements and models, are known by numbers from 1. A function that may fail returns 0, and the content is then the
-// error, one line; otherwise a number above 0, and the content is what it made.
+// The library for a page or a script: C functions of one WebAssembly module, called by web/binding.js. Subjects,
+// which are measurements and models, have numbers from 1. A function that may fail returns 0 on failure; `content`
+// is then the error in one line. Otherwise it returns a number above 0, and `content` is its result.
 #include <fmt/format.h>
 
 #include <cctype>
@@ -26,7 +26,7 @@
 
 #define SRBF_EXPORT(name) __attribute__((export_name("srbf_" #name)))
 
-/// The host's function for progress; 0 cancels.
+/// The host's progress callback; it returns 0 to cancel.
 extern "C" __attribute__((import_module("srbf"), import_name("progress"))) int srbf_host_progress(const char* stage,
                                                                                                   std::size_t size,
                                                                                                   double fraction);
@@ -35,26 +35,26 @@ namespace srbf {
 namespace {
 
 std::vector<std::unique_ptr<Subject>> g_subjects;
-std::map<int, Fitter>
-    g_fitters;  // of measurements, for as long as these are kept: what was observed serves further fits
+/// Fitters of the open measurements, kept because later fits reuse the observations.
+std::map<int, Fitter> g_fitters;
 std::vector<std::byte> g_content;
-Image g_studio(1, 1);  // before the host gives the bundled environment
+Image g_studio(1, 1);  // until the host sets the bundled environment
 
-int give(std::span<const std::byte> bytes) {
+int set_content(std::span<const std::byte> bytes) {
     g_content.assign(bytes.begin(), bytes.end());
     return 1;
 }
-int give(std::string_view text) { return give(as_bytes(text)); }
-int give_json(const Json& json) {
-    return give(std::string_view(json.dump(-1, ' ', false, Json::error_handler_t::replace)));
+int set_content(std::string_view text) { return set_content(as_bytes(text)); }
+int set_json(const Json& json) {
+    return set_content(std::string_view(json.dump(-1, ' ', false, Json::error_handler_t::replace)));
 }
-int fail(const Error& error) { return give(std::string_view(message(error))), 0; }
-/// The content of a result, or its error.
-int give_or_fail(const Result<std::string>& result) {
-    return result ? give(std::string_view(*result)) : fail(result.error());
+int fail(const Error& error) { return set_content(std::string_view(message(error))), 0; }
+/// Sets the content to a result or to its error.
+int set_result(const Result<std::string>& result) {
+    return result ? set_content(std::string_view(*result)) : fail(result.error());
 }
-int give_or_fail(const Result<std::vector<std::byte>>& result) {
-    return result ? give(std::span<const std::byte>(*result)) : fail(result.error());
+int set_result(const Result<std::vector<std::byte>>& result) {
+    return result ? set_content(std::span<const std::byte>(*result)) : fail(result.error());
 }
 
 const Subject* subject_of(int number) {
@@ -74,7 +74,7 @@ const Measured* measured_of(const Subject* subject) {
     return subject ? std::get_if<Measured>(&subject->content) : nullptr;
 }
 
-/// "maxTheta" of "max_theta".
+/// "max_theta" in camel case: "maxTheta".
 std::string in_camel_case(std::string_view name) {
     std::string text;
     bool begins_word = false;
@@ -85,7 +85,7 @@ std::string in_camel_case(std::string_view name) {
     return text;
 }
 
-/// The request of an object of JSON whose members are options of a fit.
+/// The request that a JSON object of fit options describes.
 Result<FitRequest> request_of(std::string_view text) {
     const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
     if (!json.is_object())
@@ -105,30 +105,31 @@ Result<FitRequest> request_of(std::string_view text) {
 
 // ---- Fits --------------------------------------------------------------------------------------------------------
 
-/// Share of the time of a fit until its errors are measured, about.
-constexpr double k_fitted = 0.75;
+/// The approximate fraction of a fit's time before its errors are evaluated.
+constexpr double k_fit_fraction = 0.75;
 
 Fitter& fitter_of(int number, const Measured& measured) {
     return g_fitters.try_emplace(number, measured).first->second;
 }
 
-/// Describes the visible error of a fit and its size, for people.
+/// The format and the sizes of a fit, as JSON.
 Json summary_of(const Measured& measured, const Model& model) {
     return {{"format", measured.format}, {"sourceBytes", measured.bytes}, {"bytes", payload_bytes(model)}};
 }
-void add_seen(Json& json, const char* name, const Appearance& seen) {
-    json[name] = {{"deltaE", seen.mean.delta_e},
-                  {"worst", seen.worst_delta_e},
-                  {"flip", seen.mean.flip},
-                  {"verdict", words(verdict(seen.mean))},
-                  {"level", int(verdict(seen.mean))}};
+void add_appearance(Json& json, const char* name, const Appearance& appearance) {
+    json[name] = {{"deltaE", appearance.mean.delta_e},
+                  {"worst", appearance.worst_delta_e},
+                  {"flip", appearance.mean.flip},
+                  {"verdict", words(verdict(appearance.mean))},
+                  {"level", int(verdict(appearance.mean))}};
 }
 
 struct Fitted {
     Model model;
     Json report;
 };
-Result<Fitted> fitted(int number, const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
+Result<Fitted> fit_and_report(int number, const Measured& measured, const FitRequest& request,
+                              const ProgressToken& progress) {
     if (std::holds_alternative<BsdfTable>(measured.table)) {
         auto sides = fit_bsdf(measured, request, progress);
         if (!sides) return sides.error();
@@ -141,15 +142,16 @@ Result<Fitted> fitted(int number, const Measured& measured, const FitRequest& re
         return Fitted{std::move(sides->model), std::move(report)};
     }
     Fitter& fitter = fitter_of(number, measured);
-    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
+    auto outcome = fitter.fit(request, progress.part(0, k_fit_fraction));
     if (!outcome) return outcome.error();
-    if (const auto done = fitter.measure(*outcome, request, progress.part(k_fitted, 1)); !done) return done.error();
+    if (const auto done = fitter.measure(*outcome, request, progress.part(k_fit_fraction, 1)); !done)
+        return done.error();
     Json report = summary_of(measured, outcome->model);
     report["twoSided"] = false, report["seconds"] = outcome->fit_seconds;
-    add_seen(report, "seen", judged(*outcome->errors));
+    add_appearance(report, "seen", judged(*outcome->errors));
     report["heldout"] = outcome->errors->heldout.*measure_of(request.objective);
     if (outcome->samples) report["samples"] = *outcome->samples;
-    if (outcome->noise && outcome->against_smoothed) add_seen(report, "smoothed", *outcome->against_smoothed);
+    if (outcome->noise && outcome->against_smoothed) add_appearance(report, "smoothed", *outcome->against_smoothed);
     return Fitted{std::move(outcome->model), std::move(report)};
 }
 
@@ -160,12 +162,13 @@ ProgressToken host_progress() {
 
 std::string text_of(const char* text, std::size_t size) { return std::string(text, size); }
 
-/// Models as a file has them, so that all that is made of one is what the program makes of the file.
+/// The model after a round trip through its file, so that everything derived from it is what the program derives
+/// from the file.
 Result<Model> as_stored(const Model& model, const std::string& name) { return read_model(write_model(model), name); }
 
 }  // namespace
 
-/// The settings that pages show at first: the host's.
+/// The environment of pages, which the host has set.
 Image page_environment() { return g_studio; }
 
 SRBF_EXPORT(allocate) void* allocate(std::size_t size) { return std::malloc(size); }
@@ -173,26 +176,26 @@ SRBF_EXPORT(free) void release(void* bytes) { std::free(bytes); }
 SRBF_EXPORT(content) const std::byte* content() { return g_content.data(); }
 SRBF_EXPORT(content_size) std::size_t content_size() { return g_content.size(); }
 
-/// Reads a measurement or a model from the bytes of a file of that name. The content describes it, as JSON.
+/// Reads a measurement or a model from the bytes of a file with this name. The content describes it as JSON.
 SRBF_EXPORT(open) int open(const char* name, std::size_t name_size, const std::byte* bytes, std::size_t size) {
     const std::string path = text_of(name, name_size);
-    const std::span<const std::byte> all(bytes, size);
-    if (is_safetensors(all)) {
-        auto model = read_model(all, path);
+    const std::span<const std::byte> file(bytes, size);
+    if (is_safetensors(file)) {
+        auto model = read_model(file, path);
         if (!model) return fail(model.error());
-        give_json(Json{{"model", true}, {"bytes", payload_bytes(*model)}});
+        set_json(Json{{"model", true}, {"bytes", payload_bytes(*model)}});
         return keep({path, *std::move(model)});
     }
-    auto measured = read_measured(all, path);
+    auto measured = read_measured(file, path);
     if (!measured) return fail(measured.error());
     const auto* samples = std::get_if<ScatteredSamples>(&measured->table);
-    give_json(Json{{"model", false},
-                   {"format", measured->format},
-                   {"bytes", measured->bytes},
-                   {"isotropic", is_isotropic(*measured)},
-                   {"samples", samples ? Json(samples->wl.size()) : Json()},
-                   {"notes", notes(*measured)},
-                   {"twoSided", std::holds_alternative<BsdfTable>(measured->table)}});
+    set_json(Json{{"model", false},
+                  {"format", measured->format},
+                  {"bytes", measured->bytes},
+                  {"isotropic", is_isotropic(*measured)},
+                  {"samples", samples ? Json(samples->wl.size()) : Json()},
+                  {"notes", notes(*measured)},
+                  {"twoSided", std::holds_alternative<BsdfTable>(measured->table)}});
     return keep({path, *std::move(measured)});
 }
 SRBF_EXPORT(close) void close(int number) {
@@ -200,47 +203,47 @@ SRBF_EXPORT(close) void close(int number) {
     if (subject_of(number)) g_subjects[std::size_t(number) - 1].reset();
 }
 
-/// A first model of a measurement of one side, soon; the content is what it takes, as JSON.
+/// A quick first model of a one-sided measurement. The content is its report as JSON.
 SRBF_EXPORT(draft) int draft(int number, const char* options, std::size_t size) {
     const Subject* subject = subject_of(number);
     const Measured* measured = measured_of(subject);
     if (!measured) return fail(unknown("that of a measurement"));
     auto request = request_of({options, size});
     if (!request) return fail(request.error());
-    // The errors of a fit to samples take five more fits: its last draft is the fit without them.
-    const bool of_samples = std::holds_alternative<ScatteredSamples>(measured->table);
-    auto outcome = fitter_of(number, *measured).draft(*request, of_samples ? Fitter::k_drafts - 1 : 0, host_progress());
+    // For samples, errors take five more fits. So the last draft, which is the fit without errors, is shown.
+    const bool is_samples = std::holds_alternative<ScatteredSamples>(measured->table);
+    auto outcome = fitter_of(number, *measured).draft(*request, is_samples ? Fitter::k_drafts - 1 : 0, host_progress());
     if (!outcome) return fail(outcome.error());
     Json report = summary_of(*measured, outcome->model);
-    report["last"] = of_samples;
-    give_json(report);
+    report["last"] = is_samples;
+    set_json(report);
     return keep({stem_of(subject->path) + ".srbf", std::move(outcome->model)});
 }
 
-/// Fits a measurement by options, JSON; the content is a report, as JSON.
+/// Fits a measurement with options in JSON. The content is a report as JSON.
 SRBF_EXPORT(fit) int fit_subject(int number, const char* options, std::size_t size) {
     const Subject* subject = subject_of(number);
     const Measured* measured = measured_of(subject);
     if (!measured) return fail(unknown("that of a measurement"));
     const auto request = request_of({options, size});
     if (!request) return fail(request.error());
-    auto made = fitted(number, *measured, *request, host_progress());
-    if (!made) {
-        Error error = made.error();
+    auto fit = fit_and_report(number, *measured, *request, host_progress());
+    if (!fit) {
+        Error error = fit.error();
         if (error.code != ErrorCode::cancelled) error.source = subject->path;
         return fail(error);
     }
     const std::string path = stem_of(subject->path) + ".srbf";
-    auto model = as_stored(made->model, path);
+    auto model = as_stored(fit->model, path);
     if (!model) return fail(model.error());
-    give_json(made->report);
+    set_json(fit->report);
     return keep({path, *std::move(model)});
 }
 
 /// The bytes of a model's file.
 SRBF_EXPORT(model_file) int model_file(int number) {
     const Model* model = model_of(subject_of(number));
-    return model ? give(std::span<const std::byte>(write_model(*model))) : fail(unknown("that of a model"));
+    return model ? set_content(std::span<const std::byte>(write_model(*model))) : fail(unknown("that of a model"));
 }
 
 /// Shading code of a model: glsl, hlsl, wgsl, msl, c or three; `sampling` adds NAME_sample and NAME_pdf.
@@ -257,15 +260,15 @@ SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, i
             for (std::size_t p = 0; p < k_parts; ++p)
                 if (bsdf->part[p]) named.push_back({fmt::format("{}_{}", name, k_part_names[p]), bsdf->part[p].get()});
         }
-        return give_or_fail(module.text(named, named.size() == 1 ? named[0].name : name, 0));
+        return set_result(module.text(named, named.size() == 1 ? named[0].name : name, 0));
     }
     for (const CodeLanguageRow& row : k_code_languages)
         if (row.name == to)
-            return give_or_fail(shading_code(named, name, {.language = row.language, .sampling = sampling != 0}));
+            return set_result(shading_code(named, name, {.language = row.language, .sampling = sampling != 0}));
     return fail({"code", {}, "language", "glsl, hlsl, wgsl, msl, c or three", to, ErrorCode::argument});
 }
 
-/// The subject as a table for a file of that name.
+/// The subject as a table, for a file with this name.
 SRBF_EXPORT(table) int table(int number, const char* file, std::size_t size) {
     const Subject* subject = subject_of(number);
     if (!subject) return fail(unknown("that of a measurement or a model"));
@@ -278,13 +281,13 @@ SRBF_EXPORT(table) int table(int number, const char* file, std::size_t size) {
                      text_of(file, size),
                      ErrorCode::argument});
     auto bytes = table_file(subject->content, *format, {.description = stem_of(subject->path)});
-    if (bytes) return give_or_fail(bytes);
+    if (bytes) return set_result(bytes);
     Error error = bytes.error();
     error.source = subject->path, error.expected += fmt::format(", as {} tables are", format->name);
     return fail(error);
 }
 
-/// f [1/sr] of the subject: `count` directions to the light and to the viewer, three floats each, into `f`.
+/// Evaluates f [1/sr] of the subject for `count` pairs: `wl`, `wv` and `f` have three floats each.
 SRBF_EXPORT(evaluate) int evaluate(int number, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     const Subject* subject = subject_of(number);
     if (!subject) return fail(unknown("that of a measurement or a model"));
@@ -292,31 +295,31 @@ SRBF_EXPORT(evaluate) int evaluate(int number, const Vec3f* wl, const Vec3f* wv,
     return 1;
 }
 
-/// The bundled environment, a file of Radiance.
+/// Sets the environment `studio`, a Radiance file.
 SRBF_EXPORT(set_studio) int set_studio(const std::byte* bytes, std::size_t size) {
     const auto image = read_hdr({bytes, size}, "studio.hdr");
     if (!image) return fail(image.error());
     g_studio = halved(*image);
     return 1;
 }
-/// The data of web/viewer.js: what all pictures have in common, and what the subject's has.
-SRBF_EXPORT(viewer_data) int give_viewer_data() { return give(std::string_view(viewer_data())); }
-SRBF_EXPORT(viewer_material) int give_viewer_material(int number) {
+/// The data for web/viewer.js: the data that all pictures share, and the data of one subject.
+SRBF_EXPORT(viewer_data) int set_viewer_data() { return set_content(std::string_view(viewer_data())); }
+SRBF_EXPORT(viewer_material) int set_viewer_material(int number) {
     const Subject* subject = subject_of(number);
     if (!subject) return fail(unknown("that of a measurement or a model"));
-    PageMaterial of = shown(*subject);
+    PageMaterial page_material = shown(*subject);
     if (const Measured* measured = measured_of(subject)) {
-        if (!is_isotropic(*measured)) return give_json(Json());
+        if (!is_isotropic(*measured)) return set_json(Json());
         const bool two_sided = std::holds_alternative<BsdfTable>(measured->table);
         auto material = two_sided ? material_of(subject->content, subject->path)
                                   : Result<Material>(table_of(evaluator(*subject), k_page_table));
         if (!material) return fail(material.error());
-        of.material = *std::move(material);
+        page_material.material = *std::move(material);
     }
-    return give(std::string_view(viewer_material(of)));
+    return set_content(std::string_view(viewer_material(page_material)));
 }
 
-/// Plots of a measurement and a model of it (0: none), SVG one after the other.
+/// SVG plots of a measurement and of its model (0: none), concatenated.
 SRBF_EXPORT(slices) int slices(int measured, int model) {
     std::vector<SliceCurve> curves;
     bool both_sides = false;
@@ -331,15 +334,15 @@ SRBF_EXPORT(slices) int slices(int measured, int model) {
     for (const double theta : k_slice_theta)
         drawings += both_sides ? lobe_drawing(curves, theta * k_degree, LobeScale::logarithmic)
                                : slice_drawing(curves, theta * k_degree);
-    return give(std::string_view(drawings));
+    return set_content(std::string_view(drawings));
 }
 
 /// The page of a model with its measurement, as `srbf export --to html --reference` writes it.
 SRBF_EXPORT(page) int page(int model, int measured) {
-    const Subject *of = subject_of(model), *reference = subject_of(measured);
-    if (!model_of(of)) return fail(unknown("that of a model"));
+    const Subject *subject = subject_of(model), *reference = subject_of(measured);
+    if (!model_of(subject)) return fail(unknown("that of a model"));
     const bool usable = measured_of(reference) && !is_two_sided(reference->content);
-    return give(std::string_view(page_html(page_of({*of}, usable ? reference : nullptr))));
+    return set_content(std::string_view(page_html(page_of({*subject}, usable ? reference : nullptr))));
 }
 
 }  // namespace srbf

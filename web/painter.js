@@ -1,13 +1,16 @@
-// Draws materials with their shaders, in a worker where the browser lets it, so that the page never waits for a picture.
-// A function of its own text, which the page gives to that worker. It takes messages { kind, .. }:
-//   common       `data`, what all pictures have in common; forgets everything else
-//   material     `index`, `material` (null: none), whose `text` is its fragment shader; or its JSON as `bytes`
+// Draws materials with their shaders, in a worker if the browser permits, so that the page never waits for a picture.
+// The text of this function is self-contained, since the page passes it to the worker. It receives messages { kind,
+// .. }:
+//   common       `data`, what all pictures share; forgets everything else
+//   material     `index`, `material` (null: none) with the fragment shader `text`; or its JSON as `bytes`
 //   environment  `image` (width, height, texels)
-//   draw         `pictures`, each with `of`, a material's index or "difference" of the first two, width, height and scene
-//   rest         `is_resting`: few samples of a picture, for somebody else computes
-//   lose         for tests: takes the context away, or gives it back
-// and gives back { kind, .. }: picture (of, image), drawn (number, samples, exposure), refused (of, why), busy (with shaders),
-//   environment (busy with one), lost, restored.
+//   draw         `pictures`, each with `subject` (a material's index, or "difference" of the first two), width,
+//   height, scene
+//   rest         `is_resting`: take few samples of a picture, because a fit is running
+//   lose         for tests: loses the context, or restores it
+// and posts { kind, .. }: picture (subject, image), drawn (number, samples, exposure), refused (subject, why), busy
+// (compiling
+//   shaders), environment (preparing one), lost, restored.
 "use strict";
 function painting(surface, post) {
 "use strict";
@@ -16,16 +19,17 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const gl = surface.getContext("webgl2", { alpha: false, antialias: true });
 if (!gl) return post({ kind: "none" }), null;
 const has_floats = gl.getExtension("EXT_color_buffer_float") !== null;
-const k_samples = 1024, k_samples_resting = 8; // of a picture that does not move
+const k_samples = 1024, k_samples_resting = 8; // of a picture whose scene does not change
 const k_difference_gain = 10;
 
-let data = null, given = {}, image = null;
-// Of the context: all that it would lose.
-let materials = {}, meshes = {}, programs = new Map(), shown = {}, environment = null, visible = null, develop = null, apart = null, means = {};
-// Of pictures under an environment: how many samples they are the mean of, and the exposure.
+let data = null, descriptions = {}, image = null;
+// Objects of the context, which are lost with it.
+let materials = {}, meshes = {}, programs = new Map(), last_pictures = {}, environment = null, visible = null, develop = null, comparison = null, means = {};
+// For pictures under an environment: the number of samples that were averaged, and the exposure.
 let samples = 0, exposure = 1, is_exposed = false, is_resting = false;
 
-// World to clip coordinates, columns one after the other; with the picture shifted by parts of its width and height.
+// The matrix from world to clip coordinates, column-major. `shift` moves the picture, in units of its width and
+// height.
 function to_clip({ eye, target, half, frame }, shift = [0, 0]) {
   const distance = Math.hypot(...eye.map((x, i) => x - target[i]));
   const near = Math.max(distance - 4, distance * 0.02), far = distance + 4;
@@ -47,48 +51,48 @@ const k_formats = {
 };
 
 function new_texture(gl, { target, format, size, texels }) {
-  const place = gl["TEXTURE_" + target], [pixel, type, Numbers] = k_formats[format];
+  const bind_point = gl["TEXTURE_" + target], [pixel, type, Numbers] = k_formats[format];
   const numbers = new Numbers(bytes_of(texels).buffer);
   const texture = gl.createTexture();
-  gl.bindTexture(place, texture);
+  gl.bindTexture(bind_point, texture);
   const filter = target === "3D" ? gl.LINEAR : gl.NEAREST;
-  gl.texParameteri(place, gl.TEXTURE_MIN_FILTER, filter);
-  gl.texParameteri(place, gl.TEXTURE_MAG_FILTER, filter);
-  for (const axis of ["S", "T", "R"]) gl.texParameteri(place, gl["TEXTURE_WRAP_" + axis], gl.CLAMP_TO_EDGE);
+  gl.texParameteri(bind_point, gl.TEXTURE_MIN_FILTER, filter);
+  gl.texParameteri(bind_point, gl.TEXTURE_MAG_FILTER, filter);
+  for (const axis of ["S", "T", "R"]) gl.texParameteri(bind_point, gl["TEXTURE_WRAP_" + axis], gl.CLAMP_TO_EDGE);
   if (target === "3D") {
-    gl.texParameteri(place, gl.TEXTURE_WRAP_S, gl.REPEAT); // the difference angle's azimuth
-    gl.texImage3D(place, 0, gl[format], ...size, 0, gl[pixel], gl[type], numbers);
+    gl.texParameteri(bind_point, gl.TEXTURE_WRAP_S, gl.REPEAT); // the difference angle's azimuth
+    gl.texImage3D(bind_point, 0, gl[format], ...size, 0, gl[pixel], gl[type], numbers);
   } else if (target === "CUBE_MAP") {
     const face = 4 * size[0] * size[1];
     for (let i = 0; i < 6; ++i)
       gl.texImage2D(gl.TEXTURE_CUBE_MAP_POSITIVE_X + i, 0, gl[format], ...size, 0, gl[pixel], gl[type],
         numbers.subarray(i * face, (i + 1) * face));
   } else {
-    gl.texImage2D(place, 0, gl[format], ...size, 0, gl[pixel], gl[type], numbers);
+    gl.texImage2D(bind_point, 0, gl[format], ...size, 0, gl[pixel], gl[type], numbers);
   }
-  return { place, texture };
+  return { bind_point, texture };
 }
 
-function compiled(gl, type, text) {
+function compile(gl, type, text) {
   const shader = gl.createShader(type);
   gl.shaderSource(shader, text);
   gl.compileShader(shader);
   return shader;
 }
 
-// A program and the places of its uniforms. Throws what the browser has against its text.
+// A program with the locations of its uniforms. Throws the browser's log if it refuses the text.
 function new_program(vertex, fragment) {
-  const program = gl.createProgram(), places = {};
-  const stages = [compiled(gl, gl.VERTEX_SHADER, vertex), compiled(gl, gl.FRAGMENT_SHADER, fragment)];
+  const program = gl.createProgram(), locations = {};
+  const stages = [compile(gl, gl.VERTEX_SHADER, vertex), compile(gl, gl.FRAGMENT_SHADER, fragment)];
   for (const stage of stages) gl.attachShader(program, stage);
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS))
     throw new Error(stages.map((stage) => gl.getShaderInfoLog(stage)).join(" ") + gl.getProgramInfoLog(program));
-  return { program, place: (name) => places[name] ??= gl.getUniformLocation(program, name) };
+  return { program, location: (name) => locations[name] ??= gl.getUniformLocation(program, name) };
 }
 
 
-// The same program serves all materials of the same text.
+// The program for these texts. Materials with the same text share it.
 function program_of(vertex, fragment) {
   const key = vertex + fragment;
   if (!programs.has(key)) {
@@ -98,26 +102,26 @@ function program_of(vertex, fragment) {
   return programs.get(key);
 }
 
-// Gives a program the numbers of a material.
-function use_numbers({ program, place }, { block, vectors, vectors_name, nodes, grains, textures }) {
+// Sets the uniforms that hold the numbers of a material.
+function use_numbers({ program, location }, { block, vectors, vectors_name, nodes, grains, textures }) {
   gl.useProgram(program);
   if (block) gl.uniformBlockBinding(program, gl.getUniformBlockIndex(program, "PmNumbers"), 0);
-  if (vectors) gl.uniform4fv(place(vectors_name), vectors);
-  textures.forEach(({ sampler }, unit) => gl.uniform1i(place(sampler), unit));
-  if (place("mixture_numbers")) gl.uniform4fv(place("mixture_numbers"), nodes);
-  if (place("mixture_grain")) gl.uniform2fv(place("mixture_grain"), grains);
+  if (vectors) gl.uniform4fv(location(vectors_name), vectors);
+  textures.forEach(({ sampler }, unit) => gl.uniform1i(location(sampler), unit));
+  if (location("mixture_numbers")) gl.uniform4fv(location("mixture_numbers"), nodes);
+  if (location("mixture_grain")) gl.uniform2fv(location("mixture_grain"), grains);
 }
 
-function new_material(of) {
-  const { block, textures = [], text } = of, floats = (numbers) => numbers && new Float32Array(bytes_of(numbers).buffer);
-  const material = { of, ...program_of(data.vertex, text), block: null, vectors_name: of.vectors_name };
+function new_material(description) {
+  const { block, textures = [], text } = description, floats = (numbers) => numbers && new Float32Array(bytes_of(numbers).buffer);
+  const material = { description, ...program_of(data.vertex, text), block: null, vectors_name: description.vectors_name };
   if (block) {
     material.block = gl.createBuffer();
     gl.bindBuffer(gl.UNIFORM_BUFFER, material.block);
     gl.bufferData(gl.UNIFORM_BUFFER, bytes_of(block), gl.STATIC_DRAW);
   }
   material.textures = textures.map((texture) => ({ ...new_texture(gl, texture), sampler: texture.sampler }));
-  for (const name of ["vectors", "nodes", "grains"]) material[name] = floats(of[name]);
+  for (const name of ["vectors", "nodes", "grains"]) material[name] = floats(description[name]);
   return material;
 }
 function forget_material(index) {
@@ -126,11 +130,11 @@ function forget_material(index) {
   if (material) for (const { texture } of material.textures) gl.deleteTexture(texture);
   delete materials[index];
 }
-const material_of = (index) => materials[index] ??= new_material(given[index]);
+const material_of = (index) => materials[index] ??= new_material(descriptions[index]);
 
-// The same material under an environment; compiled once there is one.
+// The program of the same material under an environment; compiled when it is first needed.
 function under_environment(index) {
-  const material = material_of(index), { text, two_sided } = material.of;
+  const material = material_of(index), { text, two_sided } = material.description;
   const pixel = two_sided ? data.environment_pixel_of_both_sides : data.environment_pixel;
   return material.lit ??= program_of(data.whole, text.slice(0, text.length - data.pixel.length) + pixel);
 }
@@ -151,51 +155,51 @@ function new_mesh(gl, { vertices, triangles, index_bytes }) {
   return { array, corners: indices.length / index_bytes, type };
 }
 
-function use_material(index, of, now) {
-  const { block, textures } = materials[index], { place } = of;
-  use_numbers(of, materials[index]);
-  gl.uniform3fv(place("eye"), now.eye);
-  gl.uniform3fv(place("light_direction"), now.directions);
-  gl.uniform3fv(place("light_irradiance"), now.irradiances);
+function use_material(index, program, scene) {
+  const { block, textures } = materials[index], { location } = program;
+  use_numbers(program, materials[index]);
+  gl.uniform3fv(location("eye"), scene.eye);
+  gl.uniform3fv(location("light_direction"), scene.directions);
+  gl.uniform3fv(location("light_irradiance"), scene.irradiances);
   gl.bindBufferBase(gl.UNIFORM_BUFFER, 0, block);
-  textures.forEach((of, unit) => {
+  textures.forEach(({ bind_point, texture }, unit) => {
     gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(of.place, of.texture);
+    gl.bindTexture(bind_point, texture);
   });
 }
 
-function draw_mesh({ program, place }, now, shift) {
+function draw_mesh({ program, location }, scene, shift) {
   gl.useProgram(program);
-  gl.uniformMatrix4fv(place("to_clip"), false, to_clip(now, shift));
-  const { array, corners, type } = meshes[now.mesh];
+  gl.uniformMatrix4fv(location("to_clip"), false, to_clip(scene, shift));
+  const { array, corners, type } = meshes[scene.mesh];
   gl.enable(gl.DEPTH_TEST);
   gl.bindVertexArray(array);
   gl.drawElements(gl.TRIANGLES, corners, type, 0);
 }
 
-function draw_under_lights(index, now) {
+function draw_under_lights(index, scene) {
   gl.clearColor(...data.background, 1);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   const material = material_of(index);
-  use_material(index, material, now);
-  gl.uniform1f(material.place("exposure"), now.exposure);
-  draw_mesh(material, now);
+  use_material(index, material, scene);
+  gl.uniform1f(material.location("exposure"), scene.exposure);
+  draw_mesh(material, scene);
 }
 
-// A triangle that covers the picture, with textures in the units from `unit` on.
-function draw_whole({ place }, textures, unit) {
+// Draws a triangle that covers the picture. The textures use the units from `unit` on.
+function draw_whole({ location }, textures, unit) {
   for (const [sampler, texture] of Object.entries(textures)) {
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.uniform1i(place(sampler), unit++);
+    gl.uniform1i(location(sampler), unit++);
   }
   gl.disable(gl.DEPTH_TEST);
   gl.bindVertexArray(null);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
 }
 
-// The surface at 2 x 2 points of each pixel, of which one is shifted so many pixels from its centre.
-function draw_surface(now, width, height, shift) {
+// Draws the surface at 2 x 2 points of each pixel. One of them lies `shift` pixels from the pixel's centre.
+function draw_surface(scene, width, height, shift) {
   const fine = [2 * width, 2 * height];
   if (visible && (visible.width !== fine[0] || visible.height !== fine[1]))
     light.delete_buffer(gl, visible), visible = null;
@@ -204,42 +208,43 @@ function draw_surface(now, width, height, shift) {
   gl.viewport(0, 0, ...fine);
   gl.clearColor(0, 0, 0, 0);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  // The shift of all points: that point lies in the lower or the upper half of its pixel.
-  draw_mesh(visible, now, shift.map((x, axis) => (x + (x < 0 ? 0.25 : -0.25)) / [width, height][axis]));
+    // The shift of all points. The point of the sample lies in the lower or the upper half of its pixel.
+  draw_mesh(visible, scene, shift.map((x, axis) => (x + (x < 0 ? 0.25 : -0.25)) / [width, height][axis]));
   gl.viewport(0, 0, width, height);
 }
 
-// Buffers of a material, which take turns as the mean of samples.
+// Two buffers of a material, which alternately hold the mean of its samples.
 function means_of(index, width, height) {
-  const of = means[index];
-  if (of && of[0].width === width && of[0].height === height) return of;
-  if (of) for (const buffer of of) light.delete_buffer(gl, buffer);
+  const buffers = means[index];
+  if (buffers && buffers[0].width === width && buffers[0].height === height) return buffers;
+  if (buffers) for (const buffer of buffers) light.delete_buffer(gl, buffer);
   return means[index] = [0, 1].map(() => light.new_buffer(gl, width, height, 1, false));
 }
 
-// Draws sample `count` of a mean from what `draw_surface` saw.
-function draw_sample(index, now, count, from, to, shift) {
-  const lit = under_environment(index), { width, height } = to, { place } = lit, { scale, textures } = environment;
-  gl.bindFramebuffer(gl.FRAMEBUFFER, to.framebuffer);
-  use_material(index, lit, now);
-  // Rows: the environment's x, y and z in the world.
-  const s = Math.sin(now.turned), c = Math.cos(now.turned);
-  gl.uniformMatrix3fv(place("into_environment"), false, [c, 0, s, 0, 1, 0, -s, 0, c]);
-  gl.uniformMatrix3fv(place("picture_axes"), false,
-    [...now.frame[0].map((x) => x * now.half[0]), ...now.frame[1].map((x) => x * now.half[1]), ...now.frame[2]]);
-  gl.uniform1f(place("environment_scale"), scale);
-  gl.uniform1f(place("share"), 1 / (count + 1));
-  gl.uniform1i(place("sample_index"), count);
-  gl.uniform2f(place("picture_size"), width, height);
-  gl.uniform2f(place("shift"), ...shift);
-  draw_whole(lit, { surface_positions: visible.textures[0], surface_normals: visible.textures[1], before: from.textures[0],
+// Adds sample `count` to a mean: reads it from `source` and writes it to `target`, at the points that
+// `draw_surface` found.
+function draw_sample(index, scene, count, source, target, shift) {
+  const lit = under_environment(index), { width, height } = target, { location } = lit, { scale, textures } = environment;
+  gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer);
+  use_material(index, lit, scene);
+  // The rows are the environment's x, y and z axes in the world.
+  const s = Math.sin(scene.turned), c = Math.cos(scene.turned);
+  gl.uniformMatrix3fv(location("into_environment"), false, [c, 0, s, 0, 1, 0, -s, 0, c]);
+  gl.uniformMatrix3fv(location("picture_axes"), false,
+    [...scene.frame[0].map((x) => x * scene.half[0]), ...scene.frame[1].map((x) => x * scene.half[1]), ...scene.frame[2]]);
+  gl.uniform1f(location("environment_scale"), scale);
+  gl.uniform1f(location("share"), 1 / (count + 1));
+  gl.uniform1i(location("sample_index"), count);
+  gl.uniform2f(location("picture_size"), width, height);
+  gl.uniform2f(location("shift"), ...shift);
+  draw_whole(lit, { surface_positions: visible.textures[0], surface_normals: visible.textures[1], before: source.textures[0],
     ...textures }, materials[index].textures.length);
 }
 
-// How many samples the next picture adds: one that begins is noisy, and has some at once.
+// The number of samples that the next picture adds: several at first, because a single sample is noisy.
 const samples_added = () => samples === 0 ? data.first_samples : 1;
-// These samples, and the picture so far.
-function draw_under_environment(index, now, width, height) {
+// Adds these samples and draws the mean so far.
+function draw_under_environment(index, scene, width, height) {
   if (!environment) {
     post({ kind: "environment" });
     environment = light.new_environment(gl, image);
@@ -248,23 +253,23 @@ function draw_under_environment(index, now, width, height) {
   const mean = means_of(index, width, height), end = samples + samples_added();
   for (let count = samples; count < end; ++count) {
     const shift = light.shift_of(count);
-    draw_surface(now, width, height, shift);
-    draw_sample(index, now, count, mean[count % 2], mean[(count + 1) % 2], shift);
+    draw_surface(scene, width, height, shift);
+    draw_sample(index, scene, count, mean[count % 2], mean[(count + 1) % 2], shift);
   }
   const picture = mean[end % 2];
   if (!is_exposed) exposure = light.exposure_of(gl, picture, visible, data.knee), is_exposed = true;
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.useProgram(develop.program);
-  gl.uniform3f(develop.place("background"), ...data.background);
-  gl.uniform1f(develop.place("exposure"), exposure * now.stops);
-  gl.uniform1f(develop.place("full_scale"), 0);
+  gl.uniform3f(develop.location("background"), ...data.background);
+  gl.uniform1f(develop.location("exposure"), exposure * scene.stops);
+  gl.uniform1f(develop.location("full_scale"), 0);
   draw_whole(develop, { radiance: picture.textures[0], other: picture.textures[0] }, 0);
 }
 
 
-// What the last picture of a material was, as a texture.
-function keep_shown(index, width, height) {
-  const texture = shown[index] ??= gl.createTexture();
+// Keeps the last picture of a material as a texture.
+function keep_picture(index, width, height) {
+  const texture = last_pictures[index] ??= gl.createTexture();
   gl.activeTexture(gl.TEXTURE0);
   gl.bindTexture(gl.TEXTURE_2D, texture);
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
@@ -273,63 +278,62 @@ function keep_shown(index, width, height) {
   gl.copyTexImage2D(gl.TEXTURE_2D, 0, gl.RGB, 0, 0, width, height, 0);
 }
 
-// How far the two pictures are apart, in the numbers that a display is given, several times enlarged.
-const k_apart_text = `#version 300 es
+// The difference of the two pictures in display values, amplified.
+const k_comparison_text = `#version 300 es
 precision highp float;
 uniform sampler2D first, second;
 uniform float gain;
 out vec4 pixel;
 void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy);
-    pixel = vec4(gain * abs(texelFetch(first, at, 0).rgb - texelFetch(second, at, 0).rgb), 1.0);
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    pixel = vec4(gain * abs(texelFetch(first, texel, 0).rgb - texelFetch(second, texel, 0).rgb), 1.0);
 }`;
 function draw_difference() {
-  apart ??= new_program(data.whole, k_apart_text);
+  comparison ??= new_program(data.whole, k_comparison_text);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl.useProgram(apart.program);
-  gl.uniform1f(apart.place("gain"), k_difference_gain);
-  draw_whole(apart, { first: shown[0], second: shown[1] }, 0);
+  gl.useProgram(comparison.program);
+  gl.uniform1f(comparison.location("gain"), k_difference_gain);
+  draw_whole(comparison, { first: last_pictures[0], second: last_pictures[1] }, 0);
 }
 
-function draw_picture({ of, width, height, scene }) {
+function draw_picture({ subject, width, height, scene }) {
   if (surface.width !== width || surface.height !== height) surface.width = width, surface.height = height;
   gl.viewport(0, 0, width, height);
-  if (of === "difference") return draw_difference();
-  const now = { ...scene, samples };
-  (scene.around ? draw_under_environment : draw_under_lights)(of, now, width, height);
-  if (of < 2) keep_shown(of, width, height);
+  if (subject === "difference") return draw_difference();
+  (scene.around ? draw_under_environment : draw_under_lights)(subject, scene, width, height);
+  if (subject < 2) keep_picture(subject, width, height);
 }
 
-// Waits until all that was asked of the graphics is done.
+// Waits until the graphics card has finished.
 function finish() {
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
 }
 
-// One round of pictures; a difference needs those of both.
+// Draws one round of pictures. A difference needs the pictures of both materials.
 function draw_all({ number, pictures }) {
-  const difference = pictures.find(({ of }) => of === "difference"), round = pictures.filter(({ of }) => of !== "difference");
-  const wanted = new Set(round.map(({ of }) => of));
-  if (difference) for (const of of [0, 1]) if (!wanted.has(of)) round.push({ ...difference, of, hidden: true });
+  const difference = pictures.find(({ subject }) => subject === "difference"), round = pictures.filter(({ subject }) => subject !== "difference");
+  const requested = new Set(round.map(({ subject }) => subject));
+  if (difference) for (const subject of [0, 1]) if (!requested.has(subject)) round.push({ ...difference, subject, hidden: true });
   let drawn = 0;
   for (const picture of difference ? [...round, difference] : round) {
-    const { of } = picture;
-    if (of === "difference" ? !given[0] || !given[1] : !given[of]) continue;
+    const { subject } = picture;
+    if (subject === "difference" ? !descriptions[0] || !descriptions[1] : !descriptions[subject]) continue;
     try {
       draw_picture(picture);
     } catch (error) {
-      given[of] = null;
-      post({ kind: "refused", of, why: error.message });
+      descriptions[subject] = null;
+      post({ kind: "refused", subject, why: error.message });
       continue;
     }
     ++drawn;
     if (picture.hidden) continue;
-    finish(); // a page that is given an unfinished picture waits for it
+    finish(); // an unfinished picture would block the page
     const image = surface.transferToImageBitmap ? surface.transferToImageBitmap() : surface;
-    post({ kind: "picture", of, image }, image === surface ? [] : [image]);
+    post({ kind: "picture", subject, image }, image === surface ? [] : [image]);
   }
   if (drawn && pictures[0].scene.around) samples += samples_added();
-  finish(); // the pictures are there before the next are begun
+  finish(); // finishes these pictures before the next are begun
   post({ kind: "drawn", number, samples, exposure });
   return drawn;
 }
@@ -341,23 +345,23 @@ function draw_soon(milliseconds) {
   setTimeout(() => {
     is_due = false;
     if (!job || !data || gl.isContextLost()) return;
-    const now = job, begun = performance.now();
-    const drawn = draw_all(now);
-    if (drawn && now.pictures[0].scene.around && samples < (is_resting ? k_samples_resting : k_samples) && job === now) draw_soon(Math.max(0, 16 - (performance.now() - begun)));
+    const current = job, start = performance.now();
+    const drawn = draw_all(current);
+    if (drawn && current.pictures[0].scene.around && samples < (is_resting ? k_samples_resting : k_samples) && job === current) draw_soon(Math.max(0, 16 - (performance.now() - start)));
   }, milliseconds);
 }
 
 function load() {
-  materials = {}, programs = new Map(), shown = {}, environment = visible = develop = apart = null, means = {}, meshes = {};
+  materials = {}, programs = new Map(), last_pictures = {}, environment = visible = develop = comparison = null, means = {}, meshes = {};
   for (const name in data.meshes) meshes[name] = new_mesh(gl, data.meshes[name]);
   samples = 0;
 }
 
 const actions = {
-  common(message) { data = message.data, given = {}, load(); },
+  common(message) { data = message.data, descriptions = {}, load(); },
   material({ index, material }) {
     forget_material(index);
-    given[index] = material && material.bytes ? JSON.parse(new TextDecoder().decode(material.bytes)) : material;
+    descriptions[index] = material && material.bytes ? JSON.parse(new TextDecoder().decode(material.bytes)) : material;
     samples = 0;
     if (index === 0) is_exposed = false;
   },

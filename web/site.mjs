@@ -1,4 +1,5 @@
-// node site.mjs MODULE.wasm FOLDER VERSION: the page for any browser as one folder, and the module as a package beside it.
+// node site.mjs MODULE.wasm FOLDER VERSION: writes the page for any browser as one folder, and beside it the module
+// as a package.
 import { readFile, writeFile, mkdir, copyFile } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
 import path from "node:path";
@@ -11,20 +12,20 @@ const filled = (template, parts) => template.replace(/{{(\w+)}}/g, (_, name) => 
 
 // The page, with the same pictures as exported ones.
 const button = (show, name) => `<button type="button" data-show="${show}" aria-pressed="false">${name}</button>\n`;
-const figure = (of, name) => `<figure data-material="${of}"><canvas tabindex="0" aria-label="${name}"></canvas><figcaption>${name}</figcaption></figure>\n`;
-const shown = [["0", "measured"], ["1", "fitted"], ["difference", "difference × 10"]];
+const figure = (subject, name) => `<figure data-material="${subject}"><canvas tabindex="0" aria-label="${name}"></canvas><figcaption>${name}</figcaption></figure>\n`;
+const pictures = [["0", "measured"], ["1", "fitted"], ["difference", "difference × 10"]];
 const viewer = filled(await text("pictures.html"), {
   pictures_lead: "Drag a picture to turn the object; all of them follow.",
   choices: `<div class="choices" role="group" aria-label="Which pictures are shown">\n${button("all", "Side by side")}${button("wipe", "Wipe")}${
-    shown.map(([of, name]) => button(of, name)).join("")}</div>\n`,
-  pictures: shown.map(([of, name]) => figure(of, name)).join(""), own_shape: "", behind: '<button type="button" name="behind">Light from behind</button>\n', picture_note: "",
+    pictures.map(([subject, name]) => button(subject, name)).join("")}</div>\n`,
+  pictures: pictures.map(([subject, name]) => figure(subject, name)).join(""), own_shape: "", behind: '<button type="button" name="behind">Light from behind</button>\n', picture_note: "",
 });
 await mkdir(path.join(folder, "data"), { recursive: true });
 await writeFile(path.join(folder, "index.html"), filled(await text("app.html"), { viewer, version }));
 for (const name of ["style.css", "app.css", "light.js", "painter.js", "viewer.js", "binding.js", "working.js", "app.js"])
   await copyFile(path.join(web, name), path.join(folder, name));
 
-// What a page from a disk may not fetch, as scripts.
+// Data as scripts, because a page opened from a disk may not fetch files.
 for (const [name, file] of [["module", module_file], ["studio", path.join(root, "data/studio.hdr")],
   ...["cc_ibiza_sunset_rgb.bsdf", "paper_white_rgb.bsdf"].map((sample) => [sample, path.join(root, "data", sample)])]) {
   const packed = gzipSync(await readFile(file), { level: 9 });
@@ -33,8 +34,8 @@ for (const [name, file] of [["module", module_file], ["studio", path.join(root, 
 }
 
 // The package for scripts, ready to publish.
-const at = path.join(path.dirname(folder), "npm");
-await mkdir(at, { recursive: true });
+const package_folder = path.join(path.dirname(folder), "npm");
+await mkdir(package_folder, { recursive: true });
 for (const name of ["package.json", "srbf.d.ts", "srbf.mjs", "README.md"])
-  await writeFile(path.join(at, name), filled(await text(path.join("package", name)), { version, binding: await text("binding.js") }));
-await copyFile(module_file, path.join(at, "srbf.wasm"));
+  await writeFile(path.join(package_folder, name), filled(await text(path.join("package", name)), { version, binding: await text("binding.js") }));
+await copyFile(module_file, path.join(package_folder, "srbf.wasm"));

@@ -1,4 +1,4 @@
-// The pictures of a page: what they show, how they follow the hand, and who draws them (painter.js).
+// The pictures of a page: what they show, how they respond to the pointer, and what draws them (painter.js).
 "use strict";
 const viewer = (() => {
 const section = document.getElementById("viewer");
@@ -6,37 +6,38 @@ const controls = section.querySelector("form");
 const figures = [...section.querySelectorAll("figure[data-material]")];
 const wipe = section.querySelector(".wipe");
 const k_degree = Math.PI / 180;
-let data = null; // what painter.js calls common, and the exposure under lights
+let data = null; // the message `common` of painter.js, and the exposure under lights
 
-// ---- What is seen ------------------------------------------------------------------------------------------------
+// ---- The view ----------------------------------------------------------------------------------------------------
 
 const angles_of = (w) => [Math.atan2(w[0], w[2]), Math.asin(w[1])];
 const direction_of = ([azimuth, elevation]) =>
   [Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation), Math.cos(elevation) * Math.cos(azimuth)];
-const clamp = (x, least, most) => Math.min(Math.max(x, least), most);
+const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
-// Azimuths and elevations of the camera and of the first light.
-const beginning = () =>
+// The initial view: azimuth and elevation of the camera and of the first light, the environment's rotation, zoom
+// and pictures.
+const initial_view = () =>
   ({ camera: [0, data.elevation], light: angles_of(data.lights[0].towards), turned: facing, zoom: 1, shown: first_shown() });
 let view = null, facing = 0;
 const has_environment = () => controls.environment.value !== "none";
 const has_lights = () => !has_environment() || controls.lamps.checked;
 
-// The camera's axes: x right, y up, z to the viewer.
+// The camera's axes in the world: x to the right, y up, z to the viewer.
 function axes() {
   const [azimuth, elevation] = view.camera, s = Math.sin(azimuth), c = Math.cos(azimuth);
   return [[c, 0, -s], [-s * Math.sin(elevation), Math.cos(elevation), -c * Math.sin(elevation)], direction_of(view.camera)];
 }
 
-// What the shaders are told, for a picture of that aspect.
+// The scene of a picture with this aspect ratio, for the shaders.
 function scene(aspect) {
   const mesh = data.meshes[controls.mesh.value], frame = axes(), distance = mesh.distance / view.zoom;
   const towards = data.lights.map((light, k) => k ? light.towards : direction_of(view.light));
   const half = Math.tan(data.fov / 2), stops = 2 ** controls.stops.value;
   return {
     mesh: controls.mesh.value, fov: data.fov, target: mesh.target,
-    // Where the picture is narrow, it is its width that holds the object.
+    // A picture narrower than `data.aspect` fits the object to its width.
     eye: mesh.target.map((x, i) => x + distance * Math.max(1, data.aspect / aspect) * frame[2][i]),
     half: [half * aspect, half], frame, stops, around: has_environment(),
     exposure: (has_environment() ? drawn.exposure : data.exposure) * stops,
@@ -46,9 +47,9 @@ function scene(aspect) {
   };
 }
 
-// ---- Who draws ---------------------------------------------------------------------------------------------------
+// ---- The painter -------------------------------------------------------------------------------------------------
 
-// A worker, where it may use WebGL, or the page itself. `receive` is null where neither can.
+// Draws in a worker if it may use WebGL, otherwise on the page. `receive` is null if neither can.
 function new_painter(take) {
   const on_page = () => {
     const send = painting(document.createElement("canvas"), take);
@@ -56,31 +57,31 @@ function new_painter(take) {
   };
   if (!window.OffscreenCanvas || !window.Worker) return on_page();
   try {
-    const text = `${lighting}\n${painting}\nconst receive = painting(new OffscreenCanvas(1, 1), (message, gifts) => postMessage(message, gifts || []));
+    const text = `${lighting}\n${painting}\nconst receive = painting(new OffscreenCanvas(1, 1), (message, transfers) => postMessage(message, transfers || []));
       onmessage = ({ data }) => receive && receive(data);`;
     const worker = new Worker(URL.createObjectURL(new Blob([text], { type: "text/javascript" })));
-    // A worker without WebGL: the page itself tries.
+    // If the worker has no WebGL, the page itself tries.
     worker.onmessage = ({ data }) => data.kind === "none" ? (worker.terminate(), painter = on_page()) : take(data);
-    return { send: (message, gifts = []) => worker.postMessage(message, gifts), end: () => worker.terminate() };
+    return { send: (message, transfers = []) => worker.postMessage(message, transfers), end: () => worker.terminate() };
   } catch {
     return on_page();
   }
 }
 
-const figure_of = (of) => figures.find((figure) => figure.dataset.material === String(of));
-let painter = null, number = 0, drawn = { number: 0, samples: 0, exposure: 1 }, waiting = [], has_floats = true, known = new Set(), began = () => {};
+const figure_of = (subject) => figures.find((figure) => figure.dataset.material === String(subject));
+let painter = null, number = 0, drawn = { number: 0, samples: 0, exposure: 1 }, waiting = [], has_floats = true, known = new Set(), on_started = () => {};
 
 function take(message) {
   const { kind } = message;
   if (kind === "ready" || kind === "none") {
     has_floats = message.has_floats;
-    setTimeout(() => began(kind === "ready")); // once there is a painter
+    setTimeout(() => on_started(kind === "ready")); // after `painter` is assigned
   } else if (kind === "busy") {
     busy("Preparing the pictures: the browser compiles their shaders. Without a graphics card this takes a while.");
   } else if (kind === "environment") {
     busy("Preparing the environment ..");
   } else if (kind === "picture") {
-    const canvas = figure_of(message.of)?.querySelector("canvas"), { image } = message;
+    const canvas = figure_of(message.subject)?.querySelector("canvas"), { image } = message;
     if (!canvas) return;
     if (!is_reading) busy("");
     if (canvas.width !== image.width || canvas.height !== image.height) canvas.width = image.width, canvas.height = image.height;
@@ -88,18 +89,18 @@ function take(message) {
     else canvas.getContext("2d").drawImage(image, 0, 0);
   } else if (kind === "drawn") {
     drawn = message;
-    waiting = waiting.filter((of) => of.number > message.number || (of.done(), false));
+    waiting = waiting.filter((request) => request.number > message.number || (request.done(), false));
   } else if (kind === "refused") {
-    refuse(figure_of(message.of), message.why);
+    refuse(figure_of(message.subject), message.why);
   } else if (kind === "lost") {
-    say("The browser took the graphics away. The pictures go on when it gives them back; if they do not, load the page again.");
+    say("The browser has lost its graphics context. The pictures return when it is restored; if they do not, reload the page.");
   } else if (kind === "restored") {
     say("");
     redraw();
   }
 }
 
-// A promise that is kept when the pictures show what was asked for last.
+// A promise that resolves when the pictures show what was requested last.
 const settled = () => new Promise((done) => {
   draw_now();
   waiting.push({ number, done });
@@ -108,7 +109,7 @@ const settled = () => new Promise((done) => {
 // ---- The page ----------------------------------------------------------------------------------------------------
 
 let is_due = false, is_new = true, exposes = false;
-// Draws everything anew.
+// Draws all pictures from their first sample.
 function redraw() {
   is_new = true;
   draw_soon();
@@ -127,17 +128,17 @@ function draw_now() {
     const canvas = figure.querySelector("canvas"), { material } = figure.dataset;
     if (figure.hidden || !canvas) continue;
     const width = Math.round(canvas.clientWidth * Math.min(window.devicePixelRatio, 2)), height = Math.round(width / data.aspect);
-    if (width) pictures.push({ of: material === "difference" ? material : Number(material), width, height, scene: scene(width / height) });
+    if (width) pictures.push({ subject: material === "difference" ? material : Number(material), width, height, scene: scene(width / height) });
   }
   painter.send({ kind: "draw", number: ++number, pictures: pictures.length ? pictures : [], is_new, exposes });
   is_new = exposes = false;
 }
-// Pictures of nothing have no place.
-const is_there = (of) => of === "difference" ? known.has("0") && known.has("1") : known.has(of);
-// On a narrow page one picture at a time, of which the wipe shows two.
-const first_shown = () => window.innerWidth <= 640 && is_there("difference") ? "wipe" : "all";
+// Whether there is a picture of the subject. A material or difference that is missing takes no space.
+const is_available = (subject) => subject === "difference" ? known.has("0") && known.has("1") : known.has(subject);
+// A narrow page shows one picture at a time, or two with the wipe.
+const first_shown = () => window.innerWidth <= 640 && is_available("difference") ? "wipe" : "all";
 function show_state() {
-  const stops = Number(controls.stops.value), { shown } = view, wiped = shown === "wipe" && is_there("difference");
+  const stops = Number(controls.stops.value), { shown } = view, wiped = shown === "wipe" && is_available("difference");
   controls.exposure.value = (stops > 0 ? "+" : "") + stops + (Math.abs(stops) === 1 ? " stop" : " stops");
   section.querySelector(".pictures").classList.toggle("one", shown !== "all");
   section.querySelector(".pictures").classList.toggle("wiped", wiped);
@@ -148,15 +149,15 @@ function show_state() {
   for (const button of section.querySelectorAll("[data-show]")) {
     const { show } = button.dataset;
     button.setAttribute("aria-pressed", show === shown);
-    button.hidden = show === "wipe" ? !is_there("difference") : show === "all" ? known.size < 2 : !is_there(show);
+    button.hidden = show === "wipe" ? !is_available("difference") : show === "all" ? known.size < 2 : !is_available(show);
   }
-  // All of them take their places before the first is drawn, whose size depends on the others.
+  // Lays out all figures before the first is drawn, since the size of each depends on the others.
   for (const figure of figures) {
     const { material } = figure.dataset;
-    figure.hidden = !is_there(material) || (wiped ? !["0", "1"].includes(material) : shown !== "all" && shown !== material);
+    figure.hidden = !is_available(material) || (wiped ? !["0", "1"].includes(material) : shown !== "all" && shown !== material);
   }
 }
-// Says in the place of a picture why there is none.
+// States in place of a picture why it cannot be drawn.
 function refuse(figure, why) {
   const refused = document.createElement("p");
   refused.className = "refused";
@@ -164,13 +165,13 @@ function refuse(figure, why) {
   figure?.querySelector("canvas")?.replaceWith(refused);
 }
 function say(text) {
-  const said = document.getElementById("said");
-  said.textContent = text;
-  said.hidden = !text;
+  const notice = document.getElementById("said");
+  notice.textContent = text;
+  notice.hidden = !text;
 }
 function busy(text) {
-  const at = document.getElementById("busy");
-  if (at.textContent !== text) at.textContent = text;
+  const status = document.getElementById("busy");
+  if (status.textContent !== text) status.textContent = text;
 }
 function without_floats() {
   controls.environment.value = "none";
@@ -179,12 +180,12 @@ function without_floats() {
   redraw();
 }
 
-// Shows the pictures under another environment, or the same anew.
+// Shows the pictures under the chosen environment.
 let images = {}, is_reading = false;
 function change_environment() {
   const image = images[controls.environment.value];
   if (image) {
-    facing = light.facing(image), view.turned = facing;
+    facing = light.facing_azimuth(image), view.turned = facing;
     painter.send({ kind: "environment", image });
   }
   redraw();
@@ -194,7 +195,7 @@ async function open_environment(file) {
     say("");
     is_reading = true;
     busy(`Reading ${file.name} ..`);
-    await new Promise((painted) => setTimeout(painted, 50)); // so that the page says so, for reading takes its time
+    await new Promise((painted) => setTimeout(painted, 50)); // so that the page shows this before the long reading
     images.file = await light.read_file(file);
     controls.environment.querySelector("[value=file]")?.remove();
     controls.environment.add(new Option(file.name, "file", false, true));
@@ -208,30 +209,30 @@ async function open_environment(file) {
   }
 }
 
-// Turns the view, moves the light or turns the environment by so many pixels on the screen.
+// Rotates the view, moves the light or rotates the environment, for a drag of x, y pixels.
 function move(what, x, y) {
-  const of_light = what === "light", turned = of_light ? view.light : view.camera, sign = of_light ? 1 : -1, step = 0.5 * k_degree;
+  const is_light = what === "light", angles = is_light ? view.light : view.camera, sign = is_light ? 1 : -1, step = 0.5 * k_degree;
   if (what === "environment") {
     view.turned += step * x;
     return redraw();
   }
-  turned[0] += sign * step * x;
-  turned[1] = clamp(turned[1] - sign * step * y, -85 * k_degree, 85 * k_degree);
+  angles[0] += sign * step * x;
+  angles[1] = clamp(angles[1] - sign * step * y, -85 * k_degree, 85 * k_degree);
   redraw();
 }
 function zoom(factor) {
   view.zoom = clamp(view.zoom * factor, 0.3, 4);
   redraw();
 }
-// Dragging with Shift or the right button moves what lights the object.
-function moved_by(event) {
+// What a drag moves. With Shift or the right button it is what lights the object.
+function drag_target(event) {
   if (event.shiftKey || event.buttons === 2) return has_lights() ? "light" : "environment";
   return controls.drag.value;
 }
 
-function follow(canvas) {
+function follow_pointer(canvas) {
   const fingers = new Map();
-  const apart = () => {
+  const finger_distance = () => {
     const [a, b] = [...fingers.values()];
     return Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
   };
@@ -242,10 +243,10 @@ function follow(canvas) {
   canvas.addEventListener("pointermove", (event) => {
     const before = fingers.get(event.pointerId);
     if (!before) return;
-    const was_apart = fingers.size > 1 ? apart() : 0;
+    const distance_before = fingers.size > 1 ? finger_distance() : 0;
     fingers.set(event.pointerId, event);
-    if (fingers.size > 1) zoom(apart() / Math.max(was_apart, 1));
-    else move(moved_by(event), event.clientX - before.clientX, event.clientY - before.clientY);
+    if (fingers.size > 1) zoom(finger_distance() / Math.max(distance_before, 1));
+    else move(drag_target(event), event.clientX - before.clientX, event.clientY - before.clientY);
   });
   for (const end of ["pointerup", "pointercancel"])
     canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
@@ -256,7 +257,7 @@ function follow(canvas) {
   }, { passive: false });
   canvas.addEventListener("keydown", (event) => {
     const arrow = { ArrowLeft: [-10, 0], ArrowRight: [10, 0], ArrowUp: [0, -10], ArrowDown: [0, 10] }[event.key];
-    if (arrow) move(moved_by(event), ...arrow);
+    if (arrow) move(drag_target(event), ...arrow);
     else if (event.key === "+" || event.key === "-") zoom(event.key === "+" ? 1.1 : 1 / 1.1);
     else return;
     event.preventDefault();
@@ -269,17 +270,17 @@ function show(which) {
 }
 
 function listen() {
-  for (const figure of figures) follow(figure.querySelector("canvas"));
+  for (const figure of figures) follow_pointer(figure.querySelector("canvas"));
   for (const button of section.querySelectorAll("[data-show]"))
     button.addEventListener("click", () => show(button.dataset.show));
   document.addEventListener("keydown", (event) => {
     if (event.target.closest?.("input, select, textarea") || event.ctrlKey || event.metaKey || event.altKey || !view) return;
     if (/^[0-9]$/.test(event.key)) {
       const figure = figures[event.key - 1];
-      if (event.key === "0" || figure && is_there(figure.dataset.material)) show(figure ? figure.dataset.material : "all");
-    } else if (event.key === "w" && is_there("difference")) {
+      if (event.key === "0" || figure && is_available(figure.dataset.material)) show(figure ? figure.dataset.material : "all");
+    } else if (event.key === "w" && is_available("difference")) {
       show("wipe");
-    } else if (event.key === "f" && is_there("difference")) {
+    } else if (event.key === "f" && is_available("difference")) {
       show(view.shown === "0" ? "1" : "0");
     }
   });
@@ -299,7 +300,7 @@ function listen() {
     event.preventDefault(), event.stopPropagation();
     if (has_floats) open_environment(file);
   });
-  // The first light behind the object, the others off.
+  // Puts the first light behind the object and turns the others off.
   controls.behind?.addEventListener("click", () => {
     const frame = axes(), [x, y, z] = data.light_behind;
     view.light = angles_of([0, 1, 2].map((i) => x * frame[0][i] + y * frame[1][i] + z * frame[2][i]));
@@ -308,42 +309,42 @@ function listen() {
     redraw();
   });
   controls.addEventListener("submit", (event) => event.preventDefault());
-  controls.addEventListener("reset", () => setTimeout(() => { // after the controls are back
+  controls.addEventListener("reset", () => setTimeout(() => { // after the controls are reset
     start_light();
-    view = beginning();
+    view = initial_view();
     change_environment();
   }));
   new ResizeObserver(() => redraw()).observe(section.querySelector(".pictures"));
 }
-// "#lights" after the address: three lights first.
+// The address "#lights" selects three lights at first.
 const start_light = () => { if (location.hash === "#lights" || !has_floats) controls.environment.value = "none"; };
 
-// Begins with `common`, of painter.js; resolves to false where the browser cannot draw. To ask for a context would keep the page
-// waiting: the painter tells.
+// Starts with the message `common` of painter.js. Resolves to false if the browser cannot draw. The painter finds
+// out, because requesting a context here would block the page.
 async function start(common) {
   const draws = await new Promise((done) => {
-    began = done;
+    on_started = done;
     painter = new_painter(take);
   });
   if (!draws) return painter = null, false;
   section.hidden = false;
   data = common;
-  images.studio = { ...data.environment, texels: light.decoded(Uint8Array.from(atob(data.environment.rgbe), (c) => c.charCodeAt(0))) };
+  images.studio = { ...data.environment, texels: light.decode_rgbe(Uint8Array.from(atob(data.environment.rgbe), (c) => c.charCodeAt(0))) };
   painter.send({ kind: "common", data });
   start_light();
-  view = beginning();
+  view = initial_view();
   listen();
-  facing = light.facing(images.studio), view.turned = facing;
+  facing = light.facing_azimuth(images.studio), view.turned = facing;
   painter.send({ kind: "environment", image: images.studio });
   if (!has_floats) without_floats();
   return true;
 }
-// Gives the picture of that figure a material; null: none.
+// Sets the material of a figure; null: none.
 function set_material(index, material) {
   known[material ? "add" : "delete"](String(index));
   if (material && index === 0 && material.exposure) data.exposure = material.exposure;
   painter.send({ kind: "material", index, material }, material && material.bytes ? [material.bytes.buffer] : []);
-  view.shown = is_there(view.shown) || view.shown === "wipe" && is_there("difference") ? view.shown : first_shown();
+  view.shown = is_available(view.shown) || view.shown === "wipe" && is_available("difference") ? view.shown : first_shown();
   redraw();
 }
 
@@ -353,7 +354,7 @@ for (const button of document.querySelectorAll(".copy"))
     button.textContent = document.execCommand("copy") ? "Copied" : "Selected: copy it from the menu";
   });
 
-// While somebody else computes, pictures converge no further than they have to.
+// While a fit is running, pictures take only a few samples.
 const rest = (is_resting) => painter?.send({ kind: "rest", is_resting });
 
 return { scene, start, rest, set_material, show, settled, lose: (is_lost) => painter.send({ kind: "lose", is_lost }) };

@@ -1,20 +1,23 @@
-// The page's worker: it reads, fits and writes, so that the page itself never waits. A function of its own text.
-// It takes { kind: "begin", module, studio }, both packed or as it gave them back, then { kind, id, .. } with a name of `actions`, and gives back { id, result } or
-// { id, error }; while it fits { progress, stage }, and once { draft }, a first model.
+// The page's worker. It reads, fits and writes, so that the page itself never waits. The text of this function is
+// self-contained.
+// It receives { kind: "begin", module, studio }, both compressed or as an earlier worker returned them, and then {
+// kind, id, .. } where kind names one of `actions`. It posts { id, result } or { id, error }; during a fit also {
+// progress, stage } and once { draft }, a first model.
 "use strict";
 function working() {
 "use strict";
 const { new_srbf } = binding();
 let srbf = null, measured = null, model = null;
 
-// What a script of the folder `data` holds: base64 of what gzip made of a file.
-async function unpacked(text) {
+// Decodes a script of the folder `data`: base64 of a gzip-compressed file.
+async function unpack(text) {
   const packed = atob(text), bytes = new Uint8Array(packed.length);
   for (let i = 0; i < packed.length; ++i) bytes[i] = packed.charCodeAt(i);
   return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer());
 }
 
-// A picture's material goes from worker to worker as bytes, with which the page has no work; null: it has no picture.
+// The material of a picture, as bytes because the page only passes it from worker to worker; null: there is no
+// picture.
 function material_of({ number }) {
   const bytes = srbf.viewer_material(number), material = JSON.parse(new TextDecoder().decode(bytes));
   return material && { bytes, exposure: material.exposure };
@@ -45,7 +48,7 @@ const actions = {
     return { ...model, material: material_of(model), slices: srbf.slices(measured.number, model.number),
       memory: srbf.memory_bytes() };
   },
-  // As a Blob, which the page takes without a copy.
+  // Returns a Blob, which the page receives without a copy.
   save({ what, name }) {
     const content = what === "srbf" ? srbf.model_file(model.number)
       : what === "table" ? srbf.table(model.number, name)
@@ -59,8 +62,8 @@ onmessage = async ({ data }) => {
   const { kind, id } = data;
   try {
     if (kind === "begin") {
-      const module = typeof data.module === "string" ? await WebAssembly.compile(await unpacked(data.module)) : data.module;
-      const studio = typeof data.studio === "string" ? await unpacked(data.studio) : data.studio;
+      const module = typeof data.module === "string" ? await WebAssembly.compile(await unpack(data.module)) : data.module;
+      const studio = typeof data.studio === "string" ? await unpack(data.studio) : data.studio;
       srbf = await new_srbf(module, (stage, fraction) => {
         const now = performance.now();
         if (now - last > 80) last = now, postMessage({ progress: fraction, stage });
@@ -69,11 +72,11 @@ onmessage = async ({ data }) => {
       srbf.set_studio(studio);
       return postMessage({ id, result: { module, studio, viewer: srbf.viewer_data() } });
     }
-    if (typeof data.bytes === "string") data.bytes = await unpacked(data.bytes);
+    if (typeof data.bytes === "string") data.bytes = await unpack(data.bytes);
     const result = actions[kind](data);
     postMessage({ id, result }, result.material ? [result.material.bytes.buffer] : []);
   } catch (error) {
-    // A trap leaves the module as it was in the middle of something: begin anew.
+    // After a trap the module's memory is inconsistent, so the page starts a new worker.
     const is_trap = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
     const why = is_trap ? `${data.name ?? "this"}: it takes more memory than the browser gives (${error.message})` : error.message;
     postMessage({ id, error: why, is_trap });

@@ -18,8 +18,8 @@ namespace srbf {
 
 namespace {
 
-/// The bases that a file may name without defining them (Radiance, bsdf_m.c): bounds of the rings [degrees], and their
-/// numbers of patches.
+/// A basis that a file may name without defining it (Radiance, bsdf_m.c): the bounds of its rings [degrees], and
+/// the number of patches in each ring.
 struct KnownBasis {
     std::string_view name;
     std::vector<float> bounds;
@@ -33,7 +33,8 @@ const std::vector<KnownBasis>& known_bases() {
     return bases;
 }
 
-/// Limit on tags and attributes: the parser takes some hundred bytes for one, which may have four in the file.
+/// Limit on tags and attributes. The parser takes some hundred bytes for each, which may take only four bytes in
+/// the file.
 constexpr std::ptrdiff_t k_most_markup = 1 << 17;
 constexpr std::string_view k_visible = "Visible";
 constexpr std::size_t k_most_rings = 64, k_most_patches = 4096, k_most_blocks = 256;
@@ -45,15 +46,15 @@ std::string_view stripped(std::string_view text) {
     return text;
 }
 
-/// A name as one line of at most that many bytes: of them that are written, the same are read.
-std::string name_in(std::string_view text, std::size_t most = 100) {
+/// A name as a single line of at most `most` bytes. The name is the same after it is written and read again.
+std::string name_in(std::string_view text, std::size_t max_bytes = 100) {
     std::string name(stripped(text));
     std::ranges::replace_if(
         name, [](unsigned char c) { return c < ' '; }, ' ');
-    return std::string(stripped(std::string_view(name).substr(0, most)));
+    return std::string(stripped(std::string_view(name).substr(0, max_bytes)));
 }
 
-/// An element to be read, with errors that say where it stands.
+/// An element to read, with errors that state its position.
 struct Element {
     pugi::xml_node node;
     const std::string* file_name;
@@ -64,9 +65,9 @@ struct Element {
     }
     Element child(const char* name) const { return {node.child(name), file_name}; }
     std::vector<Element> children(const char* name) const {
-        std::vector<Element> found;
-        for (const pugi::xml_node of : node.children(name)) found.push_back({of, file_name});
-        return found;
+        std::vector<Element> elements;
+        for (const pugi::xml_node child : node.children(name)) elements.push_back({child, file_name});
+        return elements;
     }
     std::string_view text() const { return stripped(node.child_value()); }
     Result<double> number(const char* name) const {
@@ -76,66 +77,66 @@ struct Element {
     }
 };
 
-Result<AngleBasis> read_basis(const Element& of) {
+Result<AngleBasis> read_basis(const Element& element) {
     AngleBasis basis;
-    basis.name = name_in(of.child("AngleBasisName").text());
-    for (const Element& block : of.children("AngleBasisBlock")) {
+    basis.name = name_in(element.child("AngleBasisName").text());
+    for (const Element& block : element.children("AngleBasisBlock")) {
         if (basis.rings.size() == k_most_rings)
             return block.error("angle basis", fmt::format("at most {} rings", k_most_rings), "more");
         const Element bounds = block.child("ThetaBounds");
-        const auto theta = block.number("Theta"), from = bounds.number("LowerTheta"), to = bounds.number("UpperTheta"),
-                   azimuths = block.number("nPhis");
-        for (const auto* number : {&theta, &from, &to, &azimuths})
+        const auto theta = block.number("Theta"), lower = bounds.number("LowerTheta"),
+                   upper = bounds.number("UpperTheta"), azimuths = block.number("nPhis");
+        for (const auto* number : {&theta, &lower, &upper, &azimuths})
             if (!*number) return number->error();
-        const double begins = basis.rings.empty() ? 0 : double(basis.rings.back().to) / k_degree;
-        if (!(std::abs(*from - begins) <= 1e-3 && *to > *from + 1e-3 && *to <= 90 + 1e-3))
+        const double expected_lower = basis.rings.empty() ? 0 : double(basis.rings.back().to) / k_degree;
+        if (!(std::abs(*lower - expected_lower) <= 1e-3 && *upper > *lower + 1e-3 && *upper <= 90 + 1e-3))
             return bounds.error("bounds of a ring",
-                                fmt::format("rising ones that begin at {:g} and end at 90 at most", begins),
-                                fmt::format("{:g} to {:g}", *from, *to));
+                                fmt::format("an interval that begins at {:g} and ends at 90 or less", expected_lower),
+                                fmt::format("{:g} to {:g}", *lower, *upper));
         if (!(*azimuths >= 1 && *azimuths <= k_most_patches && *azimuths == std::floor(*azimuths)))
             return block.error("nPhis", fmt::format("1 to {}", k_most_patches), fmt::format("{:g}", *azimuths));
-        basis.rings.push_back({float(std::clamp(*theta, 0.0, 90.0) * k_degree), float(begins * k_degree),
-                               float(std::min(*to, 90.0) * k_degree), std::uint32_t(*azimuths)});
+        basis.rings.push_back({float(std::clamp(*theta, 0.0, 90.0) * k_degree), float(expected_lower * k_degree),
+                               float(std::min(*upper, 90.0) * k_degree), std::uint32_t(*azimuths)});
     }
     if (basis.rings.empty() || std::abs(double(basis.rings.back().to) / k_degree - 90) > 1e-3)
-        return of.error("angle basis", "rings to 90 degrees", "others");
+        return element.error("angle basis", "rings to 90 degrees", "others");
     if (basis.patches() > k_most_patches)
-        return of.error("angle basis", fmt::format("at most {} patches", k_most_patches),
-                        fmt::format("{}", basis.patches()));
+        return element.error("angle basis", fmt::format("at most {} patches", k_most_patches),
+                             fmt::format("{}", basis.patches()));
     return basis;
 }
 
-AngleBasis made(const KnownBasis& known) {
+AngleBasis basis_of(const KnownBasis& known) {
     AngleBasis basis{std::string(known.name), {}};
     for (std::size_t r = 0; r < known.azimuths.size(); ++r) {
-        const float from = known.bounds[r], to = known.bounds[r + 1], theta = r == 0 ? 0 : (from + to) / 2;
+        const float lower = known.bounds[r], upper = known.bounds[r + 1], theta = r == 0 ? 0 : (lower + upper) / 2;
         const auto in_radians = [](float degrees) { return float(double(degrees) * k_degree); };
-        basis.rings.push_back({in_radians(theta), in_radians(from), in_radians(to), known.azimuths[r]});
+        basis.rings.push_back({in_radians(theta), in_radians(lower), in_radians(upper), known.azimuths[r]});
     }
     return basis;
 }
 
 }  // namespace
 
-AngleBasis klems_basis(KlemsBasis of) { return made(known_bases()[std::size_t(of)]); }
+AngleBasis klems_basis(KlemsBasis basis) { return basis_of(known_bases()[std::size_t(basis)]); }
 
 namespace {
 
-Result<AngleBasis> basis_named(const Element& of, const std::vector<AngleBasis>& defined) {
-    const std::string name = name_in(of.text());
+Result<AngleBasis> basis_named(const Element& element, const std::vector<AngleBasis>& defined) {
+    const std::string name = name_in(element.text());
     for (const AngleBasis& basis : defined)
         if (same(basis.name, name)) return basis;
     for (const KnownBasis& known : known_bases())
-        if (same(known.name, name)) return made(known);
-    return of.error("angle basis", "one that the file defines, or one of Klems'", srbf::quoted(name));
+        if (same(known.name, name)) return basis_of(known);
+    return element.error("angle basis", "one that the file defines, or one of Klems'", srbf::quoted(name));
 }
 
-/// The numbers of a matrix, separated by white space and commas.
+/// Reads the numbers of a matrix, which are separated by white space and commas.
 Result<std::vector<float>> read_numbers(const Element& data, std::size_t count) {
     std::vector<float> numbers;
-    std::string_view rest = data.node.child_value();
+    std::string_view remaining = data.node.child_value();
     for (;;) {
-        const std::string_view word = next_word(rest, " \t\r\n,");
+        const std::string_view word = next_word(remaining, " \t\r\n,");
         if (word.empty()) break;
         const auto number = to_number<float>(word);
         if (!number || !std::isfinite(*number))
@@ -149,31 +150,31 @@ Result<std::vector<float>> read_numbers(const Element& data, std::size_t count) 
     return numbers;
 }
 
-/// The definitions of a file before its matrices.
+/// The definitions before the matrices of a file.
 struct Definition {
     std::vector<AngleBasis> bases;
-    int rank = 0;             ///< of tensor trees; 0: matrices
-    bool is_in_rows = false;  ///< whether a row of a matrix, not a column, is of an incident patch
+    int rank = 0;             ///< rank of tensor trees; 0: matrices
+    bool is_in_rows = false;  ///< true if each row, not each column, of a matrix belongs to an incident patch
 };
 
-Result<Definition> read_definition(const Element& of) {
+Result<Definition> read_definition(const Element& element) {
     Definition definition;
-    const std::string_view structure = of.child("IncidentDataStructure").text();
+    const std::string_view structure = element.child("IncidentDataStructure").text();
     definition.rank = same(structure, "TensorTree3") ? 3 : same(structure, "TensorTree4") ? 4 : 0;
     if (definition.rank > 0) return definition;
     definition.is_in_rows = same(structure, "Rows");
     if (!definition.is_in_rows && !same(structure, "Columns"))
-        return of.error("IncidentDataStructure", "Columns, Rows, TensorTree3 or TensorTree4", quoted(structure));
-    for (const Element& basis_of : of.children("AngleBasis")) {
-        if (definition.bases.size() == k_most_blocks) return of.error("angle bases", "fewer", "more");
-        auto basis = read_basis(basis_of);
+        return element.error("IncidentDataStructure", "Columns, Rows, TensorTree3 or TensorTree4", quoted(structure));
+    for (const Element& basis_element : element.children("AngleBasis")) {
+        if (definition.bases.size() == k_most_blocks) return element.error("angle bases", "fewer", "more");
+        auto basis = read_basis(basis_element);
         if (!basis) return basis.error();
         definition.bases.push_back(*std::move(basis));
     }
     return definition;
 }
 
-/// The content of a block.
+/// The content of a block: a matrix or a tensor tree.
 using XmlBlock = std::variant<KlemsTable, TreeTable>;
 using XmlBlocks = std::array<std::optional<XmlBlock>, k_parts>;
 using NamedXmlBlocks = std::pair<std::string, XmlBlocks>;
@@ -201,15 +202,15 @@ Result<XmlBlock> read_matrix(const Element& block, const Definition& definition)
 
 // ---- Files ----
 
-/// Parses the text of a file; document types, with which entities are defined, are refused.
+/// Parses the text of a file. Document types, which can define entities, are refused.
 Result<Done> parse(std::span<const std::byte> bytes, const std::string& file_name, pugi::xml_document& document) {
     const auto refused = [&](std::string expected, std::string found) {
         return Error{file_name, {}, "XML", std::move(expected), std::move(found)};
     };
     if (bytes.size() > k_largest_xml)
         return refused(fmt::format("at most {} bytes", k_largest_xml), fmt::format("{}", bytes.size()));
-    if (const auto at = as_text(bytes).find("<!DOCTYPE"); at != std::string_view::npos)
-        return Error{file_name, at, "XML", "no document type, with which entities are defined", "one"};
+    if (const auto offset = as_text(bytes).find("<!DOCTYPE"); offset != std::string_view::npos)
+        return Error{file_name, offset, "XML", "no document type, which can define entities", "one"};
     const auto markup = std::ranges::count_if(as_text(bytes), [](char c) { return c == '<' || c == '='; });
     if (markup > k_most_markup)
         return refused(fmt::format("at most {} tags and attributes", k_most_markup), fmt::format("{}", markup));
@@ -240,20 +241,20 @@ Result<XmlBlock> read_tree(const Element& block, int rank) {
     return error;
 }
 
-/// Reads what a block holds into its part and band.
+/// Reads the table in a block, and adds it to its part and band.
 Result<Done> read_block(const Element& block, const Definition& definition, const std::string& band,
                         std::vector<NamedXmlBlocks>& bands) {
     const std::string_view direction = block.child("WavelengthDataDirection").text();
     const auto part = part_named(direction);
     if (!part)
         return block.error("WavelengthDataDirection", "Transmission or Reflection, Front or Back", quoted(direction));
-    auto of_band = std::ranges::find(bands, band, &NamedXmlBlocks::first);
-    if (of_band == bands.end()) of_band = bands.insert(bands.end(), {band, {}});
-    auto& of_part = of_band->second[std::size_t(*part)];
-    if (of_part) return block.error(std::string(name(*part)), "one matrix or tree in a band", "another");
+    auto band_blocks = std::ranges::find(bands, band, &NamedXmlBlocks::first);
+    if (band_blocks == bands.end()) band_blocks = bands.insert(bands.end(), {band, {}});
+    auto& part_block = band_blocks->second[std::size_t(*part)];
+    if (part_block) return block.error(std::string(name(*part)), "one matrix or tree in a band", "another");
     auto table = definition.rank > 0 ? read_tree(block, definition.rank) : read_matrix(block, definition);
     if (!table) return table.error();
-    of_part = *std::move(table);
+    part_block = *std::move(table);
     return Done{};
 }
 
@@ -282,74 +283,76 @@ BsdfTable::Band band_of(std::string name, XmlBlocks&& blocks, const std::string&
     for (std::size_t p = 0; p < k_parts; ++p) {
         if (!blocks[p]) continue;
         const char* const format = std::holds_alternative<TreeTable>(*blocks[p]) ? "BSDF tree" : "BSDF XML";
-        EvaluatedTable table = std::visit([](auto& of) { return evaluated(std::move(of)); }, *blocks[p]);
+        EvaluatedTable table =
+            std::visit([](auto& table_content) { return evaluated(std::move(table_content)); }, *blocks[p]);
         band.part[p] = std::make_shared<const Measured>(Measured{file_name, format, 0, std::move(table)});
     }
     return band;
 }
 
 NamedXmlBlocks* band_named(std::vector<NamedXmlBlocks>& bands, std::string_view name) {
-    const auto band = std::ranges::find_if(bands, [&](const NamedXmlBlocks& of) { return same(of.first, name); });
+    const auto band = std::ranges::find_if(bands, [&](const NamedXmlBlocks& named) { return same(named.first, name); });
     return band == bands.end() ? nullptr : &*band;
 }
 
-/// Radiance's bands of chromaticity of trees, CIE-u and CIE-v, belong to "Visible".
+/// Joins Radiance's bands of chromaticity, CIE-u and CIE-v, to the trees of "Visible".
 void join_chromaticity(std::vector<NamedXmlBlocks>& bands) {
     auto *y = band_named(bands, k_visible), *u = band_named(bands, "CIE-u"), *v = band_named(bands, "CIE-v");
     if (!y || !u || !v) return;
-    const auto tree = [](std::optional<XmlBlock>& of) { return of ? std::get_if<TreeTable>(&*of) : nullptr; };
+    const auto tree = [](std::optional<XmlBlock>& block) { return block ? std::get_if<TreeTable>(&*block) : nullptr; };
     for (std::size_t p = 0; p < k_parts; ++p) {
-        TreeTable *of_y = tree(y->second[p]), *of_u = tree(u->second[p]), *of_v = tree(v->second[p]);
-        if (!of_y || !of_u || !of_v) continue;
-        of_y->chromaticity.push_back(std::move(of_u->y));
-        of_y->chromaticity.push_back(std::move(of_v->y));
+        TreeTable *tree_y = tree(y->second[p]), *tree_u = tree(u->second[p]), *tree_v = tree(v->second[p]);
+        if (!tree_y || !tree_u || !tree_v) continue;
+        tree_y->chromaticity.push_back(std::move(tree_u->y));
+        tree_y->chromaticity.push_back(std::move(tree_v->y));
     }
     std::erase_if(bands,
                   [](const NamedXmlBlocks& band) { return same(band.first, "CIE-u") || same(band.first, "CIE-v"); });
 }
 
-/// Makes matrices of these bands one band of colours, Σ weight × matrix, if all have the same parts and patches. It is the
-/// first; those that it is made of are kept on request.
-void join_matrices(std::vector<NamedXmlBlocks>& bands, const std::vector<NamedXmlBlocks*>& of,
+/// Replaces the matrices in these bands by one band of colours, Σ weight × matrix, if all have the same parts and
+/// patches. The new band becomes the first; `keep` retains the original ones.
+void join_matrices(std::vector<NamedXmlBlocks>& bands, const std::vector<NamedXmlBlocks*>& sources,
                    const std::vector<Rgb>& weights, std::string name, bool keep) {
     const auto matrix = [](std::optional<XmlBlock>& block) {
         return block ? std::get_if<KlemsTable>(&*block) : nullptr;
     };
     for (std::size_t p = 0; p < k_parts; ++p)
-        for (NamedXmlBlocks* band : of) {
-            const KlemsTable *first = matrix(of[0]->second[p]), *here = matrix(band->second[p]);
-            if (!first != !here || of[0]->second[p].has_value() != band->second[p].has_value()) return;
-            if (!here) continue;
-            if (here->incident.rings != first->incident.rings || here->outgoing.rings != first->outgoing.rings) return;
+        for (NamedXmlBlocks* band : sources) {
+            const KlemsTable *first = matrix(sources[0]->second[p]), *other = matrix(band->second[p]);
+            if (!first != !other || sources[0]->second[p].has_value() != band->second[p].has_value()) return;
+            if (!other) continue;
+            if (other->incident.rings != first->incident.rings || other->outgoing.rings != first->outgoing.rings)
+                return;
         }
-    NamedXmlBlocks joined{std::move(name), of[0]->second};
+    NamedXmlBlocks joined{std::move(name), sources[0]->second};
     for (std::size_t p = 0; p < k_parts; ++p) {
         KlemsTable* table = matrix(joined.second[p]);
         if (!table) continue;
         for (std::size_t i = 0; i < table->cells.size(); ++i) {
             std::array<double, 3> sum{};
-            for (std::size_t b = 0; b < of.size(); ++b)
+            for (std::size_t b = 0; b < sources.size(); ++b)
                 for (int c = 0; c < 3; ++c)
-                    sum[std::size_t(c)] += double(weights[b][c]) * double(matrix(of[b]->second[p])->cells[i].g);
+                    sum[std::size_t(c)] += double(weights[b][c]) * double(matrix(sources[b]->second[p])->cells[i].g);
             table->cells[i] = {float(sum[0]), float(sum[1]), float(sum[2])};
         }
     }
-    std::vector<NamedXmlBlocks> kept{std::move(joined)};
+    std::vector<NamedXmlBlocks> result{std::move(joined)};
     for (NamedXmlBlocks& band : bands)
-        if (keep || std::ranges::find(of, &band) == of.end()) kept.push_back(std::move(band));
-    bands = std::move(kept);
+        if (keep || std::ranges::find(sources, &band) == sources.end()) result.push_back(std::move(band));
+    bands = std::move(result);
 }
 
-/// Bands that are one in colour: Visible with CIE-X and CIE-Z, whose equal values are white, as in Radiance; R, G and B;
-/// and wavelengths [nm, or μm] that tell of a colour.
+/// Joins the bands of a coloured BSDF: Visible with CIE-X and CIE-Z, whose equal values are white, as in Radiance;
+/// R, G and B; or wavelengths [nm or μm] that determine a colour.
 void join_colours(std::vector<NamedXmlBlocks>& bands) {
     join_chromaticity(bands);
     const auto join = [&](const std::array<std::string_view, 3>& names, const std::vector<Rgb>& weights,
                           std::string_view name) {
-        std::vector<NamedXmlBlocks*> of;
-        for (const std::string_view each : names)
-            if (auto* band = band_named(bands, each)) of.push_back(band);
-        if (of.size() == names.size()) join_matrices(bands, of, weights, std::string(name), false);
+        std::vector<NamedXmlBlocks*> sources;
+        for (const std::string_view band_name : names)
+            if (auto* band = band_named(bands, band_name)) sources.push_back(band);
+        if (sources.size() == names.size()) join_matrices(bands, sources, weights, std::string(name), false);
     };
     const Xyz white = white_point();
     join({k_visible, "CIE-X", "CIE-Z"}, {to_rgb(Xyz{0, 1, 0}), to_rgb(Xyz{white.x, 0, 0}), to_rgb(Xyz{0, 0, white.z})},
@@ -357,24 +360,24 @@ void join_colours(std::vector<NamedXmlBlocks>& bands) {
     const std::vector<Rgb> primaries{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     join({"R", "G", "B"}, primaries, k_colours);
     join({"Red", "Green", "Blue"}, primaries, k_colours);
-    std::vector<std::pair<float, NamedXmlBlocks*>> by_wavelength;
+    std::vector<std::pair<float, NamedXmlBlocks*>> sorted;
     for (NamedXmlBlocks& band : bands)
         if (const auto number = to_number<float>(band.first))
-            by_wavelength.push_back({*number < 100 ? 1000 * *number : *number, &band});
-    std::ranges::sort(by_wavelength);
+            sorted.push_back({*number < 100 ? 1000 * *number : *number, &band});
+    std::ranges::sort(sorted);
     std::vector<float> wavelengths;
-    std::vector<NamedXmlBlocks*> of;
-    for (const auto& [nm, band] : by_wavelength) wavelengths.push_back(nm), of.push_back(band);
+    std::vector<NamedXmlBlocks*> sources;
+    for (const auto& [nm, band] : sorted) wavelengths.push_back(nm), sources.push_back(band);
     if (!band_named(bands, k_colours) && are_wavelengths(wavelengths) && has_colours(wavelengths))
-        join_matrices(bands, of, rgb_weights(wavelengths), std::string(k_colours), true);
+        join_matrices(bands, sources, rgb_weights(wavelengths), std::string(k_colours), true);
 }
 
 }  // namespace
 
 bool is_xml(std::string_view text) {
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-    const std::string_view rest = stripped(text.substr(0, 4096));
-    return rest.starts_with("<?xml") || rest.starts_with("<WindowElement") || rest.starts_with("<!");
+    const std::string_view start = stripped(text.substr(0, 4096));
+    return start.starts_with("<?xml") || start.starts_with("<WindowElement") || start.starts_with("<!");
 }
 
 Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name) {
@@ -388,15 +391,15 @@ Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::str
     const auto definition = read_definition(layer.child("DataDefinition"));
     if (!definition) return definition.error();
     if (definition->rank > 0) {
-        // Memory holds the text twice, then the trees: within four times the file and 64 MB.
+        // Memory holds the text twice and then the trees, in all at most four times the file and 64 MB.
         constexpr std::size_t slack = 32 << 20;
-        std::size_t taken = 0;
+        std::size_t tree_bytes = 0;
         for (const Element& data : layer.children("WavelengthData"))
             for (const Element& block : data.children("WavelengthDataBlock"))
-                taken += most_tree_bytes(block.node.child("ScatteringData").child_value());
-        if (taken > 2 * bytes.size() + slack)
+                tree_bytes += most_tree_bytes(block.node.child("ScatteringData").child_value());
+        if (tree_bytes > 2 * bytes.size() + slack)
             return layer.error("tensor trees", fmt::format("at most {} bytes of nodes", 2 * bytes.size() + slack),
-                               fmt::format("{}", taken));
+                               fmt::format("{}", tree_bytes));
     }
     auto bands = read_bands(layer, *definition);
     if (!bands) return bands.error();

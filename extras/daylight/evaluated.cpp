@@ -1,4 +1,4 @@
-// Matrices and trees as tables of parts.
+// Matrices and trees as tables of a BSDF's parts.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace srbf {
 
 namespace {
 
-/// A table of a file of XML.
+/// A table of an XML file.
 using PackedXml = std::variant<KlemsTable, TreeTable>;
 
 }  // namespace
@@ -35,8 +35,8 @@ std::vector<TableLine> lines_about(const TreeTable& table) {
             {"value [1/sr]", range.text()}};
 }
 
-EvaluatedTable evaluated(KlemsTable of) {
-    const auto table = std::make_shared<const KlemsTable>(std::move(of));
+EvaluatedTable evaluated(KlemsTable matrix) {
+    const auto table = std::make_shared<const KlemsTable>(std::move(matrix));
     EvaluatedTable evaluated = evaluated_as<PackedXml>("BSDF XML", table);
     evaluated.own_fit = std::make_shared<const OwnFit>(OwnFit{
         "patches",
@@ -48,8 +48,8 @@ EvaluatedTable evaluated(KlemsTable of) {
     return evaluated;
 }
 
-EvaluatedTable evaluated(TreeTable of) {
-    const auto table = std::make_shared<const TreeTable>(std::move(of));
+EvaluatedTable evaluated(TreeTable tree) {
+    const auto table = std::make_shared<const TreeTable>(std::move(tree));
     EvaluatedTable evaluated = evaluated_as<PackedXml>("BSDF XML", table);
     evaluated.separated_beam = [table] { return separated_beam(table); };
     return evaluated;

@@ -20,27 +20,27 @@
 namespace srbf {
 namespace {
 
-/// Points of a pair of patches at which a fit observes it.
+/// Points in each pair of patches at which a fit observes f.
 constexpr std::size_t k_fitted_points = 8;
-/// Points of an outgoing patch in directional-hemispherical sums.
+/// Points in each outgoing patch for directional-hemispherical sums.
 constexpr std::size_t k_hemisphere_points = 4;
-/// Rounds of expectation and maximisation: each but the first begins from the previous one's errors and lobes, and
-/// another one follows if the error has fallen by that share.
+/// Rounds of expectation-maximisation. Each later round starts from the lobes and errors of the previous one.
+/// Rounds continue while the error falls by this fraction.
 constexpr int k_most_rounds = 3;
 constexpr double k_least_gain_of_round = 0.02;
-/// Most matrices are smooth, and a fit is repeated.
+/// Starts and perturbations are few, since most matrices are smooth and each fit is repeated.
 constexpr int k_starts = 8, k_perturbations = 12;
-/// Half of the share to which the sums have to be right, `k_good_share`.
+/// Half of `k_good_share`, the required relative accuracy of the sums.
 constexpr double k_integral_error = 0.005;
-/// The sizes that are tried, and what is good enough (fit_bsdf.h, `fit_patches`).
+/// The sizes that are tried, and the errors that are good enough (fit_bsdf.h, `fit_patches`).
 struct Size {
     int lobes, variates;
 };
 constexpr Size k_sizes[] = {{1, 1}, {1, 2}, {2, 2}, {3, 2}, {4, 3}, {6, 3}, {8, 4}};
 constexpr double k_good_error = 1e-3, k_good_share = 0.01, k_good_sum = 0.001;
-/// From an error so many times as large no size between leads to a good one.
+/// If the error is this many times the goal, skip directly to the largest size.
 constexpr double k_far = 100;
-/// The least width of a lobe in those of the narrowest ring of patches.
+/// The least width of a lobe, as a fraction of the width of the narrowest ring of patches.
 constexpr double k_finest = 0.5;
 
 /// The first incident patch of each ring.
@@ -53,61 +53,62 @@ std::vector<std::size_t> first_patches(const KlemsTable& table) {
 
 /// f cosθ summed over the outgoing patches, for light from the middles of incident patches.
 std::vector<ObservedIntegral> hemispheres(const KlemsTable& table, std::span<const std::size_t> incident) {
-    std::vector<ObservedIntegral> all;
-    const AngleBasis& out = table.outgoing;
+    std::vector<ObservedIntegral> sums;
+    const AngleBasis& outgoing = table.outgoing;
     for (const std::size_t i : incident) {
         ObservedIntegral sum;
-        sum.in_search = all.size() % 2 == 0;
+        sum.in_search = sums.size() % 2 == 0;
         const Vec3f light = light_at(table.incident.middle_of(i));
         RSequence<2> points;
-        for (std::size_t o = 0; o < out.patches(); ++o) {
+        for (std::size_t o = 0; o < outgoing.patches(); ++o) {
             const Rgb f = table.cell(o, i);
             if (!is_finite(f)) continue;
             for (std::size_t k = 0; k < k_hemisphere_points; ++k) {
                 const auto u = points.next();
-                sum.wv.push_back(light);  // exchanged with the viewer, as in all that a matrix observes
-                sum.wl.push_back(view_at(out.point_of(o, u[0], u[1])));
+                sum.wv.push_back(light);  // exchanged with the viewer, as in all observations of a matrix
+                sum.wl.push_back(view_at(outgoing.point_of(o, u[0], u[1])));
                 sum.f.push_back(non_negative(f));
-                sum.weight.push_back(out.projected_solid_angle(out.ring_of(o)) / double(k_hemisphere_points));
+                sum.weight.push_back(outgoing.projected_solid_angle(outgoing.ring_of(o)) / double(k_hemisphere_points));
             }
         }
-        all.push_back(std::move(sum));
+        sums.push_back(std::move(sum));
     }
-    return all;
+    return sums;
 }
 
-/// The sums without beams, of `hemispheres` for these incident patches.
-std::vector<Hemispherical> scattered(const KlemsTable& table, std::span<const std::size_t> incident,
-                                     const std::vector<ObservedIntegral>& sums, const Evaluate& f) {
-    std::vector<Hemispherical> all;
+/// The directional-hemispherical sums without beams, measured and fitted, for the sums of `hemispheres` at these
+/// incident patches.
+std::vector<Hemispherical> sums_without_beams(const KlemsTable& table, std::span<const std::size_t> incident,
+                                              const std::vector<ObservedIntegral>& sums, const Evaluate& f) {
+    std::vector<Hemispherical> results;
     for (std::size_t i = 0; i < sums.size(); ++i) {
-        const ObservedIntegral& of = sums[i];
+        const ObservedIntegral& observed = sums[i];
         const auto light = angles(light_at(table.incident.middle_of(incident[i])));
         Hemispherical sum{double(light.theta), double(light.phi), 0, 0};
-        std::vector<Rgb> fitted(of.f.size());
-        f(of.wv, of.wl, fitted);
-        for (std::size_t k = 0; k < of.f.size(); ++k) {
-            sum.measured += of.weight[k] * double(of.f[k].g);
-            sum.fitted += of.weight[k] * double(fitted[k].g);
+        std::vector<Rgb> fitted(observed.f.size());
+        f(observed.wv, observed.wl, fitted);
+        for (std::size_t k = 0; k < observed.f.size(); ++k) {
+            sum.measured += observed.weight[k] * double(observed.f[k].g);
+            sum.fitted += observed.weight[k] * double(fitted[k].g);
         }
-        all.push_back(sum);
+        results.push_back(sum);
     }
-    return all;
+    return results;
 }
 
 bool is_good(const Hemispherical& sum) {
     return std::abs(sum.fitted - sum.measured) <= std::max(k_good_share * sum.measured, k_good_sum);
 }
 
-/// The width of the narrowest ring; that of the cap at the normal is its diameter.
+/// The width of the narrowest ring [rad]. For the cap at the normal, the width is its diameter.
 double least_width(const AngleBasis& basis) {
-    double least = k_pi / 2;
+    double smallest = k_pi / 2;
     for (const AngleBasis::Ring& ring : basis.rings)
-        least = std::min(least, double(ring.from > 0 ? ring.to - ring.from : 2 * ring.to));
-    return least;
+        smallest = std::min(smallest, double(ring.from > 0 ? ring.to - ring.from : 2 * ring.to));
+    return smallest;
 }
 
-/// Fits to one matrix.
+/// Fits to one matrix, of increasing size.
 class PatchFits {
   public:
     PatchFits(const KlemsTable& table, const FitRequest& request) : table_(table), request_(request) {
@@ -115,31 +116,31 @@ class PatchFits {
     }
 
     Result<FitOutcome> fit_ggx(const ProgressToken& progress) const {
-        return srbf::fit_ggx(observed(means_), request_, progress);  // reciprocal
+        return srbf::fit_ggx(observations_of(means_), request_, progress);  // reciprocal
     }
 
-    /// A fit of this size in several rounds, the best of them. A search that is no better than a smaller size is repeated
-    /// with other random numbers.
+    /// Fits this size in several rounds and keeps the best fit. A search that does not improve on a smaller size is
+    /// repeated with other random numbers.
     Result<Done> fit_size(FitOptions options, const Size& size, const ProgressToken& progress) {
         options.lobes = size.lobes, options.variates = size.variates;
         if (options.reciprocal) options.variates += options.variates % 2;
         std::vector<Rgb> values = means_;
-        std::optional<PmModel> begin;
+        std::optional<PmModel> initial_lobes;
         for (int round = 0; round < k_most_rounds; ++round) {
-            auto fit = fit_pm(observed(values), options,
+            auto fit = fit_pm(observations_of(values), options,
                               progress.part(double(round) / k_most_rounds, (round + 1.0) / k_most_rounds),
-                              begin ? &*begin : nullptr);
+                              initial_lobes ? &*initial_lobes : nullptr);
             if (!fit) return fit.error();
             if (progress.cancelled()) return cancelled_error("fit");
             PmModel lobes = fit->unrounded;
             FitOutcome outcome = outcome_of(*std::move(fit));
             exchange(outcome.model), exchange(outcome.unrounded);
             const Evaluate fitted = evaluator(outcome.model);
-            const double error = measured_.error_ratio(fitted), before = best_ ? error_ : 2 * error;
-            if (error < before) best_ = outcome, error_ = error;
-            if (begin && !(error < (1 - k_least_gain_of_round) * before)) break;
-            if (error < before)
-                begin = std::move(lobes), values = expected_values(fitted);
+            const double error = measured_.error_ratio(fitted), previous_error = best_ ? error_ : 2 * error;
+            if (error < previous_error) best_ = outcome, error_ = error;
+            if (initial_lobes && !(error < (1 - k_least_gain_of_round) * previous_error)) break;
+            if (error < previous_error)
+                initial_lobes = std::move(lobes), values = expected_values(fitted);
             else
                 ++options.seed;
         }
@@ -148,44 +149,45 @@ class PatchFits {
     /// True if the best fit so far is good enough.
     bool is_enough() const {
         return error_ <= k_good_error &&
-               std::ranges::all_of(scattered(table_, incident_, integrals_, evaluator(best_->model)), is_good);
+               std::ranges::all_of(sums_without_beams(table_, incident_, integrals_, evaluator(best_->model)), is_good);
     }
     double error() const { return error_; }
     FitOutcome best() { return *std::move(best_); }
 
   private:
-    Observations observed(const std::vector<Rgb>& values) const {
-        Observations all;
-        all.objective = Objective::cosine;
-        all.wl = points_.wv, all.wv = points_.wl, all.f = values;  // exchanged, as in `hemispheres`
+    Observations observations_of(const std::vector<Rgb>& values) const {
+        Observations observations;
+        observations.objective = Objective::cosine;
+        observations.wl = points_.wv, observations.wv = points_.wl,
+        observations.f = values;  // exchanged, as in `hemispheres`
         for (std::size_t k = 0; k < values.size(); ++k)
-            all.weight.push_back(points_.weight[k / points_.points] / double(points_.points));
-        all.normalise();
+            observations.weight.push_back(points_.weight[k / points_.points] / double(points_.points));
+        observations.normalise();
         double sum = 0;
         for (const Rgb& f : values) sum += mean_of(f);
-        all.typical = sum / double(values.size());
+        observations.typical = sum / double(values.size());
         std::mt19937_64 random(request_.seed);
-        all.shuffle(random);
+        observations.shuffle(random);
         for (const auto& [wl, wv] : horizon_grid()) {
             const Rgb f = value(table_, wv, wl);
             if (!is_finite(f)) continue;
-            all.add(wl, wv, f, 0);
-            ++all.bound_pairs;
+            observations.add(wl, wv, f, 0);
+            ++observations.bound_pairs;
         }
-        all.integrals = integrals_;
-        all.integral_error = k_integral_error;
-        return all;
+        observations.integrals = integrals_;
+        observations.integral_error = k_integral_error;
+        return observations;
     }
 
-    /// The expected values within the patches, for their averages and this fit.
+    /// The expected values within the patches, given the measured averages and this fit.
     std::vector<Rgb> expected_values(const Evaluate& fitted) const {
         std::vector<Rgb> values(points_.wl.size());
         fitted(points_.wl, points_.wv, values);
         const std::vector<Rgb> averages = points_.averages(fitted);
         for (std::size_t k = 0; k < values.size(); ++k)
             for (int c = 0; c < 3; ++c) {
-                const std::size_t patches = k / points_.points;
-                values[k][c] = std::max(values[k][c] + points_.mean[patches][c] - averages[patches][c], 0.f);
+                const std::size_t patch_pair = k / points_.points;
+                values[k][c] = std::max(values[k][c] + points_.mean[patch_pair][c] - averages[patch_pair][c], 0.f);
             }
         return values;
     }
@@ -195,7 +197,7 @@ class PatchFits {
     const PatchSums points_ = sums_of(table_, k_fitted_points), measured_ = sums_of(table_, k_measured_points);
     const std::vector<std::size_t> incident_ = first_patches(table_);
     const std::vector<ObservedIntegral> integrals_ = hemispheres(table_, incident_);
-    std::vector<Rgb> means_;  // of the patches, at each of the points
+    std::vector<Rgb> means_;  // the mean of its patches for each point
     std::optional<FitOutcome> best_;
     double error_ = 0;
 };
@@ -206,24 +208,24 @@ PatchSums sums_of(const KlemsTable& table, std::size_t points) {
     PatchSums sums;
     sums.points = points;
     RSequence<4> sequence;
-    for (const PatchClass& of : patch_classes(table, is_isotropic(table))) {
-        sums.mean.push_back(non_negative(of.mean));
-        sums.weight.push_back(of.weight);
+    for (const PatchClass& pair_class : patch_classes(table, is_isotropic(table))) {
+        sums.mean.push_back(non_negative(pair_class.mean));
+        sums.weight.push_back(pair_class.weight);
         for (std::size_t k = 0; k < points; ++k) {
             const auto u = sequence.next();
-            sums.wl.push_back(light_at(table.incident.point_of(of.incident, u[0], u[1])));
-            sums.wv.push_back(view_at(table.outgoing.point_of(of.outgoing, u[2], u[3])));
+            sums.wl.push_back(light_at(table.incident.point_of(pair_class.incident, u[0], u[1])));
+            sums.wv.push_back(view_at(table.outgoing.point_of(pair_class.outgoing, u[2], u[3])));
         }
     }
     return sums;
 }
 
 std::vector<Rgb> PatchSums::averages(const Evaluate& f) const {
-    std::vector<Rgb> values(wl.size()), all(mean.size());
+    std::vector<Rgb> values(wl.size()), means(mean.size());
     f(wl, wv, values);
     for (std::size_t k = 0; k < values.size(); ++k)
-        for (int c = 0; c < 3; ++c) all[k / points][c] += values[k][c] / float(points);
-    return all;
+        for (int c = 0; c < 3; ++c) means[k / points][c] += values[k][c] / float(points);
+    return means;
 }
 
 double PatchSums::error_ratio(const Evaluate& f) const {
@@ -243,12 +245,13 @@ std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate
         std::iota(incident.begin(), incident.end(), std::size_t(0));
     }
     const auto sums = hemispheres(table, incident);
-    std::vector<Hemispherical> all = scattered(table, incident, sums, f);
-    for (std::size_t k = 0; k < all.size(); ++k) {
-        if (!table.beam.empty()) all[k].measured += double(table.beam[incident[k]].g);
-        all[k].fitted += double(share_at(beams, part, light_at(table.incident.middle_of(incident[k]))).g);
+    std::vector<Hemispherical> hemispherical_sums = sums_without_beams(table, incident, sums, f);
+    for (std::size_t k = 0; k < hemispherical_sums.size(); ++k) {
+        if (!table.beam.empty()) hemispherical_sums[k].measured += double(table.beam[incident[k]].g);
+        hemispherical_sums[k].fitted +=
+            double(share_at(beams, part, light_at(table.incident.middle_of(incident[k]))).g);
     }
-    return all;
+    return hemispherical_sums;
 }
 
 Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& request, const ProgressToken& progress) {
@@ -269,14 +272,16 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
     if (const auto lobes = lobes_of(*pm)) sizes = {{*lobes, pm->variates}};
     FitOptions options =
         quick_options(pm_options(request, pm->axial.value_or(is_isotropic(table))), k_starts, k_perturbations);
-    // The mean of a patch does not tell lobes narrower than the patch from each other.
+    // The mean over a patch cannot resolve lobes that are narrower than the patch.
     options.finest = k_finest * least_width(table.outgoing);
-    const double all = double(sizes.size());
+    const double size_count = double(sizes.size());
     for (std::size_t i = 0; i < sizes.size(); ++i) {
-        const auto done = fits.fit_size(options, sizes[i], progress.part(double(i) / all, double(i + 1) / all));
+        const auto done =
+            fits.fit_size(options, sizes[i], progress.part(double(i) / size_count, double(i + 1) / size_count));
         if (!done) return done.error();
         if (fits.is_enough()) break;
-        if (fits.error() > k_far * k_good_error && i + 2 < sizes.size()) i = sizes.size() - 2;  // the largest is next
+        if (fits.error() > k_far * k_good_error && i + 2 < sizes.size())
+            i = sizes.size() - 2;  // continue with the largest
     }
     FitOutcome outcome = fits.best();
     outcome.fit_seconds = seconds_since(start);

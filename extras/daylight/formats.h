@@ -1,4 +1,4 @@
-// The formats of daylighting.
+// The formats of daylighting simulation.
 #pragma once
 #include <variant>
 
@@ -14,7 +14,7 @@ EvaluatedTable unpack_bsdf_xml(std::string_view bytes);
 
 inline constexpr std::string_view k_klems_bases[] = {"full", "half", "quarter"};  ///< in the order of `KlemsBasis`
 inline constexpr WriterOption k_klems_option{
-    "--basis", "XML: Klems' patches, of which there are 145 (full), 77 (half) or 41 (quarter)", k_klems_bases};
+    "--basis", "XML: Klems' basis, with 145 (full), 77 (half) or 41 (quarter) patches", k_klems_bases};
 inline constexpr Format k_daylight_formats[] = {
     {.name = "BSDF XML",
      .is_text = true,

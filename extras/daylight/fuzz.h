@@ -1,17 +1,17 @@
-// Targets of fuzzers.
+// Fuzz targets.
 #pragma once
 #include "srbf/daylight.h"
 
 namespace srbf {
 
-/// Matrices that are written are read, with as many parts.
+/// A matrix that is written can be read, with the same number of bands.
 inline void check_written_xml(const BsdfTable& table) {
     const std::string written = write_bsdf_xml(table);
     const auto again = read_bsdf_xml(std::as_bytes(std::span(written)), "f");
     require(again.ok() && again->bands.size() == table.bands.size(), "what is written is read");
 }
 
-/// Beams are shares of the light, which the patches that they were taken from keep apart.
+/// Beams are fractions of the light, and the patches that they were taken from keep them separate.
 inline void check_bsdf_xml(std::span<const std::byte> bytes) {
     auto table = read_bsdf_xml(bytes, "f");
     if (table) {
@@ -20,7 +20,7 @@ inline void check_bsdf_xml(std::span<const std::byte> bytes) {
                 for (int c = 0; c < 3; ++c)
                     require(share_at(beam, wl)[c] >= 0 && share_at(beam, wl)[c] <= 1, "a share");
         const auto& parts = table->band().part;
-        if (std::ranges::none_of(parts, [](const auto& of) { return of && own_table<TreeTable>(*of); }))
+        if (std::ranges::none_of(parts, [](const auto& part) { return part && own_table<TreeTable>(*part); }))
             check_written_xml(*table);
     }
     check_measured(std::move(table));

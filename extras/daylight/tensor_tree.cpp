@@ -1,4 +1,4 @@
-// Tensor trees of Radiance: their text and their look-up.
+// Radiance's tensor trees: parsing and look-up.
 #include "extras/daylight/tensor_tree.h"
 
 #include <fmt/format.h>
@@ -15,12 +15,12 @@ namespace srbf {
 
 namespace {
 
-/// The blanks between numbers.
+/// The characters between numbers.
 constexpr std::string_view k_blanks_in_tree = " \t\r\n,";
-/// Limit on the levels of a tree: a leaf is at least 2^−16 wide. Radiance makes seven at most.
+/// Limit on the levels of a tree, whose leaves are then at least 2^−16 wide. Radiance makes at most seven.
 constexpr int k_deepest_tree = 16;
 
-/// Reads the text from its beginning to its end.
+/// Parses the text of a tree.
 class TreeText {
   public:
     TreeText(std::string_view text, TensorTree& tree) : text_(text), tree_(tree) {}
@@ -29,28 +29,28 @@ class TreeText {
         const auto root = node(0);
         if (!root) return root.error();
         tree_.root = *root;
-        if (skip() < text_.size()) return wrong("the end of the tree", found());
+        if (skip() < text_.size()) return wrong("the end of the tree", next_text());
         return {};
     }
 
   private:
-    std::size_t skip() { return at_ = std::min(text_.find_first_not_of(k_blanks_in_tree, at_), text_.size()); }
-    std::string found() const { return at_ < text_.size() ? quoted(text_.substr(at_, 12)) : "the end"; }
-    Error wrong(std::string expected, std::string found) const {
-        return {{}, at_, "tensor tree", std::move(expected), std::move(found)};
+    std::size_t skip() { return offset_ = std::min(text_.find_first_not_of(k_blanks_in_tree, offset_), text_.size()); }
+    std::string next_text() const { return offset_ < text_.size() ? quoted(text_.substr(offset_, 12)) : "the end"; }
+    Error wrong(std::string expected, std::string next_text) const {
+        return {{}, offset_, "tensor tree", std::move(expected), std::move(next_text)};
     }
     bool take(char c) {
-        if (skip() == text_.size() || text_[at_] != c) return false;
-        ++at_;
+        if (skip() == text_.size() || text_[offset_] != c) return false;
+        ++offset_;
         return true;
     }
 
-    /// The node whose brace is next.
+    /// Reads a node, which begins with a brace.
     Result<std::uint32_t> node(int depth) {
         if (depth > k_deepest_tree) return wrong(fmt::format("at most {} levels", k_deepest_tree), "more");
-        if (!take('{')) return wrong("'{'", found());
+        if (!take('{')) return wrong("'{'", next_text());
         const std::size_t children = std::size_t(1) << tree_.rank;
-        if (skip() == text_.size() || text_[at_] != '{') return grid();
+        if (skip() == text_.size() || text_[offset_] != '{') return grid();
         const std::size_t first = tree_.nodes.size();
         tree_.nodes.resize(first + children);
         for (std::size_t n = 0; n < children; ++n) {
@@ -58,18 +58,18 @@ class TreeText {
             if (!child) return child;
             tree_.nodes[first + n] = *child;
         }
-        if (!take('}')) return wrong(fmt::format("'}}' after {} trees", children), found());
+        if (!take('}')) return wrong(fmt::format("'}}' after {} trees", children), next_text());
         return TensorTree::branch(std::uint32_t(first));
     }
 
     Result<std::uint32_t> grid() {
         const std::size_t first = tree_.leaves.size();
         while (!take('}')) {
-            const std::size_t end = std::min(text_.find_first_of(" \t\r\n,{}", at_), text_.size());
-            const auto number = to_number<float>(text_.substr(at_, end - at_));
-            if (!number || !(std::abs(*number) <= k_largest_value)) return wrong("numbers, then '}'", found());
+            const std::size_t end = std::min(text_.find_first_of(" \t\r\n,{}", offset_), text_.size());
+            const auto number = to_number<float>(text_.substr(offset_, end - offset_));
+            if (!number || !(std::abs(*number) <= k_largest_value)) return wrong("numbers, then '}'", next_text());
             tree_.leaves.push_back(*number);
-            at_ = end;
+            offset_ = end;
         }
         const std::size_t count = tree_.leaves.size() - first;
         for (int level = 0; level * tree_.rank < 32; ++level)
@@ -78,7 +78,7 @@ class TreeText {
     }
 
     std::string_view text_;
-    std::size_t at_ = 0;
+    std::size_t offset_ = 0;
     TensorTree& tree_;
 };
 
@@ -89,10 +89,10 @@ TreeCounts counts_of(std::string_view text) {
     TreeCounts counts;
     bool in_number = false;
     for (const char c : text) {
-        const bool parts = c == '{' || c == '}' || k_blanks_in_tree.find(c) != k_blanks_in_tree.npos;
+        const bool separates = c == '{' || c == '}' || k_blanks_in_tree.find(c) != k_blanks_in_tree.npos;
         counts.braces += c == '{';
-        counts.numbers += !parts && !in_number;
-        in_number = !parts;
+        counts.numbers += !separates && !in_number;
+        in_number = !separates;
     }
     return counts;
 }
@@ -137,25 +137,25 @@ float TensorTree::at(std::array<double, 4> x) const {
 }
 
 float TensorTree::smallest_leaf() const {
-    // Nodes of a branch follow it, so that widths are known from the root on.
-    float least = 1;
-    std::vector<std::pair<std::uint32_t, float>> left{{root, 1.f}};
-    while (!left.empty()) {
-        const auto [node, width] = left.back();
-        left.pop_back();
+    // Children follow their branch, so that widths are known from the root down.
+    float smallest = 1;
+    std::vector<std::pair<std::uint32_t, float>> pending{{root, 1.f}};
+    while (!pending.empty()) {
+        const auto [node, width] = pending.back();
+        pending.pop_back();
         if (level_of(node) != k_branch) {
-            least = std::min(least, width / float(1u << level_of(node)));
+            smallest = std::min(smallest, width / float(1u << level_of(node)));
             continue;
         }
-        for (std::uint32_t n = 0; n < 1u << rank; ++n) left.emplace_back(nodes[first_of(node) + n], width / 2);
+        for (std::uint32_t n = 0; n < 1u << rank; ++n) pending.emplace_back(nodes[first_of(node) + n], width / 2);
     }
-    return least;
+    return smallest;
 }
 
 namespace {
 
-/// The point of the unit square of a point of the unit disc, by Shirley and Chiu ("A low distortion map between disk and
-/// square", 1997): equal areas stay equal.
+/// Maps a point of the unit disc to the unit square and preserves areas (Shirley and Chiu, "A low distortion map
+/// between disk and square", 1997).
 std::array<double, 2> shirley_square(double x, double y) {
     constexpr double eighth = k_pi / 4;
     const double r = elementary::hypot(x, y);
@@ -172,9 +172,10 @@ std::array<double, 2> shirley_square(double x, double y) {
     return {(a + 1) / 2, (b + 1) / 2};
 }
 
-/// Where a pair of a part's frame lies in the cube of a tree.
-std::array<double, 4> place_in_tree(int rank, Vec3f wl, Vec3f wv) {
-    // Radiance's vectors: with p = (x, y) of −in and q = (x, y) of out, mirror and straight through are p = q.
+/// The point in the cube of a tree for a pair of directions in a part's frame.
+std::array<double, 4> tree_point(int rank, Vec3f wl, Vec3f wv) {
+    // In Radiance's convention, p = (x, y) of −in and q = (x, y) of out, so p = q for mirror reflection and
+    // straight transmission.
     const double px = double(wl.x), py = -double(wl.y), qx = -double(wv.x), qy = double(wv.y);
     if (rank == 4) {
         const auto p = shirley_square(px, py), q = shirley_square(qx, qy);
@@ -183,7 +184,7 @@ std::array<double, 4> place_in_tree(int rank, Vec3f wl, Vec3f wv) {
     const double sine = elementary::hypot(px, py);
     const double c = sine > 0 ? px / sine : 1, s = sine > 0 ? py / sine : 0;
     const auto q = shirley_square(c * qx + s * qy, c * qy - s * qx);
-    constexpr double tiny = 1e-6;  // Radiance's, so that the normal lies in the lower half of the tree
+    constexpr double tiny = 1e-6;  // as in Radiance; puts the normal in the lower half of the tree
     return {0.5 - tiny - 0.5 * sine, q[0], q[1], 0};
 }
 
@@ -191,13 +192,13 @@ std::array<double, 4> place_in_tree(int rank, Vec3f wl, Vec3f wv) {
 
 Rgb signed_value(const TreeTable& table, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return {};
-    const auto at = place_in_tree(table.y.rank, wl, wv);
-    const float y = table.y.at(at);
+    const auto x = tree_point(table.y.rank, wl, wv);
+    const float y = table.y.at(x);
     if (table.chromaticity.empty()) return {y, y, y};
-    const auto at_v = [&](const TensorTree& tree) { return double(tree.at(at)); };
-    const double u = at_v(table.chromaticity[0]), v = at_v(table.chromaticity[1]), white_u = 4.0 / 19,
+    const auto value_in = [&](const TensorTree& tree) { return double(tree.at(x)); };
+    const double u = value_in(table.chromaticity[0]), v = value_in(table.chromaticity[1]), white_u = 4.0 / 19,
                  white_v = 9.0 / 19;
-    // Chromaticities of no colour, as where y is 0, count as white.
+    // Chromaticities that are not colours, as where y is 0, count as white.
     const bool is_colour = u >= 0 && v > 1e-3 && 3 * u + 20 * v <= 12;
     const double cu = is_colour ? u : white_u, cv = is_colour ? v : white_v;
     const Xyz white = white_point(),

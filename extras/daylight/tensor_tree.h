@@ -1,4 +1,4 @@
-// The text of tensor trees: private to the reader of BSDF XML.
+// Parsing tensor trees. Private to the reader of BSDF XML.
 #pragma once
 #include <string_view>
 
@@ -6,17 +6,17 @@
 
 namespace srbf {
 
-template <typename Each> void members(TensorTree& of, const Each& each) {
-    each(of.rank), each(of.root), each(of.nodes), each(of.leaves);
+template <typename Each> void members(TensorTree& value, const Each& each) {
+    each(value.rank), each(value.root), each(value.nodes), each(value.leaves);
 }
-template <typename Each> void members(TreeTable& of, const Each& each) { each(of.y), each(of.chromaticity); }
+template <typename Each> void members(TreeTable& value, const Each& each) { each(value.y), each(value.chromaticity); }
 
 std::vector<TableLine> lines_about(const TreeTable& table);
 
-/// Bytes that a tree of this text takes in memory at most.
+/// Upper bound on the memory [bytes] of a tree with this text.
 std::size_t most_tree_bytes(std::string_view text);
-/// Reads a tree of rank 3 or 4: `{` with 2^rank trees within, or `{` with 2^(rank k) numbers, separated by white space or
-/// commas. The error states the byte of `text` by its offset, and has no source.
+/// Reads a tree of rank 3 or 4: braces that enclose 2^rank trees or 2^(rank k) numbers, separated by white space or
+/// commas. An error has the byte offset in `text`, and no source.
 Result<TensorTree> read_tensor_tree(std::string_view text, int rank);
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-// Beams in tensor trees: private to fits.
+// Beams in tensor trees. Private to fits.
 #pragma once
 #include <optional>
 
@@ -6,8 +6,8 @@
 
 namespace srbf {
 
-/// A tree keeps light that is not scattered as a peak of its finest leaves about the mirror direction.
-/// None if there is no such peak: a lobe that is wider than the leaves stays.
+/// A tree keeps unscattered light as a peak of its finest leaves around the mirror direction. Returns that beam and
+/// the tree without it; none if there is no such peak. A lobe wider than the leaves is not a beam.
 std::optional<SeparatedBeam> separated_beam(const std::shared_ptr<const TreeTable>& tree);
 
 }  // namespace srbf

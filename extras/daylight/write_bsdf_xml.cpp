@@ -1,4 +1,4 @@
-// Matrices of patches of any BSDF, and their XML.
+// Matrices of patches computed from any BSDF, and their XML.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,13 +15,14 @@ namespace srbf {
 
 namespace {
 
-/// Points of a pair of patches; more where the outgoing patch touches that of the mirror direction, or nearly so, since
-/// lobes may be narrower than a patch.
+/// Points in each pair of patches. There are more if the outgoing patch touches or nearly touches the patch of the
+/// mirror direction, since lobes may be narrower than a patch.
 constexpr std::size_t k_pair_points = 256, k_mirror_pair_points = 4096;
-/// Middles of patches that touch are at most this share of the sum of their widths apart, with some room.
+/// The distance of the middles of two touching patches is at most this fraction of the sum of their widths, with
+/// some margin.
 constexpr double k_touching = 0.6;
 
-/// The larger of the widths of a patch in both angles [rad].
+/// The larger of the two angular widths of a patch [rad].
 double width_of(const AngleBasis& basis, std::size_t patch) {
     const AngleBasis::Ring& ring = basis.rings[basis.ring_of(patch)];
     if (ring.azimuths == 1) return 2 * double(ring.to);
@@ -30,8 +31,8 @@ double width_of(const AngleBasis& basis, std::size_t patch) {
 }
 
 bool are_near(const AngleBasis& basis, std::size_t a, std::size_t b) {
-    const double apart = std::min(k_touching * (width_of(basis, a) + width_of(basis, b)), k_pi);
-    return dot(basis.middle_of(a), basis.middle_of(b)) > elementary::cos(apart);
+    const double max_angle = std::min(k_touching * (width_of(basis, a) + width_of(basis, b)), k_pi);
+    return dot(basis.middle_of(a), basis.middle_of(b)) > elementary::cos(max_angle);
 }
 
 }  // namespace
@@ -55,14 +56,14 @@ KlemsTable to_klems(const Evaluate& part, const AngleBasis& basis, int threads) 
             f.resize(wl.size());
             part(wl, wv, f);
             std::array<double, 3> sum{};
-            std::size_t known = 0;
+            std::size_t count = 0;
             for (const Rgb& value : f) {
                 if (!is_finite(value)) continue;
-                ++known;
+                ++count;
                 for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += double(value[c]);
             }
-            for (int c = 0; c < 3 && known > 0; ++c)
-                table.cells[o * n + i][c] = float(std::max(sum[std::size_t(c)] / double(known), 0.0));
+            for (int c = 0; c < 3 && count > 0; ++c)
+                table.cells[o * n + i][c] = float(std::max(sum[std::size_t(c)] / double(count), 0.0));
         }
     });
     return table;
@@ -78,7 +79,7 @@ void add_beam(KlemsTable& table, const Beams& beams, Part part) {
 
 namespace {
 
-/// Degrees with as many digits as files give them.
+/// Degrees with the precision that files have.
 std::string degrees_of(float radians) { return fmt::format("{:.7g}", double(radians) / k_degree); }
 
 std::string basis_text(const AngleBasis& basis) {
@@ -95,18 +96,18 @@ std::string basis_text(const AngleBasis& basis) {
 }
 
 /// The number that is written for a colour.
-using OfColour = double (*)(const Rgb&);
+using ColourToNumber = double (*)(const Rgb&);
 
-/// The mean over both patches with the beam in it.
-double cell_with_beam(const KlemsTable& table, std::size_t o, std::size_t i, OfColour of) {
-    double f = of(table.cell(o, i));
+/// The mean over a pair of patches, including the beam.
+double cell_with_beam(const KlemsTable& table, std::size_t o, std::size_t i, ColourToNumber number_of) {
+    double f = number_of(table.cell(o, i));
     if (table.beam.empty()) return f;
     if (o == table.straight_ahead(i))
-        f += of(table.beam[i]) / table.outgoing.projected_solid_angle(table.outgoing.ring_of(o));
+        f += number_of(table.beam[i]) / table.outgoing.projected_solid_angle(table.outgoing.ring_of(o));
     return f;
 }
 
-std::string block_text(const std::string& band, Part part, const KlemsTable& table, OfColour of) {
+std::string block_text(const std::string& band, Part part, const KlemsTable& table, ColourToNumber number_of) {
     const bool is_solar = band == "Solar";
     std::string text = fmt::format(
         "\t<WavelengthData>\n\t\t<LayerNumber>System</LayerNumber>\n\t\t<Wavelength unit=\"Integral\">{}</Wavelength>\n"
@@ -121,7 +122,7 @@ std::string block_text(const std::string& band, Part part, const KlemsTable& tab
     const std::size_t n_in = table.incident.patches(), n_out = table.outgoing.patches();
     for (std::size_t o = 0; o < n_out; ++o) {
         for (std::size_t i = 0; i < n_in; ++i)
-            fmt::format_to(std::back_inserter(text), "{:.6g},{}", cell_with_beam(table, o, i, of),
+            fmt::format_to(std::back_inserter(text), "{:.6g},{}", cell_with_beam(table, o, i, number_of),
                            i + 1 < n_in ? " " : "\n");
     }
     return text + "\t\t\t</ScatteringData>\n\t\t</WavelengthDataBlock>\n\t</WavelengthData>\n";
@@ -135,9 +136,9 @@ std::string write_bsdf_xml(const BsdfTable& table) {
     for (const BsdfTable::Band& band : table.bands)
         for (const Part part :
              {Part::transmission_front, Part::transmission_back, Part::reflection_front, Part::reflection_back}) {
-            const auto& of = band.part[std::size_t(part)];
-            if (!of) continue;
-            const KlemsTable& matrix = *own_table<KlemsTable>(*of);
+            const auto& measured_part = band.part[std::size_t(part)];
+            if (!measured_part) continue;
+            const KlemsTable& matrix = *own_table<KlemsTable>(*measured_part);
             for (const AngleBasis* basis : {&matrix.incident, &matrix.outgoing})
                 if (std::ranges::find(bases, basis->name, &AngleBasis::name) == bases.end()) bases.push_back(*basis);
             if (band.name == k_colours) {
@@ -154,7 +155,7 @@ std::string write_bsdf_xml(const BsdfTable& table) {
         "xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" "
         "xsi:schemaLocation=\"http://windows.lbl.gov/BSDF-v1.4.xsd\">\n"
         "<WindowElementType>System</WindowElementType>\n<FileType>BSDF</FileType>\n<Optical>\n<Layer>\n";
-    // WINDOW's parser needs a manufacturer and a thickness, of which a BSDF knows nothing.
+    // WINDOW's parser requires a manufacturer and a thickness, which a BSDF does not have.
     text += fmt::format(
         "\t<Material>\n\t\t<Name>{}</Name>\n\t\t<Manufacturer>unknown</Manufacturer>\n"
         "\t\t<Thickness unit=\"Millimeter\">1</Thickness>\n\t\t<DeviceType>Other</DeviceType>\n\t</Material>\n"
@@ -166,27 +167,27 @@ std::string write_bsdf_xml(const BsdfTable& table) {
 
 namespace {
 
-/// The basis that is chosen.
+/// The basis that the options choose.
 AngleBasis basis_of(const TableOptions& options) {
-    const auto* const found = std::ranges::find(k_klems_bases, options.choice);
-    return klems_basis(found == std::end(k_klems_bases) ? KlemsBasis::full
-                                                        : KlemsBasis(found - std::begin(k_klems_bases)));
+    const auto* const basis_name = std::ranges::find(k_klems_bases, options.choice);
+    return klems_basis(basis_name == std::end(k_klems_bases) ? KlemsBasis::full
+                                                             : KlemsBasis(basis_name - std::begin(k_klems_bases)));
 }
 
-/// A part as a matrix of the basis that is chosen: the measured one, if it has it.
+/// A part as a matrix in the chosen basis. A measured matrix in that basis is used unchanged.
 KlemsTable klems_of(const Measured* own, const TableSource& source, Part part, const TableOptions& options) {
     const AngleBasis basis = basis_of(options);
     const auto* matrix = own ? own_table<KlemsTable>(*own) : nullptr;
     if (matrix && matrix->incident.name == basis.name && matrix->outgoing.name == basis.name) return *matrix;
-    const auto values = [of = part_of(non_negative(source.values), part), &options](auto wl, auto wv, auto f) {
-        if (!options.progress.cancelled()) of(wl, wv, f);
+    const auto values = [evaluate = part_of(non_negative(source.values), part), &options](auto wl, auto wv, auto f) {
+        if (!options.progress.cancelled()) evaluate(wl, wv, f);
     };
     KlemsTable table = to_klems(values, basis, options.threads);
     add_beam(table, source.beams, part);
     return table;
 }
 
-/// A band of matrices; a beam is that of the part.
+/// A band of matrices that include the beams of their parts.
 BsdfTable::Band patches_of(std::string name, const TableSource& source, const TableOptions& options) {
     const auto* own =
         source.measured && !source.measured->exchanged ? std::get_if<BsdfTable>(&source.measured->table) : nullptr;
@@ -201,16 +202,16 @@ BsdfTable::Band patches_of(std::string name, const TableSource& source, const Ta
 }  // namespace
 
 Result<std::vector<std::byte>> write_as_bsdf_xml(const TableSource& source, const TableOptions& options) {
-    BsdfTable all;
-    all.description = options.description;
+    BsdfTable matrices;
+    matrices.description = options.description;
     const auto* bsdf = source.measured ? std::get_if<BsdfTable>(&source.measured->table) : nullptr;
-    if (!bsdf) all.bands.push_back(patches_of("Visible", source, options));
+    if (!bsdf) matrices.bands.push_back(patches_of("Visible", source, options));
     for (std::size_t b = 0; bsdf && b < bsdf->bands.size(); ++b) {
-        Measured of = *source.measured;
-        std::get<BsdfTable>(of.table).chosen = b;
-        all.bands.push_back(patches_of(bsdf->bands[b].name, table_source(of), options));
+        Measured in_band = *source.measured;
+        std::get<BsdfTable>(in_band.table).chosen = b;
+        matrices.bands.push_back(patches_of(bsdf->bands[b].name, table_source(in_band), options));
     }
-    return bytes_of(write_bsdf_xml(all));
+    return bytes_of(write_bsdf_xml(matrices));
 }
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-// The formats of optical design.
+// The formats of optical design software.
 #pragma once
 #include "extras/optics/scatter.h"
 #include "measured/formats/rows.h"
@@ -13,21 +13,23 @@ bool is_speos(std::string_view text);
 Result<Measured> read_as_speos(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&);
 Result<std::vector<std::byte>> write_as_speos(const TableSource& source, const TableOptions& options);
 bool is_fred(std::string_view text);
-/// FRED's text: `type bsdf_data`, `format angles=deg bsdf=value scale=1`, then lines of θ_l φ_l and of θ_v φ_v f [1/sr].
+/// Reads FRED's text: `type bsdf_data`, `format angles=deg bsdf=value scale=1`, then lines of θ_l φ_l and of θ_v
+/// φ_v f [1/sr].
 Result<ScatteredSamples> read_fred(std::span<const std::byte> bytes, const std::string& file_name);
 bool is_openmaterial(std::string_view text);
-/// A BRDF table of ASAM OpenMATERIAL 3D: rows of wavelength [m], θ_l, θ_v, φ_v relative to the light [rad], f [1/sr]. Pairs of
-/// directions that lack a wavelength are masked.
+/// Reads a BRDF table of ASAM OpenMATERIAL 3D: rows of wavelength [m], θ_l, θ_v, φ_v relative to the light [rad], f
+/// [1/sr]. Pairs of directions that lack a wavelength are masked.
 Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, const std::string& file_name);
 Result<std::vector<std::byte>> write_as_openmaterial(const TableSource& source, const TableOptions& options);
 bool is_bird(std::string_view text);
-/// The JSON of the project BiRD (national metrology institutes): theta_i, phi_i, theta_r, phi_r, wavelength_i, BRDF, a number a
-/// point. Polarizations of a pair are averaged; uBRDF weighs samples.
+/// Reads the JSON of the project BiRD (national metrology institutes): theta_i, phi_i, theta_r, phi_r, wavelength_i
+/// and BRDF, one number for each point. Polarizations at the same pair are averaged; uBRDF determines the weights
+/// of samples.
 Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::string& file_name);
 
 inline constexpr Format k_optics_formats[] = {
     {.name = "Speos",
-     .recognise = in_text<is_speos>,  // a binary one is refused by the reader
+     .recognise = in_text<is_speos>,  // the reader refuses binary files
      .read = read_as_speos,
      .extension = ".anisotropicbsdf",
      .used_by = "Speos",

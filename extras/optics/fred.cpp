@@ -1,5 +1,5 @@
-// FRED's text of tabulated scatter: lines of an incidence, each followed by lines of scattered directions, which are given
-// by a polar angle and an azimuth, or in the plane of incidence by a polar angle alone.
+// FRED's text of tabulated scatter: lines with an incidence, each followed by lines with scattered directions.
+// Directions have a polar angle and an azimuth or, in the plane of incidence, a polar angle only.
 #include <fmt/format.h>
 
 #include "extras/optics/formats.h"
@@ -13,7 +13,7 @@ namespace {
 /// The header's second line: `format angles=deg bsdf=value scale=1`.
 struct FredFormat {
     double unit = k_degree, scale = 1;
-    std::string wrong;  ///< what of it is not known; empty: nothing
+    std::string wrong;  ///< the first unknown word; empty: none
 };
 FredFormat fred_format(std::string_view line) {
     FredFormat format;
@@ -45,9 +45,9 @@ Result<ScatteredSamples> read_fred(std::span<const std::byte> bytes, const std::
     SampleBuilder builder(Values::grey, {}, bytes.size(), lines_of(bytes));
     std::optional<Vec3d> light;
     LightAzimuths azimuths;
-    std::size_t angles = 0;  // of a direction: 1 in the plane of incidence
-    double side = 1;         // in the plane of incidence: a light on its other half mirrors all
-    const auto numbers_wanted = [&] {
+    std::size_t angles = 0;  // angles in a direction; 1 in the plane of incidence
+    double side = 1;         // -1 if a light in the other half of the plane mirrors all
+    const auto expected_numbers = [&] {
         return angles == 1 ? "one of a light or two of a sample" : "two of a light or three of a sample";
     };
     while (auto line = lines.next()) {
@@ -62,14 +62,14 @@ Result<ScatteredSamples> read_fred(std::span<const std::byte> bytes, const std::
         }
         std::array<double, 3> numbers{};
         std::size_t count = 0;
-        std::string_view rest = *line;
-        for (auto word = next_word(rest); !word.empty(); word = next_word(rest), ++count) {
+        std::string_view remaining = *line;
+        for (auto word = next_word(remaining); !word.empty(); word = next_word(remaining), ++count) {
             const auto number = to_number<double>(word);
-            if (!number || count == numbers.size()) return wrong("numbers", numbers_wanted(), word);
+            if (!number || count == numbers.size()) return wrong("numbers", expected_numbers(), word);
             numbers[count] = *number;
         }
-        if (angles == 0) angles = std::min<std::size_t>(count, 2);  // the first line is a light
-        if (count != angles && count != angles + 1) return wrong("numbers", numbers_wanted(), *line);
+        if (angles == 0) angles = std::min<std::size_t>(count, 2);  // the first line is that of a light
+        if (count != angles && count != angles + 1) return wrong("numbers", expected_numbers(), *line);
         const double theta = numbers[0] * format.unit, phi = angles == 2 ? numbers[1] * format.unit : 0;
         if (!(std::abs(theta) <= k_pi + k_azimuth_rounding)) return wrong("polar angle", "at most 180 degrees", *line);
         if (count == angles) {

@@ -1,10 +1,10 @@
-// Targets of fuzzers.
+// Fuzz targets.
 #pragma once
 #include "srbf/optics.h"
 
 namespace srbf {
 
-/// A table that is written is read again.
+/// A table that is written can be read.
 inline void check_zemax(std::span<const std::byte> bytes) {
     auto table = read_zemax(bytes, "f");
     if (!table) return check_error(table.error());

@@ -1,4 +1,4 @@
-// JSON that holds rows of numbers: private to its readers.
+// JSON with rows of numbers. Private to its readers.
 #pragma once
 #include <fmt/format.h>
 
@@ -9,16 +9,16 @@
 
 namespace srbf {
 
-/// Passes numbers and texts to a reader, which knows where it is by the keys of what is open.
+/// Passes numbers and texts to a reader, which identifies its position by the keys of the open objects and arrays.
 struct JsonRows : nlohmann::json_sax<nlohmann::json> {
-    std::vector<std::string> path;  ///< the key before each object and array that is open
+    std::vector<std::string> path;  ///< the key of each open object and array
     std::string last_key, wrong;
     static constexpr std::size_t k_deepest = 64;
 
-    /// A number; null and truth values are NaN.
+    /// Receives a number; null and truth values are NaN.
     virtual bool take(double x) = 0;
     virtual bool take_text(const std::string& text) = 0;
-    /// Before an object or an array is open, and before one is closed.
+    /// Called before an object or array is opened, and before one is closed.
     virtual bool open(bool is_array) = 0;
     virtual bool close(bool is_array) = 0;
     bool refuse(std::string what) { return wrong = std::move(what), false; }
@@ -35,8 +35,8 @@ struct JsonRows : nlohmann::json_sax<nlohmann::json> {
     bool end_object() override { return end(false); }
     bool start_array(std::size_t) override { return start(true); }
     bool end_array() override { return end(true); }
-    bool parse_error(std::size_t at, const std::string&, const nlohmann::detail::exception&) override {
-        return refuse(fmt::format("a mistake at byte {}", at));
+    bool parse_error(std::size_t offset, const std::string&, const nlohmann::detail::exception&) override {
+        return refuse(fmt::format("a mistake at byte {}", offset));
     }
 
   private:
@@ -47,9 +47,9 @@ struct JsonRows : nlohmann::json_sax<nlohmann::json> {
         return true;
     }
     bool end(bool is_array) {
-        const bool goes_on = close(is_array);
+        const bool continues = close(is_array);
         path.pop_back();
-        return goes_on;
+        return continues;
     }
 };
 

@@ -1,4 +1,4 @@
-// ASAM OpenMATERIAL 3D's look-up tables of BRDFs, `.xompt`.
+// BRDF tables of ASAM OpenMATERIAL 3D, `.xompt`.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,48 +22,48 @@ namespace {
 
 constexpr double k_nanometre = 1e-9;
 
-/// Where a parser is in a text.
-struct ReadPlace {
-    std::uint64_t line = 1;  ///< that of the next character
+/// The position of a parser in a text.
+struct TextPosition {
+    std::uint64_t line = 1;  ///< line of the next character
     char last = ' ';         ///< the character before it
 };
-/// The characters of a text, whose place `place` follows.
-struct FollowedText {
+/// An iterator over the characters of a text that updates `position`.
+struct TrackedText {
     using iterator_category = std::input_iterator_tag;
     using value_type = char;
     using difference_type = std::ptrdiff_t;
     using pointer = const char*;
     using reference = const char&;
-    const char* at;
-    ReadPlace* place;
-    reference operator*() const { return *at; }
-    FollowedText& operator++() {
-        place->last = *at++;
-        place->line += place->last == '\n';
+    const char* character;
+    TextPosition* position;
+    reference operator*() const { return *character; }
+    TrackedText& operator++() {
+        position->last = *character++;
+        position->line += position->last == '\n';
         return *this;
     }
-    bool operator==(const FollowedText& other) const { return at == other.at; }
+    bool operator==(const TrackedText& other) const { return character == other.character; }
 };
 
-/// Takes the rows of "lookupTable" in "brdf" and "name" in "metadata"; the rest is passed over.
+/// Collects the rows of "lookupTable" in "brdf" and "name" in "metadata", and ignores everything else.
 struct OpenMaterialRows : JsonRows {
     std::string name;
-    ReadPlace place;
-    std::optional<std::string> expected;  ///< where a number is out of its range
+    TextPosition position;
+    std::optional<std::string> expected;  ///< set if a number is out of its range
     bool in_table = false, has_table = false;
     std::size_t table_depth = 0, column = 0;
     SpectralRow row{};
     std::vector<SpectralRow> rows;
 
-    /// The columns of a file: wavelength, θ_l, θ_v, φ_v, f.
-    static constexpr std::array<std::size_t, 5> k_order{k_of_wavelength, 0, 2, 3, k_of_value};
+    /// The columns of a file: wavelength, θ_l, θ_v, φ_v and f.
+    static constexpr std::array<std::size_t, 5> k_order{k_wavelength_column, 0, 2, 3, k_value_column};
 
-    /// The line of the number that was read last; a parser has read the character after it.
-    std::uint64_t line() const { return place.line - (place.last == '\n'); }
-    /// Angles of a row within their ranges, of which older versions of the format have zenith angles to −π/2.
+    /// The line of the last number. The parser has already read the character after it.
+    std::uint64_t line() const { return position.line - (position.last == '\n'); }
+    /// Checks that an angle is within its range. Older versions of the format have zenith angles down to −π/2.
     bool check_angle(double x) {
-        constexpr double most[] = {k_pi / 2, k_pi / 2, 2 * k_pi};
-        const double upper = most[column - 1], lower = -upper;
+        constexpr double limits[] = {k_pi / 2, k_pi / 2, 2 * k_pi};
+        const double upper = limits[column - 1], lower = -upper;
         if (x >= lower - k_azimuth_rounding && x <= upper + k_azimuth_rounding) return true;
         expected = fmt::format("{:.4g} to {:.4g} rad in column {} of a row", lower, upper, column + 1);
         return refuse(fmt::format("{:g}", x));
@@ -96,11 +96,12 @@ struct OpenMaterialRows : JsonRows {
         if (!in_table) return true;
         if (path.size() == table_depth + 1) return in_table = false, true;
         if (column != k_order.size()) return refuse("a row of fewer than five numbers");
-        // The light's azimuth is 0; f is not below 0. A direction at −θ is that at θ in the other half of its plane.
-        row[1] = 0, row[k_of_weight] = 1;
+        // The light's azimuth is 0, and f is not negative. A direction at −θ lies at θ in the opposite half of its
+        // plane.
+        row[1] = 0, row[k_weight_column] = 1;
         for (const std::size_t theta : {0, 2})
             if (row[theta] < 0) row[theta] = -row[theta], row[3] += float(k_pi);
-        if (row[k_of_value] < 0) row[k_of_value] = k_nan;
+        if (row[k_value_column] < 0) row[k_value_column] = k_nan;
         rows.push_back(row);
         return true;
     }
@@ -117,21 +118,21 @@ Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, con
     OpenMaterialRows sax;
     const std::string_view text = as_text(bytes);
     sax.rows.reserve(std::size_t(std::ranges::count(text, '[')));
-    const bool parsed = nlohmann::json::sax_parse(FollowedText{text.data(), &sax.place},
-                                                  FollowedText{text.data() + text.size(), &sax.place}, &sax);
+    const bool parsed = nlohmann::json::sax_parse(TrackedText{text.data(), &sax.position},
+                                                  TrackedText{text.data() + text.size(), &sax.position}, &sax);
     if (!parsed && sax.expected) return at_line(file_name, sax.line(), "angle", *sax.expected, sax.wrong);
     if (!parsed)
         return Error{file_name, {}, "OpenMATERIAL", "JSON with rows of five numbers in brdf.lookupTable", sax.wrong};
     if (sax.rows.empty()) return Error{file_name, {}, "OpenMATERIAL", "rows in brdf.lookupTable", "none"};
     for (const SpectralRow& row : sax.rows)
-        if (!std::isfinite(row[k_of_wavelength]))
+        if (!std::isfinite(row[k_wavelength_column]))
             return Error{file_name, {}, "OpenMATERIAL", "a wavelength and three angles in each row", "others"};
     return samples_of_rows(sax.rows, bytes.size(), file_name, sax.name, true);
 }
 
 namespace {
 
-/// An identifier in the form of a UUID, of what the file says: FNV-1a of 64 bits, twice.
+/// An identifier in the form of a UUID, from a hash of the text: 64-bit FNV-1a, twice.
 std::string uuid_of(std::string_view text) {
     const auto hash = [&](std::uint64_t h) {
         for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3;
@@ -194,8 +195,8 @@ std::string write_openmaterial(const ScatteredSamples& samples) {
 
 namespace {
 
-/// Samples at a grid of angles every 5°, of azimuths every 15°, without those that were not measured.
-ScatteredSamples gridded(const Evaluate& brdf, const std::string& description) {
+/// Samples on a grid of angles, every 5° in θ and every 15° in azimuth, without those that were not measured.
+ScatteredSamples sample_on_grid(const Evaluate& brdf, const std::string& description) {
     std::vector<Vec3f> wl, wv;
     for (int l = 0; l < 18; ++l)
         for (int v = 0; v < 18; ++v)
@@ -216,7 +217,7 @@ ScatteredSamples gridded(const Evaluate& brdf, const std::string& description) {
 
 Result<std::vector<std::byte>> write_as_openmaterial(const TableSource& source, const TableOptions& options) {
     const auto* own = source.measured ? std::get_if<ScatteredSamples>(&source.measured->table) : nullptr;
-    return bytes_of(write_openmaterial(own ? *own : gridded(source.values, options.description)));
+    return bytes_of(write_openmaterial(own ? *own : sample_on_grid(source.values, options.description)));
 }
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-// Scatter tables: their look-up, and the words of their files.
+// Scatter tables: look-up, and the parsing of their files.
 #include "extras/optics/formats.h"
 
 #include <fmt/format.h>
@@ -18,65 +18,66 @@ namespace srbf {
 
 namespace {
 
-/// Where x lies among rising nodes: between i and `next`, at that share; beyond the ends at these.
-struct NodePlace {
+/// The position of x among rising nodes: between `i` and `next`, at the fraction `weight`. Beyond the ends it is
+/// the last node there.
+struct NodePosition {
     std::size_t i = 0, next = 0;
-    double share = 0;
+    double weight = 0;
 };
-NodePlace place_among(std::span<const float> nodes, double x) {
+NodePosition position_among(std::span<const float> nodes, double x) {
     if (nodes.size() < 2 || !(x > double(nodes.front()))) return {};
     if (x >= double(nodes.back())) return {nodes.size() - 1, nodes.size() - 1, 0};
-    const std::size_t after = std::size_t(std::ranges::upper_bound(nodes, float(x)) - nodes.begin());
-    const std::size_t i = std::clamp<std::size_t>(after, 1, nodes.size() - 1) - 1;
-    const double from = double(nodes[i]), to = double(nodes[i + 1]);
-    return {i, i + 1, std::clamp((x - from) / (to - from), 0.0, 1.0)};
+    const std::size_t upper = std::size_t(std::ranges::upper_bound(nodes, float(x)) - nodes.begin());
+    const std::size_t i = std::clamp<std::size_t>(upper, 1, nodes.size() - 1) - 1;
+    const double low = double(nodes[i]), high = double(nodes[i + 1]);
+    return {i, i + 1, std::clamp((x - low) / (high - low), 0.0, 1.0)};
 }
 
-/// Among nodes that a period continues: where they leave its end open, the first follows the last.
-NodePlace place_around(std::span<const float> nodes, double x, double period) {
+/// The position of x among periodic nodes. After the last node comes the first.
+NodePosition position_around(std::span<const float> nodes, double x, double period) {
     const double first = double(nodes.front()), last = double(nodes.back());
     x = std::fmod(x - first, period);
     x = first + (x < 0 ? x + period : x);
-    if (nodes.size() < 2 || x <= last) return place_among(nodes, x);
+    if (nodes.size() < 2 || x <= last) return position_among(nodes, x);
     return {nodes.size() - 1, 0, std::clamp((x - last) / (first + period - last), 0.0, 1.0)};
 }
 
-/// A weighted mean of what was measured.
+/// A weighted mean of the measured values.
 struct ScatterMean {
     double sum = 0, weight = 0;
-    void add(double value, double of_weight) {
-        if (of_weight > 0 && std::isfinite(value)) sum += of_weight * value, weight += of_weight;
+    void add(double value, double value_weight) {
+        if (value_weight > 0 && std::isfinite(value)) sum += value_weight * value, weight += value_weight;
     }
     double result() const { return weight > 0 ? sum / weight : double(k_nan); }
 };
 
-/// Angles of files are rounded.
+/// Tolerance for the rounding of angles in files.
 constexpr double k_rounding = 1e-5;
 
 bool is_within(std::span<const float> nodes, double x) {
     return x >= double(nodes.front()) - k_rounding && x <= double(nodes.back()) + k_rounding;
 }
 
-/// True if nodes are those of a half turn, which is mirrored at the plane of incidence.
+/// True if the nodes cover a half turn, which is mirrored at the plane of incidence.
 bool are_mirrored(std::span<const float> nodes) {
     return double(nodes.back()) <= k_pi + k_azimuth_rounding && nodes.front() >= 0;
 }
 
-NodePlace azimuth_place(std::span<const float> nodes, double phi) {
-    return are_mirrored(nodes) ? place_among(nodes, std::abs(std::remainder(phi, 2 * k_pi)))
-                               : place_around(nodes, phi, 2 * k_pi);
+NodePosition azimuth_position(std::span<const float> nodes, double phi) {
+    return are_mirrored(nodes) ? position_among(nodes, std::abs(std::remainder(phi, 2 * k_pi)))
+                               : position_around(nodes, phi, 2 * k_pi);
 }
 
-/// True if an azimuth was measured: it is not in a gap at the end of the nodes that is clearly wider than those between
-/// them.
+/// True if an azimuth was measured: it does not lie in a gap at the end of the nodes that is clearly wider than the
+/// gaps between nodes.
 bool has_azimuth(std::span<const float> nodes, double phi) {
     if (nodes.size() == 1) return true;
     const double first = double(nodes.front()), last = double(nodes.back()),
                  x = std::abs(std::remainder(phi, 2 * k_pi));
     double gap = 0;
     if (!are_mirrored(nodes)) {
-        const NodePlace place = azimuth_place(nodes, phi);
-        gap = place.next < place.i ? first + 2 * k_pi - last : 0;
+        const NodePosition position = azimuth_position(nodes, phi);
+        gap = position.next < position.i ? first + 2 * k_pi - last : 0;
     } else if (x < first || x > last) {
         gap = 2 * (x < first ? first : k_pi - last);
     }
@@ -92,47 +93,49 @@ Vec3d tilted(const Vec3d& w, double theta) {
     return {c * w.x + s * w.z, w.y, c * w.z - s * w.x};
 }
 
-/// The directions of a look-up: θ_l, and the viewer in the frame whose +x is the side of the mirror direction, and in that
-/// whose z is the mirror direction.
+/// The directions of a look-up: θ_l, and the viewer in two frames. In one, +x is on the side of the mirror
+/// direction; the other is tilted so that +z is the mirror direction.
 struct ScatterDirections {
     double theta_l;
     Vec3d about_normal, about_mirror;
 };
 
-/// The azimuth in the nodes of a table of a direction in the frame that the nodes are about.
+/// The azimuth, in the convention of the table's nodes, of a direction in the frame of the nodes.
 double azimuth_of(const ScatterTable& table, const Vec3d& w) {
-    // About the mirror direction 180° goes on towards grazing.
+    // Around the mirror direction, azimuth 180° points towards grazing.
     return table.about_mirror ? elementary::atan2(-w.y, -w.x) : elementary::atan2(w.y, w.x);
 }
 
-/// A channel of a slice at the same place about the mirror direction; NaN beyond its nodes.
-double slice_at(const ScatterTable& table, const ScatterTable::Slice& slice, const ScatterDirections& of,
+/// A channel of a slice at the same position relative to the mirror direction; NaN beyond its nodes.
+double slice_at(const ScatterTable& table, const ScatterTable::Slice& slice, const ScatterDirections& directions,
                 std::size_t channel) {
-    const Vec3d& viewer = table.about_mirror ? of.about_mirror : of.about_normal;
+    const Vec3d& viewer = table.about_mirror ? directions.about_mirror : directions.about_normal;
     const double theta = polar_angle(viewer);
     if (!is_within(slice.polar, theta)) return double(k_nan);
     if (theta > k_rounding && !has_azimuth(slice.azimuth, azimuth_of(table, viewer))) return double(k_nan);
-    const Vec3d w = table.about_mirror ? viewer : tilted(of.about_mirror, double(slice.theta_l));
-    const NodePlace p = place_among(slice.polar, polar_angle(w)),
-                    a = azimuth_place(slice.azimuth, azimuth_of(table, w));
+    const Vec3d w = table.about_mirror ? viewer : tilted(directions.about_mirror, double(slice.theta_l));
+    const NodePosition p = position_among(slice.polar, polar_angle(w)),
+                       a = azimuth_position(slice.azimuth, azimuth_of(table, w));
     const std::size_t n = slice.azimuth.size(), begin = channel * slice.polar.size() * n;
     ScatterMean mean;
-    for (const auto& [row, share] : {std::pair(p.i, 1 - p.share), {p.next, p.share}}) {
-        mean.add(double(slice.f[begin + row * n + a.i]), share * (1 - a.share));
-        mean.add(double(slice.f[begin + row * n + a.next]), share * a.share);
+    for (const auto& [row, weight] : {std::pair(p.i, 1 - p.weight), {p.next, p.weight}}) {
+        mean.add(double(slice.f[begin + row * n + a.i]), weight * (1 - a.weight));
+        mean.add(double(slice.f[begin + row * n + a.next]), weight * a.weight);
     }
     return mean.result();
 }
 
-/// A channel at a rotation of the sample, linear in the angle of incidence.
-double rotation_at(const ScatterTable& table, std::size_t rotation, const ScatterDirections& of, std::size_t channel) {
+/// A channel at a rotation of the sample, interpolated linearly in the angle of incidence.
+double rotation_at(const ScatterTable& table, std::size_t rotation, const ScatterDirections& directions,
+                   std::size_t channel) {
     const std::size_t first = table.first[rotation], count = table.first[rotation + 1] - first;
     std::vector<float> nodes;
     for (std::size_t k = 0; k < count; ++k) nodes.push_back(table.slices[first + k].theta_l);
-    const NodePlace at = place_among(nodes, of.theta_l);
+    const NodePosition position = position_among(nodes, directions.theta_l);
     ScatterMean mean;
-    mean.add(slice_at(table, table.slices[first + at.i], of, channel), 1 - at.share);
-    if (at.share > 0) mean.add(slice_at(table, table.slices[first + at.next], of, channel), at.share);
+    mean.add(slice_at(table, table.slices[first + position.i], directions, channel), 1 - position.weight);
+    if (position.weight > 0)
+        mean.add(slice_at(table, table.slices[first + position.next], directions, channel), position.weight);
     return mean.result();
 }
 
@@ -145,10 +148,10 @@ double light_azimuth(const ScatterTable& table, double rotation) {
 Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return {};
     const double phi_l = elementary::atan2(double(wl.y), double(wl.x));
-    // The frame whose +x is the side of the mirror direction.
+    // The frame whose +x is on the side of the mirror direction.
     const double c = -elementary::cos(phi_l), s = -elementary::sin(phi_l);
     Vec3d forward{c * double(wv.x) + s * double(wv.y), c * double(wv.y) - s * double(wv.x), double(wv.z)};
-    NodePlace at;
+    NodePosition position;
     if (table.rotation.size() > 1) {
         double rotation = table.about_mirror ? phi_l - k_pi / 2 : k_pi - phi_l;
         const double last = double(table.rotation.back());
@@ -157,25 +160,25 @@ Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
             rotation = std::remainder(rotation, k_pi);
             if (rotation < 0) rotation = -rotation, forward.y = -forward.y;
         }
-        at = is_quarter ? place_among(table.rotation, rotation)
-                        : place_around(table.rotation, rotation, is_half ? k_pi : 2 * k_pi);
+        position = is_quarter ? position_among(table.rotation, rotation)
+                              : position_around(table.rotation, rotation, is_half ? k_pi : 2 * k_pi);
     }
     const double theta_l = polar_angle(to_double(wl));
-    const ScatterDirections of{theta_l, forward, tilted(forward, -theta_l)};
-    std::array<double, 3> all{};
+    const ScatterDirections directions{theta_l, forward, tilted(forward, -theta_l)};
+    std::array<double, 3> values{};
     for (std::size_t channel = 0; channel < table.channels; ++channel) {
         ScatterMean mean;
-        mean.add(rotation_at(table, at.i, of, channel), 1 - at.share);
-        if (at.share > 0) mean.add(rotation_at(table, at.next, of, channel), at.share);
-        all[channel] = mean.result();
+        mean.add(rotation_at(table, position.i, directions, channel), 1 - position.weight);
+        if (position.weight > 0) mean.add(rotation_at(table, position.next, directions, channel), position.weight);
+        values[channel] = mean.result();
     }
-    const float grey = float(all[0]);
-    const Rgb f = table.channels == 1 ? Rgb{grey, grey, grey} : to_rgb(Xyz{all[0], all[1], all[2]});
+    const float grey = float(values[0]);
+    const Rgb f = table.channels == 1 ? Rgb{grey, grey, grey} : to_rgb(Xyz{values[0], values[1], values[2]});
     return {table.tint.r * f.r, table.tint.g * f.g, table.tint.b * f.b};
 }
 
 double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& slice, std::size_t channel) {
-    // Cells of a degree of the hemisphere about the normal, of which the table answers for each middle.
+    // Cells of the hemisphere around the normal, half a degree by a degree. Each has the value at its middle.
     constexpr int k_polar = 180, k_turn = 360;
     const double theta_l = double(slice.theta_l);
     double sum = 0;
@@ -197,9 +200,9 @@ void mask_gaps(ScatterTable& table) {
         const std::size_t n = slice.f.size() / table.channels;
         for (std::size_t i = 0; i < n; ++i) {
             bool is_gap = true;
-            for (std::size_t at = i; at < slice.f.size(); at += n) is_gap = is_gap && slice.f[at] == 0;
+            for (std::size_t index = i; index < slice.f.size(); index += n) is_gap = is_gap && slice.f[index] == 0;
             if (is_gap) ++table.masked;
-            for (std::size_t at = i; is_gap && at < slice.f.size(); at += n) slice.f[at] = k_nan;
+            for (std::size_t index = i; is_gap && index < slice.f.size(); index += n) slice.f[index] = k_nan;
         }
     }
 }
@@ -207,20 +210,20 @@ void mask_gaps(ScatterTable& table) {
 namespace {
 
 std::vector<float> degrees_list(std::initializer_list<double> begin, double end, double step) {
-    std::vector<float> all;
-    for (const double angle : begin) all.push_back(float(angle * k_degree));
-    while (double(all.back()) < (end - step / 2) * k_degree)
-        all.push_back(float(std::round((double(all.back()) / k_degree + step) * 1e3) / 1e3 * k_degree));
-    return all;
+    std::vector<float> radians;
+    for (const double angle : begin) radians.push_back(float(angle * k_degree));
+    while (double(radians.back()) < (end - step / 2) * k_degree)
+        radians.push_back(float(std::round((double(radians.back()) / k_degree + step) * 1e3) / 1e3 * k_degree));
+    return radians;
 }
 
-/// The direction of a part's frame at a place of a slice, for light at azimuth φ_l.
-Vec3d direction_in(const ScatterTable& table, double theta_l, double phi_l, double polar, double azimuth) {
+/// The direction in a part's frame of a node of a slice, for light at azimuth φ_l.
+Vec3d node_direction(const ScatterTable& table, double theta_l, double phi_l, double polar, double azimuth) {
     const double s = elementary::sin(polar), x = s * elementary::cos(azimuth), y = s * elementary::sin(azimuth);
     const Vec3d local{table.about_mirror ? -x : x, table.about_mirror ? -y : y, elementary::cos(polar)};
     const Vec3d forward = table.about_mirror ? tilted(local, theta_l) : local;
-    const double c = -elementary::cos(phi_l), turn = -elementary::sin(phi_l);
-    return {c * forward.x - turn * forward.y, turn * forward.x + c * forward.y, forward.z};
+    const double c_l = -elementary::cos(phi_l), s_l = -elementary::sin(phi_l);
+    return {c_l * forward.x - s_l * forward.y, s_l * forward.x + c_l * forward.y, forward.z};
 }
 
 }  // namespace
@@ -252,7 +255,7 @@ ScatterTable to_scatter(const Evaluate& part, bool about_mirror, bool isotropic,
         std::vector<Vec3f> wv;
         for (const float p : polar)
             for (const float a : azimuth)
-                wv.push_back(to_float(direction_in(table, theta_l, phi_l, double(p), double(a))));
+                wv.push_back(to_float(node_direction(table, theta_l, phi_l, double(p), double(a))));
         std::vector<Rgb> f(n);
         part(wl, wv, f);
         for (std::size_t i = 0; i < n; ++i)
@@ -268,7 +271,7 @@ ScatterTable to_scatter(const Evaluate& part, bool about_mirror, bool isotropic,
 bool is_isotropic(const ScatterTable& table) { return table.rotation.size() == 1; }
 
 std::vector<TableLine> lines_about(const ScatterTable& table) {
-    const ScatterTable::Slice& of = table.slices.front();
+    const ScatterTable::Slice& first_slice = table.slices.front();
     ValueRange theta_l, polar, value;
     std::uint64_t values = 0;
     std::string tis;
@@ -283,16 +286,16 @@ std::vector<TableLine> lines_about(const ScatterTable& table) {
                                scatter_integral(table, slice, table.channels == 1 ? 0 : 1),
                                double(slice.theta_l) / k_degree);
     }
-    return {
-        {"dimensions",
-         fmt::format("{} rotations of the sample, {} angles of incidence in all, {} polar × {} azimuths about the {}{}",
-                     table.rotation.size(), table.slices.size(), of.polar.size(), of.azimuth.size(),
-                     table.about_mirror ? "mirror direction" : "normal", table.channels == 1 ? "" : ", CIE X, Y, Z")},
-        {"θl", theta_l.text() + " degrees"},
-        {"polar angle", polar.text() + " degrees"},
-        {"masked entries", fmt::format("{} of {}, 0 in the file", grouped(table.masked), grouped(values))},
-        {"value [1/sr]", value.text()},
-        {"TIS", "∫ f cosθ of what was measured: " + tis}};
+    return {{"dimensions",
+             fmt::format(
+                 "{} rotations of the sample, {} angles of incidence in total, {} polar × {} azimuths about the {}{}",
+                 table.rotation.size(), table.slices.size(), first_slice.polar.size(), first_slice.azimuth.size(),
+                 table.about_mirror ? "mirror direction" : "normal", table.channels == 1 ? "" : ", CIE X, Y, Z")},
+            {"θl", theta_l.text() + " degrees"},
+            {"polar angle", polar.text() + " degrees"},
+            {"masked entries", fmt::format("{} of {}, 0 in the file", grouped(table.masked), grouped(values))},
+            {"value [1/sr]", value.text()},
+            {"TIS", "∫ f cosθ over the measured directions: " + tis}};
 }
 
 EvaluatedTable evaluated(ScatterTable table) {
@@ -302,12 +305,12 @@ EvaluatedTable evaluated(ScatterTable table) {
 Measured measured_of(std::array<std::optional<ScatterTable>, 2> tables, const std::string& file_name,
                      const char* format) {
     if (!tables[1]) return {file_name, format, 0, evaluated(*std::move(tables[0]))};
-    BsdfTable all{{{}}, 0, {}};
+    BsdfTable both{{{}}, 0, {}};
     for (std::size_t s = 0; s < 2; ++s)
         if (tables[s])
-            all.bands[0].part[std::size_t(s == 0 ? Part::reflection_front : Part::transmission_front)] =
+            both.bands[0].part[std::size_t(s == 0 ? Part::reflection_front : Part::transmission_front)] =
                 std::make_shared<const Measured>(Measured{file_name, format, 0, evaluated(*std::move(tables[s]))});
-    return {file_name, format, 0, std::move(all)};
+    return {file_name, format, 0, std::move(both)};
 }
 
 std::vector<ScatterTable> scatter_tables(const TableSource& source, bool about_mirror, int threads) {
@@ -331,55 +334,55 @@ std::vector<ScatterTable> scatter_tables(const TableSource& source, bool about_m
 // ---- Text ----
 
 std::string_view ScatterText::raw_line() {
-    const auto end = std::min(text_.find('\n', at_), text_.size());
-    const std::string_view line = trimmed(text_.substr(at_, end - at_));
-    at_ = std::min(end + 1, text_.size());
+    const auto end = std::min(text_.find('\n', offset_), text_.size());
+    const std::string_view line = trimmed(text_.substr(offset_, end - offset_));
+    offset_ = std::min(end + 1, text_.size());
     ++line_;
     return line;
 }
 
 std::string_view ScatterText::word() {
-    while (at_ < text_.size()) {
-        const char c = text_[at_];
+    while (offset_ < text_.size()) {
+        const char c = text_[offset_];
         if (c == '\n') ++line_;
         if (c == '#' && comments_)
-            at_ = std::min(text_.find('\n', at_), text_.size());
+            offset_ = std::min(text_.find('\n', offset_), text_.size());
         else if (c == ' ' || c == '\t' || c == '\r' || c == '\n')
-            ++at_;
+            ++offset_;
         else
             break;
     }
-    const auto end = std::min(text_.find_first_of(" \t\r\n", at_), text_.size());
-    const std::string_view word = text_.substr(at_, end - at_);
-    at_ = end;
+    const auto end = std::min(text_.find_first_of(" \t\r\n", offset_), text_.size());
+    const std::string_view word = text_.substr(offset_, end - offset_);
+    offset_ = end;
     return word;
 }
 
-std::size_t ScatterText::count(std::string_view what, std::size_t most) {
+std::size_t ScatterText::count(std::string_view what, std::size_t max_count) {
     const auto count = number<std::uint64_t>(what);
-    if (!error_ && (count < 1 || count > most))
-        fail(what, fmt::format("between 1 and {}", most), fmt::format("{}", count));
+    if (!error_ && (count < 1 || count > max_count))
+        fail(what, fmt::format("between 1 and {}", max_count), fmt::format("{}", count));
     return error_ ? 0 : std::size_t(count);
 }
 
-std::vector<float> ScatterText::angles(std::string_view what, std::size_t count, double least, double most) {
-    std::vector<float> all;
+std::vector<float> ScatterText::angles(std::string_view what, std::size_t count, double lower, double upper) {
+    std::vector<float> radians;
     for (std::size_t i = 0; i < count && !error_; ++i) {
         const double degrees = number<double>(what);
         if (error_) break;
-        if (!(degrees >= least && degrees <= most) || (i > 0 && !(float(degrees * k_degree) > all.back())))
-            fail(what, fmt::format("rising ones from {:g} to {:g}", least, most), fmt::format("{:g}", degrees));
-        all.push_back(float(degrees * k_degree));
+        if (!(degrees >= lower && degrees <= upper) || (i > 0 && !(float(degrees * k_degree) > radians.back())))
+            fail(what, fmt::format("rising ones from {:g} to {:g}", lower, upper), fmt::format("{:g}", degrees));
+        radians.push_back(float(degrees * k_degree));
     }
-    return all;
+    return radians;
 }
 
-void ScatterText::values(std::size_t count, std::vector<float>& to, double scale) {
+void ScatterText::values(std::size_t count, std::vector<float>& target, double scale) {
     for (std::size_t i = 0; i < count && !error_; ++i) {
         const double f = number<double>("value") * scale;
         if (!error_ && !(std::abs(f) <= double(k_largest_value)))
             fail("value", "one in the range of values", fmt::format("{:g}", f));
-        to.push_back(float(f));
+        target.push_back(float(f));
     }
 }
 

@@ -1,4 +1,4 @@
-// Speos' texts of anisotropic BSDFs, `.anisotropicbsdf`, and of isotropic ones by wavelength, `.brdf`.
+// Speos' text files of BSDFs: anisotropic ones, `.anisotropicbsdf`, and isotropic ones by wavelength, `.brdf`.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,18 +16,18 @@ namespace {
 
 constexpr std::string_view k_anisotropic_title = "OPTIS - Anisotropic BSDF surface file",
                            k_spectral_title = "OPTIS - brdf surface file";
-/// Limits on what a header may count.
+/// Limits on the counts in a header.
 constexpr std::size_t k_most_rotations = 3600, k_most_incidences = 3600, k_most_grid = 10000, k_most_percents = 10000;
-/// Values are relative to the percentage. Where their own integral is within this of it, they are taken as they are: the
-/// percentage of a file is often that of another quadrature.
+/// Values are relative to the stated percentage. If their own integral is within this fraction of it they are kept
+/// as they are, since a stated percentage often comes from another quadrature.
 constexpr double k_same_percentage = 0.1;
 
-/// The angles of a side, reflection or transmission.
+/// The angles of one side, reflection or transmission.
 struct SpeosSide {
     bool is_there = false, is_transmission = false;
     std::vector<float> rotation;
-    std::vector<std::vector<float>> incidence;  ///< of each rotation
-    double theta = 0;                           ///< of the light of the percentages [rad]
+    std::vector<std::vector<float>> incidence;  ///< for each rotation
+    double theta = 0;                           ///< polar angle of the light for the percentages [rad]
     std::vector<float> wavelength, percent;
 };
 
@@ -57,7 +57,7 @@ void read_speos_percents(ScatterText& text, SpeosSide& side) {
     if (!text.error() && !are_wavelengths(side.wavelength)) text.fail("wavelengths", "rising ones in nm", "others");
 }
 
-/// Turns intensities, which have the cosine and nothing at the horizon, into f up to a factor.
+/// Converts intensities, which include the cosine and are 0 at the horizon, to f up to a factor.
 void divide_by_cosine(ScatterTable::Slice& slice) {
     for (std::size_t k = 0; k < slice.f.size(); ++k) {
         const double c = elementary::cos(double(slice.polar[k / slice.azimuth.size()]));
@@ -65,7 +65,8 @@ void divide_by_cosine(ScatterTable::Slice& slice) {
     }
 }
 
-/// A block of values: θ rises from the normal in reflection, from 90 to 180° in transmission, which is turned round.
+/// Reads a block of values. θ rises from the normal in reflection; in transmission it rises from 90 to 180°, and is
+/// reversed.
 ScatterTable::Slice read_speos_slice(ScatterText& text, const SpeosSide& side, float theta_l, bool are_bsdf) {
     ScatterTable::Slice slice;
     slice.theta_l = theta_l;
@@ -73,10 +74,10 @@ ScatterTable::Slice read_speos_slice(ScatterText& text, const SpeosSide& side, f
                       n_phi = text.count("number of phi", k_most_grid);
     if (!text.error() && n_theta * n_phi > text.left()) text.fail("number of values", "what the file has", "more");
     slice.azimuth = text.angles("phi", n_phi, 0, 360);
-    const auto [least, most] = side.is_transmission ? std::pair(90.0, 180.0) : std::pair(0.0, 90.0);
+    const auto [lower, upper] = side.is_transmission ? std::pair(90.0, 180.0) : std::pair(0.0, 90.0);
     std::vector<std::vector<float>> rows;
     for (std::size_t t = 0; t < n_theta && !text.error(); ++t) {
-        const auto theta = text.angles("theta", 1, least, most);
+        const auto theta = text.angles("theta", 1, lower, upper);
         if (text.error()) break;
         if (t > 0 && !(theta[0] > slice.polar.back())) text.fail("theta", "a larger one", written_degrees(theta[0]));
         slice.polar.push_back(theta[0]);
@@ -91,12 +92,12 @@ ScatterTable::Slice read_speos_slice(ScatterText& text, const SpeosSide& side, f
     return slice;
 }
 
-/// The factor of values whose own integral is `own` and whose share of light the file gives as `stated`.
+/// The factor for values whose own integral is `own`, where the file states the share of light `stated`.
 double speos_scale(double own, double stated) {
     return own > 0 && stated > 0 && !(std::abs(own - stated) <= k_same_percentage * stated) ? stated / own : 1;
 }
 
-/// Percentages by wavelength tint all values.
+/// Tints all values with the percentages by wavelength.
 void tint_speos(ScatterTable& table, const std::vector<float>& wavelength, const std::vector<float>& percent) {
     double mean = 0;
     for (const float p : percent) mean += double(p) / 100 / double(percent.size());
@@ -106,11 +107,12 @@ void tint_speos(ScatterTable& table, const std::vector<float>& wavelength, const
     for (int c = 0; c < 3; ++c) table.tint[c] = float(double(tint[c]) / 100 / mean);
 }
 
-/// Turns values of a side into f [1/sr].
+/// Scales the values of a side to f [1/sr].
 void scale_speos(ScatterTable& table, const SpeosSide& side) {
     mask_gaps(table);
-    const auto nearest = std::ranges::min_element(
-        table.slices, {}, [&](const ScatterTable::Slice& of) { return std::abs(double(of.theta_l) - side.theta); });
+    const auto nearest = std::ranges::min_element(table.slices, {}, [&](const ScatterTable::Slice& slice) {
+        return std::abs(double(slice.theta_l) - side.theta);
+    });
     double mean = 0;
     for (const float percent : side.percent) mean += double(percent) / 100 / double(side.percent.size());
     const double scale = speos_scale(scatter_integral(table, *nearest), mean);
@@ -128,8 +130,8 @@ std::optional<Error> check_values(const ScatterTable& table, const std::string& 
 }
 
 using SpeosTables = std::array<std::optional<ScatterTable>, 2>;
-/// Reads what follows the type of values of an anisotropic file: each side's rotations and incidences, each side's
-/// percentages, and slices.
+/// Reads an anisotropic file after the type of values: the rotations and incidences of each side, the percentages
+/// of each side, and slices.
 void read_anisotropic(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_bsdf, SpeosTables& tables) {
     for (SpeosSide& side : sides)
         if (side.is_there) read_speos_angles(text, side);
@@ -150,8 +152,9 @@ void read_anisotropic(ScatterText& text, std::array<SpeosSide, 2>& sides, bool a
     }
 }
 
-/// Reads the same of a file by wavelength: incidences and wavelengths, then for reflection and for transmission
-/// a percentage and a slice each. A table keeps the mean over wavelengths, and the tint of the percentages.
+/// Reads a file by wavelength after the type of values: incidences and wavelengths, then a percentage and a slice
+/// for each, first for reflection and then for transmission. A table keeps the mean over wavelengths and the tint
+/// of the percentages.
 void read_spectral(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_bsdf, SpeosTables& tables) {
     const std::size_t n_incidences = text.count("number of incidences", k_most_incidences),
                       n_wavelengths = text.count("number of wavelengths", k_most_percents);
@@ -221,7 +224,7 @@ Result<std::array<std::optional<ScatterTable>, 2>> read_speos(std::span<const st
     for (const auto& table : tables)
         if (table)
             if (auto error = check_values(*table, file_name)) return *std::move(error);
-    // Other makers of files by wavelength leave the end out.
+    // Files by wavelength from other software omit the end.
     if (const auto word = text.word(); word != "End" && !(is_spectral && word.empty()))
         text.fail("data", "End of file", word.empty() ? "the end of the file" : quoted(word));
     if (text.error()) return *text.error();
@@ -230,7 +233,8 @@ Result<std::array<std::optional<ScatterTable>, 2>> read_speos(std::span<const st
 
 std::string write_speos(std::span<const ScatterTable* const> tables) {
     const auto has = [&](bool transmission) {
-        return std::ranges::any_of(tables, [&](const ScatterTable* of) { return of->transmission == transmission; });
+        return std::ranges::any_of(tables,
+                                   [&](const ScatterTable* table) { return table->transmission == transmission; });
     };
     std::string text = fmt::format("{} v8.0\n0\nBSDF by srbf\n0\n\n1\t0\t0\n{}\t{}\n1\n", k_anisotropic_title,
                                    int(has(false)), int(has(true)));
@@ -280,9 +284,9 @@ Result<Measured> read_as_speos(std::span<const std::byte> bytes, const std::stri
 
 Result<std::vector<std::byte>> write_as_speos(const TableSource& source, const TableOptions& options) {
     const auto tables = scatter_tables(source, false, options.threads);
-    std::vector<const ScatterTable*> all;
-    for (const ScatterTable& table : tables) all.push_back(&table);
-    return bytes_of(write_speos(all));
+    std::vector<const ScatterTable*> pointers;
+    for (const ScatterTable& table : tables) pointers.push_back(&table);
+    return bytes_of(write_speos(pointers));
 }
 
 }  // namespace srbf

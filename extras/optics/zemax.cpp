@@ -1,4 +1,4 @@
-// Zemax' text of measured scatter, "BSDF Data Interchange file format".
+// Zemax' text format for measured scatter, "BSDF Data Interchange file format".
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,30 +12,30 @@ namespace srbf {
 
 namespace {
 
-/// The heads of blocks of data: of SpectralContent Monochrome, and of XYZ.
+/// The headings of data blocks for the SpectralContent Monochrome and XYZ.
 constexpr std::string_view k_monochrome = "Monochrome", k_xyz = "XYZ";
 constexpr std::array<std::string_view, 3> k_tristimulus{"TristimulusX", "TristimulusY", "TristimulusZ"};
 
-/// The lines before the data; names are spelt as here.
+/// The header. Its names are spelt as here.
 struct ZemaxHeader {
     std::string_view symmetry, content = k_monochrome, type;
     std::vector<float> rotation, incidence, azimuth, radial;
 };
 
 void read_zemax_header(ScatterText& text, ZemaxHeader& header) {
-    constexpr double tenth_turns = 3600;  // rotations are at most that many, in steps of a tenth of a degree
+    constexpr double tenth_turns = 3600;  // the maximum number of rotations, which is a step of 0.1 degree
     for (;;) {
         const std::string_view key = text.word();
-        const auto list = [&](std::vector<float>& to, double most) {
-            to = text.angles(key, text.count(key, std::size_t(tenth_turns) + 1), 0, most);
+        const auto list = [&](std::vector<float>& target, double upper) {
+            target = text.angles(key, text.count(key, std::size_t(tenth_turns) + 1), 0, upper);
         };
-        const auto one_of = [&](std::string_view& to, std::initializer_list<std::string_view> names) {
+        const auto one_of = [&](std::string_view& target, std::initializer_list<std::string_view> names) {
             const std::string_view word = text.word();
-            const auto* found = std::ranges::find_if(names, [&](std::string_view name) { return same(name, word); });
-            if (found == names.end())
+            const auto* match = std::ranges::find_if(names, [&](std::string_view name) { return same(name, word); });
+            if (match == names.end())
                 text.fail(key, fmt::format("one of {}", fmt::join(names, ", ")), quoted(word));
             else
-                to = *found;
+                target = *match;
         };
         std::string_view ignored;
         if (key == "Source")
@@ -63,7 +63,7 @@ void read_zemax_header(ScatterText& text, ZemaxHeader& header) {
     }
 }
 
-/// A block of data: of each slice the azimuths one below another, into the channel.
+/// Reads a block of data into the channel. Each slice has a row for each azimuth.
 void read_zemax_data(ScatterText& text, std::size_t channel, ScatterTable& table) {
     if (const auto word = text.word(); word != "DataBegin") text.fail("data", "DataBegin", quoted(word));
     for (ScatterTable::Slice& slice : table.slices) {
@@ -139,9 +139,9 @@ Result<ScatterTable> read_zemax(std::span<const std::byte> bytes, const std::str
 }
 
 std::string write_zemax(const ScatterTable& table) {
-    const ScatterTable::Slice& of = table.slices.front();
-    const std::size_t n_azimuth = of.azimuth.size(), n_radial = of.polar.size();
-    const bool is_plane = double(of.azimuth.back()) <= k_pi + k_azimuth_rounding;
+    const ScatterTable::Slice& first_slice = table.slices.front();
+    const std::size_t n_azimuth = first_slice.azimuth.size(), n_radial = first_slice.polar.size();
+    const bool is_plane = double(first_slice.azimuth.back()) <= k_pi + k_azimuth_rounding;
     std::string text = fmt::format(
         "# BSDF by srbf; values in 1/sr, TIS is the integral of BSDF times cosine\nSource  Measured\nSymmetry  {}\n"
         "SpectralContent  {}\nScatterType  {}\n",
@@ -158,8 +158,8 @@ std::string write_zemax(const ScatterTable& table) {
     for (std::uint32_t k = 0; k < table.first[1]; ++k) incidence.push_back(table.slices[k].theta_l);
     list("SampleRotation", table.rotation);
     list("AngleOfIncidence", incidence);
-    list("ScatterAzimuth", of.azimuth);
-    list("ScatterRadial", of.polar);
+    list("ScatterAzimuth", first_slice.azimuth);
+    list("ScatterRadial", first_slice.polar);
     for (std::size_t channel = 0; channel < table.channels; ++channel) {
         text += fmt::format("\n{}\nDataBegin\n", table.channels == 1 ? k_monochrome : k_tristimulus[channel]);
         for (const ScatterTable::Slice& slice : table.slices) {
@@ -186,11 +186,11 @@ Result<Measured> read_as_zemax(std::span<const std::byte> bytes, const std::stri
     return measured_of(std::move(tables), file_name, "Zemax");
 }
 
-/// The file of a BRDF, or of a BSDF that only transmits light from the front.
+/// Writes a BRDF, or a BSDF that only transmits light from the front.
 Result<std::vector<std::byte>> write_as_zemax(const TableSource& source, const TableOptions& options) {
     const auto tables = scatter_tables(source, true, options.threads);
     if (tables.size() > 1)
-        return Error{"table", {}, "input", "reflection or transmission alone", "both", ErrorCode::argument};
+        return Error{"table", {}, "input", "only reflection or only transmission", "both", ErrorCode::argument};
     return bytes_of(write_zemax(tables[0]));
 }
 

@@ -1,4 +1,4 @@
-// Frames per second of the fitted models, as in Table 7.2 of Tsai 2009.
+// Frames per second of the fitted models, for comparison with Table 7.2 of Tsai 2009.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,16 +19,16 @@ namespace {
 
 struct TimedModel {
     std::string id;
-    bool by_texture;  ///< view-by-view model by index texture, as in Tsai 2009
+    bool by_texture;  ///< evaluates a view-by-view model with an index texture, as in Tsai 2009
 };
 
-/// The models of Tsai 2009's timings and the default model, as far as they were fitted.
+/// The models of Tsai 2009's timings, and the default model, if they were fitted.
 std::vector<TimedModel> timed_models(const Study& study) {
-    std::vector<TimedModel> all;
+    std::vector<TimedModel> models;
     const Json& fits = study.material.at("fits");
-    const auto add = [&](auto&& is_it, bool by_texture) {
-        const auto found = std::ranges::find_if(fits, is_it);
-        if (found != fits.end()) all.push_back({(*found)["id"], by_texture});
+    const auto add = [&](auto&& matches, bool by_texture) {
+        const auto fit = std::ranges::find_if(fits, matches);
+        if (fit != fits.end()) models.push_back({(*fit)["id"], by_texture});
     };
     const auto by_role = [](const char* role) { return [role](const Json& fit) { return fit["role"] == role; }; };
     const auto by_id = [](const char* id) { return [id](const Json& fit) { return fit["id"] == id; }; };
@@ -38,7 +38,7 @@ std::vector<TimedModel> timed_models(const Study& study) {
     add(by_id("pm-source-8x4-raw"), false);
     add(by_role("pm"), false);
     add(by_role("ggx"), false);
-    return all;
+    return models;
 }
 
 }  // namespace
@@ -48,30 +48,32 @@ Result<Done> time_study(Study& study, const StudyOptions& options) {
     ::setenv("EGL_LOG_LEVEL", "fatal", 0);
     const auto context = OffscreenContext::make(Dialect::gl_450);
     if (!context) return context.error();
-    const FrameOptions how{.frames = options.sweep == Sweep::whole ? 60 : options.sweep == Sweep::quick ? 20 : 1};
+    const FrameOptions frame_options{.frames = options.sweep == Sweep::whole   ? 60
+                                               : options.sweep == Sweep::quick ? 20
+                                                                               : 1};
     auto mesh = load_mesh(options.mesh);
     if (!mesh) return mesh.error();
-    const Scene scene =
-        scene_of(*std::move(mesh), {.azimuth = 0.4, .z_up = options.z_up}, double(how.width) / how.height);
+    const Scene scene = scene_of(*std::move(mesh), {.azimuth = 0.4, .z_up = options.z_up},
+                                 double(frame_options.width) / frame_options.height);
     const std::vector<TimedModel> models = timed_models(study);
     std::vector<Material> materials{Flat{}};
-    for (const TimedModel& of : models) {
-        auto model = load_model((std::filesystem::path(study.folder) / (of.id + ".srbf")).string());
+    for (const TimedModel& timed : models) {
+        auto model = load_model((std::filesystem::path(study.folder) / (timed.id + ".srbf")).string());
         if (!model) return model.error();
-        if (of.by_texture) {
+        if (timed.by_texture) {
             auto& su = std::get<SuModel>(model->model);
             su.interpolation = SuInterpolation::plain;
             su.index = index_texture(su, DirectionMap::cube);
         }
         materials.push_back(material_of(*model));
     }
-    const auto costs = time_frames(*context, scene, materials, how);
+    const auto costs = time_frames(*context, scene, materials, frame_options);
     if (!costs) return costs.error();
     const bool on_cpu = draws_on_cpu(*context);
     Json rows = Json::array();
     for (std::size_t i = 0; i < costs->size(); ++i) {
         const FrameCost& cost = (*costs)[i];
-        // If the library renders on the CPU, only the wall clock measures all of its work.
+        // If the library renders on the CPU, only wall-clock time includes all of its work.
         const double milliseconds = on_cpu ? cost.least.wall : cost.least.gpu;
         rows.push_back({{"id", i == 0 ? "constant" : models[i - 1].id},
                         {"drawn", i == 0                     ? "constant f_r"
@@ -87,9 +89,9 @@ Result<Done> time_study(Study& study, const StudyOptions& options) {
     study.frames = {{"renderer", context->renderer()},
                     {"mesh", options.mesh},
                     {"triangles", scene.mesh.triangles.size()},
-                    {"width", how.width},
-                    {"height", how.height},
-                    {"frames", how.frames},
+                    {"width", frame_options.width},
+                    {"height", frame_options.height},
+                    {"frames", frame_options.frames},
                     {"rows", rows}};
     return write_json(study.frames, (std::filesystem::path(study.folder) / "frames.json").string());
 }

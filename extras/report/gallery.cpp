@@ -1,4 +1,4 @@
-// The gallery of a report.
+// The gallery of a report, its first page.
 #include <fmt/format.h>
 
 #include "extras/report/page.h"
@@ -18,22 +18,22 @@ std::string lead_of(const View& view, const std::string& note) {
         const Json* row = rows_with(view.tables.summary, "what", words(Verdict(k)))[0];
         if (row->at("materials") == 0) continue;
         counts += fmt::format("{}{} for {}", counts.empty() ? "" : ", ", verdict_text(words(Verdict(k))),
-                              number(row, "materials", Shown::whole));
+                              number(row, "materials", NumberFormat::whole));
     }
     if (counts.empty()) return html;
     html += fmt::format("<p class='lead'>The difference between measurement and fit is {}.", counts);
-    // For the default fits of tables, which have the same size.
+    // The default fits of tables all have the same size.
     const auto statistics =
         rows_with(view.tables.statistics, "id", fmt::format("pm-extended-8x4-{}", name(k_default_objective)));
-    if (const Json* of = row_with(statistics, "measure", "delta_e_itp"))
-        html +=
-            fmt::format(" The default fit of a table has {} bytes. Its ΔE_ITP is {} in the median, {} at most ({}).",
-                        number(of, "payload_bytes", Shown::whole), number(of, "median", Shown::plain),
-                        number(of, "worst", Shown::plain), text_of(*of, "worst_material"));
+    if (const Json* statistic = row_with(statistics, "measure", "delta_e_itp"))
+        html += fmt::format(" The default fit of a table has {} bytes. Its median ΔE_ITP is {}, the maximum {} ({}).",
+                            number(statistic, "payload_bytes", NumberFormat::whole),
+                            number(statistic, "median", NumberFormat::plain),
+                            number(statistic, "worst", NumberFormat::plain), text_of(*statistic, "worst_material"));
     return html + "</p>";
 }
 
-/// "hardly visible up to a ΔE_ITP of 1 and a ꟻLIP of 0.03, ..."
+/// The verdicts with their limits: "hardly visible up to a ΔE_ITP of 1 and a ꟻLIP of 0.03, ..."
 std::string verdicts_text() {
     std::string text;
     for (std::size_t k = 0; k < k_verdict_limits.size(); ++k)
@@ -48,12 +48,11 @@ std::string failed_of(const View& view) {
         html += fmt::format("<li><b>{}</b>{}: {}</li>\n", text_of(*material, "material"), label_of(*material),
                             text_of(*material, "error"));
     if (html.empty()) return html;
-    return fmt::format("<div class='wrong' id='failed'>Not shown, for something is wrong with:<ul>\n{}</ul></div>",
-                       html);
+    return fmt::format("<div class='wrong' id='failed'>Not shown because of errors:<ul>\n{}</ul></div>", html);
 }
 
 std::string card_of(const View& view, const Json& material) {
-    const Json* fit = view.drawn(material, "pm");
+    const Json* fit = view.fit_with_role(material, "pm");
     if (fit == nullptr) return {};
     std::string figures;
     for (const char* role : {"measured", "pm", "ggx"})
@@ -68,13 +67,13 @@ std::string card_of(const View& view, const Json& material) {
         "<p>{}{}</p>\n<p>{}{}</p>\n<p>{}, {} bytes; fitted {} bytes</p></article>\n",
         error.is_number() ? field(error) : "1e9", text_of(material, "material"), text_of(material, "format"),
         text_of(material, "folder"), figures, link_to(material), label_of(material), verdict_text(material["verdict"]),
-        error.is_number() ? ": ΔE_ITP " + number(error, Shown::plain) : "", text_of(material, "format"),
-        number(&material, "source_bytes", Shown::whole), number(fit, "payload_bytes", Shown::whole));
+        error.is_number() ? ": ΔE_ITP " + number(error, NumberFormat::plain) : "", text_of(material, "format"),
+        number(&material, "source_bytes", NumberFormat::whole), number(fit, "payload_bytes", NumberFormat::whole));
 }
 
 }  // namespace
 
-std::string gallery_html(const std::vector<Reported>& materials, const Tables& tables, const std::string& note) {
+std::string gallery_html(const std::vector<MaterialEntry>& materials, const Tables& tables, const std::string& note) {
     const View view{tables};
     std::string cards;
     for (const Json* material : view.by_visible_error()) cards += card_of(view, *material);

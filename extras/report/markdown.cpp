@@ -1,4 +1,4 @@
-// The tables of a report as Markdown.
+// The tables of a report as Markdown, for docs/accuracy.md.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace srbf {
 namespace {
 
-/// The columns of docs/accuracy.md for each fit.
+/// A measure in the tables of docs/accuracy.md.
 struct Column {
     const char *title, *measure;
     double scale;
@@ -50,9 +50,9 @@ std::string over_materials(const Tables& tables, const std::string& objective) {
         for (const auto& [title, column] :
              {std::pair("mean", "mean"), {"median", "median"}, {"95 % of them", "percentile_95"}, {"worst", "worst"}}) {
             text += fmt::format("| {} |", title);
-            for (const Column& of : k_columns) {
-                const Json* row = row_with(rows, "measure", heldout(of));
-                text += fmt::format(" {} |", row == nullptr ? "–" : scaled(row->at(column), of.scale));
+            for (const Column& measure_column : k_columns) {
+                const Json* row = row_with(rows, "measure", heldout(measure_column));
+                text += fmt::format(" {} |", row == nullptr ? "–" : scaled(row->at(column), measure_column.scale));
             }
             text += "\n";
         }
@@ -60,7 +60,8 @@ std::string over_materials(const Tables& tables, const std::string& objective) {
     return text;
 }
 
-/// A line for each fit of the ids; for tables held-out errors, for samples "at the samples → held out".
+/// A row for each material and each of the fits `ids`: held-out errors for tables, "at the samples → held out" for
+/// samples.
 std::string each_material(const Tables& tables, const std::string& input, const std::vector<std::string>& ids) {
     std::string text = "\n" + head({"material", "model", "bytes"});
     for (const Json* material : rows_with(tables.materials, "input", input)) {
@@ -70,11 +71,12 @@ std::string each_material(const Tables& tables, const std::string& input, const 
             const Json* fit = row_with(fits, "id", id);
             if (fit == nullptr) continue;
             text += fmt::format("| {} | {} | {} |", std::exchange(name, ""), id, field(fit->at("payload_bytes")));
-            for (const Column& of : k_columns) {
-                const std::string last = scaled(fit->at(heldout(of)), of.scale);
-                text += input == "table" || heldout(of) == of.measure
-                            ? fmt::format(" {} |", last)
-                            : fmt::format(" {} → {} |", scaled(fit->at(of.measure), of.scale), last);
+            for (const Column& measure_column : k_columns) {
+                const std::string heldout_error = scaled(fit->at(heldout(measure_column)), measure_column.scale);
+                text += input == "table" || heldout(measure_column) == measure_column.measure
+                            ? fmt::format(" {} |", heldout_error)
+                            : fmt::format(" {} → {} |", scaled(fit->at(measure_column.measure), measure_column.scale),
+                                          heldout_error);
             }
             text += "\n";
         }
@@ -114,11 +116,11 @@ std::string pictures(const Tables& tables) {
     for (const Json* material : view.done()) {
         text += fmt::format("| {} |", in_markdown(field(material->at("material"))));
         for (const char* role : {"pm", "pm2", "su", "ggx"}) {
-            const Json* of = view.ball(*material, role);
-            text += of == nullptr || !of->at("psnr").is_number()
+            const Json* picture_row = view.ball(*material, role);
+            text += picture_row == nullptr || !picture_row->at("psnr").is_number()
                         ? std::string(" – |")
-                        : fmt::format(" {:.1f}, {:.3f}, {:.3f} |", of->at("psnr").get<double>(),
-                                      of->at("ssim").get<double>(), of->at("flip").get<double>());
+                        : fmt::format(" {:.1f}, {:.3f}, {:.3f} |", picture_row->at("psnr").get<double>(),
+                                      picture_row->at("ssim").get<double>(), picture_row->at("flip").get<double>());
         }
         text += "\n";
     }
@@ -128,7 +130,7 @@ std::string pictures(const Tables& tables) {
 }  // namespace
 
 std::string report_markdown(const Tables& tables) {
-    std::string text = "# Accuracy\n\nWritten by `srbf report`. Held out where nothing else is said.\n";
+    std::string text = "# Accuracy\n\nWritten by `srbf report`. Errors are held out unless stated otherwise.\n";
     for (const std::string objective : {"appearance", "raw", "cosine"})
         text += fmt::format("\n## Objective {}\n{}", objective, over_materials(tables, objective));
     for (const std::string objective : {"appearance", "raw", "cosine"}) {

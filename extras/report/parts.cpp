@@ -13,28 +13,28 @@
 
 namespace srbf {
 
-std::string number(const Json& value, Shown how) {
+std::string number(const Json& value, NumberFormat format) {
     if (!value.is_number()) return "–";
     const double x = value;
-    const std::string text = how == Shown::whole     ? grouped(value.get<std::uint64_t>())
-                             : how == Shown::percent ? percent(x)
-                             : how == Shown::seconds ? fmt::format("{:.2f} s", x)
-                                                     : fmt::format("{:.3g}", x);
+    const std::string text = format == NumberFormat::whole     ? grouped(value.get<std::uint64_t>())
+                             : format == NumberFormat::percent ? percent(x)
+                             : format == NumberFormat::seconds ? fmt::format("{:.2f} s", x)
+                                                               : fmt::format("{:.3g}", x);
     return fmt::format("<data value='{}'>{}</data>", field(value), text);
 }
-std::string number(const Json* row, const std::string& column, Shown how) {
+std::string number(const Json* row, const std::string& column, NumberFormat format) {
     if (row == nullptr) return "–";
-    const auto at = row->find(column);
-    return at == row->end() ? "–" : number(*at, how);
+    const auto entry = row->find(column);
+    return entry == row->end() ? "–" : number(*entry, format);
 }
 std::string text_of(const Json& row, const char* column) { return html_escaped(field(row.at(column))); }
 
 std::string title_of(const Json& fit) {
     const std::string model = fit["model"];
     if (model == "su")
-        return fit.value("interpolation", "") == "plain" ? "view by view, nearest samples" : "view by view";
+        return fit.value("interpolation", "") == "plain" ? "view by view, nearest views" : "view by view";
     if (model == "ggx") return "GGX and Lambert";
-    if (model == "openpbr") return "surface of OpenPBR";
+    if (model == "openpbr") return "OpenPBR Surface";
     return "multivariate, " + fit["form"].get<std::string>() + (fit["axial"] == true ? "" : ", general lobes");
 }
 std::string role_title(const std::string& role) {
@@ -44,9 +44,9 @@ std::string role_title(const std::string& role) {
     return role == "su" ? "view by view" : "GGX";
 }
 std::string measure_column(const std::string& objective, const Json& input) {
-    const Objective named = objective_named(objective).value_or(Objective::cosine);
-    if (named == Objective::appearance && input == "table") return "delta_e_itp";
-    return fmt::format("heldout_{}", measure_named_for(named).name);
+    const Objective objective_value = objective_named(objective).value_or(Objective::cosine);
+    if (objective_value == Objective::appearance && input == "table") return "delta_e_itp";
+    return fmt::format("heldout_{}", measure_named_for(objective_value).name);
 }
 std::string link_to(const Json& material) {
     return fmt::format("<a href='{}/index.html'>{}</a>", text_of(material, "folder"), text_of(material, "material"));
@@ -71,16 +71,16 @@ std::string verdict_text(const Json& words) {
 }
 
 std::string table(const std::vector<Head>& heads, const std::string& rows) {
-    const bool is_grouped = std::ranges::any_of(heads, [](const Head& head) { return !head.of.empty(); });
+    const bool is_grouped = std::ranges::any_of(heads, [](const Head& head) { return !head.columns.empty(); });
     std::string html = "<div class='wide'><table><thead><tr>", second;
     for (std::size_t i = 0; i < heads.size(); ++i) {
-        const std::size_t columns = heads[i].of.size();
-        html += fmt::format("<th scope='col{}'{}{}>{}</th>", columns > 0 ? "group" : "", i == 0 ? " class='name'" : "",
-                            columns > 0  ? fmt::format(" colspan='{}'", columns)
+        const std::size_t count = heads[i].columns.size();
+        html += fmt::format("<th scope='col{}'{}{}>{}</th>", count > 0 ? "group" : "", i == 0 ? " class='name'" : "",
+                            count > 0    ? fmt::format(" colspan='{}'", count)
                             : is_grouped ? " rowspan='2'"
                                          : "",
                             heads[i].name);
-        for (const std::string& name : heads[i].of) second += fmt::format("<th scope='col'>{}</th>", name);
+        for (const std::string& name : heads[i].columns) second += fmt::format("<th scope='col'>{}</th>", name);
     }
     if (is_grouped) html += "</tr><tr>" + second;
     return html + "</tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
@@ -107,7 +107,7 @@ std::string page(const std::string& title, std::string_view body,
 
 Rows View::done() const { return rows_with(tables.materials, "status", "done"); }
 Rows View::fits(const Json& material) const { return rows_with(tables.fits, "material", material["material"]); }
-const Json* View::drawn(const Json& material, const std::string& role) const {
+const Json* View::fit_with_role(const Json& material, const std::string& role) const {
     return row_with(fits(material), "role", role);
 }
 
@@ -124,7 +124,7 @@ const Json* View::ball(const Json& material, const std::string& role) const {
 Rows View::by_visible_error() const {
     Rows rows = done();
     std::ranges::stable_sort(rows, {}, [&](const Json* material) {
-        const Json* fit = drawn(*material, "pm");
+        const Json* fit = fit_with_role(*material, "pm");
         const Json error = fit != nullptr ? fit->at("delta_e_itp") : Json();
         return error.is_number() ? error.get<double>() : std::numeric_limits<double>::infinity();
     });

@@ -9,7 +9,7 @@
 namespace srbf {
 namespace {
 
-/// The list of fits, each of them once.
+/// A list of fits without duplicates.
 class Plan {
   public:
     explicit Plan(int threads) : threads_(threads) {}
@@ -20,7 +20,7 @@ class Plan {
         add(pm, objective, fmt::format("pm-{}-{}x{}-{}", stored_name(form), lobes, variates, name(objective)),
             std::move(role));
     }
-    /// A model of two variates, equal with light and viewer exchanged, for scans, from whose incidences few are left out.
+    /// A reciprocal model of two variates for scans, from which few incidences can be left out.
     void reciprocal(int lobes, Objective objective, std::string role = {}) {
         PmRequest pm;
         pm.variates = 2, pm.reciprocal = true, pm.size = LobeCount{lobes};
@@ -31,7 +31,7 @@ class Plan {
         su.lobes = lobes, su.directions = directions;
         add(su, objective, fmt::format("su-{}-{}", lobes, name(objective)), std::move(role));
     }
-    /// As in Tsai 2009: plain interpolation of the nearest samples by an index texture.
+    /// As in Tsai 2009: plain interpolation of the nearest sampled views from an index texture.
     void su_by_texture(int lobes, Objective objective) {
         SuRequest su;
         su.lobes = lobes, su.interpolation = SuInterpolation::plain, su.index = DirectionMap::cube;
@@ -40,7 +40,7 @@ class Plan {
     void ggx(int lobes, Objective objective, std::string role = {}) {
         add(GgxRequest{lobes}, objective, fmt::format("ggx-{}-{}", lobes, name(objective)), std::move(role));
     }
-    /// A surface by the parameters of OpenPBR.
+    /// The parameters of OpenPBR Surface.
     void openpbr(Objective objective) {
         add(OpenPbrRequest{}, objective, fmt::format("openpbr-{}", name(objective)), {});
     }
@@ -52,18 +52,18 @@ class Plan {
         request.model = std::move(model), request.objective = objective, request.threads = threads_;
         for (PlannedFit& other : fits)
             if (!role.empty() && other.role == role) other.role.clear();
-        const auto same = std::ranges::find(fits, id, &PlannedFit::id);
-        if (same == fits.end())
+        const auto existing = std::ranges::find(fits, id, &PlannedFit::id);
+        if (existing == fits.end())
             fits.push_back({request, std::move(id), std::move(role)});
         else if (!role.empty())
-            same->role = std::move(role);
+            existing->role = std::move(role);
     }
     int threads_;
 };
 
 void plan_table(Plan& plan, bool quick) {
     using enum Objective;
-    // The fits that are drawn, the size of Tsai 2009, and sizes and objectives beside the default.
+    // The fits that are drawn, the size in Tsai 2009, and sizes and objectives besides the default.
     for (const int lobes : {6, 8, 12}) plan.pm(PmForm::extended, lobes, 4, appearance, lobes == 8 ? "pm" : "");
     plan.pm(PmForm::extended, 8, 4, cosine, "pm2");
     plan.su(5, appearance, "su");
@@ -85,7 +85,7 @@ void plan_table(Plan& plan, bool quick) {
     }
     plan.pm(PmForm::extended, 8, 4, cube_root);
     plan.su_by_texture(5, raw);
-    // For the plot of error over the number of lobes.
+    // For the plots of error over the number of lobes.
     for (const int lobes : {1, 2, 3, 4, 6, 8, 12, 16})
         for (const PmForm form : k_forms) {
             for (const int variates : {2, 3, 4}) plan.pm(form, lobes, variates, raw);
@@ -121,7 +121,7 @@ void plan_samples(Plan& plan, bool quick) {
     }
 }
 
-/// Scans of an instrument: by the logarithm of f, and by appearance.
+/// Scans of an instrument, fitted with the objectives relative and appearance.
 void plan_scans(Plan& plan, bool quick) {
     using enum Objective;
     for (const int lobes : {3, 6, 9}) plan.reciprocal(lobes, relative, lobes == 6 ? "pm" : "");
@@ -139,8 +139,8 @@ void plan_least(Plan& plan) {
     plan.ggx(1, Objective::cosine, "ggx");
 }
 
-/// Samples in the plane of incidence alone.
-bool is_of_scans(const Measured& measured) {
+/// True if all samples are in the plane of incidence.
+bool are_scans(const Measured& measured) {
     const auto* samples = std::get_if<ScatteredSamples>(&measured.table);
     for (std::size_t i = 0; samples != nullptr && i < samples->wl.size(); ++i)
         if (!is_in_plane(samples->wl[i], samples->wv[i])) return false;
@@ -154,16 +154,16 @@ std::string_view name(Sweep sweep) {
 }
 
 std::vector<PlannedFit> plan(const Measured& measured, Sweep sweep, int threads) {
-    Plan all(threads);
+    Plan fits_to_make(threads);
     if (sweep == Sweep::least)
-        plan_least(all);
-    else if (is_of_scans(measured))
-        plan_scans(all, sweep == Sweep::quick);
+        plan_least(fits_to_make);
+    else if (are_scans(measured))
+        plan_scans(fits_to_make, sweep == Sweep::quick);
     else if (std::holds_alternative<ScatteredSamples>(measured.table))
-        plan_samples(all, sweep == Sweep::quick);
+        plan_samples(fits_to_make, sweep == Sweep::quick);
     else
-        plan_table(all, sweep == Sweep::quick);
-    return std::move(all.fits);
+        plan_table(fits_to_make, sweep == Sweep::quick);
+    return std::move(fits_to_make.fits);
 }
 
 }  // namespace srbf

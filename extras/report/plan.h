@@ -8,14 +8,14 @@
 
 namespace srbf {
 
-/// One `srbf fit`.
+/// A run of `srbf fit`.
 struct PlannedFit {
     FitRequest request;
     std::string id;    ///< "pm-extended-8x4-cosine"; unique among the fits of a material
-    std::string role;  ///< role in pictures: "pm", "pm2", "su" or "ggx"; empty: none
+    std::string role;  ///< role in pictures: "pm", "pm2", "su" or "ggx"; empty: not drawn
 };
 
-/// The number of fits and pictures.
+/// The number of fits and the quality of pictures.
 enum class Sweep {
     whole,
     quick,  ///< about a third of the fits, coarser pictures: about a minute per material on two cores
@@ -23,8 +23,9 @@ enum class Sweep {
 };
 std::string_view name(Sweep sweep);
 
-/// The fits to a measurement: the sizes and forms of Table 7.1 and Figure 7.6 of Tsai 2009, the defaults of `srbf fit`,
-/// the baseline. Scattered samples have fewer fits, since each is cross-validated with a dozen fits.
+/// The fits to a measurement: the sizes and forms of Table 7.1 and Figure 7.6 of Tsai 2009, the defaults of `srbf
+/// fit`, and the baseline. Scattered samples have fewer fits, since each is cross-validated with about a dozen
+/// fits.
 std::vector<PlannedFit> plan(const Measured& measured, Sweep sweep, int threads);
 
 }  // namespace srbf

@@ -30,60 +30,64 @@ struct ReportCommand {
     int threads = 0, jobs = 0;
 
     int run() const;
-    bool labels_are_of_files() const;
+    bool are_labels_valid() const;
 };
 
-/// The last stages of a fit use four candidates and then one at a time, so that more than four threads are mostly idle.
-constexpr int k_cores_of_a_job = 4;
+/// The last stages of a fit use four candidates and then one at a time, so more than four threads would be mostly
+/// idle.
+constexpr int k_cores_per_job = 4;
 
-/// Removes the unfinished files that a killed run has left in the folder and in those of its materials.
+/// Removes unfinished files that a killed run has left in the folder and in those of its materials.
 void remove_unfinished(const std::string& folder) {
     std::error_code none;
     std::vector<fs::path> unfinished;
-    for (fs::recursive_directory_iterator at(folder, none), end; at != end && !none; at.increment(none)) {
-        const std::string name = at->path().filename().string();
-        if (name.starts_with(".srbf-") && name.ends_with(".tmp")) unfinished.push_back(at->path());
-        if (at.depth() > 0) at.disable_recursion_pending();
+    for (fs::recursive_directory_iterator entry(folder, none), end; entry != end && !none; entry.increment(none)) {
+        const std::string name = entry->path().filename().string();
+        if (name.starts_with(".srbf-") && name.ends_with(".tmp")) unfinished.push_back(entry->path());
+        if (entry.depth() > 0) entry.disable_recursion_pending();
     }
     for (const fs::path& path : unfinished) fs::remove(path, none);
 }
 
-/// Studies the missing materials. The number of materials at a time affects only the durations.
-void study_all(std::vector<Reported>& materials, const std::vector<std::string>& folders, const StudyOptions& options) {
-    std::vector<std::size_t> todo;
+/// Studies the materials that are missing. The number of concurrent materials affects only durations.
+void study_all(std::vector<MaterialEntry>& materials, const std::vector<std::string>& folders,
+               const StudyOptions& options) {
+    std::vector<std::size_t> missing;
     for (std::size_t i = 0; i < materials.size(); ++i)
-        if (materials[i].error.empty() && !(materials[i].study = load_study(folders[i]))) todo.push_back(i);
+        if (materials[i].error.empty() && !(materials[i].study = load_study(folders[i]))) missing.push_back(i);
     ProgressLine line;
-    Board board(std::max<std::size_t>(todo.size(), 1), line);
-    in_jobs(todo.size(), options.jobs, [&](std::size_t at) {
-        Reported& of = materials[todo[at]];
-        auto study = make_study(of.file, folders[todo[at]], options, [&](const std::string& what, double part) {
-            board.show(at, fmt::format("{} of {}, {}: {}", at + 1, todo.size(), of.name, what), part);
-        });
+    Board board(std::max<std::size_t>(missing.size(), 1), line);
+    in_jobs(missing.size(), options.jobs, [&](std::size_t index) {
+        MaterialEntry& material = materials[missing[index]];
+        auto study =
+            make_study(material.file, folders[missing[index]], options, [&](const std::string& stage, double part) {
+                board.show(index, fmt::format("{} of {}, {}: {}", index + 1, missing.size(), material.name, stage),
+                           part);
+            });
         if (study)
-            of.study = *std::move(study);
+            material.study = *std::move(study);
         else
-            of.error = message(study.error());
-        board.show(at, of.name, 1);
+            material.error = message(study.error());
+        board.show(index, material.name, 1);
     });
 
-    // While nothing else runs.
+    // Frames are timed while nothing else runs.
     for (std::size_t i = 0; i < materials.size(); ++i) {
         if (!materials[i].study || !materials[i].study->frames.is_null()) continue;
         line.show("frames of " + materials[i].name, double(i) / double(materials.size()));
         if (const auto timed = time_study(*materials[i].study, options); !timed)
             materials[i].frame_error = message(timed.error());
         else
-            materials[i].study = load_study(materials[i].study->folder);  // as a later run will read it
+            materials[i].study = load_study(materials[i].study->folder);  // the same as a later run reads
     }
 }
 
-/// The names by which a label may call a file.
+/// The names of a file that labels may use.
 std::array<std::string, 3> names_of(const std::string& file) {
     return {fs::path(file).stem().string(), fs::path(file).filename().string(), file};
 }
 
-bool ReportCommand::labels_are_of_files() const {
+bool ReportCommand::are_labels_valid() const {
     return std::ranges::all_of(labels, [&](const std::string& label) {
         return std::ranges::any_of(files, [name = label.substr(0, label.find('='))](const std::string& file) {
             return std::ranges::count(names_of(file), name) > 0;
@@ -91,42 +95,44 @@ bool ReportCommand::labels_are_of_files() const {
     });
 }
 
-/// The materials by name, with the folder of each; reports those that cannot be read.
-std::vector<Reported> materials_of(const ReportCommand& command, const StudyOptions& options,
-                                   std::vector<std::string>& folders) {
+/// The materials with their names and folders. A material that cannot be read has an error.
+std::vector<MaterialEntry> materials_of(const ReportCommand& command, const StudyOptions& options,
+                                        std::vector<std::string>& folders) {
     std::map<std::string, std::string> label_of;
     for (const std::string& label : command.labels)
         label_of[label.substr(0, label.find('='))] = label.substr(label.find('=') + 1);
     std::map<std::string, int> count;
-    std::vector<Reported> materials;
+    std::vector<MaterialEntry> materials;
     for (const std::string& file : command.files) {
-        Reported of;
-        of.file = file;
+        MaterialEntry material;
+        material.file = file;
         const std::string stem = fs::path(file).stem().string();
-        const int same = ++count[stem];
-        of.name = same > 1 ? fmt::format("{} ({})", stem, same) : stem;
+        const int occurrences = ++count[stem];
+        material.name = occurrences > 1 ? fmt::format("{} ({})", stem, occurrences) : stem;
         for (const std::string& key : names_of(file))
-            if (const auto label = label_of.find(key); label != label_of.end()) of.label = label->second;
+            if (const auto label = label_of.find(key); label != label_of.end()) material.label = label->second;
         const auto name = study_name(file, options);
         std::string folder = name ? (fs::path(command.folder) / *name).string() : "";
         if (!name)
-            of.error = message(name.error());
+            material.error = message(name.error());
         else if (std::ranges::find(folders, folder) != folders.end())
-            of.error = message({file, {}, "input", "another material", "one that is in the report already"});
-        folders.push_back(of.error.empty() ? std::move(folder) : "");
-        materials.push_back(std::move(of));
+            material.error = message({file, {}, "input", "a material that is not yet in the report", "the same again"});
+        folders.push_back(material.error.empty() ? std::move(folder) : "");
+        materials.push_back(std::move(material));
     }
     return materials;
 }
 
-Result<Done> write_all(const ReportCommand& command, const std::vector<Reported>& materials, const Tables& tables) {
+Result<Done> write_all(const ReportCommand& command, const std::vector<MaterialEntry>& materials,
+                       const Tables& tables) {
     std::vector<std::pair<std::string, std::string>> texts;
     for (const Table* table : tables.all()) texts.emplace_back(table->name + ".csv", csv(*table));
     texts.emplace_back("accuracy.md", report_markdown(tables));
     texts.emplace_back("numbers.html", numbers_html(tables));
     for (const Json* material : rows_with(tables.materials, "status", "done")) {
-        const auto of = std::ranges::find(materials, field(material->at("material")), &Reported::name);
-        texts.emplace_back(field(material->at("folder")) + "/index.html", material_html(tables, *material, *of->study));
+        const auto material_entry = std::ranges::find(materials, field(material->at("material")), &MaterialEntry::name);
+        texts.emplace_back(field(material->at("folder")) + "/index.html",
+                           material_html(tables, *material, *material_entry->study));
     }
     texts.emplace_back("index.html", gallery_html(materials, tables, command.note));
     for (const auto& [name, text] : texts)
@@ -139,7 +145,7 @@ void print_summary(const ReportCommand& command, const Tables& tables) {
     const View view{tables};
     fmt::print("{:<32}{:>10}{:>10}  {}\n", "material", "bytes", "ΔE_ITP", "difference");
     for (const Json* material : view.by_visible_error()) {
-        const Json* fit = view.drawn(*material, "pm");
+        const Json* fit = view.fit_with_role(*material, "pm");
         if (fit == nullptr) continue;
         const Json& error = fit->at("delta_e_itp");
         fmt::print(
@@ -156,19 +162,19 @@ int ReportCommand::run() const {
 
     const int cores = threads > 0 ? threads : int(std::max(std::thread::hardware_concurrency(), 1u));
     StudyOptions options{sweep, mesh, up == "z", cores, 1, settings};
-    const std::size_t most = std::min(std::size_t(cores / k_cores_of_a_job), files.size());
-    options.jobs = jobs > 0 ? std::min(jobs, int(files.size())) : jobs_within_memory(most);
+    const std::size_t max_jobs = std::min(std::size_t(cores / k_cores_per_job), files.size());
+    options.jobs = jobs > 0 ? std::min(jobs, int(files.size())) : jobs_within_memory(max_jobs);
     options.threads = std::max(cores / options.jobs, 1);
     std::vector<std::string> folders;
-    std::vector<Reported> materials = materials_of(*this, options, folders);
+    std::vector<MaterialEntry> materials = materials_of(*this, options, folders);
     study_all(materials, folders, options);
     const Tables tables = tables_of(materials);
     if (const auto written = write_all(*this, materials, tables); !written) return complain(written.error());
     print_summary(*this, tables);
     int status = k_done;
-    for (const Reported& of : materials)
-        if (!of.study) {
-            fmt::print(stderr, "srbf: {}\n", of.error);
+    for (const MaterialEntry& material : materials)
+        if (!material.study) {
+            fmt::print(stderr, "srbf: {}\n", material.error);
             status = k_input_error;
         }
     return status;
@@ -180,7 +186,7 @@ void add_report(CommandLine& app, int& status) {
     const auto command = std::make_shared<ReportCommand>();
     const Subcommand sub = app.add_subcommand(
         "report", "Fit all kinds of models to materials and compare them: a page, tables, pictures, the models");
-    std::vector<Option> besides;  // on which no study depends
+    std::vector<Option> besides;  // options that no study depends on
     besides.push_back(sub.add_option("FILE", command->files, "Measurements").type_name("").required());
     besides.push_back(sub.add_option("-o,--output", command->folder,
                                      "The folder to write. Materials that are already complete there are skipped")
@@ -189,7 +195,7 @@ void add_report(CommandLine& app, int& status) {
     sub.add_flag(
         "--quick", [command] { command->sweep = Sweep::quick; },
         "Fewer sizes, coarser pictures: about a minute per material on two cores");
-    // For tests only: one small fit of each kind.
+    // For tests: one small fit of each kind.
     sub.add_flag(
            "--least", [command] { command->sweep = Sweep::least; }, "")
         .hidden();
@@ -198,10 +204,10 @@ void add_report(CommandLine& app, int& status) {
         sub.add_option("--label", command->labels,
                        "Text beside a material's name, for example nickel=stand-in; may be repeated")
             .type_name("NAME=TEXT")
-            .one_at_a_time()  // what follows the text is a file
+            .one_at_a_time()  // the next argument is a file
             .check([](std::string& text) -> std::string {
-                const auto at = text.find('=');
-                return at == 0 || at == text.npos ? fmt::format("expected NAME=TEXT, found {}", text) : "";
+                const auto position = text.find('=');
+                return position == 0 || position == text.npos ? fmt::format("expected NAME=TEXT, found {}", text) : "";
             });
     besides.push_back(labels);
     besides.push_back(sub.add_option("--note", command->note, "Text at the top of the page").type_name("TEXT"));
@@ -221,7 +227,7 @@ void add_report(CommandLine& app, int& status) {
             command->settings = sub.settings(besides);
             status = command->run();
         },
-        {{{labels}, "each with the name of a FILE", [command] { return command->labels_are_of_files(); }}});
+        {{{labels}, "each with the name of a FILE", [command] { return command->are_labels_valid(); }}});
 }
 
 }  // namespace srbf

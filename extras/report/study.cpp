@@ -20,16 +20,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Version of the folder's content; to be incremented if it changes without a new version of the program.
+/// Version of a study's content. Increment it if the content changes without a new version of the program.
 constexpr int k_edition = 8;
-/// Pixels per side and paths per pixel of each sweep.
+/// Pixels per side and paths per pixel, for each sweep.
 struct PictureSize {
     int pixels, paths;
 };
-constexpr std::array<PictureSize, 3> k_pictures_of{{{240, 256}, {176, 48}, {16, 1}}};
-/// The elevation of the eye [rad]: high enough that the ground fills the picture.
+constexpr std::array<PictureSize, 3> k_picture_sizes{{{240, 256}, {176, 48}, {16, 1}}};
+/// The elevation of the eye [rad], high enough for the ground to fill the picture.
 constexpr double k_elevation = 20 * k_degree;
-/// The shading code of the default fit in a folder.
+/// A file with shading code of the default fit.
 struct CodeFile {
     CodeLanguage language;
     const char *ending, *what;
@@ -39,30 +39,30 @@ constexpr std::array<CodeFile, 5> k_code_files{{{CodeLanguage::glsl, ".glsl", "G
                                                 {CodeLanguage::wgsl, ".wgsl", "WGSL"},
                                                 {CodeLanguage::msl, ".metal", "Metal"},
                                                 {CodeLanguage::c, ".h", "C, C++ and CUDA"}}};
-/// JPEG quality of pictures in the page, and of differences.
-constexpr int k_quality = 85, k_quality_of_differences = 70;
+/// JPEG quality of pictures on the page, and of difference maps.
+constexpr int k_quality = 85, k_difference_quality = 70;
 
-/// The characters of a folder name that every file system accepts.
-std::string plain(std::string text) {
+/// `text` with '_' in place of characters that some file systems refuse.
+std::string folder_name(std::string text) {
     for (char& c : text)
         if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
     return text;
 }
 
-/// The colour of a role in the page's style.
+/// The CSS colour of a role.
 std::string colour_of_role(const std::string& role) { return fmt::format("var(--{})", role); }
 
-/// The subjects that are drawn: the measurement first, then fits.
-struct Drawn {
+/// The subjects that are drawn: first the measurement, then fits.
+struct DrawnSubjects {
     std::vector<Subject> subjects;
     std::vector<std::string> roles, ids;
 };
 
-/// Creates the folder of a study.
-class Maker {
+/// Makes a study in its folder.
+class StudyMaker {
   public:
-    Maker(std::string folder, const StudyOptions& options,
-          const std::function<void(const std::string&, double)>& progress)
+    StudyMaker(std::string folder, const StudyOptions& options,
+               const std::function<void(const std::string&, double)>& progress)
         : folder_(std::move(folder)), options_(options), progress_(progress) {}
 
     Result<Study> run(const std::string& file) {
@@ -73,10 +73,10 @@ class Maker {
         study.times["threads"] = options_.threads;
         study.times["jobs"] = options_.jobs;
         study.times["load_seconds"] = watch.seconds();
-        const bool of_samples = std::holds_alternative<ScatteredSamples>(measured->table);
+        const bool is_scattered = std::holds_alternative<ScatteredSamples>(measured->table);
         study.material = {{"file", fs::path(file).filename().string()},
                           {"format", measured->format},
-                          {"input", of_samples ? "samples" : "table"},
+                          {"input", is_scattered ? "samples" : "table"},
                           {"isotropic", is_isotropic(*measured)},
                           {"source_bytes", measured->bytes},
                           {"version", SRBF_VERSION},
@@ -98,37 +98,37 @@ class Maker {
 
   private:
     std::string path(const std::string& name) const { return (fs::path(folder_) / name).string(); }
-    /// Relative durations of the parts of the work.
+    /// Relative durations of the stages.
     static constexpr double k_fits = 0.75, k_pictures = 1 - k_fits;
 
     Result<Done> fit(Study& study) {
         const auto measured = [&]() -> const Measured& { return std::get<Measured>(drawn_.subjects[0].content); };
-        const std::vector<PlannedFit> all = plan(measured(), options_.sweep, options_.threads);
+        const std::vector<PlannedFit> planned = plan(measured(), options_.sweep, options_.threads);
         Json rows = Json::array(), failures = Json::array(), seconds = Json::object();
-        std::optional<Error> first;
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            progress_(all[i].id, k_fits * double(i) / double(all.size()));
-            const FileFit file_fit{study.material["file"], all[i].id + ".srbf", {}, {}, all[i].request};
-            auto outcome = srbf::fit(measured(), all[i].request);
+        std::optional<Error> first_error;
+        for (std::size_t i = 0; i < planned.size(); ++i) {
+            progress_(planned[i].id, k_fits * double(i) / double(planned.size()));
+            const FileFit file_fit{study.material["file"], planned[i].id + ".srbf", {}, {}, planned[i].request};
+            auto outcome = srbf::fit(measured(), planned[i].request);
             if (!outcome) {
                 Error error = outcome.error();
                 error.source = file_fit.input;
-                failures.push_back({{"id", all[i].id}, {"error", message(error)}});
-                if (!first) first = error;
+                failures.push_back({{"id", planned[i].id}, {"error", message(error)}});
+                if (!first_error) first_error = error;
                 continue;
             }
             Model& model = outcome->model;
-            Json row{{"id", all[i].id}, {"role", all[i].role}};
+            Json row{{"id", planned[i].id}, {"role", planned[i].role}};
             row.update(report_of(file_fit, measured(), *outcome));
-            for (const char* other : {"fit_seconds", "load_seconds", "threads", "path"}) row.erase(other);
+            for (const char* omitted : {"fit_seconds", "load_seconds", "threads", "path"}) row.erase(omitted);
             rows.push_back(std::move(row));
-            seconds[all[i].id] = outcome->fit_seconds;
+            seconds[planned[i].id] = outcome->fit_seconds;
             if (const auto saved = save_model(model, path(file_fit.output)); !saved) return saved.error();
-            if (all[i].role.empty()) continue;
+            if (planned[i].role.empty()) continue;
             drawn_.subjects.push_back({file_fit.output, std::move(model)});
-            drawn_.roles.push_back(all[i].role), drawn_.ids.push_back(all[i].id);
+            drawn_.roles.push_back(planned[i].role), drawn_.ids.push_back(planned[i].id);
         }
-        if (rows.empty() && first) return *first;
+        if (rows.empty() && first_error) return *first_error;
         study.material["fits"] = std::move(rows), study.material["failures"] = std::move(failures);
         study.times["fit_seconds"] = std::move(seconds);
         return Done{};
@@ -145,19 +145,19 @@ class Maker {
                  {"linear", lobe_drawing(curves, theta * k_degree, LobeScale::linear)},
                  {"logarithmic", lobe_drawing(curves, theta * k_degree, LobeScale::logarithmic)}});
             for (const SliceCurve& curve : curves) {
-                const LuminanceSlice of = luminance_slice(curve.brdf, theta * k_degree);
-                for (std::size_t i = 0; i < of.degrees.size(); ++i)
-                    csv +=
-                        std::isfinite(of.luminance[i])
-                            ? fmt::format("{},{:g},{:.4g},{:.6g}\n", curve.name, theta, of.degrees[i], of.luminance[i])
-                            : fmt::format("{},{:g},{:.4g},\n", curve.name, theta, of.degrees[i]);
+                const LuminanceSlice slice = luminance_slice(curve.brdf, theta * k_degree);
+                for (std::size_t i = 0; i < slice.degrees.size(); ++i)
+                    csv += std::isfinite(slice.luminance[i])
+                               ? fmt::format("{},{:g},{:.4g},{:.6g}\n", curve.name, theta, slice.degrees[i],
+                                             slice.luminance[i])
+                               : fmt::format("{},{:g},{:.4g},\n", curve.name, theta, slice.degrees[i]);
             }
         }
         draw_scans(study, std::span(curves).subspan(1));
         return write_file(path("lobes.csv"), as_bytes(csv));
     }
 
-    /// Plots samples in the plane of incidence, at most `k_most_scans` of the angles.
+    /// Plots samples in the plane of incidence, for at most `k_most_scans` angles.
     void draw_scans(Study& study, std::span<const SliceCurve> models) {
         const auto* samples = std::get_if<ScatteredSamples>(&std::get<Measured>(drawn_.subjects[0].content).table);
         if (samples == nullptr) return;
@@ -168,21 +168,21 @@ class Maker {
     }
 
     Result<Done> draw_pictures(Study& study) {
-        const auto [size, paths] = k_pictures_of[std::size_t(options_.sweep)];
+        const auto [size, paths] = k_picture_sizes[std::size_t(options_.sweep)];
         PathCommand command;
         command.samples = paths;
         command.threads = options_.threads;
         study.material["pixels"] = size;
         study.material["paths"] = command.samples;
-        std::vector<Pictured> pictured;
-        for (const Subject& subject : drawn_.subjects) pictured.emplace_back(&subject);
+        std::vector<Pictured> drawings;
+        for (const Subject& subject : drawn_.subjects) drawings.emplace_back(&subject);
         const std::array<std::pair<const char*, std::string>, 2> objects{{{"ball", "ball"}, {"mesh", options_.mesh}}};
         for (std::size_t object = 0; object < objects.size(); ++object) {
             auto mesh = load_mesh(objects[object].second);
             if (!mesh) return mesh.error();
             const Viewpoint viewpoint{.elevation = k_elevation, .z_up = object > 0 && options_.z_up};
             const Scene scene = scene_of(*std::move(mesh), viewpoint, 1);
-            const auto pictures = command.render(scene, pictured, size, size, [&](double part) {
+            const auto pictures = command.render(scene, drawings, size, size, [&](double part) {
                 progress_("pictures", k_fits + k_pictures * (double(object) + part) / double(objects.size()));
             });
             if (!pictures) return pictures.error();
@@ -197,11 +197,14 @@ class Maker {
                          {"role", drawn_.roles[i]},
                          {"picture", name}};
                 if (i > 0) {
-                    const Likeness of = likeness(measured, image);
+                    const Likeness similarity = likeness(measured, image);
                     const std::string difference = name + ".difference";
                     const Image8 map = in_false_colours(flip_map(measured, image), size, size);
-                    if (const auto done = write(map, difference, k_quality_of_differences); !done) return done.error();
-                    row.update({{"difference", difference}, {"psnr", of.psnr}, {"ssim", of.ssim}, {"flip", of.flip}});
+                    if (const auto done = write(map, difference, k_difference_quality); !done) return done.error();
+                    row.update({{"difference", difference},
+                                {"psnr", similarity.psnr},
+                                {"ssim", similarity.ssim},
+                                {"flip", similarity.flip}});
                 }
                 study.material["pictures"].push_back(std::move(row));
             }
@@ -209,31 +212,33 @@ class Maker {
         return Done{};
     }
 
-    /// The default fit as files for other programs, and a page that shows it and GGX beside the measurement.
+    /// Writes the default fit as files for other programs, and a page that compares it and GGX with the measurement.
     Result<Done> write_exports(Study& study, const std::string& stem) {
         Json& exports = study.material["exports"] = Json::array();
-        const auto drawn = [&](std::string_view role) -> const Subject* {
-            const auto at = std::ranges::find(drawn_.roles, role);
-            return at == drawn_.roles.end() ? nullptr : &drawn_.subjects[std::size_t(at - drawn_.roles.begin())];
+        const auto subject_of = [&](std::string_view role) -> const Subject* {
+            const auto role_entry = std::ranges::find(drawn_.roles, role);
+            return role_entry == drawn_.roles.end() ? nullptr
+                                                    : &drawn_.subjects[std::size_t(role_entry - drawn_.roles.begin())];
         };
-        const Subject *fit = drawn("pm"), *ggx = drawn("ggx");
+        const Subject *fit = subject_of("pm"), *ggx = subject_of("ggx");
         if (fit == nullptr) return Done{};
-        const auto add = [&](const std::string& file, const char* what,
+        const auto add = [&](const std::string& file, const char* description,
                              const Result<std::string>& text) -> Result<Done> {
             if (!text) return text.error();
-            exports.push_back({{"file", file}, {"what", what}});
+            exports.push_back({{"file", file}, {"what", description}});
             return write_file(path(file), as_bytes(*text));
         };
         exports.push_back({{"file", fit->path}, {"what", "the model"}});
         const NamedModel named{identifier(stem), &std::get<Model>(fit->content)};
         const std::span<const NamedModel> one(&named, 1);
-        for (const auto& [language, ending, what] : k_code_files) {
+        for (const auto& [language, ending, title] : k_code_files) {
             const CodeOptions options{.language = language, .sampling = true, .threads = options_.threads};
-            if (const auto done = add(plain(stem) + ending, what, shading_code(one, named.name, options)); !done)
+            if (const auto done = add(folder_name(stem) + ending, title, shading_code(one, named.name, options)); !done)
                 return done;
         }
         for (const CodeModule& module : code_modules())
-            if (const auto done = add(plain(stem) + ".js", "three.js", module.text(one, named.name, options_.threads));
+            if (const auto done =
+                    add(folder_name(stem) + ".js", "three.js", module.text(one, named.name, options_.threads));
                 !done)
                 return done;
         if (is_two_sided(drawn_.subjects[0].content)) return Done{};
@@ -243,7 +248,7 @@ class Maker {
                    page_html(page_of(models, &drawn_.subjects[0])));
     }
 
-    /// As a PNG, and as a JPEG for the page.
+    /// Writes a picture as PNG, and as JPEG for the page.
     Result<Done> write(const Image8& image, const std::string& name, int quality) const {
         if (const auto done = write_png(image, path(name + ".png")); !done) return done.error();
         return write_file(path(name + ".jpg"), jpeg(image, quality));
@@ -252,7 +257,7 @@ class Maker {
     std::string folder_;
     const StudyOptions& options_;
     const std::function<void(const std::string&, double)>& progress_;
-    Drawn drawn_;
+    DrawnSubjects drawn_;
 };
 
 }  // namespace
@@ -260,7 +265,7 @@ class Maker {
 Result<std::string> study_name(const std::string& file, const StudyOptions& options) {
     const auto bytes = read_input(file);
     if (!bytes) {
-        // An item of a file, FILE#NAME, is a model.
+        // FILE#NAME, an item in a file, is a model.
         const auto part = load_subject(file);
         return part ? Error{file, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind} : part.error();
     }
@@ -269,7 +274,7 @@ Result<std::string> study_name(const std::string& file, const StudyOptions& opti
     key.add(*bytes);
     if (std::ranges::find(k_built_in_meshes, options.mesh) == k_built_in_meshes.end())
         if (const auto added = key.add_file(options.mesh); !added) return added.error();
-    return fmt::format("{}-{}", plain(fs::path(file).stem().string()), key.text());
+    return fmt::format("{}-{}", folder_name(fs::path(file).stem().string()), key.text());
 }
 
 std::optional<Study> load_study(const std::string& folder) {
@@ -288,20 +293,20 @@ Result<Study> make_study(const std::string& file, const std::string& folder, con
                          const std::function<void(const std::string&, double)>& progress) {
     const fs::path whole = folder, unfinished = whole.parent_path() / ("." + whole.filename().string());
     std::error_code code;
-    fs::remove_all(unfinished, code);  // left behind by an interrupted run
+    fs::remove_all(unfinished, code);  // from an interrupted run
     fs::remove_all(whole, code);
     if (fs::create_directory(unfinished, code); code)
         return Error{unfinished.string(), {}, "cannot be made", "a folder", code.message()};
-    auto study = within_memory(file, [&] { return Maker(unfinished.string(), options, progress).run(file); });
+    auto study = within_memory(file, [&] { return StudyMaker(unfinished.string(), options, progress).run(file); });
     if (!study) {
         fs::remove_all(unfinished, code);
         return study;
     }
     if (const auto renamed = rename_path(unfinished.string(), whole.string()); !renamed) return renamed.error();
-    // Read back from the folder, so that the result does not depend on which run created it.
-    auto kept = load_study(folder);
-    if (!kept) return Error{whole.string(), {}, "cannot be read", "the study that was written", "none"};
-    return *std::move(kept);
+    // Reading the study back makes the result independent of which run created it.
+    auto study_read = load_study(folder);
+    if (!study_read) return Error{whole.string(), {}, "cannot be read", "the study that was written", "none"};
+    return *std::move(study_read);
 }
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-// A material of a report: all results for it, in a folder of its own.
+// A material of a report: all its results, in a folder of its own.
 #pragma once
 #include <array>
 #include <functional>
@@ -13,43 +13,44 @@
 
 namespace srbf {
 
-/// The page of the default fit beside the measurement.
+/// The page that compares the default fit with the measurement.
 inline constexpr char k_page_file[] = "page.html";
-/// Polar angle of the light in plots of lobes [degrees].
+/// Polar angles of the light in plots of lobes [degrees].
 inline constexpr std::array<double, 3> k_lobe_theta{0, 45, 75};
-inline constexpr std::size_t k_most_scans = 6;  ///< that are drawn
+inline constexpr std::size_t k_most_scans = 6;  ///< maximum number of scans that are drawn
 
 /// Options of studies.
 struct StudyOptions {
     Sweep sweep = Sweep::whole;
-    std::string mesh = "knot";  ///< of the second picture; see `load_mesh`
+    std::string mesh = "knot";  ///< the mesh of the second picture; see `load_mesh`
     bool z_up = false;
     int threads = 1;            ///< per fit and picture
-    int jobs = 1;               ///< number of materials at a time
-    std::string settings = {};  ///< the options of the command line that a study depends on, for its key
+    int jobs = 1;               ///< number of materials processed at the same time
+    std::string settings = {};  ///< the options on the command line that a study depends on, for its key
 };
 
-/// A finished study, in its folder STEM-KEY:
+/// A completed study, in its folder STEM-KEY:
 ///   material.json  results; the same in every run
 ///   times.json     durations
-///   frames.json    frames per second; made later, while nothing else runs
+///   frames.json    frames per second; measured later, while nothing else runs
 ///   *.srbf *.png *.jpg lobes.csv
-///   the default fit as shading code, and as a page beside the measurement: `k_page_file`
-/// A folder is created under a temporary name and renamed, so that an existing one is complete.
+///   the default fit as shading code, and `k_page_file`
+/// A folder is written under a temporary name and then renamed, so that an existing folder is complete.
 struct Study {
     std::string folder;  ///< its path
     Json material, times, frames;
 };
 
-/// The name of the folder: the file's stem, and a hash of its content, the options, the mesh and the program's version.
+/// The name of a study's folder: the file's stem, and a hash of its content, the options, the mesh and the
+/// program's version.
 Result<std::string> study_name(const std::string& file, const StudyOptions& options);
-/// The study in that folder, if there is one.
+/// The study in a folder; none if it is missing or incomplete.
 std::optional<Study> load_study(const std::string& folder);
-/// Fits, draws and writes. `progress` receives the stage and the completed share. Errors: those of the file; no fit
-/// succeeded; the folder cannot be written.
+/// Makes a study: fits, draws and writes. `progress` receives the stage and the completed fraction. Errors: the
+/// file cannot be read; no fit succeeded; the folder cannot be written.
 Result<Study> make_study(const std::string& file, const std::string& folder, const StudyOptions& options,
                          const std::function<void(const std::string&, double)>& progress);
-/// Measures frames per second of the fitted models and writes frames.json. Errors: no such renderer.
+/// Measures frames per second of the fitted models and writes frames.json. Errors: the renderer is not available.
 Result<Done> time_study(Study& study, const StudyOptions& options);
 
 }  // namespace srbf

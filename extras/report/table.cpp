@@ -17,24 +17,26 @@ namespace srbf {
 
 const std::vector<MeasureText> k_measure_texts{
     {"delta_e_itp", "ΔE_ITP",
-     "How different pictures of a sphere look beside the measurement's, of which 1 is just noticeable: the mean over "
-     "eight "
-     "lightings.",
+     "Visible difference of pictures of a sphere from the measurement's, mean over eight lightings; 1 is just "
+     "noticeable.",
      false},
     {"heldout_squared_error_ratio_cosine", "image error",
-     "What reaches an image: Σ(f cosθl − f̂ cosθl)² / Σ(f cosθl)², each view weighted by the area that it sees.", true},
+     "Error in an image: Σ(f cosθl − f̂ cosθl)² / Σ(f cosθl)², each view weighted by its projected area.", true},
     {"heldout_squared_error_ratio", "raw error",
      "Σ(f − f̂)² / Σf² of the reflectance itself, as in Tsai 2009; dominated by grazing angles.", true},
     {"squared_error_ratio", "raw error, matrix",
-     "The same on the source's 1536 × 1536 pairs of directions, or at the samples themselves.", true},
+     "The same ratio on the source's 1536 × 1536 pairs of directions, or at the samples themselves.", true},
     {"heldout_cube_root_error_ratio", "dark-part error",
-     "The same ratio of the cube root of f, nearer to the eye, which sees the dark parts beside the highlight.", true},
+     "The same ratio for the cube root of f, closer to perception, in which dark parts count beside the highlight.",
+     true},
     {"heldout_sixth_root_error_ratio", "sixth-root error",
-     "The same of the sixth root of f cosθl with a small constant added, nearer still to the eye.", true},
+     "The same ratio for the sixth root of f cosθl plus a small constant, still closer to perception.", true},
     {"heldout_log_rms_cosine", "log error", "Root mean square of the differences of log(1 + f cosθl).", false},
-    {"heldout_log10_rms", "decades", "Root mean square of the differences of log10 f, as scatter is judged.", false},
+    {"heldout_log10_rms", "decades",
+     "Root mean square of the differences of log10 f, the usual error measure for scatter.", false},
     {"albedo_error", "albedo error",
-     "The largest relative error of the share of light that comes back at all, from 0, 30, 60 and 75°.", true},
+     "The largest relative error of directional albedo, the fraction of light that is reflected, at 0, 30, 60 and 75°.",
+     true},
 };
 
 std::string field(const Json& value) {
@@ -47,9 +49,9 @@ std::string csv(const Table& table) {
     std::string text = fmt::format("{}\n", fmt::join(table.columns, ","));
     for (const Json& row : table.rows) {
         for (std::size_t i = 0; i < table.columns.size(); ++i) {
-            const auto at = row.find(table.columns[i]);
+            const auto entry = row.find(table.columns[i]);
             if (i > 0) text += ',';
-            if (at != row.end()) text += at->is_string() ? csv_field(field(*at)) : field(*at);
+            if (entry != row.end()) text += entry->is_string() ? csv_field(field(*entry)) : field(*entry);
         }
         text += '\n';
     }
@@ -59,21 +61,21 @@ std::string csv(const Table& table) {
 std::vector<const Json*> rows_with(const Table& table, const std::string& column, const Json& value) {
     std::vector<const Json*> rows;
     for (const Json& row : table.rows)
-        if (const auto at = row.find(column); at != row.end() && *at == value) rows.push_back(&row);
+        if (const auto entry = row.find(column); entry != row.end() && *entry == value) rows.push_back(&row);
     return rows;
 }
 
 const Json* row_with(const std::vector<const Json*>& rows, const std::string& column, const Json& value) {
-    const auto found = std::ranges::find_if(rows, [&](const Json* row) {
-        const auto at = row->find(column);
-        return at != row->end() && *at == value;
+    const auto match = std::ranges::find_if(rows, [&](const Json* row) {
+        const auto entry = row->find(column);
+        return entry != row->end() && *entry == value;
     });
-    return found == rows.end() ? nullptr : *found;
+    return match == rows.end() ? nullptr : *match;
 }
 
 namespace {
 
-/// Columns for a set of measures, for both sets and for albedo.
+/// The columns of all measures, on both sets of pairs, and of albedo.
 std::vector<std::string> measure_columns(const std::string& prefix) {
     std::vector<std::string> columns;
     for (const char* set : {"", "heldout_"})
@@ -82,11 +84,11 @@ std::vector<std::string> measure_columns(const std::string& prefix) {
     return columns;
 }
 
-/// The measures of pictures in a fit's report; fits to samples have none.
+/// The columns of picture errors in a fit's report. Fits to samples have none.
 constexpr std::array<const char*, 5> k_picture_columns{"delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms"};
 
-/// Tables 7.1 and 7.2 of Tsai 2009, for the materials whose measurements are available; the raw data are 1536 × 1536
-/// RGB floats. Minutes and frames per second are the ranges over all its materials.
+/// Tables 7.1 and 7.2 of Tsai 2009, for materials whose measurements are available. The raw data are 1536 × 1536
+/// RGB floats. Minutes and frames per second are ranges over all its materials.
 struct SourceRow {
     const char *material, *model;
     int lobes, variates;
@@ -103,51 +105,54 @@ constexpr std::array<SourceRow, 6> k_source{{
 }};
 constexpr std::uint64_t k_source_raw_bytes = std::uint64_t(1536) * 1536 * 3 * 4, k_source_auxiliary_bytes = 1585152;
 
-/// The material of Tsai 2009 that a file holds, by its name; "": none. A labelled file is what its label says.
-std::string source_material(const Reported& of) {
+/// The material of Tsai 2009 in a file, determined from its name; "": none. A label overrides the name.
+std::string source_material(const MaterialEntry& entry) {
     std::string name;
-    for (const char c : std::filesystem::path(of.file).stem().string())
+    for (const char c : std::filesystem::path(entry.file).stem().string())
         if (std::isalnum(static_cast<unsigned char>(c))) name += char(std::tolower(static_cast<unsigned char>(c)));
     if (name == "krylonblue" || name == "krylonbluergb") return "krylon-blue";
-    if (!of.label.empty() || !of.study || of.study->material["format"] != "MERL") return {};
+    if (!entry.label.empty() || !entry.study || entry.study->material["format"] != "MERL") return {};
     if (name == "bluemetallicpaint") return "blue-metallic-paint";
     return name == "nickel" ? name : "";
 }
 
-/// Describes the difference of the default fit: by its pictures of a sphere, or where it has none by that of the ball.
+/// The verdict on the default fit, from its pictures of a sphere or, if it has none, from the picture of the ball.
 std::string_view verdict_of(const Study& study) {
     PictureErrors errors;
     for (const Json& fit : study.material.at("fits"))
-        if (const Json* of = judged_pictures(fit); fit["role"] == "pm" && of != nullptr)
-            return errors.delta_e = of->at("delta_e_itp"), errors.flip = of->at("flip"), words(verdict(errors));
+        if (const Json* picture_errors = judged_pictures(fit); fit["role"] == "pm" && picture_errors != nullptr)
+            return errors.delta_e = picture_errors->at("delta_e_itp"), errors.flip = picture_errors->at("flip"),
+                   words(verdict(errors));
     for (const Json& picture : study.material.at("pictures"))
         if (picture["object"] == "ball" && picture["role"] == "pm") errors.flip = picture["flip"];
     return words(verdict(errors));
 }
 
-void add_material(Tables& tables, const Reported& of) {
-    Json row{{"material", of.name}, {"label", of.label}, {"file", std::filesystem::path(of.file).filename().string()}};
-    if (!of.study) {
-        row.update({{"status", "failed"}, {"error", of.error}});
+void add_material(Tables& tables, const MaterialEntry& entry) {
+    Json row{{"material", entry.name},
+             {"label", entry.label},
+             {"file", std::filesystem::path(entry.file).filename().string()}};
+    if (!entry.study) {
+        row.update({{"status", "failed"}, {"error", entry.error}});
         tables.materials.rows.push_back(std::move(row));
         return;
     }
-    const Study& study = *of.study;
+    const Study& study = *entry.study;
     for (const char* key : {"format", "input", "isotropic", "source_bytes", "sweep", "version", "pixels", "paths"})
         row[key] = study.material.at(key);
     row["folder"] = std::filesystem::path(study.folder).filename().string();
     row["status"] = "done";
-    row["source_material"] = source_material(of);
+    row["source_material"] = source_material(entry);
     row["verdict"] = verdict_of(study);
     const Json &fits = study.material.at("fits"), &failures = study.material.at("failures");
     row["masked_samples"] = fits[0]["masked_samples"], row["clamped_samples"] = fits[0]["clamped_samples"];
     row["fits"] = fits.size(), row["failed_fits"] = failures.size();
     for (const char* key : {"threads", "jobs", "load_seconds", "study_seconds"}) row[key] = study.times.at(key);
-    row["frames_error"] = of.frame_error;
+    row["frames_error"] = entry.frame_error;
     tables.materials.rows.push_back(std::move(row));
 
     for (const Json& fit : fits) {
-        Json full{{"material", of.name}, {"input", study.material.at("input")}};
+        Json full{{"material", entry.name}, {"input", study.material.at("input")}};
         full.update(fit);
         full["fit_seconds"] = study.times.at("fit_seconds").at(fit.at("id").get<std::string>());
         full["threads"] = study.times.at("threads");
@@ -156,30 +161,30 @@ void add_material(Tables& tables, const Reported& of) {
         tables.fits.rows.push_back(std::move(full));
     }
     const auto add_all = [&](Table& table, const Json& rows) {
-        for (const Json& one : rows) {
-            Json full{{"material", of.name}};
-            full.update(one);
+        for (const Json& item : rows) {
+            Json full{{"material", entry.name}};
+            full.update(item);
             table.rows.push_back(std::move(full));
         }
     };
     add_all(tables.failures, failures);
     add_all(tables.pictures, study.material.at("pictures"));
     if (study.frames.is_null()) return;
-    for (Json one : study.frames.at("rows")) {
+    for (Json frame_row : study.frames.at("rows")) {
         for (const char* key : {"renderer", "mesh", "triangles", "width", "height", "frames"})
-            one[key] = study.frames.at(key);
-        add_all(tables.frames, Json::array({one}));
+            frame_row[key] = study.frames.at(key);
+        add_all(tables.frames, Json::array({frame_row}));
     }
 }
 
-/// For each kind of fit that several materials have, each measure.
+/// Adds statistics of each measure for each kind of fit that several materials have.
 void add_statistics(Tables& tables) {
     std::vector<std::pair<std::string, std::vector<const Json*>>> kinds;
     for (const Json& fit : tables.fits.rows) {
         const std::string kind = fit["input"].get<std::string>() + " " + fit["id"].get<std::string>();
-        auto at = std::ranges::find(kinds, kind, [](const auto& one) { return one.first; });
-        if (at == kinds.end()) at = kinds.insert(kinds.end(), {kind, {}});
-        at->second.push_back(&fit);
+        auto entry = std::ranges::find(kinds, kind, [](const auto& item) { return item.first; });
+        if (entry == kinds.end()) entry = kinds.insert(kinds.end(), {kind, {}});
+        entry->second.push_back(&fit);
     }
     std::vector<std::string> measures = measure_columns("");
     measures.insert(measures.end(), k_picture_columns.begin(), k_picture_columns.end());
@@ -190,13 +195,14 @@ void add_statistics(Tables& tables) {
             for (const Json* fit : fits)
                 if (const Json& value = fit->at(measure); value.is_number()) values.emplace_back(value, fit);
             if (values.empty()) continue;
-            std::ranges::stable_sort(values, {}, [](const auto& one) { return one.first; });
+            std::ranges::stable_sort(values, {}, [](const auto& item) { return item.first; });
             double sum = 0;
             for (const auto& [value, fit] : values) sum += value;
-            const auto ranked = [&](double quantile) {  // linear between the values
-                const double at = quantile * double(values.size() - 1), part = at - std::floor(at);
-                const double below = values[std::size_t(at)].first;
-                return part > 0 ? below + part * (values[std::size_t(at) + 1].first - below) : below;
+            const auto quantile_of = [&](double quantile) {  // interpolates linearly between values
+                const double position = quantile * double(values.size() - 1),
+                             fraction = position - std::floor(position);
+                const double lower = values[std::size_t(position)].first;
+                return fraction > 0 ? lower + fraction * (values[std::size_t(position) + 1].first - lower) : lower;
             };
             Json row;
             for (const char* key :
@@ -205,15 +211,15 @@ void add_statistics(Tables& tables) {
             row.update({{"measure", measure},
                         {"materials", values.size()},
                         {"mean", sum / double(values.size())},
-                        {"median", ranked(0.5)},
-                        {"percentile_95", ranked(0.95)},
-                        {"worst", ranked(1)},
+                        {"median", quantile_of(0.5)},
+                        {"percentile_95", quantile_of(0.95)},
+                        {"worst", quantile_of(1)},
                         {"worst_material", values.back().second->at("material")}});
             tables.statistics.rows.push_back(std::move(row));
         }
 }
 
-/// Constants of the pages' text.
+/// Constants for the text of the pages.
 std::vector<Json> constants() {
     std::vector<Json> rows{{{"name", "matrix_directions"}, {"value", k_matrix_directions}},
                            {{"name", "heldout_pairs"}, {"value", k_heldout_pairs}},
@@ -223,7 +229,7 @@ std::vector<Json> constants() {
     return rows;
 }
 
-/// The words of a text.
+/// The words of a text, as names of columns.
 std::vector<std::string> columns_of(std::string_view text) {
     std::vector<std::string> columns;
     while (!(text = trimmed(text)).empty()) columns.emplace_back(next_word(text));
@@ -262,7 +268,7 @@ std::vector<Json> source_rows() {
     return rows;
 }
 
-/// Numbers of materials by what became of them and by verdict.
+/// Numbers of materials by status and by verdict.
 std::vector<Json> summary_of(const Table& materials) {
     std::vector<Json> rows;
     const auto count = [&](const char* column, std::string_view value) {
@@ -275,7 +281,7 @@ std::vector<Json> summary_of(const Table& materials) {
 
 }  // namespace
 
-Tables tables_of(const std::vector<Reported>& materials) {
+Tables tables_of(const std::vector<MaterialEntry>& materials) {
     Tables tables;
     tables.constants = {"constants", columns_of("name value"), constants()};
     tables.summary = {"summary", columns_of("what materials"), {}};
@@ -300,7 +306,7 @@ Tables tables_of(const std::vector<Reported>& materials) {
                                 "squared_error_ratio least_minutes most_minutes least_frames_per_second "
                                 "most_frames_per_second renderer"),
                      source_rows()};
-    for (const Reported& of : materials) add_material(tables, of);
+    for (const MaterialEntry& entry : materials) add_material(tables, entry);
     add_statistics(tables);
     tables.summary.rows = summary_of(tables.materials);
     return tables;

@@ -1,4 +1,4 @@
-// The tables of a report: the content of its CSV files, and the source of all numbers of its page.
+// The tables of a report: the content of its CSV files and the source of all numbers on its pages.
 #pragma once
 #include <map>
 #include <string>
@@ -15,43 +15,41 @@ struct Table {
     std::vector<Json> rows;  ///< objects; missing and null values are empty fields
 };
 std::string csv(const Table& table);
-/// A value in CSV; numbers have as many digits as necessary for a round trip.
+/// A value as a field of CSV. Numbers have as many digits as a round trip needs.
 std::string field(const Json& value);
 
-/// A material of the command line: a study, or an error.
-struct Reported {
+/// A material on the command line: a study, or an error.
+struct MaterialEntry {
     std::string name;   ///< unique
     std::string label;  ///< given by the user
     std::string file;
     std::optional<Study> study;
     std::string error;        ///< one line
-    std::string frame_error;  ///< why frames were not timed; empty: they were
+    std::string frame_error;  ///< why frames were not timed; empty: they were timed
 };
 
 struct Tables {
-    Table constants;  ///< constants of the pages' text: directions, pairs, folds, angles
-    Table summary;    ///< numbers of materials, of failures, and of those of each verdict
-    Table materials;  ///< for each file: its origin, masked and clamped values, failures
-    Table fits;       ///< for each fit: its kind, bytes, seconds and errors
-    Table failures;   ///< fits that failed
-    Table
-        /// mean, median, 95th percentile and maximum of each measure of each kind of fit over the materials
-        statistics;
-    Table pictures;  ///< differences of the pictures from that of the measurement
-    Table frames;    ///< frames per second, and size of the data that is looked up
-    Table source;    ///< Tsai 2009, Tables 7.1 and 7.2
+    Table constants;   ///< constants in the text of the pages: directions, pairs, folds, angles
+    Table summary;     ///< numbers of materials by status and by verdict
+    Table materials;   ///< for each file: its origin, masked and clamped values, failures
+    Table fits;        ///< for each fit: its kind, bytes, seconds and errors
+    Table failures;    ///< fits that failed
+    Table statistics;  ///< for each measure and kind of fit: mean, median, 95th percentile and maximum over materials
+    Table pictures;    ///< differences of pictures from that of the measurement
+    Table frames;      ///< frames per second, and the size of the data that shaders read
+    Table source;      ///< Tsai 2009, Tables 7.1 and 7.2
     std::vector<const Table*> all() const {
         return {&constants, &summary, &materials, &fits, &failures, &statistics, &pictures, &frames, &source};
     }
 };
-Tables tables_of(const std::vector<Reported>& materials);
+Tables tables_of(const std::vector<MaterialEntry>& materials);
 
-/// The rows of a table with that value in that column.
+/// The rows of a table that have `value` in `column`.
 std::vector<const Json*> rows_with(const Table& table, const std::string& column, const Json& value);
-/// The first of the rows with that value; none: null.
+/// The first of the rows that has `value` in `column`; null if there is none.
 const Json* row_with(const std::vector<const Json*>& rows, const std::string& column, const Json& value);
 
-/// Name, title and format of a measure.
+/// The name, title, meaning and format of a measure.
 struct MeasureText {
     const char* column;
     const char* title;

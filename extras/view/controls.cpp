@@ -24,40 +24,40 @@ void draw_files(Session& session) {
         if (ImGui::RadioButton("##reference", session.reference() == i)) session.set_reference(i);
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("the reference, on the left");
         ImGui::SameLine();
-        const bool shown = session.fitted() && session.fitted()->from == subject.path;
-        if (ImGui::Selectable(shortened(file, ImGui::GetContentRegionAvail().x).c_str(), shown))
+        const bool is_selected = session.fitted() && session.fitted()->from == subject.path;
+        if (ImGui::Selectable(shortened(file, ImGui::GetContentRegionAvail().x).c_str(), is_selected))
             subject.is_model() ? session.show_model(i) : session.set_reference(i);
         if (ImGui::IsItemHovered())
             ImGui::SetTooltip("%s\n%s", subject.path.c_str(),
-                              subject.is_model() ? "model: click to hold it against the reference"
+                              subject.is_model() ? "model: click to compare it with the reference"
                                                  : "measurement: click to make it the reference");
         ImGui::PopID();
     }
 }
 
-void draw_environment(Look& look, std::string& typed) {
-    const bool is_file = look.has_environment() && look.environment != k_built_in_environment;
-    if (ImGui::BeginCombo("environment", std::filesystem::path(look.environment).filename().c_str())) {
+void draw_environment(DisplayState& display, std::string& typed) {
+    const bool is_file = display.has_environment() && display.environment != k_built_in_environment;
+    if (ImGui::BeginCombo("environment", std::filesystem::path(display.environment).filename().c_str())) {
         for (const std::string& name : {std::string("none"), std::string(k_built_in_environment)})
-            if (ImGui::Selectable(name.c_str(), look.environment == name)) look.environment = name;
-        if (is_file) ImGui::Selectable(std::filesystem::path(look.environment).filename().c_str(), true);
+            if (ImGui::Selectable(name.c_str(), display.environment == name)) display.environment = name;
+        if (is_file) ImGui::Selectable(std::filesystem::path(display.environment).filename().c_str(), true);
         ImGui::EndCombo();
     }
-    if (look.name_environment) ImGui::SetKeyboardFocusHere(), look.name_environment = false;
+    if (display.name_environment) ImGui::SetKeyboardFocusHere(), display.name_environment = false;
     if (ImGui::InputTextWithHint("its file", ".hdr or .exr, Enter", &typed, ImGuiInputTextFlags_EnterReturnsTrue))
-        look.environment = typed;
-    if (!look.has_environment()) return;
-    float degrees = float(look.turned / k_degree);
-    if (ImGui::SliderFloat("turned", &degrees, -180, 180, "%.0f\xC2\xB0")) look.turned = double(degrees) * k_degree;
-    ImGui::Checkbox("lights as well", &look.lamps);
+        display.environment = typed;
+    if (!display.has_environment()) return;
+    float degrees = float(display.turned / k_degree);
+    if (ImGui::SliderFloat("turned", &degrees, -180, 180, "%.0f\xC2\xB0")) display.turned = double(degrees) * k_degree;
+    ImGui::Checkbox("lights as well", &display.lamps);
 }
 
-void draw_lights(Look& look) {
+void draw_lights(DisplayState& display) {
     for (int k = 0; k < 3; ++k) {
         if (k > 0) ImGui::SameLine();
-        if (ImGui::RadioButton(fmt::format("light {}", k + 1).c_str(), look.light == k)) look.light = k;
+        if (ImGui::RadioButton(fmt::format("light {}", k + 1).c_str(), display.light == k)) display.light = k;
     }
-    Rgb& irradiance = look.lights[std::size_t(look.light)].irradiance;
+    Rgb& irradiance = display.lights[std::size_t(display.light)].irradiance;
     if (float bright = irradiance.r; ImGui::SliderFloat("strength", &bright, 0, 10, "%.2f"))
         irradiance = {bright, bright, bright};
     write_wrapped(k_dim, "Drag a light's yellow dot, or the picture with the right button.");
@@ -67,11 +67,11 @@ void draw_lights(Look& look) {
 
 void Controls::draw_fit(Session& session) {
     FitChoice choice = sliding_.value_or(session.choice());
-    bool changed = false, held = false;
-    const auto slider = [&](const char* text, int& value, int least, int most) {
-        const bool moved = ImGui::SliderInt(text, &value, least, most, "%d", ImGuiSliderFlags_AlwaysClamp);
-        held = held || ImGui::IsItemActive();
-        changed = changed || moved;
+    bool changed = false, is_held = false;
+    const auto slider = [&](const char* text, int& value, int lower, int upper) {
+        const bool is_changed = ImGui::SliderInt(text, &value, lower, upper, "%d", ImGuiSliderFlags_AlwaysClamp);
+        is_held = is_held || ImGui::IsItemActive();
+        changed = changed || is_changed;
     };
     slider("lobes J", choice.lobes, 1, k_most_chosen_lobes);
     slider("variates N", choice.variates, 1, k_most_variates);
@@ -85,21 +85,21 @@ void Controls::draw_fit(Session& session) {
     combo("form", choice.form, int(k_forms.size()));
     combo("objective", choice.objective, 4);
     if (changed) sliding_ = choice;
-    if (sliding_ && !held) {  // released
+    if (sliding_ && !is_held) {  // released
         session.choose(*sliding_);
         sliding_.reset();
     }
     const bool is_busy = session.stage() != Stage::idle;
-    const char* const what[] = {"", "fitting", "refining", "measuring"};
+    const char* const stage_names[] = {"", "fitting", "refining", "measuring"};
     if (is_busy) {
         const bool fits = session.stage() != Stage::measuring;
         ImGui::ProgressBar(fits ? float(session.fraction()) : 1.f, {-0.27f * ImGui::GetWindowWidth(), 0},
-                           fmt::format("{} {:.1f} s", what[int(session.stage())], session.waited()).c_str());
+                           fmt::format("{} {:.1f} s", stage_names[int(session.stage())], session.waited()).c_str());
         ImGui::SameLine();
         if (ImGui::Button("Cancel", {-1, 0})) session.cancel();
     } else {
-        const bool can = session.reference() >= 0;
-        if (ImGui::Button("Fit again", {-1, 0}) && can) session.refit();
+        const bool has_reference = session.reference() >= 0;
+        if (ImGui::Button("Fit again", {-1, 0}) && has_reference) session.refit();
     }
     if (const auto& fitted = session.fitted(); fitted && fitted->from.empty())
         ImGui::TextColored(
@@ -109,50 +109,49 @@ void Controls::draw_fit(Session& session) {
         ImGui::TextColored(k_dim, "move a slider to fit the reference");
 }
 
-void Controls::draw_save(const Session& session, Look& look) {
-    if (look.name_model) ImGui::SetKeyboardFocusHere(), look.name_model = false;
+void Controls::draw_save(const Session& session, DisplayState& display) {
+    if (display.name_model) ImGui::SetKeyboardFocusHere(), display.name_model = false;
     if (typed_model_.empty() && session.reference() >= 0) {
         const std::filesystem::path path = session.subjects()[std::size_t(session.reference())]->path;
         typed_model_ = path.stem().string() + ".srbf";
     }
     ImGui::InputText("##model", &typed_model_);
     ImGui::SameLine();
-    if (ImGui::Button("Save model", {-1, 0})) look.save = true;
+    if (ImGui::Button("Save model", {-1, 0})) display.save = true;
 }
 
-void Controls::draw_picture(Look& look) {
-    if (ImGui::BeginCombo("mesh", std::filesystem::path(look.mesh).filename().c_str())) {
+void Controls::draw_picture(DisplayState& display) {
+    if (ImGui::BeginCombo("mesh", std::filesystem::path(display.mesh).filename().c_str())) {
         for (const auto name : k_built_in_meshes)
-            if (ImGui::Selectable(std::string(name).c_str(), look.mesh == name)) look.mesh = name;
+            if (ImGui::Selectable(std::string(name).c_str(), display.mesh == name)) display.mesh = name;
         ImGui::EndCombo();
     }
-    if (look.name_mesh) ImGui::SetKeyboardFocusHere(), look.name_mesh = false;
+    if (display.name_mesh) ImGui::SetKeyboardFocusHere(), display.name_mesh = false;
     if (ImGui::InputTextWithHint("mesh file", ".ply or .obj, Enter", &typed_mesh_,
                                  ImGuiInputTextFlags_EnterReturnsTrue))
-        look.mesh = typed_mesh_;
-    float stops = std::log2(look.exposure);
+        display.mesh = typed_mesh_;
+    float stops = std::log2(display.exposure);
     if (ImGui::SliderFloat("exposure", &stops, -8, 8, "%+.2f stops"))
-        look.exposure = std::exp2(stops), look.automatic = false;
-    ImGui::Checkbox("automatic exposure", &look.automatic);
-    float most = look.unit() * look.full_scale;
-    if (ImGui::SliderFloat("difference", &most, look.unit() * k_least_scale, look.unit() * k_most_scale,
-                           look.in_delta_e ? "%.3g ΔE" : "±%.3g", ImGuiSliderFlags_Logarithmic))
-        look.full_scale = most / look.unit();
+        display.exposure = std::exp2(stops), display.automatic = false;
+    ImGui::Checkbox("automatic exposure", &display.automatic);
+    float limit = display.unit() * display.full_scale;
+    if (ImGui::SliderFloat("difference", &limit, display.unit() * k_least_scale, display.unit() * k_most_scale,
+                           display.in_delta_e ? "%.3g ΔE" : "±%.3g", ImGuiSliderFlags_Logarithmic))
+        display.full_scale = limit / display.unit();
     if (ImGui::IsItemHovered())
-        ImGui::SetTooltip(look.in_delta_e
-                              ? "the ΔE_ITP that shows in full red"
-                              : "the difference that shows in full red or blue;\n1 is the brightness of white");
-    int wiped = look.wipe;
-    ImGui::RadioButton("side by side", &wiped, 0), ImGui::SameLine(), ImGui::RadioButton("wipe", &wiped, 1);
-    look.wipe = wiped == 1;
-    ImGui::Checkbox("difference in ΔE", &look.in_delta_e);
-    if (ImGui::Button("Screenshot")) look.screenshot = true;
+        ImGui::SetTooltip(display.in_delta_e ? "the ΔE_ITP of full red"
+                                             : "the difference of full red or blue;\n1 is the brightness of white");
+    int is_wiped = display.wipe;
+    ImGui::RadioButton("side by side", &is_wiped, 0), ImGui::SameLine(), ImGui::RadioButton("wipe", &is_wiped, 1);
+    display.wipe = is_wiped == 1;
+    ImGui::Checkbox("difference in ΔE", &display.in_delta_e);
+    if (ImGui::Button("Screenshot")) display.screenshot = true;
     ImGui::SameLine();
-    if (ImGui::Button("Keys (H)")) look.help = !look.help;
+    if (ImGui::Button("Keys (H)")) display.help = !display.help;
 }
 
-void Controls::draw(Session& session, Look& look, ImVec2 at, ImVec2 size) {
-    ImGui::SetNextWindowPos(at), ImGui::SetNextWindowSize(size);
+void Controls::draw(Session& session, DisplayState& display, ImVec2 corner, ImVec2 size) {
+    ImGui::SetNextWindowPos(corner), ImGui::SetNextWindowSize(size);
     ImGui::Begin("controls", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
     ImGui::PushItemWidth(0.54f * size.x);
     heading("Files");
@@ -160,14 +159,14 @@ void Controls::draw(Session& session, Look& look, ImVec2 at, ImVec2 size) {
     heading("Fit");
     draw_fit(session);
     heading("Save");
-    draw_save(session, look);
+    draw_save(session, display);
     heading("Picture");
-    draw_picture(look);
+    draw_picture(display);
     heading("Environment");
-    draw_environment(look, typed_environment_);
-    if (look.has_lights()) {
+    draw_environment(display, typed_environment_);
+    if (display.has_lights()) {
         heading("Lights");
-        draw_lights(look);
+        draw_lights(display);
     }
     ImGui::PopItemWidth();
     ImGui::End();

@@ -5,23 +5,23 @@
 #include <optional>
 #include <string>
 
-#include "extras/view/look.h"
+#include "extras/view/display_state.h"
 #include "extras/view/session.h"
 
 namespace srbf {
 
-/// Holds only text that is being typed and the slider that is held; everything else changes session and look
-/// immediately.
+/// Stores only text that is being typed and the choice of a slider that is held. Everything else changes the
+/// session and the display state immediately.
 class Controls {
   public:
-    void draw(Session& session, Look& look, ImVec2 at, ImVec2 size);
+    void draw(Session& session, DisplayState& display, ImVec2 at, ImVec2 size);
     /// Writes the displayed fit under the typed name; a message reports the result.
     void save(Session& session) const;
 
   private:
     void draw_fit(Session& session);
-    void draw_save(const Session& session, Look& look);
-    void draw_picture(Look& look);
+    void draw_save(const Session& session, DisplayState& display);
+    void draw_picture(DisplayState& display);
 
     std::string typed_mesh_, typed_model_, typed_environment_;
     std::optional<FitChoice> sliding_;  ///< while a slider is held

@@ -21,9 +21,9 @@ void load_font(float scale) {
 }
 
 std::string shortened(std::string text, float width) {
-    const auto is_wide = [&](const std::string& of) { return ImGui::CalcTextSize(of.c_str()).x > width; };
+    const auto is_wide = [&](const std::string& line) { return ImGui::CalcTextSize(line.c_str()).x > width; };
     if (!is_wide(text)) return text;
-    const auto continues = [](char c) { return (std::uint8_t(c) & 0xc0) == 0x80; };  // a character of UTF-8
+    const auto continues = [](char c) { return (std::uint8_t(c) & 0xc0) == 0x80; };  // a continuation byte of UTF-8
     while (!text.empty() && is_wide(text + "...")) {
         while (text.size() > 1 && continues(text.back())) text.pop_back();
         text.pop_back();

@@ -10,15 +10,15 @@ namespace {
 
 constexpr std::array<Panels::Which, 2> k_materials{Panels::reference, Panels::fit};
 
-/// A key of everything but the materials that the radiances depend on.
-std::string key_of(const Look& look) {
-    std::string key = fmt::format("{} {} {}", look.azimuth, look.elevation, look.zoom);
-    for (const DirectionalLight& light : look.lights)
+/// A key of what the radiances depend on, except the materials.
+std::string key_of(const DisplayState& display) {
+    std::string key = fmt::format("{} {} {}", display.azimuth, display.elevation, display.zoom);
+    for (const DirectionalLight& light : display.lights)
         key += fmt::format(" {} {} {} {}", light.towards.x, light.towards.y, light.towards.z, light.irradiance.r);
-    return key + fmt::format(" {} {} {}", look.environment, look.turned, look.lamps);
+    return key + fmt::format(" {} {} {}", display.environment, display.turned, display.lamps);
 }
 
-/// The key of what was drawn.
+/// The automatic exposure of a picture.
 float exposure_of(const RasterTarget& radiance, int width, int height) {
     Image image(width, height);
     const auto pixels = radiance.read_floats();
@@ -26,17 +26,17 @@ float exposure_of(const RasterTarget& radiance, int width, int height) {
     return automatic_exposure(image);
 }
 
-/// Makes the material, or only uploads its numbers if `made` is a multivariate model with the same shader `text`.
-Result<Done> make_or_update(std::optional<RasterMaterial>& made, std::string& text, const Material& material,
+/// Makes a material, or only uploads its numbers if `material` is a multivariate model with the same shader `text`.
+Result<Done> make_or_update(std::optional<RasterMaterial>& raster_material, std::string& text, const Material& material,
                             const ShaderOptions& options) {
-    std::string anew = shader_text(material, options).fragment;
+    std::string new_text = shader_text(material, options).fragment;
     const auto* pm = std::get_if<PmModel>(&material);
-    if (pm && made && text == anew) return made->update(*pm), Done{};
-    made.reset();
-    auto of = RasterMaterial::make(material, options);
-    if (!of) return of.error();
-    made.emplace(*std::move(of));
-    text = std::move(anew);
+    if (pm && raster_material && text == new_text) return raster_material->update(*pm), Done{};
+    raster_material.reset();
+    auto new_material = RasterMaterial::make(material, options);
+    if (!new_material) return new_material.error();
+    raster_material.emplace(*std::move(new_material));
+    text = std::move(new_text);
     return Done{};
 }
 
@@ -58,7 +58,7 @@ void Panels::set_mesh(const Mesh& mesh) {
 
 Result<Done> Panels::set_material(Which which, const std::optional<Material>& material,
                                   std::function<Proposals()> propose) {
-    Panel& panel = of(which);
+    Panel& panel = panel_of(which);
     panel.is_stale = true;
     panel.content = material;
     panel.propose = std::move(propose);
@@ -71,26 +71,26 @@ Result<Done> Panels::set_material(Which which, const std::optional<Material>& ma
 
 Result<Done> Panels::set_environment(const Environment* environment) {
     environment_.reset();
-    width_ = height_ = 0;  // the surface is of other points
+    width_ = height_ = 0;  // the surface has other points
     drawn_.clear();
     if (!environment) return Done{};
-    auto made = RasterEnvironment::make(*environment);
-    if (!made) return made.error();
-    environment_.emplace(*std::move(made));
+    auto raster_environment = RasterEnvironment::make(*environment);
+    if (!raster_environment) return raster_environment.error();
+    environment_.emplace(*std::move(raster_environment));
     return Done{};
 }
 
 int Panels::samples() const {
-    int least = k_converged;
+    int smallest = k_converged;
     if (environment_)
         for (const Which which : k_materials)
-            if (has(which)) least = std::min(least, of(which).mean ? of(which).mean->samples() : 0);
-    return least;
+            if (has(which)) smallest = std::min(smallest, panel_of(which).mean ? panel_of(which).mean->samples() : 0);
+    return smallest;
 }
 
 std::optional<Rgb> Panels::radiance_at(Which which, float u, float v) const {
     if (!has(which) || !(u >= 0 && u < 1 && v >= 0 && v < 1)) return std::nullopt;
-    const Float4 pixel = of(which).seen().read_pixel(int(u * float(width_)), int(v * float(height_)));
+    const Float4 pixel = panel_of(which).displayed().read_pixel(int(u * float(width_)), int(v * float(height_)));
     if (!(pixel[3] > 0)) return std::nullopt;
     return Rgb{pixel[0], pixel[1], pixel[2]};
 }
@@ -112,16 +112,16 @@ Result<Done> Panels::begin_mean(Panel& panel) {
     return Done{};
 }
 
-/// The next sample of each picture, all of them seen through the same points of their pixels.
-void Panels::add_samples(const Look& look, RasterView view) {
+/// Adds the next sample of each picture. All pictures use the same points of their pixels.
+void Panels::add_samples(const DisplayState& display, RasterView view) {
     const int index = samples();
     if (index >= k_converged) return;
     view.shift = sample_shift(index, width_, height_);
     surface_->draw(*mesh_, view);
-    const double s = std::sin(look.turned), c = std::cos(look.turned);
+    const double s = std::sin(display.turned), c = std::cos(display.turned);
     const EnvironmentLight light{&*environment_, {{c, 0, -s}, {0, 1, 0}, {s, 0, c}}, LightDraws::both};
     for (const Which which : k_materials) {
-        Panel& panel = of(which);
+        Panel& panel = panel_of(which);
         if (panel.material && panel.mean && panel.mean->samples() == index)
             panel.mean->add(*panel.lit, *surface_, view, light);
     }
@@ -129,43 +129,43 @@ void Panels::add_samples(const Look& look, RasterView view) {
 
 Result<Done> Panels::resize(int width, int height) {
     if (width == width_ && height == height_) return Done{};
-    for (Panel& panel : panels_) panel.radiance.reset(), panel.shown.reset(), panel.mean.reset();
+    for (Panel& panel : panels_) panel.radiance.reset(), panel.picture.reset(), panel.mean.reset();
     surface_.reset();
     auto surface = RasterSurface::make(dialect_, width, height,
                                        environment_ ? RasterSurface::Points::four : RasterSurface::Points::one);
     if (!surface) return surface.error();
     surface_.emplace(*std::move(surface));
     for (const Which which : {reference, fit, difference}) {
-        auto shown = RasterTarget::make(width, height, 1, RasterTarget::Format::bytes);
-        if (!shown) return shown.error();
-        of(which).shown.emplace(*std::move(shown));
+        auto picture = RasterTarget::make(width, height, 1, RasterTarget::Format::bytes);
+        if (!picture) return picture.error();
+        panel_of(which).picture.emplace(*std::move(picture));
         if (which == difference) continue;
         auto radiance = RasterTarget::make_for(*surface_, RasterTarget::Format::floats);
         if (!radiance) return radiance.error();
-        of(which).radiance.emplace(*std::move(radiance));
+        panel_of(which).radiance.emplace(*std::move(radiance));
     }
     width_ = width, height_ = height;
     drawn_.clear();
     return Done{};
 }
 
-Result<Done> Panels::draw(Look& look, int width, int height, bool expose, bool moving) {
+Result<Done> Panels::draw(DisplayState& display, int width, int height, bool expose, bool moving) {
     if (const auto sized = resize(width, height); !sized) return sized.error();
-    std::array<DirectionalLight, 3> lights = look.lights;
-    if (!look.has_lights())
+    std::array<DirectionalLight, 3> lights = display.lights;
+    if (!display.has_lights())
         for (DirectionalLight& light : lights) light.irradiance = {};
-    const RasterView view{.camera = camera_of(look, bounds()), .aspect = double(width) / height, .lights = lights};
-    const std::string key = key_of(look);
-    bool anew = key != drawn_;
-    // One that is stale is drawn from the surface that is seen through the centres of pixels, and both begin again.
-    if (environment_) anew = anew || of(reference).is_stale || of(fit).is_stale;
-    if (anew) {
+    const RasterView view{.camera = camera_of(display, bounds()), .aspect = double(width) / height, .lights = lights};
+    const std::string key = key_of(display);
+    bool is_new = key != drawn_;
+    // A stale picture starts from the surface at the centres of pixels, so both pictures start again.
+    if (environment_) is_new = is_new || panel_of(reference).is_stale || panel_of(fit).is_stale;
+    if (is_new) {
         drawn_ = key;
         surface_->draw(*mesh_, view);
-        for (const Which which : k_materials) of(which).is_stale = true;
+        for (const Which which : k_materials) panel_of(which).is_stale = true;
     }
     for (const Which which : k_materials) {
-        Panel& panel = of(which);
+        Panel& panel = panel_of(which);
         if (!panel.is_stale) continue;
         panel.is_stale = false;
         if (!environment_) panel.mean.reset();
@@ -178,19 +178,20 @@ Result<Done> Panels::draw(Look& look, int width, int height, bool expose, bool m
         }
     }
     if (environment_)
-        for (int more = samples() == 0 ? k_first_samples : moving ? 0 : 1; more > 0; --more) add_samples(look, view);
-    if (expose && look.automatic)
+        for (int remaining = samples() == 0 ? k_first_samples : moving ? 0 : 1; remaining > 0; --remaining)
+            add_samples(display, view);
+    if (expose && display.automatic)
         if (const Which which = has(reference) ? reference : fit; has(which))
-            look.exposure = exposure_of(of(which).seen(), width, height);
+            display.exposure = exposure_of(panel_of(which).displayed(), width, height);
     for (const Which which : k_materials) {
-        const Panel& panel = of(which);
-        panel.shown->begin();
-        development_->draw(panel.seen(), look.exposure);
+        const Panel& panel = panel_of(which);
+        panel.picture->begin();
+        development_->draw(panel.displayed(), display.exposure);
     }
-    of(difference).shown->begin();
+    panel_of(difference).picture->begin();
     if (has(reference) && has(fit))
-        development_->draw_difference(of(reference).seen(), of(fit).seen(), look.exposure, look.full_scale,
-                                      look.in_delta_e);
+        development_->draw_difference(panel_of(reference).displayed(), panel_of(fit).displayed(), display.exposure,
+                                      display.full_scale, display.in_delta_e);
     return Done{};
 }
 

@@ -27,12 +27,13 @@ std::vector<std::string> recent_files() {
     if (list.empty()) return files;
     const auto bytes = read_file(list.string());
     if (!bytes) return files;
-    std::string_view rest = as_text(*bytes);
-    while (!rest.empty() && files.size() < k_most_recent) {
-        const auto end = std::min(rest.find('\n'), rest.size());
+    std::string_view remaining = as_text(*bytes);
+    while (!remaining.empty() && files.size() < k_most_recent) {
+        const auto end = std::min(remaining.find('\n'), remaining.size());
         std::error_code ignored;
-        if (std::filesystem::is_regular_file(rest.substr(0, end), ignored)) files.emplace_back(rest.substr(0, end));
-        rest.remove_prefix(std::min(end + 1, rest.size()));
+        if (std::filesystem::is_regular_file(remaining.substr(0, end), ignored))
+            files.emplace_back(remaining.substr(0, end));
+        remaining.remove_prefix(std::min(end + 1, remaining.size()));
     }
     return files;
 }
@@ -40,11 +41,11 @@ std::vector<std::string> recent_files() {
 void keep_recent(const std::string& path) {
     const std::filesystem::path list = list_path();
     std::error_code error;
-    const std::string kept = std::filesystem::absolute(path, error).string();
-    if (list.empty() || error || kept.find('\n') != kept.npos) return;
+    const std::string absolute = std::filesystem::absolute(path, error).string();
+    if (list.empty() || error || absolute.find('\n') != absolute.npos) return;
     std::vector<std::string> files = recent_files();
-    std::erase(files, kept);
-    files.insert(files.begin(), kept);
+    std::erase(files, absolute);
+    files.insert(files.begin(), absolute);
     std::string text;
     for (std::size_t i = 0; i < std::min(files.size(), k_most_recent); ++i) text += files[i] + '\n';
     std::filesystem::create_directories(list.parent_path(), error);

@@ -1,7 +1,7 @@
 #include "extras/view/screen.h"
 
 #include <epoxy/gl.h>
-// After epoxy, which replaces OpenGL's own header.
+// Epoxy replaces OpenGL's own header, so this header follows it.
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 #include <imgui_impl_glfw.h>
@@ -17,18 +17,19 @@
 namespace srbf {
 namespace {
 
-/// The share of the monitor that a window takes which opens as large as it sensibly can.
-constexpr double k_share_of_monitor = 0.8;
+/// The fraction of the monitor that a large window takes.
+constexpr double k_monitor_fraction = 0.8;
 
-/// The name of a key for `press`; empty: not used.
+/// The name of a key for `press`; empty: the key is not used.
 std::string name_of(int key, int scancode, int modifiers) {
     constexpr std::pair<int, const char*> named[] = {
         {GLFW_KEY_LEFT, "Left"},          {GLFW_KEY_RIGHT, "Right"}, {GLFW_KEY_UP, "Up"},
         {GLFW_KEY_DOWN, "Down"},          {GLFW_KEY_ENTER, "Enter"}, {GLFW_KEY_PAGE_UP, "PageUp"},
         {GLFW_KEY_PAGE_DOWN, "PageDown"}, {GLFW_KEY_F1, "F1"},       {GLFW_KEY_ESCAPE, "Escape"}};
     std::string name;
-    if (const auto at = std::ranges::find(named, key, [](const auto& of) { return of.first; }); at != std::end(named))
-        name = at->second;
+    if (const auto entry = std::ranges::find(named, key, [](const auto& row) { return row.first; });
+        entry != std::end(named))
+        name = entry->second;
     else if (const char* text = glfwGetKeyName(key, scancode); text && text[0] != 0 && text[1] == 0)
         name = char(std::toupper(text[0]));
     return (modifiers & GLFW_MOD_SHIFT) != 0 && !name.empty() ? "Shift+" + name : name;
@@ -49,21 +50,21 @@ Screen::~Screen() {
 }
 
 Result<Done> Screen::open(int width, int height, bool fills) {
-    const auto found = [] {
+    const auto glfw_error = [] {
         const char* text = nullptr;
         glfwGetError(&text);
         return std::string(text ? text : "nothing");
     };
-    if (!glfwInit()) return Error{"window", {}, "display", "one, named by DISPLAY", found()};
+    if (!glfwInit()) return Error{"window", {}, "display", "one, named by DISPLAY", glfw_error()};
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
     if (GLFWmonitor* const monitor = fills ? glfwGetPrimaryMonitor() : nullptr) {
-        int x = 0, y = 0, across = 0, down = 0;
-        glfwGetMonitorWorkarea(monitor, &x, &y, &across, &down);
-        width = std::max(width, int(k_share_of_monitor * across)),
-        height = std::max(height, int(k_share_of_monitor * down));
+        int x = 0, y = 0, monitor_width = 0, monitor_height = 0;
+        glfwGetMonitorWorkarea(monitor, &x, &y, &monitor_width, &monitor_height);
+        width = std::max(width, int(k_monitor_fraction * monitor_width)),
+        height = std::max(height, int(k_monitor_fraction * monitor_height));
     }
     window_ = glfwCreateWindow(width, height, "srbf view", nullptr, nullptr);
     if (!window_)
@@ -71,23 +72,23 @@ Result<Done> Screen::open(int width, int height, bool fills) {
                      {},
                      "graphics library of this display",
                      std::string(name(Dialect::gl_450)),
-                     found() + " (Mesa draws it on the CPU with LIBGL_ALWAYS_SOFTWARE=1)"};
+                     glfw_error() + " (Mesa draws it on the CPU with LIBGL_ALWAYS_SOFTWARE=1)"};
     glfwMakeContextCurrent(window_);
     glfwSetWindowUserPointer(window_, this);
-    // Before Dear ImGui's callbacks, which then call these.
-    glfwSetKeyCallback(window_, [](GLFWwindow* of, int key, int scancode, int action, int modifiers) {
+    // These are set before Dear ImGui's callbacks, which call them.
+    glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int scancode, int action, int modifiers) {
         if (action == GLFW_RELEASE || (modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER)) != 0) return;
-        if (const auto& told = screen_of(of).on_key) told(name_of(key, scancode, modifiers));
+        if (const auto& callback = screen_of(window).on_key) callback(name_of(key, scancode, modifiers));
     });
-    glfwSetDropCallback(window_, [](GLFWwindow* of, int count, const char** paths) {
-        if (const auto& told = screen_of(of).on_drop)
-            for (int i = 0; i < count; ++i) told(paths[i]);
+    glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
+        if (const auto& callback = screen_of(window).on_drop)
+            for (int i = 0; i < count; ++i) callback(paths[i]);
     });
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
-    float across = 1, down = 1;
-    glfwGetWindowContentScale(window_, &across, &down);
-    scale_ = std::clamp(std::max(across, down), 1.f, 4.f);
+    float x_scale = 1, y_scale = 1;
+    glfwGetWindowContentScale(window_, &x_scale, &y_scale);
+    scale_ = std::clamp(std::max(x_scale, y_scale), 1.f, 4.f);
     load_font(scale_);
     ImGui::GetStyle().ScaleAllSizes(scale_);
     ImGui::GetStyle().WindowRounding = 0;

@@ -17,25 +17,25 @@ class Screen {
     Screen(const Screen&) = delete;
     Screen& operator=(const Screen&) = delete;
 
-    /// Opens a window of that size in pixels, or a larger one that `fills` most of its monitor; its OpenGL context becomes
-    /// current. Errors: no display, no OpenGL 4.5.
+    /// Opens a window of this size in pixels, or a larger one if it `fills` most of its monitor. Its OpenGL context
+    /// becomes current. Errors: no display, no OpenGL 4.5.
     Result<Done> open(int width, int height, bool fills);
-    /// True if `show` waits for the display's refresh.
+    /// Sets whether `show` waits for the refresh of the display.
     void set_paced(bool paced);
     bool is_closing() const;
 
-    /// Callbacks from within `wait`: for a key, by its name in `press`, unless text is being typed, and for a file
-    /// dropped on the window.
+    /// Callbacks during `wait`: for a key, with its name for `press`, unless text is being typed; and for a file
+    /// that is dropped on the window.
     std::function<void(const std::string& key)> on_key;
     std::function<void(const std::string& path)> on_drop;
-    /// Waits for input, at most this many seconds; 0: processes pending input.
+    /// Waits at most this many seconds for input. 0: only processes pending input.
     void wait(double seconds);
 
-    /// Calls to Dear ImGui between the two are drawn by the second, which also makes the picture available and shows
-    /// it.
+    /// Calls of Dear ImGui between these two are drawn by the second. Afterwards `read` returns the picture and
+    /// `show` displays it.
     void begin_frame();
     void end_frame();
-    /// Pixels of the monitor for a pixel of a monitor of scale 1.
+    /// Pixels of the monitor per pixel at scale 1.
     float scale() const { return scale_; }
     Image8 read() const;
     void show();

@@ -13,7 +13,7 @@
 #include "srbf/fit_options.h"
 
 namespace srbf {
-/// The worker thread: one job at a time, the newest.
+/// The worker thread. It runs one job at a time, always the newest.
 class Session::Worker {
   public:
     Worker() : thread_([this](std::stop_token stop) { work(stop); }) {}
@@ -22,7 +22,7 @@ class Session::Worker {
         thread_.request_stop();
     }
 
-    void ask(Job job) {
+    void submit(Job job) {
         const std::scoped_lock lock(mutex_);
         newest_ = job.number;
         next_ = std::move(job);
@@ -33,9 +33,9 @@ class Session::Worker {
         newest_ = number;
         next_.reset();
     }
-    std::vector<News> take() {
+    std::vector<Update> take() {
         const std::scoped_lock lock(mutex_);
-        return std::exchange(news_, {});
+        return std::exchange(updates_, {});
     }
     double fraction() const { return fraction_; }
 
@@ -49,20 +49,20 @@ class Session::Worker {
                 std::swap(job, next_);
             }
             do_job(*job);
-            tell({job->number, Stage::idle, {}, {}});
+            report({job->number, Stage::idle, {}, {}});
         }
     }
-    bool goes_on(const Job& job) const { return newest_ == job.number; }
-    void tell(News news) {
+    bool is_current(const Job& job) const { return newest_ == job.number; }
+    void report(Update update) {
         const std::scoped_lock lock(mutex_);
-        news_.push_back(std::move(news));
+        updates_.push_back(std::move(update));
     }
 
     void do_job(const Job& job) {
         fraction_ = 0;
         const ProgressToken progress = [&](const Progress& now) {
             fraction_ = now.fraction;
-            return goes_on(job);
+            return is_current(job);
         };
         const FitRequest request = job.choice.request();
         Fitted fitted;
@@ -71,37 +71,37 @@ class Session::Worker {
         if (job.model) {
             outcome.model = outcome.unrounded = *job.model;
         } else {
-            tell({job.number, Stage::fitting, {}, {}});
-            auto found = fit(job, request, fitted, progress.part(0, 0.75));
-            if (!found) {
-                if (found.error().code == ErrorCode::cancelled) return;
-                return tell({job.number, Stage::idle, {}, found.error()});
+            report({job.number, Stage::fitting, {}, {}});
+            auto fit_outcome = fit(job, request, fitted, progress.part(0, 0.75));
+            if (!fit_outcome) {
+                if (fit_outcome.error().code == ErrorCode::cancelled) return;
+                return report({job.number, Stage::idle, {}, fit_outcome.error()});
             }
-            outcome = *std::move(found);
+            outcome = *std::move(fit_outcome);
         }
-        take(job, outcome, fitted);
-        tell({job.number, Stage::measuring, fitted, {}});
+        set_outcome(job, outcome, fitted);
+        report({job.number, Stage::measuring, fitted, {}});
         if (!fitter(job).measure(outcome, request, progress.part(0.75, 1))) return;
-        take(job, outcome, fitted);
-        tell({job.number, Stage::measuring, fitted, {}});
+        set_outcome(job, outcome, fitted);
+        report({job.number, Stage::measuring, fitted, {}});
     }
 
-    /// Keeps what is known of the reference for its next fit.
+    /// The fitter of the reference, kept because later fits reuse its observations.
     Fitter& fitter(const Job& job) {
         const Subject& reference = *job.reference;
-        const auto at = fitters_.find(&reference);
-        if (at != fitters_.end()) return at->second;
+        const auto entry = fitters_.find(&reference);
+        if (entry != fitters_.end()) return entry->second;
         const Measured* measured = std::get_if<Measured>(&reference.content);
         return fitters_.emplace(&reference, measured ? Fitter(*measured) : Fitter(evaluator(reference))).first->second;
     }
 
-    /// Fits the reference with increasing effort, and reports each fit but the last.
+    /// Fits the reference with increasing effort, and reports each fit except the last.
     Result<FitOutcome> fit(const Job& job, const FitRequest& request, Fitted& fitted, const ProgressToken& progress) {
         if (const auto* measured = std::get_if<Measured>(&job.reference->content);
             measured && std::holds_alternative<BsdfTable>(measured->table)) {
             auto sides = fit_bsdf(*measured, request, progress);
             if (!sides) return sides.error();
-            fitted.seconds = job.asked.seconds();
+            fitted.seconds = job.clock.seconds();
             FitOutcome outcome;
             outcome.model = outcome.unrounded = std::move(sides->model);
             return outcome;
@@ -109,18 +109,18 @@ class Session::Worker {
         for (int draft = 0; draft < Fitter::k_drafts; ++draft) {
             auto quick = fitter(job).draft(request, draft, progress.part(0.1 * draft, 0.1 * (draft + 1)));
             if (!quick) return quick;
-            take(job, *quick, fitted);
+            set_outcome(job, *quick, fitted);
             fitted.quick = true;
-            fitted.seconds = job.asked.seconds();
-            tell({job.number, Stage::refining, fitted, {}});
+            fitted.seconds = job.clock.seconds();
+            report({job.number, Stage::refining, fitted, {}});
         }
         auto whole = fitter(job).fit(request, progress.part(0.2, 1));
         fitted.quick = false;
-        fitted.seconds = job.asked.seconds();
+        fitted.seconds = job.clock.seconds();
         return whole;
     }
 
-    static void take(const Job& job, const FitOutcome& outcome, Fitted& fitted) {
+    static void set_outcome(const Job& job, const FitOutcome& outcome, Fitted& fitted) {
         fitted.model = outcome.model;
         if (!job.model)
             fitted.model.provenance["source"] = std::filesystem::path(job.reference->path).filename().string();
@@ -131,11 +131,11 @@ class Session::Worker {
     std::mutex mutex_;
     std::condition_variable_any wake_;
     std::optional<Job> next_;
-    std::vector<News> news_;
+    std::vector<Update> updates_;
     std::atomic<int> newest_ = 0;
     std::atomic<double> fraction_ = 0;
     std::map<const Subject*, Fitter> fitters_;  // subjects live as long as the session
-    std::jthread thread_;                       // last member: it ends before the data it uses
+    std::jthread thread_;                       // the last member, so that it ends before the data it uses
 };
 
 FitRequest FitChoice::request() const {
@@ -160,10 +160,10 @@ bool Session::open(const std::string& path) {
     } else if (reference_ < 0) {
         set_reference(added);
     } else if (!is_model && !had_measurement) {
-        // The models came first: they are compared with this one.
-        const int shown = reference_;
+        // The models came first and are now compared with this measurement.
+        const int model = reference_;
         reference_ = added;
-        show_model(shown);
+        show_model(model);
     }
     return true;
 }
@@ -175,22 +175,22 @@ void Session::set_reference(int subject) {
 }
 
 void Session::refit() {
-    if (reference_ >= 0) ask({});
+    if (reference_ >= 0) submit({});
 }
 
 void Session::show_model(int subject) {
     const auto& model = std::get<Model>(subjects_[std::size_t(subject)]->content);
-    // Its errors are by the objective of its fit, if it has that metadata.
-    if (const auto told = model.provenance.find("objective"); told != model.provenance.end())
-        if (const auto objective = objective_named(told->second)) choice_.objective = *objective;
+    // Its errors use the objective of its fit, if the provenance states it.
+    if (const auto entry = model.provenance.find("objective"); entry != model.provenance.end())
+        if (const auto objective = objective_named(entry->second)) choice_.objective = *objective;
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
         choice_.form = pm->form;
         choice_.lobes = std::min(pm->lobes, k_most_chosen_lobes);
         choice_.variates = pm->variates;
     }
-    ask(model);
+    submit(model);
     fitted_ = Fitted{model, choice_, subjects_[std::size_t(subject)]->path, false, 0, {}, {}};
-    is_shown_anew_ = true;
+    is_replaced_ = true;
 }
 
 void Session::choose(const FitChoice& choice) {
@@ -200,33 +200,33 @@ void Session::choose(const FitChoice& choice) {
     refit();
 }
 
-void Session::ask(std::optional<Model> model) {
-    waiting_ = {};
+void Session::submit(std::optional<Model> model) {
+    clock_ = {};
     stage_ = model ? Stage::measuring : Stage::fitting;
-    worker_->ask({++asked_, subjects_[std::size_t(reference_)], choice_, std::move(model), waiting_});
+    worker_->submit({++last_job_, subjects_[std::size_t(reference_)], choice_, std::move(model), clock_});
 }
 
 void Session::cancel() {
     if (stage_ == Stage::idle) return;
-    worker_->cancel(++asked_);
+    worker_->cancel(++last_job_);
     say(stage_ == Stage::measuring ? "Measuring was cancelled." : "The fit was cancelled.");
     stage_ = Stage::idle;
 }
 
 bool Session::poll() {
-    bool swapped = std::exchange(is_shown_anew_, false);
-    for (News& news : worker_->take()) {
-        if (news.number != asked_) continue;  // for an outdated choice
-        stage_ = news.stage;
-        if (news.error) complain(*news.error);
-        if (!news.fitted) continue;
-        if (fitted_ && !fitted_->from.empty() && news.stage == Stage::measuring) news.fitted->from = fitted_->from;
-        const bool same = fitted_ && news.fitted->seconds == fitted_->seconds && news.fitted->quick == fitted_->quick &&
-                          news.fitted->from == fitted_->from;
-        fitted_ = std::move(news.fitted);
-        swapped = swapped || !same;
+    bool is_new = std::exchange(is_replaced_, false);
+    for (Update& update : worker_->take()) {
+        if (update.number != last_job_) continue;  // from an outdated job
+        stage_ = update.stage;
+        if (update.error) complain(*update.error);
+        if (!update.fitted) continue;
+        if (fitted_ && !fitted_->from.empty() && update.stage == Stage::measuring) update.fitted->from = fitted_->from;
+        const bool is_same = fitted_ && update.fitted->seconds == fitted_->seconds &&
+                             update.fitted->quick == fitted_->quick && update.fitted->from == fitted_->from;
+        fitted_ = std::move(update.fitted);
+        is_new = is_new || !is_same;
     }
-    return swapped;
+    return is_new;
 }
 
 double Session::fraction() const { return worker_->fraction(); }
@@ -236,7 +236,7 @@ bool Session::save(const std::string& path) {
     const auto saved = save_model(fitted_->model, path);
     if (!saved) return complain(saved.error()), false;
     say(fmt::format("Wrote {}, {} bytes of numbers{}.", path, payload_bytes(fitted_->model),
-                    fitted_->quick ? " (a quick fit: a finer one is on its way)" : ""));
+                    fitted_->quick ? " (a quick fit; the final one follows)" : ""));
     return true;
 }
 

@@ -1,4 +1,4 @@
-// State and actions of the window, independent of it: subjects, the displayed fit, and the background work.
+// The state and actions of the window, independent of it: subjects, the displayed fit, and background work.
 #pragma once
 #include <array>
 #include <condition_variable>
@@ -14,15 +14,15 @@
 
 namespace srbf {
 
-/// The fit that the sliders request.
+/// The choice of a fit by the sliders.
 struct FitChoice {
     PmForm form = PmRequest{}.form;
     int lobes = LobeCount{}.lobes, variates = PmRequest{}.variates;
     Objective objective = FitRequest{}.objective;
-    FitRequest request() const;  ///< everything else as by default in `srbf fit`
+    FitRequest request() const;  ///< everything else has the defaults of `srbf fit`
     friend bool operator==(const FitChoice&, const FitChoice&) = default;
 };
-/// limit of a slider; a fit with more lobes takes longer than one waits
+/// Upper limit of a slider. Fits with more lobes take too long for interaction.
 inline constexpr int k_most_chosen_lobes = 24;
 
 /// State of the background work.
@@ -36,16 +36,16 @@ enum class Stage {
 /// The BRDF displayed as the fit.
 struct Fitted {
     Model model;
-    FitChoice choice;    ///< of the fit; for a model from a file only the objective is meaningful
-    std::string from;    ///< the file of the model; empty: fitted here
-    bool quick = false;  ///< a more accurate fit will follow
-    double seconds = 0;  ///< from the choice until the fit was complete
+    FitChoice choice;    ///< the choice of the fit; for a model from a file, only the objective is meaningful
+    std::string from;    ///< the file of the model; empty: fitted in this session
+    bool quick = false;  ///< true if a more accurate fit will follow
+    double seconds = 0;  ///< time from the choice until the fit was complete
     std::optional<StopReason> stop;
-    std::optional<Comparison> errors;  ///< against the reference, once they are known
+    std::optional<Comparison> errors;  ///< compared with the reference; none until they are evaluated
 };
 
-/// Subjects, one of which is the reference, and a fit that follows the choice in the background. All members are called
-/// from the window's thread; the work runs on another thread, and its results become visible in `poll`.
+/// The open subjects, one of which is the reference, and a fit that follows the choice in the background. All
+/// members are called on the window's thread. The work runs on another thread; `poll` makes its results visible.
 class Session {
   public:
     Session();
@@ -53,28 +53,28 @@ class Session {
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
-    /// Adds a file's subject. A file that cannot be read becomes a message. The first measurement becomes the
-    /// reference, the first model the displayed fit; without a model the reference is fitted.
+    /// Opens a file. A file that cannot be read becomes a message. The first measurement becomes the reference, the
+    /// first model the displayed fit. Without a model the reference is fitted.
     bool open(const std::string& path);
     const std::vector<std::shared_ptr<const Subject>>& subjects() const { return subjects_; }
 
     /// The subject with which fits are compared; −1: none.
     int reference() const { return reference_; }
     void set_reference(int subject);
-    /// Displays a model from a file, or fits the reference again with the choice.
+    /// `show_model` displays a model from a file; `refit` fits the reference again with the choice.
     void show_model(int subject);
     void refit();
-    /// Requests another fit; work for an older choice is cancelled.
+    /// Requests another fit. Work on older choices is cancelled.
     void choose(const FitChoice& choice);
     const FitChoice& choice() const { return choice_; }
-    /// Cancels the work; the display does not change.
+    /// Cancels the work. The display does not change.
     void cancel();
 
-    /// Takes over results of the work; returns true if the displayed fit has changed.
+    /// Receives results of the work. Returns true if the displayed fit has changed.
     bool poll();
     Stage stage() const { return stage_; }
-    double fraction() const;                                                          ///< of the current fit, 0..1
-    double waited() const { return stage_ == Stage::idle ? 0 : waiting_.seconds(); }  ///< [s] since it was requested
+    double fraction() const;  ///< progress of the current fit, 0..1
+    double waited() const { return stage_ == Stage::idle ? 0 : clock_.seconds(); }  ///< time since its request [s]
     /// The displayed fit; none before the first one is complete.
     const std::optional<Fitted>& fitted() const { return fitted_; }
     /// θmax of the errors [rad].
@@ -83,7 +83,7 @@ class Session {
     /// Writes the displayed fit; a message reports the result.
     bool save(const std::string& path);
 
-    /// Messages, newest last.
+    /// The messages, newest last.
     struct Message {
         std::string text;
         bool is_error = false;
@@ -97,10 +97,10 @@ class Session {
         int number = 0;
         std::shared_ptr<const Subject> reference;
         FitChoice choice;
-        std::optional<Model> model;  ///< to be measured only
-        Stopwatch asked;
+        std::optional<Model> model;  ///< set if only errors are evaluated
+        Stopwatch clock;
     };
-    struct News {
+    struct Update {
         int number = 0;
         Stage stage = Stage::idle;
         std::optional<Fitted> fitted;
@@ -108,17 +108,17 @@ class Session {
     };
     class Worker;
 
-    void ask(std::optional<Model> model);
+    void submit(std::optional<Model> model);
 
     std::vector<std::shared_ptr<const Subject>> subjects_;
     int reference_ = -1;
     FitChoice choice_;
     std::optional<Fitted> fitted_;
-    bool is_shown_anew_ = false;  ///< it was replaced by `show_model` since the last `poll`
+    bool is_replaced_ = false;  ///< true if `show_model` has replaced the fit since the last `poll`
     std::vector<Message> messages_;
     Stage stage_ = Stage::idle;
-    Stopwatch waiting_;
-    int asked_ = 0;  ///< number of the last requested job
+    Stopwatch clock_;
+    int last_job_ = 0;  ///< number of the last requested job
     std::unique_ptr<Worker> worker_;
 };
 

@@ -2,27 +2,27 @@
 #pragma once
 #include <vector>
 
-#include "extras/view/look.h"
+#include "extras/view/display_state.h"
 #include "extras/view/session.h"
 
 namespace srbf {
 
-/// Runs a number of fits one after the other, and prints a line for each to standard output.
+/// Runs a number of fits in sequence, and prints a line for each to standard output.
 class Refits {
   public:
     explicit Refits(int count) : count_(count) {}
-    /// To be called once per frame: rotates the picture, requests the next fit and prints the completed one; quits
-    /// after the last.
-    void step(Session& session, Look& look);
+    /// Call it once per frame. It rotates the picture, requests the next fit and prints the completed one. After
+    /// the last it quits.
+    void step(Session& session, DisplayState& display);
 
   private:
     int count_, timed_ = 0;
-    bool waits_ = false;  ///< for a requested fit; then:
-    Stopwatch asked_, last_frame_;
+    bool is_waiting_ = false;  ///< for a requested fit; then:
+    Stopwatch clock_, last_frame_;
     int frames_ = 0;
-    double slowest_ = 0;                 ///< [s] per frame
-    std::vector<double> swapped_after_;  ///< [s] of the fits that were displayed
-    double swapped_ = 0;                 ///< the duration that the last of them reports
+    double slowest_ = 0;                 ///< duration of the slowest frame [s]
+    std::vector<double> display_times_;  ///< times after the request at which fits were displayed [s]
+    double last_duration_ = 0;           ///< `Fitted::seconds` of the last of them
 };
 
 }  // namespace srbf

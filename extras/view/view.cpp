@@ -28,10 +28,10 @@ int ViewCommand::run() const {
     for (const Session::Message& message : session.messages())
         if (message.is_error) fmt::print(stderr, "srbf: {}\n", printable(message.text));
     if (!files.empty() && session.subjects().empty()) return k_input_error;
-    Look look;
-    look.mesh = mesh, look.environment = environment, look.wipe = wipe;
-    const auto shown = run_window(session, look, window);
-    return shown ? int(k_done) : complain(shown.error());
+    DisplayState display;
+    display.mesh = mesh, display.environment = environment, display.wipe = wipe;
+    const auto result = run_window(session, display, window);
+    return result ? int(k_done) : complain(result.error());
 }
 #else
 int ViewCommand::run() const {
@@ -55,7 +55,7 @@ void add_view(CommandLine& app, int& status) {
     sub.add_option("--env", command->environment, "Environment map, a .hdr or .exr file, or studio or none")
         .type_name("FILE")
         .capture_default_str();
-    sub.add_flag("--wipe", command->wipe, "Begin with one picture, divided between measured and fit");
+    sub.add_flag("--wipe", command->wipe, "Start with one picture, divided between measured and fit");
     const Option screenshot = sub.add_option("--screenshot", command->window.screenshot,
                                              "Save a picture of the window once fit and errors are complete, and quit")
                                   .type_name("FILE.png")

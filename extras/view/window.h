@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "extras/view/look.h"
+#include "extras/view/display_state.h"
 #include "extras/view/session.h"
 
 namespace srbf {
@@ -14,6 +14,6 @@ struct WindowOptions {
 };
 
 /// Shows the session until the window is closed. Errors: no display, no OpenGL; a screenshot that cannot be written.
-Result<Done> run_window(Session& session, Look& look, const WindowOptions& options);
+Result<Done> run_window(Session& session, DisplayState& display, const WindowOptions& options);
 
 }  // namespace srbf

@@ -1,8 +1,8 @@
 """Measured BRDFs as a few spherical radial basis functions.
 
-A BRDF's values are f_r [1/sr] for R, G, B in linear sRGB, without the cosine. `wl` points to the light and `wv` to the viewer: unit
-vectors in the local frame, whose +z axis is the normal, in arrays of shape [..., 3] whose leading axes broadcast. float32 arrays that
-are contiguous are not copied.
+A BRDF's values are f_r [1/sr] for R, G, B in linear sRGB, without the cosine. `wl` points to the light and `wv` to the viewer. Both are
+unit vectors in the local frame, whose +z axis is the normal, in arrays of shape [..., 3] whose leading axes broadcast. Contiguous
+float32 arrays are not copied.
 """
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ Array = npt.NDArray[np.float32]
 
 
 class Error(ValueError):
-    """What is wrong with an input.
+    """An invalid input, or a computation that failed.
 
-    Attributes: `file` (or the computation that reports it), `offset` (byte of a binary file, line of a text; None: unknown), `what`,
+    Attributes: `file` (or the computation that reports it), `offset` (byte in a binary file, line in a text file; None: unknown), `what`,
     `expected`, `found`, and `code`: "malformed", "unreadable", "wrong kind", "argument", "no data" or "cancelled".
     """
 
@@ -36,18 +36,18 @@ class Error(ValueError):
         self.expected, self.found, self.code = expected, found, code
 
 
-from . import _srbf  # noqa: E402  (it raises Error)
+from . import _srbf  # noqa: E402  (_srbf raises Error)
 from . import _options  # noqa: E402
 from ._options import Language, Lighting, Path, Progress  # noqa: E402
 
 if int(np.__version__.split(".")[0]) >= 2 and not _srbf.knows_numpy_2:
-    raise ImportError(f"srbf was built with a pybind11 before 2.12, which NumPy {np.__version__} does not fit; build it with `pip install .`")
+    raise ImportError(f"srbf was built with a pybind11 before 2.12, which does not support NumPy {np.__version__}; build it with `pip install .`")
 
 __version__: str = _srbf.version
 
 
 def _numbers(array: npt.ArrayLike, name: str, last: Optional[int] = 3) -> Array:
-    """`array` as float32, with that many numbers along its last axis."""
+    """`array` as float32, with `last` numbers along its last axis; None: any number."""
     array = np.asarray(array)
     if array.dtype.kind not in "fiub":
         raise TypeError(f"{name}: expected real numbers, found dtype {array.dtype}")
@@ -75,104 +75,104 @@ _AnyBrdf = TypeVar("_AnyBrdf", bound="Brdf")
 
 
 class Brdf:
-    """A measurement or a model. Thread-safe; the interpreter's lock is released while it computes."""
+    """A measurement or a model. Thread-safe. Releases the interpreter's lock while it computes."""
 
-    def __init__(self, held: _srbf.Brdf):
-        self._held = held
+    def __init__(self, native: _srbf.Brdf):
+        self._native = native
 
     def __eq__(self, other: object) -> bool:
-        """Whether it is of the same kind with the same numbers; file names and provenance do not count."""
+        """True if both have the same type and the same numbers. File names and provenance do not count."""
         if type(other) is not type(self):
             return NotImplemented
-        return self._held.numbers() == other._held.numbers()
+        return self._native.numbers() == other._native.numbers()
 
     def __hash__(self) -> int:
-        return hash(self._held.numbers())
+        return hash(self._native.numbers())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        data = self._held.pickled()
-        return _unpickled, (__version__, data, zlib.crc32(data), self._held.is_exchanged())
+        data = self._native.pickled()
+        return _unpickled, (__version__, data, zlib.crc32(data), self._native.is_exchanged())
 
     def eval(self, wl: npt.ArrayLike, wv: npt.ArrayLike) -> Array:
-        """f_r [1/sr] of shape [..., 3]: 0 where a direction is below the horizon, NaN where nothing was measured."""
+        """f_r [1/sr] of shape [..., 3]; 0 where a direction is below the horizon, NaN where nothing was measured."""
         shape, rows = _pairs(wl, wv)
-        return self._held.evaluate(*rows).reshape(shape + (3,))
+        return self._native.evaluate(*rows).reshape(shape + (3,))
 
     def eval_spectral(self, wl: npt.ArrayLike, wv: npt.ArrayLike) -> Array:
-        """f_r [1/sr] at `wavelengths` [..., C]; of a BRDF without wavelengths R, G, B."""
+        """f_r [1/sr] at `wavelengths`, of shape [..., C]. A BRDF without wavelengths has the channels R, G, B."""
         shape, rows = _pairs(wl, wv)
-        return self._held.evaluate_channels(*rows).reshape(shape + (-1,))
+        return self._native.evaluate_channels(*rows).reshape(shape + (-1,))
 
     def sample(self, wv: npt.ArrayLike, u: Optional[npt.ArrayLike] = None,
                rng: Optional[np.random.Generator] = None) -> tuple[Array, Array, Array]:
         """Importance-samples the light: directions [..., 3], weights f_r cos(theta_l) / pdf [..., 3] and densities [...].
 
-        `u` [..., 3] are numbers uniform in [0, 1): a point of the square and the choice of a lobe; without them `rng` draws. A draw
-        without a direction is (0, 0, -1), with density and weight 0.
+        `u` [..., 3] are uniform random numbers in [0, 1): a point in the square, and a selector for the lobe. Without `u`, they are drawn
+        from `rng`. A sample without a valid direction is (0, 0, -1), with density and weight 0.
         """
         views = _numbers(wv, "wv")
         if u is None:
             u = (rng or np.random.default_rng()).random(views.shape, np.float32)
-        given = np.asarray(u)
-        uniform = _numbers(given, "u")
-        if not ((given >= 0) & (given < 1)).all():
+        exact = np.asarray(u)
+        uniform = _numbers(exact, "u")
+        if not ((exact >= 0) & (exact < 1)).all():
             raise ValueError("u: expected numbers in [0, 1)")
-        if given.dtype != np.float32:
-            uniform = np.minimum(uniform, np.nextafter(np.float32(1), np.float32(0)))  # a number just below 1 may have become 1
+        if exact.dtype != np.float32:
+            uniform = np.minimum(uniform, np.nextafter(np.float32(1), np.float32(0)))  # a float64 just below 1 may round to 1
         shape, (rows, numbers) = _rows((views, uniform), ("wv", "u"))
-        wl, weight, density = self._held.sample(rows, numbers)
+        wl, weight, density = self._native.sample(rows, numbers)
         return wl.reshape(shape + (3,)), weight.reshape(shape + (3,)), density.reshape(shape)
 
     def pdf(self, wl: npt.ArrayLike, wv: npt.ArrayLike) -> Array:
         """The density of `sample` [1/sr], of shape [...]; 0 below the horizon."""
         shape, rows = _pairs(wl, wv)
-        return self._held.density(*rows).reshape(shape)
+        return self._native.pdf(*rows).reshape(shape)
 
     def albedo(self, cos_v: npt.ArrayLike) -> Array:
-        """Directional albedo [..., 3] of views at the cosines `cos_v` [...] in (0, 1], in the mean over azimuths; within 1 % or 0.002 for
+        """Directional albedo [..., 3] of views with cosines `cos_v` [...] in (0, 1], averaged over azimuths. Accurate to 1 % or 0.002 for
         smooth and glossy BRDFs."""
         cosine = _numbers(cos_v, "cos_v", None)
         if not ((cosine > 0) & (cosine <= 1)).all():
             raise ValueError("cos_v: expected cosines in (0, 1]")
-        return self._held.reflected(np.ascontiguousarray(cosine).reshape(-1)).reshape(cosine.shape + (3,))
+        return self._native.albedo(np.ascontiguousarray(cosine).reshape(-1)).reshape(cosine.shape + (3,))
 
     def exchanged(self: _AnyBrdf) -> _AnyBrdf:
         """The BRDF with light and viewer exchanged."""
-        return type(self)(self._held.exchanged())
+        return type(self)(self._native.exchanged())
 
     @property
     def is_exchanged(self) -> bool:
-        """Whether light and viewer are those of its file, or of the data that a model was fitted to, exchanged."""
-        return self._held.is_exchanged()
+        """True if light and viewer are exchanged, compared with the file or with the data that a model was fitted to."""
+        return self._native.is_exchanged()
 
     @property
     def isotropic(self) -> bool:
-        """Whether f_r depends only on the difference of the azimuths."""
-        return self._held.isotropic()
+        """True if f_r depends only on the difference of the azimuths."""
+        return self._native.isotropic()
 
     @property
     def wavelengths(self) -> Array:
-        """[nm], of a spectral BRDF; otherwise empty."""
-        return self._held.wavelengths()
+        """The wavelengths [nm] of a spectral BRDF; otherwise empty."""
+        return self._native.wavelengths()
 
     @property
     def nbytes(self) -> int:
-        """Of a model its stored numbers, of a measurement its file."""
-        return self._held.nbytes()
+        """The bytes of a model's stored numbers, or of a measurement's file."""
+        return self._native.nbytes()
 
     def _repr_png_(self) -> bytes:
-        picture = _doubled(_srbf.render(self._held, "studio", 64, True)) if self._held.is_searched() else \
-            _srbf.render(self._held, "studio", 160, True)
+        picture = _doubled(_srbf.render(self._native, "studio", 64, True)) if self._native.is_slow() else \
+            _srbf.render(self._native, "studio", 160, True)
         return png(picture * (0.75 / max(float(np.percentile(picture.max(axis=-1), 90)), 1e-9)))
 
 
 def _doubled(picture: Array) -> Array:
-    """With twice as many pixels along each side, interpolated."""
+    """The picture with twice as many pixels along each side, interpolated linearly."""
     for axis in (0, 1):
         n = picture.shape[axis]
         nearest = np.repeat(np.arange(n), 2)
-        next_one = np.clip(nearest + np.tile([-1, 1], n), 0, n - 1)
-        picture = np.float32(0.75) * np.take(picture, nearest, axis) + np.float32(0.25) * np.take(picture, next_one, axis)
+        neighbour = np.clip(nearest + np.tile([-1, 1], n), 0, n - 1)
+        picture = np.float32(0.75) * np.take(picture, nearest, axis) + np.float32(0.25) * np.take(picture, neighbour, axis)
     return picture
 
 
@@ -181,18 +181,18 @@ class Measurement(Brdf):
 
     @property
     def format(self) -> str:
-        """One of `formats()`, or "arrays"; of columns that were named "columns", of tensor trees "BSDF tree"."""
-        return self._held.kind()
+        """One of `formats()`, or "arrays", "columns" (if the columns were named) or "BSDF tree" (tensor trees)."""
+        return self._native.kind()
 
     @property
     def notes(self) -> list[str]:
-        """What its reader assumed of units, azimuths and names, and what it masked as no value; a line each."""
-        return self._held.notes()
+        """What the reader assumed about units, azimuths and names, and what it masked as invalid; one line each."""
+        return self._native.notes()
 
     @property
     def source(self) -> str:
-        """The file's name."""
-        return self._held.source()
+        """The name of the file."""
+        return self._native.source()
 
     def __repr__(self) -> str:
         return f"<srbf.Measurement {self.source!r}, {self.format}, {self.nbytes:,} bytes{', exchanged' * self.is_exchanged}>"
@@ -203,9 +203,9 @@ class Model(Brdf):
 
     @classmethod
     def from_parameters(cls, parameters: Mapping[str, Any], provenance: Optional[Mapping[str, str]] = None) -> "Model":
-        """The model of these numbers, named as in `parameters`, whose inverse it is. They are rounded to the 16-bit floats of the model
-        file. Of a multivariate model `log_scale`, `centre`, `exponent`, `form` and `axial` may be left out (0, +z, none, and what
-        follows from the arrays). Raises ValueError, of a number out of its range Error."""
+        """Makes a model of these numbers, which have the names and meanings of `parameters`. They are rounded to the 16-bit floats of the
+        model file. For a multivariate model, `log_scale`, `centre`, `exponent`, `form` and `axial` may be omitted (0, +z, none, and what
+        follows from the arrays). Raises ValueError, and Error for a number out of its range."""
         return cls(_srbf.model_of(dict(parameters), dict(provenance or {})))
 
     def replace(self, **parameters: Any) -> "Model":
@@ -214,23 +214,23 @@ class Model(Brdf):
 
     @property
     def kind(self) -> str:
-        """"pm" (parameterized multivariate), "su" (view by view), "ggx" (Lambert and GGX), "openpbr" (a surface) or "bsdf" (reflection and transmission)."""
-        return self._held.kind()
+        """"pm" (parameterized multivariate), "su" (view by view), "ggx" (Lambert and GGX), "openpbr" (OpenPBR surface) or "bsdf" (reflection and transmission)."""
+        return self._native.kind()
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """The numbers of the formula as arrays, by the names of the model file (docs/formats.md); centres as unit vectors. Of a BSDF those
-        of each part."""
-        return self._held.parameters()
+        """The numbers of the formula as arrays, with the names of the model file (docs/formats.md) and with centres as unit vectors. A BSDF
+        has a dictionary for each of its parts."""
+        return self._native.parameters()
 
     @property
     def provenance(self) -> dict[str, str]:
         """Source, options and errors of the fit."""
-        return self._held.provenance()
+        return self._native.provenance()
 
     def save(self, path: Path) -> None:
         """Writes the model file."""
-        self._held.save(_file_name(path))
+        self._native.save(_file_name(path))
 
     def __repr__(self) -> str:
         return f"<srbf.Model {self.kind}, {self.nbytes:,} bytes{', exchanged' * self.is_exchanged}>"
@@ -246,30 +246,30 @@ def _unpickled(version: str, data: bytes, checksum: int, exchanged: bool) -> Brd
 
 @dataclasses.dataclass
 class Fit:
-    """What a fit found."""
+    """The result of a fit."""
 
     model: Model
-    #: the measures of docs/accuracy.md by their names in JSON: on the matrix, held out ("heldout_..."), of albedo, and of pictures
+    #: the measures of docs/accuracy.md by their names in JSON: on the matrix, held out ("heldout_..."), albedo and pictures
     errors: Optional[dict[str, Any]]
     seconds: float
     stop_reason: Optional[str]
-    #: whether a requested size or ΔE_ITP was reached
+    #: true if a requested size or ΔE_ITP was reached
     reached: bool
 
     def __repr__(self) -> str:
-        seen = "" if not self.errors or "delta_e_itp" not in self.errors else f", delta_e_itp {self.errors['delta_e_itp']:.2f}"
-        return f"<srbf.Fit {self.model!r}{seen}, {self.seconds:.2f} s>"
+        error = "" if not self.errors or "delta_e_itp" not in self.errors else f", delta_e_itp {self.errors['delta_e_itp']:.2f}"
+        return f"<srbf.Fit {self.model!r}{error}, {self.seconds:.2f} s>"
 
     def _repr_png_(self) -> bytes:
         return self.model._repr_png_()
 
 
-def _brdf(held: _srbf.Brdf) -> Union[Model, Measurement]:
-    return Model(held) if held.is_model() else Measurement(held)
+def _brdf(native: _srbf.Brdf) -> Union[Model, Measurement]:
+    return Model(native) if native.is_model() else Measurement(native)
 
 
 def _file_name(path: Path) -> bytes:
-    """The bytes of a name, which need not be UTF-8."""
+    """The bytes of a file name, which need not be UTF-8."""
     name = os.fsencode(path)
     if b"\0" in name:
         raise Error(f"file name: expected one without NUL, found {path!r}", what="file name", expected="one without NUL", found=repr(path),
@@ -278,12 +278,12 @@ def _file_name(path: Path) -> bytes:
 
 
 def load(path: Path, *, columns: str = "", quantity: Optional[_options.Quantity] = None, floor: float = 0) -> Union[Model, Measurement]:
-    """Reads a measurement in one of `formats()`, or a model, recognised by its content. Raises Error."""
+    """Reads a measurement in one of `formats()`, or a model, recognised by the file's content. Raises Error."""
     return _brdf(_srbf.load(_file_name(path), *_options.read(columns, quantity, floor)))
 
 
 def load_measurement(path: Path, *, columns: str = "", quantity: Optional[_options.Quantity] = None, floor: float = 0) -> Measurement:
-    """`load` of a measurement. Raises Error for a model too."""
+    """Reads a measurement like `load`. Raises Error also if the file is a model."""
     brdf = load(path, columns=columns, quantity=quantity, floor=floor)
     if isinstance(brdf, Measurement):
         return brdf
@@ -291,7 +291,7 @@ def load_measurement(path: Path, *, columns: str = "", quantity: Optional[_optio
 
 
 def load_model(path: Path) -> Model:
-    """`load` of a model. Raises Error for a measurement too."""
+    """Reads a model like `load`. Raises Error also if the file is a measurement."""
     brdf = load(path)
     if isinstance(brdf, Model):
         return brdf
@@ -299,14 +299,14 @@ def load_model(path: Path) -> Model:
 
 
 def _wrong_kind(path: Path, expected: str, found: str) -> Error:
-    shown = os.fsencode(path).decode("utf-8", "backslashreplace")
-    return Error(f"{shown}: input: expected {expected}, found {found}", os.fsdecode(path), None, "input", expected, found, "wrong kind")
+    name = os.fsencode(path).decode("utf-8", "backslashreplace")
+    return Error(f"{name}: input: expected {expected}, found {found}", os.fsdecode(path), None, "input", expected, found, "wrong kind")
 
 
 def from_arrays(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, isotropic: bool = True) -> Measurement:
-    """Samples at pairs of directions [..., 3] as a measurement, f [..., 3] or, for grey ones, [...], [..., 1] or one number. Samples that are not
-    finite or below the horizon are dropped. Raises ValueError for f of another shape. Warns if `isotropic`, with which only the difference
-    of the azimuths counts, does not hold."""
+    """Makes a measurement of samples at pairs of directions [..., 3]. Their values `f` have the shape [..., 3] or, if grey, [...], [..., 1]
+    or (). Samples that are not finite or below the horizon are dropped. Raises ValueError for other shapes of `f`. Warns if `isotropic`
+    is True, so that only the difference of the azimuths counts, but the samples are anisotropic."""
     shape, (lights, views) = _pairs(wl, wv)
     values = _numbers(f, "f", None)
     if values.ndim == 0:
@@ -314,11 +314,11 @@ def from_arrays(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, isotropi
     if values.shape == shape:
         values = values[..., None]
     if values.shape not in ((*shape, 1), (*shape, 3)):
-        raise ValueError(f"f: expected shape {[*shape, 3]} or, for grey ones, {[*shape]}, as of wl and wv, found {list(np.shape(f))}")
+        raise ValueError(f"f: expected shape {[*shape, 3]} or, if grey, {[*shape]}, like wl and wv, found {list(np.shape(f))}")
     rows = np.ascontiguousarray(np.broadcast_to(values, (*shape, 3))).reshape(-1, 3)
-    held = _srbf.from_arrays(lights, views, rows, _options.flag("isotropic", isotropic))
-    _warn_of_change(held.change_by_azimuth())
-    return Measurement(held)
+    native = _srbf.from_arrays(lights, views, rows, _options.flag("isotropic", isotropic))
+    _warn_of_change(native.change_by_azimuth())
+    return Measurement(native)
 
 
 def _warn_of_change(by_azimuth: float) -> None:
@@ -327,8 +327,8 @@ def _warn_of_change(by_azimuth: float) -> None:
                       "which isotropic=True averages; isotropic=False keeps them", stacklevel=3)
 
 
-class _Shown:
-    """Progress as the caller wants it: a callback, or a bar of tqdm where it is installed."""
+class _ProgressDisplay:
+    """Progress for the caller: a callback, or a bar of tqdm if it is installed."""
 
     def __init__(self, progress: Progress):
         _options.check_progress(progress)
@@ -361,18 +361,18 @@ def _fit_of(outcome: dict[str, Any]) -> Fit:
 def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]], *, progress: Progress = False, **options: Any) -> Fit:
     """Fits a measurement, a file of one, or a function f(wl, wv) of arrays [n, 3] that returns f_r as [n, 3] or [n, 1].
 
-    The options are those of `srbf fit --help`, by their names with "_" for "-": `model` "pm", "su", "ggx" or "openpbr" (of OpenPBR, or
-    of another `surface`); `lobes` a number or "auto", or instead of it the size by `budget` [bytes] or `target_delta_e`; `form` one of
-    `forms()`; `objective` one of `objectives()`; `max_theta` [degrees]; `channels` "rgb" or "spectral"; flags as `axial` True or False;
-    `threads` 0: all. None: the default. The outcome depends on `seed` alone.
+    The options are those of `srbf fit --help`, with "_" for "-" in their names: `model` "pm", "su", "ggx" or "openpbr" (OpenPBR, or
+    another `surface`); `lobes` a number or "auto", or instead the size as `budget` [bytes] or `target_delta_e`; `form` one of
+    `forms()`; `objective` one of `objectives()`; `max_theta` [degrees]; `channels` "rgb" or "spectral"; flags such as `axial` True or
+    False; `threads` a number, or 0 for all. None is the default of each. The result depends on `seed` only, not on `threads`.
 
-    `progress`: True for a bar of tqdm, or a function of (stage, fraction) that may return False to cancel. Ctrl-C cancels.
+    `progress`: True for a bar of tqdm, or a function of (stage, fraction) that returns False to cancel. Ctrl-C cancels too.
     """
     request = _options.request(options)
-    with _Shown(progress) as callback:
+    with _ProgressDisplay(progress) as callback:
         measured = load_measurement(brdf) if isinstance(brdf, (str, os.PathLike)) else brdf
         if isinstance(measured, Brdf):
-            return _fit_of(_srbf.fit(measured._held, request, callback))
+            return _fit_of(_srbf.fit(measured._native, request, callback))
         if not callable(measured):
             raise TypeError(f"brdf: expected a measurement, a path or a function, found {type(brdf).__name__}")
         return _fit_of(_srbf.fit_function(measured, request, callback))
@@ -383,9 +383,10 @@ _options.show_options(fit)
 
 def fit_batch(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, *, lobes: int = 4, isotropic: bool = True,
               progress: Progress = False, **options: Any) -> list[Fit]:
-    """Fits T materials or texels measured at the same M pairs: wl, wv [M, 3], f [T, M, 3], NaN where nothing was measured. Each takes one
-    thread, and a shorter search than `fit`; its errors are those at its own values. A texel that cannot be fitted, a black one, say, has
-    a model of coefficients 0, errors None and `reached` False. The options are those of `fit`. Warns as `from_arrays` does."""
+    """Fits T materials or texels that were measured at the same M pairs: wl, wv [M, 3] and f [T, M, 3], NaN where nothing was measured.
+    Each fit uses one thread and a shorter search than `fit`; its errors are evaluated at its own samples. A texel that cannot be fitted,
+    such as a black one, has a model with coefficients 0, errors None and `reached` False. The options are those of `fit`. Warns like
+    `from_arrays`."""
     lights, views, values = _numbers(wl, "wl"), _numbers(wv, "wv"), _numbers(f, "f")
     if lights.ndim != 2 or views.shape != lights.shape or values.ndim != 3 or values.shape[1:] != lights.shape:
         raise ValueError(f"expected wl [M, 3], wv [M, 3], f [T, M, 3], found {list(lights.shape)}, {list(views.shape)}, {list(values.shape)}")
@@ -396,7 +397,7 @@ def fit_batch(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, *, lobes: 
     is_isotropic = _options.flag("isotropic", isotropic)
     if is_isotropic and values.size > 0:
         _warn_of_change(_srbf.change_by_azimuth(rows[0], rows[1], np.ascontiguousarray(values.mean(axis=0))))
-    with _Shown(progress) as callback:
+    with _ProgressDisplay(progress) as callback:
         return [_fit_of(outcome) for outcome in _srbf.fit_batch(rows[0], rows[1], rows[2], request, is_isotropic, callback)]
 
 
@@ -404,26 +405,26 @@ _options.show_options(fit_batch)
 
 
 def load_texels(path: Path) -> list[Fit]:
-    """The fits of one slab of texels, a file that `srbf map` wrote. Their errors hold one number, "error", by the objective's
-    measure; a texel that could not be fitted has errors None and `reached` False."""
-    return [Fit(Model(held), {"error": error} if state == 0 else None, 0.0, None, state == 0)
-            for held, error, state in _srbf.load_stack(_file_name(path))]
+    """The fits in a slab of texels, a file that `srbf map` wrote. Their errors hold one number, "error", which is the measure of the
+    objective. A texel that could not be fitted has errors None and `reached` False."""
+    return [Fit(Model(native), {"error": error} if state == 0 else None, 0.0, None, state == 0)
+            for native, error, state in _srbf.load_stack(_file_name(path))]
 
 
 def errors(reference: Brdf, other: Union[Brdf, Callable[[Array, Array], npt.ArrayLike]], *, max_theta: float = 80,
            threads: int = 0) -> dict[str, Any]:
-    """The measures of docs/accuracy.md of `other` against `reference`, both directions within `max_theta` [degrees] of the normal, as
-    `srbf compare --json` names them. `other` may be a function f(wl, wv) as `fit` takes one: a model of your own."""
+    """The measures of docs/accuracy.md for `other` against `reference`, with the names of `srbf compare --json`. Both directions are within
+    `max_theta` [degrees] of the normal. `other` may be a function f(wl, wv) like that of `fit`, such as a model of your own."""
     theta, count = _options.number("max_theta", max_theta, 1, 90), _options.threads(threads)
     if isinstance(other, Brdf):
-        return _srbf.errors(reference._held, other._held, theta, count)
+        return _srbf.errors(reference._native, other._native, theta, count)
     if not callable(other):
         raise TypeError(f"other: expected a BRDF or a function, found {type(other).__name__}")
-    return _srbf.errors_of_function(reference._held, other, theta, count)
+    return _srbf.errors_of_function(reference._native, other, theta, count)
 
 
 def forms() -> list[str]:
-    """The names of the forms of multivariate models that `fit` takes."""
+    """The names of the forms of multivariate models."""
     return _srbf.fit_options()["form"]
 
 
@@ -433,7 +434,7 @@ def objectives() -> list[str]:
 
 
 def code_languages() -> list[str]:
-    """The names of the languages that `code` writes besides "three"."""
+    """The names of the languages of `code`, except "three"."""
     return _srbf.code_languages()
 
 
@@ -443,39 +444,39 @@ def lightings() -> list[str]:
 
 
 def formats() -> dict[str, str]:
-    """The measured formats, and the endings of the files that `convert` writes; "": it writes none."""
+    """The measured formats, each with the extension of the files that `convert` writes; "" if it writes none."""
     return _srbf.formats()
 
 
 def render(brdf: Brdf, lighting: Lighting = "studio", size: int = 256) -> Array:
-    """Linear radiance [size, size, 3] of a sphere by direct light, seen from far away; 0 beside it. Without noise."""
-    return _srbf.render(brdf._held, _options.one_of("lighting", lighting, lightings()), _options.whole("size", size, 1, 4096), False)
+    """Linear radiance [size, size, 3] of a sphere in direct light, seen from infinity; 0 outside the sphere. The picture has no noise."""
+    return _srbf.render(brdf._native, _options.one_of("lighting", lighting, lightings()), _options.whole("size", size, 1, 4096), False)
 
 
 def convert(brdf: Brdf, path: Path, *, spectra: bool = True, threads: int = 0) -> None:
-    """Writes the BRDF as a table in one of `formats()`, by the ending of `path`. RGL files have spectra of the same material
-    beside the colours unless `spectra` is False, as Mitsuba's RGB variants need it. `threads`: of all but samples."""
-    _srbf.convert(brdf._held, _file_name(path), _options.flag("spectra", spectra), _options.threads(threads))
+    """Writes the BRDF as a table in one of `formats()`, which the extension of `path` selects. RGL files contain spectra of the same
+    material besides the colours unless `spectra` is False, as Mitsuba's RGB variants require. `threads` is not for samples."""
+    _srbf.convert(brdf._native, _file_name(path), _options.flag("spectra", spectra), _options.threads(threads))
 
 
 def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, Literal["three"]], *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:
-    """Source code that stands alone, `to` one of `code_languages()` or "three", as `srbf export` writes it. Of one model with
-    functions `name`_brdf and so on (of a BSDF `name`_bsdf and `name`_beam), or of several by their names; `name` then begins the names of
-    what they share."""
+    """Source code that stands alone, in a language `to` of `code_languages()` or "three", as `srbf export` writes it. The functions of a
+    single model are `name`_brdf and so on, or `name`_bsdf and `name`_beam for a BSDF. Several models have functions named by their keys,
+    and `name` begins the names that they share."""
     named = {name: models} if isinstance(models, Model) else models
     language = _options.one_of("to", to, ["three", *code_languages()])
-    return _srbf.code([model._held for model in named.values()], list(named), language, _srbf.identifier(name),
+    return _srbf.code([model._native for model in named.values()], list(named), language, _srbf.identifier(name),
                       _options.flag("sampling", sampling), _options.flag("albedo", albedo))
 
 
 def png(picture: npt.ArrayLike) -> bytes:
-    """Linear values [height, width, 3] as a PNG file in sRGB; what is outside of [0, 1] is clipped. A picture of `render` must be
-    multiplied by an exposure before."""
+    """Linear values [height, width, 3] as a PNG file in sRGB. Values outside [0, 1] are clipped. Multiply a picture of `render` by an
+    exposure first."""
     linear = _numbers(picture, "picture")
     if linear.ndim != 3 or linear.size == 0:
         raise ValueError(f"picture: expected shape [height, width, 3], found {list(linear.shape)}")
-    shown = np.clip(np.nan_to_num(linear), 0, 1)
-    encoded = np.where(shown <= 0.0031308, 12.92 * shown, 1.055 * shown ** (1 / 2.4) - 0.055)
+    clipped = np.clip(np.nan_to_num(linear), 0, 1)
+    encoded = np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055)
     pixels = (255 * encoded + 0.5).astype(np.uint8)
     height, width = pixels.shape[:2]
     rows = b"".join(b"\0" + row.tobytes() for row in pixels)

@@ -11,7 +11,7 @@ import numpy as np
 from . import _srbf
 
 Lighting = Literal["overcast", "window", "sunset", "studio", "flash", "lamp", "side", "back"]
-#: values of samples: f [1/sr], the reflectance factor π f, or f cosθ of the viewer
+#: the quantity of samples: f [1/sr], the reflectance factor π f, or f cosθ of the viewer
 Quantity = Literal["bsdf", "factor", "cosine"]
 Language = Literal["glsl", "hlsl", "wgsl", "msl", "c"]
 Progress = Union[bool, Callable[[str, float], Optional[bool]]]
@@ -50,7 +50,7 @@ def threads(value: Any) -> int:
 
 
 def read(columns: Any, quantity: Any, floor: Any) -> tuple[str, str, float]:
-    """What a file of samples does not state, as the extension takes it."""
+    """The arguments of the extension for what a file of samples does not state."""
     if not isinstance(columns, str):
         raise ValueError(f"columns: expected names as one text, found {columns!r}")
     named = "" if quantity is None else one_of("quantity", quantity, get_args(Quantity))
@@ -63,7 +63,7 @@ def check_progress(value: Any) -> None:
 
 
 def _text(value: Any) -> str:
-    """As command lines have it. A number that is a string stays in quotes, so that it is refused."""
+    """The value as on a command line. A string that is a number keeps its quotes, so that it is refused."""
     if isinstance(value, (bool, np.bool_)):
         return str(bool(value)).lower()
     if isinstance(value, str):
@@ -74,7 +74,7 @@ def _text(value: Any) -> str:
 
 
 def request(options: Mapping[str, Any]) -> _srbf.Request:
-    """What a fit is asked for; an option that is None is not given."""
+    """The request of a fit. Options that are None keep their defaults."""
     for name in options:
         if name not in _srbf.fit_options():
             raise TypeError(f"unexpected keyword argument {name!r}; expected one of {', '.join(_srbf.fit_options())}")
@@ -82,9 +82,9 @@ def request(options: Mapping[str, Any]) -> _srbf.Request:
 
 
 def show_options(function: Callable[..., Any]) -> None:
-    """Names the options of fits in the signature that `help` shows."""
+    """Adds the options of fits to the signature that `help` shows."""
     signature = inspect.signature(function)
-    own = [of for of in signature.parameters.values() if of.kind != of.VAR_KEYWORD]
+    own = [p for p in signature.parameters.values() if p.kind != p.VAR_KEYWORD]
     options = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None)
                for name in _srbf.fit_options() if name not in signature.parameters]
     setattr(function, "__signature__", signature.replace(parameters=own + options))

@@ -1,11 +1,11 @@
-"""Models as BSDFs of Mitsuba 3: `import srbf.mitsuba`, and with an RGB variant
+"""Models as BSDFs of Mitsuba 3. After `import srbf.mitsuba`, with an RGB variant:
 
     mitsuba.load_dict({"type": "srbf", "filename": "film.srbf"})
 
-or {"type": "srbf", "model": "name"} for a model given to `register(name, model)`. Multivariate models and Lambert and GGX. Their numbers
-are parameters of `mitsuba.traverse`, by the names of `Model.parameters`. Vectorised variants have the library's own formulas, printed
-for Dr.Jit and differentiable; scalar ones call the library. Mitsuba's `wi` points to the camera and `wo` to the light in paths from the
-camera: they are the viewer and the light here.
+or {"type": "srbf", "model": "name"} for a model that was passed to `register(name, model)`. Multivariate models and models of Lambert and
+GGX are supported. Their numbers are parameters of `mitsuba.traverse`, with the names of `Model.parameters`. Vectorised variants use the
+library's own formulas, printed for Dr.Jit and differentiable; scalar variants call the library. In paths from the camera, Mitsuba's `wi`
+points to the camera and `wo` to the light: they are the viewer `wv` and the light `wl`.
 """
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ _warned = False
 
 
 def register(name: str, model: srbf.Model) -> None:
-    """Names a model, for {"type": "srbf", "model": name}."""
+    """Gives a model a name, for {"type": "srbf", "model": name}."""
     _models[name] = model
 
 
 def _warn_of_direction(model: srbf.Model) -> None:
-    """Once, of a model that looks different from its measurement in Mitsuba's `measured`."""
+    """Warns once if a model looks different from its measurement in Mitsuba's `measured`, which uses light and viewer exchanged."""
     global _warned
     source = model.provenance.get("source", "")
     if _warned or model.is_exchanged or not source.endswith(".bsdf"):
@@ -40,12 +40,12 @@ def _warn_of_direction(model: srbf.Model) -> None:
     angles = np.linspace(0.1, 1.3, 12)
     wl = np.stack([np.sin(angles), 0 * angles, np.cos(angles)], -1)[:, None]
     wv = wl.swapaxes(0, 1) * [-1, 1, 1]
-    there, back = model.eval(wl, wv), model.eval(wv, wl)
-    if np.abs(there - back).max() < 0.01 * there.max():
+    value, reverse = model.eval(wl, wv), model.eval(wv, wl)
+    if np.abs(value - reverse).max() < 0.01 * value.max():
         return
     _warned = True
-    warnings.warn(f"srbf: {model!r} is fitted to {source} as it is, whose light is the viewer of Mitsuba's own \"measured\". To see the "
-                  "same, fit srbf.load_measurement(path).exchanged(), or srbf fit --exchange (docs/python.md)", stacklevel=4)
+    warnings.warn(f"srbf: {model!r} is fitted to {source} as it is, but Mitsuba's own \"measured\" exchanges light and viewer. For the "
+                  "same picture, fit srbf.load_measurement(path).exchanged(), or use srbf fit --exchange (docs/python.md)", stacklevel=4)
 
 
 def _llvm_version() -> tuple[int, ...]:
@@ -62,29 +62,29 @@ def _require_variant() -> None:
 
 
 def _parameters(model: srbf.Model) -> dict[str, Any]:
-    """The numbers that can change, as tensors of the current variant."""
+    """The numbers of the model that may change, as tensors of the current variant."""
     names = ["diffuse", "roughness", "f0", "f90"] if model.kind == "ggx" else \
             ["coefficient", "log_scale", "bandwidth", "parameterization", "exponent"] + ["centre"] * (not model.parameters["axial"])
-    of = {name: model.parameters[name] for name in names}
-    return {name: mi.TensorXf(numbers) for name, numbers in of.items() if numbers.size > 0}
+    parameters = {name: model.parameters[name] for name in names}
+    return {name: mi.TensorXf(numbers) for name, numbers in parameters.items() if numbers.size > 0}
 
 
 def _rows(model: srbf.Model) -> dict[str, list[tuple[str, int, int]]]:
-    """Where the numbers of a printed table are: parameter, index and sign."""
-    of = model.parameters
+    """Where the numbers of the printed tables are: name of the parameter, index and sign."""
+    parameters = model.parameters
     if model.kind == "ggx":
         facets = [("diffuse", c, 1) for c in range(3)]
-        for i in range(len(of["roughness"])):
+        for i in range(len(parameters["roughness"])):
             facets += [("roughness", i, 1), *(("f0", 3 * i + c, 1) for c in range(3)), ("f90", i, 1)]
         return {"facets": facets}
     lobes: list[tuple[str, int, int]] = []
-    J, N = of["bandwidth"].shape
-    F = of["exponent"].shape[1]
+    J, N = parameters["bandwidth"].shape
+    F = parameters["exponent"].shape[1]
     for j in range(J):
         lobes += [("coefficient", 3 * j + c, 1) for c in range(3)] + [("log_scale", j, 1)]
         for n in range(j * N, (j + 1) * N):
-            if of["axial"]:
-                lobes.append(("bandwidth", n, -1 if of["centre"].reshape(-1, 3)[n, 2] < 0 else 1))
+            if parameters["axial"]:
+                lobes.append(("bandwidth", n, -1 if parameters["centre"].reshape(-1, 3)[n, 2] < 0 else 1))
             else:
                 lobes += [("centre", 3 * n + c, 1) for c in range(3)] + [("bandwidth", n, 1)]
         lobes += [("exponent", F * j + k, 1) for k in range(F)]
@@ -92,7 +92,7 @@ def _rows(model: srbf.Model) -> dict[str, list[tuple[str, int, int]]]:
 
 
 def _functions(model: srbf.Model, parameters: dict[str, Any]) -> types.SimpleNamespace:
-    """The model's functions over arrays of the current variant; they read `parameters` when they are called."""
+    """The model's functions over arrays of the current variant. They read `parameters` when they are called."""
 
     def at(table: Any, i: Any) -> Any:
         if not isinstance(table, list):
@@ -112,7 +112,7 @@ def _functions(model: srbf.Model, parameters: dict[str, Any]) -> types.SimpleNam
         "Vec3": mi.Vector3f, "Real": mi.Float, "whole": mi.Int32, "select": select, "at": at, "Structure": types.SimpleNamespace,
         "table": mi.Float,
     }
-    exec(_srbf.python_code(model._held), names)
+    exec(_srbf.python_code(model._native), names)
     names.update(_rows(model))
     return types.SimpleNamespace(**{name: names[name] for name in ("brdf", "chosen_lobe", "sample_of_lobe", "light_pdf")})
 
@@ -130,31 +130,31 @@ def _model_of(props: Any) -> srbf.Model:
 
 
 def _plugin() -> Any:
-    """For the current variant, which mi.BSDF and all types of numbers depend on."""
+    """The BSDF for the current variant, on which mi.BSDF and all numeric types depend."""
 
     class ModelBSDF(mi.BSDF):
         def __init__(self, props: Any):
             mi.BSDF.__init__(self, props)
             _require_variant()
-            self._fitted = _model_of(props)
-            _warn_of_direction(self._fitted)
-            self.parameters = _parameters(self._fitted)
+            self._model = _model_of(props)
+            _warn_of_direction(self._model)
+            self.parameters = _parameters(self._model)
             self._changed = False
             flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide
-            if not self._fitted.isotropic:
+            if not self._model.isotropic:
                 flags |= mi.BSDFFlags.Anisotropic
             self.m_flags = flags
             self.m_components = [flags]
 
         @property
         def model(self) -> srbf.Model:
-            """The model of the present parameters, rounded to 16-bit floats."""
+            """The model with the current parameters, rounded to 16-bit floats."""
             if self._changed:
                 numbers = {name: np.array(tensor) for name, tensor in self.parameters.items()}
                 if "centre" in numbers:
                     numbers["centre"] /= np.linalg.norm(numbers["centre"], axis=-1, keepdims=True)
-                self._fitted, self._changed = self._fitted.replace(**numbers), False
-            return self._fitted
+                self._model, self._changed = self._model.replace(**numbers), False
+            return self._model
 
         def traverse(self, callback: Any) -> None:
             for name, tensor in self.parameters.items():
@@ -163,10 +163,10 @@ def _plugin() -> Any:
         def parameters_changed(self, keys: Any) -> None:
             self._changed = True
 
-        def _asked(self, ctx: Any) -> bool:
+        def _is_enabled(self, ctx: Any) -> bool:
             return bool(ctx.is_enabled(mi.BSDFFlags.GlossyReflection, 0))
 
-        def _drawn(self, wo: Any, pdf: Any) -> Any:
+        def _sample(self, wo: Any, pdf: Any) -> Any:
             sample = mi.BSDFSample3f()
             sample.wo, sample.pdf = wo, pdf
             sample.eta = 1.0
@@ -178,32 +178,32 @@ def _plugin() -> Any:
             return self.eval_pdf(ctx, si, wo, active)[0]
 
         def to_string(self) -> str:
-            return f"ModelBSDF[{self._fitted!r}]"
+            return f"ModelBSDF[{self._model!r}]"
 
     class CompiledBSDF(ModelBSDF):
-        """By the library, one pair of directions at a time."""
+        """Calls the library, with one pair of directions at a time."""
 
         def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> Any:
-            if not (active and self._asked(ctx)):
-                return self._drawn(mi.Vector3f(0, 0, -1), 0.0), mi.Color3f(0)
-            x, y, z, r, g, b, pdf = self.model._held.drawn_at(si.wi[0], si.wi[1], si.wi[2], sample2[0], sample2[1], sample1)
-            return self._drawn(mi.Vector3f(x, y, z), pdf), mi.Color3f(r, g, b)
+            if not (active and self._is_enabled(ctx)):
+                return self._sample(mi.Vector3f(0, 0, -1), 0.0), mi.Color3f(0)
+            x, y, z, r, g, b, pdf = self.model._native.sample_at(si.wi[0], si.wi[1], si.wi[2], sample2[0], sample2[1], sample1)
+            return self._sample(mi.Vector3f(x, y, z), pdf), mi.Color3f(r, g, b)
 
         def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            if not (active and self._asked(ctx)):
+            if not (active and self._is_enabled(ctx)):
                 return mi.Color3f(0), 0.0
-            r, g, b, pdf = self.model._held.value_at(wo[0], wo[1], wo[2], si.wi[0], si.wi[1], si.wi[2])
+            r, g, b, pdf = self.model._native.value_at(wo[0], wo[1], wo[2], si.wi[0], si.wi[1], si.wi[2])
             return max(wo[2], 0.0) * mi.Color3f(r, g, b), pdf
 
         def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
             return self.eval_pdf(ctx, si, wo, active)[1]
 
     class ArrayBSDF(ModelBSDF):
-        """By the printed formulas, on arrays. Samples keep the weights of the model that was loaded: any parameters have their density."""
+        """Uses the printed formulas, on arrays. Samples keep the mixture weights of the loaded model, so that any parameters have the same density."""
 
         def __init__(self, props: Any):
             super().__init__(props)
-            self.f = _functions(self._fitted, self.parameters)
+            self.f = _functions(self._model, self.parameters)
 
         def _value(self, si: Any, wo: Any) -> Any:
             f = self.f.brdf(mi.Vector3f(wo), mi.Vector3f(si.wi))
@@ -216,15 +216,15 @@ def _plugin() -> Any:
             for k in range(_LOBES):
                 wo = dr.select(chosen == k, self.f.sample_of_lobe(k, wv, sample2.x, sample2.y), wo)
             pdf = self.f.light_pdf(wo, wv)
-            valid = (pdf > 0) & active & self._asked(ctx)
+            valid = (pdf > 0) & active & self._is_enabled(ctx)
             weight = self._value(si, wo) / dr.select(pdf > 1e-20, pdf, 1e-20)
-            return self._drawn(wo, dr.select(valid, pdf, 0)), dr.select(valid, weight, mi.Color3f(0))
+            return self._sample(wo, dr.select(valid, pdf, 0)), dr.select(valid, weight, mi.Color3f(0))
 
         def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return dr.select(active & self._asked(ctx), self._value(si, wo), mi.Color3f(0))
+            return dr.select(active & self._is_enabled(ctx), self._value(si, wo), mi.Color3f(0))
 
         def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return dr.select(active & self._asked(ctx), self.f.light_pdf(mi.Vector3f(wo), mi.Vector3f(si.wi)), 0.0)
+            return dr.select(active & self._is_enabled(ctx), self.f.light_pdf(mi.Vector3f(wo), mi.Vector3f(si.wi)), 0.0)
 
         def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
             return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)

@@ -1,6 +1,6 @@
-"""Prints what the package computes from a bundled measurement, as hashes: the same ones on every processor.
+"""Prints hashes of what the package computes from a bundled measurement. They are the same on every processor.
 
-`./run wheel aarch64` compares them between this machine and an emulated one: same_bytes.py DATA.
+`./run wheel aarch64` runs `same_bytes.py DATA` on this machine and on an emulated one, and compares the output.
 """
 import hashlib
 import pathlib
@@ -12,7 +12,7 @@ import srbf
 
 
 def directions(seed: int) -> np.ndarray:
-    """Unit vectors by arithmetic that IEEE 754 defines to the bit, which numpy's functions are not."""
+    """Unit vectors from operations whose results IEEE 754 defines to the bit, unlike numpy's functions."""
     random = np.random.default_rng(seed)
     w = random.integers(-1000, 1000, (1000, 3)).astype(np.float64)
     w[:, 2] = np.abs(w[:, 2]) + 50

@@ -1,4 +1,4 @@
-"""Objects of every kind in any order of calls, and input of any content and shape."""
+"""Calls of every kind of object in any order, and input of any content and shape."""
 import os
 import pathlib
 import pickle
@@ -22,30 +22,30 @@ def directions(n, seed, least=0.05):
 WL, WV = directions(5, 0), directions(5, 1)
 U = np.random.default_rng(2).random((5, 3)).astype(np.float32)
 CALLS = {
-    "eval": lambda of: of.eval(WL, WV),
-    "eval behind": lambda of: of.eval(WL * [1, 1, -1], WV),
-    "eval_spectral": lambda of: of.eval_spectral(WL, WV),
-    "sample": lambda of: of.sample(WV, U),
-    "sample behind": lambda of: of.sample(WV * np.float32([1, 1, -1]), U),
-    "pdf": lambda of: of.pdf(WL, WV),
-    "albedo": lambda of: of.albedo([1, 0.3, 0.01]),
-    "exchanged": lambda of: of.exchanged().eval(WL, WV),
-    "properties": lambda of: (of.is_exchanged, of.isotropic, of.wavelengths, of.nbytes, repr(of), hash(of)),
-    "pickle": lambda of: pickle.loads(pickle.dumps(of)).pdf(WL, WV),
-    "parameters": lambda of: repr((of.kind, of.parameters, of.provenance)) if isinstance(of, srbf.Model) else (of.format, of.source),
+    "eval": lambda brdf: brdf.eval(WL, WV),
+    "eval behind": lambda brdf: brdf.eval(WL * [1, 1, -1], WV),
+    "eval_spectral": lambda brdf: brdf.eval_spectral(WL, WV),
+    "sample": lambda brdf: brdf.sample(WV, U),
+    "sample behind": lambda brdf: brdf.sample(WV * np.float32([1, 1, -1]), U),
+    "pdf": lambda brdf: brdf.pdf(WL, WV),
+    "albedo": lambda brdf: brdf.albedo([1, 0.3, 0.01]),
+    "exchanged": lambda brdf: brdf.exchanged().eval(WL, WV),
+    "properties": lambda brdf: (brdf.is_exchanged, brdf.isotropic, brdf.wavelengths, brdf.nbytes, repr(brdf), hash(brdf)),
+    "pickle": lambda brdf: pickle.loads(pickle.dumps(brdf)).pdf(WL, WV),
+    "parameters": lambda brdf: repr((brdf.kind, brdf.parameters, brdf.provenance)) if isinstance(brdf, srbf.Model) else (brdf.format, brdf.source),
 }
 
 
 def one_of_each_kind():
-    found = {}
+    paths = {}
     for path in FILES:
         try:
-            of = srbf.load(path)
+            brdf = srbf.load(path)
         except srbf.Error:
             continue
-        behind = bool((of.eval(WL * [1, 1, -1], WV) > 0).any())
-        found.setdefault((type(of), behind), path)
-    return found
+        behind = bool((brdf.eval(WL * [1, 1, -1], WV) > 0).any())
+        paths.setdefault((type(brdf), behind), path)
+    return paths
 
 
 def test_calls_in_any_order_answer_alike():
@@ -64,8 +64,8 @@ def mutations(data, random):
     yield data[:random.integers(len(data) + 1)]
     for _ in range(3):
         changed = bytearray(data)
-        for at in random.integers(len(data), size=2) if data else ():
-            changed[at if random.random() < 0.5 else at % min(len(data), 80)] = random.integers(256)
+        for position in random.integers(len(data), size=2) if data else ():
+            changed[position if random.random() < 0.5 else position % min(len(data), 80)] = random.integers(256)
         yield bytes(changed)
 
 
@@ -129,13 +129,13 @@ def test_texels_of_other_shapes_are_refused():
 
 
 def test_anisotropic_samples_are_told_of(recwarn):
-    turn = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
 
-    def all_turned(w):
+    def rotated(w):
         x, y, z = (w[:, None, k] for k in range(3))
-        return np.stack([np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y, z + 0 * turn], -1)
+        return np.stack([np.cos(angles) * x - np.sin(angles) * y, np.sin(angles) * x + np.cos(angles) * y, z + 0 * angles], -1)
 
-    wl, wv = all_turned(directions(60, 0)), all_turned(directions(60, 1))
+    wl, wv = rotated(directions(60, 0)), rotated(directions(60, 1))
     brushed = 0.1 * (1 + 0.8 * np.cos(2 * np.arctan2(wl[..., 1], wl[..., 0])))
     srbf.from_arrays(wl, wv, 0.1 + 0.3 * wl[..., 2])
     srbf.from_arrays(wl, wv, brushed, isotropic=False)

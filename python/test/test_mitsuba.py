@@ -1,4 +1,4 @@
-"""The BSDF for Mitsuba 3, where it is installed (`pip install mitsuba`); its vectorised variants need LLVM 16 or later."""
+"""The BSDF for Mitsuba 3, if it is installed (`pip install mitsuba`). Its vectorised variants need LLVM 16 or later."""
 import pathlib
 
 import numpy as np
@@ -40,7 +40,7 @@ def variant(request):
 
 
 def only(name):
-    """Of a test that has a meaning in this variant alone."""
+    """Marks a test that applies to this variant only."""
     return pytest.mark.parametrize("variant", [name], indirect=True)
 
 
@@ -76,7 +76,7 @@ def test_values_and_samples_are_the_librarys(variant, name):
     np.testing.assert_allclose(pdf, model.pdf(wo, wi), rtol=1e-3, atol=1e-6)
     wl, _, expected = model.sample(wi, u)
     apart = np.abs(np.array(drawn) - wl).max(axis=-1) > 2e-3
-    assert (apart & (expected > 0)).mean() <= 0.01  # selectors that fall between two lobes
+    assert (apart & (expected > 0)).mean() <= 0.01  # selectors at the boundary between two lobes
     np.testing.assert_allclose(np.array(density)[~apart], expected[~apart], rtol=0.02, atol=1e-6)
 
 
@@ -98,7 +98,7 @@ def test_a_sphere_is_rendered(variant, tmp_path):
                    "film": {"type": "hdrfilm", "width": size, "height": size, "rfilter": {"type": "box"}}},
         "ball": {"type": "sphere", "bsdf": {"type": "srbf", "filename": str(tmp_path / "film.srbf")}}})
     picture = np.array(mi.render(scene, spp=256))
-    # In uniform light the pixels in the middle, of a mean cosine of 0.99, have the albedo.
+    # In uniform light, the central pixels have the albedo at their mean cosine, 0.99.
     np.testing.assert_allclose(picture[7:9, 7:9].mean(axis=(0, 1)), all_models()["film"].albedo(0.99), rtol=0.03)
 
 
@@ -171,7 +171,7 @@ def test_what_is_not_exchanged_warns_once(variant, monkeypatch, recwarn):
     monkeypatch.setattr(srbf.mitsuba, "_warned", False)
     exchanged = all_models()["film"].exchanged()
     srbf.mitsuba.register("exchanged", exchanged)
-    for name in ("exchanged", "ggx"):  # and one that is reciprocal
+    for name in ("exchanged", "ggx"):  # the second is reciprocal
         mi.load_dict({"type": "srbf", "model": name})
     assert not recwarn.list
     for _ in range(2):
@@ -202,7 +202,7 @@ def test_scalar_variants_are_compiled(variant):
     start = time.process_time()
     for _ in range(1000):
         bsdf.eval_pdf(context, si, wo)
-    assert time.process_time() - start < 0.2  # 20 us a call; by the printed formulas it took a millisecond
+    assert time.process_time() - start < 0.2  # 20 us per call; the printed formulas took a millisecond
 
 
 @only(VECTORISED)

@@ -1,4 +1,4 @@
-"""The errors of pictures against the implementations of others, where these are installed (`pip install flip-evaluator colour-science`):
+"""The errors of pictures against independent implementations, if these are installed (`pip install flip-evaluator colour-science`):
 ꟻLIP by its authors, ΔE_ITP by colour-science."""
 import pathlib
 
@@ -13,9 +13,9 @@ SIZE = 64
 
 
 def displayed(reference, *pictures):
-    """Linear sRGB as a display shows it, by the exposure of docs/accuracy.md, and the pixels of the sphere."""
-    at = 2 * np.arange(SIZE) + 1 - SIZE
-    sphere = at[:, None] ** 2 + at**2 < SIZE**2
+    """Linear sRGB values as displayed, with the exposure of docs/accuracy.md, and a mask of the sphere's pixels."""
+    position = 2 * np.arange(SIZE) + 1 - SIZE
+    sphere = position[:, None] ** 2 + position**2 < SIZE**2
     brightest = reference.max(axis=-1)
     lit = np.sort(brightest[brightest > 0])
     exposure = 0.75 / lit[int(0.9 * (len(lit) - 1))]

@@ -31,7 +31,7 @@ def paper():
 
 @pytest.fixture(scope="module")
 def facets(paper):
-    """The quickest fit: for tests of what any model serves."""
+    """A quick fit, for tests that any model serves."""
     return srbf.fit(paper, model="ggx", lobes=1, objective="raw").model
 
 
@@ -42,7 +42,7 @@ def model(request, paper):
 
 
 def by_formula(model, wl, wv):
-    """The formula of docs/formats.md in NumPy."""
+    """Evaluates the formulas of docs/formats.md in NumPy."""
     p = model.parameters
     if model.kind == "ggx":
         h = wl + wv
@@ -120,7 +120,7 @@ def test_samples_follow_the_density(model):
     assert (weight[~hit] == 0).all()
     error = weight.std(axis=0) / np.sqrt(len(wv))
     assert (np.abs(weight.mean(axis=0) - model.albedo(wv[0, 2])) < 5 * error + 0.005).all()
-    # The density integrates to the share of draws that have a direction.
+    # The density integrates to the fraction of samples with a valid direction.
     uniform = directions(200_000, seed=2, least=0)
     assert abs(2 * np.pi * model.pdf(uniform, wv).mean() - hit.mean()) < 0.05
 
@@ -155,9 +155,9 @@ def test_a_fit_tells_what_the_program_tells(paper):
 
 def test_errors_of_functions_are_those_of_their_values(paper):
     facets = srbf.fit(paper, model="ggx").model
-    of_model, of_function = srbf.errors(paper, facets), srbf.errors(paper, lambda wl, wv: facets.eval(wl, wv))
+    model_errors, function_errors = srbf.errors(paper, facets), srbf.errors(paper, lambda wl, wv: facets.eval(wl, wv))
     for name in ("delta_e_itp", "rms", "heldout_squared_error_ratio_cosine", "albedo_error"):
-        assert of_function[name] == pytest.approx(of_model[name], rel=1e-3)
+        assert function_errors[name] == pytest.approx(model_errors[name], rel=1e-3)
     with pytest.raises(KeyError):
         srbf.errors(paper, lambda wl, wv: {}["missing"])
     with pytest.raises(TypeError, match="other: expected a BRDF or a function, found str"):
@@ -175,17 +175,17 @@ def test_functions_and_arrays_are_fitted():
     samples = srbf.from_arrays(wl, wv, np.full(300, 0.25))
     np.testing.assert_allclose(samples.eval(wl, wv), 0.25, rtol=1e-4)
     grey = np.stack([np.full((300, 3), level) for level in (0.1, 0.3)])
-    for level, one in zip((0.1, 0.3), srbf.fit_batch(wl, wv, grey, lobes=1)):
-        np.testing.assert_allclose(one.model.eval(wl, wv), level, rtol=0.02)
-        assert one.reached and one.errors["cube_root_error_ratio"] < 1e-3
+    for level, fit in zip((0.1, 0.3), srbf.fit_batch(wl, wv, grey, lobes=1)):
+        np.testing.assert_allclose(fit.model.eval(wl, wv), level, rtol=0.02)
+        assert fit.reached and fit.errors["cube_root_error_ratio"] < 1e-3
     black, unseen = srbf.fit_batch(wl, wv, np.stack([np.zeros((300, 3)), np.full((300, 3), np.nan)]), lobes=1)
     assert not black.reached and not unseen.reached and black.errors is None and not black.model.eval(wl, wv).any()
 
 
 def test_progress_is_told_and_cancels(paper):
-    told = []
-    srbf.fit(paper, lobes=2, variates=2, progress=lambda stage, fraction: told.append((stage, fraction)))
-    assert told and all(0 <= fraction <= 1 for _, fraction in told) and [f for _, f in told] == sorted(f for _, f in told)
+    calls = []
+    srbf.fit(paper, lobes=2, variates=2, progress=lambda stage, fraction: calls.append((stage, fraction)))
+    assert calls and all(0 <= fraction <= 1 for _, fraction in calls) and [f for _, f in calls] == sorted(f for _, f in calls)
     with pytest.raises(srbf.Error) as caught:
         srbf.fit(paper, progress=lambda stage, fraction: False)
     assert caught.value.code == "cancelled"
@@ -197,7 +197,7 @@ def test_progress_is_told_and_cancels(paper):
 
 def test_an_interrupt_ends_a_fit():
     # A shell's background jobs ignore the signal unless they ask for it.
-    script = (f"import signal, srbf\nsignal.signal(signal.SIGINT, signal.default_int_handler)\ntry:\n    srbf.fit({str(FILM)!r}, target_delta_e=0.01, progress=lambda *of: print('now', flush=True))\n"
+    script = (f"import signal, srbf\nsignal.signal(signal.SIGINT, signal.default_int_handler)\ntry:\n    srbf.fit({str(FILM)!r}, target_delta_e=0.01, progress=lambda *call: print('now', flush=True))\n"
               "except KeyboardInterrupt:\n    print('interrupted')")
     with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout.readline() == "now\n"
@@ -235,13 +235,13 @@ def test_numbers_just_below_one_are_uniform(facets):
 
 
 class NotRead(srbf.Measurement):
-    """A measurement that must not be looked at."""
+    """A measurement whose values must not be read."""
 
     def __init__(self):
         pass
 
     @property
-    def _held(self):
+    def _native(self):
         raise AssertionError("the measurement was read before the options")
 
 
@@ -263,8 +263,8 @@ def test_options_are_refused_by_name_at_once(name, value, options):
 
 
 def test_a_surface_has_the_parameters_of_its_program(paper):
-    of = srbf.fit(paper, model="openpbr", surface="gltf").model.parameters
-    assert of["coat_ior"] == 1.5 and (of["coat_color"] == 1).all() and of["base_diffuse_roughness"] == 0
+    parameters = srbf.fit(paper, model="openpbr", surface="gltf").model.parameters
+    assert parameters["coat_ior"] == 1.5 and (parameters["coat_color"] == 1).all() and parameters["base_diffuse_roughness"] == 0
 
 
 def test_options_are_those_of_the_program(paper):
@@ -319,7 +319,7 @@ def both_sides(tmp_path_factory):
 
 
 def as_lists(parameters):
-    return {name: as_lists(of) if isinstance(of, dict) else np.asarray(of).tolist() for name, of in parameters.items()}
+    return {name: as_lists(value) if isinstance(value, dict) else np.asarray(value).tolist() for name, value in parameters.items()}
 
 
 def test_models_are_made_of_their_parameters(model):
@@ -403,7 +403,7 @@ def test_files_of_the_other_kind_are_refused(paper, facets, tmp_path):
 
 
 def longest_pause(work):
-    """The longest time for which another thread did not run [s]."""
+    """The longest time during which another thread did not run [s]."""
     pauses, done = [0.0], threading.Event()
 
     def watch():
@@ -434,7 +434,7 @@ def test_other_threads_run_while_arrays_are_indexed_and_tables_written(facets, t
 
 
 def slowness():
-    """How many times as long as usual a processor takes, at least 1."""
+    """How many times slower than a reference processor this one is, at least 1."""
     start = time.process_time()
     sum(range(5_000_000))
     return max(1, (time.process_time() - start) / 0.05)
@@ -452,7 +452,7 @@ def test_an_interrupt_ends_long_calls(work, tmp_path):
         time.sleep(0.3)
         process.send_signal(signal.SIGINT)
         words = process.communicate()[0].split()
-        # By the time of its processors, which a busy machine does not lengthen, and by how fast they are.
+        # Limits the processor time, which a busy machine does not lengthen, scaled by the processor's speed.
         assert words[0] == "interrupted" and float(words[1]) < (0.3 + 2 * slowness()) * os.cpu_count() and process.returncode == 0
 
 
@@ -469,9 +469,9 @@ def test_png_is_srgb():
     import struct
     import zlib
     data = srbf.png([[[0, 0.5, 1], [2, -1, np.nan]]])
-    at = data.index(b"IDAT")
-    length = struct.unpack(">I", data[at - 4:at])[0]
-    assert list(zlib.decompress(data[at + 4:at + 4 + length])) == [0, 0, 188, 255, 255, 0, 0]
+    start = data.index(b"IDAT")
+    length = struct.unpack(">I", data[start - 4:start])[0]
+    assert list(zlib.decompress(data[start + 4:start + 4 + length])) == [0, 0, 188, 255, 255, 0, 0]
 
 
 def test_pictures_and_code(paper, facets):
@@ -520,7 +520,7 @@ def test_wrong_input(paper, facets, tmp_path):
 
 
 def run(notebook, monkeypatch, folder):
-    """The names after its code, in order, in a folder beside a copy of data/; IPython only shows pictures."""
+    """Runs the code of a notebook in a folder beside a copy of data/, and returns its names. IPython is replaced, since it only shows pictures."""
     import json
     import types
     cells = json.loads((DATA.parent / "examples" / notebook).read_text())["cells"]
@@ -546,7 +546,7 @@ PAGES = ("docs/using.md", "docs/python.md")  # both begin with the example that 
 
 
 def python_of(page):
-    """The Python of a page of documentation, of which there is some."""
+    """The Python examples of a page of documentation, at least one."""
     examples = re.findall(r"```python\n(.*?)```", (DATA.parent / page).read_text().replace("\n  ", "\n"), re.DOTALL)
     assert examples, page
     return examples

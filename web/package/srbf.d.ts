@@ -1,6 +1,6 @@
-/** Options of a fit; what is left out is the default of `srbf fit`. */
+/** Options of a fit. Omitted options have the defaults of `srbf fit`. */
 export interface FitOptions {
-  /** pm: a sum of products of lobes; ggx: Lambert and one or two lobes of GGX. */
+  /** pm: a sum of products of lobes; ggx: Lambert and one or two GGX lobes. */
   model?: "pm" | "ggx";
   lobes?: number;
   variates?: number;
@@ -9,14 +9,14 @@ export interface FitOptions {
   seed?: number;
   /** Largest angle from the normal [degrees]. */
   maxTheta?: number;
-  /** Chooses the size: the smallest model within this visible error, or the best within so many bytes. */
+  /** Chooses the size: the smallest model within this visible error, or the best model within this number of bytes. */
   targetDeltaE?: number;
   budget?: number;
-  /** Called while it fits, with what is done and the completed share; false cancels. */
+  /** Called during the fit with the current stage and the completed fraction; returning false cancels. */
   progress?: (stage: string, fraction: number) => boolean | void;
 }
 
-/** How different pictures of a sphere look beside the measurement's: means over eight lightings. */
+/** Errors of pictures of a sphere, compared with the measurement: means over eight lightings. */
 export interface Seen {
   /** ΔE_ITP; 1 is just noticeable. */
   deltaE: number;
@@ -31,9 +31,9 @@ export interface Report {
   bytes: number;
   seconds: number;
   twoSided: boolean;
-  /** Of a measurement of one side. */
+  /** For one-sided measurements only. */
   seen?: Seen;
-  /** The same of a noisy measurement that is smoothed. */
+  /** The same against a noisy measurement after smoothing. */
   smoothed?: Seen;
 }
 
@@ -41,24 +41,24 @@ export type Language = "glsl" | "hlsl" | "wgsl" | "msl" | "c" | "three";
 
 /** A measurement or a model. */
 export interface Brdf {
-  /** f [1/sr] at pairs of unit vectors in the local frame, z along the normal: x, y, z one after the other; red, green and blue of each. */
+  /** f [1/sr] at pairs of unit vectors in the local frame, z along the normal: x, y, z of each in `wl` and `wv`, and R, G, B of each in the result. */
   evaluate(wl: ArrayLike<number>, wv: ArrayLike<number>): Float32Array;
-  /** The bytes of a table for a file of that name: .binary (MERL), .bsdf (RGL), .mbsdf (MDL) or .csv. */
+  /** The bytes of a table, for a file with this name: .binary (MERL), .bsdf (RGL), .mbsdf (MDL) or .csv. */
   table(name: string): Uint8Array;
-  /** Frees its memory. */
+  /** Frees the memory of the BRDF. */
   close(): void;
 }
 
 export interface Model extends Brdf {
-  /** Only of a model that was fitted. */
+  /** The report of the fit; absent for a model that was opened. */
   report?: Report;
   /** The bytes of a model file (.srbf). */
   file(): Uint8Array;
-  /** Shading code with NAME_brdf(wl, wv), NAME from the file's name; with `sampling` NAME_sample and NAME_pdf too. */
+  /** Shading code with NAME_brdf(wl, wv), where NAME is from the file's name; `sampling` adds NAME_sample and NAME_pdf. */
   code(language: Language, options?: { sampling?: boolean }): string;
 }
 
-/** Fits a model to the bytes of a measurement of that name. Throws an Error of one line: file, place, what, expected, found. */
+/** Fits a model to the bytes of a measurement with this name. Throws an Error of one line: file, offset, what, expected, found. */
 export function fit(bytes: Uint8Array, options?: FitOptions & { name?: string }): Promise<Model>;
 /** Reads a measurement, or a model. */
 export function open(bytes: Uint8Array, name?: string): Promise<Brdf | Model>;

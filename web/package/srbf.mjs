@@ -1,9 +1,9 @@
-// Fits of measured BRDFs, and what models are good for: see srbf.d.ts.
+// Fits of measured BRDFs, and uses of their models; srbf.d.ts documents them.
 {{binding}}
 const { new_srbf } = binding();
 let instance = null, progress = () => true;
 
-// The module beside this file, once.
+// The instance of the module in the file beside this one, made once.
 async function ready() {
   if (!instance) {
     const url = new URL("srbf.wasm", import.meta.url);
@@ -14,12 +14,12 @@ async function ready() {
 }
 
 function brdf(srbf, { number, model, ...rest }) {
-  const of = {
+  const common = {
     evaluate: (wl, wv) => srbf.evaluate(number, wl, wv),
     table: (name) => srbf.table(number, name),
     close: () => srbf.close(number),
   };
-  return model === false ? of : { ...of, file: () => srbf.model_file(number), code: (language, { sampling = false } = {}) => srbf.code(number, language, sampling), ...rest };
+  return model === false ? common : { ...common, file: () => srbf.model_file(number), code: (language, { sampling = false } = {}) => srbf.code(number, language, sampling), ...rest };
 }
 
 export async function open(bytes, name = "measurement") {
@@ -27,9 +27,9 @@ export async function open(bytes, name = "measurement") {
   return brdf(srbf, { number, model });
 }
 
-export async function fit(bytes, { name = "measurement", progress: told = () => true, ...options } = {}) {
+export async function fit(bytes, { name = "measurement", progress: on_progress = () => true, ...options } = {}) {
   const srbf = await ready(), { number } = srbf.open(name, bytes);
-  progress = told;
+  progress = on_progress;
   try {
     const { number: fitted, ...report } = srbf.fit(number, options);
     return brdf(srbf, { number: fitted, report });

@@ -1,4 +1,4 @@
-// The command line with BSDFs of both sides.
+// The command line with BSDFs that reflect and transmit.
 #include "command.h"
 #include "extras/daylight/test/bsdf_files.h"
 #include "srbf/load.h"
@@ -7,7 +7,7 @@
 namespace srbf::bsdf_command_test {
 namespace {
 
-/// A shade and a small fit of it, made once and copied into the folder of each test.
+/// A shade and a small fit to it, made once and copied into the folder of each test.
 class OfShade : public CommandLine {
   protected:
     static void SetUpTestSuite() {
@@ -53,10 +53,10 @@ TEST_F(OfShade, is_fitted_and_evaluated_on_both_sides) {
     EXPECT_PRED3(near, green[1], 0.05, 2e-3);
     EXPECT_PRED3(near_relative, green[2], 2 * green[3], 0.1);
 
-    const ProgramRun info = run(folder, {"info", "shade.srbf"}), of_file = run(folder, {"info", "shade.xml"});
+    const ProgramRun info = run(folder, {"info", "shade.srbf"}), file_info = run(folder, {"info", "shade.xml"});
     EXPECT_NE(info.out.find("transmission_back: by reciprocity"), std::string::npos) << info.out;
     EXPECT_NE(info.out.find("transmission: 0.08002 at 0°"), std::string::npos) << info.out;
-    EXPECT_NE(of_file.out.find("Visible (here), Solar"), std::string::npos) << of_file.out;
+    EXPECT_NE(file_info.out.find("Visible (here), Solar"), std::string::npos) << file_info.out;
     const ProgramRun solar =
         run(folder, {"fit", "shade.xml", "--band", "solar", "--lobes", "1", "--axial", "--json", "-"});
     EXPECT_EQ(Json::parse(solar.out)["band"], "Solar") << solar.err;
@@ -105,11 +105,11 @@ TEST_F(OfShade, is_fitted_view_by_view_and_by_lambert_and_ggx) {
         std::vector<std::string> fit{"fit",           "shade.xml", "--model", model,    "-o",
                                      model + ".srbf", "--threads", "1",       "--json", model + ".json"};
         if (model == "su") fit.insert(fit.end(), {"--directions", "96", "--lobes", "2"});
-        const ProgramRun made = run(folder, fit);
-        ASSERT_EQ(made.status, 0) << made.err;
+        const ProgramRun fit_run = run(folder, fit);
+        ASSERT_EQ(fit_run.status, 0) << fit_run.err;
         const Json report = Json::parse(contents(folder / (model + ".json")));
         ASSERT_EQ(report["parts"].size(), 4u);
-        for (const Json& part : report["parts"])  // the matrix has steps
+        for (const Json& part : report["parts"])  // the matrix is piecewise constant
             EXPECT_LT(part["squared_error_ratio"], 0.05) << model << part["part"];
         const auto loaded = load_brdf(folder / (model + ".srbf"));
         ASSERT_TRUE(loaded.ok()) << message(loaded.error());
@@ -122,8 +122,8 @@ TEST_F(OfShade, is_fitted_view_by_view_and_by_lambert_and_ggx) {
               {"export", model + ".srbf", "--to", "html", "-o", model + ".html"},
               {"render", model + ".srbf", "--size", "16x12", "--spp", "1", "-o", model + ".png"}}) {
             if (!is_offered(command)) continue;
-            const ProgramRun ran = run(folder, command);
-            EXPECT_EQ(ran.status, 0) << ran.err;
+            const ProgramRun command_run = run(folder, command);
+            EXPECT_EQ(command_run.status, 0) << command_run.err;
         }
         EXPECT_EQ(std::filesystem::exists(folder / (model + "_reflection_front.data")), model == "su");
     }
@@ -149,7 +149,7 @@ TEST_F(OfShade, is_fitted_among_many) {
     EXPECT_NE(first.err.find("bad.xml"), std::string::npos) << first.err;
     EXPECT_NE(first.out.find("3 fitted"), std::string::npos) << first.out;
     EXPECT_NE(second.out.find("3 kept"), std::string::npos) << second.out;
-    // The same model as alone, but for what is told of it.
+    // The model is the same as when fitted alone, except for its provenance.
     const auto alone = load_model(folder / "shade.srbf"), among = load_model(folder / "models/shade.srbf");
     ASSERT_TRUE(alone.ok() && among.ok());
     EXPECT_EQ(write_model({alone->model, {}}), write_model({among->model, {}}));

@@ -1,4 +1,4 @@
-// BSDF XML made by tests.
+// BSDF XML made for tests.
 #pragma once
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 
 namespace srbf {
 
-/// A basis as an element.
+/// A basis as an XML element.
 inline std::string basis_xml(const std::string& name, const std::vector<double>& bounds,
                              const std::vector<int>& azimuths) {
     std::string text = fmt::format("<AngleBasis><AngleBasisName>{}</AngleBasisName>\n", name);
@@ -33,7 +33,7 @@ inline AngleBasis small_basis() {
     return basis;
 }
 
-/// A matrix as an element: f(o, i) of outgoing and incident patches.
+/// A matrix as an XML element, with f(o, i) for outgoing patch o and incident patch i.
 inline std::string matrix_xml(const std::string& direction, const std::string& basis, std::size_t patches,
                               const std::function<double(std::size_t, std::size_t)>& f,
                               const std::string& band = "Visible") {
@@ -50,7 +50,7 @@ inline std::string matrix_xml(const std::string& direction, const std::string& b
         band, direction, basis, basis, numbers);
 }
 
-/// A file of these bases and matrices.
+/// A file with these bases and matrices.
 inline std::string bsdf_xml(const std::string& bases, const std::string& matrices,
                             const std::string& structure = "Columns") {
     return fmt::format(
@@ -63,8 +63,8 @@ inline std::string bsdf_xml(const std::string& bases, const std::string& matrice
 
 inline std::string small_basis_xml() { return basis_xml("small", {0, 20, 60, 90}, {1, 4, 4}); }
 
-/// A shade of `small_basis`: f is 0.1 + 0.02 o + 0.001 i in reflection, twice as much of that at the back, transmission
-/// 0.05 with a beam of 0.08 cosθ.
+/// A shade in `small_basis`. In reflection f is 0.5 (0.1 + 0.02 o + 0.001 i) at the front and twice that at the
+/// back; in transmission f is 0.05, with a beam of 0.08 cosθ.
 inline std::string small_shade() {
     const AngleBasis basis = small_basis();
     const std::size_t n = basis.patches();

@@ -1,4 +1,4 @@
-// Fits to averages over patches, a real roller shade, and light behind it.
+// Fits to averages over patches, a real roller shade, and the light behind it.
 #include "extras/daylight/test/bsdf_files.h"
 #include "furnace.h"
 #include "srbf/directions.h"
@@ -7,8 +7,8 @@
 namespace srbf::fit_patches_test {
 namespace {
 
-/// Averages over patches of a smooth function are fitted as such: the fit is nearer to the function than the patches
-/// are.
+/// Averages over patches of a smooth function are fitted as averages: the fit is closer to the function than the
+/// patches are.
 TEST(FitPatches, AveragesOverPatches) {
     const AngleBasis basis = small_basis();
     const auto f = [](Vec3d wl, Vec3d wv) { return 0.1 + 0.3 * elementary::exp(8 * (normalize(wl + wv).z - 1)); };
@@ -31,14 +31,14 @@ TEST(FitPatches, AveragesOverPatches) {
     ASSERT_TRUE(fitted.ok()) << message(fitted.error());
     EXPECT_LT(fitted->parts[0].squared_error_ratio, 1e-2);
     std::mt19937_64 random(4);
-    double of_fit = 0, of_patches = 0;
+    double fit_error = 0, patch_error = 0;
     for (int k = 0; k < 2000; ++k) {
         const Vec3d wl = random_direction(random, 0.2), wv = random_direction(random, 0.2);
         const Vec3f l = to_float(wl), v = to_float(wv);
-        of_fit += elementary::pow(double(value(fitted->model, l, v).r) - f(wl, wv), 2);
-        of_patches += elementary::pow(double(value(*measured, l, v).r) - f(wl, wv), 2);
+        fit_error += elementary::pow(double(value(fitted->model, l, v).r) - f(wl, wv), 2);
+        patch_error += elementary::pow(double(value(*measured, l, v).r) - f(wl, wv), 2);
     }
-    EXPECT_LT(of_fit, 0.2 * of_patches);
+    EXPECT_LT(fit_error, 0.2 * patch_error);
 }
 
 TEST(FitPatches, SmallShade) {
@@ -58,7 +58,7 @@ TEST(FitPatches, SmallShade) {
     EXPECT_EQ(write_model(again->model), write_model(fitted->model));
 }
 
-/// A matrix that few lobes cannot follow.
+/// A matrix that few lobes cannot represent is still fitted.
 TEST(FitPatches, WhatNoLobesFollowHasAnAnswer) {
     const std::string text = small_shade();
     const auto measured = read_measured(as_bytes(text), "f");
@@ -82,22 +82,22 @@ struct Shade {
     BsdfOutcome fitted;
 };
 const Shade* shade() {
-    static const std::optional<Shade> made = []() -> std::optional<Shade> {
+    static const std::optional<Shade> fit = []() -> std::optional<Shade> {
         auto measured = load_measured(shared_data() / "klems" / "2011-SA1.xml");
         if (!measured) return {};
         auto fitted = fit_bsdf(*measured, {.model = PmRequest{}});
         if (!fitted) return {};
         return Shade{*std::move(measured), *std::move(fitted)};
     }();
-    return made ? &*made : nullptr;
+    return fit ? &*fit : nullptr;
 }
 
-/// The light that passes to the back for light from these directions, per area: of the function and of the beam.
+/// The light transmitted to the back per area, from light from these directions, by the function and by the beam.
 double light_behind(const Evaluate& f, const Beam& beam, const std::vector<std::pair<Vec3f, double>>& sky) {
     constexpr int n = 2000;
     const auto views = fibonacci_directions(n, k_pi / 2);
     double sum = 0;
-    for (const auto& [wl, irradiance] : sky) {  // irradiance on the surface
+    for (const auto& [wl, irradiance] : sky) {  // irradiance of the surface
         std::vector<Vec3f> below;
         for (const Vec3f& v : views) below.push_back(to_side(v, -1));
         std::vector<Rgb> values(below.size());
@@ -111,26 +111,26 @@ double light_behind(const Evaluate& f, const Beam& beam, const std::vector<std::
 }
 
 TEST(FitPatches, RollerShade) {
-    const Shade* of = shade();
-    if (!of) GTEST_SKIP() << "no klems/2011-SA1.xml";
-    EXPECT_LE(payload_bytes(of->fitted.model), 400u);  // of 2 MB
-    ASSERT_EQ(of->fitted.parts.size(), 4u);
-    for (const PartFit& part : of->fitted.parts) {
+    const Shade* fit = shade();
+    if (!fit) GTEST_SKIP() << "no klems/2011-SA1.xml";
+    EXPECT_LE(payload_bytes(fit->fitted.model), 400u);  // from 2 MB
+    ASSERT_EQ(fit->fitted.parts.size(), 4u);
+    for (const PartFit& part : fit->fitted.parts) {
         EXPECT_PRED3(near, part.squared_error_ratio, 0, 2e-3) << name(part.part);
         ASSERT_EQ(part.hemispherical.size(), 9u);
         for (const Hemispherical& sum : part.hemispherical)
             EXPECT_PRED3(near, sum.fitted, sum.measured, std::max(0.02 * sum.measured, 0.002)) << name(part.part);
     }
-    EXPECT_LE(of->fitted.most_fitted, 1);
-    EXPECT_PRED3(near, of->fitted.most_fitted, of->fitted.most_measured, 0.005);
+    EXPECT_LE(fit->fitted.most_fitted, 1);
+    EXPECT_PRED3(near, fit->fitted.most_fitted, fit->fitted.most_measured, 0.005);
 }
 
-/// Behind a window with the shade, under the standard overcast sky of the CIE and under suns.
+/// Behind a window with the shade, under the CIE standard overcast sky and under suns.
 TEST(FitPatches, LightBehindTheRollerShade) {
-    const Shade* of = shade();
-    if (!of) GTEST_SKIP() << "no klems/2011-SA1.xml";
-    const Beam &a = std::get<BsdfTable>(of->measured.table).band().beam[2],
-               &b = std::get<BsdfModel>(of->fitted.model.model).beam[2];
+    const Shade* fit = shade();
+    if (!fit) GTEST_SKIP() << "no klems/2011-SA1.xml";
+    const Beam &a = std::get<BsdfTable>(fit->measured.table).band().beam[2],
+               &b = std::get<BsdfModel>(fit->fitted.model.model).beam[2];
     std::vector<std::vector<std::pair<Vec3f, double>>> skies(1);
     constexpr int n = 300;
     for (const Vec3f& w : fibonacci_directions(n, 89.9 * k_degree))  // y is up
@@ -138,24 +138,24 @@ TEST(FitPatches, LightBehindTheRollerShade) {
     for (const double altitude : {5.0, 25.0, 45.0, 65.0, 75.0})
         skies.push_back({{to_float(spherical(altitude * k_degree, k_pi / 2)), 1}});
     for (const auto& sky : skies) {
-        const double matrix = light_behind(evaluator(of->measured), a, sky),
-                     model = light_behind(evaluator(of->fitted.model), b, sky);
-        // Suns fall between the angles of the matrix, which has steps of 10°.
+        const double matrix = light_behind(evaluator(fit->measured), a, sky),
+                     model = light_behind(evaluator(fit->fitted.model), b, sky);
+        // The suns lie between the angles of the matrix, which are 10° apart.
         EXPECT_PRED3(near_relative, model, matrix, &sky == &skies[0] ? 0.02 : 0.07);
     }
 }
 
 TEST(FitPatches, RollerShadeInEvenLight) {
-    const Shade* of = shade();
-    if (!of) GTEST_SKIP() << "no klems/2011-SA1.xml";
-    const double matrix = mean_of(furnace(prepare_bsdf(of->measured, {.threads = 1}), true));
-    EXPECT_PRED3(near_relative, expect_furnace(of->fitted.model), matrix, 0.01);
+    const Shade* fit = shade();
+    if (!fit) GTEST_SKIP() << "no klems/2011-SA1.xml";
+    const double matrix = mean_of(furnace(prepare_bsdf(fit->measured, {.threads = 1}), true));
+    EXPECT_PRED3(near_relative, expect_furnace(fit->fitted.model), matrix, 0.01);
 }
 
 TEST(FitPatches, RollerShadeIsDrawnWithLittleNoise) {
-    const Shade* of = shade();
-    if (!of) GTEST_SKIP() << "no klems/2011-SA1.xml";
-    const PreparedBsdf bsdf = prepare_bsdf(of->fitted.model, {.threads = 1});
+    const Shade* fit = shade();
+    if (!fit) GTEST_SKIP() << "no klems/2011-SA1.xml";
+    const PreparedBsdf bsdf = prepare_bsdf(fit->fitted.model, {.threads = 1});
     std::mt19937_64 random(1);
     for (const double theta : {45.0, 135.0}) {
         double sum = 0, squares = 0;

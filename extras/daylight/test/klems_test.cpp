@@ -1,4 +1,4 @@
-// Matrices of patches: bases, look-up, beams, a real roller shade, and what is refused.
+// Matrices of patches: bases, look-up, beams, a real roller shade, and refused files.
 #include "extras/daylight/klems.h"
 #include "extras/daylight/test/bsdf_files.h"
 #include "peaks.h"
@@ -11,31 +11,32 @@ namespace {
 
 Result<Measured> read(const std::string& text) { return read_measured(as_bytes(text), "f"); }
 std::string error_of(const std::string& text) {
-    const auto read_ = read(text);
-    return read_ ? "" : message(read_.error());
+    const auto measured = read(text);
+    return measured ? "" : message(measured.error());
 }
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    const auto at = text.find(what);
-    EXPECT_NE(at, text.npos) << what;
-    return at == text.npos ? text : text.replace(at, what.size(), by);
+std::string replaced(std::string text, const std::string& what, const std::string& replacement) {
+    const auto position = text.find(what);
+    EXPECT_NE(position, text.npos) << what;
+    return position == text.npos ? text : text.replace(position, what.size(), replacement);
 }
 
-/// Radiance's bases have 145, 77 and 41 patches, which cover the hemisphere: their projected solid angles sum to π.
+/// Radiance's bases have 145, 77 and 41 patches. The patches cover the hemisphere: their projected solid angles sum
+/// to π.
 TEST(Klems, BasesCoverTheHemisphere) {
     for (const auto& [name, count] :
          {std::pair("LBNL/Klems Full", 145), {"LBNL/Klems Half", 77}, {"lbnl/klems quarter", 41}}) {
-        const auto of = read(
+        const auto measured = read(
             bsdf_xml("", matrix_xml("Reflection Front", name, std::size_t(count), [](auto, auto) { return 0.25; })));
-        ASSERT_TRUE(of.ok()) << message(of.error());
-        const auto& part = *own_table<KlemsTable>(*std::get<BsdfTable>(of->table).band().part[0]);
+        ASSERT_TRUE(measured.ok()) << message(measured.error());
+        const auto& part = *own_table<KlemsTable>(*std::get<BsdfTable>(measured->table).band().part[0]);
         const AngleBasis& basis = part.incident;
         ASSERT_EQ(basis.patches(), std::size_t(count));
         double sum = 0;
         for (std::size_t r = 0; r < basis.rings.size(); ++r)
             sum += basis.projected_solid_angle(r) * basis.rings[r].azimuths;
         EXPECT_PRED3(near, sum, k_pi, 1e-6);
-        EXPECT_PRED3(near, value(*of, {0, 0.6f, 0.8f}, {0, 0, 1}).r, 0.25, 1e-7);
-        // Every point of a patch is in it.
+        EXPECT_PRED3(near, value(*measured, {0, 0.6f, 0.8f}, {0, 0, 1}).r, 0.25, 1e-7);
+        // Every point of a patch lies in the patch.
         std::mt19937_64 random(1);
         for (std::size_t p = 0; p < basis.patches(); ++p)
             for (int k = 0; k < 20; ++k) {
@@ -61,7 +62,7 @@ TEST(Klems, LooksUpPatchesOnBothSides) {
             const double back = 0.1 + 0.02 * double(o) + 0.001 * double(i);
             EXPECT_PRED3(near, value(*measured, wl, wv).g, 0.5 * back, 1e-6);
             EXPECT_PRED3(near, value(*measured, to_side(wl, -1), to_side(wv, -1)).r, back, 1e-6);
-            // Without the beam.
+            // f excludes the beam.
             EXPECT_PRED3(near, value(*measured, to_side(wl, -1), wv).r, 0.05, 1e-6);
             EXPECT_PRED3(near, value(*measured, wl, to_side(wv, -1)).b, 0.05, 1e-6);
         }
@@ -73,8 +74,8 @@ TEST(Klems, LooksUpPatchesOnBothSides) {
               "f: band of wavelengths: expected Visible or Solar, found ultraviolet");
 }
 
-/// The peak of a patch about the direction straight through is a beam; the sum of its share and the rest is that of the
-/// file. Reflections without a peak have none.
+/// The peak of a patch around the direction straight through is separated as a beam. The beam's share and the
+/// remaining values sum to the file's value. Reflections without a peak have no beam.
 TEST(Klems, SeparatesTheBeam) {
     const auto measured = read(small_shade());
     ASSERT_TRUE(measured.ok());
@@ -87,34 +88,35 @@ TEST(Klems, SeparatesTheBeam) {
     EXPECT_PRED3(near, share_at(band.beam[2], {1, 0, 0}).g, 0, 1e-6);
 }
 
-/// A fabric's holes: the beam of each azimuth is kept, at the middles of patches as it is in the file; that of light from
-/// the back is one with it if both are the same line's, and kept if not.
+/// The holes of a fabric. The beam is kept for each azimuth, and at the middles of patches it equals that of the
+/// file. The beam of light from the back is merged with it if both are the same along each line, and kept
+/// separately if not.
 TEST(Klems, BeamsDependOnAzimuth) {
     const AngleBasis basis = small_basis();
     const std::size_t n = basis.patches();
-    const auto share = [&](std::size_t i, std::size_t turned) {
-        const std::size_t ring = basis.ring_of(i), k = (i - basis.first_of(ring) + turned) % 4;
+    const auto share = [&](std::size_t i, std::size_t shift) {
+        const std::size_t ring = basis.ring_of(i), k = (i - basis.first_of(ring) + shift) % 4;
         return ring == 0 ? 0.08 : (0.02 + 0.01 * double(k)) / double(ring);
     };
-    const auto matrix = [&](const char* direction, std::size_t turned) {
+    const auto matrix = [&](const char* direction, std::size_t shift) {
         return matrix_xml(direction, "small", n, [&](std::size_t o, std::size_t i) {
-            return 0.001 + (o == i ? share(i, turned) / basis.projected_solid_angle(basis.ring_of(i)) : 0);
+            return 0.001 + (o == i ? share(i, shift) / basis.projected_solid_angle(basis.ring_of(i)) : 0);
         });
     };
-    for (const std::size_t turned : {std::size_t(2), std::size_t(1)}) {
+    for (const std::size_t shift : {std::size_t(2), std::size_t(1)}) {
         const auto measured =
-            read(bsdf_xml(small_basis_xml(), matrix("Transmission Front", 0) + matrix("Transmission Back", turned)));
+            read(bsdf_xml(small_basis_xml(), matrix("Transmission Front", 0) + matrix("Transmission Back", shift)));
         ASSERT_TRUE(measured.ok());
         const Beams& beams = std::get<BsdfTable>(measured->table).band().beam;
-        EXPECT_EQ(beams[3].empty(), turned == 2);  // half a turn: the same lines
+        EXPECT_EQ(beams[3].empty(), shift == 2);  // rotated by 180°, the lines are the same
         EXPECT_EQ(beams[2].azimuths, (std::vector<int>{1, 4, 4}));
         for (std::size_t i = 0; i < n; ++i) {
             const Vec3d p = basis.middle_of(i);
             const Vec3f wl = to_float({p.x, -p.y, p.z});
             EXPECT_PRED3(near, share_at(beams, Part::transmission_front, wl).g, share(i, 0), 1e-6);
-            EXPECT_PRED3(near, share_at(beams, Part::transmission_back, wl).g, share(i, turned), 1e-6);
+            EXPECT_PRED3(near, share_at(beams, Part::transmission_back, wl).g, share(i, shift), 1e-6);
         }
-        // Written as a matrix, model or not, each patch has its beam again.
+        // In a matrix that is written, each patch has its beam again, whether from a model or not.
         BsdfTable again = std::get<BsdfTable>(measured->table);
         for (const Part part : {Part::transmission_front, Part::transmission_back}) {
             KlemsTable table = *own_table<KlemsTable>(*again.band().part[std::size_t(part)]);
@@ -128,9 +130,10 @@ TEST(Klems, BeamsDependOnAzimuth) {
 /// A peak that reaches the neighbouring patches is a lobe, not a beam.
 TEST(Klems, KeepsWideLobes) {
     const char* name = "LBNL/Klems Full";
-    const auto even = read(bsdf_xml("", matrix_xml("Transmission Front", name, 145, [](auto, auto) { return 0.1; })));
-    ASSERT_TRUE(even.ok());
-    const AngleBasis basis = own_table<KlemsTable>(*std::get<BsdfTable>(even->table).band().part[2])->incident;
+    const auto uniform =
+        read(bsdf_xml("", matrix_xml("Transmission Front", name, 145, [](auto, auto) { return 0.1; })));
+    ASSERT_TRUE(uniform.ok());
+    const AngleBasis basis = own_table<KlemsTable>(*std::get<BsdfTable>(uniform->table).band().part[2])->incident;
     const auto wide = [&](std::size_t o, std::size_t i) {
         const Vec3d a = basis.point_of(o, 0.5, 0.5), b = basis.point_of(i, 0.5, 0.5);
         return 0.02 + std::exp(50 * (dot(a, b) - 1));
@@ -140,7 +143,7 @@ TEST(Klems, KeepsWideLobes) {
     EXPECT_TRUE(std::get<BsdfTable>(measured->table).band().beam[2].empty());
 }
 
-/// Rows: the incident patches are the rows. Transmission in one direction serves both, by reciprocity.
+/// With "Rows", the rows belong to incident patches. Transmission in one direction serves both, by reciprocity.
 TEST(Klems, ReadsRowsAndOneWayOnly) {
     const std::size_t n = small_basis().patches();
     const auto f = [](std::size_t o, std::size_t i) { return 1 + 0.1 * double(o) + 0.01 * double(i); };
@@ -157,7 +160,8 @@ TEST(Klems, ReadsRowsAndOneWayOnly) {
     }
 }
 
-/// Names of bands and bases are one line of text, whatever stands in the file: what is written has as many bands.
+/// Names of bands and bases become single lines of text, whatever the file contains. A file that is written has the
+/// same bands.
 TEST(Klems, NamesAreReadAsTheyAreWritten) {
     const std::size_t n = small_basis().patches();
     const auto f = [](auto...) { return 0.1; };
@@ -185,7 +189,8 @@ TEST(Klems, NamesAreReadAsTheyAreWritten) {
               std::string::npos);
 }
 
-/// Bands in colour are one: R, G and B; Visible with CIE-X and CIE-Z, whose equal values are white; wavelengths.
+/// Bands of a coloured BSDF are joined: R, G and B; Visible with CIE-X and CIE-Z, whose equal values are white;
+/// wavelengths.
 TEST(Klems, ColoursAreOfSeveralBands) {
     const auto file = [](std::initializer_list<std::pair<const char*, double>> bands) {
         std::string blocks;
@@ -194,14 +199,16 @@ TEST(Klems, ColoursAreOfSeveralBands) {
                 "Reflection Front", "small", 9, [f = f](auto, auto) { return f; }, name);
         return bsdf_xml(small_basis_xml(), blocks);
     };
-    const auto colour_of = [](const Result<Measured>& of) { return value(*of, {0, 0.6f, 0.8f}, {0, 0, 1}); };
+    const auto colour_of = [](const Result<Measured>& measured) {
+        return value(*measured, {0, 0.6f, 0.8f}, {0, 0, 1});
+    };
     for (const auto& text :
          {file({{"R", 0.1}, {"G", 0.2}, {"B", 0.3}}), file({{"Blue", 0.3}, {"red", 0.1}, {"Green", 0.2}}),
           file({{"Visible", 0.4}, {"B", 0.3}, {"R", 0.1}, {"G", 0.2}, {"Solar", 0.5}})}) {
-        const auto of = read(text);
-        ASSERT_TRUE(of.ok()) << message(of.error());
-        EXPECT_EQ(colour_of(of), (Rgb{0.1f, 0.2f, 0.3f}));
-        const auto again = read(write_bsdf_xml(std::get<BsdfTable>(of->table)));
+        const auto measured = read(text);
+        ASSERT_TRUE(measured.ok()) << message(measured.error());
+        EXPECT_EQ(colour_of(measured), (Rgb{0.1f, 0.2f, 0.3f}));
+        const auto again = read(write_bsdf_xml(std::get<BsdfTable>(measured->table)));
         ASSERT_TRUE(again.ok()) << message(again.error());
         EXPECT_EQ(colour_of(again), (Rgb{0.1f, 0.2f, 0.3f}));
     }
@@ -210,40 +217,40 @@ TEST(Klems, ColoursAreOfSeveralBands) {
                flat = read(file({{"650", 0.2}, {"450", 0.2}, {"550", 0.2}})),
                rising = read(file({{"0.65", 0.3}, {"0.45", 0.1}, {"0.55", 0.2}}));
     ASSERT_TRUE(grey.ok() && red.ok() && flat.ok() && rising.ok());
-    for (const auto* of : {&grey, &flat})
-        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, colour_of(*of)[c], 0.2, 1e-4);
+    for (const auto* measured : {&grey, &flat})
+        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, colour_of(*measured)[c], 0.2, 1e-4);
     EXPECT_PRED3(near, luminance(colour_of(red)), 0.2, 1e-4);
     EXPECT_EQ(std::get<BsdfTable>(red->table).bands.size(), 1u);
-    for (const auto* of : {&red, &rising}) {
-        EXPECT_GT(colour_of(*of).r, colour_of(*of).g);
-        EXPECT_GT(colour_of(*of).g, colour_of(*of).b);
+    for (const auto* measured : {&red, &rising}) {
+        EXPECT_GT(colour_of(*measured).r, colour_of(*measured).g);
+        EXPECT_GT(colour_of(*measured).g, colour_of(*measured).b);
     }
-    // Bands of other patches or parts stay bands of their own; lines of lasers are no colour.
+    // Bands with other patches or parts stay separate. Laser lines are not a colour.
     for (const auto& text : {file({{"R", 0.1}, {"G", 0.2}}), file({{"632", 0.1}, {"905", 0.2}, {"1550", 0.3}})}) {
-        const auto of = read(text);
-        ASSERT_TRUE(of.ok());
-        EXPECT_EQ(colour_of(of), (Rgb{0.1f, 0.1f, 0.1f}));
+        const auto measured = read(text);
+        ASSERT_TRUE(measured.ok());
+        EXPECT_EQ(colour_of(measured), (Rgb{0.1f, 0.1f, 0.1f}));
     }
 }
 
 TEST(Klems, KnowsIsotropy) {
     const AngleBasis basis = small_basis();
-    const auto by = [&](bool turned) {
+    const auto is_isotropic_if = [&](bool relative) {
         const auto measured =
             read(bsdf_xml(small_basis_xml(),
                           matrix_xml("Reflection Front", "small", basis.patches(), [&](std::size_t o, std::size_t i) {
-                              return 1 + 0.2 * std::cos(basis.azimuth_of(o) - (turned ? basis.azimuth_of(i) : 0.5));
+                              return 1 + 0.2 * std::cos(basis.azimuth_of(o) - (relative ? basis.azimuth_of(i) : 0.5));
                           })));
         return is_isotropic(*measured);
     };
-    EXPECT_TRUE(by(true));
-    EXPECT_FALSE(by(false));
+    EXPECT_TRUE(is_isotropic_if(true));
+    EXPECT_FALSE(is_isotropic_if(false));
 }
 
 TEST(Klems, RefusesBadFiles) {
     const std::string good = small_shade();
     EXPECT_EQ(error_of(good), "");
-    for (const auto& [what, by, error] : std::initializer_list<std::array<std::string, 3>>{
+    for (const auto& [what, replacement, error] : std::initializer_list<std::array<std::string, 3>>{
              {"0.05", "1e99", "within the range of floats, found '1e99'"},
              {"0.05", "nan", "found 'nan'"},
              {"0.05", "x", "found 'x'"},
@@ -262,11 +269,11 @@ TEST(Klems, RefusesBadFiles) {
              {"<Optical>", "<Optics>", "XML: expected a well-formed file"},
              {"</WindowElement>", "", "XML: expected a well-formed file"},
              {"<WindowElement ", "<!DOCTYPE x [<!ENTITY a \"b\">]><WindowElement ", "no document type"}}) {
-        const std::string found = error_of(replaced(good, what, by));
-        EXPECT_NE(found.find(error), found.npos) << what << " → " << by << ": " << found;
+        const std::string found = error_of(replaced(good, what, replacement));
+        EXPECT_NE(found.find(error), found.npos) << what << " → " << replacement << ": " << found;
         EXPECT_EQ(found.find('\n'), found.npos);
     }
-    // Elements in elements, as deep as memory allows, are not read by recursion.
+    // Deeply nested elements are not read recursively.
     std::string deep = "<?xml version=\"1.0\"?><WindowElement>";
     EXPECT_NE(error_of(deep + std::string(1 << 18, '<')).find("tags and attributes"), std::string::npos);
     for (int i = 0; i < 60000; ++i) deep += "<a>";
@@ -276,7 +283,7 @@ TEST(Klems, RefusesBadFiles) {
     for (std::size_t size = 0; size + 2 < good.size(); size += 97) EXPECT_NE(error_of(good.substr(0, size)), "");
 }
 
-/// A real roller shade: the sums of its columns, as added up apart from this library, with the beam apart.
+/// A real roller shade: its column sums with the beam separated, compared with sums computed independently.
 TEST(Klems, RollerShade) {
     const auto path = shared_data() / "klems" / "2011-SA1.xml";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
@@ -284,7 +291,7 @@ TEST(Klems, RollerShade) {
     ASSERT_TRUE(measured.ok()) << message(measured.error());
     EXPECT_TRUE(is_isotropic(*measured));
     const auto& band = std::get<BsdfTable>(measured->table).band();
-    // Directional-hemispherical sums of the file at 0° and 82.5°, added up apart from this library.
+    // The file's directional-hemispherical sums at 0° and 82.5°, computed independently.
     const double expected[k_parts][2] = {{0.48246, 0.64137}, {0.56, 0.71018}, {0.09587, 0.05868}, {0.09432, 0.01227}};
     for (std::size_t p = 0; p < k_parts; ++p) {
         const auto& table = *own_table<KlemsTable>(*band.part[p]);
@@ -297,10 +304,10 @@ TEST(Klems, RollerShade) {
         }
     }
     EXPECT_TRUE(band.beam[0].empty() && band.beam[1].empty());
-    EXPECT_PRED3(near, share_at(band.beam[2], {0, 0, 1}).g, 0.0489, 2e-4);  // it is sold as 5 % open
+    EXPECT_PRED3(near, share_at(band.beam[2], {0, 0, 1}).g, 0.0489, 2e-4);  // sold as 5 % open
 }
 
-/// Bytes for another process give the table again, of matrices and of trees.
+/// A table unpacked from its bytes is the same table, for matrices and for trees.
 TEST(Klems, IsUnpacked) {
     const auto matrix = read(small_shade());
     const std::string text = contents(SRBF_SOURCE_DIR "/extras/daylight/corpus/bsdf_xml/tree.xml");

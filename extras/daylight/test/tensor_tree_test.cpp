@@ -1,4 +1,4 @@
-// Tensor trees: their text, their look-up, real ones, and what is refused; BSDF XML that is written.
+// Tensor trees: parsing, look-up, real files, refused files, and writing BSDF XML.
 #include "extras/daylight/tensor_tree.h"
 #include "extras/daylight/test/bsdf_files.h"
 #include "extras/daylight/tree_beam.h"
@@ -12,8 +12,8 @@ namespace {
 
 Result<Measured> read(const std::string& text) { return read_measured(as_bytes(text), "f"); }
 std::string error_of(const std::string& text) {
-    const auto of = read(text);
-    return of ? "" : message(of.error());
+    const auto measured = read(text);
+    return measured ? "" : message(measured.error());
 }
 
 std::string tree_block(const std::string& part, const std::string& tree, const std::string& band = "Visible") {
@@ -23,14 +23,14 @@ std::string tree_block(const std::string& part, const std::string& tree, const s
            "</ScatteringData></WavelengthDataBlock></WavelengthData>\n";
 }
 
-/// The text of leaves f(x) of a grid of that level.
+/// The text of a grid of this level whose leaves are f(x).
 std::string grid_text(int rank, int level, const std::function<double(std::array<double, 4>)>& f) {
     std::string text = "{";
     const std::size_t n = std::size_t(1) << level;
     for (std::size_t k = 0; k < std::size_t(1) << rank * level; ++k) {
         std::array<double, 4> x{};
-        for (std::size_t i = std::size_t(rank), left = k; i-- > 0; left /= n)
-            x[i] = (double(left % n) + 0.5) / double(n);
+        for (std::size_t i = std::size_t(rank), remaining = k; i-- > 0; remaining /= n)
+            x[i] = (double(remaining % n) + 0.5) / double(n);
         text += fmt::format(" {:.7g}", f(x));
     }
     return text + " }";
@@ -38,7 +38,8 @@ std::string grid_text(int rank, int level, const std::function<double(std::array
 
 double sum_of(const std::array<double, 4>& x) { return x[0] + 10 * x[1] + 100 * x[2] + 1000 * x[3]; }
 
-/// A branch of grids of one number has the values of the grid of their level, of several levels those of the leaves.
+/// A branch whose children are single numbers has the values of a grid of that level. With several levels it has
+/// the values of its leaves.
 TEST(TensorTree, BranchesAndGridsAgree) {
     for (const int rank : {3, 4}) {
         const auto grid = read_tensor_tree(grid_text(rank, 2, sum_of), rank);
@@ -63,8 +64,8 @@ TEST(TensorTree, BranchesAndGridsAgree) {
     }
 }
 
-/// A function of p = (wl.x, −wl.y) and q = (−wv.x, wv.y), as Radiance defines trees, is found again within a leaf; the mean
-/// over the square of the outgoing direction × π is the directional-hemispherical sum.
+/// A tree stores a function of p = (wl.x, −wl.y) and q = (−wv.x, wv.y), as Radiance defines trees, within the
+/// accuracy of a leaf. The mean over the square of outgoing directions × π is the directional-hemispherical sum.
 TEST(TensorTree, DirectionsAreRadiances) {
     const auto disc = [](double u, double v) {  // the inverse map
         const double a = 2 * u - 1, b = 2 * v - 1;
@@ -93,30 +94,31 @@ TEST(TensorTree, DirectionsAreRadiances) {
         const Vec3f wl = to_float(random_direction(random, 0.05)), wv = to_float(random_direction(random, 0.05));
         const double px = double(wl.x), py = -double(wl.y), qx = -double(wv.x), qy = double(wv.y);
         EXPECT_PRED3(near, value(*a, to_side(wl, -1), wv).g, f(px, py, qx, qy), 0.25);
-        EXPECT_EQ(value(*a, wv, to_side(wl, -1)), value(*a, to_side(wl, -1), wv));  // the way back, by reciprocity
-        const double s = std::hypot(px, py), turned_x = (px * qx + py * qy) / s, turned_y = (px * qy - py * qx) / s;
-        EXPECT_PRED3(near, value(*b, wl, wv).g, f(s, 0, turned_x, turned_y), 0.15);
+        EXPECT_EQ(value(*a, wv, to_side(wl, -1)),
+                  value(*a, to_side(wl, -1), wv));  // the reverse direction, by reciprocity
+        const double s = std::hypot(px, py), rotated_x = (px * qx + py * qy) / s, rotated_y = (px * qy - py * qx) / s;
+        EXPECT_PRED3(near, value(*b, wl, wv).g, f(s, 0, rotated_x, rotated_y), 0.15);
         EXPECT_EQ(value(*a, wl, wv), Rgb{});
     }
 }
 
-/// Trees of u′ and v′ colour the third: equal energy is white, sRGB's red stays red.
+/// Trees of u′ and v′ give the third its colour: equal energy is white, and sRGB's red stays red.
 TEST(TensorTree, Colours) {
-    const auto of = [](double u, double v) {
+    const auto coloured = [](double u, double v) {
         return read(bsdf_xml("",
                              tree_block("Reflection Front", "{0.5}") +
                                  tree_block("Reflection Front", fmt::format("{{{}}}", u), "CIE-u") +
                                  tree_block("Reflection Front", fmt::format("{{{}}}", v), "CIE-v"),
                              "TensorTree3"));
     };
-    const auto white = of(4.0 / 19, 9.0 / 19);
+    const auto white = coloured(4.0 / 19, 9.0 / 19);
     ASSERT_TRUE(white.ok()) << message(white.error());
     EXPECT_EQ(std::get<BsdfTable>(white->table).bands.size(), 1u);
     for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, value(*white, {0, 0, 1}, {0, 0, 1})[c], 0.5, 1e-4);
-    const Rgb red = value(*of(0.3, 0.5), {0, 0, 1}, {0, 0, 1});
+    const Rgb red = value(*coloured(0.3, 0.5), {0, 0, 1}, {0, 0, 1});
     EXPECT_GT(red.r, 2 * red.g);
     EXPECT_PRED3(near, luminance(red), 0.5, 0.01);
-    EXPECT_EQ(value(*of(0, 0), {0, 0, 1}, {0, 0, 1}).r, value(*white, {0, 0, 1}, {0, 0, 1}).r);
+    EXPECT_EQ(value(*coloured(0, 0), {0, 0, 1}, {0, 0, 1}).r, value(*white, {0, 0, 1}, {0, 0, 1}).r);
 }
 
 TEST(TensorTree, RefusesBadTrees) {
@@ -146,7 +148,7 @@ TEST(TensorTree, RefusesBadTrees) {
     EXPECT_NE(error_of(bsdf_xml("", tree_block("Reflection Front", "{ 1 }"), "TensorTree5")), "");
 }
 
-/// Radiance gives .0764561 for this shade at 30°: the mean over the square of outgoing directions × π is the same number.
+/// Radiance computes .0764561 for this shade at 30°, which is the mean over the square of outgoing directions × π.
 TEST(TensorTree, RealShade) {
     const auto path = shared_data() / "tensor" / "t3.xml";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
@@ -160,7 +162,7 @@ TEST(TensorTree, RealShade) {
     EXPECT_PRED3(near, k_pi * sum, 0.0764561, 1e-7);
 }
 
-/// What is written is read as the same matrices, and written again to the same bytes; of files in any of the bases.
+/// What is written is read as the same matrices and written again as the same bytes, for each of the bases.
 TEST(BsdfXml, WriteReadIdentity) {
     const auto measured = read(small_shade());
     ASSERT_TRUE(measured.ok());
@@ -172,23 +174,23 @@ TEST(BsdfXml, WriteReadIdentity) {
     EXPECT_EQ(b.description, a.description);
     for (std::size_t band = 0; band < a.bands.size(); ++band)
         for (std::size_t p = 0; p < k_parts; ++p) {
-            const auto &of_a = *own_table<KlemsTable>(*a.bands[band].part[p]),
-                       &of_b = *own_table<KlemsTable>(*b.bands[band].part[p]);
-            ASSERT_EQ(of_a.cells.size(), of_b.cells.size());
-            for (std::size_t k = 0; k < of_a.cells.size(); ++k)
-                EXPECT_PRED3(near_relative, of_b.cells[k].g, of_a.cells[k].g, 1e-5);
-            EXPECT_EQ(of_a.beam.size(), of_b.beam.size());
+            const auto &part_a = *own_table<KlemsTable>(*a.bands[band].part[p]),
+                       &part_b = *own_table<KlemsTable>(*b.bands[band].part[p]);
+            ASSERT_EQ(part_a.cells.size(), part_b.cells.size());
+            for (std::size_t k = 0; k < part_a.cells.size(); ++k)
+                EXPECT_PRED3(near_relative, part_b.cells[k].g, part_a.cells[k].g, 1e-5);
+            EXPECT_EQ(part_a.beam.size(), part_b.beam.size());
         }
     EXPECT_EQ(write_bsdf_xml(b), written);
 }
 
-/// The matrix of a constant is constant; that of a lobe about the mirror direction has its sums.
+/// The matrix of a constant is constant. The matrix of a lobe around the mirror direction has the lobe's sums.
 TEST(BsdfXml, MeansOverPatches) {
     const auto f = [](double cosine) { return 0.1 + 300 * std::exp(2000 * (cosine - 1)); };  // 2.6° wide
-    const Evaluate brdf = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> to) {
-        for (std::size_t i = 0; i < to.size(); ++i) {
+    const Evaluate brdf = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
             const float x = float(f(double(dot(mirror(wl[i]), wv[i]))));
-            to[i] = {x, x, x};
+            values[i] = {x, x, x};
         }
     };
     for (const KlemsBasis kind : {KlemsBasis::half, KlemsBasis::quarter}) {
@@ -199,7 +201,7 @@ TEST(BsdfXml, MeansOverPatches) {
             double sum = 0, expected = 0;
             for (std::size_t o = 0; o < basis.patches(); ++o)
                 sum += double(table.cell(o, i).g) * basis.projected_solid_angle(basis.ring_of(o));
-            // ∫ of the lobe is 2π/2000, its cosine that of the patch's points.
+            // The integral of the lobe is 2π/2000; its cosine is that of the patch's points.
             for (int k = 0; k < 100; ++k) expected += basis.point_of(i, (k + 0.5) / 100, 0.5).z / 100;
             expected = 0.1 * k_pi + 300 * 2 * k_pi / 2000 * expected;
             EXPECT_PRED3(near_relative, sum, expected, 0.01) << ring;
@@ -207,21 +209,22 @@ TEST(BsdfXml, MeansOverPatches) {
     }
 }
 
-/// An isotropic tree of one grid, 64 leaves wide, of f at i, j leaves from the one straight ahead.
+/// An isotropic tree of one grid, 64 leaves wide. f is a function of the distances i, j in leaves from the mirror
+/// direction.
 TreeTable tree_about_mirror(const std::function<double(int i, int j)>& f) {
     constexpr int n = 64;
     TreeTable tree{{3, TensorTree::grid(6, 0), {}, {}}, {}};
-    for (int of_light = 0; of_light < n; ++of_light)
+    for (int light_leaf = 0; light_leaf < n; ++light_leaf)
         for (int i = 0; i < n; ++i)
             for (int j = 0; j < n; ++j) {
-                // p = (|p|, 0) is at ((1 + |p|)/2, 1/2) of the square, where two leaves meet.
-                const double p = std::abs(1 - 2 * (of_light + 0.5) / n);
+                // p = (|p|, 0) maps to ((1 + |p|)/2, 1/2) in the square, where two leaves meet.
+                const double p = std::abs(1 - 2 * (light_leaf + 0.5) / n);
                 tree.y.leaves.push_back(float(f(i - int((1 + p) / 2 * n), j < n / 2 ? n / 2 - 1 - j : j - n / 2)));
             }
     return tree;
 }
 
-// The leaves straight ahead hold a share of the light, which is found again, and the level about them is what remains.
+// The leaves in the mirror direction hold a share of the light, which is recovered. The level around them remains.
 TEST(TensorTree, ItsBeamIsSeparated) {
     constexpr double share = 0.05, level = 0.01, leaf = k_pi / (64 * 64);
     const TreeTable tree =
@@ -231,11 +234,11 @@ TEST(TensorTree, ItsBeamIsSeparated) {
     for (const double degrees : {0.0, 10.0, 25.0, 40.0, 60.0}) {
         const Vec3f wl = to_float(spherical(degrees * k_degree, 0.3)), wv = mirror(wl);
         EXPECT_PRED3(near_relative, share_at(separated->beam, wl).g, share, 0.05) << degrees;
-        Rgb rest;
-        separated->rest(std::span(&wl, 1), std::span(&wv, 1), std::span(&rest, 1));
-        EXPECT_PRED3(near, rest.g, level, 1e-6) << degrees;
+        Rgb remaining;
+        separated->rest(std::span(&wl, 1), std::span(&wv, 1), std::span(&remaining, 1));
+        EXPECT_PRED3(near, remaining.g, level, 1e-6) << degrees;
     }
-    // A lobe some leaves wide is none, nor is an even level.
+    // A lobe several leaves wide is not a beam, nor is a constant level.
     EXPECT_FALSE(evaluated(tree_about_mirror([](int i, int j) {
                      return level + std::exp(-(i * i + j * j) / 50.);
                  })).separated_beam());

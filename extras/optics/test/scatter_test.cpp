@@ -1,4 +1,4 @@
-// Zemax', Speos' and OpenMATERIAL's files, and columns of goniometers: values, round trips, and what is refused.
+// Files of Zemax, Speos and OpenMATERIAL, and goniometer columns: values, round trips, and refused files.
 #include "extras/optics/scatter.h"
 
 #include <fmt/format.h>
@@ -16,19 +16,19 @@ Result<Measured> read(const std::string& text, const ReadOptions& options = {}) 
     return read_measured(as_bytes(text), "f", options);
 }
 std::string error_of(const std::string& text, const ReadOptions& options = {}) {
-    const auto of = read(text, options);
-    return of ? "" : message(of.error());
+    const auto measured = read(text, options);
+    return measured ? "" : message(measured.error());
 }
 
-/// A lobe of some degrees about the mirror direction, and a floor that rises with the cosine of the viewer.
+/// A lobe several degrees wide around the mirror direction, over a floor that rises with the cosine of the viewer.
 double lobe(Vec3f wl, Vec3f wv) { return 0.02 * double(wv.z) + 0.5 * std::exp(60 * (double(dot(mirror(wl), wv)) - 1)); }
 Evaluate lobe_brdf() {
     return [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         for (std::size_t i = 0; i < f.size(); ++i) f[i].r = f[i].g = f[i].b = float(lobe(wl[i], wv[i]));
     };
 }
-/// The same, turned with the surface.
-Evaluate turning_brdf() {
+/// The same lobe, modulated so that it is anisotropic.
+Evaluate anisotropic_brdf() {
     return [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         for (std::size_t i = 0; i < f.size(); ++i)
             f[i].r = f[i].g = f[i].b = float(lobe(wl[i], wv[i]) * (1 + 0.5 * double(wl[i].x) * double(wv[i].y)));
@@ -40,59 +40,60 @@ const std::string k_zemax =
     "SampleRotation  1\n0\nAngleOfIncidence  2\n0\t60\nScatterAzimuth  3\n0\t90\t180\nScatterRadial  3\n0\t30\t90\n"
     "\nMonochrome\nDataBegin\nTIS 0.1\n1\t2\t0\n1\t3\t4\n1\t4\t5\nTIS 9\n2\t4\t0\n2\t6\t8\n2\t8\t10\nDataEnd\n";
 
-/// Radial angles are from the mirror direction; azimuth 180 goes on towards grazing; zeros are gaps.
+/// Radial angles are measured from the mirror direction; azimuth 180 points towards grazing; zeros are gaps.
 TEST(Zemax, LooksUpAboutTheMirrorDirection) {
-    const auto of = read(k_zemax);
-    ASSERT_TRUE(of.ok()) << message(of.error());
-    EXPECT_EQ(of->format, "Zemax");
-    EXPECT_TRUE(is_isotropic(*of));
-    EXPECT_EQ(own_table<ScatterTable>(*of)->masked, 2u);
-    const auto at = [&](double theta_l, double theta_v, double phi) {
-        return double(value(*of, to_float(spherical(theta_l * k_degree, k_pi)),
+    const auto measured = read(k_zemax);
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    EXPECT_EQ(measured->format, "Zemax");
+    EXPECT_TRUE(is_isotropic(*measured));
+    EXPECT_EQ(own_table<ScatterTable>(*measured)->masked, 2u);
+    const auto f_at = [&](double theta_l, double theta_v, double phi) {
+        return double(value(*measured, to_float(spherical(theta_l * k_degree, k_pi)),
                             to_float(spherical(theta_v * k_degree, phi * k_degree)))
                           .g);
     };
-    EXPECT_PRED3(near, at(60, 60, 0), 2, 1e-4);    // the mirror direction
-    EXPECT_PRED3(near, at(60, 30, 0), 4, 1e-3);    // back towards the normal
-    EXPECT_PRED3(near, at(60, 75, 0), 5, 1e-3);    // half way on to 30°
-    EXPECT_PRED3(near, at(30, 30, 0), 1.5, 1e-4);  // between the angles of incidence
-    EXPECT_PRED3(near, at(0, 30, 90), 3, 1e-3);
-    EXPECT_PRED3(near, at(0, 30, 270), 3, 1e-3);  // mirrored
-    EXPECT_PRED3(near, at(60, 0, 0), 4, 1e-3);    // of the nodes about it one is a gap
-    // Turned as a whole it is the same.
+    EXPECT_PRED3(near, f_at(60, 60, 0), 2, 1e-4);    // the mirror direction
+    EXPECT_PRED3(near, f_at(60, 30, 0), 4, 1e-3);    // towards the normal
+    EXPECT_PRED3(near, f_at(60, 75, 0), 5, 1e-3);    // towards grazing, half way to 30°
+    EXPECT_PRED3(near, f_at(30, 30, 0), 1.5, 1e-4);  // between the angles of incidence
+    EXPECT_PRED3(near, f_at(0, 30, 90), 3, 1e-3);
+    EXPECT_PRED3(near, f_at(0, 30, 270), 3, 1e-3);  // mirrored
+    EXPECT_PRED3(near, f_at(60, 0, 0), 4, 1e-3);    // one of the surrounding nodes is a gap
+    // The values are the same after rotation of both directions about the normal.
     std::mt19937_64 random(1);
     for (int i = 0; i < 100; ++i) {
         const Vec3f wl = to_float(random_direction(random, 0.1)), wv = to_float(random_direction(random, 0.1));
-        const auto turned = [](Vec3f w) { return Vec3f{0.6f * w.x - 0.8f * w.y, 0.8f * w.x + 0.6f * w.y, w.z}; };
-        const float f = value(*of, wl, wv).g, g = value(*of, turned(wl), turned(wv)).g;
+        const auto rotated = [](Vec3f w) { return Vec3f{0.6f * w.x - 0.8f * w.y, 0.8f * w.x + 0.6f * w.y, w.z}; };
+        const float f = value(*measured, wl, wv).g, g = value(*measured, rotated(wl), rotated(wv)).g;
         EXPECT_TRUE(near(f, g, 1e-3) || (std::isnan(f) && std::isnan(g))) << f << " " << g;
     }
 }
 
-/// f outside of the measured cone is not known, and not that of its border.
+/// Outside the measured cone f is unknown, not extrapolated.
 TEST(Zemax, BeyondItsAnglesNothingWasMeasured) {
     std::string text =
         "Source Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\nScatterType BRDF\n"
         "SampleRotation 1\n0\nAngleOfIncidence 2\n0 30\nScatterAzimuth 4\n0 60 120 180\nScatterRadial 3\n0 15 30\n"
         "Monochrome\nDataBegin\n";
     for (int k = 0; k < 2; ++k) text += "TIS 0.4\n0.5 0.5 0.5\n0.5 0.5 0.5\n0.5 0.5 0.5\n0.5 0.5 0.5\n";
-    const auto of = read(text + "DataEnd\n");
-    ASSERT_TRUE(of.ok()) << message(of.error());
-    const auto& table = *own_table<ScatterTable>(*of);
+    const auto measured = read(text + "DataEnd\n");
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto& table = *own_table<ScatterTable>(*measured);
     // ∫ cosθ over a cone of half angle α about θ is π sin²α cosθ.
     EXPECT_PRED3(near, scatter_integral(table, table.slices[0]), 0.5 * k_pi * 0.25, 0.003);
     EXPECT_PRED3(near, scatter_integral(table, table.slices[1]), 0.5 * k_pi * 0.25 * std::sqrt(0.75), 0.003);
-    const auto at = [&](double theta_l, double theta_v) {
-        return double(
-            value(*of, to_float(spherical(theta_l * k_degree, k_pi)), to_float(spherical(theta_v * k_degree, 0.0))).g);
+    const auto f_at = [&](double theta_l, double theta_v) {
+        return double(value(*measured, to_float(spherical(theta_l * k_degree, k_pi)),
+                            to_float(spherical(theta_v * k_degree, 0.0)))
+                          .g);
     };
-    EXPECT_PRED3(near, at(0, 29.9), 0.5, 1e-6);
-    EXPECT_TRUE(std::isnan(at(0, 30.1)));
-    EXPECT_PRED3(near, at(20, -9.9), 0.5, 1e-6);
-    EXPECT_TRUE(std::isnan(at(20, -10.1)));
-    EXPECT_PRED3(near, at(50, 79.9), 0.5, 1e-6);  // as at the last angle of incidence
-    EXPECT_TRUE(std::isnan(at(50, 80.1)));
-    // Scans of half of the azimuths tell nothing about the others.
+    EXPECT_PRED3(near, f_at(0, 29.9), 0.5, 1e-6);
+    EXPECT_TRUE(std::isnan(f_at(0, 30.1)));
+    EXPECT_PRED3(near, f_at(20, -9.9), 0.5, 1e-6);
+    EXPECT_TRUE(std::isnan(f_at(20, -10.1)));
+    EXPECT_PRED3(near, f_at(50, 79.9), 0.5, 1e-6);  // the same as at the last angle of incidence
+    EXPECT_TRUE(std::isnan(f_at(50, 80.1)));
+    // Scans of half of the azimuths do not determine the others.
     text.replace(text.find("0 60 120 180"), 12, "0 20  40  60");
     const auto half = read(text + "DataEnd\n");
     ASSERT_TRUE(half.ok());
@@ -100,26 +101,27 @@ TEST(Zemax, BeyondItsAnglesNothingWasMeasured) {
     EXPECT_TRUE(std::isnan(value(*half, {0, 0, 1}, to_float(spherical(0.3, 1.2))).g));
 }
 
-/// About the normal the angles of the viewer decide, also with light beyond the last angle of incidence.
+/// Around the normal, the angles of the viewer decide what was measured, also for light beyond the last angle of
+/// incidence.
 TEST(Speos, BeyondItsAnglesNothingWasMeasured) {
     ScatterTable table;
     table.rotation = {0}, table.first = {0, 1};
     const std::vector<float> polar{0, float(70 * k_degree)}, azimuth{0, float(k_pi), float(2 * k_pi)};
     table.slices.push_back({float(30 * k_degree), polar, azimuth, std::vector<float>(6, 0.2f)});
     const ScatterTable* const one[] = {&table};
-    const auto of = read(write_speos(one));
-    ASSERT_TRUE(of.ok()) << message(of.error());
+    const auto measured = read(write_speos(one));
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
     for (const double theta_l : {0.0, 30.0, 80.0})
         for (const double phi : {0.0, 90.0, 180.0})
             for (const double theta_v : {5.0, 40.0, 69.9, 70.1}) {
-                const float f = value(*of, to_float(spherical(theta_l * k_degree, k_pi)),
+                const float f = value(*measured, to_float(spherical(theta_l * k_degree, k_pi)),
                                       to_float(spherical(theta_v * k_degree, phi * k_degree)))
                                     .g;
                 EXPECT_TRUE(theta_v > 70 ? std::isnan(f) : near(f, 0.2, 1e-3)) << theta_l << ' ' << theta_v << ' ' << f;
             }
 }
 
-/// Three blocks of CIE tristimulus values are a colour; names differ in case.
+/// Three blocks of CIE tristimulus values form a colour. The case of names does not matter.
 TEST(Zemax, ColoursAreTristimulusValues) {
     std::string text = k_zemax;
     const auto data = text.find("\nMonochrome\nDataBegin");
@@ -127,12 +129,12 @@ TEST(Zemax, ColoursAreTristimulusValues) {
     text = text.substr(0, data) + "\nTristimulusX\n" + block + "TristimulusY\n" + block + "\nTristimulusZ\n" + block;
     text.replace(text.find("Monochrome"), 10, "XYZ");
     text.replace(text.find("PlaneSymmetrical"), 16, "ASymmetrical");
-    const auto of = read(text);
-    ASSERT_TRUE(of.ok()) << message(of.error());
-    const auto& table = *own_table<ScatterTable>(*of);
+    const auto measured = read(text);
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto& table = *own_table<ScatterTable>(*measured);
     EXPECT_EQ(table.masked, 2u);
     const Vec3f wl = to_float(spherical(60 * k_degree, k_pi));
-    const Rgb f = value(*of, wl, mirror(wl)), expected = to_rgb(Xyz{2, 2, 2});
+    const Rgb f = value(*measured, wl, mirror(wl)), expected = to_rgb(Xyz{2, 2, 2});
     for (int c = 0; c < 3; ++c) EXPECT_PRED3(near_relative, f[c], expected[c], 1e-5);
     EXPECT_PRED3(near_relative, scatter_integral(table, table.slices[1], 1),
                  scatter_integral(table, table.slices[1], 2), 1e-9);
@@ -144,60 +146,63 @@ TEST(Zemax, ColoursAreTristimulusValues) {
     EXPECT_NE(error_of(text.substr(0, text.find("TristimulusZ"))).find("TristimulusZ, found the end"), text.npos);
 }
 
-/// f = 0.1 (1 + 0.8 cos 2(φ_l − 30°)) turns with the light alone: rotations of the sample are of the file's own sense.
-double of_light_azimuth(double phi_l) { return 0.1 * (1 + 0.8 * std::cos(2 * (phi_l - 30 * k_degree))); }
+/// f = 0.1 (1 + 0.8 cos 2(φ_l − 30°)) depends on the light's azimuth only, to test the sense of rotation of each
+/// format.
+double f_of_light_azimuth(double phi_l) { return 0.1 * (1 + 0.8 * std::cos(2 * (phi_l - 30 * k_degree))); }
 
 TEST(Scatter, RotationsAreOfTheFormats) {
-    // Speos: 180° − φ_l, from the plane of incidence to the anisotropy vector. Rotations of a half turn repeat.
+    // In Speos, a rotation is 180° − φ_l, from the plane of incidence to the anisotropy vector. Rotations up to
+    // 180° repeat.
     ScatterTable table;
     const std::vector<float> polar{0, float(k_pi / 2)}, azimuth{0, float(2 * k_pi)};
     table.first = {0};
     for (int degrees = 0; degrees <= 180; degrees += 15) {
         table.rotation.push_back(float(degrees * k_degree));
-        const auto f = float(of_light_azimuth((180 - degrees) * k_degree));
+        const auto f = float(f_of_light_azimuth((180 - degrees) * k_degree));
         table.slices.push_back({0, polar, azimuth, {f, f, f, f}});
         table.first.push_back(std::uint32_t(table.slices.size()));
     }
     const ScatterTable* const one[] = {&table};
     const auto speos = read(write_speos(one));
     ASSERT_TRUE(speos.ok()) << message(speos.error());
-    const auto at = [](const Measured& of, double phi_l) {
-        return double(value(of, to_float(spherical(0.5, phi_l * k_degree)), to_float(spherical(0.3, 1.0))).g);
+    const auto f_at = [](const Measured& measured, double phi_l) {
+        return double(value(measured, to_float(spherical(0.5, phi_l * k_degree)), to_float(spherical(0.3, 1.0))).g);
     };
-    EXPECT_PRED3(near, at(*speos, 30), 0.18, 1e-4);
-    EXPECT_PRED3(near, at(*speos, 120), 0.02, 1e-4);
+    EXPECT_PRED3(near, f_at(*speos, 30), 0.18, 1e-4);
+    EXPECT_PRED3(near, f_at(*speos, 120), 0.02, 1e-4);
     for (const double phi : {10.0, 75.0, 200.0, 290.0, 350.0})
-        EXPECT_PRED3(near, at(*speos, phi), of_light_azimuth(phi * k_degree), 4e-3) << phi;
-    // Zemax: φ_l − 90°, from x to the normal of the plane of incidence.
+        EXPECT_PRED3(near, f_at(*speos, phi), f_of_light_azimuth(phi * k_degree), 4e-3) << phi;
+    // In Zemax, a rotation is φ_l − 90°, from x to the normal of the plane of incidence.
     table.about_mirror = true;
     for (std::size_t r = 0; r < table.rotation.size(); ++r)
         for (std::uint32_t k = table.first[r]; k < table.first[r + 1]; ++k) {
             table.slices[k].polar.back() = float(k_pi);
-            std::ranges::fill(table.slices[k].f, float(of_light_azimuth(double(table.rotation[r]) + k_pi / 2)));
+            std::ranges::fill(table.slices[k].f, float(f_of_light_azimuth(double(table.rotation[r]) + k_pi / 2)));
         }
     const auto zemax = read(write_zemax(table));
     ASSERT_TRUE(zemax.ok()) << message(zemax.error());
     for (const double phi : {30.0, 75.0, 200.0, 290.0, 350.0})
-        EXPECT_PRED3(near, at(*zemax, phi), of_light_azimuth(phi * k_degree), 4e-3) << phi;
-    // Rotations of a quarter turn are mirrored too, with the viewer.
+        EXPECT_PRED3(near, f_at(*zemax, phi), f_of_light_azimuth(phi * k_degree), 4e-3) << phi;
+    // Rotations up to 90° are also mirrored, together with the viewer.
     ScatterTable quarter = *own_table<ScatterTable>(*speos);
     quarter.rotation.resize(7), quarter.first.resize(8), quarter.slices.resize(quarter.first.back());
     for (ScatterTable::Slice& slice : quarter.slices)
         slice.azimuth = {0, float(k_pi / 2), float(k_pi), float(1.5 * k_pi), float(2 * k_pi)},
         slice.f = {1, 2, 3, 4, 1, 1, 2, 3, 4, 1};
-    const auto seen = [&](double phi_l, double relative) {
+    const auto f_quarter = [&](double phi_l, double relative) {
         return double(value(quarter, to_float(spherical(0.5, phi_l)), to_float(spherical(0.5, phi_l + relative))).g);
     };
-    EXPECT_PRED3(near, seen(2.0, -k_pi / 2), seen(2.0 + k_pi, -k_pi / 2), 1e-4);
-    EXPECT_PRED3(near, seen(2.0, -k_pi / 2), seen(-2.0, k_pi / 2), 1e-4);
-    EXPECT_GT(std::abs(seen(2.0, -k_pi / 2) - seen(-2.0, -k_pi / 2)), 1);
+    EXPECT_PRED3(near, f_quarter(2.0, -k_pi / 2), f_quarter(2.0 + k_pi, -k_pi / 2), 1e-4);
+    EXPECT_PRED3(near, f_quarter(2.0, -k_pi / 2), f_quarter(-2.0, k_pi / 2), 1e-4);
+    EXPECT_GT(std::abs(f_quarter(2.0, -k_pi / 2) - f_quarter(-2.0, -k_pi / 2)), 1);
 }
 
-/// Tables of a function have its values; what is written is read as the same table, and written again to the same bytes.
+/// Tables of a function have its values. A table that is written is read as the same table and written again as the
+/// same bytes.
 TEST(Scatter, WriteReadIdentity) {
     for (const bool about_mirror : {true, false})
         for (const bool isotropic : {true, false}) {
-            const Evaluate brdf = isotropic ? lobe_brdf() : turning_brdf();
+            const Evaluate brdf = isotropic ? lobe_brdf() : anisotropic_brdf();
             ScatterTable table = to_scatter(brdf, about_mirror, isotropic, 1);
             std::mt19937_64 random(2);
             double error = 0, sum = 0;
@@ -205,8 +210,8 @@ TEST(Scatter, WriteReadIdentity) {
                 const Vec3f wl = to_float(random_direction(random, 0.2)), wv = to_float(random_direction(random, 0.2));
                 Rgb f;
                 brdf(std::span(&wl, 1), std::span(&wv, 1), std::span(&f, 1));
-                const Rgb found = value(table, wl, wv);
-                error += std::abs(double(found.g - f.g)), sum += double(f.g);
+                const Rgb looked_up = value(table, wl, wv);
+                error += std::abs(double(looked_up.g - f.g)), sum += double(f.g);
             }
             EXPECT_LT(error, 0.05 * sum) << about_mirror << isotropic;
             if (!isotropic) table.slices.resize(table.first[2]), table.first.resize(3), table.rotation.resize(2);
@@ -214,38 +219,39 @@ TEST(Scatter, WriteReadIdentity) {
             const std::string text = about_mirror ? write_zemax(table) : write_speos(one);
             const auto again = read(text);
             ASSERT_TRUE(again.ok()) << message(again.error());
-            const auto& of = *own_table<ScatterTable>(*again);
-            ASSERT_EQ(of.slices.size(), table.slices.size());
-            for (std::size_t s = 0; s < of.slices.size(); ++s) {
-                ASSERT_EQ(of.slices[s].f.size(), table.slices[s].f.size());
-                for (std::size_t k = 0; k < of.slices[s].f.size(); ++k) {
-                    const float a = of.slices[s].f[k], b = table.slices[s].f[k];
+            const auto& reread = *own_table<ScatterTable>(*again);
+            ASSERT_EQ(reread.slices.size(), table.slices.size());
+            for (std::size_t s = 0; s < reread.slices.size(); ++s) {
+                ASSERT_EQ(reread.slices[s].f.size(), table.slices[s].f.size());
+                for (std::size_t k = 0; k < reread.slices[s].f.size(); ++k) {
+                    const float a = reread.slices[s].f[k], b = table.slices[s].f[k];
                     EXPECT_TRUE(std::isnan(a) ? !(b > 0) : near_relative(a, b, 1e-6)) << a << " " << b;
                 }
             }
-            const ScatterTable* const same[] = {&of};
-            EXPECT_TRUE((about_mirror ? write_zemax(of) : write_speos(same)) == text);
+            const ScatterTable* const same[] = {&reread};
+            EXPECT_TRUE((about_mirror ? write_zemax(reread) : write_speos(same)) == text);
         }
 }
 
-/// Light that passes is a part of its own, whose angles from 90 to 180° are mirrored at the surface.
+/// Transmission is a part of its own. Its angles, 90 to 180°, are mirrored at the surface.
 TEST(Speos, TransmissionIsAPart) {
-    ScatterTable reflected = to_scatter(lobe_brdf(), false, true, 1), passed = reflected;
-    passed.transmission = true;
-    for (auto& slice : passed.slices)
+    ScatterTable reflected = to_scatter(lobe_brdf(), false, true, 1), transmitted = reflected;
+    transmitted.transmission = true;
+    for (auto& slice : transmitted.slices)
         for (float& f : slice.f) f *= 0.5f;
-    const ScatterTable* const both[] = {&reflected, &passed};
-    const auto of = read(write_speos(both));
-    ASSERT_TRUE(of.ok()) << message(of.error());
+    const ScatterTable* const both[] = {&reflected, &transmitted};
+    const auto measured = read(write_speos(both));
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
     std::mt19937_64 random(3);
     for (int i = 0; i < 100; ++i) {
         const Vec3f wl = to_float(random_direction(random, 0.1)), wv = to_float(random_direction(random, 0.1));
-        const double front = double(value(*of, wl, wv).g), through = double(value(*of, wl, to_side(wv, -1)).g);
+        const double front = double(value(*measured, wl, wv).g),
+                     through = double(value(*measured, wl, to_side(wv, -1)).g);
         EXPECT_PRED3(near_relative, through, 0.5 * front, 1e-3);
     }
 }
 
-/// Speos' values are relative: a file whose values are a hundred times as large, or intensities, is the same.
+/// Speos' values are relative: scaling all values by a hundred, or writing intensities, gives the same measurement.
 TEST(Speos, ValuesAreRelative) {
     ScatterTable table = to_scatter(lobe_brdf(), false, true, 1);
     const ScatterTable* const one[] = {&table};
@@ -253,10 +259,10 @@ TEST(Speos, ValuesAreRelative) {
     const auto values = text.find("\n\t0\t");
     std::string scaled = text.substr(0, values);
     for (Lines lines(std::string_view(text).substr(values)); auto line = lines.next();) {
-        std::string_view rest = *line;
+        std::string_view remaining = *line;
         const bool is_row = line->find('\t') != line->npos && !line->starts_with("0\t0.5");
-        std::string row(next_word(rest));
-        for (auto word = next_word(rest); !word.empty(); word = next_word(rest)) {
+        std::string row(next_word(remaining));
+        for (auto word = next_word(remaining); !word.empty(); word = next_word(remaining)) {
             const auto x = to_number<double>(word);
             row += is_row && x ? fmt::format("\t{:.9g}", *x * 100) : "\t" + std::string(word);
         }
@@ -270,7 +276,7 @@ TEST(Speos, ValuesAreRelative) {
     EXPECT_PRED3(near_relative, value(*b, wl, wv).g, value(*a, wl, wv).g, 0.02);
 }
 
-/// Lambert's BSDF by wavelength, of `share` and `percent` for each; transmission half as much.
+/// A Lambertian BSDF by wavelength, with `share` and `percent` for each. Transmission is half of reflection.
 std::string spectral_speos(const std::vector<std::array<double, 2>>& share_and_percent, bool passes) {
     std::string text = fmt::format("OPTIS - brdf surface file v8.0\n0\nby hand\n5\n-----\n1\t{:d}\n1\n2\t{}\n0 60\n",
                                    passes, share_and_percent.size());
@@ -293,12 +299,12 @@ TEST(Speos, FilesByWavelength) {
     EXPECT_EQ(one->format, "Speos");
     EXPECT_PRED3(near_relative, value(*one, wl, wv).g, 0.3 / k_pi, 1e-3);
     EXPECT_PRED3(near_relative, value(*one, wl, to_side(wv, -1)).g, 0.15 / k_pi, 1e-3);
-    // Values are relative to each percentage; the end may be missing.
+    // Values are relative to each percentage. The end may be missing.
     const auto relative = read(spectral_speos({{7, 30}}, false));
     ASSERT_TRUE(relative.ok()) << message(relative.error());
     EXPECT_TRUE(is_isotropic(*relative));
     EXPECT_PRED3(near_relative, value(*relative, wl, wv).g, 0.3 / k_pi, 0.01);
-    // Blue and red: the mean, tinted.
+    // Blue and red wavelengths give the mean, tinted.
     const auto two = read(spectral_speos({{0.1, 10}, {0.3, 30}}, false));
     ASSERT_TRUE(two.ok()) << message(two.error());
     const Rgb f = value(*two, wl, wv);
@@ -316,7 +322,7 @@ TEST(Speos, FilesByWavelength) {
 }
 
 TEST(Scatter, RefusesBadFiles) {
-    for (const auto& [what, by, error] : std::initializer_list<std::array<std::string, 3>>{
+    for (const auto& [what, replacement, error] : std::initializer_list<std::array<std::string, 3>>{
              {"PlaneSymmetrical", "Round", "one of PlaneSymmetrical, Asymmetrical, Asymmetrical4D, found 'Round'"},
              {"Monochrome\nS", "RGB\nS", "one of Monochrome, XYZ"},
              {"Monochrome\nS", "XYZ\nS", "TristimulusX, as XYZ, found 'Monochrome'"},
@@ -331,9 +337,9 @@ TEST(Scatter, RefusesBadFiles) {
              {"DataEnd", "", "expected DataEnd"},
              {"SampleRotation  1\n0\n", "", "fewer"}}) {
         std::string text = k_zemax;
-        const auto at = text.find(what);
-        ASSERT_NE(at, text.npos) << what;
-        const std::string found = error_of(text.replace(at, what.size(), by));
+        const auto position = text.find(what);
+        ASSERT_NE(position, text.npos) << what;
+        const std::string found = error_of(text.replace(position, what.size(), replacement));
         EXPECT_NE(found.find(error), found.npos) << what << ": " << found;
         EXPECT_EQ(found.find('\n'), found.npos);
     }
@@ -353,19 +359,20 @@ TEST(Scatter, RefusesBadFiles) {
 const std::string k_columns =
     "# a scan\n# phi theta phi theta f\n30.0  -180.0  -30.0  0.0  1e-4\n30.0  -180.0  30.0  0.0  2\n30 -180 10 0 0.5\n";
 
-/// Columns are named by the user; a plane of incidence at any azimuth is that of an isotropic surface; floors and factors.
+/// Columns are named by the user. A plane of incidence at any azimuth is that of an isotropic surface. Also floors
+/// and reflectance factors.
 TEST(Columns, AreNamed) {
     const ReadOptions options{"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,532nm", {}, 0};
-    const auto of = read(k_columns, options);
-    ASSERT_TRUE(of.ok()) << message(of.error());
-    EXPECT_TRUE(is_isotropic(*of));
-    ASSERT_EQ(wavelengths(*of).size(), 1u);
-    EXPECT_EQ(wavelengths(*of)[0], 532);
+    const auto measured = read(k_columns, options);
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    EXPECT_TRUE(is_isotropic(*measured));
+    ASSERT_EQ(wavelengths(*measured).size(), 1u);
+    EXPECT_EQ(wavelengths(*measured)[0], 532);
     const Vec3f wl = to_float(spherical(30 * k_degree, k_pi));
-    const Rgb peak = value(*of, wl, to_float(spherical(30 * k_degree, 0.0)));
+    const Rgb peak = value(*measured, wl, to_float(spherical(30 * k_degree, 0.0)));
     EXPECT_PRED3(near, peak.r, 2, 1e-3);
-    EXPECT_TRUE(peak.r == peak.g && peak.g == peak.b);  // no colour
-    EXPECT_PRED3(near, value(*of, wl, wl).g, 1e-4, 1e-6);
+    EXPECT_TRUE(peak.r == peak.g && peak.g == peak.b);  // a single wavelength has no colour
+    EXPECT_PRED3(near, value(*measured, wl, wl).g, 1e-4, 1e-6);
     const auto bounded = read(k_columns, {options.columns, Quantity::factor, 1e-4f});
     ASSERT_TRUE(bounded.ok());
     EXPECT_EQ(std::get<ScatteredSamples>(bounded->table).masked, 1u);
@@ -383,10 +390,10 @@ const std::string k_openmaterial =
  [9.05e-07, 0.5, 0.7, 0, null], [1.55e-6, 0.5, 0.5, 0, 0.3], [1.55e-6, 0.5, 0.5, 3.0, 0.4], [1.55e-6, 0.5, 0.7, 0, 0.5]]}})";
 
 TEST(OpenMaterial, RowsAreSpectra) {
-    const auto of = read(k_openmaterial);
-    ASSERT_TRUE(of.ok()) << message(of.error());
-    EXPECT_EQ(of->format, "OpenMATERIAL");
-    const auto& samples = std::get<ScatteredSamples>(of->table);
+    const auto measured = read(k_openmaterial);
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    EXPECT_EQ(measured->format, "OpenMATERIAL");
+    const auto& samples = std::get<ScatteredSamples>(measured->table);
     EXPECT_EQ(samples.description, "asphalt");
     EXPECT_EQ(samples.wl.size(), 2u);
     EXPECT_EQ(samples.masked, 1u);
@@ -400,26 +407,27 @@ TEST(OpenMaterial, RowsAreSpectra) {
     EXPECT_EQ(write_openmaterial(std::get<ScatteredSamples>(again->table)), written);
     for (std::size_t size = 0; size < k_openmaterial.size(); ++size)
         EXPECT_NE(error_of(k_openmaterial.substr(0, size)), "") << size;
-    for (const auto& [what, by] : std::initializer_list<std::array<std::string, 2>>{{"0.1]", "0.1, 1]"},
-                                                                                    {"0.1]", "\"x\"]"},
-                                                                                    {", 0.1]", "]"},
-                                                                                    {"[[9.05e-07", "[[-1"},
-                                                                                    {"[[9.05e-07", "[[null"},
-                                                                                    {"null", "[1]"}}) {
+    for (const auto& [what, replacement] : std::initializer_list<std::array<std::string, 2>>{{"0.1]", "0.1, 1]"},
+                                                                                             {"0.1]", "\"x\"]"},
+                                                                                             {", 0.1]", "]"},
+                                                                                             {"[[9.05e-07", "[[-1"},
+                                                                                             {"[[9.05e-07", "[[null"},
+                                                                                             {"null", "[1]"}}) {
         std::string text = k_openmaterial;
-        EXPECT_NE(error_of(text.replace(text.find(what), what.size(), by)), "") << by;
+        EXPECT_NE(error_of(text.replace(text.find(what), what.size(), replacement)), "") << replacement;
     }
     EXPECT_NE(error_of("{\"OpenMATERIAL\":" + std::string(100000, '[')), "");
 }
 
-/// Older versions of the format have zenith angles to −π/2: the other half of the plane. Angles beyond are refused.
+/// In older versions of the format, zenith angles reach −π/2: negative ones are in the other half of the plane.
+/// Other angles are refused.
 TEST(OpenMaterial, NegativeZenithAngles) {
     std::string text = k_openmaterial;
-    for (auto at = text.find("0.5, 0.5, 3.0"); at != text.npos; at = text.find("0.5, 0.5, 3.0"))
-        text.replace(at, 13, "0.5, -0.5, 0.0");
-    const auto of = read(text);
-    ASSERT_TRUE(of.ok()) << message(of.error());
-    const auto& samples = std::get<ScatteredSamples>(of->table);
+    for (auto position = text.find("0.5, 0.5, 3.0"); position != text.npos; position = text.find("0.5, 0.5, 3.0"))
+        text.replace(position, 13, "0.5, -0.5, 0.0");
+    const auto measured = read(text);
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto& samples = std::get<ScatteredSamples>(measured->table);
     ASSERT_EQ(samples.wl.size(), 2u);
     for (std::size_t i = 0; i < 2; ++i) {
         const bool is_mirror = dot(mirror(samples.wl[i]), samples.wv[i]) > 0.999f;
@@ -427,18 +435,19 @@ TEST(OpenMaterial, NegativeZenithAngles) {
         EXPECT_EQ(is_mirror, dot(samples.wl[i], samples.wv[i]) < 0.9f);
     }
     EXPECT_EQ(std::get<ScatteredSamples>(read(write_openmaterial(samples))->table).spectrum, samples.spectrum);
-    for (const auto& [what, by, error] : std::initializer_list<std::array<std::string, 3>>{
+    for (const auto& [what, replacement, error] : std::initializer_list<std::array<std::string, 3>>{
              {"[9.05e-07, 0.5, 0.7", "\n[9.05e-07, 45, 0.7", "line 4: angle: expected -1.571 to 1.571 rad in column 2"},
              {"0.5, 0.7, 0, null", "0.5, 1.6, 0, null", "line 3: angle: expected -1.571 to 1.571 rad in column 3"},
              {"0.5, 0.7, 0, null", "0.5, 0.7, 180, null", "in column 4 of a row, found 180"},
              {"0.5, 0.7, 0, null", "0.5, null, 0, null", "in column 3 of a row, found nan"}}) {
         std::string bad = k_openmaterial;
-        const std::string found = error_of(bad.replace(bad.find(what), what.size(), by));
+        const std::string found = error_of(bad.replace(bad.find(what), what.size(), replacement));
         EXPECT_NE(found.find(error), found.npos) << found;
     }
 }
 
-/// Two polarizations of two points at one wavelength, a third point with twice the uncertainty; what is not read is nested.
+/// Two points with two polarizations each, at one wavelength, and a third point with twice the uncertainty. Ignored
+/// data are nested.
 const std::string k_bird =
     R"({"metadata": {"schema": "brdf_json_schema_v1.0.json", "description": "spectralon", "data": {"BRDF": {"values": ["no"]}}},
  "data": {"theta_i": {"unit": "deg", "values": [45, 45, 45, 45, 30]}, "phi_i": {"unit": "deg", "values": [90, 90, 90, 90, 90]},
@@ -449,35 +458,36 @@ const std::string k_bird =
  "uBRDF": {"unit": "%", "values": [1, 1, 1, 1, 2]}}})";
 
 TEST(Bird, PointsAreSamplesOfMeanPolarization) {
-    const auto of = read(k_bird);
-    ASSERT_TRUE(of.ok()) << message(of.error());
-    EXPECT_EQ(of->format, "BiRD");
-    const auto& samples = std::get<ScatteredSamples>(of->table);
+    const auto measured = read(k_bird);
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    EXPECT_EQ(measured->format, "BiRD");
+    const auto& samples = std::get<ScatteredSamples>(measured->table);
     EXPECT_EQ(samples.description, "spectralon");
     EXPECT_TRUE(samples.isotropic);
-    ASSERT_EQ(samples.wl.size(), 3u);  // by ascending angle of the light
+    ASSERT_EQ(samples.wl.size(), 3u);  // in ascending order of the light's angle
     EXPECT_PRED3(near, samples.wavelengths[0], 550, 1e-3);
     constexpr float f[] = {0.4f, 0.3f, 0.6f};
     const Vec3d wv[] = {spherical(0.25, 0.0), spherical(0.5, -k_pi / 2), spherical(1.0, 0.0)};
-    const auto at = [&](const Vec3d& w) {
+    const auto index_of = [&](const Vec3d& w) {
         return std::size_t(std::ranges::max_element(samples.wv, {}, [&](Vec3f v) { return dot(w, to_double(v)); }) -
                            samples.wv.begin());
     };
     for (std::size_t k = 0; k < 3; ++k) {
-        EXPECT_PRED3(near, double(dot(wv[k], to_double(samples.wv[at(wv[k])]))), 1, 1e-6);
-        EXPECT_PRED3(near, samples.spectrum[at(wv[k])], f[k], 1e-6);
-        EXPECT_PRED3(near, samples.weight[at(wv[k])], k == 0 ? 0.4 : 1, 1e-6);  // 2 / (1 + 2²)
+        EXPECT_PRED3(near, double(dot(wv[k], to_double(samples.wv[index_of(wv[k])]))), 1, 1e-6);
+        EXPECT_PRED3(near, samples.spectrum[index_of(wv[k])], f[k], 1e-6);
+        EXPECT_PRED3(near, samples.weight[index_of(wv[k])], k == 0 ? 0.4 : 1, 1e-6);  // 2 / (1 + 2²)
     }
     for (std::size_t size = 0; size < k_bird.size(); ++size) EXPECT_NE(error_of(k_bird.substr(0, size)), "") << size;
-    for (const auto& [what, by] : std::initializer_list<std::array<std::string, 2>>{{"[45, 45, 45, 45, 30]", "[45]"},
-                                                                                    {"[45, 45", "[null, 45"},
-                                                                                    {"[45, 45", "[[45], 45"},
-                                                                                    {"\"rad\"", "\"grad\""},
-                                                                                    {"\"1/sr\"", "\"\""},
-                                                                                    {"theta_r", "theta_s"},
-                                                                                    {"0.25,", "\"0.25\","}}) {
+    for (const auto& [what, replacement] :
+         std::initializer_list<std::array<std::string, 2>>{{"[45, 45, 45, 45, 30]", "[45]"},
+                                                           {"[45, 45", "[null, 45"},
+                                                           {"[45, 45", "[[45], 45"},
+                                                           {"\"rad\"", "\"grad\""},
+                                                           {"\"1/sr\"", "\"\""},
+                                                           {"theta_r", "theta_s"},
+                                                           {"0.25,", "\"0.25\","}}) {
         std::string text = k_bird;
-        EXPECT_NE(error_of(text.replace(text.find(what), what.size(), by)), "") << by;
+        EXPECT_NE(error_of(text.replace(text.find(what), what.size(), replacement)), "") << replacement;
     }
     EXPECT_NE(error_of("{\"theta_i\":" + std::string(100000, '[')), "");
 }
@@ -485,15 +495,15 @@ TEST(Bird, PointsAreSamplesOfMeanPolarization) {
 const std::string k_fred =
     "type bsdf_data\nformat angles=deg bsdf=value scale=2\n10 0\n0 0 0.5\n10 0 3\n10 180 1\n30 0\n30 0 4\n";
 
-/// Lines of two numbers are lights, whose mirror direction is at azimuth 0.
+/// Lines of two numbers are lights. Their mirror direction is at azimuth 0.
 TEST(Fred, LinesAreLightsAndSamples) {
-    const auto of = read(k_fred);
-    ASSERT_TRUE(of.ok()) << message(of.error());
-    EXPECT_EQ(of->format, "FRED");
-    EXPECT_TRUE(is_isotropic(*of));
+    const auto measured = read(k_fred);
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    EXPECT_EQ(measured->format, "FRED");
+    EXPECT_TRUE(is_isotropic(*measured));
     for (const double theta : {10 * k_degree, 30 * k_degree}) {
         const Vec3f wl = to_float(spherical(theta, 1.0));
-        EXPECT_PRED3(near, value(*of, wl, mirror(wl)).g, theta > 0.2 ? 8 : 6, 1e-3);
+        EXPECT_PRED3(near, value(*measured, wl, mirror(wl)).g, theta > 0.2 ? 8 : 6, 1e-3);
     }
     EXPECT_NE(error_of("type bsdf_data\n0 0 1\n").find("a line of the light before it"), std::string::npos);
     EXPECT_NE(error_of("type bsdf_data\n0 0\n1\n").find("two of a light"), std::string::npos);
@@ -503,30 +513,31 @@ TEST(Fred, LinesAreLightsAndSamples) {
     EXPECT_NE(error_of("type bsdf_data\n0 0\n"), "");
 }
 
-/// In the plane of incidence a light is one number and a sample two; negative angles are on the side of the light.
+/// In the plane of incidence a light has one number and a sample two. Negative angles are on the light's side.
 TEST(Fred, ScansInThePlaneOfIncidence) {
-    const auto of =
+    const auto measured =
         read("type bsdf_data\nformat angles=deg bsdf=value scale=1\n15\n-15 0.2\n15 3\n45\n-45 0.1\n0 0.5\n45 4\n");
-    ASSERT_TRUE(of.ok()) << message(of.error());
-    EXPECT_EQ(of->format, "FRED");
-    EXPECT_TRUE(is_isotropic(*of));
-    const auto& samples = std::get<ScatteredSamples>(of->table);
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    EXPECT_EQ(measured->format, "FRED");
+    EXPECT_TRUE(is_isotropic(*measured));
+    const auto& samples = std::get<ScatteredSamples>(measured->table);
     ASSERT_EQ(samples.wl.size(), 5u);
     for (const double theta : {15 * k_degree, 45 * k_degree}) {
         const Vec3f wl = to_float(spherical(theta, 1.0));
-        EXPECT_PRED3(near, value(*of, wl, mirror(wl)).g, theta < 0.5 ? 3 : 4, 1e-3);
-        EXPECT_PRED3(near, value(*of, wl, wl).g, theta < 0.5 ? 0.2 : 0.1, 1e-3);
+        EXPECT_PRED3(near, value(*measured, wl, mirror(wl)).g, theta < 0.5 ? 3 : 4, 1e-3);
+        EXPECT_PRED3(near, value(*measured, wl, wl).g, theta < 0.5 ? 0.2 : 0.1, 1e-3);
     }
-    const auto turned = read("type bsdf_data\n-45\n45 0.1\n-45 4\n");
-    ASSERT_TRUE(turned.ok());
+    const auto mirrored = read("type bsdf_data\n-45\n45 0.1\n-45 4\n");
+    ASSERT_TRUE(mirrored.ok());
     const Vec3f wl = to_float(spherical(45 * k_degree, 1.0));
-    EXPECT_PRED3(near, value(*turned, wl, mirror(wl)).g, 4, 1e-3);
+    EXPECT_PRED3(near, value(*mirrored, wl, mirror(wl)).g, 4, 1e-3);
     EXPECT_NE(error_of("type bsdf_data\n15\n-15 0.2 3\n").find("line 3: numbers: expected one of a light or two"),
               std::string::npos);
     EXPECT_NE(error_of("type bsdf_data\n15 0\n400 0 3\n").find("line 3: polar angle"), std::string::npos);
 }
 
-/// Files of instruments: the twin of one sample for Zemax and for Speos; integrals as added up apart from this library.
+/// Files of instruments: one sample in a file for Zemax and in its counterpart for Speos. Integrals are compared
+/// with ones computed independently.
 TEST(Scatter, RealFiles) {
     const auto folder = shared_data() / "optics";
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
@@ -536,8 +547,9 @@ TEST(Scatter, RealFiles) {
     ASSERT_TRUE(zemax.ok() && speos.ok() && sensor.ok());
     EXPECT_FALSE(is_isotropic(*sensor));
     const auto& table = *own_table<ScatterTable>(*zemax);
-    EXPECT_PRED3(near, scatter_integral(table, table.slices[0]), 0.1309, 0.001);  // stated: 0.1345, of all directions
-    // Speos' twin was made of it with a factor for each incidence: directions agree.
+    EXPECT_PRED3(near, scatter_integral(table, table.slices[0]), 0.1309,
+                 0.001);  // the file states 0.1345, over all directions
+    // The Speos file was made from the other with a factor for each incidence, so the directions agree.
     std::mt19937_64 random(4);
     for (const double incidence : {15.0, 30.0, 60.0}) {
         const Vec3f wl = to_float(spherical(incidence * k_degree, 0.0)), mirrored = mirror(wl);
@@ -557,7 +569,7 @@ TEST(Scatter, RealFiles) {
     EXPECT_TRUE(load_measured(folder / "AnoBlackEC1onAlum.txt").ok());
 }
 
-/// Bytes for another process give the table again.
+/// A table unpacked from its bytes is the same table.
 TEST(Scatter, IsUnpacked) {
     const EvaluatedTable table = evaluated(to_scatter(lobe_brdf(), true, true, 1));
     const std::string packed = table.packed();

@@ -1,8 +1,8 @@
-"""python3 report_page.py GALLERY.html PAGE.html...: what a browser has to say of a report's pages, as JSON: problems, requests, how many
-pictures and plots each has, pictures that show nothing, how far pages are wider than a desktop's window and a phone's, and the order of the
-gallery's materials after a click.
+"""python3 report_page.py GALLERY.html PAGE.html...: prints how a browser renders a report's pages, as JSON: problems, requests, the numbers
+of pictures and of plots on each page, the number of blank pictures, by how many pixels pages are wider than the window of a desktop and of
+a phone, and the order of the gallery's materials after a click.
 
-Exit status 77: there is no Chromium."""
+Exit status 77: Chromium is not installed."""
 import json
 import sys
 

@@ -1,4 +1,4 @@
-// `srbf report`: all numbers of its pages are in its tables, and complete materials are skipped.
+// `srbf report`: all numbers on its pages are in its tables, and completed materials are skipped.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Files = std::map<fs::path, std::string>;
 
-/// Two small materials, whose names have no digits, and a file that is none.
+/// Writes two small materials, whose names have no digits, and a file that is not a measurement.
 void write_materials(const TemporaryFolder& folder) {
     for (const double gloss : {1.0, 9.0})
         write(folder / (gloss == 1 ? "matt.binary" : "krylon_blue.binary"),
@@ -29,18 +29,19 @@ void write_materials(const TemporaryFolder& folder) {
     write(folder / "broken.binary", "no measurement");
 }
 
-/// All files of a report, by their path in it.
+/// All files of a report, by their relative path.
 Files files_of(const fs::path& report) {
-    Files all;
+    Files files;
     for (const auto& entry : fs::recursive_directory_iterator(report))
-        if (entry.is_regular_file()) all[fs::relative(entry.path(), report)] = contents(entry.path());
-    return all;
+        if (entry.is_regular_file()) files[fs::relative(entry.path(), report)] = contents(entry.path());
+    return files;
 }
-/// Results that depend on time, in the folder of a material; and all files, its page too, that contain them.
+/// Results that depend on time, in the folder of a material.
 bool is_measured_time(const fs::path& file) {
     return file.filename() == "times.json" || file.filename() == "frames.json";
 }
-bool is_of_clocks(const fs::path& file) {
+/// All files that contain such results: also the pages and the tables.
+bool contains_times(const fs::path& file) {
     return is_measured_time(file) || file.filename() == "index.html" || !file.has_parent_path();
 }
 
@@ -60,7 +61,7 @@ class Report : public testing::Test {
         html = contents(whole / "index.html");
         pages = {whole / "index.html", whole / "numbers.html", page_of("matt"), page_of("krylon_blue")};
     }
-    /// The page of a material of that name.
+    /// The page of the material with this name.
     static fs::path page_of(const std::string& name) {
         for (const auto& entry : fs::directory_iterator(folder->path / "whole"))
             if (entry.path().filename().string().starts_with(name + "-")) return entry.path() / "index.html";
@@ -110,31 +111,31 @@ TEST_F(Report, NeedsNothingButItself) {
         const std::string text = contents(page);
         for (const char* outside : {"<script ", "http:", "https:", "<link", "url(", "{{", "Not <real>", "<so on>"})
             EXPECT_EQ(text.find(outside), text.npos) << page << ": " << outside;
-        // What is shown and linked to is there.
+        // Everything that is shown or linked exists.
         const std::regex link("(?:href|src)=['\"]([^'\"]*)['\"]");
-        for (std::sregex_iterator at(text.begin(), text.end(), link), end; at != end; ++at, ++links)
-            EXPECT_TRUE(fs::exists(page.parent_path() / std::string((*at)[1]))) << page << ": " << (*at)[1];
+        for (std::sregex_iterator match(text.begin(), text.end(), link), end; match != end; ++match, ++links)
+            EXPECT_TRUE(fs::exists(page.parent_path() / std::string((*match)[1]))) << page << ": " << (*match)[1];
     }
     EXPECT_GT(links, 60);
 }
 
 TEST_F(Report, GivesTheDefaultFitToOtherPrograms) {
     for (const char* name : {"matt", "krylon_blue"}) {
-        const fs::path at = page_of(name).parent_path();
-        const std::string page = contents(at / "index.html");
+        const fs::path folder_path = page_of(name).parent_path();
+        const std::string page = contents(folder_path / "index.html");
         for (const char* ending : {".glsl", ".hlsl", ".wgsl", ".metal", ".h", ".js"}) {
             EXPECT_NE(page.find(fmt::format("href='{}{}' download", name, ending)), page.npos) << ending;
-            EXPECT_NE(contents(at / (std::string(name) + ending)).find(name), page.npos) << ending;
+            EXPECT_NE(contents(folder_path / (std::string(name) + ending)).find(name), page.npos) << ending;
         }
-        // They are what `srbf export` makes of the model.
-        const std::string model = (at / "pm-source-2x2-raw.srbf").string(), code = std::string(name) + ".glsl";
+        // They are the output of `srbf export` for the model.
+        const std::string model = (folder_path / "pm-source-2x2-raw.srbf").string(), code = std::string(name) + ".glsl";
         fs::copy(model, *folder / (std::string(name) + ".srbf"));
         EXPECT_EQ(
             run(*folder, {"export", std::string(name) + ".srbf", "--to", "glsl", "--with", "sampling", "-o", code})
                 .status,
             0);
-        EXPECT_EQ(contents(*folder / code), contents(at / code));
-        EXPECT_NE(contents(at / "page.html").find("<canvas"), page.npos);
+        EXPECT_EQ(contents(*folder / code), contents(folder_path / code));
+        EXPECT_NE(contents(folder_path / "page.html").find("<canvas"), page.npos);
     }
 }
 
@@ -146,10 +147,10 @@ TEST_F(Report, IsShownByABrowser) {
         std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='{}/test' python3 '{}'{} > '{}' 2>&1",
                                 SRBF_SOURCE_DIR, script, files, (*folder / "said").string())
                         .c_str());
-    const std::string said = contents(*folder / "said");
-    if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << said;
-    ASSERT_EQ(status, 0) << said;
-    const auto answers = nlohmann::json::parse(said);
+    const std::string output = contents(*folder / "said");
+    if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << output;
+    ASSERT_EQ(status, 0) << output;
+    const auto answers = nlohmann::json::parse(output);
     EXPECT_EQ(answers["problems"], nlohmann::json::array());
     for (const std::string request : answers["requests"])
         EXPECT_TRUE(request.starts_with("file:") || request.starts_with("data:")) << request;
@@ -157,15 +158,15 @@ TEST_F(Report, IsShownByABrowser) {
     EXPECT_EQ(answers["images"], nlohmann::json({2 * 3, 0, 2 * 7, 2 * 7}));
     EXPECT_EQ(answers["blank"], 0);
     EXPECT_EQ(answers["plots"], nlohmann::json({0, 0, 2 + 6, 2 + 6}));
-    // A click puts the materials into another order.
+    // A click changes the order of the materials.
     EXPECT_EQ(answers["by_name"], nlohmann::json({"krylon_blue", "matt"}));
     auto by_error = answers["by_error"];
     EXPECT_TRUE(std::ranges::is_sorted(by_error.get<std::vector<double>>())) << by_error;
 }
 
-/// All fields of all tables of a report.
+/// All fields in all tables of a report.
 std::set<std::string> fields_of(const fs::path& report) {
-    std::set<std::string> all;
+    std::set<std::string> fields_of_report;
     for (const auto& entry : fs::directory_iterator(report)) {
         if (entry.path().extension() != ".csv") continue;
         const std::string text = contents(entry.path());
@@ -176,60 +177,62 @@ std::set<std::string> fields_of(const fs::path& report) {
             split_fields(*line, fields);
             if (columns == 0) columns = fields.size();
             EXPECT_EQ(fields.size(), columns) << entry.path() << ": " << *line;
-            for (const std::string_view field : fields) all.emplace(field);
+            for (const std::string_view field : fields) fields_of_report.emplace(field);
         }
         EXPECT_GT(columns, 0u) << entry.path();
     }
-    return all;
+    return fields_of_report;
 }
 
 TEST_F(Report, EveryNumberIsInTheTables) {
     const std::set<std::string> fields = fields_of(folder->path / "whole");
-    std::string all;
-    for (const fs::path& page : pages) all += contents(page);
+    std::string html_of_pages;
+    for (const fs::path& page : pages) html_of_pages += contents(page);
     // Each number carries the field that it was rounded from.
     const std::regex number("<data value='([^']*)'>([^<]*)</data>");
     int numbers = 0;
-    for (std::sregex_iterator at(all.begin(), all.end(), number), end; at != end; ++at, ++numbers) {
-        const std::string exact = (*at)[1];
-        std::string shown = (*at)[2];
+    for (std::sregex_iterator match(html_of_pages.begin(), html_of_pages.end(), number), end; match != end;
+         ++match, ++numbers) {
+        const std::string exact = (*match)[1];
+        std::string displayed = (*match)[2];
         EXPECT_TRUE(fields.contains(exact)) << exact;
-        const bool is_percent = shown.ends_with('%');
-        std::erase_if(shown, [](char c) { return c == ',' || c == ' ' || c == '%' || c == 's'; });
-        const auto value = to_number<double>(shown), field = to_number<double>(exact);
-        ASSERT_TRUE(value && field) << (*at)[0];
-        EXPECT_PRED3(near, *value, (is_percent ? 100 : 1) * *field, 0.006 * std::abs(*value) + 0.005) << (*at)[0];
+        const bool is_percent = displayed.ends_with('%');
+        std::erase_if(displayed, [](char c) { return c == ',' || c == ' ' || c == '%' || c == 's'; });
+        const auto value = to_number<double>(displayed), field = to_number<double>(exact);
+        ASSERT_TRUE(value && field) << (*match)[0];
+        EXPECT_PRED3(near, *value, (is_percent ? 100 : 1) * *field, 0.006 * std::abs(*value) + 0.005) << (*match)[0];
     }
     EXPECT_GT(numbers, 300);
-    // So does each point of a plot.
+    // The same holds for each point of a plot.
     const std::regex point("<circle[^>]*><title>[^:<]*: ([^<]*)</title>");
     int points = 0;
-    for (std::sregex_iterator at(all.begin(), all.end(), point), end; at != end; ++at, ++points)
-        EXPECT_TRUE(fields.contains((*at)[1])) << (*at)[1];
+    for (std::sregex_iterator match(html_of_pages.begin(), html_of_pages.end(), point), end; match != end;
+         ++match, ++points)
+        EXPECT_TRUE(fields.contains((*match)[1])) << (*match)[1];
     EXPECT_GE(points, 3);
-    // Nor is there a digit in a table, caption or card but in these, and in names.
-    const std::string rest =
-        std::regex_replace(all, std::regex("<data [^>]*>[^<]*</data>|<img[^>]*>|<a [^>]*>[^<]*</a>"), "");
-    const std::regex place("<(td|figcaption|article|p class='lead')[^>]*>([^]*?)</(td|figcaption|article|p)>");
-    for (std::sregex_iterator at(rest.begin(), rest.end(), place), end; at != end; ++at) {
-        const std::string text = std::regex_replace(std::string((*at)[2]), std::regex("<[^>]*>"), "");
+    // Tables, captions and cards contain no digits except in these numbers and in names.
+    const std::string remaining =
+        std::regex_replace(html_of_pages, std::regex("<data [^>]*>[^<]*</data>|<img[^>]*>|<a [^>]*>[^<]*</a>"), "");
+    const std::regex element("<(td|figcaption|article|p class='lead')[^>]*>([^]*?)</(td|figcaption|article|p)>");
+    for (std::sregex_iterator match(remaining.begin(), remaining.end(), element), end; match != end; ++match) {
+        const std::string text = std::regex_replace(std::string((*match)[2]), std::regex("<[^>]*>"), "");
         EXPECT_EQ(text.find_first_of("0123456789"), text.npos) << text;
     }
 }
 
-/// The folders of finished materials.
-std::set<fs::path> finished(const fs::path& report) {
-    std::set<fs::path> all;
+/// The folders of completed materials.
+std::set<fs::path> completed_folders(const fs::path& report) {
+    std::set<fs::path> folders;
     std::error_code none_yet;
     for (const auto& entry : fs::directory_iterator(report, none_yet))
-        if (entry.is_directory() && !entry.path().filename().string().starts_with('.')) all.insert(entry.path());
-    return all;
+        if (entry.is_directory() && !entry.path().filename().string().starts_with('.')) folders.insert(entry.path());
+    return folders;
 }
 
 TEST_F(Report, SaysWhereNoFramesCanBeTimed) {
     const TemporaryFolder blind;
     fs::copy(*folder / "matt.binary", blind / "matt.binary");
-    for (const fs::path& done : finished(folder->path / "whole"))
+    for (const fs::path& done : completed_folders(folder->path / "whole"))
         if (done.filename().string().starts_with("matt-")) {
             fs::create_directory(blind / "a");
             fs::copy(done, blind.path / "a" / done.filename(), fs::copy_options::recursive);
@@ -239,7 +242,7 @@ TEST_F(Report, SaysWhereNoFramesCanBeTimed) {
     const ProgramRun done = run(blind, {"report", "matt.binary", "-o", "a", "--least"});
     ::unsetenv("__EGL_VENDOR_LIBRARY_FILENAMES");
     EXPECT_EQ(done.status, 0) << done.err;
-    const std::string page = contents(*finished(blind / "a").begin() / "index.html");
+    const std::string page = contents(*completed_folders(blind / "a").begin() / "index.html");
     EXPECT_NE(page.find("No frames were timed: "), page.npos);
     EXPECT_NE(page.find("Sizes, errors, seconds"), page.npos);
 }
@@ -249,17 +252,17 @@ TEST_F(Report, NamesTheSourcesRowsBesideItsOwnMaterials) {
     EXPECT_NE(krylon.find("Tsai 2009, multivariate"), krylon.npos);
     EXPECT_NE(krylon.find("<data value='0.0102'>1.02 %</data>"), krylon.npos);
     EXPECT_EQ(contents(page_of("matt")).find("Tsai 2009, "), krylon.npos);
-    // A file with the name of a material of Tsai 2009 is taken for that material, unless it is labelled. Its bytes are
-    // those of a material that is complete.
+    // A file with the name of a material of Tsai 2009 is treated as that material, unless it is labelled. Its
+    // content is that of a completed material here.
     const TemporaryFolder metal;
     fs::copy(*folder / "matt.binary", metal / "nickel.binary");
-    for (const fs::path& done : finished(folder->path / "whole"))
+    for (const fs::path& done : completed_folders(folder->path / "whole"))
         if (const std::string name = done.filename().string(); name.starts_with("matt-"))
             fs::create_directory(metal / "a"),
                 fs::copy(done, metal.path / "a" / ("nickel-" + name.substr(5)), fs::copy_options::recursive);
     const Arguments again{"report", "nickel.binary", "-o", "a", "--least"};
     EXPECT_EQ(run(metal, again).status, 0);
-    const auto page = [&] { return contents(*finished(metal / "a").begin() / "index.html"); };
+    const auto page = [&] { return contents(*completed_folders(metal / "a").begin() / "index.html"); };
     EXPECT_NE(page().find("<data value='0.0044'>0.44 %</data>"), html.npos);
     Arguments labelled = again;
     labelled.insert(labelled.begin() + 1, {"--label", "nickel=stand-in"});
@@ -272,30 +275,30 @@ TEST_F(Report, GoesOnWhereItWasKilled) {
     ASSERT_GT(process, 0);
     const fs::path report = folder->path / "killed";
     int status = 0;
-    while (finished(report).empty() && ::waitpid(process, &status, WNOHANG) == 0)
+    while (completed_folders(report).empty() && ::waitpid(process, &status, WNOHANG) == 0)
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     ::kill(process, SIGKILL);
     ASSERT_EQ(::waitpid(process, &status, 0), process);
     ASSERT_TRUE(WIFSIGNALED(status)) << "it was done before it was killed";
-    const auto kept = finished(report);
+    const auto kept = completed_folders(report);
     ASSERT_GE(kept.size(), 1u);
     ASSERT_LT(kept.size(), 2u);
     EXPECT_FALSE(fs::exists(report / "index.html"));
     const Files before = files_of(*kept.begin());
 
-    // Running the others in parallel does not change the results either.
+    // Running the others in parallel does not change the results.
     Arguments side_by_side = arguments("killed");
     side_by_side.insert(side_by_side.end(), {"--jobs", "2"});
     EXPECT_EQ(run(*folder, side_by_side).status, first.status);
-    // Complete materials were not repeated, including their times.
+    // Completed materials were not repeated, and their times are the same.
     Files after = files_of(*kept.begin());
     for (const auto& [file, content] : before) EXPECT_TRUE(after[file] == content) << file;
     // Except for times, everything is as without the interruption.
     const Files whole = files_of(folder->path / "whole");
     Files resumed = files_of(report);
     EXPECT_EQ(resumed.size(), whole.size());
-    for (const auto& [file, content] : whole) EXPECT_TRUE(is_of_clocks(file) || resumed[file] == content) << file;
-    // And with the same times the page and the tables are the same bytes.
+    for (const auto& [file, content] : whole) EXPECT_TRUE(contains_times(file) || resumed[file] == content) << file;
+    // With the same times, pages and tables have the same bytes.
     for (const auto& [file, content] : whole)
         if (is_measured_time(file)) write(report / file, content);
     EXPECT_EQ(run(*folder, arguments("killed")).status, first.status);
@@ -303,8 +306,9 @@ TEST_F(Report, GoesOnWhereItWasKilled) {
     for (const auto& [file, content] : whole) EXPECT_TRUE(resumed[file] == content) << file;
 }
 
-/// The folder of the study that a run begins in `o`, upon which it is killed; empty if the run keeps what is there.
-std::string begun(const TemporaryFolder& folder, const Arguments& arguments) {
+/// The name of the first study that a run starts in `o`; the run is then killed. Empty if the run keeps all
+/// existing studies.
+std::string started_study(const TemporaryFolder& folder, const Arguments& arguments) {
     const pid_t process = start(folder, arguments, folder / "out", folder / "err");
     int status = 0;
     for (bool has_ended = false; !has_ended; std::this_thread::sleep_for(std::chrono::milliseconds(2))) {
@@ -321,7 +325,8 @@ std::string begun(const TemporaryFolder& folder, const Arguments& arguments) {
     return {};
 }
 
-/// Between a run that was killed before its pages and the next one each option and each input changes.
+/// A study is kept only if its input and options are the same. Each option and each input is changed after a run
+/// that was killed before it wrote its pages.
 TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
     const TemporaryFolder other;
     fs::copy(*folder / "matt.binary", other / "matt.binary");
@@ -331,13 +336,13 @@ TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
     fs::remove(kept / "index.html");
     write(other / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nf 1 2 3\nf 1 2 4\n# a\n");
     const Arguments base{"report", "matt.binary", "-o", "o", "--least"};
-    EXPECT_EQ(begun(other, base), "");
+    EXPECT_EQ(started_study(other, base), "");
     const Files expected = files_of(other / "o");
 
     const auto key_of = [](const std::string& name) { return name.substr(name.rfind('-') + 1); };
     std::set<std::string> keys{key_of(study.filename().string())};
     const auto expect_anew = [&](const Arguments& arguments) {
-        const std::string name = begun(other, arguments);
+        const std::string name = started_study(other, arguments);
         EXPECT_TRUE(!name.empty() && keys.insert(key_of(name)).second) << fmt::format("{}", fmt::join(arguments, " "));
     };
     const std::map<std::string, std::string> argument{{"--quick", ""},       {"--mesh", "m.obj"}, {"--up", "z"},
@@ -347,15 +352,15 @@ TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
     const auto options = long_options(other);
     for (const std::string& option : options.at("report")) {
         if (option == "--output") continue;
-        ASSERT_TRUE(argument.contains(option)) << option << " is to be tried";
+        ASSERT_TRUE(argument.contains(option)) << option << " is not tried here";
         const Arguments with = base + Arguments{option} + words(argument.at(option));
         if (!changes_no_study.contains(option)) {
             expect_anew(with);
             continue;
         }
-        EXPECT_EQ(begun(other, with), "") << option;
-        EXPECT_EQ(begun(other, base), "");
-        EXPECT_TRUE(files_of(other / "o") == expected) << option << " is left in what a run without it writes";
+        EXPECT_EQ(started_study(other, with), "") << option;
+        EXPECT_EQ(started_study(other, base), "");
+        EXPECT_TRUE(files_of(other / "o") == expected) << option << " still has an effect in a run without it";
     }
     expect_anew({"report", "matt.binary", "-o", "o"});
     fs::copy(other / "matt.binary", other / "nickel.binary");

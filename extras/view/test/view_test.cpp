@@ -1,5 +1,5 @@
-// The window's session without a window: fits follow the choice, replace each other and are cancelled; files that
-// cannot be read become messages. And the window itself, on a virtual screen.
+// The window's session, tested without a window: fits follow the choice, replace each other and can be cancelled;
+// files that cannot be read become messages. Also the window itself, on a virtual screen.
 #include <sys/wait.h>
 
 #include <fmt/format.h>
@@ -10,9 +10,9 @@
 #include <thread>
 
 #include "errors/measures.h"
+#include "extras/view/display_state.h"
 #include "extras/view/ink.h"
 #include "extras/view/lobes.h"
-#include "extras/view/look.h"
 #include "extras/view/opening.h"
 #include "extras/view/readings.h"
 #include "extras/view/session.h"
@@ -35,7 +35,7 @@ namespace {
 const std::string k_film = (bundled_data() / "cc_ibiza_sunset_rgb.bsdf").string();
 constexpr FitChoice k_small{PmForm::horizon, 2, 2, Objective::raw};
 
-/// Polls until `enough`, an hour at most; whether it came to that.
+/// Polls until `enough()`, for an hour at most. Returns false if the time ran out.
 template <typename Enough> bool wait(Session& session, const Enough& enough) {
     for (int i = 0; i < 360000; ++i) {
         session.poll();
@@ -62,13 +62,13 @@ TEST(Session, AChoiceIsFittedMeasuredAndSwapped) {
     ASSERT_TRUE(session.fitted()->errors);
     const double error = session.fitted()->errors->heldout.squared_error_ratio;
 
-    // The measures are those of the library for the same model.
+    // The measures are those that the library computes for the same model.
     const Evaluate others[] = {evaluator(session.fitted()->model)};
     const Evaluate reference = evaluator(*session.subjects()[0]);
     EXPECT_EQ(measure_heldout(rgb_channels(reference), rgb_channels(others), {80 * k_degree, 0})[0].squared_error_ratio,
               error);
 
-    // A better choice: what was on display stays there until the other one is there.
+    // A better choice. The previous fit stays on display until the new one is ready.
     FitChoice better = k_small;
     better.form = PmForm::extended;
     better.lobes = 5, better.variates = 3;
@@ -97,7 +97,7 @@ TEST(Session, CancelKeepsWhatIsOnDisplay) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     session.cancel();
     EXPECT_EQ(session.stage(), Stage::idle);
-    // A small fit afterwards is there long before the large one could be.
+    // A small fit afterwards finishes long before the large one could.
     FitChoice other = k_small;
     other.lobes = 1;
     const Stopwatch watch;
@@ -106,7 +106,7 @@ TEST(Session, CancelKeepsWhatIsOnDisplay) {
     EXPECT_EQ(session.fitted()->choice, other);
     EXPECT_LT(watch.seconds(), 10 * seconds + 1);
     session.choose(large);
-    session.choose(k_small);  // given up for a newer one
+    session.choose(k_small);  // cancelled by a newer choice
     ASSERT_TRUE(wait_until_idle(session));
     EXPECT_EQ(session.fitted()->choice, k_small);
 }
@@ -131,7 +131,7 @@ TEST(Session, WhatCannotBeReadIsAMessage) {
     EXPECT_FALSE(session.open(folder / "bad.bsdf"));
     EXPECT_FALSE(session.open(folder / "none.bsdf"));
     EXPECT_TRUE(session.open(k_film));
-    // A model of two channels.
+    // A model with two channels.
     std::mt19937_64 random(1);
     auto bytes = write_model({random_model(random, {.lobes = 3}), {}});
     std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -166,7 +166,7 @@ TEST(Session, AModelIsHeldAgainstTheMeasurementInWhateverOrder) {
         EXPECT_EQ(session.fitted()->choice.objective, Objective::raw);
         EXPECT_TRUE(session.fitted()->errors);
         EXPECT_TRUE(session.save(folder / "again.srbf"));
-        // What draws the model is told of one that replaces it, once.
+        // `poll` reports a replaced model once.
         EXPECT_FALSE(session.poll());
         session.show_model(model_first ? 0 : 1);
         EXPECT_TRUE(session.poll());
@@ -175,27 +175,28 @@ TEST(Session, AModelIsHeldAgainstTheMeasurementInWhateverOrder) {
 
 TEST(Session, KeysDoWhatTheySay) {
     Session empty, session;
-    Look look;
-    for (const Key& key : keys()) EXPECT_TRUE(press(key.name, look, empty)) << key.name;  // without any file, too
-    EXPECT_FALSE(press("Shift+F1", look, session));
-    look = {};
-    press("Right", look, session);
-    EXPECT_GT(look.azimuth, 0);
-    for (int i = 0; i < 40; ++i) press("Up", look, session);
-    EXPECT_LE(look.elevation, 89 * k_degree);
-    const Vec3d before = look.lights[1].towards;
-    press("2", look, session);
-    press("Shift+Left", look, session);
-    EXPECT_TRUE(near(dot(look.lights[1].towards, look.lights[1].towards), 1, 1e-12));
-    EXPECT_LT(dot(look.lights[1].towards, before), 0.9999);
-    press("E", look, session);
-    EXPECT_FALSE(look.automatic);
+    DisplayState display;
+    for (const Key& key : keys()) EXPECT_TRUE(press(key.name, display, empty)) << key.name;  // also without any file
+    EXPECT_FALSE(press("Shift+F1", display, session));
+    display = {};
+    press("Right", display, session);
+    EXPECT_GT(display.azimuth, 0);
+    for (int i = 0; i < 40; ++i) press("Up", display, session);
+    EXPECT_LE(display.elevation, 89 * k_degree);
+    const Vec3d before = display.lights[1].towards;
+    press("2", display, session);
+    press("Shift+Left", display, session);
+    EXPECT_TRUE(near(dot(display.lights[1].towards, display.lights[1].towards), 1, 1e-12));
+    EXPECT_LT(dot(display.lights[1].towards, before), 0.9999);
+    press("E", display, session);
+    EXPECT_FALSE(display.automatic);
     ASSERT_TRUE(session.open(k_film));
     const FitChoice choice = session.choice();
-    press("J", look, session), press("Shift+N", look, session), press("O", look, session), press("K", look, session);
+    press("J", display, session), press("Shift+N", display, session), press("O", display, session),
+        press("K", display, session);
     EXPECT_EQ(session.choice(),
               (FitChoice{PmForm::gaussian, choice.lobes + 1, choice.variates - 1, objectives().front()}));
-    press("Escape", look, session);
+    press("Escape", display, session);
     EXPECT_EQ(session.stage(), Stage::idle);
 }
 
@@ -208,7 +209,7 @@ TEST(Session, AFileToOpenIsTypedOrChosenAmongRecentOnes) {
     for (int i = 0; i < 2; ++i) press("Up", opening);
     EXPECT_EQ(file_of(opening), "");
     opening.typed = "film";
-    EXPECT_EQ(file_of(opening), "film");  // what is typed, unless a match is chosen
+    EXPECT_EQ(file_of(opening), "film");  // the typed text, unless a match is chosen
     for (int i = 0; i < 3; ++i) press("Down", opening);
     EXPECT_EQ(file_of(opening), "/b/film.bsdf");  // the last one
     opening.typed = "~/x.srbf";
@@ -220,9 +221,9 @@ TEST(Session, AFileToOpenIsTypedOrChosenAmongRecentOnes) {
     EXPECT_TRUE(opening.is_cancelled);
 
     Session session;
-    Look look;
-    press("Shift+Y", look, session);
-    EXPECT_TRUE(look.open_file);
+    DisplayState display;
+    press("Shift+Y", display, session);
+    EXPECT_TRUE(display.open_file);
 }
 
 TEST(Lobes, TheirSumIsTheModelAndTheirSharesAreOne) {
@@ -241,14 +242,14 @@ TEST(Lobes, TheirSumIsTheModelAndTheirSharesAreOne) {
             for (int c = 0; c < 3; ++c) EXPECT_TRUE(near_relative(sum[c], whole[c], 1e-4));
         }
         double shares = 0;
-        for (const SeenLobe& lobe : seen_lobes(model, wl)) {
+        for (const LobeSlice& lobe : lobe_slices(model, wl)) {
             shares += lobe.share;
             EXPECT_GE(lobe.width, 0);
             EXPECT_LE(*std::ranges::max_element(lobe.relative), 1);
         }
         EXPECT_TRUE(near(shares, 1, 1e-9));
     }
-    // One Gaussian lobe of the view direction: half of its peak at the angle a with e^(λ(cos a − 1)) = 1/2.
+    // A Gaussian lobe of the view direction is half of its peak at the angle a where e^(λ(cos a − 1)) = 1/2.
     PmModel one;
     one.lobes = one.variates = 1;
     one.coefficient = {{1, 1, 1}};
@@ -256,26 +257,26 @@ TEST(Lobes, TheirSumIsTheModelAndTheirSharesAreOne) {
     one.centre = {{0, 0, 1}};
     one.bandwidth = {6};
     one.parameterization = {{0, 1}};
-    const auto seen = seen_lobes({one, {}}, wl);
-    ASSERT_EQ(seen.size(), 1u);
-    EXPECT_TRUE(near(seen[0].width, std::acos(1 - std::log(2.0) / 6), 2 * k_degree));
-    EXPECT_TRUE(near(dot(to_double(seen[0].centre), Vec3d{0, 0, 1}), 1, 1e-6));
+    const auto slices = lobe_slices({one, {}}, wl);
+    ASSERT_EQ(slices.size(), 1u);
+    EXPECT_TRUE(near(slices[0].width, std::acos(1 - std::log(2.0) / 6), 2 * k_degree));
+    EXPECT_TRUE(near(dot(to_double(slices[0].centre), Vec3d{0, 0, 1}), 1, 1e-6));
 }
 
 TEST(Slice, IsTheFunctionTimesTheCosine) {
     const auto subject = load_subject(k_film);
     ASSERT_TRUE(subject);
-    const Slice of = slice(evaluator(*subject), 30 * k_degree, 0, false);
-    const Slice around = slice(evaluator(*subject), 30 * k_degree, 0, true);
-    EXPECT_EQ(around.f.size(), 2 * of.f.size());
-    EXPECT_TRUE(std::equal(of.f.begin(), of.f.end(), around.f.begin(),
+    const Slice half_slice = slice(evaluator(*subject), 30 * k_degree, 0, false);
+    const Slice full_slice = slice(evaluator(*subject), 30 * k_degree, 0, true);
+    EXPECT_EQ(full_slice.f.size(), 2 * half_slice.f.size());
+    EXPECT_TRUE(std::equal(half_slice.f.begin(), half_slice.f.end(), full_slice.f.begin(),
                            [](const Rgb& a, const Rgb& b) { return a == b || !is_finite(a); }));
     const Vec3f wl = to_float(spherical(30 * k_degree, k_pi));
-    for (std::size_t i = 0; i < of.f.size(); i += 13) {
-        const Vec3f wv{std::sin(of.angle[i]), 0, std::cos(of.angle[i])};
-        EXPECT_TRUE(near_relative(of.f[i].g, value(*subject, wl, wv).g * wv.z, 1e-3)) << of.angle[i];
+    for (std::size_t i = 0; i < half_slice.f.size(); i += 13) {
+        const Vec3f wv{std::sin(half_slice.angle[i]), 0, std::cos(half_slice.angle[i])};
+        EXPECT_TRUE(near_relative(half_slice.f[i].g, value(*subject, wl, wv).g * wv.z, 1e-3)) << half_slice.angle[i];
     }
-    // Across the plane of incidence an isotropic material is the same to both sides.
+    // Across the plane of incidence, an isotropic material is symmetric.
     const Slice across = slice(evaluator(*subject), 30 * k_degree, 90 * k_degree, false);
     for (std::size_t i = 0; i < across.f.size(); i += 13) {
         const Vec3f wv{0, std::sin(across.angle[i]), std::cos(across.angle[i])};
@@ -284,7 +285,8 @@ TEST(Slice, IsTheFunctionTimesTheCosine) {
     }
 }
 
-/// What Dear ImGui says of texts that are wider than their columns, in the plots and tables of a window of that size.
+/// The texts that are wider than their columns according to Dear ImGui, in the plots and tables of a window of this
+/// size.
 std::string clipped_texts(const Session& session, ImVec2 size, float scale) {
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
@@ -293,17 +295,17 @@ std::string clipped_texts(const Session& session, ImVec2 size, float scale) {
     load_font(scale);
     ImGui::GetStyle().ScaleAllSizes(scale);
     unsigned char* texels = nullptr;
-    int across = 0, down = 0;
-    io.Fonts->GetTexDataAsAlpha8(&texels, &across, &down);
+    int width = 0, height = 0;
+    io.Fonts->GetTexDataAsAlpha8(&texels, &width, &height);
     Readings readings;
-    Look look;
-    readings.take(session, look, true);
+    DisplayState display;
+    readings.take(session, display, true);
     std::string clipped;
     ImGuiContext& state = *ImGui::GetCurrentContext();
     for (const int tab : {0, 1}) {
         for (int frame = 0; frame < 3; ++frame) {
             ImGui::NewFrame();
-            readings.draw(session, look, {0, 0}, size);
+            readings.draw(session, display, {0, 0}, size);
             ImGui::EndFrame();
             ImGuiTabBar& tabs = *state.TabBars.GetByIndex(0);
             if (frame == 0) tabs.NextSelectedTabId = tabs.Tabs[tab].ID;
@@ -326,14 +328,15 @@ std::string clipped_texts(const Session& session, ImVec2 size, float scale) {
     return clipped;
 }
 
-// Errors of long numbers at the default size, others at a smaller one, too, and on monitors of other scales.
+// Tests wide numbers at the default size, and other numbers also at a smaller size, on monitors of several scales.
 TEST(Readings, NoTextIsWiderThanItsColumn) {
     const TemporaryFolder folder;
     std::mt19937_64 random(2);
     const PmModel model = random_model(random, {.lobes = 3});
-    for (const float times : {1e-4f, 1e4f}) {
+    for (const float factor : {1e-4f, 1e4f}) {
         PmModel scaled = model;
-        for (Rgb& of : scaled.coefficient) of = {times * of.r, times * of.g, times * of.b};
+        for (Rgb& coefficient : scaled.coefficient)
+            coefficient = {factor * coefficient.r, factor * coefficient.g, factor * coefficient.b};
         ASSERT_TRUE(save_model({scaled, {}}, folder / "model.srbf"));
         Session session;
         ASSERT_TRUE(session.open(folder / "model.srbf"));
@@ -342,15 +345,15 @@ TEST(Readings, NoTextIsWiderThanItsColumn) {
         ASSERT_TRUE(session.fitted() && session.fitted()->errors);
         for (const float scale : {1.f, 1.5f, 2.f}) {
             // Below the pictures of 1280 x 800 and of 1000 x 700.
-            EXPECT_EQ(clipped_texts(session, {scale * 1018, scale * 302}, scale), "") << scale << ", " << times;
-            if (times < 1) {
+            EXPECT_EQ(clipped_texts(session, {scale * 1018, scale * 302}, scale), "") << scale << ", " << factor;
+            if (factor < 1) {
                 EXPECT_EQ(clipped_texts(session, {scale * 738, scale * 257}, scale), "") << scale;
             }
         }
     }
 }
 
-/// The program on a virtual screen; status 77 if there is none.
+/// A run of the program on a virtual screen. The status is 77 if there is none.
 struct Screenshot {
     int status;
     std::string err;
@@ -373,13 +376,13 @@ class View : public testing::Test {
 struct Pixels {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgb;
-    /// The mean of |difference| of two rectangles of that size, 0 to 255; of a rectangle its standard deviation.
-    double apart(int xa, int xb, int y, int w, int h) const {
+    /// The mean absolute difference of two rectangles of this size, 0 to 255.
+    double difference(int xa, int xb, int y, int w, int h) const {
         double sum = 0;
         for (int row = y; row < y + h; ++row)
             for (int i = 0; i < 3 * w; ++i) {
-                const auto at = [&](int x) { return double(rgb[std::size_t(3 * (row * width + x) + i)]); };
-                sum += std::abs(at(xa) - at(xb));
+                const auto value_at = [&](int x) { return double(rgb[std::size_t(3 * (row * width + x) + i)]); };
+                sum += std::abs(value_at(xa) - value_at(xb));
             }
         return sum / (3.0 * w * h);
     }
@@ -415,12 +418,12 @@ TEST_F(View, TheScreenshotShowsMeasuredAndFitAlike) {
     const Pixels image = read_png(folder / "shot.png");
     ASSERT_EQ(image.width, 1280);
     ASSERT_EQ(image.height, 800);
-    // The middles of the pictures of measured, fit and difference; the first light's dot and the borders lie outside.
+    // The centres of the measured picture, the fit and the difference, without the first light's dot and the borders.
     const int y = 120, w = 150, h = 170, xs[3] = {360, 698, 1035};
     EXPECT_GT(image.deviation(xs[0], y, w, h), 15);  // a lit ball
     EXPECT_GT(image.deviation(xs[1], y, w, h), 15);
-    EXPECT_LT(image.apart(xs[0], xs[1], y, w, h), 4);   // of the same material
-    EXPECT_GT(image.apart(xs[0], xs[2], y, w, h), 20);  // where the difference is another picture
+    EXPECT_LT(image.difference(xs[0], xs[1], y, w, h), 4);   // the same material
+    EXPECT_GT(image.difference(xs[0], xs[2], y, w, h), 20);  // the difference is another picture
     EXPECT_LT(image.deviation(xs[2], y, w, h), 0.5 * image.deviation(xs[0], y, w, h));
     EXPECT_GT(image.deviation(280, 470, 300, 160), 5);  // the slices
     EXPECT_GT(image.deviation(640, 480, 240, 200), 5);  // the lobes
@@ -434,7 +437,7 @@ TEST_F(View, WhatCannotBeShownIsALine) {
         EXPECT_EQ(std::ranges::count(taken.err, '\n'), 1) << taken.err;
         EXPECT_FALSE(std::filesystem::exists(folder / "shot.png"));
     }
-    // Without a display: Wayland's would be sought in that folder, and its library complains where none is named.
+    // Without a display. Wayland's would be sought in this folder; its library complains if none is set.
     const std::string command = "env -u DISPLAY -u WAYLAND_DISPLAY XDG_RUNTIME_DIR='" + folder.path.string() +
                                 "' '" SRBF_PROGRAM "' view '" + k_film + "' 2>'" + (folder / "err").string() + "'";
     const int status = std::system(command.c_str());

@@ -62,7 +62,7 @@ template <typename Each> void members(Measured& of, const Each& each) {
 template <typename Each> void members(Model& of, const Each& each) { each(of.model), each(of.provenance); }
 /// Kinds of models have such a list themselves.
 template <typename M, typename Each>
-requires requires(M& of, const Each& each) { Stored<M>::for_members(of, each); }
-void members(M& of, const Each& each) { Stored<M>::for_members(of, each); }
+requires requires(M& of, const Each& each) { Kind<M>::for_members(of, each); }
+void members(M& of, const Each& each) { Kind<M>::for_members(of, each); }
 
 }  // namespace srbf

@@ -69,7 +69,7 @@ class ParameterReader;
 ///   Parameters parameters(const M&)                    as in srbf/parameters.h
 ///   void for_members(M&, const Each& each)             calls each(member) for all members, for exact copies as bytes
 ///   bool is_of(const ParameterReader&), M made_of(ParameterReader&)   whether parameters are its own, and the inverse
-template <typename M> struct Stored;
+template <typename M> struct Kind;
 
 /// The bytes of the container, with tensors in the order of their names. The header is padded so that data begin at a
 /// multiple of 8.

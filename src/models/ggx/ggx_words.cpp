@@ -3,7 +3,7 @@
 
 #include "base/parameters.h"
 #include "base/rows.h"
-#include "models/ggx/ggx_file.h"
+#include "models/ggx/ggx_kind.h"
 
 namespace srbf {
 namespace {
@@ -12,11 +12,11 @@ std::string number_of_lobes(const GgxModel& model) { return model.lobes.size() =
 
 }  // namespace
 
-std::string Stored<GgxModel>::summary(const GgxModel& model) {
+std::string Kind<GgxModel>::summary(const GgxModel& model) {
     return fmt::format("ggx, {} and Lambert", number_of_lobes(model));
 }
 
-void Stored<GgxModel>::add_rows(std::string& text, const GgxModel& model) {
+void Kind<GgxModel>::add_rows(std::string& text, const GgxModel& model) {
     add_row(text, "model", "ggx: Lambert and GGX");
     add_row(text, "size", fmt::format("{} of GGX, {} bytes", number_of_lobes(model), payload_bytes(model)));
     add_row(text, "diffuse RGB",
@@ -28,11 +28,11 @@ void Stored<GgxModel>::add_rows(std::string& text, const GgxModel& model) {
     }
 }
 
-Parameters Stored<GgxModel>::members(const GgxModel& model) {
+Parameters Kind<GgxModel>::members(const GgxModel& model) {
     return {{"form", std::string("ggx")}, {"lobes", int(model.lobes.size())}, {"variates", 1}, {"axial", true}};
 }
 
-Parameters Stored<GgxModel>::parameters(const GgxModel& model) {
+Parameters Kind<GgxModel>::parameters(const GgxModel& model) {
     std::vector<float> roughness, f90;
     std::vector<Rgb> f0;
     for (const GgxModel::Lobe& lobe : model.lobes)
@@ -44,9 +44,9 @@ Parameters Stored<GgxModel>::parameters(const GgxModel& model) {
             {"f90", array_of({L}, f90)}};
 }
 
-bool Stored<GgxModel>::is_of(const ParameterReader& of) { return of.has("diffuse"); }
+bool Kind<GgxModel>::is_of(const ParameterReader& of) { return of.has("diffuse"); }
 
-GgxModel Stored<GgxModel>::made_of(ParameterReader& of) {
+GgxModel Kind<GgxModel>::made_of(ParameterReader& of) {
     const auto roughness = of.numbers("roughness", "L"), f90 = of.numbers("f90", "L");
     const auto diffuse = of.vectors<Rgb>("diffuse", "3"), f0 = of.vectors<Rgb>("f0", "L3");
     GgxModel model;

@@ -3,7 +3,7 @@
 
 #include "base/parameters.h"
 #include "base/rows.h"
-#include "models/openpbr/openpbr_file.h"
+#include "models/openpbr/openpbr_kind.h"
 
 namespace srbf {
 namespace {
@@ -16,9 +16,9 @@ std::vector<float> numbers_of(const OpenPbrModel& model, const OpenPbrParameter&
 
 }  // namespace
 
-std::string Stored<OpenPbrModel>::summary(const OpenPbrModel&) { return "openpbr, a surface by parameters of OpenPBR"; }
+std::string Kind<OpenPbrModel>::summary(const OpenPbrModel&) { return "openpbr, a surface by parameters of OpenPBR"; }
 
-void Stored<OpenPbrModel>::add_rows(std::string& text, const OpenPbrModel& model) {
+void Kind<OpenPbrModel>::add_rows(std::string& text, const OpenPbrModel& model) {
     add_row(text, "model", "openpbr: a surface by parameters of OpenPBR 1.1");
     add_row(text, "size", fmt::format("{} numbers, {} bytes", openpbr_number_count(model), payload_bytes(model)));
     for (const OpenPbrParameter& of : k_openpbr_parameters) {
@@ -29,7 +29,7 @@ void Stored<OpenPbrModel>::add_rows(std::string& text, const OpenPbrModel& model
     if (model.is_exchanged) add_row(text, "exchanged", "light and viewer");
 }
 
-Parameters Stored<OpenPbrModel>::members(const OpenPbrModel& model) {
+Parameters Kind<OpenPbrModel>::members(const OpenPbrModel& model) {
     Parameters numbers;
     for (const OpenPbrParameter& of : k_openpbr_parameters) {
         const std::vector<std::size_t> shape(of.colour ? 1 : 0, 3);
@@ -42,7 +42,7 @@ Parameters Stored<OpenPbrModel>::members(const OpenPbrModel& model) {
             {"parameters", numbers}};
 }
 
-Parameters Stored<OpenPbrModel>::parameters(const OpenPbrModel& model) {
+Parameters Kind<OpenPbrModel>::parameters(const OpenPbrModel& model) {
     Parameters all;
     for (const OpenPbrParameter& of : k_openpbr_parameters)
         all.push_back({std::string(of.name), array_of({std::size_t(of.count())}, numbers_of(model, of))});
@@ -50,9 +50,9 @@ Parameters Stored<OpenPbrModel>::parameters(const OpenPbrModel& model) {
     return all;
 }
 
-bool Stored<OpenPbrModel>::is_of(const ParameterReader& of) { return of.has("base_color"); }
+bool Kind<OpenPbrModel>::is_of(const ParameterReader& of) { return of.has("base_color"); }
 
-OpenPbrModel Stored<OpenPbrModel>::made_of(ParameterReader& of) {
+OpenPbrModel Kind<OpenPbrModel>::made_of(ParameterReader& of) {
     OpenPbrModel model;
     for (const OpenPbrParameter& parameter : k_openpbr_parameters) {
         const auto numbers = of.numbers(parameter.name, std::to_string(parameter.count()));

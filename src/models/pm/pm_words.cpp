@@ -7,7 +7,7 @@
 
 #include "base/parameters.h"
 #include "base/rows.h"
-#include "models/pm/pm_file.h"
+#include "models/pm/pm_kind.h"
 #include "srbf/elementary.h"
 #include "srbf/half.h"
 
@@ -57,13 +57,13 @@ void add_table(std::string& text, const PmModel& model) {
 
 }  // namespace
 
-std::string Stored<PmModel>::summary(const PmModel& model) {
+std::string Kind<PmModel>::summary(const PmModel& model) {
     return fmt::format("pm, form {}, {} lobes, {} variates, {}{}", srbf::name(model.form), model.lobes, model.variates,
                        model.axial ? "axial" : "general",
                        model.wavelength.empty() ? "" : fmt::format(", {} wavelengths", model.wavelength.size()));
 }
 
-void Stored<PmModel>::add_rows(std::string& text, const PmModel& model) {
+void Kind<PmModel>::add_rows(std::string& text, const PmModel& model) {
     add_row(text, "model",
             fmt::format("pm: parameterized multivariate SRBFs, form {}, {} centres", srbf::name(model.form),
                         model.axial ? "axial" : "general"));
@@ -77,7 +77,7 @@ void Stored<PmModel>::add_rows(std::string& text, const PmModel& model) {
     add_table(text, model);
 }
 
-Parameters Stored<PmModel>::members(const PmModel& model) {
+Parameters Kind<PmModel>::members(const PmModel& model) {
     return {{"form", std::string(stored_name(model.form))},
             {"lobes", model.lobes},
             {"variates", model.variates},
@@ -85,7 +85,7 @@ Parameters Stored<PmModel>::members(const PmModel& model) {
             {"reciprocal", is_reciprocal(model)}};
 }
 
-Parameters Stored<PmModel>::parameters(const PmModel& model) {
+Parameters Kind<PmModel>::parameters(const PmModel& model) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), C = model.wavelength.size();
     Parameters all{{"form", std::string(srbf::name(model.form))},
                    {"axial", model.axial},
@@ -125,9 +125,9 @@ void round_log_scales(PmModel& model, std::vector<float>& coefficient) {
 
 }  // namespace
 
-bool Stored<PmModel>::is_of(const ParameterReader& of) { return of.has("parameterization"); }
+bool Kind<PmModel>::is_of(const ParameterReader& of) { return of.has("parameterization"); }
 
-PmModel Stored<PmModel>::made_of(ParameterReader& of) {
+PmModel Kind<PmModel>::made_of(ParameterReader& of) {
     PmModel model;
     model.bandwidth = of.numbers("bandwidth", "JN");
     model.parameterization = of.vectors<Parameterization>("parameterization", "N2");

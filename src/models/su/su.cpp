@@ -4,7 +4,7 @@
 #include <cassert>
 
 #include "base/parallel.h"
-#include "models/su/su_file.h"
+#include "models/su/su_kind.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
@@ -97,8 +97,8 @@ std::size_t auxiliary_bytes(const SuModel& model) {
 }
 
 SuModel rounded(const SuModel& model) {
-    Safetensors content = Stored<SuModel>::content(model);
-    Result<SuModel> decoded = Stored<SuModel>::read(content, "");
+    Safetensors content = Kind<SuModel>::content(model);
+    Result<SuModel> decoded = Kind<SuModel>::read(content, "");
     assert(decoded.ok());  // a valid model can be encoded
     return *std::move(decoded);
 }

@@ -8,7 +8,7 @@
 
 namespace srbf {
 
-template <> struct Stored<SuModel> {
+template <> struct Kind<SuModel> {
     static constexpr std::string_view name = "su", words = "view by view";
     static Safetensors content(const SuModel& model);
     static Result<SuModel> read(Safetensors& content, const std::string& file_name);
@@ -26,7 +26,7 @@ template <> struct Stored<SuModel> {
     }
 };
 
-template <> struct Stored<IndexTexture> {
+template <> struct Kind<IndexTexture> {
     template <typename Each> static void for_members(IndexTexture& of, const Each& each) {
         each(of.map), each(of.size), each(of.texels);
     }

@@ -8,7 +8,7 @@
 
 namespace srbf {
 
-template <> struct Stored<GgxModel> {
+template <> struct Kind<GgxModel> {
     static constexpr std::string_view name = "ggx", words = "Lambert and GGX";
     static Safetensors content(const GgxModel& model);
     static Result<GgxModel> read(Safetensors& content, const std::string& file_name);

@@ -8,7 +8,7 @@
 
 namespace srbf {
 
-template <> struct Stored<PmModel> {
+template <> struct Kind<PmModel> {
     static constexpr std::string_view name = "pm", words = "multivariate";
     static Safetensors content(const PmModel& model);
     static Result<PmModel> read(Safetensors& content, const std::string& file_name);

@@ -16,7 +16,7 @@ std::map<std::string, Tensor16> encode_beams(const Beams& beams);
 Result<Beams> decode_beams(const std::map<std::string, Tensor16>& tensors, const std::string& file_name);
 
 // A BSDF holds models; model.cpp writes and reads them.
-template <> struct Stored<BsdfModel> {
+template <> struct Kind<BsdfModel> {
     static constexpr std::string_view name = "bsdf", words = "reflection and transmission";
     static Safetensors content(const BsdfModel& bsdf);
     static Result<BsdfModel> read(Safetensors& content, const std::string& file_name);

@@ -8,7 +8,7 @@
 
 namespace srbf {
 
-template <> struct Stored<OpenPbrModel> {
+template <> struct Kind<OpenPbrModel> {
     static constexpr std::string_view name = "openpbr", words = "surface of OpenPBR";
     static Safetensors content(const OpenPbrModel& model);
     static Result<OpenPbrModel> read(Safetensors& content, const std::string& file_name);

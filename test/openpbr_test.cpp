@@ -1,6 +1,6 @@
 // Surfaces by the parameters of renderers: the formula, its file, its fit.
-#include "models/openpbr/fit_openpbr.h"
 #include "models/openpbr/openpbr_kernel.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "properties.h"
 #include "srbf/directions.h"
 #include "srbf/metrics.h"
@@ -228,7 +228,7 @@ TEST(Pbr, AKnownSurfaceIsFittedBack) {
         const OpenPbrModel truth = known(made);
         const auto observed = observe(evaluator(truth), {.count = 8192});
         ASSERT_TRUE(observed.ok());
-        const auto fit = fit_openpbr(*observed, {.is_isotropic = made != Made::brushed});
+        const auto fit = Kind<OpenPbrModel>::fit(*observed, {}, {.is_isotropic = made != Made::brushed});
         ASSERT_TRUE(fit.ok());
         const std::vector<Evaluate> fits{evaluator(fit->model)};
         EXPECT_LT(compare_pictures(evaluator(truth), fits)[0].mean.delta_e, 0.3) << int(made);
@@ -285,7 +285,7 @@ TEST(Pbr, AFitDoesNotDependOnThreads) {
     const auto observed = observe(evaluator(truth), {.count = 2048});
     ASSERT_TRUE(observed.ok());
     const auto fit = [&](int threads) {
-        return fit_openpbr(*observed, {.surface = OpenPbrSurfaceKind::gltf, .threads = threads});
+        return Kind<OpenPbrModel>::fit(*observed, {.surface = OpenPbrSurfaceKind::gltf}, {.threads = threads});
     };
     const auto one = fit(1), two = fit(2);
     ASSERT_TRUE(one.ok() && two.ok());
@@ -300,7 +300,7 @@ TEST(Pbr, WithoutPicturesPairsAreFitted) {
     const OpenPbrModel truth = known(Made::metal);
     const auto observed = observe(evaluator(truth), {.objective = Objective::cosine, .count = 4096});
     ASSERT_TRUE(observed.ok());
-    const auto fit = fit_openpbr(*observed, {});
+    const auto fit = Kind<OpenPbrModel>::fit(*observed);
     ASSERT_TRUE(fit.ok());
     EXPECT_LT(fit->loss, 1e-3);
 }

@@ -9,7 +9,6 @@
 #include "extras/daylight/klems.h"
 #include "fit/requests.h"
 #include "measured/isotropy.h"
-#include "models/ggx/fit_ggx.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "observe/pair_weights.h"
@@ -114,8 +113,8 @@ class PatchFits {
         for (const Rgb& mean : points_.mean) means_.insert(means_.end(), points_.points, mean);
     }
 
-    Result<FitOutcome> fit_ggx(const ProgressToken& progress) const {
-        return srbf::fit_ggx(observed(means_), request_, progress);  // reciprocal
+    Result<FitOutcome> fit_means(const ProgressToken& progress) const {
+        return fit_observed(request_, observed(means_), is_isotropic(table_), progress);
     }
 
     /// A fit of this size in several rounds, the best of them. A search that is no better than a smaller size is repeated
@@ -261,7 +260,7 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
     PatchFits fits(table, request);
     const auto* pm = std::get_if<PmRequest>(&request.model);
     if (!pm) {
-        auto outcome = fits.fit_ggx(progress);
+        auto outcome = fits.fit_means(progress);
         if (outcome) outcome->max_theta = k_pi / 2;
         return outcome;
     }

@@ -2,101 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "srbf/parameters.h"
 
 namespace srbf {
 namespace {
 
-/// The indices of the `most` largest of `weight`.
-std::vector<std::size_t> largest(const std::vector<double>& weight, std::size_t most) {
-    std::vector<std::size_t> order(weight.size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return weight[a] > weight[b]; });
-    order.resize(std::min(order.size(), most));
-    return order;
-}
-
-std::vector<Model> terms(const PmModel& model, std::size_t most) {
-    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
-    std::vector<double> weight;
-    for (std::size_t j = 0; j < J; ++j)
-        weight.push_back(luminance(model.coefficient[j]) * std::exp(double(model.log_scale[j])));
-    std::vector<Model> all;
-    for (const std::size_t j : largest(weight, most)) {
-        const auto of = [j](const auto& numbers, std::size_t each) {
-            const auto first = numbers.begin() + std::ptrdiff_t(j * each);
-            return std::remove_cvref_t<decltype(numbers)>(first, first + std::ptrdiff_t(each));
-        };
-        PmModel one = model;
-        one.lobes = 1;
-        one.coefficient = of(model.coefficient, 1);
-        one.wavelength.clear(), one.spectrum.clear();
-        one.log_scale = of(model.log_scale, 1);
-        one.centre = of(model.centre, N);
-        one.bandwidth = of(model.bandwidth, N);
-        one.exponent = of(model.exponent, F);
-        all.emplace_back().model = std::move(one);
-    }
-    return all;
-}
-
-std::vector<Model> terms(const SuModel& model, std::size_t most) {
-    std::vector<Model> all;
-    for (int j = 0; j < model.lobes && all.size() < most; ++j) {
-        SuModel one = model;
-        for (std::size_t i = 0; i < one.coefficient.size(); ++i)
-            if (int(i % std::size_t(model.lobes)) != j) one.coefficient[i] = {};
-        all.emplace_back().model = std::move(one);
-    }
-    return all;
-}
-
-std::vector<Model> terms(const GgxModel& model, std::size_t) {
-    GgxModel black = model;
-    black.diffuse = {};
-    for (GgxModel::Lobe& lobe : black.lobes) lobe.f0 = {}, lobe.f90 = 0;
-    std::vector<Model> all;
-    GgxModel diffuse = black;
-    diffuse.diffuse = model.diffuse;
-    all.push_back({diffuse, {}});
-    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
-        GgxModel one = black;
-        one.lobes[i] = model.lobes[i];
-        all.push_back({one, {}});
-    }
-    return all;
-}
-
-/// Its layers are not terms of a sum, but without fuzz, and then without a coat, what is left is seen.
-std::vector<Model> terms(const OpenPbrModel& model, std::size_t) {
-    std::vector<Model> all{{model, {}}};
-    for (float OpenPbrModel::*const weight : {&OpenPbrModel::fuzz_weight, &OpenPbrModel::coat_weight}) {
-        OpenPbrModel less = std::get<OpenPbrModel>(all.back().model);
-        if (less.*weight == 0) continue;
-        less.*weight = 0;
-        all.push_back({less, {}});
-    }
-    return all;
-}
-
 constexpr double k_last_ring = 89.5 * k_degree;
 
 }  // namespace
-
-std::vector<Model> terms_of(const Model& model, std::size_t most) {
-    if (const auto* bsdf = std::get_if<BsdfModel>(&model.model)) {
-        const Answering<Model> front = answering(bsdf->part, Part::reflection_front);
-        return front.brdf ? terms_of(*front.brdf, most) : std::vector<Model>{};
-    }
-    return std::visit(
-        [&](const auto& of) -> std::vector<Model> {
-            if constexpr (std::is_same_v<decltype(of), const BsdfModel&>)
-                return {};
-            else
-                return terms(of, most);
-        },
-        model.model);
-}
 
 std::vector<Vec3f> view_directions() {
     std::vector<Vec3f> all;

@@ -7,10 +7,6 @@
 
 namespace srbf {
 
-/// Models of one term each whose sum is `model`: lobes of either fitted kind; for Lambert and GGX the diffuse term and
-/// each lobe. At most `most` of them; for a multivariate model those with the largest coefficients.
-std::vector<Model> terms_of(const Model& model, std::size_t most = 64);
-
 /// The hemisphere of view directions in rings of constant θv, `k_rings` + 1 from the normal to 89.5°, with `k_around`
 /// azimuths each.
 inline constexpr int k_rings = 36, k_around = 96;

@@ -67,13 +67,12 @@ template <std::size_t... i> bool set_model(FitRequest& request, Text name, std::
 }
 
 FitOption model() {
-    constexpr Text about =
-        "pm: parameterized multivariate SRBFs, one sum of lobes for the whole BRDF;\n"
-        "su: scattered univariate SRBFs, a sum of lobes for each of many view directions;\n"
-        "ggx: Lambert and GGX, the baseline;\n"
-        "openpbr: a surface by the parameters of OpenPBR, which renderers share";
+    const auto about = []<typename... R>(std::type_identity<std::variant<R...>>) {
+        const std::string lines[] = {fmt::format("{}: {}", R::k_name, R::k_about)...};
+        return fmt::format("{}", fmt::join(lines, ";\n"));
+    }(std::type_identity<AnyRequest>());
     return word(
-        {"model", k_all, "NAME", std::string(about), preset(model_name(k_request))}, k_model_names,
+        {"model", k_all, "NAME", about, preset(model_name(k_request))}, k_model_names,
         [](FitRequest& r, Text name) { return set_model(r, name, std::make_index_sequence<k_model_names.size()>()); });
 }
 

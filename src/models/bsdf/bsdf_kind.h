@@ -1,6 +1,6 @@
-// The parts and beams of a BSDF as tensors of a model file.
+// What the library knows of BSDFs, and their parts and beams as tensors of a model file.
 #pragma once
-#include "base/safetensors.h"
+#include "base/kind.h"
 #include "srbf/models/bsdf.h"
 
 namespace srbf {
@@ -25,6 +25,8 @@ template <> struct Kind<BsdfModel> {
     static void add_rows(std::string& text, const BsdfModel& model);
     static Parameters members(const BsdfModel& model);
     static Parameters parameters(const BsdfModel& model);
+    static std::vector<Model> terms(const BsdfModel& model, std::size_t most);
+    static std::string value_text(const BsdfModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& of);
     static BsdfModel made_of(ParameterReader& of);
     /// Calls each(member) for all members.

@@ -75,4 +75,11 @@ BsdfModel Kind<BsdfModel>::made_of(ParameterReader& of) {
     return model;
 }
 
+std::vector<Model> Kind<BsdfModel>::terms(const BsdfModel& model, std::size_t most) {
+    const Answering<Model> front = answering(model.part, Part::reflection_front);
+    return front.brdf ? terms_of(*front.brdf, most) : std::vector<Model>{};
+}
+
+std::string Kind<BsdfModel>::value_text(const BsdfModel&, const NumberText&) { return {}; }  // its parts have theirs
+
 }  // namespace srbf

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 
 #include "models/openpbr/openpbr_kind.h"
 #include "srbf/half.h"
@@ -26,12 +25,7 @@ Evaluate evaluator(const OpenPbrModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
 
-OpenPbrModel rounded(const OpenPbrModel& model) {
-    Safetensors content = Kind<OpenPbrModel>::content(model);
-    Result<OpenPbrModel> decoded = Kind<OpenPbrModel>::read(content, "");
-    assert(decoded.ok());  // a valid model can be encoded
-    return *std::move(decoded);
-}
+OpenPbrModel rounded(const OpenPbrModel& model) { return as_stored(model); }
 
 Safetensors Kind<OpenPbrModel>::content(const OpenPbrModel& model) {
     Safetensors content{{}, {{"exchanged_surface", model.is_exchanged ? "true" : "false"}}};

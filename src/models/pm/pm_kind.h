@@ -1,9 +1,9 @@
-// The multivariate model as tensors of a model file.
+// What the library knows of the multivariate model.
 #pragma once
 #include <map>
 #include <string>
 
-#include "base/safetensors.h"
+#include "base/kind.h"
 #include "srbf/models/pm.h"
 
 namespace srbf {
@@ -17,6 +17,8 @@ template <> struct Kind<PmModel> {
     static void add_rows(std::string& text, const PmModel& model);
     static Parameters members(const PmModel& model);
     static Parameters parameters(const PmModel& model);
+    static std::vector<Model> terms(const PmModel& model, std::size_t most);
+    static std::string value_text(const PmModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& of);
     static PmModel made_of(ParameterReader& of);
     /// Calls each(member) for all members.

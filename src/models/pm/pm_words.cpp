@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 #include "base/parameters.h"
@@ -10,6 +11,7 @@
 #include "models/pm/pm_kind.h"
 #include "srbf/elementary.h"
 #include "srbf/half.h"
+#include "srbf/model.h"
 
 namespace srbf {
 namespace {
@@ -152,6 +154,47 @@ PmModel Kind<PmModel>::made_of(ParameterReader& of) {
     else
         model.coefficient = rows_of<Rgb>(coefficient);
     return model;
+}
+
+namespace {
+
+/// The indices of the `most` largest of `weight`.
+std::vector<std::size_t> indices_of_largest(const std::vector<double>& weight, std::size_t most) {
+    std::vector<std::size_t> order(weight.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return weight[a] > weight[b]; });
+    order.resize(std::min(order.size(), most));
+    return order;
+}
+
+}  // namespace
+
+std::vector<Model> Kind<PmModel>::terms(const PmModel& model, std::size_t most) {
+    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
+    std::vector<double> weight;
+    for (std::size_t j = 0; j < J; ++j)
+        weight.push_back(luminance(model.coefficient[j]) * std::exp(double(model.log_scale[j])));
+    std::vector<Model> all;
+    for (const std::size_t j : indices_of_largest(weight, most)) {
+        const auto of = [j](const auto& numbers, std::size_t each) {
+            const auto first = numbers.begin() + std::ptrdiff_t(j * each);
+            return std::remove_cvref_t<decltype(numbers)>(first, first + std::ptrdiff_t(each));
+        };
+        PmModel one = model;
+        one.lobes = 1;
+        one.coefficient = of(model.coefficient, 1);
+        one.wavelength.clear(), one.spectrum.clear();
+        one.log_scale = of(model.log_scale, 1);
+        one.centre = of(model.centre, N);
+        one.bandwidth = of(model.bandwidth, N);
+        one.exponent = of(model.exponent, F);
+        all.emplace_back().model = std::move(one);
+    }
+    return all;
+}
+
+std::string Kind<PmModel>::value_text(const PmModel&, const NumberText&) {
+    return "    return pm_value(pm, wl, wv);\n";
 }
 
 }  // namespace srbf

@@ -1,7 +1,6 @@
 #include "srbf/models/su.h"
 
 #include <algorithm>
-#include <cassert>
 
 #include "base/parallel.h"
 #include "models/su/su_kind.h"
@@ -96,12 +95,7 @@ std::size_t auxiliary_bytes(const SuModel& model) {
     return texels(map, size) * sizeof(NearestViews) + 8 * model.direction.size();
 }
 
-SuModel rounded(const SuModel& model) {
-    Safetensors content = Kind<SuModel>::content(model);
-    Result<SuModel> decoded = Kind<SuModel>::read(content, "");
-    assert(decoded.ok());  // a valid model can be encoded
-    return *std::move(decoded);
-}
+SuModel rounded(const SuModel& model) { return as_stored(model); }
 
 void exchange(SuModel& model) {
     model.discretise = model.discretise == Discretise::view ? Discretise::light : Discretise::view;

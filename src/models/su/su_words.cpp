@@ -6,6 +6,7 @@
 #include "base/parameters.h"
 #include "base/rows.h"
 #include "models/su/su_kind.h"
+#include "srbf/model.h"
 
 namespace srbf {
 
@@ -98,6 +99,22 @@ SuModel Kind<SuModel>::made_of(ParameterReader& of) {
     const int size = of.whole("index_size", 0, k_largest_texture, 0);
     if (!of.error() && n >= k_least_views) model.index = index_texture(model, *map, size);
     return model;
+}
+
+std::vector<Model> Kind<SuModel>::terms(const SuModel& model, std::size_t most) {
+    std::vector<Model> all;
+    for (int j = 0; j < model.lobes && all.size() < most; ++j) {
+        SuModel one = model;
+        for (std::size_t i = 0; i < one.coefficient.size(); ++i)
+            if (int(i % std::size_t(model.lobes)) != j) one.coefficient[i] = {};
+        all.emplace_back().model = std::move(one);
+    }
+    return all;
+}
+
+std::string Kind<SuModel>::value_text(const SuModel& model, const NumberText&) {
+    return fmt::format("    return su_rotated_value(su, {});\n",
+                       model.discretise == Discretise::view ? "wl, wv" : "wv, wl");
 }
 
 }  // namespace srbf

@@ -62,18 +62,14 @@ const FitRequest k_request{};
 const PmRequest k_pm{};
 const SuRequest k_su{};
 
-template <std::size_t... i> bool set_model(FitRequest& request, Text name, std::index_sequence<i...>) {
-    return ((k_model_names[i] == name && (request.model.emplace<i>(), true)) || ...);
-}
-
 FitOption model() {
-    const auto about = []<typename... R>(std::type_identity<std::variant<R...>>) {
-        const std::string lines[] = {fmt::format("{}: {}", R::k_name, R::k_about)...};
-        return fmt::format("{}", fmt::join(lines, ";\n"));
+    return []<typename... R>(std::type_identity<std::variant<R...>>) {
+        const std::string about[] = {fmt::format("{}: {}", R::k_name, R::k_about)...};
+        return word({"model", k_all, "NAME", fmt::format("{}", fmt::join(about, ";\n")), preset(model_name(k_request))},
+                    k_model_names, [](FitRequest& r, Text name) {
+                        return ((R::k_name == name && (r.model.emplace<R>(), true)) || ...);
+                    });
     }(std::type_identity<AnyRequest>());
-    return word(
-        {"model", k_all, "NAME", about, preset(model_name(k_request))}, k_model_names,
-        [](FitRequest& r, Text name) { return set_model(r, name, std::make_index_sequence<k_model_names.size()>()); });
 }
 
 FitOption surface() {

@@ -1,4 +1,4 @@
-// What the library knows of a kind of model, and what its fit is given and gives.
+// The interface of a kind of model to the library and to fronts, and what its fit is given and gives.
 #pragma once
 #include "base/safetensors.h"
 #include "srbf/parameters.h"

@@ -1,4 +1,4 @@
-// What the library knows of BSDFs, and their parts and beams as tensors of a model file.
+// `Kind` of BSDFs; their parts and beams as tensors of a model file.
 #pragma once
 #include "base/kind.h"
 #include "srbf/models/bsdf.h"

@@ -1,4 +1,4 @@
-// What the library knows of Lambert and GGX.
+// `Kind` of Lambert and GGX, with its fit.
 #pragma once
 #include <string>
 #include <string_view>
@@ -11,7 +11,7 @@
 namespace srbf {
 
 template <> struct Kind<GgxModel> {
-    static constexpr std::string_view name = "ggx", words = "Lambert and GGX";
+    static constexpr std::string_view name = GgxRequest::k_name, words = "Lambert and GGX";
     static Safetensors content(const GgxModel& model);
     static Result<GgxModel> read(Safetensors& content, const std::string& file_name);
     static double largest(const GgxModel& model);

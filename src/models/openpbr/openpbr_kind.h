@@ -1,4 +1,4 @@
-// What the library knows of surfaces of renderers' parameters.
+// `Kind` of surfaces of renderers' parameters, with its fit.
 #pragma once
 #include <string>
 #include <string_view>
@@ -11,7 +11,7 @@
 namespace srbf {
 
 template <> struct Kind<OpenPbrModel> {
-    static constexpr std::string_view name = "openpbr", words = "surface of OpenPBR";
+    static constexpr std::string_view name = OpenPbrRequest::k_name, words = "surface of OpenPBR";
     static constexpr const char* not_for_radiance = "a surface";
     static Safetensors content(const OpenPbrModel& model);
     static Result<OpenPbrModel> read(Safetensors& content, const std::string& file_name);

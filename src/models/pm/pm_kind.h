@@ -1,4 +1,4 @@
-// What the library knows of the multivariate model.
+// `Kind` of the multivariate model, and files with the lobes of several.
 #pragma once
 #include <map>
 #include <string>

@@ -1,4 +1,4 @@
-// What the library knows of the view-by-view model.
+// `Kind` of the view-by-view model.
 #pragma once
 #include <string>
 #include <string_view>

@@ -52,6 +52,6 @@ std::vector<Model> terms_of(const Model& model, std::size_t most = 64);
 using NumberText = std::function<std::string(float x, std::string_view parameter, std::size_t index)>;
 /// Statements in the language of kernel.glsl that return a model's value for wl and wv, with its numbers in the text; those
 /// of lobes are the host's, of `pm` or `su`. Of a BSDF none, since its parts have theirs.
-std::string value_text(const Model& model, const NumberText& number);
+std::string formula_text(const Model& model, const NumberText& number);
 
 }  // namespace srbf

@@ -14,7 +14,7 @@ class ParameterReader;
 ///   double largest(const M&)                           the largest of the numbers that `content` clamps to 65504
 ///   std::string summary(const M&), void add_rows(std::string& text, const M&), Parameters members(const M&),
 ///   Parameters parameters(const M&), std::vector<Model> terms(const M&, std::size_t most),
-///   std::string value_text(const M&, const NumberText&)   as in srbf/parameters.h
+///   std::string formula_text(const M&, const NumberText&)   as in srbf/parameters.h
 ///   void for_members(M&, const Each& each)             calls each(member) for all members, for exact copies as bytes
 ///   const char* not_for_radiance                       what it is, unless src/code/radiance.cpp has its formula
 ///   bool is_of(const ParameterReader&), M made_of(ParameterReader&)   whether parameters are its own, and the inverse

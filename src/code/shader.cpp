@@ -108,7 +108,7 @@ template <OneOf<Flat, MerlTable, PmModel, SuModel, GgxModel, OpenPbrModel> M> st
 }
 template <typename M> std::string code_of(const M& model) {
     std::size_t count = 0;
-    const std::string statements = value_text({model, {}}, [&](float, auto, auto) {
+    const std::string statements = formula_text({model, {}}, [&](float, auto, auto) {
         const std::size_t i = count++;
         return fmt::format("model_numbers[{}].{}", i / 4, "xyzw"[i % 4]);
     });
@@ -203,7 +203,7 @@ Uniform uniform_of(const OpenPbrModel& model) {
 template <typename M> Uniform uniform_of(const M& model) {
     Uniform of{"model_numbers", {}};
     std::size_t count = 0;
-    value_text({model, {}}, [&](float x, auto, auto) {
+    formula_text({model, {}}, [&](float x, auto, auto) {
         if (count % 4 == 0) of.numbers.emplace_back();
         of.numbers.back()[count++ % 4] = x;
         return std::string();

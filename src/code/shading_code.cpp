@@ -201,9 +201,9 @@ std::string brdf_function(const std::string& statements) {
 /// `brdf` of a model, whose numbers but those of lobes are in the text or in a table.
 std::string brdf_of(const Model& model, ParameterStorage where, Program& program) {
     if (where != ParameterStorage::tables)
-        return brdf_function(value_text(model, [](float x, auto, auto) { return real(x); }));
+        return brdf_function(formula_text(model, [](float x, auto, auto) { return real(x); }));
     Table numbers{"The numbers of the model.", "model_numbers", {}};
-    const std::string statements = value_text(model, [&](float x, std::string_view parameter, std::size_t index) {
+    const std::string statements = formula_text(model, [&](float x, std::string_view parameter, std::size_t index) {
         numbers.add(x, parameter, index);
         return fmt::format("{}[{}]", numbers.name, numbers.numbers.size() - 1);
     });

@@ -168,8 +168,8 @@ std::vector<Model> terms_of(const Model& model, std::size_t most) {
     return std::visit([&](const auto& m) { return KindOf<decltype(m)>::terms(m, most); }, model.model);
 }
 
-std::string value_text(const Model& model, const NumberText& number) {
-    return std::visit([&](const auto& m) { return KindOf<decltype(m)>::value_text(m, number); }, model.model);
+std::string formula_text(const Model& model, const NumberText& number) {
+    return std::visit([&](const auto& m) { return KindOf<decltype(m)>::formula_text(m, number); }, model.model);
 }
 
 Result<Model> model_from(const Parameters& parameters, std::map<std::string, std::string> provenance) {

@@ -26,7 +26,7 @@ template <> struct Kind<BsdfModel> {
     static Parameters members(const BsdfModel& model);
     static Parameters parameters(const BsdfModel& model);
     static std::vector<Model> terms(const BsdfModel& model, std::size_t most);
-    static std::string value_text(const BsdfModel& model, const NumberText& number);
+    static std::string formula_text(const BsdfModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& of);
     static BsdfModel made_of(ParameterReader& of);
     /// Calls each(member) for all members.

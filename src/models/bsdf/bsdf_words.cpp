@@ -80,6 +80,6 @@ std::vector<Model> Kind<BsdfModel>::terms(const BsdfModel& model, std::size_t mo
     return front.brdf ? terms_of(*front.brdf, most) : std::vector<Model>{};
 }
 
-std::string Kind<BsdfModel>::value_text(const BsdfModel&, const NumberText&) { return {}; }  // its parts have theirs
+std::string Kind<BsdfModel>::formula_text(const BsdfModel&, const NumberText&) { return {}; }  // its parts have theirs
 
 }  // namespace srbf

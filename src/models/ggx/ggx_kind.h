@@ -20,7 +20,7 @@ template <> struct Kind<GgxModel> {
     static Parameters members(const GgxModel& model);
     static Parameters parameters(const GgxModel& model);
     static std::vector<Model> terms(const GgxModel& model, std::size_t most);
-    static std::string value_text(const GgxModel& model, const NumberText& number);
+    static std::string formula_text(const GgxModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& of);
     static GgxModel made_of(ParameterReader& of);
     /// With no roughness below the observations' least. For given roughness all other parameters solve a non-negative linear

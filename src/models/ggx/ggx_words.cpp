@@ -73,7 +73,7 @@ std::vector<Model> Kind<GgxModel>::terms(const GgxModel& model, std::size_t) {
     return all;
 }
 
-std::string Kind<GgxModel>::value_text(const GgxModel& model, const NumberText& number) {
+std::string Kind<GgxModel>::formula_text(const GgxModel& model, const NumberText& number) {
     const auto colour = [&](const Rgb& of, const char* parameter, std::size_t i) {
         const std::string r = number(of.r, parameter, 3 * i), g = number(of.g, parameter, 3 * i + 1),
                           b = number(of.b, parameter, 3 * i + 2);

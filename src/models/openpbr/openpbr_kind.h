@@ -21,7 +21,7 @@ template <> struct Kind<OpenPbrModel> {
     static Parameters members(const OpenPbrModel& model);
     static Parameters parameters(const OpenPbrModel& model);
     static std::vector<Model> terms(const OpenPbrModel& model, std::size_t most);
-    static std::string value_text(const OpenPbrModel& model, const NumberText& number);
+    static std::string formula_text(const OpenPbrModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& of);
     static OpenPbrModel made_of(ParameterReader& of);
     /// By Levenberg-Marquardt from those of some two thousand surfaces that come nearest, and from the best under films: to

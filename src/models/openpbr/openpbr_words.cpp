@@ -75,7 +75,7 @@ std::vector<Model> Kind<OpenPbrModel>::terms(const OpenPbrModel& model, std::siz
     return all;
 }
 
-std::string Kind<OpenPbrModel>::value_text(const OpenPbrModel& model, const NumberText& number) {
+std::string Kind<OpenPbrModel>::formula_text(const OpenPbrModel& model, const NumberText& number) {
     const auto surface = kernel_surface(model);
     std::string text = "    OpenPbrSurface of;\n";
     const auto set = [&](const char* member, float x) {

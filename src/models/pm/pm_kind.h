@@ -18,7 +18,7 @@ template <> struct Kind<PmModel> {
     static Parameters members(const PmModel& model);
     static Parameters parameters(const PmModel& model);
     static std::vector<Model> terms(const PmModel& model, std::size_t most);
-    static std::string value_text(const PmModel& model, const NumberText& number);
+    static std::string formula_text(const PmModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& of);
     static PmModel made_of(ParameterReader& of);
     /// Calls each(member) for all members.

@@ -193,7 +193,7 @@ std::vector<Model> Kind<PmModel>::terms(const PmModel& model, std::size_t most) 
     return all;
 }
 
-std::string Kind<PmModel>::value_text(const PmModel&, const NumberText&) {
+std::string Kind<PmModel>::formula_text(const PmModel&, const NumberText&) {
     return "    return pm_value(pm, wl, wv);\n";
 }
 

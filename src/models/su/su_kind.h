@@ -19,7 +19,7 @@ template <> struct Kind<SuModel> {
     static Parameters members(const SuModel& model);
     static Parameters parameters(const SuModel& model);
     static std::vector<Model> terms(const SuModel& model, std::size_t most);
-    static std::string value_text(const SuModel& model, const NumberText& number);
+    static std::string formula_text(const SuModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& of);
     static SuModel made_of(ParameterReader& of);
     /// Calls each(member) for all members.

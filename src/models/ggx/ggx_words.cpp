@@ -45,7 +45,7 @@ Parameters Kind<GgxModel>::parameters(const GgxModel& model) {
             {"f90", array_of({L}, f90)}};
 }
 
-bool Kind<GgxModel>::is_of(const ParameterReader& of) { return of.has("diffuse"); }
+bool Kind<GgxModel>::is_of(const ParameterReader& of) { return of.has("f0"); }
 
 GgxModel Kind<GgxModel>::made_of(ParameterReader& of) {
     const auto roughness = of.numbers("roughness", "L"), f90 = of.numbers("f90", "L");

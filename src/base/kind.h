@@ -17,7 +17,8 @@ class ParameterReader;
 ///   std::string formula_text(const M&, const NumberText&)   as in srbf/parameters.h
 ///   void for_members(M&, const Each& each)             calls each(member) for all members, for exact copies as bytes
 ///   const char* not_for_radiance                       what it is, unless src/code/radiance.cpp has its formula
-///   bool is_of(const ParameterReader&), M made_of(ParameterReader&)   whether parameters are its own, and the inverse
+///   bool is_of(const ParameterReader&), M made_of(ParameterReader&)   whether parameters are its own, by a name that no kind
+///                                                      before it in `AnyModel` has; and the inverse of `parameters`
 /// and unless it is fitted to more than observations, with R the request for it
 ///   Result<Fitted<M>> fit(const Observations&, const R&, const FitConditions&, const ProgressToken&)
 template <typename M> struct Kind;

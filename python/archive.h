@@ -69,7 +69,7 @@ template <typename Each> void members(Measured& value, const Each& each) {
 template <typename Each> void members(Model& value, const Each& each) { each(value.model), each(value.provenance); }
 /// A kind of model has a list of its own members.
 template <typename M, typename Each>
-requires requires(M& value, const Each& each) { Stored<M>::for_members(value, each); }
-void members(M& value, const Each& each) { Stored<M>::for_members(value, each); }
+requires requires(M& value, const Each& each) { Kind<M>::for_members(value, each); }
+void members(M& value, const Each& each) { Kind<M>::for_members(value, each); }
 
 }  // namespace srbf

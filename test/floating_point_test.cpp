@@ -14,7 +14,7 @@
 #include "../python/archive.h"
 #include "measured/isotropy.h"
 #include "models.h"
-#include "models/ggx/fit_ggx.h"
+#include "models/ggx/ggx_kind.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "models/su/view_lobes.h"
@@ -264,7 +264,7 @@ std::vector<std::vector<std::byte>> results(const Measured& measured, int thread
     const auto matrix = tabulate(f, {.directions = 64, .between = 64, .threads = threads});
     const auto su = fit_su(*matrix, {.lobes = 2, .threads = threads});
     list.push_back(write_model({su->model, {}}));
-    const auto ggx = fit_ggx(*observations, {1, threads});
+    const auto ggx = Kind<GgxModel>::fit(*observations, {}, {.threads = threads});
     list.push_back(write_model({ggx->model, {}}));
     const Model models[] = {{fit->model, {}}, {su->model, {}}, {ggx->model, {}}};
     for (const Model& model : models) {

@@ -1,5 +1,5 @@
 // Lambert and GGX: the formula, its file, its fit.
-#include "models/ggx/fit_ggx.h"
+#include "models/ggx/ggx_kind.h"
 #include "properties.h"
 #include "srbf/directions.h"
 #include "srbf/metrics.h"
@@ -83,7 +83,7 @@ TEST(Ggx, IsFittedBack) {
         const GgxModel truth = random_ggx(random, 1 + i % 2);
         const auto observed = observe(evaluator(truth), {.objective = Objective::cosine, .count = 8192});
         ASSERT_TRUE(observed.ok());
-        const auto fit = fit_ggx(*observed, {int(truth.lobes.size()), 0});
+        const auto fit = Kind<GgxModel>::fit(*observed, {int(truth.lobes.size())});
         ASSERT_TRUE(fit.ok());
         EXPECT_LT(fit->unrounded_loss, 1e-6);
         EXPECT_LT(fit->loss, 1e-5);  // roughness in halves
@@ -103,7 +103,7 @@ TEST(Ggx, FitScalesWithTheData) {
             },
             {.objective = Objective::cube_root, .count = 4096});
     };
-    const auto once = fit_ggx(observed_times(1), {}), large = fit_ggx(observed_times(64), {});
+    const auto once = Kind<GgxModel>::fit(observed_times(1)), large = Kind<GgxModel>::fit(observed_times(64));
     ASSERT_TRUE(once.ok() && large.ok());
     EXPECT_TRUE(near(large->unrounded.diffuse.g, 64 * double(once->unrounded.diffuse.g),
                      64e-4 * double(once->unrounded.diffuse.g) + 1e-6));
@@ -117,7 +117,7 @@ TEST(Ggx, NoiseBelowZeroIsFitted) {
         auto observed = observe(evaluator(truth), {.objective = objective, .count = 1024});
         ASSERT_TRUE(observed.ok());
         for (std::size_t i = 0; i < observed->fitted_count(); i += 8) observed->f[i] = {-observed->f[i].r, -1, -1e-3f};
-        const auto fit = fit_ggx(*observed, {1, 0});
+        const auto fit = Kind<GgxModel>::fit(*observed);
         ASSERT_TRUE(fit.ok()) << name(objective);
         EXPECT_TRUE(std::isfinite(fit->loss)) << name(objective);
     }
@@ -126,7 +126,7 @@ TEST(Ggx, NoiseBelowZeroIsFitted) {
 TEST(Ggx, RefusesOtherNumbersOfLobes) {
     const auto observed = observe(evaluator(GgxModel{{1, 1, 1}, {{0.5f, {}, 0}}}), {.count = 1024});
     ASSERT_TRUE(observed.ok());
-    for (const int lobes : {0, 3, -1}) EXPECT_FALSE(fit_ggx(*observed, {lobes, 0}).ok());
+    for (const int lobes : {0, 3, -1}) EXPECT_FALSE(Kind<GgxModel>::fit(*observed, {lobes}).ok());
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // Models with the parameters of renderers' surfaces: the formula, the file, the fit.
-#include "models/openpbr/fit_openpbr.h"
 #include "models/openpbr/openpbr_kernel.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "properties.h"
 #include "srbf/directions.h"
 #include "srbf/metrics.h"
@@ -233,7 +233,7 @@ TEST(Pbr, RecoversSyntheticSurfaces) {
         const OpenPbrModel truth = synthetic_surface(surface);
         const auto observed = observe(evaluator(truth), {.count = 8192});
         ASSERT_TRUE(observed.ok());
-        const auto fit = fit_openpbr(*observed, {.is_isotropic = surface != Surface::brushed});
+        const auto fit = Kind<OpenPbrModel>::fit(*observed, {}, {.is_isotropic = surface != Surface::brushed});
         ASSERT_TRUE(fit.ok());
         const std::vector<Evaluate> fits{evaluator(fit->model)};
         EXPECT_LT(compare_pictures(evaluator(truth), fits)[0].mean.delta_e, 0.3) << int(surface);
@@ -291,7 +291,7 @@ TEST(Pbr, FitDoesNotDependOnThreads) {
     const auto observed = observe(evaluator(truth), {.count = 2048});
     ASSERT_TRUE(observed.ok());
     const auto fit = [&](int threads) {
-        return fit_openpbr(*observed, {.surface = OpenPbrSurfaceKind::gltf, .threads = threads});
+        return Kind<OpenPbrModel>::fit(*observed, {.surface = OpenPbrSurfaceKind::gltf}, {.threads = threads});
     };
     const auto one = fit(1), two = fit(2);
     ASSERT_TRUE(one.ok() && two.ok());
@@ -306,7 +306,7 @@ TEST(Pbr, FitsPairsWithoutPictures) {
     const OpenPbrModel truth = synthetic_surface(Surface::metal);
     const auto observed = observe(evaluator(truth), {.objective = Objective::cosine, .count = 4096});
     ASSERT_TRUE(observed.ok());
-    const auto fit = fit_openpbr(*observed, {});
+    const auto fit = Kind<OpenPbrModel>::fit(*observed);
     ASSERT_TRUE(fit.ok());
     EXPECT_LT(fit->loss, 1e-3);
 }

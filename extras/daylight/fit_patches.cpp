@@ -9,7 +9,6 @@
 #include "extras/daylight/klems.h"
 #include "fit/requests.h"
 #include "measured/isotropy.h"
-#include "models/ggx/fit_ggx.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "observe/pair_weights.h"
@@ -115,8 +114,8 @@ class PatchFits {
         for (const Rgb& mean : points_.mean) means_.insert(means_.end(), points_.points, mean);
     }
 
-    Result<FitOutcome> fit_ggx(const ProgressToken& progress) const {
-        return srbf::fit_ggx(observations_of(means_), request_, progress);  // reciprocal
+    Result<FitOutcome> fit_means(const ProgressToken& progress) const {
+        return fit_observed(request_, observations_of(means_), is_isotropic(table_), progress);
     }
 
     /// Fits this size in several rounds and keeps the best fit. A search that does not improve on a smaller size is
@@ -264,7 +263,7 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
     PatchFits fits(table, request);
     const auto* pm = std::get_if<PmRequest>(&request.model);
     if (!pm) {
-        auto outcome = fits.fit_ggx(progress);
+        auto outcome = fits.fit_means(progress);
         if (outcome) outcome->max_theta = k_pi / 2;
         return outcome;
     }

@@ -34,18 +34,14 @@ Json texture(const char* sampler, const char* target, const char* format, std::v
             {"texels", std::move(texels)}};
 }
 
-/// The inputs of a material's shader: "block" for the numbers of PmNumbers, "vectors" for the uniform
-/// "vectors_name", and "textures".
-Json numbers_of(const Flat&) { return Json::object(); }
+/// The inputs of a material's shader: "block", the numbers of PmNumbers; "vectors", of the uniform "vectors_name";
+/// "textures".
+template <typename M> Json numbers_of(const M& of) {
+    const Uniform uniform = uniform_of(of);
+    if (uniform.numbers.empty()) return Json::object();
+    return {{"vectors", base64_of(uniform.numbers)}, {"vectors_name", uniform.name}};
+}
 Json numbers_of(const PmModel& model) { return {{"block", base64_of(pm_numbers(model))}}; }
-Json numbers_of(const GgxModel& model) {
-    const auto numbers = ggx_numbers(model);
-    return {{"vectors", base64(std::as_bytes(std::span(numbers)))}, {"vectors_name", "ggx_numbers"}};
-}
-Json numbers_of(const OpenPbrModel& model) {
-    const auto numbers = openpbr_numbers(model);
-    return {{"vectors", base64(std::as_bytes(std::span(numbers)))}, {"vectors_name", "openpbr_numbers"}};
-}
 Json numbers_of(const std::vector<Float4>& merl_texels, std::vector<std::uint32_t> size) {
     std::vector<std::array<std::uint16_t, 4>> halves;
     for (const Float4& texel : merl_texels) {
@@ -58,7 +54,6 @@ Json numbers_of(const MerlTable& table) {
     const auto [h, d, p] = table.size;
     return numbers_of(merl_texels(table), {p, d, h});
 }
-Json numbers_of(const BsdfModel&) { return Json::object(); }
 Json numbers_of(const BsdfTables& tables) {
     const auto [h, d, p] = size_of(tables);
     return numbers_of(merl_texels(tables), {p, d, std::uint32_t(k_parts) * h});
@@ -290,12 +285,11 @@ NamedNumbers named(std::string name, std::span<const Float4> numbers) {
     for (const Float4& four : numbers) text += fmt::format("{:.9g}\n", fmt::join(four, ", "));
     return {std::move(name), std::move(text)};
 }
-template <typename M> NamedNumbers shader_numbers(const M&) { return {}; }
-NamedNumbers shader_numbers(const PmModel& model) { return named("uniform block PmNumbers", pm_numbers(model)); }
-NamedNumbers shader_numbers(const OpenPbrModel& model) {
-    return named("uniform openpbr_numbers", openpbr_numbers(model));
+NamedNumbers shader_numbers(const Material& material) {
+    if (const auto* pm = std::get_if<PmModel>(&material)) return named("uniform block PmNumbers", pm_numbers(*pm));
+    const Uniform uniform = uniform_of(material);
+    return named("uniform " + uniform.name, uniform.numbers);
 }
-NamedNumbers shader_numbers(const GgxModel& model) { return named("uniform ggx_numbers", ggx_numbers(model)); }
 
 std::string texts_of(const Page& page) {
     std::string html;
@@ -305,8 +299,7 @@ std::string texts_of(const Page& page) {
             html +=
                 copyable(fmt::format("{}: parameters", entry.name), fmt::format("parameters-{}", i), entry.parameters);
         if (entry.material) {
-            if (const auto [name, text] = std::visit([](const auto& m) { return shader_numbers(m); }, *entry.material);
-                !text.empty())
+            if (const auto [name, text] = shader_numbers(*entry.material); !text.empty())
                 html += copyable(fmt::format("{}: numbers of the shader's {}", entry.name, name),
                                  fmt::format("numbers-{}", i), text);
             html += copyable(fmt::format("{}: fragment shader (GLSL ES 3.00)", entry.name), fmt::format("glsl-{}", i),

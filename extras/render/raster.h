@@ -124,15 +124,12 @@ class RasterMaterial {
     void use(const RasterView& view) const;
     /// Binds the textures of a pass over the whole picture after the material's own, and draws it.
     void draw_whole(std::initializer_list<std::pair<const char*, const GlObject*>> textures) const;
-    void load(const Flat&) {}
     void load(const MerlTable& table);
     void load(const PmModel& model);
     void load(const SuModel& model);
-    void load(const GgxModel& model) { load_uniforms("ggx_numbers", ggx_numbers(model)); }
-    void load(const OpenPbrModel& model) { load_uniforms("openpbr_numbers", openpbr_numbers(model)); }
-    void load(const BsdfModel&) {}  // its numbers are part of the text
     void load(const BsdfTables& tables);
-    void load_uniforms(const char* name, std::span<const Float4> numbers);
+    template <typename M> void load(const M& of) { load(uniform_of(of)); }  // numbers of a BSDF are in the text
+    void load(const Uniform& uniform);
     void load_table(std::array<std::uint32_t, 3> size, std::vector<Float4> texels);
 
     GlObject program_, numbers_, no_array_;

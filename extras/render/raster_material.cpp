@@ -67,9 +67,11 @@ void RasterMaterial::load(const PmModel& model) {
     glUniformBlockBinding(program_.id(), glGetUniformBlockIndex(program_.id(), "PmNumbers"), 0);
 }
 
-void RasterMaterial::load_uniforms(const char* name, std::span<const Float4> numbers) {
-    data_bytes_ = numbers.size_bytes();
-    glUniform4fv(glGetUniformLocation(program_.id(), name), GLsizei(numbers.size()), numbers[0].data());
+void RasterMaterial::load(const Uniform& of) {
+    if (of.numbers.empty()) return;
+    data_bytes_ = of.numbers.size() * sizeof(Float4);
+    glUniform4fv(glGetUniformLocation(program_.id(), of.name.c_str()), GLsizei(of.numbers.size()),
+                 of.numbers[0].data());
 }
 
 void RasterMaterial::load(const SuModel& model) {

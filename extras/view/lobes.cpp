@@ -2,102 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "srbf/parameters.h"
 
 namespace srbf {
 namespace {
 
-/// The indices of the `max_count` largest weights, in decreasing order.
-std::vector<std::size_t> largest(const std::vector<double>& weight, std::size_t max_count) {
-    std::vector<std::size_t> order(weight.size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return weight[a] > weight[b]; });
-    order.resize(std::min(order.size(), max_count));
-    return order;
-}
-
-std::vector<Model> terms(const PmModel& model, std::size_t max_count) {
-    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
-    std::vector<double> weight;
-    for (std::size_t j = 0; j < J; ++j)
-        weight.push_back(luminance(model.coefficient[j]) * std::exp(double(model.log_scale[j])));
-    std::vector<Model> one_lobe_models;
-    for (const std::size_t j : largest(weight, max_count)) {
-        const auto part = [j](const auto& numbers, std::size_t count) {
-            const auto first = numbers.begin() + std::ptrdiff_t(j * count);
-            return std::remove_cvref_t<decltype(numbers)>(first, first + std::ptrdiff_t(count));
-        };
-        PmModel term = model;
-        term.lobes = 1;
-        term.coefficient = part(model.coefficient, 1);
-        term.wavelength.clear(), term.spectrum.clear();
-        term.log_scale = part(model.log_scale, 1);
-        term.centre = part(model.centre, N);
-        term.bandwidth = part(model.bandwidth, N);
-        term.exponent = part(model.exponent, F);
-        one_lobe_models.emplace_back().model = std::move(term);
-    }
-    return one_lobe_models;
-}
-
-std::vector<Model> terms(const SuModel& model, std::size_t max_count) {
-    std::vector<Model> one_lobe_models;
-    for (int j = 0; j < model.lobes && one_lobe_models.size() < max_count; ++j) {
-        SuModel term = model;
-        for (std::size_t i = 0; i < term.coefficient.size(); ++i)
-            if (int(i % std::size_t(model.lobes)) != j) term.coefficient[i] = {};
-        one_lobe_models.emplace_back().model = std::move(term);
-    }
-    return one_lobe_models;
-}
-
-std::vector<Model> terms(const GgxModel& model, std::size_t) {
-    GgxModel black = model;
-    black.diffuse = {};
-    for (GgxModel::Lobe& lobe : black.lobes) lobe.f0 = {}, lobe.f90 = 0;
-    std::vector<Model> models;
-    GgxModel diffuse = black;
-    diffuse.diffuse = model.diffuse;
-    models.push_back({diffuse, {}});
-    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
-        GgxModel term = black;
-        term.lobes[i] = model.lobes[i];
-        models.push_back({term, {}});
-    }
-    return models;
-}
-
-/// The layers of a surface are not terms of a sum. Instead, these are the surface, the surface without fuzz, and
-/// the one without fuzz and coat.
-std::vector<Model> terms(const OpenPbrModel& model, std::size_t) {
-    std::vector<Model> layers{{model, {}}};
-    for (float OpenPbrModel::*const weight : {&OpenPbrModel::fuzz_weight, &OpenPbrModel::coat_weight}) {
-        OpenPbrModel reduced = std::get<OpenPbrModel>(layers.back().model);
-        if (reduced.*weight == 0) continue;
-        reduced.*weight = 0;
-        layers.push_back({reduced, {}});
-    }
-    return layers;
-}
-
 constexpr double k_last_ring = 89.5 * k_degree;
 
 }  // namespace
-
-std::vector<Model> terms_of(const Model& model, std::size_t max_count) {
-    if (const auto* bsdf = std::get_if<BsdfModel>(&model.model)) {
-        const Answering<Model> front = answering(bsdf->part, Part::reflection_front);
-        return front.brdf ? terms_of(*front.brdf, max_count) : std::vector<Model>{};
-    }
-    return std::visit(
-        [&](const auto& content) -> std::vector<Model> {
-            if constexpr (std::is_same_v<decltype(content), const BsdfModel&>)
-                return {};
-            else
-                return terms(content, max_count);
-        },
-        model.model);
-}
 
 std::vector<Vec3f> view_directions() {
     std::vector<Vec3f> directions;

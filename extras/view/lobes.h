@@ -7,11 +7,6 @@
 
 namespace srbf {
 
-/// One-term models whose sum is `model`: the lobes of a multivariate or view-by-view model; for Lambert and GGX the
-/// diffuse term and each lobe. There are at most `max_count`; a multivariate model keeps those with the largest
-/// coefficients.
-std::vector<Model> terms_of(const Model& model, std::size_t max_count = 64);
-
 /// The hemisphere of view directions: `k_rings` + 1 rings of constant θv, from the normal to 89.5°, with
 /// `k_ring_azimuths` azimuths each.
 inline constexpr int k_rings = 36, k_ring_azimuths = 96;

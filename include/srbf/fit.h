@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -32,6 +33,8 @@ inline constexpr int k_tried_lobes[] = {2, 3, 4, 6, 9, 12};
 
 /// A parameterized multivariate model (PM).
 struct PmRequest {
+    static constexpr std::string_view k_name = "pm";
+    static constexpr std::string_view k_about = "parameterized multivariate SRBFs, one sum of lobes for the whole BRDF";
     PmForm form = PmForm::extended;
     int variates = k_default_variates;  ///< N, 1..k_most_variates
     std::optional<PmSize> size = {};    ///< none: 8 lobes for a table, automatic for samples
@@ -42,6 +45,9 @@ struct PmRequest {
 };
 /// A view-by-view model (SU).
 struct SuRequest {
+    static constexpr std::string_view k_name = "su";
+    static constexpr std::string_view k_about =
+        "scattered univariate SRBFs, a sum of lobes for each of many view directions";
     int lobes = 8;  ///< J per sampled direction, 1..k_most_view_lobes
     Discretise discretise = Discretise::view;
     int directions = 1536;  ///< n, k_least_views..k_most_views
@@ -49,19 +55,10 @@ struct SuRequest {
     int neighbours = 3;                      ///< K of plain interpolation, 1..k_most_neighbours
     std::optional<DirectionMap> index = {};  ///< if set, the file contains an index texture with this map
 };
-/// Lambert and GGX.
-struct GgxRequest {
-    int lobes = 1;  ///< 1..k_most_ggx_lobes
-};
-
-/// A surface of renderers' parameters.
-struct OpenPbrRequest {
-    OpenPbrSurfaceKind surface = OpenPbrSurfaceKind::openpbr;
-};
 
 /// The model to fit, and how.
 struct FitRequest {
-    std::variant<PmRequest, SuRequest, GgxRequest, OpenPbrRequest> model;
+    AnyRequest model;
     Objective objective = k_default_objective;
     std::optional<double> max_theta = {};  ///< θmax of the fit and of all errors [rad]; none: the objective's default
     bool spectral = false;                 ///< a coefficient for each wavelength of the measurement; PM only
@@ -71,9 +68,10 @@ struct FitRequest {
     double theta() const { return max_theta.value_or(default_max_theta(objective)); }  ///< [rad]
 };
 
-/// The names of the models that a request can ask for, in the order of `FitRequest::model`.
-inline constexpr std::array<std::string_view, 4> k_model_names{"pm", "su", "ggx", "openpbr"};
-static_assert(k_model_names.size() == std::variant_size_v<decltype(FitRequest::model)>);
+/// The names of the models that a request can ask for, in the order of `AnyRequest`.
+inline constexpr auto k_model_names = []<typename... R>(std::type_identity<std::variant<R...>>) {
+    return std::array{R::k_name...};
+}(std::type_identity<AnyRequest>());
 inline std::string_view model_name(const FitRequest& request) { return k_model_names[request.model.index()]; }
 
 /// True if a fit of this request to scattered samples follows the gap-filled samples: PM in colours, by an objective of

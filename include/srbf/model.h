@@ -18,9 +18,16 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
+struct PmRequest;  // fit.h
+struct SuRequest;
+
+/// All kinds of models, and the requests for those that are fitted.
+using AnyModel = std::variant<PmModel, SuModel, GgxModel, BsdfModel, OpenPbrModel>;
+using AnyRequest = std::variant<PmRequest, SuRequest, GgxRequest, OpenPbrRequest>;
+
 /// The content of a model file: a model and its provenance.
 struct Model {
-    std::variant<PmModel, SuModel, GgxModel, BsdfModel, OpenPbrModel> model;
+    AnyModel model;
     std::map<std::string, std::string> provenance;  ///< source file, options, errors, version
 };
 /// The kind of a model: "pm", "su", "ggx", "bsdf" or "openpbr", as its file has it, and in words.

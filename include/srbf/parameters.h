@@ -1,6 +1,7 @@
-// The numbers of any model by their names, for programs; and what people are told of it.
+// The numbers of any model by their names, for programs; what people are told of it; and its formula as text.
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -40,5 +41,17 @@ std::string summary(const Model& model);
 std::string rows_text(const Model& model);
 /// The members that the report of its fit has of it: "form", "lobes", "variates", "axial" of every model, and others.
 Parameters report_members(const Model& model);
+
+/// Models of one term each whose sum is `model`, at most `most`: lobes, of a multivariate model those with the largest
+/// coefficients; the diffuse term and each lobe of Lambert and GGX. Layers of a surface are no terms: `model`, then without
+/// fuzz, then without a coat. Of a BSDF those of the front reflection.
+std::vector<Model> terms_of(const Model& model, std::size_t most = 64);
+
+/// The text of a number of a model in code, of x: number `index` of that parameter; if the name is empty it follows from
+/// several.
+using NumberText = std::function<std::string(float x, std::string_view parameter, std::size_t index)>;
+/// Statements in the language of kernel.glsl that return a model's value for wl and wv, with its numbers in the text; those
+/// of lobes are the host's, of `pm` or `su`. Of a BSDF none, since its parts have theirs.
+std::string formula_text(const Model& model, const NumberText& number);
 
 }  // namespace srbf

@@ -23,8 +23,12 @@ struct BsdfTables {
     Parts<MerlTable> part;
     Beams beam;
 };
+template <typename> struct WithTables;
+template <typename... M> struct WithTables<std::variant<M...>> {
+    using type = std::variant<Flat, MerlTable, BsdfTables, M...>;
+};
 /// The material of a surface: a BRDF, or a BSDF, whose models of parts are not view by view.
-using Material = std::variant<Flat, MerlTable, PmModel, SuModel, GgxModel, BsdfModel, BsdfTables, OpenPbrModel>;
+using Material = WithTables<AnyModel>::type;
 /// True if the front, the back and the light behind the surface are visible.
 inline bool is_two_sided(const Material& material) {
     return std::holds_alternative<BsdfModel>(material) || std::holds_alternative<BsdfTables>(material);
@@ -52,9 +56,8 @@ std::string version_text(Dialect dialect);
 /// kernel.glsl requires, kernel.glsl, and the material's own part. It is the same in every dialect. The numbers of the
 /// material are uniforms: for a multivariate model the block `PmNumbers` (`pm_numbers`); for a view-by-view model the
 /// samplers `su_numbers` and `su_directions` (`su_texels`), and `su_index`; for a table the sampler `merl_table`
-/// (`merl_texels`); for Lambert and GGX `ggx_numbers`; for a surface of renderers' parameters `openpbr_numbers`. Materials
-/// with the same text differ only in these. The text includes which centres of axial lobes are −z. A BSDF's model is in
-/// the text, with its numbers as constants.
+/// (`merl_texels`); for models of few numbers a uniform (`uniform_of`). Materials with the same text differ only in these.
+/// The text includes which centres of axial lobes are −z. A BSDF's model is in the text, with its numbers as constants.
 ///
 /// With `open`, the text is the same for all multivariate models of at most `k_most_open_lobes` lobes that are all
 /// axial or all general and have up to four, or five to eight, variates. A model that changes frequently then needs no
@@ -91,12 +94,16 @@ using Float4 = std::array<float, 4>;
 /// parameterization. With `open`, those for the open text, if the model has one.
 std::vector<Float4> pm_numbers(const PmModel& model, bool open = false);
 
-/// The uniform `ggx_numbers`: (kd, F90 of the first lobe), (F0, α) of the first lobe, (F0, α) of the second, (0, 0, 0,
-/// F90 of the second).
-std::array<Float4, 4> ggx_numbers(const GgxModel& model);
-/// The uniform `openpbr_numbers`: the 23 numbers of kernel.glsl's OpenPbrSurface in its order; 1 if light and viewer are
-/// exchanged, otherwise 0; those of OpenPbrFilm; 0; those of OpenPbrAnisotropy; 0.
-std::array<Float4, 8> openpbr_numbers(const OpenPbrModel& model);
+/// A uniform of vectors by its name; of some materials none.
+struct Uniform {
+    std::string name;
+    std::vector<Float4> numbers;
+};
+/// The numbers of a model of few: of Lambert and GGX `ggx_numbers`, (kd, F90 of the first lobe), (F0, α) of the first lobe,
+/// (F0, α) of the second, (0, 0, 0, F90 of the second); of a surface `openpbr_numbers`, the 23 numbers of kernel.glsl's
+/// OpenPbrSurface in its order, 1 if light and viewer are exchanged, otherwise 0, those of OpenPbrFilm, 0, those of
+/// OpenPbrAnisotropy, 0; of other kinds `model_numbers`, those of `formula_text` (parameters.h).
+Uniform uniform_of(const Material& material);
 
 /// The texels of a view-by-view model's textures, one row per view.
 struct SuTexels {

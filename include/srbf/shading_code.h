@@ -85,8 +85,8 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
 /// The functions of a model as Python for a library of arrays, see src/code/print_python.h: brdf(wl, wv),
 /// chosen_lobe(wv, selector), sample_of_lobe(k, wv, u1, u2) for each of its 16 lobes k, light_pdf(wl, wv). The model's
 /// numbers are tables: `lobes`, a row for each (coefficient, log scale, for each variate centre, unless the model is
-/// axial, and bandwidth, negative if the centre is -z, then the exponents) and `variates`; or `facets` (diffuse, and of
-/// each lobe roughness, F0, F90). Errors: a view-by-view model.
+/// axial, and bandwidth, negative if the centre is -z, then the exponents) and `variates`; or `model_numbers`. Errors: a
+/// view-by-view model, a BSDF.
 Result<std::string> python_code(const Model& model, int threads = 0);
 
 /// The models as functions of Radiance's expression language, the text of a `.cal`: of each NAME(ix,iy,iz,ox,oy,oz), the

@@ -2,8 +2,8 @@
 
     mitsuba.load_dict({"type": "srbf", "filename": "film.srbf"})
 
-or {"type": "srbf", "model": "name"} for a model that was passed to `register(name, model)`. Multivariate models and models of Lambert and
-GGX are supported. Their numbers are parameters of `mitsuba.traverse`, with the names of `Model.parameters`. Vectorised variants use the
+or {"type": "srbf", "model": "name"} for a model that was passed to `register(name, model)`. All models are supported except view-by-view
+models and BSDFs. Their numbers are parameters of `mitsuba.traverse`, with the names of `Model.parameters`. Vectorised variants use the
 library's own formulas, printed for Dr.Jit and differentiable; scalar variants call the library. In paths from the camera, Mitsuba's `wi`
 points to the camera and `wo` to the light: they are the viewer `wv` and the light `wl`.
 """
@@ -61,45 +61,25 @@ def _require_variant() -> None:
                            "names the library that Dr.Jit loads")
 
 
-def _parameters(model: srbf.Model) -> dict[str, Any]:
-    """The numbers of the model that may change, as tensors of the current variant."""
-    names = ["diffuse", "roughness", "f0", "f90"] if model.kind == "ggx" else \
-            ["coefficient", "log_scale", "bandwidth", "parameterization", "exponent"] + ["centre"] * (not model.parameters["axial"])
-    parameters = {name: model.parameters[name] for name in names}
-    return {name: mi.TensorXf(numbers) for name, numbers in parameters.items() if numbers.size > 0}
-
-
-def _rows(model: srbf.Model) -> dict[str, list[tuple[str, int, int]]]:
-    """Where the numbers of the printed tables are: name of the parameter, index and sign."""
-    parameters = model.parameters
-    if model.kind == "ggx":
-        facets = [("diffuse", c, 1) for c in range(3)]
-        for i in range(len(parameters["roughness"])):
-            facets += [("roughness", i, 1), *(("f0", 3 * i + c, 1) for c in range(3)), ("f90", i, 1)]
-        return {"facets": facets}
-    lobes: list[tuple[str, int, int]] = []
-    J, N = parameters["bandwidth"].shape
-    F = parameters["exponent"].shape[1]
-    for j in range(J):
-        lobes += [("coefficient", 3 * j + c, 1) for c in range(3)] + [("log_scale", j, 1)]
-        for n in range(j * N, (j + 1) * N):
-            if parameters["axial"]:
-                lobes.append(("bandwidth", n, -1 if parameters["centre"].reshape(-1, 3)[n, 2] < 0 else 1))
-            else:
-                lobes += [("centre", 3 * n + c, 1) for c in range(3)] + [("bandwidth", n, 1)]
-        lobes += [("exponent", F * j + k, 1) for k in range(F)]
-    return {"lobes": lobes, "variates": [("parameterization", i, 1) for i in range(2 * N)]}
-
-
 def _functions(model: srbf.Model, parameters: dict[str, Any]) -> types.SimpleNamespace:
-    """The model's functions over arrays of the current variant. They read `parameters` when they are called."""
+    """The model's functions over arrays of the current variant. They read `parameters` when they are called. The numbers that can change are
+    added to `parameters`, as tensors."""
+
+    def table(numbers: list[float], sources: list[tuple[str, int]] = []) -> Any:
+        for name in dict.fromkeys(name.lstrip("-") for name, _ in sources if name):
+            parameters[name] = mi.TensorXf(model.parameters[name])
+        if sources:
+            return list(zip(numbers, sources))
+        return mi.Float(numbers) if dr.is_array_v(mi.Float) else None
 
     def at(table: Any, i: Any) -> Any:
         if not isinstance(table, list):
             return dr.gather(mi.Float, table, mi.UInt32(i))
-        name, index, sign = table[i]
-        number = dr.gather(mi.Float, parameters[name].array, mi.UInt32(index))
-        return number if sign > 0 else -number
+        value, (name, index) = table[i]
+        if not name:
+            return mi.Float(value)
+        number = dr.gather(mi.Float, parameters[name.lstrip("-")].array, mi.UInt32(index))
+        return -number if name[0] == "-" else number
 
     def select(condition: Any, a: Any, b: Any) -> Any:
         if isinstance(condition, bool):
@@ -110,10 +90,9 @@ def _functions(model: srbf.Model, parameters: dict[str, Any]) -> types.SimpleNam
         "exp": dr.exp, "exp2": dr.exp2, "log": dr.log, "sqrt": dr.sqrt, "inversesqrt": dr.rsqrt, "cos": dr.cos, "sin": dr.sin,
         "abs": abs, "minimum": lambda a, b: select(a < b, a, b), "maximum": lambda a, b: select(a > b, a, b), "dot": dr.dot,
         "Vec3": mi.Vector3f, "Real": mi.Float, "whole": mi.Int32, "select": select, "at": at, "Structure": types.SimpleNamespace,
-        "table": mi.Float,
+        "table": table,
     }
     exec(_srbf.python_code(model._native), names)
-    names.update(_rows(model))
     return types.SimpleNamespace(**{name: names[name] for name in ("brdf", "chosen_lobe", "sample_of_lobe", "light_pdf")})
 
 
@@ -138,7 +117,8 @@ def _plugin() -> Any:
             _require_variant()
             self._model = _model_of(props)
             _warn_of_direction(self._model)
-            self.parameters = _parameters(self._model)
+            self.parameters: dict[str, Any] = {}
+            self.f = _functions(self._model, self.parameters)
             self._changed = False
             flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide
             if not self._model.isotropic:
@@ -200,10 +180,6 @@ def _plugin() -> Any:
 
     class ArrayBSDF(ModelBSDF):
         """Uses the printed formulas, on arrays. Samples keep the mixture weights of the loaded model, so that any parameters have the same density."""
-
-        def __init__(self, props: Any):
-            super().__init__(props)
-            self.f = _functions(self._model, self.parameters)
 
         def _value(self, si: Any, wo: Any) -> Any:
             f = self.f.brdf(mi.Vector3f(wo), mi.Vector3f(si.wi))

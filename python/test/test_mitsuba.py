@@ -19,7 +19,7 @@ def models():
     film, paper = DATA / "cc_ibiza_sunset_rgb.bsdf", DATA / "paper_white_rgb.bsdf"
     return {"film": srbf.fit(film).model, "gaussian": srbf.fit(paper, form="gaussian", lobes=4).model,
             "general": srbf.fit(film, axial=False, lobes=2, variates=2, objective="cosine").model,
-            "ggx": srbf.fit(film, model="ggx", lobes=2).model, "paper": srbf.fit(paper, lobes=4).model}
+            "ggx": srbf.fit(film, model="ggx", lobes=2).model, "surface": srbf.fit(film, model="openpbr").model, "paper": srbf.fit(paper, lobes=4).model}
 
 
 SCALAR, VECTORISED = "scalar_rgb", "llvm_ad_rgb"
@@ -50,7 +50,7 @@ def all_models(made={}):
     return made
 
 
-@pytest.mark.parametrize("name", ["film", "gaussian", "general", "ggx", "paper"])
+@pytest.mark.parametrize("name", ["film", "gaussian", "general", "ggx", "surface", "paper"])
 def test_values_and_samples_are_the_librarys(variant, name):
     bsdf, model = mi.load_dict({"type": "srbf", "model": name}), all_models()[name]
     n = 100 if variant.startswith("scalar") else 20_000

@@ -10,7 +10,6 @@
 #include <string_view>
 #include <vector>
 
-#include "srbf/parameters.h"
 #include "srbf/result.h"
 
 namespace srbf {
@@ -57,19 +56,6 @@ struct MetadataReader {
     /// The value of `key`, which must be one of `known`.
     std::string take(const char* key, const std::vector<std::string_view>& known);
 };
-
-class ParameterReader;
-
-/// How an M is stored, and what programs and people are told of it. A specialisation for each kind of model has
-///   std::string_view name, words                       the metadata `model` of its file, and what people call it
-///   Safetensors content(const M&)                      its tensors, of numbers rounded to 16-bit floats, and metadata
-///   Result<M> read(Safetensors&, const std::string& file_name)   the inverse, which takes its metadata out of all
-///   double largest(const M&)                           the largest of the numbers that `content` clamps to 65504
-///   std::string summary(const M&), void add_rows(std::string& text, const M&), Parameters members(const M&),
-///   Parameters parameters(const M&)                    as in srbf/parameters.h
-///   void for_members(M&, const Each& each)             calls each(member) for all members, for exact copies as bytes
-///   bool is_of(const ParameterReader&), M made_of(ParameterReader&)   whether parameters are its own, and the inverse
-template <typename M> struct Stored;
 
 /// The bytes of the container, with tensors in the order of their names. The header is padded so that data begin at a
 /// multiple of 8.

@@ -118,7 +118,9 @@ void print(const std::vector<Statement>& body, int depth, const Program& program
 std::string python_text(const Table& table) {
     std::string numbers;
     for (const float number : table.numbers) numbers += fmt::format("{}, ", number);
-    return fmt::format("{} = table([{}])\n", table.name, numbers);
+    std::string sources;
+    for (const auto& [parameter, index] : table.sources) sources += fmt::format("(\"{}\", {}), ", parameter, index);
+    return fmt::format("{} = table([{}]{})\n", table.name, numbers, sources.empty() ? "" : ", [" + sources + "]");
 }
 
 // A function that begins with `if (condition) return value` returns a selection, for conditions on arrays.

@@ -12,6 +12,7 @@ namespace srbf::syntax {
 ///   select(condition, a, b)             a where the condition holds, otherwise b
 ///   Structure(name=value, ..)           an object with any members
 ///   table(list), at(table, i)           constant numbers, and number i of them, i an int or an array
+///   table(list, sources)                numbers of the model, each a (parameter, index) as in `Table::sources`
 /// Loops and the indices in them are over Python's int.
 std::string python_text(const Table& table);
 /// `function` of that program.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "code/defined_names.h"
+#include "models/kinds.h"
 #include "srbf/elementary.h"
 #include "srbf/shading_code.h"
 
@@ -97,14 +98,16 @@ std::string cal_of(const std::string& name, const GgxModel& model) {
 
 Result<std::string> cal_text(const std::string& name, const PmModel& model) { return cal_of(name, model); }
 Result<std::string> cal_text(const std::string& name, const GgxModel& model) { return cal_of(name, model); }
-Result<std::string> refused_for_cal(const std::string& name, const char* found) {
-    return Error{name, {}, "model for Radiance", "one of lobes, or Lambert and GGX", found, ErrorCode::argument};
-}
-Result<std::string> cal_text(const std::string& name, const SuModel&) {
-    return refused_for_cal(name, "one view by view");
-}
-Result<std::string> cal_text(const std::string& name, const OpenPbrModel&) {
-    return refused_for_cal(name, "a surface");
+/// The kinds that say what they are instead.
+template <typename M>
+requires requires { Kind<M>::not_for_radiance; }
+Result<std::string> cal_text(const std::string& name, const M&) {
+    return Error{name,
+                 {},
+                 "model for Radiance",
+                 "one of lobes, or Lambert and GGX",
+                 Kind<M>::not_for_radiance,
+                 ErrorCode::argument};
 }
 Result<std::string> cal_text(const std::string& name, const BsdfModel& model);  // of its parts
 

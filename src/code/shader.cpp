@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <concepts>
 #include <type_traits>
 
 #include "code/bsdf_code.h"
@@ -11,6 +12,7 @@
 #include "models/openpbr/openpbr_kernel.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
+#include "srbf/parameters.h"
 
 namespace srbf {
 namespace {
@@ -95,8 +97,24 @@ std::string shape(const BsdfTables& tables) {
     return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h) + beams_shape(tables.beam);
 }
 
-/// The code that precedes material.glsl.
-template <typename M> std::string code_of(const M&) { return {}; }
+/// A model of another kind: what it calls the constant is its value.
+template <typename M> std::string shape(const M&) { return "#define FLAT model_value(wl, wv)\n"; }
+
+template <typename M, typename... Of>
+concept OneOf = (std::same_as<M, Of> || ...);
+/// The code that precedes material.glsl. It has these itself.
+template <OneOf<Flat, MerlTable, PmModel, SuModel, GgxModel, OpenPbrModel> M> std::string code_of(const M&) {
+    return {};
+}
+template <typename M> std::string code_of(const M& model) {
+    std::size_t count = 0;
+    const std::string statements = formula_text({model, {}}, [&](float, auto, auto) {
+        const std::size_t i = count++;
+        return fmt::format("model_numbers[{}].{}", i / 4, "xyzw"[i % 4]);
+    });
+    return fmt::format("uniform vec4 model_numbers[{}];\nVec3 model_value(Vec3 wl, Vec3 wv) {{\n{}}}\n",
+                       (count + 3) / 4, statements);
+}
 std::string code_of(const BsdfTables& tables) { return beam_code("material", tables.beam, CodeLanguage::glsl); }
 std::string code_of(const BsdfModel& bsdf) {
     const Model model{bsdf, {}};
@@ -156,22 +174,24 @@ ProposalNumbers proposal_numbers(const Proposals& proposals) {
     return all;
 }
 
-std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
-    std::array<Float4, 4> numbers{
-        {{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
+namespace {
+
+template <OneOf<Flat, MerlTable, PmModel, SuModel, BsdfModel, BsdfTables> M> Uniform uniform_of(const M&) { return {}; }
+Uniform uniform_of(const GgxModel& model) {
+    Uniform of{"ggx_numbers", {{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
     for (std::size_t i = 0; i < model.lobes.size(); ++i) {
         const GgxModel::Lobe& lobe = model.lobes[i];
-        numbers[1 + i] = {lobe.f0.r, lobe.f0.g, lobe.f0.b, lobe.roughness};
-        numbers[3 * i][3] = lobe.f90;
+        of.numbers[1 + i] = {lobe.f0.r, lobe.f0.g, lobe.f0.b, lobe.roughness};
+        of.numbers[3 * i][3] = lobe.f90;
     }
-    return numbers;
+    return of;
 }
-
-std::array<Float4, 8> openpbr_numbers(const OpenPbrModel& model) {
+Uniform uniform_of(const OpenPbrModel& model) {
     const auto of = kernel_surface(model);
     const auto film = kernel_film(model);
     const auto anisotropy = kernel_anisotropy(model);
-    return {{{of.base_color.x, of.base_color.y, of.base_color.z, of.base_metalness},
+    return {"openpbr_numbers",
+            {{of.base_color.x, of.base_color.y, of.base_color.z, of.base_metalness},
              {of.base_diffuse_roughness, of.specular_weight, of.specular_color.x, of.specular_color.y},
              {of.specular_color.z, of.specular_roughness, of.specular_ior, of.coat_weight},
              {of.coat_color.x, of.coat_color.y, of.coat_color.z, of.coat_roughness},
@@ -179,6 +199,22 @@ std::array<Float4, 8> openpbr_numbers(const OpenPbrModel& model) {
              {of.fuzz_color.y, of.fuzz_color.z, of.fuzz_roughness, model.is_exchanged ? 1.f : 0.f},
              {film.weight, film.thickness, film.ior, 0},
              {anisotropy.amount, anisotropy.cosine, anisotropy.sine, 0}}};
+}
+template <typename M> Uniform uniform_of(const M& model) {
+    Uniform of{"model_numbers", {}};
+    std::size_t count = 0;
+    formula_text({model, {}}, [&](float x, auto, auto) {
+        if (count % 4 == 0) of.numbers.emplace_back();
+        of.numbers.back()[count++ % 4] = x;
+        return std::string();
+    });
+    return of;
+}
+
+}  // namespace
+
+Uniform uniform_of(const Material& material) {
+    return std::visit([](const auto& of) { return uniform_of(of); }, material);
 }
 
 std::vector<Float4> pm_numbers(const PmModel& of, bool open) {

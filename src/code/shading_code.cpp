@@ -16,8 +16,8 @@
 #include "code/syntax.h"
 #include "code/texts.h"
 #include "sampling/elevation_nodes.h"
+#include "srbf/parameters.h"
 #include "srbf/prepared.h"
-#include "srbf/shader.h"
 
 namespace srbf {
 namespace {
@@ -77,15 +77,21 @@ Table lobes_of(const PmModel& model, ParameterStorage where) {
                 {},
                 LobeRow(model, where).size};
     for (std::size_t j = 0; j < std::size_t(model.lobes); ++j) {
-        const Rgb& beta = model.coefficient[j];
-        if (where != ParameterStorage::arguments) lobes.numbers.insert(lobes.numbers.end(), {beta.r, beta.g, beta.b});
-        lobes.numbers.push_back(model.log_scale[j]);
+        for (int c = 0; c < 3 && where != ParameterStorage::arguments; ++c)
+            lobes.add(model.coefficient[j][c], "coefficient", 3 * j + std::size_t(c));
+        lobes.add(model.log_scale[j], "log_scale", j);
         for (std::size_t n = j * N; n < (j + 1) * N; ++n) {
             const Vec3f& xi = model.centre[n];
-            if (!model.axial) lobes.numbers.insert(lobes.numbers.end(), {xi.x, xi.y, xi.z});
-            lobes.numbers.push_back(model.axial && xi.z < 0 ? -model.bandwidth[n] : model.bandwidth[n]);
+            if (!model.axial) {
+                lobes.add(xi.x, "centre", 3 * n), lobes.add(xi.y, "centre", 3 * n + 1);
+                lobes.add(xi.z, "centre", 3 * n + 2);
+            }
+            if (model.axial && xi.z < 0)
+                lobes.add(-model.bandwidth[n], "-bandwidth", n);
+            else
+                lobes.add(model.bandwidth[n], "bandwidth", n);
         }
-        for (std::size_t k = 0; k < F; ++k) lobes.numbers.push_back(model.exponent[j * F + k]);
+        for (std::size_t k = j * F; k < (j + 1) * F; ++k) lobes.add(model.exponent[k], "exponent", k);
     }
     return lobes;
 }
@@ -94,8 +100,8 @@ Table lobes_of(const PmModel& model, ParameterStorage where) {
 std::string numbers_of(const PmModel& model, ParameterStorage where, Program& program) {
     const LobeRow row(model, where);
     Table weights{"The weights a, b of each variate.", "variates", {}, 2};
-    for (const Parameterization& of : model.parameterization)
-        weights.numbers.insert(weights.numbers.end(), {of.a, of.b});
+    for (const auto& [a, b] : model.parameterization)
+        for (const float of : {a, b}) weights.add(of, "parameterization", weights.numbers.size());
     program.tables = {std::move(weights), lobes_of(model, where)};
 
     const auto at = [&](std::size_t offset, const char* further = "") {
@@ -192,92 +198,17 @@ std::string brdf_function(const std::string& statements) {
            "        return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
            statements + "}\n";
 }
-std::string brdf_of(const SuModel& model) {
-    const char* directions = model.discretise == Discretise::view ? "wl, wv" : "wv, wl";
-    return brdf_function(fmt::format("    return su_rotated_value(su, {});\n", directions));
-}
-std::string brdf_of(const PmModel&) { return brdf_function("    return pm_value(pm, wl, wv);\n"); }
-/// `number(x)` is the text of one of its numbers, in the order of `diffuse`, and of each lobe `roughness`, `f0`, `f90`.
-template <typename Number> std::string brdf_of(const GgxModel& model, const Number& number) {
-    const auto colour = [&](const Rgb& of) {
-        const std::string r = number(of.r), g = number(of.g), b = number(of.b);
-        return fmt::format("Vec3({}, {}, {})", r, g, b);
-    };
-    constexpr std::array<const char*, k_most_ggx_lobes> names{"first", "second"};
-    std::string text, sum = "Real(2.0 / SRBF_TWO_PI) * " + colour(model.diffuse);
-    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
-        const GgxModel::Lobe& lobe = model.lobes[i];
-        const std::string roughness = number(lobe.roughness), f0 = colour(lobe.f0), f90 = number(lobe.f90);
-        text += fmt::format("    GgxLobe {0};\n    {0}.roughness = {1};\n    {0}.f0 = {2};\n    {0}.f90 = {3};\n",
-                            names[i], roughness, f0, f90);
-        sum += fmt::format(" + ggx_lobe_value({}, wl, wv)", names[i]);
-    }
-    return brdf_function(text + "    return " + sum + ";\n");
-}
-std::string brdf_of(const GgxModel& model) { return brdf_of(model, real); }
-/// `brdf` of a surface of renderers' parameters, in the order of kernel.glsl's OpenPbrSurface.
-template <typename Number> std::string brdf_of(const OpenPbrModel& model, const Number& number) {
-    constexpr std::array<std::pair<const char*, bool>, 15> members{{{"base_color", true},
-                                                                    {"base_metalness", false},
-                                                                    {"base_diffuse_roughness", false},
-                                                                    {"specular_weight", false},
-                                                                    {"specular_color", true},
-                                                                    {"specular_roughness", false},
-                                                                    {"specular_ior", false},
-                                                                    {"coat_weight", false},
-                                                                    {"coat_color", true},
-                                                                    {"coat_roughness", false},
-                                                                    {"coat_ior", false},
-                                                                    {"coat_darkening", false},
-                                                                    {"fuzz_weight", false},
-                                                                    {"fuzz_color", true},
-                                                                    {"fuzz_roughness", false}}};
-    std::vector<float> numbers;
-    for (const Float4& four : openpbr_numbers(model)) numbers.insert(numbers.end(), four.begin(), four.end());
-    std::string text = "    OpenPbrSurface of;\n";
-    std::size_t at = 0;
-    for (const auto& [member, is_colour] : members) {
-        const std::string first = number(numbers[at++]);
-        if (is_colour) {
-            const std::string g = number(numbers[at++]), b = number(numbers[at++]);
-            text += fmt::format("    of.{} = Vec3({}, {}, {});\n", member, first, g, b);
-        } else {
-            text += fmt::format("    of.{} = {};\n", member, first);
-        }
-    }
-    const std::string directions = model.is_exchanged ? "wv, wl" : "wl, wv";
-    const bool is_anisotropic = model.specular_roughness_anisotropy > 0;
-    if (model.thin_film_weight == 0 && !is_anisotropic)
-        return brdf_function(text + fmt::format("    return openpbr_value(of, {});\n", directions));
-    const auto add = [&](const char* type, const char* name, const std::array<const char*, 3>& of_type) {
-        ++at;  // past what fills the vector before
-        text += fmt::format("    {} {};\n", type, name);
-        for (const char* member : of_type)
-            text += fmt::format("    {}.{} = {};\n", name, member, number(numbers[at++]));
-    };
-    add("OpenPbrFilm", "film", {"weight", "thickness", "ior"});
-    if (!is_anisotropic)
-        return brdf_function(text + fmt::format("    return openpbr_film_value(of, film, {});\n", directions));
-    add("OpenPbrAnisotropy", "anisotropy", {"amount", "cosine", "sine"});
-    return brdf_function(text +
-                         fmt::format("    return openpbr_anisotropic_value(of, film, anisotropy, {});\n", directions));
-}
-std::string brdf_of(const OpenPbrModel& model) { return brdf_of(model, real); }
-/// `brdf` with its numbers in a table.
-template <typename M> std::string brdf_of(const M& model, Table numbers, Program& program) {
-    std::string text = brdf_of(model, [&](float x) {
-        numbers.numbers.push_back(x);
+/// `brdf` of a model, whose numbers but those of lobes are in the text or in a table.
+std::string brdf_of(const Model& model, ParameterStorage where, Program& program) {
+    if (where != ParameterStorage::tables)
+        return brdf_function(formula_text(model, [](float x, auto, auto) { return real(x); }));
+    Table numbers{"The numbers of the model.", "model_numbers", {}};
+    const std::string statements = formula_text(model, [&](float x, std::string_view parameter, std::size_t index) {
+        numbers.add(x, parameter, index);
         return fmt::format("{}[{}]", numbers.name, numbers.numbers.size() - 1);
     });
-    program.tables.push_back(std::move(numbers));
-    return text;
-}
-std::string brdf_of(const OpenPbrModel& model, Program& program) {
-    return brdf_of(model, {"The numbers of the surface, in the order of OpenPbrSurface.", "surface_numbers", {}},
-                   program);
-}
-std::string brdf_of(const GgxModel& model, Program& program) {
-    return brdf_of(model, {"Diffuse colour, and of each lobe roughness, F0 (R, G, B), F90.", "facets", {}}, program);
+    if (!numbers.numbers.empty()) program.tables.push_back(std::move(numbers));
+    return brdf_function(statements);
 }
 
 /// Directional albedos of a BRDF at the nodes. Of the model itself, whose values are the same on every processor, not of
@@ -372,34 +303,30 @@ std::string look_up(const PmModel& basis) {
         basis.lobes);
 }
 
-/// The text that a kind of model adds to the kernel.
-struct KindText {
-    std::string accessors, brdf;
+/// The text that a model adds to the kernel.
+struct ModelText {
+    std::string accessors = k_no_pm + k_no_su, brdf;
     int variates = 1, terms = 1;
     std::string handle = "struct Pm { };\n";
 };
-KindText text_of(const PmModel& pm, ParameterStorage where, Program& program) {
-    KindText text{numbers_of(pm, where, program) + k_no_su, brdf_of(pm), pm.variates, std::max(features(pm.form), 1)};
-    if (where == ParameterStorage::arguments) text.handle = coefficients_of(pm), text.brdf += look_up(pm);
+ModelText text_of(const Model& model, ParameterStorage where, Program& program) {
+    ModelText text{.brdf = brdf_of(model, where, program)};
+    if (const auto* pm = std::get_if<PmModel>(&model.model)) {
+        text.accessors = numbers_of(*pm, where, program) + k_no_su;
+        text.variates = pm->variates, text.terms = std::max(features(pm->form), 1);
+        if (where == ParameterStorage::arguments) text.handle = coefficients_of(*pm), text.brdf += look_up(*pm);
+    } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
+        text.accessors = k_no_pm + numbers_of(*su, program);
+    }
     return text;
 }
-KindText text_of(const SuModel& su, ParameterStorage, Program& program) {
-    return {k_no_pm + numbers_of(su, program), brdf_of(su)};
-}
-KindText text_of(const GgxModel& ggx, ParameterStorage where, Program& program) {
-    return {k_no_pm + k_no_su, where == ParameterStorage::tables ? brdf_of(ggx, program) : brdf_of(ggx)};
-}
-KindText text_of(const OpenPbrModel& openpbr, ParameterStorage where, Program& program) {
-    return {k_no_pm + k_no_su, where == ParameterStorage::tables ? brdf_of(openpbr, program) : brdf_of(openpbr)};
-}
-KindText text_of(const BsdfModel&, ParameterStorage, Program&) { return {}; }  // its parts are programs of their own
 
 Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
                    const AddedCode& added = {}, ParameterStorage where = ParameterStorage::constants) {
     Program program;
-    const KindText of_kind = std::visit([&](const auto& of) { return text_of(of, where, program); }, model.model);
-    std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(of_kind.variates)},
-                                               {"SRBF_TERMS", std::to_string(of_kind.terms)},
+    const ModelText own = text_of(model, where, program);
+    std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(own.variates)},
+                                               {"SRBF_TERMS", std::to_string(own.terms)},
                                                {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
                                                {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
     const bool has_albedo = options.albedo || added.albedo, is_mixture = options.sampling || has_albedo;
@@ -408,26 +335,26 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                           added.albedo_node.empty() ? albedo_of(model, where, has_albedo, program) : added.albedo_node,
                       more =
                           added.text ? added.text(model, where == ParameterStorage::arguments, program, defines) : "";
-    syntax::parse(of_kind.handle + of_kind.accessors + k_handles, program, defines, true);
+    syntax::parse(own.handle + own.accessors + k_handles, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
-    syntax::parse(of_kind.brdf, program, defines);
+    syntax::parse(own.brdf, program, defines);
     if (is_mixture) syntax::parse(mixture + k_mixture_text + nodes + k_albedo_text + more, program, defines);
     syntax::specialise(program, roots);
     return program;
 }
 
-std::string words(const PmModel& pm) {
-    return fmt::format("{} lobes of {} variates, form {}", pm.lobes, pm.variates, name(pm.form));
+std::string words(const Model& model) {
+    if (const auto* pm = std::get_if<PmModel>(&model.model))
+        return fmt::format("{} lobes of {} variates, form {}", pm->lobes, pm->variates, name(pm->form));
+    if (const auto* su = std::get_if<SuModel>(&model.model)) return fmt::format("view by view, {} lobes", su->lobes);
+    if (std::holds_alternative<OpenPbrModel>(model.model)) return "a surface by parameters of OpenPBR";
+    return std::string(kind_words(model));
 }
-std::string words(const SuModel& su) { return fmt::format("view by view, {} lobes", su.lobes); }
-std::string words(const GgxModel&) { return "Lambert and GGX"; }
-std::string words(const OpenPbrModel&) { return "a surface by parameters of OpenPBR"; }
-std::string words(const BsdfModel&) { return "reflection and transmission"; }
 
 /// The name and the kind of a model, its size, and its provenance.
 std::string about(const NamedModel& of) {
     const Model& model = *of.model;
-    std::string text = of.name + ": " + std::visit([](const auto& m) { return words(m); }, model.model);
+    std::string text = of.name + ": " + words(model);
     text += fmt::format(", {} bytes.", payload_bytes(model));
     for (const auto& [key, value] : model.provenance) text += fmt::format("\n  {}", printable(key + " " + value));
     return text;

@@ -3,6 +3,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace srbf::syntax {
@@ -65,6 +66,13 @@ struct Table {
     std::string comment, name;
     std::vector<float> numbers;
     std::size_t columns = 8;  ///< numbers of a printed line
+    /// Of a model's numbers the parameter (parameters.h), after a minus for its negative, and the index; without a name it
+    /// follows from several.
+    std::vector<std::pair<std::string, std::size_t>> sources = {};
+
+    void add(float x, std::string_view parameter, std::size_t index) {
+        numbers.push_back(x), sources.emplace_back(parameter, index);
+    }
 };
 
 struct Function {

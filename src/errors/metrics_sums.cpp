@@ -106,7 +106,7 @@ ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const
             };
             const auto ratio = [&](SquareBatch& of, DoubleBatch factor, PairColumn SeenValues::*x)
                                    HWY_ATTR { of.add(factor, squared_error(x), square_where_counted(load(f.*x, i))); };
-            // The rows of k_measures, in their order.
+            static_assert(k_measures.size() == 6);  // whose rows these are, in their order
             ratio(sums[0], w, &SeenValues::f);
             ratio(sums[1], hn::Mul(area, hn::Mul(cos_l, cos_l)), &SeenValues::f);
             sums[2].add(area, squared_error(&SeenValues::logarithm), one);

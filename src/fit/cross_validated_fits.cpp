@@ -7,8 +7,6 @@
 
 #include "base/parallel.h"
 #include "fit/requests.h"
-#include "models/ggx/fit_ggx.h"
-#include "models/openpbr/fit_openpbr.h"
 #include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
@@ -120,13 +118,10 @@ class SampleFits {
         const Measured measured{"", "", 0, samples};
         return fit_su(signed_evaluator(measured), request_, progress);
     }
-    Result<FitOutcome> fitted(const GgxRequest&, const ScatteredSamples&, const SampleObservations* observed,
-                              const Variant&, const ProgressToken& progress) const {
-        return counted(fit_ggx(observed->samples, request_, progress), *observed);
-    }
-    Result<FitOutcome> fitted(const OpenPbrRequest&, const ScatteredSamples&, const SampleObservations* observed,
-                              const Variant&, const ProgressToken& progress) const {
-        return counted(fit_openpbr(observed->samples, request_, samples_.isotropic, progress), *observed);
+    template <typename R>
+    Result<FitOutcome> fitted(const R&, const ScatteredSamples&, const SampleObservations* observed, const Variant&,
+                              const ProgressToken& progress) const {
+        return counted(fit_observed(request_, observed->samples, samples_.isotropic, progress), *observed);
     }
     Result<FitOutcome> fitted(const PmRequest&, const ScatteredSamples&, const SampleObservations* observed,
                               const Variant& candidate, const ProgressToken& progress) const {

@@ -62,19 +62,14 @@ const FitRequest k_request{};
 const PmRequest k_pm{};
 const SuRequest k_su{};
 
-template <std::size_t... i> bool set_model(FitRequest& request, Text name, std::index_sequence<i...>) {
-    return ((k_model_names[i] == name && (request.model.emplace<i>(), true)) || ...);
-}
-
 FitOption model() {
-    constexpr Text about =
-        "pm: parameterized multivariate SRBFs, one sum of lobes for the whole BRDF;\n"
-        "su: scattered univariate SRBFs, a sum of lobes for each of many view directions;\n"
-        "ggx: Lambert and GGX, the baseline;\n"
-        "openpbr: a surface by the parameters of OpenPBR, which renderers share";
-    return word(
-        {"model", k_all, "NAME", std::string(about), preset(model_name(k_request))}, k_model_names,
-        [](FitRequest& r, Text name) { return set_model(r, name, std::make_index_sequence<k_model_names.size()>()); });
+    return []<typename... R>(std::type_identity<std::variant<R...>>) {
+        const std::string about[] = {fmt::format("{}: {}", R::k_name, R::k_about)...};
+        return word({"model", k_all, "NAME", fmt::format("{}", fmt::join(about, ";\n")), preset(model_name(k_request))},
+                    k_model_names, [](FitRequest& r, Text name) {
+                        return ((R::k_name == name && (r.model.emplace<R>(), true)) || ...);
+                    });
+    }(std::type_identity<AnyRequest>());
 }
 
 FitOption surface() {

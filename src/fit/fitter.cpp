@@ -14,8 +14,7 @@
 #include "fit/noise.h"
 #include "fit/requests.h"
 #include "measured/isotropy.h"
-#include "models/ggx/fit_ggx.h"
-#include "models/openpbr/fit_openpbr.h"
+#include "models/kinds.h"
 #include "models/range.h"
 #include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
@@ -91,18 +90,19 @@ Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const Pr
     return outcome;
 }
 
-Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& request, const ProgressToken& progress) {
-    auto fitted = fit_ggx(observations, {std::get<GgxRequest>(request.model).lobes, request.threads}, progress);
-    if (!fitted) return fitted.error();
-    return outcome_of(*std::move(fitted));
-}
-
-Result<FitOutcome> fit_openpbr(const Observations& observations, const FitRequest& request, bool is_isotropic,
-                               const ProgressToken& progress) {
-    const OpenPbrSurfaceKind surface = std::get<OpenPbrRequest>(request.model).surface;
-    auto fitted = fit_openpbr(observations, {surface, is_isotropic, request.threads}, progress);
-    if (!fitted) return fitted.error();
-    return outcome_of(*std::move(fitted));
+Result<FitOutcome> fit_observed(const FitRequest& request, const Observations& observations, bool is_isotropic,
+                                const ProgressToken& progress) {
+    return std::visit(
+        [&]<typename R>(const R& of) -> Result<FitOutcome> {
+            if constexpr (std::same_as<R, PmRequest> || std::same_as<R, SuRequest>) {
+                misused("a fit to observations alone");
+            } else {
+                auto fitted = Kind<typename R::Model>::fit(observations, of, {is_isotropic, request.threads}, progress);
+                if (!fitted) return fitted.error();
+                return outcome_of(*std::move(fitted));
+            }
+        },
+        request.model);
 }
 
 // ---- The fitter ----
@@ -281,13 +281,10 @@ struct Fitter::State {
         return outcome;
     }
 
-    Result<FitOutcome> fit_observed(const GgxRequest&, const Observations& observations, const FitRequest& request,
+    template <typename R>
+    Result<FitOutcome> fit_observed(const R&, const Observations& observations, const FitRequest& request,
                                     const ProgressToken& progress) {
-        return fit_ggx(observations, request, progress);
-    }
-    Result<FitOutcome> fit_observed(const OpenPbrRequest&, const Observations& observations, const FitRequest& request,
-                                    const ProgressToken& progress) {
-        return fit_openpbr(observations, request, looks_isotropic(request), progress);
+        return srbf::fit_observed(request, observations, looks_isotropic(request), progress);
     }
     Result<FitOutcome> fit_observed(const SuRequest&, const Observations&, const FitRequest& request,
                                     const ProgressToken& progress) {

@@ -22,14 +22,14 @@ Result<Model> model_of(Safetensors content, bool is_part, const std::string& fil
 
 }  // namespace
 
-Safetensors Stored<BsdfModel>::content(const BsdfModel& bsdf) {
+Safetensors Kind<BsdfModel>::content(const BsdfModel& bsdf) {
     Safetensors content{encode_beams(bsdf.beam), {}};
     for (std::size_t p = 0; p < k_parts; ++p)
         if (bsdf.part[p]) add_part(content_of(*bsdf.part[p]), Part(p), content);
     return content;
 }
 
-Result<BsdfModel> Stored<BsdfModel>::read(Safetensors& content, const std::string& file_name) {
+Result<BsdfModel> Kind<BsdfModel>::read(Safetensors& content, const std::string& file_name) {
     BsdfModel bsdf;
     for (std::size_t p = 0; p < k_parts; ++p) {
         Safetensors of_part = take_part(content, Part(p));
@@ -53,34 +53,34 @@ namespace {
 /// The name of a surface of OpenPBR in earlier files.
 constexpr std::string_view k_former_openpbr = "pbr";
 
-template <typename M> using StoredAs = Stored<std::remove_cvref_t<M>>;
+template <typename M> using KindOf = Kind<std::remove_cvref_t<M>>;
 
 double largest_number(const Model& model) {
-    return std::visit([](const auto& of) { return StoredAs<decltype(of)>::largest(of); }, model.model);
+    return std::visit([](const auto& of) { return KindOf<decltype(of)>::largest(of); }, model.model);
 }
 
 /// A model's tensors and metadata, without the version.
 Safetensors content_of(const Model& model) {
     return std::visit(
         [&](const auto& of) {
-            Safetensors content = StoredAs<decltype(of)>::content(of);
-            content.metadata["model"] = StoredAs<decltype(of)>::name;
+            Safetensors content = KindOf<decltype(of)>::content(of);
+            content.metadata["model"] = KindOf<decltype(of)>::name;
             content.metadata.insert(model.provenance.begin(), model.provenance.end());
             return content;
         },
         model.model);
 }
 
-/// The kinds of models: each alternative of `Model::model` needs a `Stored`.
+/// The kinds of models: each alternative of `Model::model` needs a `Kind`.
 template <typename> struct Kinds;
 template <typename... M> struct Kinds<std::variant<M...>> {
-    static std::vector<std::string_view> names() { return {Stored<M>::name...}; }
+    static std::vector<std::string_view> names() { return {Kind<M>::name...}; }
     /// The model of these, which `kind` names.
     static Result<Model> read(std::string_view kind, Safetensors& content, const std::string& file_name) {
         std::optional<Result<Model>> model;
         const auto read_one = [&]<typename K>(std::type_identity<K>) {
-            if (kind != Stored<K>::name) return;
-            auto read = Stored<K>::read(content, file_name);
+            if (kind != Kind<K>::name) return;
+            auto read = Kind<K>::read(content, file_name);
             if (read)
                 model.emplace(Model{*std::move(read), std::move(content.metadata)});
             else
@@ -93,7 +93,7 @@ template <typename... M> struct Kinds<std::variant<M...>> {
     static Result<Model> made_of(ParameterReader of) {
         std::optional<Result<Model>> model;
         const auto make_one = [&]<typename K>(std::type_identity<K>) {
-            if (!model && Stored<K>::is_of(of)) model.emplace(rounded_of<K>(of));
+            if (!model && Kind<K>::is_of(of)) model.emplace(rounded_of<K>(of));
         };
         (make_one(std::type_identity<M>()), ...);
         if (model) return *std::move(model);
@@ -102,10 +102,10 @@ template <typename... M> struct Kinds<std::variant<M...>> {
 
   private:
     template <typename K> static Result<Model> rounded_of(ParameterReader& of) {
-        K given = Stored<K>::made_of(of);
+        K given = Kind<K>::made_of(of);
         if (const auto error = of.error()) return *error;
-        Safetensors content = Stored<K>::content(given);
-        auto rounded = Stored<K>::read(content, "parameters");
+        Safetensors content = Kind<K>::content(given);
+        auto rounded = Kind<K>::read(content, "parameters");
         if (!rounded) return rounded.error();
         if constexpr (requires { given.centre; })
             for (std::size_t i = 0; i < given.centre.size(); ++i)
@@ -120,10 +120,10 @@ using AllKinds = Kinds<decltype(Model::model)>;
 /// The model of these; of a BSDF's part it may not be another.
 Result<Model> model_of(Safetensors content, bool is_part, const std::string& file_name) {
     auto kinds = AllKinds::names();
-    if (is_part) std::erase(kinds, Stored<BsdfModel>::name);
+    if (is_part) std::erase(kinds, Kind<BsdfModel>::name);
     MetadataReader reader{content.metadata, file_name};
     if (const auto at = content.metadata.find("model"); at != content.metadata.end() && at->second == k_former_openpbr)
-        at->second = Stored<OpenPbrModel>::name;
+        at->second = Kind<OpenPbrModel>::name;
     const std::string kind = reader.take("model", kinds);
     if (reader.error) return *reader.error;
     return AllKinds::read(kind, content, file_name);
@@ -131,7 +131,7 @@ Result<Model> model_of(Safetensors content, bool is_part, const std::string& fil
 
 }  // namespace
 
-double Stored<BsdfModel>::largest(const BsdfModel& model) {
+double Kind<BsdfModel>::largest(const BsdfModel& model) {
     double largest = 0;
     for (const auto& part : model.part)
         if (part) largest = std::max(largest, largest_number(*part));
@@ -139,29 +139,37 @@ double Stored<BsdfModel>::largest(const BsdfModel& model) {
 }
 
 std::string_view kind(const Model& model) {
-    return std::visit([](const auto& m) { return StoredAs<decltype(m)>::name; }, model.model);
+    return std::visit([](const auto& m) { return KindOf<decltype(m)>::name; }, model.model);
 }
 
 std::string_view kind_words(const Model& model) {
-    return std::visit([](const auto& m) { return StoredAs<decltype(m)>::words; }, model.model);
+    return std::visit([](const auto& m) { return KindOf<decltype(m)>::words; }, model.model);
 }
 
 std::string summary(const Model& model) {
-    return std::visit([](const auto& m) { return StoredAs<decltype(m)>::summary(m); }, model.model);
+    return std::visit([](const auto& m) { return KindOf<decltype(m)>::summary(m); }, model.model);
 }
 
 std::string rows_text(const Model& model) {
     std::string text;
-    std::visit([&](const auto& m) { StoredAs<decltype(m)>::add_rows(text, m); }, model.model);
+    std::visit([&](const auto& m) { KindOf<decltype(m)>::add_rows(text, m); }, model.model);
     return text;
 }
 
 Parameters report_members(const Model& model) {
-    return std::visit([](const auto& m) { return StoredAs<decltype(m)>::members(m); }, model.model);
+    return std::visit([](const auto& m) { return KindOf<decltype(m)>::members(m); }, model.model);
 }
 
 Parameters parameters(const Model& model) {
-    return std::visit([](const auto& m) { return StoredAs<decltype(m)>::parameters(m); }, model.model);
+    return std::visit([](const auto& m) { return KindOf<decltype(m)>::parameters(m); }, model.model);
+}
+
+std::vector<Model> terms_of(const Model& model, std::size_t most) {
+    return std::visit([&](const auto& m) { return KindOf<decltype(m)>::terms(m, most); }, model.model);
+}
+
+std::string formula_text(const Model& model, const NumberText& number) {
+    return std::visit([&](const auto& m) { return KindOf<decltype(m)>::formula_text(m, number); }, model.model);
 }
 
 Result<Model> model_from(const Parameters& parameters, std::map<std::string, std::string> provenance) {

@@ -6,7 +6,7 @@
 #include "base/floating_point.h"
 #include "base/safetensors.h"
 #include "models/lobes_file.h"
-#include "models/pm/pm_file.h"
+#include "models/pm/pm_kind.h"
 #include "models/texel.h"
 #include "srbf/half.h"
 #include "srbf/model.h"

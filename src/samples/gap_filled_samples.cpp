@@ -10,7 +10,7 @@
 #include "base/errors.h"
 #include "base/parallel.h"
 #include "errors/measures.h"
-#include "models/ggx/fit_ggx.h"
+#include "models/ggx/ggx_kind.h"
 #include "observe/bound.h"
 #include "observe/pair_weights.h"
 #include "samples/folds.h"
@@ -110,7 +110,7 @@ Result<std::array<GgxModel, k_most_ggx_lobes>> fit_priors(Objective objective, O
     GgxModel simplest = lambert(samples);
     auto errors = errors_of(simplest);
     for (int lobes = 1; lobes <= k_most_ggx_lobes; ++lobes) {
-        auto fit = fit_ggx(samples, {lobes, threads});
+        auto fit = Kind<GgxModel>::fit(samples, {lobes}, {.threads = threads});
         if (!fit) return fit.error();
         const auto lower = errors_of(fit->unrounded);
         if (errors[0] > enough * lower[0] || errors[1] > enough * lower[1])

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "srbf/brdf.h"
@@ -26,6 +27,13 @@ struct GgxModel {
 };
 inline constexpr int k_most_ggx_lobes = 2;
 inline constexpr float k_least_roughness = 1.f / 1024;
+
+/// A request for its fit.
+struct GgxRequest {
+    using Model = GgxModel;
+    static constexpr std::string_view k_name = "ggx", k_about = "Lambert and GGX, the baseline";
+    int lobes = 1;  ///< 1..k_most_ggx_lobes
+};
 
 /// ρ(wl, wv) in single precision; 0 below the horizon.
 Rgb value(const GgxModel& model, Vec3f wl, Vec3f wv);

@@ -103,6 +103,14 @@ inline constexpr std::array<std::string_view, 3> k_openpbr_surfaces{"openpbr", "
 constexpr std::string_view name(OpenPbrSurfaceKind kind) { return k_openpbr_surfaces[std::size_t(kind)]; }
 std::optional<OpenPbrSurfaceKind> openpbr_surface_named(std::string_view name);
 
+/// A request for its fit.
+struct OpenPbrRequest {
+    using Model = OpenPbrModel;
+    static constexpr std::string_view k_name = "openpbr";
+    static constexpr std::string_view k_about = "a surface by the parameters of OpenPBR, which renderers share";
+    OpenPbrSurfaceKind surface = {};  ///< whose parameters are fitted; others keep their defaults
+};
+
 /// ρ(wl, wv) in single precision; 0 below the horizon.
 Rgb value(const OpenPbrModel& model, Vec3f wl, Vec3f wv);
 /// f[i] = value(model, wl[i], wv[i]). The spans have the same length.

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/bsdf/bsdf_file.h"
+#include "models/bsdf/bsdf_kind.h"
 #include "srbf/elementary.h"
 #include "srbf/half.h"
 #include "srbf/model.h"

@@ -5,14 +5,14 @@
 
 #include "base/parameters.h"
 #include "base/rows.h"
-#include "models/bsdf/bsdf_file.h"
+#include "models/bsdf/bsdf_kind.h"
 #include "srbf/model.h"
 
 namespace srbf {
 
-std::string Stored<BsdfModel>::summary(const BsdfModel&) { return "bsdf"; }
+std::string Kind<BsdfModel>::summary(const BsdfModel&) { return "bsdf"; }
 
-void Stored<BsdfModel>::add_rows(std::string& text, const BsdfModel& model) {
+void Kind<BsdfModel>::add_rows(std::string& text, const BsdfModel& model) {
     add_row(text, "model", fmt::format("bsdf: models of reflection and transmission, {} bytes", payload_bytes(model)));
     add_beams(text, model.beam);
     for (std::size_t p = 0; p < k_parts; ++p) {
@@ -27,9 +27,9 @@ void Stored<BsdfModel>::add_rows(std::string& text, const BsdfModel& model) {
     }
 }
 
-Parameters Stored<BsdfModel>::members(const BsdfModel&) { return {{"form", std::string("bsdf")}}; }
+Parameters Kind<BsdfModel>::members(const BsdfModel&) { return {{"form", std::string("bsdf")}}; }
 
-Parameters Stored<BsdfModel>::parameters(const BsdfModel& model) {
+Parameters Kind<BsdfModel>::parameters(const BsdfModel& model) {
     Parameters all;
     for (std::size_t p = 0; p < k_parts; ++p)
         if (model.part[p]) all.push_back({std::string(k_part_names[p]), srbf::parameters(*model.part[p])});
@@ -45,11 +45,11 @@ Parameters Stored<BsdfModel>::parameters(const BsdfModel& model) {
     return all;
 }
 
-bool Stored<BsdfModel>::is_of(const ParameterReader& of) {
+bool Kind<BsdfModel>::is_of(const ParameterReader& of) {
     return std::ranges::any_of(k_part_names, [&](std::string_view name) { return of.has(name); });
 }
 
-BsdfModel Stored<BsdfModel>::made_of(ParameterReader& of) {
+BsdfModel Kind<BsdfModel>::made_of(ParameterReader& of) {
     BsdfModel model;
     for (std::size_t p = 0; p < k_parts; ++p) {
         const Parameters* of_part = of.part(k_part_names[p]);
@@ -74,5 +74,12 @@ BsdfModel Stored<BsdfModel>::made_of(ParameterReader& of) {
     }
     return model;
 }
+
+std::vector<Model> Kind<BsdfModel>::terms(const BsdfModel& model, std::size_t most) {
+    const Answering<Model> front = answering(model.part, Part::reflection_front);
+    return front.brdf ? terms_of(*front.brdf, most) : std::vector<Model>{};
+}
+
+std::string Kind<BsdfModel>::formula_text(const BsdfModel&, const NumberText&) { return {}; }  // its parts have theirs
 
 }  // namespace srbf

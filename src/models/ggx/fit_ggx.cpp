@@ -5,7 +5,7 @@
 
 #include "base/least_squares.h"
 #include "base/parallel.h"
-#include "models/ggx/fit_ggx.h"
+#include "models/ggx/ggx_kind.h"
 #include "observe/large_errors.h"
 #include "observe/pair_weights.h"
 #include "srbf/elementary.h"
@@ -165,18 +165,19 @@ void refine(GgxProblem& problem, Roughness& log_alpha, double least_log) {
 
 }  // namespace
 
-Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& options, const ProgressToken& progress) {
+Result<Fitted<GgxModel>> Kind<GgxModel>::fit(const Observations& observations, const GgxRequest& request,
+                                             const FitConditions& of, const ProgressToken& progress) {
     const StandardArithmetic mode;
-    if (const auto valid = validate(observations, std::size_t(3 + 5 * options.lobes)); !valid) return valid.error();
-    if (options.lobes < 1 || options.lobes > k_most_ggx_lobes)
-        return Error{"fit", {}, "number of lobes", "1 or 2", std::to_string(options.lobes), ErrorCode::argument};
+    if (const auto valid = validate(observations, std::size_t(3 + 5 * request.lobes)); !valid) return valid.error();
+    if (request.lobes < 1 || request.lobes > k_most_ggx_lobes)
+        return Error{"fit", {}, "number of lobes", "1 or 2", std::to_string(request.lobes), ErrorCode::argument};
     Observations weighed = observations;
-    GgxProblem sample(weighed, k_scanned_rows, options.threads), all(weighed, weighed.f.size(), options.threads);
+    GgxProblem sample(weighed, k_scanned_rows, of.threads), all(weighed, weighed.f.size(), of.threads);
     // Two lobes need two places on the grid.
     const double least_log =
         std::clamp(elementary::log2(std::max(observations.least_roughness, 1e-9)), k_least_log, -1.0);
     if (!progress.report("scanning roughness", 0)) return cancelled_error("fit");
-    Roughness log_alpha = scanned(sample, options.lobes, least_log);
+    Roughness log_alpha = scanned(sample, request.lobes, least_log);
     if (!progress.report("refining roughness", 0.2)) return cancelled_error("fit");
     refine(all, log_alpha, least_log);
     for (int round = 0; round < k_facet_rounds && traits(observations.objective).response; ++round) {
@@ -184,11 +185,11 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
         weighed.weight = observations.weight;
         weigh_large_errors(weighed, evaluator(model), k_most_facet_change);
         if (!progress.report("refining roughness", 0.3 + 0.7 * round / k_facet_rounds)) return cancelled_error("fit");
-        if (round == 0) log_alpha = scanned(sample, options.lobes, least_log);
+        if (round == 0) log_alpha = scanned(sample, request.lobes, least_log);
         refine(all, log_alpha, least_log);
     }
     if (log_alpha.empty()) return Error{"fit", {}, "loss of every roughness", "a finite number", "none"};
-    GgxFit fit;
+    Fitted<GgxModel> fit;
     auto [unrounded, unrounded_loss] = all.solve(log_alpha);
     fit.unrounded = std::move(unrounded);
     fit.unrounded_loss = unrounded_loss;

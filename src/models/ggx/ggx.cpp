@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 
 #include "base/floating_point.h"
 #include "brdf/values.h"
-#include "models/ggx/ggx_file.h"
+#include "models/ggx/ggx_kind.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
 
@@ -45,14 +44,9 @@ Evaluate evaluator(const GgxModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
 
-GgxModel rounded(const GgxModel& model) {
-    Safetensors content = Stored<GgxModel>::content(model);
-    Result<GgxModel> decoded = Stored<GgxModel>::read(content, "");
-    assert(decoded.ok());  // a valid model can be encoded
-    return *std::move(decoded);
-}
+GgxModel rounded(const GgxModel& model) { return as_stored(model); }
 
-Safetensors Stored<GgxModel>::content(const GgxModel& model) {
+Safetensors Kind<GgxModel>::content(const GgxModel& model) {
     const auto L = std::uint64_t(model.lobes.size());
     Tensor16 diffuse{Type16::half, {3}, {}}, roughness{Type16::half, {L}, {}}, f0{Type16::half, {L, 3}, {}},
         f90{Type16::half, {L}, {}};
@@ -66,7 +60,7 @@ Safetensors Stored<GgxModel>::content(const GgxModel& model) {
     return {{{"diffuse", diffuse}, {"roughness", roughness}, {"facing", f0}, {"grazing", f90}}, {}};
 }
 
-Result<GgxModel> Stored<GgxModel>::read(Safetensors& content, const std::string& file_name) {
+Result<GgxModel> Kind<GgxModel>::read(Safetensors& content, const std::string& file_name) {
     const auto& tensors = content.tensors;
     const auto fail = [&](std::string what, std::string expected, std::string found) {
         return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
@@ -101,7 +95,7 @@ Result<GgxModel> Stored<GgxModel>::read(Safetensors& content, const std::string&
     return model;
 }
 
-double Stored<GgxModel>::largest(const GgxModel& model) {
+double Kind<GgxModel>::largest(const GgxModel& model) {
     double largest = largest_of(model.diffuse);
     for (const GgxModel::Lobe& lobe : model.lobes) largest = std::max({largest, largest_of(lobe.f0), double(lobe.f90)});
     return largest;

@@ -3,7 +3,8 @@
 
 #include "base/parameters.h"
 #include "base/rows.h"
-#include "models/ggx/ggx_file.h"
+#include "models/ggx/ggx_kind.h"
+#include "srbf/model.h"
 
 namespace srbf {
 namespace {
@@ -12,11 +13,11 @@ std::string number_of_lobes(const GgxModel& model) { return model.lobes.size() =
 
 }  // namespace
 
-std::string Stored<GgxModel>::summary(const GgxModel& model) {
+std::string Kind<GgxModel>::summary(const GgxModel& model) {
     return fmt::format("ggx, {} and Lambert", number_of_lobes(model));
 }
 
-void Stored<GgxModel>::add_rows(std::string& text, const GgxModel& model) {
+void Kind<GgxModel>::add_rows(std::string& text, const GgxModel& model) {
     add_row(text, "model", "ggx: Lambert and GGX");
     add_row(text, "size", fmt::format("{} of GGX, {} bytes", number_of_lobes(model), payload_bytes(model)));
     add_row(text, "diffuse RGB",
@@ -28,11 +29,11 @@ void Stored<GgxModel>::add_rows(std::string& text, const GgxModel& model) {
     }
 }
 
-Parameters Stored<GgxModel>::members(const GgxModel& model) {
+Parameters Kind<GgxModel>::members(const GgxModel& model) {
     return {{"form", std::string("ggx")}, {"lobes", int(model.lobes.size())}, {"variates", 1}, {"axial", true}};
 }
 
-Parameters Stored<GgxModel>::parameters(const GgxModel& model) {
+Parameters Kind<GgxModel>::parameters(const GgxModel& model) {
     std::vector<float> roughness, f90;
     std::vector<Rgb> f0;
     for (const GgxModel::Lobe& lobe : model.lobes)
@@ -44,9 +45,9 @@ Parameters Stored<GgxModel>::parameters(const GgxModel& model) {
             {"f90", array_of({L}, f90)}};
 }
 
-bool Stored<GgxModel>::is_of(const ParameterReader& of) { return of.has("diffuse"); }
+bool Kind<GgxModel>::is_of(const ParameterReader& of) { return of.has("f0"); }
 
-GgxModel Stored<GgxModel>::made_of(ParameterReader& of) {
+GgxModel Kind<GgxModel>::made_of(ParameterReader& of) {
     const auto roughness = of.numbers("roughness", "L"), f90 = of.numbers("f90", "L");
     const auto diffuse = of.vectors<Rgb>("diffuse", "3"), f0 = of.vectors<Rgb>("f0", "L3");
     GgxModel model;
@@ -54,6 +55,41 @@ GgxModel Stored<GgxModel>::made_of(ParameterReader& of) {
     model.diffuse = diffuse[0];
     for (std::size_t i = 0; i < roughness.size(); ++i) model.lobes.push_back({roughness[i], f0[i], f90[i]});
     return model;
+}
+
+std::vector<Model> Kind<GgxModel>::terms(const GgxModel& model, std::size_t) {
+    GgxModel black = model;
+    black.diffuse = {};
+    for (GgxModel::Lobe& lobe : black.lobes) lobe.f0 = {}, lobe.f90 = 0;
+    std::vector<Model> all;
+    GgxModel diffuse = black;
+    diffuse.diffuse = model.diffuse;
+    all.push_back({diffuse, {}});
+    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
+        GgxModel one = black;
+        one.lobes[i] = model.lobes[i];
+        all.push_back({one, {}});
+    }
+    return all;
+}
+
+std::string Kind<GgxModel>::formula_text(const GgxModel& model, const NumberText& number) {
+    const auto colour = [&](const Rgb& of, const char* parameter, std::size_t i) {
+        const std::string r = number(of.r, parameter, 3 * i), g = number(of.g, parameter, 3 * i + 1),
+                          b = number(of.b, parameter, 3 * i + 2);
+        return fmt::format("Vec3({}, {}, {})", r, g, b);
+    };
+    constexpr std::array<const char*, k_most_ggx_lobes> names{"first", "second"};
+    std::string text, sum = "Real(2.0 / SRBF_TWO_PI) * " + colour(model.diffuse, "diffuse", 0);
+    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
+        const GgxModel::Lobe& lobe = model.lobes[i];
+        const std::string roughness = number(lobe.roughness, "roughness", i), f0 = colour(lobe.f0, "f0", i),
+                          f90 = number(lobe.f90, "f90", i);
+        text += fmt::format("    GgxLobe {0};\n    {0}.roughness = {1};\n    {0}.f0 = {2};\n    {0}.f90 = {3};\n",
+                            names[i], roughness, f0, f90);
+        sum += fmt::format(" + ggx_lobe_value({}, wl, wv)", names[i]);
+    }
+    return text + "    return " + sum + ";\n";
 }
 
 }  // namespace srbf

@@ -5,7 +5,7 @@
 
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
-#include "models/openpbr/fit_openpbr.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "observe/large_errors.h"
 #include "observe/pair_weights.h"
 #include "observe/pixels.h"
@@ -444,14 +444,15 @@ void prune_parts(OpenPbrFound& found, const OpenPbrData& data, const OpenPbrMode
 /// From many starts to the best surfaces.
 class OpenPbrSearch {
   public:
-    OpenPbrSearch(const Observations& observations, const OpenPbrFitOptions& options, const ProgressToken& progress)
+    OpenPbrSearch(const Observations& observations, const OpenPbrRequest& request, const FitConditions& of,
+                  const ProgressToken& progress)
         : observations_(observations),
           weighed_(observations),
-          options_(options),
+          of_(of),
           progress_(progress),
-          defaults_(fixed_of(options.surface)),
-          all_(openpbr_variables_of(options.surface, observations.least_roughness)) {
-        if (options.is_isotropic) all_ = without(all_, names_of(k_anisotropy_rows));
+          defaults_(fixed_of(request.surface)),
+          all_(openpbr_variables_of(request.surface, observations.least_roughness)) {
+        if (of.is_isotropic) all_ = without(all_, names_of(k_anisotropy_rows));
         all_but_film_ = without(all_, names_of(k_film_rows));
     }
 
@@ -487,9 +488,9 @@ class OpenPbrSearch {
     }
     /// The starts with the least loss first.
     std::vector<OpenPbrCandidate> screened(bool with_film) const {
-        std::vector<OpenPbrCandidate> starts = openpbr_starts_of(observations_, with_film, !options_.is_isotropic);
+        std::vector<OpenPbrCandidate> starts = openpbr_starts_of(observations_, with_film, !of_.is_isotropic);
         const OpenPbrData data(weighed_, k_openpbr_rounds[0].every);
-        parallel_for(starts.size(), options_.threads, [&](std::size_t i) {
+        parallel_for(starts.size(), of_.threads, [&](std::size_t i) {
             OpenPbrProblem problem(data, variables_of(starts[i]), defaults_);
             starts[i].model = problem.model(problem.x_of(starts[i].model));  // with what the surface lacks
             starts[i].loss = problem.loss(starts[i].model);
@@ -502,7 +503,7 @@ class OpenPbrSearch {
             if (!progress_.report("searching parameters", done_)) return cancelled_error("fit");
             const OpenPbrData data(weighed_, round.every);
             candidates.resize(std::min(candidates.size(), round.candidates));
-            parallel_for(candidates.size(), options_.threads, [&](std::size_t i) {
+            parallel_for(candidates.size(), of_.threads, [&](std::size_t i) {
                 OpenPbrCandidate& candidate = candidates[i];
                 OpenPbrProblem problem(data, variables_of(candidate), defaults_);
                 Eigen::VectorXd x = problem.x_of(candidate.model);
@@ -518,7 +519,7 @@ class OpenPbrSearch {
 
     const Observations& observations_;
     Observations weighed_;
-    const OpenPbrFitOptions& options_;
+    const FitConditions& of_;
     const ProgressToken& progress_;
     OpenPbrModel defaults_;
     std::vector<OpenPbrVariable> all_, all_but_film_;
@@ -527,16 +528,16 @@ class OpenPbrSearch {
 
 }  // namespace
 
-Result<OpenPbrFit> fit_openpbr(const Observations& observations, const OpenPbrFitOptions& options,
-                               const ProgressToken& progress) {
+Result<Fitted<OpenPbrModel>> Kind<OpenPbrModel>::fit(const Observations& observations, const OpenPbrRequest& request,
+                                                     const FitConditions& of, const ProgressToken& progress) {
     const StandardArithmetic mode;
     if (const auto valid = validate(observations, openpbr_number_count(OpenPbrModel{})); !valid) return valid.error();
-    OpenPbrSearch search(observations, options, progress);
+    OpenPbrSearch search(observations, request, of, progress);
     const auto found = search.found();
     if (!found) return found.error();
     const OpenPbrData data = search.data();
     OpenPbrProblem problem(data, found->variables, found->best.model);
-    OpenPbrFit fit{{}, found->best.model, 0, problem.loss(found->best.model)};
+    Fitted<OpenPbrModel> fit{{}, found->best.model, 0, problem.loss(found->best.model)};
     fit.model = rounded(fit.unrounded);
     fit.loss = problem.loss(fit.model);
     return fit;

@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 
-#include "models/openpbr/openpbr_file.h"
+#include "models/openpbr/openpbr_kind.h"
 #include "srbf/half.h"
 
 namespace srbf {
@@ -26,14 +25,9 @@ Evaluate evaluator(const OpenPbrModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
 
-OpenPbrModel rounded(const OpenPbrModel& model) {
-    Safetensors content = Stored<OpenPbrModel>::content(model);
-    Result<OpenPbrModel> decoded = Stored<OpenPbrModel>::read(content, "");
-    assert(decoded.ok());  // a valid model can be encoded
-    return *std::move(decoded);
-}
+OpenPbrModel rounded(const OpenPbrModel& model) { return as_stored(model); }
 
-Safetensors Stored<OpenPbrModel>::content(const OpenPbrModel& model) {
+Safetensors Kind<OpenPbrModel>::content(const OpenPbrModel& model) {
     Safetensors content{{}, {{"exchanged_surface", model.is_exchanged ? "true" : "false"}}};
     for (const OpenPbrParameter& of : k_openpbr_parameters) {
         if (!is_stored(model, of)) continue;
@@ -44,7 +38,7 @@ Safetensors Stored<OpenPbrModel>::content(const OpenPbrModel& model) {
     return content;
 }
 
-Result<OpenPbrModel> Stored<OpenPbrModel>::read(Safetensors& content, const std::string& file_name) {
+Result<OpenPbrModel> Kind<OpenPbrModel>::read(Safetensors& content, const std::string& file_name) {
     MetadataReader reader{content.metadata, file_name};
     const bool is_exchanged = reader.take("exchanged_surface", {"true", "false"}) == "true";
     if (reader.error) return *reader.error;

@@ -7,7 +7,7 @@
 
 #include "base/floating_point.h"
 #include "brdf/values.h"
-#include "models/pm/pm_file.h"
+#include "models/pm/pm_kind.h"
 #include "srbf/colour.h"
 #include "srbf/directions.h"
 #include "srbf/half.h"
@@ -179,7 +179,7 @@ Result<PmModel> decode_lobes(const std::map<std::string, Tensor16>& tensors, con
     return decode(tensors, header.form, header.axial, {}, file_name);
 }
 
-Safetensors Stored<PmModel>::content(const PmModel& model) {
+Safetensors Kind<PmModel>::content(const PmModel& model) {
     Safetensors content{encode(model, has_log_scale(model)), {}};
     content.metadata["form"] = stored_name(model.form);
     content.metadata["axial"] = model.axial ? "true" : "false";
@@ -188,7 +188,7 @@ Safetensors Stored<PmModel>::content(const PmModel& model) {
     return content;
 }
 
-Result<PmModel> Stored<PmModel>::read(Safetensors& content, const std::string& file_name) {
+Result<PmModel> Kind<PmModel>::read(Safetensors& content, const std::string& file_name) {
     const auto header = take_lobes_header(content.metadata, file_name);
     if (!header) return header.error();
     std::vector<float> wavelength;
@@ -200,7 +200,7 @@ Result<PmModel> Stored<PmModel>::read(Safetensors& content, const std::string& f
     return decode(content.tensors, header->form, header->axial, std::move(wavelength), file_name);
 }
 
-double Stored<PmModel>::largest(const PmModel& model) {
+double Kind<PmModel>::largest(const PmModel& model) {
     double largest = 0;
     for (const Rgb& beta : model.coefficient) largest = std::max(largest, largest_of(beta));
     for (const float beta : model.spectrum) largest = std::max(largest, double(beta));

@@ -3,13 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 #include "base/parameters.h"
 #include "base/rows.h"
-#include "models/pm/pm_file.h"
+#include "models/pm/pm_kind.h"
 #include "srbf/elementary.h"
 #include "srbf/half.h"
+#include "srbf/model.h"
 
 namespace srbf {
 namespace {
@@ -57,13 +59,13 @@ void add_table(std::string& text, const PmModel& model) {
 
 }  // namespace
 
-std::string Stored<PmModel>::summary(const PmModel& model) {
+std::string Kind<PmModel>::summary(const PmModel& model) {
     return fmt::format("pm, form {}, {} lobes, {} variates, {}{}", srbf::name(model.form), model.lobes, model.variates,
                        model.axial ? "axial" : "general",
                        model.wavelength.empty() ? "" : fmt::format(", {} wavelengths", model.wavelength.size()));
 }
 
-void Stored<PmModel>::add_rows(std::string& text, const PmModel& model) {
+void Kind<PmModel>::add_rows(std::string& text, const PmModel& model) {
     add_row(text, "model",
             fmt::format("pm: parameterized multivariate SRBFs, form {}, {} centres", srbf::name(model.form),
                         model.axial ? "axial" : "general"));
@@ -77,7 +79,7 @@ void Stored<PmModel>::add_rows(std::string& text, const PmModel& model) {
     add_table(text, model);
 }
 
-Parameters Stored<PmModel>::members(const PmModel& model) {
+Parameters Kind<PmModel>::members(const PmModel& model) {
     return {{"form", std::string(stored_name(model.form))},
             {"lobes", model.lobes},
             {"variates", model.variates},
@@ -85,7 +87,7 @@ Parameters Stored<PmModel>::members(const PmModel& model) {
             {"reciprocal", is_reciprocal(model)}};
 }
 
-Parameters Stored<PmModel>::parameters(const PmModel& model) {
+Parameters Kind<PmModel>::parameters(const PmModel& model) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), C = model.wavelength.size();
     Parameters parameters{{"form", std::string(srbf::name(model.form))},
                           {"axial", model.axial},
@@ -125,9 +127,9 @@ void round_log_scales(PmModel& model, std::vector<float>& coefficient) {
 
 }  // namespace
 
-bool Stored<PmModel>::is_of(const ParameterReader& reader) { return reader.has("parameterization"); }
+bool Kind<PmModel>::is_of(const ParameterReader& reader) { return reader.has("parameterization"); }
 
-PmModel Stored<PmModel>::made_of(ParameterReader& reader) {
+PmModel Kind<PmModel>::made_of(ParameterReader& reader) {
     PmModel model;
     model.bandwidth = reader.numbers("bandwidth", "JN");
     model.parameterization = reader.vectors<Parameterization>("parameterization", "N2");
@@ -153,6 +155,47 @@ PmModel Stored<PmModel>::made_of(ParameterReader& reader) {
     else
         model.coefficient = rows_of<Rgb>(coefficient);
     return model;
+}
+
+namespace {
+
+/// The indices of the `most` largest of `weight`.
+std::vector<std::size_t> indices_of_largest(const std::vector<double>& weight, std::size_t most) {
+    std::vector<std::size_t> order(weight.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return weight[a] > weight[b]; });
+    order.resize(std::min(order.size(), most));
+    return order;
+}
+
+}  // namespace
+
+std::vector<Model> Kind<PmModel>::terms(const PmModel& model, std::size_t most) {
+    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
+    std::vector<double> weight;
+    for (std::size_t j = 0; j < J; ++j)
+        weight.push_back(luminance(model.coefficient[j]) * std::exp(double(model.log_scale[j])));
+    std::vector<Model> all;
+    for (const std::size_t j : indices_of_largest(weight, most)) {
+        const auto of = [j](const auto& numbers, std::size_t each) {
+            const auto first = numbers.begin() + std::ptrdiff_t(j * each);
+            return std::remove_cvref_t<decltype(numbers)>(first, first + std::ptrdiff_t(each));
+        };
+        PmModel one = model;
+        one.lobes = 1;
+        one.coefficient = of(model.coefficient, 1);
+        one.wavelength.clear(), one.spectrum.clear();
+        one.log_scale = of(model.log_scale, 1);
+        one.centre = of(model.centre, N);
+        one.bandwidth = of(model.bandwidth, N);
+        one.exponent = of(model.exponent, F);
+        all.emplace_back().model = std::move(one);
+    }
+    return all;
+}
+
+std::string Kind<PmModel>::formula_text(const PmModel&, const NumberText&) {
+    return "    return pm_value(pm, wl, wv);\n";
 }
 
 }  // namespace srbf

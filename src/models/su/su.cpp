@@ -1,10 +1,9 @@
 #include "srbf/models/su.h"
 
 #include <algorithm>
-#include <cassert>
 
 #include "base/parallel.h"
-#include "models/su/su_file.h"
+#include "models/su/su_kind.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
@@ -96,12 +95,7 @@ std::size_t auxiliary_bytes(const SuModel& model) {
     return texels(map, size) * sizeof(NearestViews) + 8 * model.direction.size();
 }
 
-SuModel rounded(const SuModel& model) {
-    Safetensors content = Stored<SuModel>::content(model);
-    Result<SuModel> decoded = Stored<SuModel>::read(content, "");
-    assert(decoded.ok());  // a valid model can be encoded
-    return *std::move(decoded);
-}
+SuModel rounded(const SuModel& model) { return as_stored(model); }
 
 void exchange(SuModel& model) {
     model.discretise = model.discretise == Discretise::view ? Discretise::light : Discretise::view;

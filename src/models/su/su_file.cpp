@@ -1,4 +1,4 @@
-#include "models/su/su_file.h"
+#include "models/su/su_kind.h"
 
 #include <fmt/format.h>
 
@@ -64,7 +64,7 @@ Result<Done> decode_lobes(const std::map<std::string, Tensor16>& tensors, SuMode
 
 }  // namespace
 
-Safetensors Stored<SuModel>::content(const SuModel& model) {
+Safetensors Kind<SuModel>::content(const SuModel& model) {
     const auto n = std::uint64_t(model.direction.size()), J = std::uint64_t(model.lobes);
     Safetensors content{{},
                         {{"discretise", std::string(srbf::name(model.discretise))},
@@ -97,7 +97,7 @@ Safetensors Stored<SuModel>::content(const SuModel& model) {
     return content;
 }
 
-Result<SuModel> Stored<SuModel>::read(Safetensors& content, const std::string& file_name) {
+Result<SuModel> Kind<SuModel>::read(Safetensors& content, const std::string& file_name) {
     MetadataReader reader{content.metadata, file_name};
     const auto discretise = reader.take("discretise", {srbf::name(Discretise::view), srbf::name(Discretise::light)});
     const auto interpolation =
@@ -152,7 +152,7 @@ Result<SuModel> Stored<SuModel>::read(Safetensors& content, const std::string& f
     return model;
 }
 
-double Stored<SuModel>::largest(const SuModel& model) {
+double Kind<SuModel>::largest(const SuModel& model) {
     double largest = 0;
     for (const Rgb& beta : model.coefficient) largest = std::max(largest, largest_of(beta));
     return largest;

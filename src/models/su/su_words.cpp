@@ -5,17 +5,18 @@
 
 #include "base/parameters.h"
 #include "base/rows.h"
-#include "models/su/su_file.h"
+#include "models/su/su_kind.h"
+#include "srbf/model.h"
 
 namespace srbf {
 
-std::string Stored<SuModel>::summary(const SuModel& model) {
+std::string Kind<SuModel>::summary(const SuModel& model) {
     return fmt::format("su, {} lobes for each of {} directions to the {}, interpolation {}", model.lobes,
                        model.direction.size(), model.discretise == Discretise::view ? "viewer" : "light",
                        srbf::name(model.interpolation));
 }
 
-void Stored<SuModel>::add_rows(std::string& text, const SuModel& model) {
+void Kind<SuModel>::add_rows(std::string& text, const SuModel& model) {
     const auto J = std::size_t(model.lobes);
     const bool by_view = model.discretise == Discretise::view;
     add_row(text, "model", "su: scattered univariate SRBFs, a sum of lobes for each sampled direction");
@@ -48,7 +49,7 @@ void Stored<SuModel>::add_rows(std::string& text, const SuModel& model) {
     add_channel_ranges(text, "coefficient", model.coefficient);
 }
 
-Parameters Stored<SuModel>::members(const SuModel& model) {
+Parameters Kind<SuModel>::members(const SuModel& model) {
     Parameters all{{"form", std::string(model.shape.empty() ? "source" : "shaped")},
                    {"lobes", model.lobes},
                    {"variates", 1},
@@ -61,7 +62,7 @@ Parameters Stored<SuModel>::members(const SuModel& model) {
     return all;
 }
 
-Parameters Stored<SuModel>::parameters(const SuModel& model) {
+Parameters Kind<SuModel>::parameters(const SuModel& model) {
     const std::size_t J = std::size_t(model.lobes), n = model.direction.size();
     Parameters all{{"interpolation", std::string(srbf::name(model.interpolation))},
                    {"neighbours", model.neighbours},
@@ -76,9 +77,9 @@ Parameters Stored<SuModel>::parameters(const SuModel& model) {
     return all;
 }
 
-bool Stored<SuModel>::is_of(const ParameterReader& of) { return of.has("bandwidth"); }
+bool Kind<SuModel>::is_of(const ParameterReader& of) { return of.has("bandwidth"); }
 
-SuModel Stored<SuModel>::made_of(ParameterReader& of) {
+SuModel Kind<SuModel>::made_of(ParameterReader& of) {
     SuModel model;
     model.bandwidth = of.numbers("bandwidth", "nJ");
     model.coefficient = of.vectors<Rgb>("coefficient", "nJ3");
@@ -98,6 +99,22 @@ SuModel Stored<SuModel>::made_of(ParameterReader& of) {
     const int size = of.whole("index_size", 0, k_largest_texture, 0);
     if (!of.error() && n >= k_least_views) model.index = index_texture(model, *map, size);
     return model;
+}
+
+std::vector<Model> Kind<SuModel>::terms(const SuModel& model, std::size_t most) {
+    std::vector<Model> all;
+    for (int j = 0; j < model.lobes && all.size() < most; ++j) {
+        SuModel one = model;
+        for (std::size_t i = 0; i < one.coefficient.size(); ++i)
+            if (int(i % std::size_t(model.lobes)) != j) one.coefficient[i] = {};
+        all.emplace_back().model = std::move(one);
+    }
+    return all;
+}
+
+std::string Kind<SuModel>::formula_text(const SuModel& model, const NumberText&) {
+    return fmt::format("    return su_rotated_value(su, {});\n",
+                       model.discretise == Discretise::view ? "wl, wv" : "wv, wl");
 }
 
 }  // namespace srbf

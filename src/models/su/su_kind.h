@@ -1,15 +1,16 @@
-// The view-by-view model as tensors of a model file.
+// `Kind` of the view-by-view model.
 #pragma once
 #include <string>
 #include <string_view>
 
-#include "base/safetensors.h"
+#include "base/kind.h"
 #include "srbf/models/su.h"
 
 namespace srbf {
 
-template <> struct Stored<SuModel> {
+template <> struct Kind<SuModel> {
     static constexpr std::string_view name = "su", words = "view by view";
+    static constexpr const char* not_for_radiance = "one view by view";
     static Safetensors content(const SuModel& model);
     static Result<SuModel> read(Safetensors& content, const std::string& file_name);
     static double largest(const SuModel& model);
@@ -17,6 +18,8 @@ template <> struct Stored<SuModel> {
     static void add_rows(std::string& text, const SuModel& model);
     static Parameters members(const SuModel& model);
     static Parameters parameters(const SuModel& model);
+    static std::vector<Model> terms(const SuModel& model, std::size_t most);
+    static std::string formula_text(const SuModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& of);
     static SuModel made_of(ParameterReader& of);
     /// Calls each(member) for all members.
@@ -26,7 +29,7 @@ template <> struct Stored<SuModel> {
     }
 };
 
-template <> struct Stored<IndexTexture> {
+template <> struct Kind<IndexTexture> {
     template <typename Each> static void for_members(IndexTexture& of, const Each& each) {
         each(of.map), each(of.size), each(of.texels);
     }

@@ -1,14 +1,14 @@
-// The multivariate model as tensors of a model file.
+// `Kind` of the multivariate model, and files with the lobes of several.
 #pragma once
 #include <map>
 #include <string>
 
-#include "base/safetensors.h"
+#include "base/kind.h"
 #include "srbf/models/pm.h"
 
 namespace srbf {
 
-template <> struct Stored<PmModel> {
+template <> struct Kind<PmModel> {
     static constexpr std::string_view name = "pm", words = "multivariate";
     static Safetensors content(const PmModel& model);
     static Result<PmModel> read(Safetensors& content, const std::string& file_name);
@@ -17,6 +17,8 @@ template <> struct Stored<PmModel> {
     static void add_rows(std::string& text, const PmModel& model);
     static Parameters members(const PmModel& model);
     static Parameters parameters(const PmModel& model);
+    static std::vector<Model> terms(const PmModel& model, std::size_t most);
+    static std::string formula_text(const PmModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& reader);
     static PmModel made_of(ParameterReader& reader);
     /// Calls each(member) for all members.

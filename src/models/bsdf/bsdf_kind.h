@@ -1,6 +1,6 @@
-// The parts and beams of a BSDF as tensors of a model file.
+// `Kind` of BSDFs; their parts and beams as tensors of a model file.
 #pragma once
-#include "base/safetensors.h"
+#include "base/kind.h"
 #include "srbf/models/bsdf.h"
 
 namespace srbf {
@@ -16,7 +16,7 @@ std::map<std::string, Tensor16> encode_beams(const Beams& beams);
 Result<Beams> decode_beams(const std::map<std::string, Tensor16>& tensors, const std::string& file_name);
 
 // A BSDF holds models; model.cpp writes and reads them.
-template <> struct Stored<BsdfModel> {
+template <> struct Kind<BsdfModel> {
     static constexpr std::string_view name = "bsdf", words = "reflection and transmission";
     static Safetensors content(const BsdfModel& bsdf);
     static Result<BsdfModel> read(Safetensors& content, const std::string& file_name);
@@ -25,6 +25,8 @@ template <> struct Stored<BsdfModel> {
     static void add_rows(std::string& text, const BsdfModel& model);
     static Parameters members(const BsdfModel& model);
     static Parameters parameters(const BsdfModel& model);
+    static std::vector<Model> terms(const BsdfModel& model, std::size_t most);
+    static std::string formula_text(const BsdfModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& of);
     static BsdfModel made_of(ParameterReader& of);
     /// Calls each(member) for all members.

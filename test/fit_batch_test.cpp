@@ -1,14 +1,14 @@
 // Fits of many texels.
-#include "srbf/fit_batch.h"
+#include "fit/fit_batch.h"
 #include "errors/measures.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "brdf/directions.h"
 #include "properties.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"
-#include "srbf/directions.h"
 #include "srbf/load.h"
 #include "texel_values.h"
 

@@ -1,9 +1,9 @@
 // Damaged files: an Error that says what is wrong, or a table that keeps its contract; never a crash.
+#include "base/text.h"
 #include "corpus.h"
+#include "measured/formats.h"
 #include "measured_files.h"
 #include "srbf/file.h"
-#include "srbf/formats.h"
-#include "srbf/text.h"
 #include "temporary_folder.h"
 
 namespace srbf::measured_test {

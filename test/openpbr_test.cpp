@@ -1,8 +1,8 @@
 // Surfaces by the parameters of renderers: the formula, its file, its fit.
+#include "brdf/directions.h"
 #include "models/openpbr/fit_openpbr.h"
 #include "models/openpbr/openpbr_kernel.h"
 #include "properties.h"
-#include "srbf/directions.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
 #include "srbf/pictures.h"

@@ -2,9 +2,9 @@
 // by a polar angle and an azimuth, or in the plane of incidence by a polar angle alone.
 #include <fmt/format.h>
 
+#include "brdf/directions.h"
 #include "extras/optics/formats.h"
 #include "measured/samples.h"
-#include "srbf/directions.h"
 
 namespace srbf {
 

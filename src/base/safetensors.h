@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "srbf/parameters.h"
+#include "base/parameters.h"
 #include "srbf/result.h"
 
 namespace srbf {
@@ -66,7 +66,7 @@ class ParameterReader;
 ///   Result<M> read(Safetensors&, const std::string& file_name)   the inverse, which takes its metadata out of all
 ///   double largest(const M&)                           the largest of the numbers that `content` clamps to 65504
 ///   std::string summary(const M&), void add_rows(std::string& text, const M&), Parameters members(const M&),
-///   Parameters parameters(const M&)                    as in srbf/parameters.h
+///   Parameters parameters(const M&)                    as in base/parameters.h
 ///   void for_members(M&, const Each& each)             calls each(member) for all members, for exact copies as bytes
 ///   bool is_of(const ParameterReader&), M made_of(ParameterReader&)   whether parameters are its own, and the inverse
 template <typename M> struct Stored;

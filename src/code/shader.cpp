@@ -6,10 +6,10 @@
 #include <cassert>
 #include <type_traits>
 
+#include "base/half.h"
 #include "code/bsdf_code.h"
 #include "code/texts.h"
 #include "models/openpbr/openpbr_kernel.h"
-#include "srbf/half.h"
 #include "srbf/kernel.h"
 
 namespace srbf {

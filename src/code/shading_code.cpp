@@ -1,5 +1,5 @@
 #include "srbf/shading_code.h"
-#include "srbf/printable.h"
+#include "base/printable.h"
 
 #include <fmt/format.h>
 

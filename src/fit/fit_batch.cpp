@@ -1,17 +1,17 @@
-#include "srbf/fit_batch.h"
+#include "fit/fit_batch.h"
 #include "errors/measures.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/errors.h"
+#include "base/half.h"
 #include "base/parallel.h"
 #include "base/reporter.h"
 #include "fit/requests.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"
-#include "srbf/half.h"
 #include "srbf/sampling.h"
 
 namespace srbf {

@@ -5,11 +5,11 @@
 #include <algorithm>
 
 #include "base/floating_point.h"
+#include "base/half.h"
 #include "base/safetensors.h"
+#include "base/text.h"
 #include "models/lobes_file.h"
 #include "models/pm/pm_file.h"
-#include "srbf/half.h"
-#include "srbf/text.h"
 
 namespace srbf {
 namespace {

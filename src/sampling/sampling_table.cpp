@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "brdf/directions.h"
 #include "sampling/elevation_nodes.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/sampling.h"
 

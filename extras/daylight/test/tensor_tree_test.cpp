@@ -1,9 +1,9 @@
 // Tensor trees: their text, their look-up, real ones, and what is refused; BSDF XML that is written.
 #include "extras/daylight/tensor_tree.h"
+#include "brdf/directions.h"
 #include "extras/daylight/test/bsdf_files.h"
 #include "extras/daylight/tree_beam.h"
 #include "properties.h"
-#include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
 

@@ -4,7 +4,7 @@
 #include <variant>
 
 #include "app/fit_options.h"
-#include "srbf/fit_batch.h"
+#include "fit/fit_batch.h"
 
 namespace srbf {
 

@@ -6,9 +6,9 @@
 #include <cassert>
 
 #include "base/floating_point.h"
+#include "base/half.h"
 #include "brdf/values.h"
 #include "models/ggx/ggx_file.h"
-#include "srbf/half.h"
 #include "srbf/kernel.h"
 
 namespace srbf {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "base/half.h"
 #include "models/openpbr/openpbr_file.h"
-#include "srbf/half.h"
 
 namespace srbf {
 

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <span>
 
+#include "base/half.h"
 #include "base/parameters.h"
 #include "base/rows.h"
 #include "models/pm/pm_file.h"
 #include "srbf/elementary.h"
-#include "srbf/half.h"
 
 namespace srbf {
 namespace {

@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "base/parallel.h"
+#include "brdf/directions.h"
 #include "models/su/su_file.h"
 #include "srbf/kernel.h"
 

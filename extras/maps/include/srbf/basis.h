@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "srbf/fit_batch.h"
+#include "fit/fit_batch.h"
 #include "srbf/library.h"
 #include "srbf/measured.h"
 #include "srbf/objective.h"

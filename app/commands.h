@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "app/options.h"
-#include "srbf/fit_options.h"
+#include "fit/fit_options.h"
 
 namespace srbf {
 

@@ -5,9 +5,10 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/read_options.h"
-#include "srbf/directions.h"
+#include "base/printable.h"
+#include "brdf/directions.h"
+#include "prepared/table_file.h"
 #include "srbf/fit.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

@@ -9,6 +9,7 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/read_options.h"
+#include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
 

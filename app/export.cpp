@@ -14,8 +14,8 @@
 #include "app/map_layers.h"
 #include "app/output.h"
 #include "app/surface_files.h"
+#include "base/printable.h"
 #include "srbf/file.h"
-#include "srbf/printable.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {

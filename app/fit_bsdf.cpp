@@ -8,10 +8,10 @@
 #include "app/commands.h"
 #include "app/fit.h"
 #include "app/hash.h"
-#include "srbf/directions.h"
+#include "base/printable.h"
+#include "brdf/directions.h"
+#include "measured/peak.h"
 #include "srbf/file.h"
-#include "srbf/peak.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

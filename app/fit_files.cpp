@@ -13,8 +13,8 @@
 #include "app/fit.h"
 #include "app/hash.h"
 #include "app/jobs.h"
+#include "base/printable.h"
 #include "srbf/file.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

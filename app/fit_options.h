@@ -1,4 +1,4 @@
-// The options of fits on the command line, from their table (srbf/fit_options.h).
+// The options of fits on the command line, from their table (fit/fit_options.h).
 #pragma once
 #include <map>
 #include <string>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/options.h"
-#include "srbf/fit_options.h"
+#include "fit/fit_options.h"
 
 namespace srbf {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "base/file_reader.h"
 #include "srbf/file.h"
-#include "srbf/file_reader.h"
 
 namespace srbf {
 

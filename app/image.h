@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "srbf/picture.h"
+#include "errors/picture.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
 

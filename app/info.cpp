@@ -9,12 +9,13 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/read_options.h"
-#include "srbf/directions.h"
-#include "srbf/file.h"
+#include "base/printable.h"
+#include "brdf/directions.h"
 #include "srbf/fit_batch.h"
+#include "measured/peak.h"
+#include "prepared/table_file.h"
+#include "srbf/file.h"
 #include "srbf/library.h"
-#include "srbf/peak.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

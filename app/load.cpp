@@ -6,10 +6,10 @@
 #include <filesystem>
 
 #include "app/commands.h"
-#include "srbf/directions.h"
+#include "base/printable.h"
+#include "brdf/directions.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
-#include "srbf/printable.h"
 #include "srbf/sampling.h"
 
 namespace srbf {

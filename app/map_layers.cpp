@@ -8,7 +8,7 @@
 #include <span>
 #include <string_view>
 
-#include "srbf/half.h"
+#include "base/half.h"
 
 namespace srbf {
 namespace {

@@ -10,9 +10,9 @@
 #include <system_error>
 
 #include "app/hash.h"
+#include "base/printable.h"
+#include "base/text.h"
 #include "srbf/file.h"
-#include "srbf/printable.h"
-#include "srbf/text.h"
 
 namespace srbf {
 namespace {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "app/load.h"
+#include "base/parameters.h"
 #include "base/rows.h"
 #include "srbf/metrics.h"
 #include "srbf/objective.h"
-#include "srbf/parameters.h"
 
 namespace srbf {
 

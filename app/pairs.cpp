@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/text.h"
 #include "srbf/file.h"
-#include "srbf/text.h"
 
 namespace srbf {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "srbf/file_reader.h"
+#include "base/file_reader.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "srbf/pictures.h"
+#include "errors/sphere.h"
 
 namespace srbf {
 namespace {

@@ -1,6 +1,6 @@
 #include "app/read_options.h"
 
-#include "srbf/text.h"
+#include "base/text.h"
 
 namespace srbf {
 

@@ -15,6 +15,7 @@
 #include "app/extra_subcommands.h"
 #include "app/memory.h"
 #include "app/output.h"
+#include "measured/formats.h"
 
 namespace srbf {
 namespace {

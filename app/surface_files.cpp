@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "app/html.h"
+#include "base/printable.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

@@ -6,8 +6,9 @@
 #include <span>
 
 #include "app/output.h"
+#include "base/printable.h"
+#include "errors/sphere.h"
 #include "srbf/fit.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "srbf/directions.h"
+#include "brdf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"

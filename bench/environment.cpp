@@ -9,11 +9,11 @@
 #include <filesystem>
 #include <optional>
 
+#include "errors/likeness.h"
 #include "extras/render/offscreen.h"
 #include "extras/render/path.h"
 #include "extras/render/raster.h"
 #include "srbf/convert.h"
-#include "srbf/likeness.h"
 #include "srbf/load.h"
 
 namespace srbf {

@@ -7,8 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "brdf/directions.h"
 #include "one_target.h"
-#include "srbf/directions.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
 #include "srbf/models/ggx.h"

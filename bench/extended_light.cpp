@@ -11,6 +11,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "errors/sphere.h"
 #include "extras/environment/app/filtered_environment.h"
 #include "extras/render/path.h"
 #include "extras/render/rays.h"
@@ -18,7 +19,6 @@
 #include "srbf/extended_light.h"
 #include "srbf/kernel.h"
 #include "srbf/load.h"
-#include "srbf/pictures.h"
 #include "src/base/parallel.h"
 #include "src/base/r_sequence.h"
 #include "src/sampling/elevation_nodes.h"

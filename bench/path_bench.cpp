@@ -6,6 +6,7 @@
 
 #include <ctime>
 
+#include "brdf/directions.h"
 #include "extras/render/path.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"

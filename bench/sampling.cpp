@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "brdf/directions.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
-#include "srbf/directions.h"
 #include "srbf/load.h"
 #include "srbf/measured.h"
 #include "srbf/prepared.h"

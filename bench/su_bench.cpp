@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "brdf/directions.h"
 #include "errors/measures.h"
 #include "models/su/fit_su.h"
 #include "srbf/measured.h"

@@ -1,6 +1,8 @@
 // Runs as many command lines as are asked for, of random bytes: command_lines COUNT [SEED]. SRBF_FUZZ_SHOW=1 shows them.
 #include "command_line.h"
 
+#include <random>
+
 int main(int argc, char** argv) {
     const int count = argc > 1 ? std::atoi(argv[1]) : 0;
     std::mt19937_64 random(argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1);

@@ -7,9 +7,10 @@
 #include <string_view>
 #include <vector>
 
+#include "brdf/directions.h"
 #include "in_process.h"
+#include "measured/formats.h"
 #include "srbf/convert.h"
-#include "srbf/directions.h"
 #include "srbf/library.h"
 #include "srbf/load.h"
 #include "srbf/measured.h"

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "base/archive.h"
+#include "measured/formats.h"
 #include "models/kinds.h"
-#include "srbf/formats.h"
 #include "srbf/load.h"
 
 namespace srbf {

@@ -11,8 +11,8 @@
 
 #include "background.h"
 #include "base/parallel.h"
-#include "srbf/colour.h"
-#include "srbf/printable.h"
+#include "base/printable.h"
+#include "brdf/colour.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
 

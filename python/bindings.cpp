@@ -3,11 +3,12 @@
 // because of pybind11.
 #include <pybind11/stl.h>
 
+#include "errors/sphere.h"
+#include "fit/fit_options.h"
 #include "fits.h"
 #include "parameters.h"
+#include "prepared/table_file.h"
 #include "srbf/convert.h"
-#include "srbf/fit_options.h"
-#include "srbf/pictures.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {

@@ -1,5 +1,6 @@
 // BSDFs: their parts, models and files, sampling over the sphere, and fits of both sides.
 #include "models.h"
+#include "prepared/table_file.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/fit_bsdf.h"

@@ -1,5 +1,4 @@
 // Selection of a model by bytes or by visible error.
-#include "srbf/choose.h"
 #include "errors/measures.h"
 
 #include "fit/choose.h"

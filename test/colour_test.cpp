@@ -1,5 +1,5 @@
 // Conversion of spectra to colours: white, known colours, linearity.
-#include "srbf/colour.h"
+#include "brdf/colour.h"
 #include "properties.h"
 
 namespace srbf::colour_test {

@@ -2,10 +2,10 @@
 #include "srbf/convert.h"
 #include "errors/measures.h"
 
+#include "brdf/colour.h"
 #include "measured/formats/warp.h"
 #include "measured_files.h"
 #include "models.h"
-#include "srbf/colour.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
 

@@ -1,7 +1,8 @@
 // Fibonacci sets and the mixture about the mirror direction.
-#include "srbf/directions.h"
+#include "brdf/directions.h"
 
 #include "properties.h"
+#include "srbf/models/su.h"
 #include "statistics.h"
 
 namespace srbf::directions_test {

@@ -1,9 +1,9 @@
 // Models on arrays of pairs against kernel.glsl in double, for each instruction set of this machine.
 #include <algorithm>
 
+#include "brdf/colour.h"
 #include "models.h"
 #include "one_target.h"
-#include "srbf/colour.h"
 #include "srbf/kernel.h"
 
 namespace srbf::evaluate_test {

@@ -1,11 +1,11 @@
 // Fits that exceed the measurement between the rows that they have seen.
 #include "observe/bound.h"
 
+#include "brdf/directions.h"
 #include "models/pm/search/subsets.h"
 #include "observe/observations.h"
 #include "observe/pairs.h"
 #include "properties.h"
-#include "srbf/directions.h"
 
 namespace srbf::excess_test {
 namespace {

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "brdf/directions.h"
 #include "properties.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"
-#include "srbf/directions.h"
 #include "srbf/load.h"
 #include "texel_values.h"
 

@@ -1,5 +1,6 @@
 // `srbf fit`: its output for each kind of model and measurement, and independence of threads.
 #include "command.h"
+#include "errors/sphere.h"
 #include "srbf/file.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"

@@ -1,11 +1,11 @@
 // Properties of the table of a fit's options, and of the requests that are made of texts.
-#include "srbf/fit_options.h"
+#include "fit/fit_options.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "srbf/directions.h"
+#include "brdf/directions.h"
 
 namespace srbf::fit_options_test {
 namespace {

@@ -5,12 +5,12 @@
 #include <functional>
 #include <set>
 
+#include "brdf/directions.h"
 #include "fit/cross_validated_fits.h"
 #include "properties.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
 #include "samples/near_samples.h"
-#include "srbf/directions.h"
 #include "srbf/fit.h"
 
 namespace srbf::fit_samples_test {

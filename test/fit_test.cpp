@@ -4,9 +4,9 @@
 
 #include <map>
 
+#include "brdf/directions.h"
 #include "models.h"
 #include "properties.h"
-#include "srbf/directions.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 

@@ -5,12 +5,12 @@
 #include <set>
 #include <thread>
 
+#include "brdf/directions.h"
 #include "measured_files.h"
 #include "models.h"
 #include "observe/bound.h"
 #include "observe/pairs.h"
 #include "properties.h"
-#include "srbf/directions.h"
 
 namespace srbf::fitting_test {
 namespace {

@@ -1,7 +1,7 @@
 // Lambert and GGX: the formula, its file, its fit.
+#include "brdf/directions.h"
 #include "models/ggx/ggx_kind.h"
 #include "properties.h"
-#include "srbf/directions.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
 

@@ -1,5 +1,5 @@
 // 16-bit floats: all 65536 values, and rounding.
-#include "srbf/half.h"
+#include "base/half.h"
 
 #include "properties.h"
 

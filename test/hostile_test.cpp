@@ -5,11 +5,11 @@
 #include <set>
 #include <sstream>
 
+#include "base/printable.h"
+#include "base/text.h"
 #include "command.h"
 #include "models.h"
-#include "srbf/printable.h"
 #include "srbf/shading_code.h"
-#include "srbf/text.h"
 
 namespace srbf::hostile_test {
 namespace {

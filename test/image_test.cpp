@@ -15,11 +15,11 @@
 #include <limits>
 
 #include "app/preview.h"
+#include "errors/sphere.h"
 #include "properties.h"
 #include "shown_brdfs.h"
 #include "srbf/file.h"
 #include "srbf/measured.h"
-#include "srbf/pictures.h"
 
 namespace srbf::image_test {
 namespace {

@@ -1,9 +1,9 @@
 // Anisotropic data: detection, and fits with general lobes.
 #include "measured/isotropy.h"
+#include "brdf/directions.h"
 #include "errors/measures.h"
 #include "models/pm/search/fit_pm.h"
 #include "properties.h"
-#include "srbf/directions.h"
 #include "srbf/kernel.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"

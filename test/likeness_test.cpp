@@ -1,5 +1,5 @@
 // Perceptual differences of images.
-#include "srbf/likeness.h"
+#include "errors/likeness.h"
 
 #include <algorithm>
 

@@ -1,14 +1,14 @@
 // Lobes as a least-squares problem: derivatives, the linear subproblem, and the steps of the search.
 #include "models/pm/solve/lobe_problem.h"
 
+#include "base/half.h"
 #include "base/least_squares.h"
 #include "base/levenberg_marquardt.h"
+#include "errors/sphere.h"
 #include "models/pm/solve/rounding.h"
 #include "observe/observations.h"
 #include "properties.h"
-#include "srbf/half.h"
 #include "srbf/kernel.h"
-#include "srbf/pictures.h"
 
 namespace srbf::lobes_test {
 namespace {

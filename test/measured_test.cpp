@@ -1,10 +1,10 @@
 // Damaged files: reading gives an Error that describes the problem, or a table that keeps its contract; it never
 // crashes.
+#include "base/text.h"
 #include "corpus.h"
+#include "measured/formats.h"
 #include "measured_files.h"
 #include "srbf/file.h"
-#include "srbf/formats.h"
-#include "srbf/text.h"
 #include "temporary_folder.h"
 
 namespace srbf::measured_test {

@@ -2,8 +2,8 @@
 #include "srbf/metrics.h"
 #include "errors/measures.h"
 
+#include "brdf/directions.h"
 #include "properties.h"
-#include "srbf/directions.h"
 #include "srbf/kernel.h"
 
 namespace srbf::metrics_test {

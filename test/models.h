@@ -1,7 +1,7 @@
 // Models for tests.
 #pragma once
+#include "base/half.h"
 #include "properties.h"
-#include "srbf/half.h"
 #include "srbf/library.h"
 #include "srbf/model.h"
 

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <map>
 
+#include "errors/sphere.h"
 #include "observe/observations.h"
 #include "properties.h"
 #include "srbf/kernel.h"
-#include "srbf/pictures.h"
 
 namespace srbf::observations_test {
 namespace {

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "command.h"
+#include "measured/formats.h"
 #include "models.h"
-#include "srbf/formats.h"
 
 namespace srbf::options_test {
 namespace {

@@ -1,9 +1,9 @@
 // Synthetic BRDFs with a highlight, and tables that keep its place.
 #pragma once
+#include "brdf/directions.h"
+#include "measured/peak.h"
 #include "properties.h"
-#include "srbf/directions.h"
 #include "srbf/measured.h"
-#include "srbf/peak.h"
 
 namespace srbf {
 

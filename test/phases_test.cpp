@@ -1,10 +1,10 @@
 // Weights of radiance in pictures by one light.
 #include "observe/directional_lights.h"
 
+#include "brdf/directions.h"
 #include "observe/observations.h"
 #include "observe/pair_weights.h"
 #include "properties.h"
-#include "srbf/directions.h"
 
 namespace srbf::phases_test {
 namespace {

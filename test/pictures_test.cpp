@@ -1,5 +1,5 @@
 // Pictures of a sphere and their differences.
-#include "srbf/pictures.h"
+#include "errors/sphere.h"
 
 #include <algorithm>
 #include <limits>

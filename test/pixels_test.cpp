@@ -2,8 +2,8 @@
 #include "observe/pixels.h"
 
 #include "errors/itp.h"
+#include "errors/sphere.h"
 #include "properties.h"
-#include "srbf/pictures.h"
 
 namespace srbf::pixels_test {
 namespace {

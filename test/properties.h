@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "srbf/directions.h"
+#include "brdf/directions.h"
 #include "srbf/vec.h"
 
 namespace srbf {

@@ -1,9 +1,9 @@
 // RGL measurements: agreement with the authors' loader, the formula, and the warp.
 #include <map>
 
+#include "brdf/colour.h"
 #include "measured/formats/warp.h"
 #include "measured_files.h"
-#include "srbf/colour.h"
 
 namespace srbf::rgl_test {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <map>
 
+#include "brdf/colour.h"
 #include "measured/samples.h"
 #include "measured_files.h"
-#include "srbf/colour.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
 

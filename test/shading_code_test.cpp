@@ -4,9 +4,9 @@
 #include <cstdlib>
 #include <map>
 
+#include "brdf/directions.h"
 #include "compiled_code.h"
 #include "models.h"
-#include "srbf/directions.h"
 #include "srbf/prepared.h"
 #include "srbf/sampling.h"
 #include "statistics.h"

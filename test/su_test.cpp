@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "srbf/half.h"
+#include "base/half.h"
 #include "srbf/kernel.h"
 #include "srbf/model.h"
 #include "su_models.h"

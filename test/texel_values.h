@@ -5,9 +5,9 @@
 #include <random>
 #include <vector>
 
-#include "properties.h"
-#include "srbf/directions.h"
+#include "brdf/directions.h"
 #include "srbf/fit_batch.h"
+#include "properties.h"
 #include "srbf/load.h"
 
 namespace srbf {

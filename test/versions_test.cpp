@@ -3,10 +3,10 @@
 // never written again.
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "models.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
-#include "srbf/text.h"
 #include "su_models.h"
 #include "temporary_folder.h"
 

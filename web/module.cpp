@@ -12,17 +12,18 @@
 #include <vector>
 
 #include "app/output.h"
+#include "base/text.h"
 #include "extras/render/app/page_of.h"
 #include "extras/render/environment.h"
 #include "extras/render/material.h"
 #include "extras/render/slices.h"
+#include "fit/fit_options.h"
+#include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
 #include "srbf/fit_bsdf.h"
-#include "srbf/fit_options.h"
 #include "srbf/metrics.h"
 #include "srbf/shading_code.h"
-#include "srbf/text.h"
 
 #define SRBF_EXPORT(name) __attribute__((export_name("srbf_" #name)))
 

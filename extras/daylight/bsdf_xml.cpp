@@ -8,11 +8,11 @@
 #include <pugixml.hpp>
 
 #include "base/floating_point.h"
+#include "brdf/colour.h"
 #include "extras/daylight/formats.h"
 #include "extras/daylight/klems.h"
 #include "extras/daylight/tensor_tree.h"
 #include "measured/samples.h"
-#include "srbf/colour.h"
 
 namespace srbf {
 

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
+#include "base/printable.h"
 #include "extras/daylight/formats.h"
 #include "extras/daylight/klems.h"
 #include "extras/daylight/tensor_tree.h"
 #include "extras/daylight/tree_beam.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 

@@ -6,6 +6,7 @@
 
 #include "base/floating_point.h"
 #include "base/r_sequence.h"
+#include "brdf/directions.h"
 #include "extras/daylight/klems.h"
 #include "fit/requests.h"
 #include "measured/isotropy.h"
@@ -13,7 +14,6 @@
 #include "models/su/fit_su.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <map>
 
+#include "brdf/directions.h"
 #include "extras/daylight/klems.h"
 #include "measured/two_sided.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

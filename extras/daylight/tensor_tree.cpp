@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
+#include "brdf/colour.h"
 #include "measured/limits.h"
-#include "srbf/colour.h"
 #include "srbf/elementary.h"
-#include "srbf/text.h"
 
 namespace srbf {
 

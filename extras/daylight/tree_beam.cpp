@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "base/r_sequence.h"
+#include "brdf/directions.h"
 #include "extras/daylight/klems.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

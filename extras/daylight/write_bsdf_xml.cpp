@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/printable.h"
 #include "base/r_sequence.h"
 #include "extras/daylight/formats.h"
 #include "extras/daylight/klems.h"
 #include "srbf/elementary.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 

@@ -8,8 +8,8 @@
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
 #include "base/r_sequence.h"
+#include "brdf/colour.h"
 #include "sampling/elevation_nodes.h"
-#include "srbf/colour.h"
 
 namespace srbf {
 namespace {

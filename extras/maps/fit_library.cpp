@@ -6,13 +6,13 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
+#include "base/half.h"
 #include "base/parallel.h"
 #include "base/reporter.h"
 #include "extras/maps/material_coefficients.h"
 #include "extras/maps/shared_lobes.h"
 #include "models/pm/solve/rounding.h"
 #include "srbf/basis.h"
-#include "srbf/half.h"
 #include "srbf/pictures.h"
 
 namespace srbf {

@@ -6,6 +6,7 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
+#include "base/half.h"
 #include "base/least_squares.h"
 #include "base/parallel.h"
 #include "base/reporter.h"
@@ -20,7 +21,6 @@
 #include "samples/observe_samples.h"
 #include "srbf/basis.h"
 #include "srbf/elementary.h"
-#include "srbf/half.h"
 
 namespace srbf {
 namespace {

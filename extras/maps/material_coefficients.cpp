@@ -5,11 +5,11 @@
 #include <limits>
 
 #include "base/errors.h"
+#include "base/half.h"
 #include "extras/maps/active_lobes.h"
 #include "models/pm/search/subsets.h"
 #include "models/pm/solve/rounding.h"
 #include "srbf/elementary.h"
-#include "srbf/half.h"
 
 namespace srbf {
 namespace {

@@ -5,7 +5,7 @@
 #include <bit>
 #include <optional>
 
-#include "srbf/text.h"
+#include "base/text.h"
 
 namespace srbf {
 namespace {

@@ -2,9 +2,9 @@
 // Directions have a polar angle and an azimuth or, in the plane of incidence, a polar angle only.
 #include <fmt/format.h>
 
+#include "brdf/directions.h"
 #include "extras/optics/formats.h"
 #include "measured/samples.h"
-#include "srbf/directions.h"
 
 namespace srbf {
 

@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 
 #include "base/floating_point.h"
+#include "brdf/directions.h"
 #include "extras/optics/formats.h"
 #include "extras/optics/json_rows.h"
 #include "extras/optics/spectral_rows.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -7,12 +7,12 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/printable.h"
+#include "brdf/colour.h"
+#include "brdf/directions.h"
 #include "measured/angles.h"
 #include "measured/limits.h"
-#include "srbf/colour.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 

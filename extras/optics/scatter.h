@@ -3,8 +3,8 @@
 #include <optional>
 #include <string_view>
 
+#include "measured/formats.h"
 #include "measured/samples.h"
-#include "srbf/formats.h"
 #include "srbf/optics.h"
 
 namespace srbf {

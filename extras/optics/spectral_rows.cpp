@@ -6,8 +6,8 @@
 #include <bit>
 #include <cstdint>
 
+#include "brdf/directions.h"
 #include "measured/limits.h"
-#include "srbf/directions.h"
 
 namespace srbf {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "base/floating_point.h"
+#include "brdf/colour.h"
 #include "extras/optics/formats.h"
 #include "measured/limits.h"
-#include "srbf/colour.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

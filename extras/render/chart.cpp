@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/printable.h"
 #include "extras/render/drawing.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

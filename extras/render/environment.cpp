@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
 #include "extras/render/exr.h"
 #include "srbf/file.h"
-#include "srbf/text.h"
 #include "src/base/floating_point.h"
 
 /// data/studio.hdr, embedded into the program by studio.S.

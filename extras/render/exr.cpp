@@ -15,8 +15,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base/text.h"
 #include "srbf/file.h"
-#include "srbf/text.h"
 #include "src/base/floating_point.h"
 
 namespace srbf {

@@ -1,4 +1,5 @@
 #include "extras/render/material.h"
+#include "prepared/table_file.h"
 
 #include <algorithm>
 

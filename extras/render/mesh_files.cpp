@@ -8,8 +8,8 @@
 #include <limits>
 #include <map>
 
+#include "base/text.h"
 #include "extras/render/mesh.h"
-#include "srbf/text.h"
 #include "src/base/floating_point.h"
 
 namespace srbf {

@@ -7,13 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "app/html.h"
+#include "base/half.h"
+#include "base/printable.h"
 #include "extras/render/environment.h"
 #include "extras/render/scene.h"
 #include "extras/render/slices.h"
 #include "extras/render/sphere_picture.h"
 #include "render/page_text.h"
-#include "srbf/half.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "base/half.h"
 #include "extras/render/raster.h"
-#include "srbf/half.h"
 #include "src/base/r_sequence.h"
 
 namespace srbf {

@@ -4,8 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "base/half.h"
 #include "extras/render/raster.h"
-#include "srbf/half.h"
 
 namespace srbf {
 namespace {

@@ -8,9 +8,9 @@
 #include <limits>
 #include <vector>
 
+#include "base/printable.h"
+#include "brdf/directions.h"
 #include "extras/render/drawing.h"
-#include "srbf/directions.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

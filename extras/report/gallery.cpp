@@ -1,11 +1,11 @@
 // The gallery of a report, its first page.
 #include <fmt/format.h>
 
+#include "base/printable.h"
+#include "errors/sphere.h"
 #include "extras/report/page.h"
 #include "extras/report/parts.h"
 #include "report/report_text.h"
-#include "srbf/pictures.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

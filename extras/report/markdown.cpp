@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "base/printable.h"
 #include "extras/report/page.h"
 #include "extras/report/parts.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

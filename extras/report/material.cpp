@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
+#include "base/printable.h"
 #include "extras/render/chart.h"
 #include "extras/report/page.h"
 #include "extras/report/parts.h"
 #include "report/report_text.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
+#include "base/printable.h"
 #include "extras/report/parts.h"
 #include "report/report_text.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

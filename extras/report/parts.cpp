@@ -6,10 +6,10 @@
 #include <limits>
 
 #include "app/html.h"
+#include "base/printable.h"
+#include "errors/sphere.h"
 #include "render/page_text.h"
 #include "report/report_text.h"
-#include "srbf/pictures.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "srbf/directions.h"
+#include "brdf/directions.h"
 
 namespace srbf {
 namespace {

@@ -11,12 +11,12 @@
 #include "app/commands.h"
 #include "app/extra_subcommands.h"
 #include "app/jobs.h"
+#include "base/printable.h"
 #include "extras/render/app/mesh_options.h"
 #include "extras/render/mesh.h"
 #include "extras/report/page.h"
 #include "extras/report/parts.h"
 #include "srbf/file.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

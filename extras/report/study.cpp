@@ -7,12 +7,12 @@
 #include <filesystem>
 
 #include "app/hash.h"
+#include "errors/likeness.h"
 #include "extras/render/app/page_of.h"
 #include "extras/render/app/path.h"
 #include "extras/render/page.h"
 #include "extras/render/slices.h"
 #include "srbf/file.h"
-#include "srbf/likeness.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <filesystem>
 
+#include "base/printable.h"
+#include "base/text.h"
+#include "errors/sphere.h"
 #include "srbf/metrics.h"
-#include "srbf/pictures.h"
-#include "srbf/printable.h"
-#include "srbf/text.h"
 
 namespace srbf {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "srbf/parameters.h"
+#include "base/parameters.h"
 
 namespace srbf {
 namespace {

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <span>
 
+#include "base/text.h"
 #include "srbf/file.h"
-#include "srbf/text.h"
 
 namespace srbf {
 namespace {

@@ -8,9 +8,9 @@
 #include <map>
 #include <utility>
 
+#include "fit/fit_options.h"
 #include "srbf/file.h"
 #include "srbf/fit_bsdf.h"
-#include "srbf/fit_options.h"
 
 namespace srbf {
 /// The worker thread. It runs one job at a time, always the newest.

@@ -4,8 +4,8 @@
 #include "app/extra_subcommands.h"
 #include "app/memory.h"
 #include "app/output.h"
+#include "base/printable.h"
 #include "extras/view/window.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

@@ -12,8 +12,8 @@
 #include <filesystem>
 #include <system_error>
 
-#include "srbf/file_reader.h"
-#include "srbf/text.h"
+#include "base/file_reader.h"
+#include "base/text.h"
 
 namespace srbf {
 

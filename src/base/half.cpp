@@ -1,4 +1,4 @@
-#include "srbf/half.h"
+#include "base/half.h"
 
 #include <Eigen/Core>
 

@@ -1,16 +1,60 @@
-// Reads the numbers of a model by their names, and checks them.
+// The numbers of a model by their names, as they are read and checked.
 #pragma once
+#include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
-#include "srbf/parameters.h"
+#include "srbf/result.h"
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
+
+/// Numbers in rows, as many as the product of the shape; without a shape one number.
+struct NumberArray {
+    std::vector<std::size_t> shape;
+    std::vector<float> numbers;
+};
+/// A value by its name: nothing, a flag, a whole number, a word, numbers, or values of a part.
+struct Parameter;
+using Parameters = std::vector<Parameter>;
+struct Parameter {
+    std::string name;
+    std::variant<std::monostate, bool, int, std::string, NumberArray, Parameters> value;
+};
+
+struct Model;
+/// The numbers of the model's formula, by the names of docs/formats.md; centres as unit vectors.
+Parameters parameters(const Model& model);
+/// The inverse: the model of these numbers, rounded to the 16-bit floats of its file. Centres that are so already stay as
+/// they are, since angles are rounded twice where they go through vectors. Some may be left out: of a multivariate model
+/// `log_scale` (0), `centre` (+z), `exponent` (none), and `form` and `axial`, which follow. Errors: a name that is missing or
+/// unknown, another shape, numbers that are not finite, or out of their range; vectors that are not of length 1.
+Result<Model> model_from(const Parameters& parameters, std::map<std::string, std::string> provenance = {});
+
+/// Describes a model in a line: "pm, form gaussian, 8 lobes, 4 variates, axial".
+std::string summary(const Model& model);
+/// Describes a model in rows, with its parameters, as `srbf info` prints them.
+std::string rows_text(const Model& model);
+/// The members that the report of its fit has of it: "form", "lobes", "variates", "axial" of every model, and others.
+Parameters report_members(const Model& model);
+
+/// Models of one term each whose sum is `model`, at most `max_count`: lobes, for a multivariate model those with the largest
+/// coefficients; the diffuse term and each lobe of Lambert and GGX. The layers of a surface are not terms of a sum: the
+/// result is `model`, then the surface without fuzz, then the one without fuzz and coat. For a BSDF these are the terms of
+/// the front reflection.
+std::vector<Model> terms_of(const Model& model, std::size_t max_count = 64);
+
+/// The text of number x of a model in code: number `index` of that parameter; the name is empty if it follows from several.
+using NumberText = std::function<std::string(float x, std::string_view parameter, std::size_t index)>;
+/// Statements in the language of kernel.glsl that return a model's value for wl and wv, with its numbers in the text; the
+/// host has the numbers of lobes, as `pm` or `su`. Empty for a BSDF, whose parts have such texts.
+std::string formula_text(const Model& model, const NumberText& number);
 
 /// Rows of vectors as an array of that shape.
 template <typename T> NumberArray array_of(std::vector<std::size_t> shape, const std::vector<T>& rows) {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "srbf/printable.h"
+#include "base/printable.h"
 
 namespace srbf {
 

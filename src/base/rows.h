@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "base/printable.h"
+#include "brdf/directions.h"
 #include "srbf/bsdf.h"
-#include "srbf/directions.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 

@@ -7,9 +7,9 @@
 #include <functional>
 #include <numeric>
 
+#include "base/half.h"
 #include "base/json.h"
-#include "srbf/half.h"
-#include "srbf/text.h"
+#include "base/text.h"
 
 namespace srbf {
 namespace {

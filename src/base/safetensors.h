@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/parameters.h"
 #include "srbf/result.h"
 
 namespace srbf {

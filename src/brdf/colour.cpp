@@ -1,4 +1,4 @@
-#include "srbf/colour.h"
+#include "brdf/colour.h"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,11 @@
-#include "srbf/directions.h"
+#include "brdf/directions.h"
 
 #include <algorithm>
 #include <cassert>
 
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
+#include "srbf/models/su.h"
 
 namespace srbf {
 

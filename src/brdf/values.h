@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "brdf/colour.h"
 #include "srbf/brdf.h"
-#include "srbf/colour.h"
 
 namespace srbf {
 

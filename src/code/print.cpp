@@ -1,5 +1,5 @@
 #include "code/print.h"
-#include "srbf/printable.h"
+#include "base/printable.h"
 
 #include <fmt/format.h>
 

@@ -7,12 +7,12 @@
 #include <concepts>
 #include <type_traits>
 
+#include "base/half.h"
 #include "code/bsdf_code.h"
 #include "code/texts.h"
 #include "models/openpbr/openpbr_kernel.h"
-#include "srbf/half.h"
 #include "srbf/kernel.h"
-#include "srbf/parameters.h"
+#include "base/parameters.h"
 
 namespace srbf {
 namespace {

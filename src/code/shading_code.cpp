@@ -1,5 +1,5 @@
 #include "srbf/shading_code.h"
-#include "srbf/printable.h"
+#include "base/printable.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@
 #include "code/syntax.h"
 #include "code/texts.h"
 #include "sampling/elevation_nodes.h"
-#include "srbf/parameters.h"
+#include "base/parameters.h"
 #include "srbf/prepared.h"
 
 namespace srbf {

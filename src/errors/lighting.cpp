@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "errors/sphere.h"
 #include "srbf/elementary.h"
-#include "srbf/pictures.h"
 
 namespace srbf {
 namespace {

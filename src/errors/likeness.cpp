@@ -1,4 +1,4 @@
-#include "srbf/likeness.h"
+#include "errors/likeness.h"
 
 #include <algorithm>
 #include <cassert>

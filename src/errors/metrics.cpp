@@ -7,8 +7,8 @@
 
 #include "base/parallel.h"
 #include "base/reporter.h"
+#include "brdf/directions.h"
 #include "errors/metrics_sums.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -1,4 +1,4 @@
-#include "srbf/picture.h"
+#include "errors/picture.h"
 
 #include <algorithm>
 #include <limits>

@@ -5,9 +5,9 @@
 
 #include "base/parallel.h"
 #include "errors/itp.h"
+#include "errors/likeness.h"
+#include "errors/sphere.h"
 #include "srbf/elementary.h"
-#include "srbf/likeness.h"
-#include "srbf/pictures.h"
 
 namespace srbf {
 namespace {

@@ -5,11 +5,11 @@
 
 #include "base/parallel.h"
 #include "base/reporter.h"
+#include "brdf/directions.h"
 #include "brdf/values.h"
-#include "srbf/directions.h"
+#include "errors/sphere.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
-#include "srbf/pictures.h"
 
 namespace srbf {
 namespace {

@@ -4,10 +4,11 @@
 #include <vector>
 
 #include "models/pm/search/fit_pm.h"
-#include "srbf/choose.h"
+#include "srbf/fit.h"
 
 namespace srbf {
 
+inline constexpr int k_most_chosen_variates = 6;
 /// Returns the error of a model by the objective's measure, for a target ΔE_ITP the mean ΔE_ITP. With `in_short`, a few
 /// thousand pairs are enough. It is called from several threads at once.
 using JudgeModel = std::function<double(const PmModel& model, bool in_short)>;

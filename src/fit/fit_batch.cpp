@@ -5,13 +5,13 @@
 #include <cmath>
 
 #include "base/errors.h"
+#include "base/half.h"
 #include "base/parallel.h"
 #include "base/reporter.h"
 #include "fit/requests.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"
-#include "srbf/half.h"
 #include "srbf/sampling.h"
 
 namespace srbf {

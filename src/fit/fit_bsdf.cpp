@@ -7,9 +7,9 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
+#include "brdf/directions.h"
 #include "fit/requests.h"
 #include "measured/two_sided.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/fit_bsdf.h"
 

@@ -1,5 +1,5 @@
 // The table of the options of a fit. The command line, Python and pages have what stands here.
-#include "srbf/fit_options.h"
+#include "fit/fit_options.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <limits>
 #include <optional>
 
-#include "srbf/directions.h"
-#include "srbf/text.h"
+#include "base/text.h"
+#include "brdf/directions.h"
 
 namespace srbf {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
+#include "brdf/directions.h"
 #include "errors/measures.h"
 #include "fit/choose.h"
 #include "fit/cross_validated_fits.h"
@@ -19,7 +20,6 @@
 #include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/observe_samples.h"
-#include "srbf/directions.h"
 #include "srbf/fit.h"
 
 namespace srbf {

@@ -7,9 +7,9 @@
 
 #include "base/floating_point.h"
 #include "base/k_d_tree.h"
+#include "brdf/directions.h"
 #include "brdf/values.h"
 #include "measured/angles.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 #include "srbf/measured.h"

@@ -1,4 +1,4 @@
-#include "srbf/formats.h"
+#include "measured/formats.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,4 +1,4 @@
-#include "srbf/peak.h"
+#include "measured/peak.h"
 
 #include <fmt/format.h>
 

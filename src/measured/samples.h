@@ -9,10 +9,10 @@
 #include <optional>
 #include <string>
 
-#include "srbf/colour.h"
+#include "base/text.h"
+#include "brdf/colour.h"
 #include "srbf/elementary.h"
 #include "srbf/measured.h"
-#include "srbf/text.h"
 
 namespace srbf {
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "srbf/directions.h"
+#include "brdf/directions.h"
 
 namespace srbf {
 

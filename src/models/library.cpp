@@ -5,11 +5,13 @@
 #include <algorithm>
 
 #include "base/floating_point.h"
+#include "base/half.h"
 #include "base/safetensors.h"
+#include "base/text.h"
 #include "models/lobes_file.h"
 #include "models/pm/pm_kind.h"
-#include "srbf/half.h"
-#include "srbf/text.h"
+#include "base/half.h"
+#include "base/text.h"
 
 namespace srbf {
 namespace {

@@ -6,13 +6,13 @@
 #include <type_traits>
 
 #include "base/floating_point.h"
+#include "base/half.h"
 #include "base/parameters.h"
 #include "base/safetensors.h"
 #include "models/kinds.h"
 #include "models/lobes_file.h"
 #include "models/range.h"
 #include "srbf/file.h"
-#include "srbf/half.h"
 
 namespace srbf {
 namespace {

@@ -4,11 +4,11 @@
 #include <algorithm>
 
 #include "base/floating_point.h"
+#include "base/half.h"
 #include "base/safetensors.h"
 #include "models/lobes_file.h"
 #include "models/pm/pm_kind.h"
 #include "models/texel.h"
-#include "srbf/half.h"
 #include "srbf/model.h"
 
 namespace srbf {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "srbf/directions.h"
+#include "brdf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "errors/sphere.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
 #include "srbf/elementary.h"
-#include "srbf/pictures.h"
 
 namespace srbf {
 namespace {

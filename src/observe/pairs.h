@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/r_sequence.h"
-#include "srbf/directions.h"
+#include "brdf/directions.h"
 
 namespace srbf {
 

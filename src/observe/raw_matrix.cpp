@@ -4,9 +4,9 @@
 #include "base/parallel.h"
 #include "base/r_sequence.h"
 #include "base/reporter.h"
+#include "brdf/directions.h"
 #include "brdf/values.h"
 #include "observe/raw_matrix.h"
-#include "srbf/directions.h"
 
 namespace srbf {
 namespace {

@@ -4,11 +4,11 @@
 
 #include <filesystem>
 
+#include "base/text.h"
 #include "measured/bytes.h"
 #include "models/texel.h"
 #include "srbf/file.h"
 #include "srbf/library.h"
-#include "srbf/text.h"
 
 namespace srbf {
 
@@ -75,45 +75,6 @@ Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options) {
 bool is_two_sided(const AnyBrdf& brdf) {
     if (const auto* measured = std::get_if<Measured>(&brdf)) return std::holds_alternative<BsdfTable>(measured->table);
     return std::holds_alternative<BsdfModel>(std::get<Model>(brdf).model);
-}
-
-namespace {
-
-TableSource table_source(const Model& model) {
-    const auto* bsdf = std::get_if<BsdfModel>(&model.model);
-    TableSource source{.values = evaluator(model), .two_sided = bsdf != nullptr};
-    if (!bsdf) return source;
-    for (std::size_t p = 0; p < k_parts; ++p) source.has[p] = answering(bsdf->part, Part(p)).brdf != nullptr;
-    source.beams = bsdf->beam;
-    return source;
-}
-
-/// Evaluates `values` until it is cancelled; then does nothing, so that callers end soon.
-Evaluate until_cancelled(Evaluate values, const ProgressToken& token) {
-    return [values = std::move(values), token](auto wl, auto wv, auto f) {
-        if (!token.cancelled()) values(wl, wv, f);
-    };
-}
-
-TableSource source_of(const AnyBrdf& brdf) {
-    return std::visit([](const auto& content) { return table_source(content); }, brdf);
-}
-
-}  // namespace
-
-bool has_part(const AnyBrdf& brdf, Part part) { return source_of(brdf).has[std::size_t(part)]; }
-
-Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, const Format& format, const TableOptions& options) {
-    const auto refuse = [](std::string expected, std::string found) {
-        return Error{"table", {}, "input", std::move(expected), std::move(found), ErrorCode::argument};
-    };
-    TableSource source = source_of(brdf);
-    if (!format.anisotropic && !source.isotropic) return refuse("an isotropic BRDF", "an anisotropic one");
-    if (format.one_sided && source.two_sided) return refuse("a BRDF", "a BSDF");
-    source.values = until_cancelled(std::move(source.values), options.progress);
-    auto bytes = format.write(source, options);
-    if (options.progress.cancelled()) return cancelled_error("table");
-    return bytes;
 }
 
 }  // namespace srbf

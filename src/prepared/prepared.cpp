@@ -7,9 +7,9 @@
 #include <mutex>
 
 #include "base/floating_point.h"
+#include "brdf/directions.h"
 #include "models/pm/pm_lanes.h"
 #include "sampling/elevation_nodes.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "brdf/colour.h"
 #include "models/pm/pm_lanes.h"
-#include "srbf/colour.h"
 
 namespace srbf {
 namespace {

@@ -10,8 +10,8 @@
 #include <random>
 
 #include "base/parallel.h"
+#include "brdf/directions.h"
 #include "samples/near_samples.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

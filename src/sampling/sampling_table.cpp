@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "brdf/directions.h"
 #include "sampling/choice.h"
 #include "sampling/elevation_nodes.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/sampling.h"
 

@@ -1,8 +1,9 @@
 // The command line with BSDFs that reflect and transmit.
+#include "base/text.h"
 #include "command.h"
 #include "extras/daylight/test/bsdf_files.h"
+#include "prepared/table_file.h"
 #include "srbf/load.h"
-#include "srbf/text.h"
 
 namespace srbf::bsdf_command_test {
 namespace {

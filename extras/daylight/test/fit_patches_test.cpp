@@ -1,7 +1,7 @@
 // Fits to averages over patches, a real roller shade, and the light behind it.
+#include "brdf/directions.h"
 #include "extras/daylight/test/bsdf_files.h"
 #include "furnace.h"
-#include "srbf/directions.h"
 #include "srbf/fit_bsdf.h"
 
 namespace srbf::fit_patches_test {

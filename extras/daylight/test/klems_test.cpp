@@ -1,9 +1,9 @@
 // Matrices of patches: bases, look-up, beams, a real roller shade, and refused files.
 #include "extras/daylight/klems.h"
 #include "extras/daylight/test/bsdf_files.h"
+#include "measured/formats.h"
 #include "peaks.h"
 #include "srbf/file.h"
-#include "srbf/formats.h"
 #include "temporary_folder.h"
 
 namespace srbf::klems_test {

@@ -1,9 +1,9 @@
 // Tensor trees: parsing, look-up, real files, refused files, and writing BSDF XML.
 #include "extras/daylight/tensor_tree.h"
+#include "brdf/directions.h"
 #include "extras/daylight/test/bsdf_files.h"
 #include "extras/daylight/tree_beam.h"
 #include "properties.h"
-#include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
 

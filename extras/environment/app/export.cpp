@@ -8,10 +8,10 @@
 #include "app/commands.h"
 #include "app/extra_exports.h"
 #include "app/output.h"
+#include "base/printable.h"
 #include "extras/environment/app/filtered_environment.h"
 #include "extras/render/app/path.h"
 #include "srbf/file.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

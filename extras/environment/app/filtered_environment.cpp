@@ -9,7 +9,7 @@
 #include <mutex>
 #include <span>
 
-#include "srbf/half.h"
+#include "base/half.h"
 #include "src/base/parallel.h"
 
 namespace srbf {

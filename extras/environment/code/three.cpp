@@ -3,10 +3,10 @@
 
 #include <cctype>
 
+#include "base/printable.h"
 #include "code/defined_names.h"
 #include "extras/environment/texts.h"
 #include "srbf/environment_code.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

@@ -1,9 +1,9 @@
 // Functions of extended light in exported code compute what the library computes.
 #include "srbf/environment_code.h"
 
+#include "brdf/directions.h"
 #include "compiled_code.h"
 #include "models.h"
-#include "srbf/directions.h"
 #include "srbf/prepared.h"
 #include "statistics.h"
 

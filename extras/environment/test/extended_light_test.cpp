@@ -5,9 +5,9 @@
 
 #include <cmath>
 
+#include "brdf/directions.h"
 #include "models.h"
 #include "properties.h"
-#include "srbf/directions.h"
 #include "srbf/models/openpbr.h"
 
 namespace srbf::extended_light_test {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "srbf/half.h"
+#include "base/half.h"
 
 namespace srbf::filtered_environment_test {
 namespace {

@@ -10,12 +10,12 @@
 #include "app/extra_subcommands.h"
 #include "app/fit_options.h"
 #include "app/output.h"
+#include "base/printable.h"
+#include "base/text.h"
+#include "brdf/directions.h"
 #include "srbf/basis.h"
-#include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/npy.h"
-#include "srbf/printable.h"
-#include "srbf/text.h"
 
 namespace srbf {
 namespace {

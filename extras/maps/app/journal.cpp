@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "app/hash.h"
+#include "base/text.h"
 #include "srbf/file.h"
-#include "srbf/text.h"
 
 namespace srbf {
 namespace {

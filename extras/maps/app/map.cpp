@@ -5,8 +5,8 @@
 
 #include "app/commands.h"
 #include "app/extra_subcommands.h"
+#include "base/text.h"
 #include "srbf/basis.h"
-#include "srbf/text.h"
 
 namespace srbf {
 namespace {

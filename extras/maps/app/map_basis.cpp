@@ -10,14 +10,14 @@
 #include "app/hash.h"
 #include "app/output.h"
 #include "app/pairs.h"
+#include "base/half.h"
+#include "base/printable.h"
+#include "brdf/directions.h"
 #include "extras/maps/app/journal.h"
 #include "extras/maps/app/map.h"
 #include "extras/maps/app/texels.h"
 #include "srbf/basis.h"
-#include "srbf/directions.h"
 #include "srbf/file.h"
-#include "srbf/half.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

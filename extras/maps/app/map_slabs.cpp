@@ -8,12 +8,12 @@
 #include "app/hash.h"
 #include "app/output.h"
 #include "app/pairs.h"
+#include "base/printable.h"
+#include "base/text.h"
+#include "brdf/directions.h"
 #include "extras/maps/app/map.h"
 #include "extras/maps/app/texels.h"
-#include "srbf/directions.h"
 #include "srbf/file.h"
-#include "srbf/printable.h"
-#include "srbf/text.h"
 
 namespace srbf {
 namespace {

@@ -5,10 +5,10 @@
 
 #include <random>
 
+#include "base/half.h"
+#include "brdf/directions.h"
 #include "properties.h"
 #include "srbf/convert.h"
-#include "srbf/directions.h"
-#include "srbf/half.h"
 #include "srbf/library.h"
 #include "srbf/load.h"
 #include "srbf/sampling.h"

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "brdf/colour.h"
+#include "brdf/directions.h"
 #include "peaks.h"
-#include "srbf/colour.h"
-#include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
 

@@ -9,11 +9,11 @@
 #include "app/extra_exports.h"
 #include "app/map_layers.h"
 #include "app/output.h"
+#include "base/half.h"
 #include "extras/render/app/mesh_options.h"
 #include "extras/render/app/page_of.h"
 #include "extras/render/exr.h"
 #include "srbf/file.h"
-#include "srbf/half.h"
 
 namespace srbf {
 namespace {

@@ -6,11 +6,11 @@
 #include <array>
 
 #include "app/output.h"
+#include "base/half.h"
+#include "base/printable.h"
 #include "extras/render/material.h"
 #include "srbf/convert.h"
-#include "srbf/half.h"
 #include "srbf/pictures.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 

@@ -1,8 +1,8 @@
 #include "extras/render/app/path.h"
 
 #include "app/output.h"
+#include "base/printable.h"
 #include "extras/render/room.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

@@ -11,6 +11,8 @@
 #include "app/load.h"
 #include "app/memory.h"
 #include "app/output.h"
+#include "base/printable.h"
+#include "errors/likeness.h"
 #include "extras/render/app/mesh_options.h"
 #include "extras/render/app/path.h"
 #include "extras/render/app/raster.h"
@@ -18,8 +20,6 @@
 #include "extras/render/scene.h"
 #include "extras/render/tone.h"
 #include "srbf/file.h"
-#include "srbf/likeness.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

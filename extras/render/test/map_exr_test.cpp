@@ -4,9 +4,9 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 
+#include "base/half.h"
 #include "command.h"
 #include "models.h"
-#include "srbf/half.h"
 
 namespace srbf::map_exr_test {
 namespace {

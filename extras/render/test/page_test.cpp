@@ -10,13 +10,13 @@
 #include <unordered_set>
 
 #include "app/html.h"
+#include "base/printable.h"
 #include "extras/render/chart.h"
 #include "extras/render/scene.h"
 #include "extras/render/slices.h"
 #include "models.h"
 #include "models/pm/search/fit_pm.h"
 #include "srbf/convert.h"
-#include "srbf/printable.h"
 #include "su_models.h"
 #include "temporary_folder.h"
 #ifdef SRBF_RASTER

@@ -3,13 +3,13 @@
 #include <map>
 
 #include "dialects.h"
+#include "errors/likeness.h"
 #include "extras/render/path.h"
 #include "extras/render/raster.h"
 #include "models.h"
 #include "models/pm/search/fit_pm.h"
 #include "program.h"
 #include "srbf/convert.h"
-#include "srbf/likeness.h"
 #include "su_models.h"
 
 namespace srbf::raster_environment_test {

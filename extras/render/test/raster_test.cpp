@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "base/half.h"
 #include "extras/render/exr.h"
 #include "extras/render/shading.h"
 #include "models.h"
@@ -13,7 +14,6 @@
 #include "program.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
-#include "srbf/half.h"
 #include "srbf/kernel.h"
 #include "su_models.h"
 

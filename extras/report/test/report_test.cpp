@@ -10,8 +10,8 @@
 #include <set>
 #include <thread>
 
+#include "base/text.h"
 #include "command.h"
-#include "srbf/text.h"
 
 namespace srbf::report_test {
 namespace {

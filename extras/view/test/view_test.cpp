@@ -20,7 +20,7 @@
 #include "program.h"
 #include "properties.h"
 #include "srbf/metrics.h"
-#include "srbf/parameters.h"
+#include "base/parameters.h"
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG

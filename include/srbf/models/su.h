@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "srbf/brdf.h"
-#include "srbf/directions.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 
@@ -29,6 +28,12 @@ std::optional<SuInterpolation> interpolation_named(std::string_view text);
 
 /// The eight sampled views nearest to a direction, the nearest first.
 using NearestViews = std::array<std::uint16_t, 8>;
+
+/// How a square texture holds a function of direction.
+enum class DirectionMap {
+    cube,       ///< six faces +x, −x, +y, −y, +z, −z, each laid out as OpenGL's
+    parabolic,  ///< one square; its point (s, t) in [−1, 1]² is the direction (2s, 2t, 1−s²−t²) / (1+s²+t²)
+};
 
 /// The nearest sampled views of each direction, as a texture with 16 bytes per texel (RGBA32UI) for shaders.
 struct IndexTexture {

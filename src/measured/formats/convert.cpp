@@ -6,6 +6,9 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "base/printable.h"
+#include "brdf/colour.h"
+#include "brdf/directions.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
 #include "measured/formats/mbsdf.h"
@@ -13,11 +16,8 @@
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"
 #include "measured/limits.h"
-#include "srbf/colour.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/file.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 

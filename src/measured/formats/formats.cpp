@@ -1,4 +1,4 @@
-#include "srbf/formats.h"
+#include "measured/formats.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -5,12 +5,12 @@
 #include <optional>
 
 #include "base/floating_point.h"
+#include "base/text.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
 #include "measured/formats/mbsdf.h"
 #include "measured/limits.h"
 #include "srbf/measured.h"
-#include "srbf/text.h"
 
 namespace srbf {
 

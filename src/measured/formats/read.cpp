@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "base/floating_point.h"
+#include "measured/formats.h"
 #include "measured/samples.h"
 #include "srbf/file.h"
-#include "srbf/formats.h"
 
 namespace srbf {
 namespace {

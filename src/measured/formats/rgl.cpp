@@ -4,11 +4,11 @@
 #include <limits>
 
 #include "base/floating_point.h"
+#include "brdf/colour.h"
 #include "measured/angles.h"
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"
 #include "measured/limits.h"
-#include "srbf/colour.h"
 
 namespace srbf {
 

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "base/archive.h"
-#include "srbf/formats.h"
-#include "srbf/text.h"
+#include "base/text.h"
+#include "measured/formats.h"
 
 namespace srbf {
 

@@ -1,6 +1,6 @@
 // The writers of the core's formats: private to the table of formats.
 #pragma once
-#include "srbf/formats.h"
+#include "measured/formats.h"
 
 namespace srbf {
 

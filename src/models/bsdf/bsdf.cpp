@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/half.h"
 #include "models/bsdf/bsdf_kind.h"
 #include "srbf/elementary.h"
-#include "srbf/half.h"
 #include "srbf/model.h"
 
 namespace srbf {

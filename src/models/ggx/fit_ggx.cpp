@@ -3,13 +3,13 @@
 #include <cmath>
 #include <limits>
 
+#include "base/half.h"
 #include "base/least_squares.h"
 #include "base/parallel.h"
 #include "models/ggx/ggx_kind.h"
 #include "observe/large_errors.h"
 #include "observe/pair_weights.h"
 #include "srbf/elementary.h"
-#include "srbf/half.h"
 #include "srbf/kernel.h"
 
 namespace srbf {

@@ -5,9 +5,10 @@
 #include <algorithm>
 
 #include "base/floating_point.h"
+#include "base/half.h"
 #include "brdf/values.h"
 #include "models/ggx/ggx_kind.h"
-#include "srbf/half.h"
+#include "base/half.h"
 #include "srbf/kernel.h"
 
 namespace srbf {

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 
+#include "base/half.h"
 #include "models/openpbr/openpbr_kind.h"
-#include "srbf/half.h"
+#include "base/half.h"
 
 namespace srbf {
 

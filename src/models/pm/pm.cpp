@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "srbf/colour.h"
-#include "srbf/half.h"
+#include "base/half.h"
+#include "brdf/colour.h"
 #include "srbf/kernel.h"
 
 namespace srbf {

@@ -6,12 +6,16 @@
 #include <cmath>
 
 #include "base/floating_point.h"
+#include "base/half.h"
+#include "base/text.h"
+#include "brdf/colour.h"
+#include "brdf/directions.h"
 #include "brdf/values.h"
 #include "models/pm/pm_kind.h"
-#include "srbf/colour.h"
-#include "srbf/directions.h"
-#include "srbf/half.h"
-#include "srbf/text.h"
+#include "brdf/colour.h"
+#include "brdf/directions.h"
+#include "base/half.h"
+#include "base/text.h"
 
 namespace srbf {
 namespace {

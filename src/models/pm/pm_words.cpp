@@ -6,11 +6,12 @@
 #include <numeric>
 #include <span>
 
+#include "base/half.h"
 #include "base/parameters.h"
 #include "base/rows.h"
 #include "models/pm/pm_kind.h"
 #include "srbf/elementary.h"
-#include "srbf/half.h"
+#include "base/half.h"
 #include "srbf/model.h"
 
 namespace srbf {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "srbf/directions.h"
+#include "brdf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 

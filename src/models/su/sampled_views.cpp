@@ -5,9 +5,9 @@
 #include <tuple>
 
 #include "base/parallel.h"
+#include "brdf/directions.h"
 #include "observe/costs.h"
 #include "observe/pair_weights.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

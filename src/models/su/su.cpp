@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "brdf/directions.h"
 #include "models/su/su_kind.h"
 #include "srbf/kernel.h"
 

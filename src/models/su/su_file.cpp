@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/half.h"
+#include "brdf/directions.h"
 #include "brdf/values.h"
-#include "srbf/half.h"
 
 namespace srbf {
 namespace {

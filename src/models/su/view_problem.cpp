@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/half.h"
 #include "srbf/elementary.h"
-#include "srbf/half.h"
 #include "srbf/kernel.h"
 
 namespace srbf {

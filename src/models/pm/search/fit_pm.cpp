@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/errors.h"
+#include "base/half.h"
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
 #include "models/pm/search/finish.h"
@@ -13,7 +14,6 @@
 #include "models/pm/solve/rounding.h"
 #include "observe/directional_lights.h"
 #include "srbf/elementary.h"
-#include "srbf/half.h"
 
 namespace srbf {
 

@@ -4,7 +4,7 @@
 
 #include "base/least_squares.h"
 #include "base/levenberg_marquardt.h"
-#include "srbf/directions.h"
+#include "brdf/directions.h"
 
 namespace srbf {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/half.h"
 #include "srbf/elementary.h"
-#include "srbf/half.h"
 
 namespace srbf {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/half.h"
 #include "base/levenberg_marquardt.h"
 #include "srbf/elementary.h"
-#include "srbf/half.h"
 
 namespace srbf {
 

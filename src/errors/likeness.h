@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "srbf/picture.h"
+#include "errors/picture.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 

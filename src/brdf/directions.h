@@ -24,11 +24,7 @@ std::vector<Vec3f> fibonacci_directions(int n, double theta_max);
 /// holds at most 65,536 directions with non-decreasing z, and at least as many as `nearest` has elements.
 void find_nearest(std::span<const Vec3f> directions, Vec3f w, std::span<std::uint16_t> nearest);
 
-/// How a square texture holds a function of direction.
-enum class DirectionMap {
-    cube,       ///< six faces +x, −x, +y, −y, +z, −z, each laid out as OpenGL's
-    parabolic,  ///< one square; its point (s, t) in [−1, 1]² is the direction (2s, 2t, 1−s²−t²) / (1+s²+t²)
-};
+enum class DirectionMap;  // srbf/models/su.h
 /// Number of texels of a texture with `size` × `size` texels per face.
 std::size_t texels(DirectionMap map, int size);
 /// The direction at the centre of a texel. Texels are ordered by face, row t, column s.

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/text.h"
 #include "srbf/result.h"
-#include "srbf/text.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 

@@ -1,0 +1,44 @@
+#include "prepared/table_file.h"
+
+namespace srbf {
+
+namespace {
+
+TableSource table_source(const Model& model) {
+    const auto* bsdf = std::get_if<BsdfModel>(&model.model);
+    TableSource source{.values = evaluator(model), .two_sided = bsdf != nullptr};
+    if (!bsdf) return source;
+    for (std::size_t p = 0; p < k_parts; ++p) source.has[p] = answering(bsdf->part, Part(p)).brdf != nullptr;
+    source.beams = bsdf->beam;
+    return source;
+}
+
+/// The values of `of`; none once it is cancelled, so that what asks for them ends soon.
+Evaluate until_cancelled(Evaluate of, const ProgressToken& token) {
+    return [of = std::move(of), token](auto wl, auto wv, auto f) {
+        if (!token.cancelled()) of(wl, wv, f);
+    };
+}
+
+TableSource source_of(const AnyBrdf& brdf) {
+    return std::visit([](const auto& of) { return table_source(of); }, brdf);
+}
+
+}  // namespace
+
+bool has_part(const AnyBrdf& brdf, Part part) { return source_of(brdf).has[std::size_t(part)]; }
+
+Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, const Format& format, const TableOptions& options) {
+    const auto refused = [](std::string expected, std::string found) {
+        return Error{"table", {}, "input", std::move(expected), std::move(found), ErrorCode::argument};
+    };
+    TableSource source = source_of(brdf);
+    if (!format.anisotropic && !source.isotropic) return refused("an isotropic BRDF", "an anisotropic one");
+    if (format.one_sided && source.two_sided) return refused("a BRDF", "a BSDF");
+    source.values = until_cancelled(std::move(source.values), options.progress);
+    auto bytes = format.write(source, options);
+    if (options.progress.cancelled()) return cancelled_error("table");
+    return bytes;
+}
+
+}  // namespace srbf

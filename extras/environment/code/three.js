@@ -20,8 +20,8 @@ vec3 measured_radiance(vec3 direction, float roughness) {
         return vec3(0.0);
     #endif
 }
-// The lobes of the views, and albedos, in a texture since some drivers index constants slowly.
 // The lobes of the views, and albedos. They are in a texture because some drivers index constants slowly.
+uniform highp sampler2D measured_lobes;
 vec3 measured_light_texel(int i, int view) {
     return texelFetch(measured_lobes, ivec2(i, view), 0).rgb;
 }

@@ -175,7 +175,7 @@ std::vector<Model> Kind<PmModel>::terms(const PmModel& model, std::size_t most) 
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
     std::vector<double> weight;
     for (std::size_t j = 0; j < J; ++j)
-        weight.push_back(luminance(model.coefficient[j]) * std::exp(double(model.log_scale[j])));
+        weight.push_back(luminance(model.coefficient[j]) * elementary::exp(double(model.log_scale[j])));
     std::vector<Model> all;
     for (const std::size_t j : indices_of_largest(weight, most)) {
         const auto of = [j](const auto& numbers, std::size_t each) {

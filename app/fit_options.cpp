@@ -13,7 +13,7 @@ std::string dashed(std::string_view name) {
     return text;
 }
 
-Option add_fit_option(const Subcommand& sub, FitTexts& texts, const FitOption& row) {
+Option add_fit_option(const Subcommand& sub, FitTexts& texts, const FitOptionRow& row) {
     const std::string name(row.name), names = dashed(name);
     if (row.type.empty() && row.negation.empty())
         return sub.add_flag(
@@ -39,7 +39,7 @@ OptionsByName add_fit_options(const Subcommand& sub, FitTexts& texts, const std:
 
 OptionsByName add_fit_options(const Subcommand& sub, FitTexts& texts) {
     std::vector<std::string_view> names;
-    for (const FitOption& option : fit_options()) names.push_back(option.name);
+    for (const FitOptionRow& option : fit_options()) names.push_back(option.name);
     return add_fit_options(sub, texts, names);
 }
 

@@ -39,13 +39,11 @@ struct Corner {
 
 }  // namespace
 
-float srgb_encoded(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, float(1 / 2.4)) - 0.055f; }
-
 Rgb8 to_srgb8(Rgb colour) {
     Rgb8 out{};
     for (int c = 0; c < 3; ++c) {
         if (std::isnan(colour[c])) return k_not_measured;
-        out[std::size_t(c)] = std::uint8_t(255 * srgb_encoded(std::clamp(colour[c], 0.0f, 1.0f)) + 0.5f);
+        out[std::size_t(c)] = std::uint8_t(255 * srgb_encoded(double(std::clamp(colour[c], 0.0f, 1.0f))) + 0.5);
     }
     return out;
 }

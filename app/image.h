@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "brdf/colour.h"
 #include "errors/picture.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
@@ -17,13 +18,8 @@ namespace srbf {
 /// The colour of values that were not measured, which are NaN (magenta).
 inline constexpr Rgb8 k_not_measured{255, 0, 255};
 
-/// The transfer function of sRGB (IEC 61966-2-1) on [0,1]: 12.92 x if x ≤ 0.0031308, otherwise 1.055 x^(1/2.4) − 0.055.
-float srgb_encoded(float x);
-
 /// A colour in [0,1]³ as 8-bit sRGB, rounded to nearest; k_not_measured if it contains a NaN.
 Rgb8 to_srgb8(Rgb colour);
-/// The neutral grey around an object in pictures.
-inline constexpr float k_background = 0.16f;
 
 /// Draws a line of text with its upper left corner at (x, y). The bitmap font has 12 `scale` rows, scale ≥ 1. Text
 /// is clipped to the image; bytes that are not printable ASCII are drawn as '?'.

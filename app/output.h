@@ -11,7 +11,7 @@
 
 #include "app/load.h"
 #include "base/parameters.h"
-#include "base/rows.h"
+#include "brdf/rows.h"
 #include "srbf/metrics.h"
 #include "srbf/objective.h"
 

@@ -20,7 +20,7 @@ namespace {
 
 void fit(benchmark::State& state, const std::string& name) {
     const Measured measured = *load_measured(std::string(SRBF_SOURCE_DIR) + "/data/" + name);
-    FitOptions options;
+    PmFitOptions options;
     options.form = PmForm(state.range(0));
     options.lobes = int(state.range(1));
     options.variates = int(state.range(2));

@@ -42,7 +42,7 @@ std::vector<NamedMaterial> materials() {
     const Observations observations = *observe(f, {});
     std::vector<NamedMaterial> all{{"constant f_r", Flat{}}};
     const auto add_pm = [&](const char* name, PmForm form, bool axial, int lobes, int variates) {
-        FitOptions options;
+        PmFitOptions options;
         options.form = form, options.lobes = lobes, options.variates = variates;
         PmModel model = rounded(fit_pm(observations, options)->model);
         model.axial = axial;  // the same function, evaluated like a general one

@@ -65,7 +65,7 @@ Result<Done> print_rows(const std::string& path) {
     if (!measured) return measured.error();
     const auto observations = observe(signed_evaluator(*measured), {});
     if (!observations) return observations.error();
-    const auto pm = fit_pm(*observations, FitOptions{});
+    const auto pm = fit_pm(*observations, PmFitOptions{});
     if (!pm) return pm.error();
     const auto matrix = tabulate(signed_evaluator(*measured));
     if (!matrix) return matrix.error();

@@ -145,7 +145,7 @@ PYBIND11_MODULE(_srbf, module) {
     module.def("identifier", [](const std::string& text) { return identifier(text); });
     module.def("fit_options", [] {
         py::dict choices;  // the choices of each option
-        for (const FitOption& option : fit_options()) choices[py::str(std::string(option.name))] = option.choices;
+        for (const FitOptionRow& option : fit_options()) choices[py::str(std::string(option.name))] = option.choices;
         return choices;
     });
     module.def("formats", [] {

@@ -34,7 +34,7 @@ class Choose : public testing::Test {
 
     PmModel truth_;
     Observations observed_;
-    FitOptions options_;
+    PmFitOptions options_;
 };
 
 TEST_F(Choose, TheBudgetIsKeptAndUsed) {

@@ -77,7 +77,7 @@ TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
 // The search's subsets grow only by pairs at which a candidate exceeds the measurement.
 TEST(Subsets, TakeInWhereCandidatesExceedTheMeasurement) {
     const Observations o = grey();
-    const FitOptions options{.form = PmForm::gaussian, .axial = false, .lobes = 1, .variates = 1};
+    const PmFitOptions options{.form = PmForm::gaussian, .axial = false, .lobes = 1, .variates = 1};
     Subsets subsets(o);
     const auto rows = [&] { return subsets.rows({.pairs = Pairs::search}, 0).wl[0].size(); };
     const std::size_t before = rows();

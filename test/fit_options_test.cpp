@@ -11,7 +11,7 @@ namespace srbf::fit_options_test {
 namespace {
 
 /// The texts that an option needs beside it.
-FitTexts with(const FitOption& option, const std::string& text) {
+FitTexts with(const FitOptionRow& option, const std::string& text) {
     FitTexts texts{{std::string(option.name), text}};
     if (!option.models.empty()) texts["model"] = option.models.front();
     if (option.name == "neighbours") texts["interpolation"] = "plain";
@@ -20,14 +20,14 @@ FitTexts with(const FitOption& option, const std::string& text) {
 }
 
 /// A text that an option accepts.
-std::string accepted(const FitOption& option) {
+std::string accepted(const FitOptionRow& option) {
     if (!option.choices.empty()) return option.choices.back();
     if (option.type.empty()) return "true";
     return option.expected.substr(0, option.expected.find(' '));
 }
 
-TEST(FitOptions, AcceptTheirTextsAndRefuseOthersByName) {
-    for (const FitOption& option : fit_options()) {
+TEST(PmFitOptions, AcceptTheirTextsAndRefuseOthersByName) {
+    for (const FitOptionRow& option : fit_options()) {
         EXPECT_TRUE(fit_request(with(option, accepted(option))).ok()) << option.name;
         for (const char* text : {"", "nan", "-1", "1e99", "no such word"}) {
             const auto refused = fit_request(with(option, text));
@@ -44,13 +44,13 @@ TEST(FitOptions, AcceptTheirTextsAndRefuseOthersByName) {
     }
 }
 
-TEST(FitOptions, AreReadByTheirModelsAlone) {
-    for (const FitOption& option : fit_options())
+TEST(PmFitOptions, AreReadByTheirModelsAlone) {
+    for (const FitOptionRow& option : fit_options())
         for (const std::string_view model : k_model_names) {
             FitTexts texts = with(option, accepted(option));
             texts["model"] = model;
             bool reads = option.models.empty();
-            for (const FitOption& row : fit_options())
+            for (const FitOptionRow& row : fit_options())
                 reads = reads || (row.name == option.name && std::ranges::count(row.models, model) > 0);
             if (reads || option.name == "model") continue;
             const auto refused = fit_request(texts);
@@ -59,7 +59,7 @@ TEST(FitOptions, AreReadByTheirModelsAlone) {
         }
 }
 
-TEST(FitOptions, SetWhatTheyName) {
+TEST(PmFitOptions, SetWhatTheyName) {
     const auto request = fit_request({{"lobes", "3"},
                                       {"variates", "2"},
                                       {"axial", "false"},
@@ -78,7 +78,7 @@ TEST(FitOptions, SetWhatTheyName) {
     EXPECT_TRUE(std::holds_alternative<AutomaticLobes>(*std::get<PmRequest>(automatic->model).size));
 }
 
-TEST(FitOptions, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
+TEST(PmFitOptions, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
     const Spelling loud = [](std::string_view name) { return "<" + std::string(name) + ">"; };
     const std::pair<FitTexts, std::string> wrong[] = {
         {{{"budget", "100"}, {"lobes", "3"}}, "<budget>: chooses the number of lobes; not together with <lobes>"},

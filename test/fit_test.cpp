@@ -23,7 +23,7 @@ const Measured& bundled(const char* name) {
 Observations observed(const Evaluate& f, Objective objective = Objective::raw) { return *observe(f, {objective, 0}); }
 
 /// Options for a search that is shorter than the default, and sufficient for these tests.
-FitOptions short_search(PmForm form, int lobes, int variates) {
+PmFitOptions short_search(PmForm form, int lobes, int variates) {
     return {.form = form, .lobes = lobes, .variates = variates, .starts = 6, .perturbations = 10};
 }
 
@@ -71,7 +71,7 @@ TEST(Fit, RecoversSyntheticSpectra) {
     model.coefficient = colours(model.spectrum, model.wavelength);
     Observations observations = observed(evaluator(model));
     observe_spectra(observations, spectra(model));
-    const FitOptions options = short_search(PmForm::gaussian, 3, 3);
+    const PmFitOptions options = short_search(PmForm::gaussian, 3, 3);
     const auto fit = fit_pm(observations, options);
     ASSERT_TRUE(fit);
     EXPECT_EQ(fit->model.wavelength, model.wavelength);
@@ -90,7 +90,7 @@ TEST(Fit, ScalesWithItsData) {
         signed_evaluator(paper)(wl, wv, f);
         for (Rgb& x : f) x = {4 * x.r, 4 * x.g, 4 * x.b};
     };
-    const FitOptions options = short_search(PmForm::extended, 3, 2);
+    const PmFitOptions options = short_search(PmForm::extended, 3, 2);
     const auto a = fit_pm(observed(unscaled), options), b = fit_pm(observed(scaled), options);
     ASSERT_TRUE(a && b);
     // Both fits use the same random numbers and reach the same minimum, with different rounding errors.
@@ -105,7 +105,7 @@ TEST(Fit, ScalesWithItsData) {
 
 TEST(Fit, DoesNotDependOnTheUnitOfTheData) {
     const Evaluate paper = signed_evaluator(bundled("paper_white_rgb"));
-    const FitOptions options{.lobes = 2, .variates = 2};
+    const PmFitOptions options{.lobes = 2, .variates = 2};
     std::vector<double> losses;
     for (const float unit : {1e-20f, 1.f, 1e20f}) {
         const auto scaled = [&](auto wl, auto wv, auto f) {
@@ -122,7 +122,7 @@ TEST(Fit, DoesNotDependOnTheUnitOfTheData) {
 
 TEST(Fit, DoesNotDependOnTheNumberOfThreads) {
     const Observations o = observed(signed_evaluator(bundled("cc_ibiza_sunset_rgb")));
-    FitOptions options;
+    PmFitOptions options;
     options.lobes = options.variates = 3;
     options.starts = 5, options.perturbations = 8;  // rounds with 5, 3 and 1 starts
     options.threads = 1;
@@ -148,7 +148,7 @@ const Fitted& fitted(const char* name) {
     static std::map<std::string, Fitted> fits;
     if (const auto entry = fits.find(name); entry != fits.end()) return entry->second;
     const Measured& measured = bundled(name);
-    PmFit fit = *fit_pm(observed(signed_evaluator(measured)), FitOptions{.form = PmForm::gaussian});
+    PmFit fit = *fit_pm(observed(signed_evaluator(measured)), PmFitOptions{.form = PmForm::gaussian});
     const Evaluate others[] = {evaluator(fit.model), evaluator(fit.unrounded)};
     const auto measures = measure_heldout(rgb_channels(evaluator(measured)), rgb_channels(others), {80 * k_degree, 0});
     return fits.emplace(name, Fitted{measured, std::move(fit), measures[0], measures[1]}).first->second;
@@ -163,7 +163,7 @@ TEST(Fit, ReachesKnownErrorsForMeasuredMaterials) {
 TEST(Fit, FurtherFormsHaveMuchSmallerErrors) {
     for (const auto& [form, paper, film] :
          {std::tuple(PmForm::horizon, 0.0020, 0.0085), {PmForm::extended, 0.0008, 0.0040}}) {
-        const FitOptions options = short_search(form, form == PmForm::horizon ? 8 : 6, 4);
+        const PmFitOptions options = short_search(form, form == PmForm::horizon ? 8 : 6, 4);
         for (const auto& [name, bound] : {std::pair("paper_white_rgb", paper), {"cc_ibiza_sunset_rgb", film}}) {
             const auto fit = fit_pm(observed(signed_evaluator(bundled(name))), options);
             ASSERT_TRUE(fit);
@@ -180,7 +180,7 @@ TEST(Fit, FurtherFormsHaveMuchSmallerErrors) {
 TEST(Fit, IsReciprocalIfRequested) {
     const Measured& paper = bundled("paper_white_rgb");
     for (const PmForm form : k_forms) {
-        FitOptions options = short_search(form, 8, 4);
+        PmFitOptions options = short_search(form, 8, 4);
         options.reciprocal = true;
         const auto fit = fit_pm(observed(signed_evaluator(paper)), options);
         ASSERT_TRUE(fit);
@@ -274,7 +274,7 @@ TEST(Fit, StaysBoundedUpToTheHorizon) {
 }
 
 TEST(Fit, WithoutLogScaleCoefficientsFitHalfPrecision) {
-    FitOptions options = short_search(PmForm::gaussian, 4, 3);
+    PmFitOptions options = short_search(PmForm::gaussian, 4, 3);
     options.log_scale = false;
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const auto fit = fit_pm(observed(signed_evaluator(bundled(name))), options);
@@ -292,7 +292,7 @@ TEST(Fit, WithoutLogScaleCoefficientsFitHalfPrecision) {
 
 TEST(Fit, ReportsProgressAndCanBeCancelled) {
     const Observations o = observed(signed_evaluator(bundled("paper_white_rgb")));
-    const FitOptions options = short_search(PmForm::extended, 2, 2);
+    const PmFitOptions options = short_search(PmForm::extended, 2, 2);
     double last = 0;
     const auto whole = fit_pm(o, options, [&](const Progress& progress) {
         EXPECT_GE(progress.fraction, last);
@@ -318,16 +318,16 @@ TEST(Fit, ReportsProgressAndCanBeCancelled) {
 TEST(Fit, RefusesBadOptionsAndObservations) {
     const Observations good = observed(signed_evaluator(bundled("paper_white_rgb")));
     const auto accepts = [&](auto change) {
-        FitOptions options;
+        PmFitOptions options;
         change(options);
         return fit_pm(good, options).ok();
     };
-    for (const int bad : {0, -1, 65, 1 << 30}) EXPECT_FALSE(accepts([&](FitOptions& o) { o.lobes = bad; })) << bad;
-    for (const int bad : {0, -1, 9, 1 << 30}) EXPECT_FALSE(accepts([&](FitOptions& o) { o.variates = bad; })) << bad;
-    EXPECT_FALSE(accepts([](FitOptions& o) { o.log_scale = false; }));  // form extended
-    EXPECT_FALSE(accepts([](FitOptions& o) { o.starts = 0; }));
-    EXPECT_FALSE(accepts([](FitOptions& o) { o.perturbations = -1; }));
-    EXPECT_FALSE(accepts([](FitOptions& o) { o.threads = -1; }));
+    for (const int bad : {0, -1, 65, 1 << 30}) EXPECT_FALSE(accepts([&](PmFitOptions& o) { o.lobes = bad; })) << bad;
+    for (const int bad : {0, -1, 9, 1 << 30}) EXPECT_FALSE(accepts([&](PmFitOptions& o) { o.variates = bad; })) << bad;
+    EXPECT_FALSE(accepts([](PmFitOptions& o) { o.log_scale = false; }));  // form extended
+    EXPECT_FALSE(accepts([](PmFitOptions& o) { o.starts = 0; }));
+    EXPECT_FALSE(accepts([](PmFitOptions& o) { o.perturbations = -1; }));
+    EXPECT_FALSE(accepts([](PmFitOptions& o) { o.threads = -1; }));
 
     const auto rejects = [&](auto change) {
         Observations bad = good;

@@ -146,7 +146,7 @@ TEST(InnerLoops, HaveFewSubnormalsInTheDefaultFit) {
 
 TEST(InnerLoops, HaveFewSubnormalsInTheGaussianForm) {
     const Measured measured = film();
-    const FitOptions options{.form = PmForm::gaussian, .starts = 4, .perturbations = 8};
+    const PmFitOptions options{.form = PmForm::gaussian, .starts = 4, .perturbations = 8};
     expect_few([&] {
         const auto fit = fit_pm(*observe(signed_evaluator(measured), {.objective = Objective::raw}), options);
         ASSERT_TRUE(fit.ok());
@@ -155,7 +155,7 @@ TEST(InnerLoops, HaveFewSubnormalsInTheGaussianForm) {
 
 TEST(InnerLoops, HaveFewSubnormalsInAFitOfGeneralLobes) {
     const Measured measured = film();
-    const FitOptions options{.axial = false, .lobes = 4, .variates = 3, .starts = 4, .perturbations = 8};
+    const PmFitOptions options{.axial = false, .lobes = 4, .variates = 3, .starts = 4, .perturbations = 8};
     expect_few([&] {
         const auto fit = fit_pm(*observe(signed_evaluator(measured), {.count = 16384}), options);
         ASSERT_TRUE(fit.ok());

@@ -95,7 +95,7 @@ TEST(Isotropy, GeneralLobesFitWhatAxialOnesCannot) {
     std::vector<PmModel> models;
     for (const auto& [form, axial] :
          {std::pair(PmForm::extended, false), {PmForm::gaussian, false}, {PmForm::extended, true}}) {
-        FitOptions options;
+        PmFitOptions options;
         options.form = form;
         options.axial = axial;
         options.variates = 3;

@@ -28,15 +28,15 @@ const Rows& rows() {
     return all;
 }
 
-FitOptions options_of(std::uint64_t seed) {
-    FitOptions options;
+PmFitOptions options_of(std::uint64_t seed) {
+    PmFitOptions options;
     options.form = PmForm::gaussian;
     options.lobes = options.variates = 2;
     options.seed = seed;
     return options;
 }
 
-Candidate improved(Candidate candidate, const FitOptions& options, int perturbations) {
+Candidate improved(Candidate candidate, const PmFitOptions& options, int perturbations) {
     Reporter reporter({}, 1);
     LobeProblem problem(rows(), shape_of(options), false, k_no_peak_limit);
     perturb(problem, options, perturbations, candidate, reporter);
@@ -89,7 +89,7 @@ TEST(Search, RandomExponentsAreOfTheRangeOfTheirTerms) {
 }
 
 TEST(Search, ShortFitsHaveNoMoreStartsAndPerturbations) {
-    FitOptions options = options_of(0);
+    PmFitOptions options = options_of(0);
     EXPECT_EQ(starts_of(quick_options(options, 4, 8)), 4);
     EXPECT_EQ(perturbations_of(quick_options(options, 4, 8)), 8);
     options.starts = 2, options.perturbations = 0;

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <ranges>
 #include <vector>
 
 #include "app/output.h"
@@ -266,7 +267,13 @@ SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, i
     for (const CodeLanguageRow& row : k_code_languages)
         if (row.name == to)
             return set_result(shading_code(named, name, {.language = row.language, .sampling = sampling != 0}));
-    return fail({"code", {}, "language", "glsl, hlsl, wgsl, msl, c or three", to, ErrorCode::argument});
+    return fail(
+        {"code",
+         {},
+         "language",
+         fmt::format("three or {}", fmt::join(std::views::transform(k_code_languages, &CodeLanguageRow::name), ", ")),
+         to,
+         ErrorCode::argument});
 }
 
 /// The subject as a table, for a file with this name.

@@ -120,7 +120,7 @@ class PatchFits {
 
     /// Fits this size in several rounds and keeps the best fit. A search that does not improve on a smaller size is
     /// repeated with other random numbers.
-    Result<Done> fit_size(FitOptions options, const Size& size, const ProgressToken& progress) {
+    Result<Done> fit_size(PmFitOptions options, const Size& size, const ProgressToken& progress) {
         options.lobes = size.lobes, options.variates = size.variates;
         if (options.reciprocal) options.variates += options.variates % 2;
         std::vector<Rgb> values = means_;
@@ -269,7 +269,7 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
     }
     std::vector<Size> sizes(std::begin(k_sizes), std::end(k_sizes));
     if (const auto lobes = lobes_of(*pm)) sizes = {{*lobes, pm->variates}};
-    FitOptions options =
+    PmFitOptions options =
         quick_options(pm_options(request, pm->axial.value_or(is_isotropic(table))), k_starts, k_perturbations);
     // The mean over a patch cannot resolve lobes that are narrower than the patch.
     options.finest = k_finest * least_width(table.outgoing);

@@ -40,7 +40,7 @@ LogCoefficients coefficients_in(const LobeProblem& problem, const Lobes& lobes, 
 }
 
 /// The rows of one material with all terms of its objective, weighted for these lobes.
-std::unique_ptr<Rows> rows_of(const Observations& observations, const Lobes& lobes, const FitOptions& options) {
+std::unique_ptr<Rows> rows_of(const Observations& observations, const Lobes& lobes, const PmFitOptions& options) {
     Subsets subsets(observations);
     Candidate candidate;
     candidate.lobes = lobes;
@@ -67,8 +67,8 @@ Result<Done> check_basis_options(const BasisOptions& options) {
     return Done{};
 }
 
-FitOptions lobe_options(const BasisOptions& options) {
-    FitOptions pm_options;
+PmFitOptions lobe_options(const BasisOptions& options) {
+    PmFitOptions pm_options;
     pm_options.form = options.form, pm_options.axial = options.axial, pm_options.lobes = options.lobes,
     pm_options.variates = options.variates;
     pm_options.seed = options.seed, pm_options.threads = options.threads;
@@ -76,7 +76,7 @@ FitOptions lobe_options(const BasisOptions& options) {
 }
 
 SharedRows material_of(const Observations& observations, const Lobes& lobes, const BasisOptions& options) {
-    const FitOptions pm_options = lobe_options(options);
+    const PmFitOptions pm_options = lobe_options(options);
     SharedRows material{rows_of(observations, lobes, pm_options)};
     LobeProblem problem(*material.rows, lobes.shape, false, k_log_peak_limit);
     problem.loss(pack(lobes));

@@ -14,7 +14,7 @@ namespace srbf {
 /// Errors: options out of range.
 Result<Done> check_basis_options(const BasisOptions& options);
 /// The options of a fit to one material with the same kind of lobes.
-FitOptions lobe_options(const BasisOptions& options);
+PmFitOptions lobe_options(const BasisOptions& options);
 
 /// The rows of a material with all terms of its objective, and the lobes, at most `options.active`, of which it is
 /// the sum.

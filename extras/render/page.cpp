@@ -117,7 +117,7 @@ Json common_data(bool two_sided) {
     data["fov"] = Viewpoint{}.fov;
     data["elevation"] = Viewpoint{}.elevation;
     data["aspect"] = k_page_aspect;
-    const double grey = double(srgb_encoded(k_background));
+    const double grey = srgb_encoded(double(k_background));
     data["background"] = {grey, grey, grey};
     for (const DirectionalLight& light : lights_of(camera_of(page_mesh("ball"), {}, k_page_aspect)))
         data["lights"].push_back({{"towards", json_of(light.towards)},

@@ -18,7 +18,7 @@ void RasterDevelopment::draw(const RasterTarget& radiance, const RasterTarget& o
     glUseProgram(program_.id());
     const auto place = [&](const char* uniform) { return glGetUniformLocation(program_.id(), uniform); };
     const auto set = [&](const char* uniform, Rgb c) { glUniform3f(place(uniform), c.r, c.g, c.b); };
-    const float grey = srgb_encoded(k_background);
+    const float grey = float(srgb_encoded(double(k_background)));
     set("background", {grey, grey, grey}), set("darker", k_darker), set("as_bright", k_equal),
         set("brighter", k_brighter);
     glUniform1f(place("exposure"), exposure);

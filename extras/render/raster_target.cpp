@@ -109,7 +109,7 @@ Result<RasterTarget> RasterTarget::make(int width, int height, int samples, Form
 void RasterTarget::begin() const {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
     glViewport(0, 0, width_, height_);
-    const float grey = format_ == Format::bytes ? srgb_encoded(k_background) : 0;
+    const float grey = format_ == Format::bytes ? float(srgb_encoded(double(k_background))) : 0;
     glClearColor(grey, grey, grey, 0);
     glClear(depth_.id() != 0 ? GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT : GL_COLOR_BUFFER_BIT);
 }

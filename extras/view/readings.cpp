@@ -164,7 +164,7 @@ void Readings::draw_lobe_table() const {
         ImDrawList& list = *ImGui::GetWindowDrawList();
         list.AddRectFilled({corner.x, corner.y + 2}, {corner.x + 10, corner.y + 12}, lobe_colour(k));
         const float largest = std::max({lobe.peak.r, lobe.peak.g, lobe.peak.b, 1e-30f});
-        const auto encoded = [&](float x) { return srgb_encoded(std::clamp(x / largest, 0.f, 1.f)); };
+        const auto encoded = [&](float x) { return float(srgb_encoded(double(std::clamp(x / largest, 0.f, 1.f)))); };
         list.AddRectFilled({corner.x + 13, corner.y + 2}, {corner.x + 23, corner.y + 12},
                            colour_of({encoded(lobe.peak.r), encoded(lobe.peak.g), encoded(lobe.peak.b)}));
         ImGui::Dummy({24, 12});

@@ -45,7 +45,8 @@ inline std::optional<InPartFrame> to_part_frame(Vec3f wl, Vec3f wv) {
     const bool back = wl.z < 0, across = back != (wv.z < 0);
     return InPartFrame{Part(2 * int(across) + int(back)), l, v};
 }
-/// The side of a part's viewer: −1 or 1. A direction of a part's frame is on this side with its z multiplied by it.
+/// The sides of the surface on which the light and the viewer of a part are: −1 (back) or 1 (front). z of a direction in the
+/// frame of the part, multiplied by this, is its z.
 constexpr float side_of_light(Part part) { return is_back(part) ? -1.f : 1.f; }
 constexpr float side_of_viewer(Part part) { return is_back(part) != is_transmission(part) ? -1.f : 1.f; }
 /// A direction to one side, from a part's frame.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cassert>
 
+#include "srbf/elementary.h"
+
 namespace srbf {
 
 namespace {
@@ -234,6 +236,8 @@ Rgb to_rgb(std::span<const float> spectrum, std::span<const Rgb> weights) {
         for (int c = 0; c < 3; ++c) sum[c] += double(spectrum[i]) * double(weights[i][c]);
     return {float(sum[0]), float(sum[1]), float(sum[2])};
 }
+
+double srgb_encoded(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * elementary::pow(x, 1 / 2.4) - 0.055; }
 
 std::array<float, 18> reflectance_spectrum(const Rgb& colour) {
     std::array<float, 18> spectrum{};

@@ -20,6 +20,11 @@ Xyz white_point();
 /// which maps to (1, 1, 1).
 Rgb to_rgb(const Xyz& colour);
 
+/// The transfer function of sRGB (IEC 61966-2-1) on [0,1]: 12.92 x if x ≤ 0.0031308, otherwise 1.055 x^(1/2.4) − 0.055.
+double srgb_encoded(double x);
+/// The neutral grey around the object of a picture, linear.
+inline constexpr float k_background = 0.16f;
+
 /// Weights that convert a reflectance spectrum to linear sRGB, one per sample of the spectrum. With R(λ) linear between
 /// the samples at `wavelengths` [nm] (increasing, at least one) and constant beyond them,
 ///   X = ∫ R D65 x̄ dλ / ∫ D65 ȳ dλ,  Y, Z alike,  (R, G, B) = M (X, Y, Z) = Σ_i R(λ_i) weight_i.

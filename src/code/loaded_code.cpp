@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <ranges>
 
 #include "srbf/load.h"
 #include "srbf/shading_code.h"
@@ -10,7 +13,13 @@ Result<std::string> shading_code(const LoadedBrdf& model, const std::string& nam
     if (!fitted) return Error{name, {}, "input", "a fitted model", "a measurement", ErrorCode::wrong_kind};
     const auto row = std::ranges::find(k_code_languages, language, &CodeLanguageRow::name);
     if (row == std::end(k_code_languages))
-        return Error{name, {}, "language", "glsl, hlsl, wgsl, msl or c", std::string(language), ErrorCode::argument};
+        return Error{
+            name,
+            {},
+            "language",
+            fmt::format("{}", fmt::join(std::views::transform(k_code_languages, &CodeLanguageRow::name), ", ")),
+            std::string(language),
+            ErrorCode::argument};
     const NamedModel named{identifier(name), fitted};
     return shading_code({&named, 1}, named.name, {.language = row->language});
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "brdf/colour.h"
 #include "errors/itp.h"
 #include "errors/likeness.h"
 #include "errors/sphere.h"
@@ -13,9 +14,6 @@ namespace srbf {
 namespace {
 
 constexpr double k_most_psnr = 100;
-constexpr float k_surroundings = 0.16f;
-
-double srgb_encoded(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * elementary::pow(x, 1 / 2.4) - 0.055; }
 
 Image displayed(const Image& radiance, float exposure) {
     Image shown = radiance;
@@ -23,7 +21,7 @@ Image displayed(const Image& radiance, float exposure) {
         for (int x = 0; x < shown.width; ++x) {
             Rgb& pixel = shown.at(x, y);
             const bool sphere = shows_sphere(shown.width, x, y);
-            for (int c = 0; c < 3; ++c) pixel[c] = sphere ? std::clamp(exposure * pixel[c], 0.f, 1.f) : k_surroundings;
+            for (int c = 0; c < 3; ++c) pixel[c] = sphere ? std::clamp(exposure * pixel[c], 0.f, 1.f) : k_background;
         }
     return shown;
 }

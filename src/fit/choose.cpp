@@ -35,7 +35,7 @@ constexpr std::size_t k_first_bytes = 32, k_conclusive_bytes = 64;
 constexpr double k_done_by_shortest = 0.2, k_done_by_short = 0.4, k_done_by_doubling = 0.1, k_done_by_doublings = 0.6;
 
 /// The options of a model to try, of which a `Trial` has everything but the error; a *kind* is everything but J.
-FitOptions with_model(FitOptions options, const Trial& model) {
+PmFitOptions with_model(PmFitOptions options, const Trial& model) {
     options.form = model.form;
     options.axial = model.axial;
     options.variates = model.variates;
@@ -47,7 +47,7 @@ std::size_t bytes_of(const Trial& kind, int lobes, bool log_scale) {
     return payload_bytes(kind.form, kind.axial, log_scale || kind.form != PmForm::gaussian, lobes, kind.variates);
 }
 
-std::vector<Trial> kinds(const FitOptions& options) {
+std::vector<Trial> kinds(const PmFitOptions& options) {
     std::vector<Trial> all;
     for (const PmForm form : k_forms)
         for (const bool axial : {true, false})
@@ -72,18 +72,18 @@ struct Tried {
 /// Fits and judges models.
 class Search {
   public:
-    Search(const Observations& observations, const FitOptions& options, const JudgeModel& judge,
+    Search(const Observations& observations, const PmFitOptions& options, const JudgeModel& judge,
            const ProgressToken& progress)
         : observations_(observations), options_(options), judge_(judge), progress_(progress) {}
 
-    const FitOptions& options() const { return options_; }
+    const PmFitOptions& options() const { return options_; }
 
     /// Short fits in parallel, most promising first.
     Result<std::vector<Trial>> fit_in_short(const std::vector<Trial>& models, const ShortFit& effort) {
         const Observations some = beginning(observations_, effort.rows);
         std::vector<Result<Tried>> tried(models.size(), Error{});
         parallel_for(models.size(), options_.threads, [&](std::size_t i) {
-            const FitOptions options = with_model(options_, models[i]);
+            const PmFitOptions options = with_model(options_, models[i]);
             tried[i] = attempt(some, quick_options(options, effort.starts, effort.perturbations), true);
         });
         std::vector<Trial> trials;
@@ -131,7 +131,7 @@ class Search {
     }
 
   private:
-    Result<Tried> attempt(const Observations& observations, const FitOptions& options, bool in_short) {
+    Result<Tried> attempt(const Observations& observations, const PmFitOptions& options, bool in_short) {
         auto fit = fit_pm(observations, options, progress_.part(done_, done_));
         if (!fit) return fit.error();
         const double error = judge_(fit->model, in_short);
@@ -139,7 +139,7 @@ class Search {
     }
 
     const Observations& observations_;
-    FitOptions options_;
+    PmFitOptions options_;
     const JudgeModel& judge_;
     ProgressToken progress_;
     double done_ = 0;  // share of the whole that is complete
@@ -260,7 +260,7 @@ class SmallestWithin {
 
 }  // namespace
 
-Result<Chosen> choose_pm(const Observations& observations, const FitOptions& options, const SizeGoal& goal,
+Result<Chosen> choose_pm(const Observations& observations, const PmFitOptions& options, const SizeGoal& goal,
                          const JudgeModel& judge, const ProgressToken& progress) {
     const StandardArithmetic mode;
     Search search(observations, options, judge, progress);

@@ -22,6 +22,6 @@ struct Chosen {
 /// `options.axial` is false, both axial and general lobes. Models of each kind get short fits to a subset of the
 /// observations. The most promising ones get full fits. All other settings come from `options`.
 /// Errors: those of `fit_pm`; a goal out of range; fewer bytes than one lobe takes; cancelled.
-Result<Chosen> choose_pm(const Observations& observations, const FitOptions& options, const SizeGoal& goal,
+Result<Chosen> choose_pm(const Observations& observations, const PmFitOptions& options, const SizeGoal& goal,
                          const JudgeModel& judge, const ProgressToken& progress = {});
 }  // namespace srbf

@@ -27,8 +27,8 @@ constexpr int k_draft_starts = 3, k_draft_perturbations = 2;
 /// Approximate share of observing in the time of the fits to a fold's samples.
 constexpr double k_observed_of_fold = 0.2;
 
-FitOptions sample_options(const ScatteredSamples& samples, const FitRequest& request, std::optional<int> lobes) {
-    FitOptions options = pm_options(request, std::get<PmRequest>(request.model).axial.value_or(samples.isotropic));
+PmFitOptions sample_options(const ScatteredSamples& samples, const FitRequest& request, std::optional<int> lobes) {
+    PmFitOptions options = pm_options(request, std::get<PmRequest>(request.model).axial.value_or(samples.isotropic));
     if (lobes) options.lobes = *lobes;
     options.starts = k_sample_starts;
     options.perturbations = k_sample_perturbations;
@@ -69,7 +69,7 @@ class SampleFits {
     }
     double error(const FitOutcome& outcome) const { return error_of(outcome.errors->heldout, request_.objective); }
     std::size_t bytes(int lobes) const {
-        const FitOptions options = sample_options(samples_, request_, lobes);
+        const PmFitOptions options = sample_options(samples_, request_, lobes);
         return payload_bytes(options.form, options.axial, options.log_scale, lobes, options.variates);
     }
     /// Three values of each sample outside a fold are at least twice as many as the numbers to find, of two bytes each.
@@ -125,7 +125,7 @@ class SampleFits {
     }
     Result<FitOutcome> fitted(const PmRequest&, const ScatteredSamples&, const SampleObservations* observed,
                               const Variant& candidate, const ProgressToken& progress) const {
-        FitOptions options = sample_options(samples_, request_, candidate.lobes);
+        PmFitOptions options = sample_options(samples_, request_, candidate.lobes);
         if (fills_gaps(request_) && observed != observed_) options.starts = k_fold_starts;
         auto pm = fit_pm(*observed, {options, candidate.fill}, progress);
         if (!pm) return pm.error();
@@ -291,7 +291,7 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleO
 
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
                                     const FitRequest& request, bool in_short, const ProgressToken& progress) {
-    FitOptions options = sample_options(samples, request, {});
+    PmFitOptions options = sample_options(samples, request, {});
     if (in_short) options = quick_options(options, k_draft_starts, k_draft_perturbations);
     auto pm = fit_pm(observed, {options, !in_short}, progress);
     if (!pm) return pm.error();

@@ -39,7 +39,7 @@ std::vector<Term> terms_of(Objective objective) {
     return terms;
 }
 
-std::string work_of(const Stage& stage, const FitOptions& options) {
+std::string work_of(const Stage& stage, const PmFitOptions& options) {
     switch (stage.kind) {
         case StageKind::grow:
             return fmt::format("{} lobes, one by one", options.lobes);
@@ -67,7 +67,7 @@ std::string rows_of(const Stage& stage, bool bounds) {
 
 std::string explain(const FitRequest& request) {
     if (!std::holds_alternative<PmRequest>(request.model)) return "";
-    const FitOptions options = pm_options(request, true);
+    const PmFitOptions options = pm_options(request, true);
     std::string text =
         fmt::format("objective {} to {:g} degrees, {} lobes of {} variates, {} starts\n\n", name(request.objective),
                     request.theta() / k_degree, options.lobes, options.variates, starts_of(options));

@@ -28,7 +28,7 @@ constexpr std::size_t k_texel_pairs = 4096;
 struct Batch {
     const SharedPairs& pairs;
     FitRequest request;
-    FitOptions options;
+    PmFitOptions options;
     bool all_above;            // the horizon
     ScatteredSamples samples;  // if so, of a texel that was measured at all pairs, without its values
 };
@@ -53,7 +53,7 @@ Result<Batch> batch_of(const SharedPairs& pairs, const BatchOptions& options) {
 }
 
 /// A model of the batch's form and size that is 0 everywhere.
-PmModel black_model(const FitOptions& of) {
+PmModel black_model(const PmFitOptions& of) {
     const auto J = std::size_t(of.lobes), N = std::size_t(of.variates);
     PmModel model;
     model.form = of.form, model.axial = of.axial, model.lobes = of.lobes, model.variates = of.variates;
@@ -91,7 +91,7 @@ TexelFit without(const Batch& batch, TexelState state, std::optional<Error> fail
 }
 
 /// The constant f that is nearest to the samples, as a model of the batch's form and size.
-PmModel matte_model(const FitOptions& of, const Observations& samples) {
+PmModel matte_model(const PmFitOptions& of, const Observations& samples) {
     PmModel model = black_model(of);
     const auto mean = mean_value(samples);
     for (int c = 0; c < 3; ++c) model.coefficient[0][c] = round_to_half(float(mean[std::size_t(c)]));

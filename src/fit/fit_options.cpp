@@ -28,7 +28,7 @@ template <typename T, typename To> bool store(const std::optional<T>& value, To&
 
 /// A number within [least, most], which `set` stores.
 template <typename T>
-FitOption number(FitOption option, T least, T most, std::type_identity_t<void (*)(FitRequest&, T)> set) {
+FitOptionRow number(FitOptionRow option, T least, T most, std::type_identity_t<void (*)(FitRequest&, T)> set) {
     option.expected = fmt::format("{} to {}", least, most);
     option.set = [=](FitRequest& request, Text text) {
         const auto value = to_number<T>(text);
@@ -40,14 +40,14 @@ FitOption number(FitOption option, T least, T most, std::type_identity_t<void (*
 }
 
 /// One of some words, which `set` stores unless it knows no such word.
-template <typename Words> FitOption word(FitOption option, const Words& words, bool (*set)(FitRequest&, Text)) {
+template <typename Words> FitOptionRow word(FitOptionRow option, const Words& words, bool (*set)(FitRequest&, Text)) {
     option.choices.assign(std::begin(words), std::end(words));
     option.expected = fmt::format("{}", fmt::join(option.choices, " or "));
     option.set = set;
     return option;
 }
 
-FitOption flag(FitOption option, void (*set)(FitRequest&, bool)) {
+FitOptionRow flag(FitOptionRow option, void (*set)(FitRequest&, bool)) {
     option.expected = "true or false";
     option.set = [set](FitRequest& request, Text text) {
         if (text != "true" && text != "false") return false;
@@ -62,7 +62,7 @@ const FitRequest k_request{};
 const PmRequest k_pm{};
 const SuRequest k_su{};
 
-FitOption model() {
+FitOptionRow model() {
     return []<typename... R>(std::type_identity<std::variant<R...>>) {
         const std::string about[] = {fmt::format("{}: {}", R::k_name, R::k_about)...};
         return word({"model", k_all, "NAME", fmt::format("{}", fmt::join(about, ";\n")), preset(model_name(k_request))},
@@ -72,7 +72,7 @@ FitOption model() {
     }(std::type_identity<AnyRequest>());
 }
 
-FitOption surface() {
+FitOptionRow surface() {
     return word({"surface", k_of_openpbr, "NAME",
                  "Whose parameters are fitted: of OpenPBR, of glTF with its extensions, or of Blender's\n"
                  "Principled BSDF",
@@ -83,7 +83,7 @@ FitOption surface() {
 }
 
 /// The options of multivariate lobes.
-void add_lobes(std::vector<FitOption>& to) {
+void add_lobes(std::vector<FitOptionRow>& to) {
     std::vector<std::string_view> forms;
     std::vector<std::string> summaries;
     for (const FormRow& row : k_form_rows) {
@@ -115,8 +115,8 @@ void add_lobes(std::vector<FitOption>& to) {
 }
 
 /// The number of lobes, of each model that has one.
-void add_counts(std::vector<FitOption>& to) {
-    FitOption lobes =
+void add_counts(std::vector<FitOptionRow>& to) {
+    FitOptionRow lobes =
         number<int>({"lobes", k_of_pm, "J|auto",
                      fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
                                  "auto: for a table the best\n"
@@ -138,7 +138,7 @@ void add_counts(std::vector<FitOption>& to) {
 }
 
 /// The rows of the loss that the fit minimises, and of its domain.
-void add_objective(std::vector<FitOption>& to) {
+void add_objective(std::vector<FitOptionRow>& to) {
     std::string about = "What the fit minimises:";
     std::vector<std::string_view> names;
     std::vector<std::string> angles;
@@ -157,7 +157,7 @@ void add_objective(std::vector<FitOption>& to) {
 }
 
 /// The options of view-by-view models.
-void add_views(std::vector<FitOption>& to) {
+void add_views(std::vector<FitOptionRow>& to) {
     using Words = std::vector<Text>;
     to.push_back(
         word({"discretise", k_of_su, "view|light", "su: the sampled direction; lobes are functions of the other one",
@@ -185,7 +185,7 @@ void add_views(std::vector<FitOption>& to) {
 }
 
 /// The channels, and goals of the size.
-void add_goals(std::vector<FitOption>& to) {
+void add_goals(std::vector<FitOptionRow>& to) {
     to.push_back(
         word({"channels", k_all, "NAME",
               "rgb: colours; spectral: lobes with a coefficient for each wavelength of the measurement", "rgb"},
@@ -204,7 +204,7 @@ void add_goals(std::vector<FitOption>& to) {
         [](FitRequest& r, std::size_t bytes) { pm(r).size = ByteBudget{bytes}; }));
 }
 
-void add_running(std::vector<FitOption>& to) {
+void add_running(std::vector<FitOptionRow>& to) {
     to.push_back(number<std::uint64_t>({"seed", k_all, "SEED", "Seed of the random numbers", preset(k_request.seed)}, 0,
                                        std::numeric_limits<std::uint64_t>::max(),
                                        [](FitRequest& r, std::uint64_t seed) { r.seed = seed; }));
@@ -261,7 +261,7 @@ Result<Done> check_reads(Text name, Text model, const Spelling& spelled) {
     Models models;
     std::vector<std::string> names;
     bool exists = false;
-    for (const FitOption& option : fit_options()) {
+    for (const FitOptionRow& option : fit_options()) {
         if (names.empty() || names.back() != spelled(option.name)) names.push_back(spelled(option.name));
         if (option.name != name) continue;
         if (option.models.empty() || std::ranges::count(option.models, model) > 0) return Done{};
@@ -289,18 +289,18 @@ Result<Done> check_rules(const FitRequest& request, const FitTexts& texts, const
 
 }  // namespace
 
-std::span<const FitOption> fit_options() {
-    static const std::vector<FitOption> options = [] {
-        std::vector<FitOption> all{model(), surface()};
+std::span<const FitOptionRow> fit_options() {
+    static const std::vector<FitOptionRow> options = [] {
+        std::vector<FitOptionRow> all{model(), surface()};
         for (const auto add : {add_lobes, add_counts, add_objective, add_views, add_goals, add_running}) add(all);
         return all;
     }();
     return options;
 }
 
-const FitOption& fit_option(std::string_view name) {
+const FitOptionRow& fit_option(std::string_view name) {
     const auto all = fit_options();
-    const auto at = std::ranges::find(all, name, &FitOption::name);
+    const auto at = std::ranges::find(all, name, &FitOptionRow::name);
     if (at == all.end()) misused("an option of fits that there is not");
     return *at;
 }
@@ -308,7 +308,7 @@ const FitOption& fit_option(std::string_view name) {
 Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelling) {
     const Spelling spelled = spelling ? spelling : [](Text name) { return std::string(name); };
     FitRequest request;
-    for (const FitOption& option : fit_options()) {
+    for (const FitOptionRow& option : fit_options()) {
         const auto at = texts.find(option.name);
         const bool is_read = option.models.empty() || std::ranges::count(option.models, model_name(request)) > 0;
         if (at == texts.end() || !is_read || option.set(request, at->second)) continue;

@@ -14,7 +14,7 @@ namespace [[gnu::visibility("default")]] srbf {
 inline constexpr int k_most_threads = 1024;
 
 /// An option of a fit. Models that read different texts of an option have rows of their own.
-struct FitOption {
+struct FitOptionRow {
     std::string_view name;                      ///< '_' separates words: "max_theta"
     std::vector<std::string_view> models = {};  ///< the names of the models that read it; empty: all
     std::string_view type = {};                 ///< of its text, as help names it; empty: a flag, "true" or "false"
@@ -27,9 +27,9 @@ struct FitOption {
     std::function<bool(FitRequest&, std::string_view text)> set = {};
 };
 /// In the order of help. The first is "model".
-std::span<const FitOption> fit_options();
+std::span<const FitOptionRow> fit_options();
 /// The first row of that name, which must exist.
-const FitOption& fit_option(std::string_view name);
+const FitOptionRow& fit_option(std::string_view name);
 
 /// The texts of the options that are given, by name.
 using FitTexts = std::map<std::string, std::string, std::less<>>;

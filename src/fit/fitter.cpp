@@ -292,7 +292,7 @@ struct Fitter::State {
     }
     Result<FitOutcome> fit_observed(const PmRequest& pm, const Observations& observations, const FitRequest& request,
                                     const ProgressToken& progress) {
-        const FitOptions options = pm_options(request, axial(request));
+        const PmFitOptions options = pm_options(request, axial(request));
         if (pm.size && std::holds_alternative<AutomaticLobes>(*pm.size))
             return fit_best_size(observations, options, request, progress);
         const auto goal = goal_of(request);
@@ -313,7 +313,7 @@ struct Fitter::State {
     }
 
     /// The best compromise between bytes and error.
-    Result<FitOutcome> fit_best_size(const Observations& observations, FitOptions options, const FitRequest& request,
+    Result<FitOutcome> fit_best_size(const Observations& observations, PmFitOptions options, const FitRequest& request,
                                      const ProgressToken& progress) const {
         FitOutcome outcome;
         std::vector<Trial> path;
@@ -357,7 +357,7 @@ struct Fitter::State {
         if (!quiet) return quiet.error();
         const auto observations = observed(request, quiet->part(0, k_drafts_observed));
         if (!observations) return observations.error();
-        FitOptions options = pm_options(request, axial(request));
+        PmFitOptions options = pm_options(request, axial(request));
         options.starts = draft.starts, options.perturbations = draft.perturbations;
         auto fitted = fit_pm(beginning(**observations, draft.pairs), options, quiet->part(k_drafts_observed, 1));
         if (!fitted) return fitted.error();

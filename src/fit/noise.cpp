@@ -214,7 +214,7 @@ Result<Smoothed> smoothed(const Evaluate& f, const Noise& noise, bool axial, int
         };
         const auto observed = observe(made.unbiased, {.threads = threads, .smoothed = made.smooth}, part(0, 0.3));
         if (!observed) return observed.error();
-        FitOptions options;
+        PmFitOptions options;
         options.axial = axial, options.threads = threads;
         options.starts = k_noise_starts, options.perturbations = k_noise_perturbations;
         const auto fitted = fit_pm(beginning(*observed, observed->fitted_count()), options, part(0.3, 1));

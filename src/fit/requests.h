@@ -24,9 +24,9 @@ inline std::optional<int> lobes_of(const PmRequest& pm) {
     return count ? std::optional(count->lobes) : std::nullopt;
 }
 
-inline FitOptions pm_options(const FitRequest& request, bool axial) {
+inline PmFitOptions pm_options(const FitRequest& request, bool axial) {
     const PmRequest& pm = std::get<PmRequest>(request.model);
-    FitOptions options;
+    PmFitOptions options;
     options.form = pm.form;
     options.axial = axial;
     options.reciprocal = pm.reciprocal;

@@ -55,7 +55,7 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
     const double max_theta = observations.options.max_theta;
     const std::uint64_t seed = observations.options.seed;
     const bool is_filled = !observations.gap_filled_table.f.empty();
-    FitOptions bounded = options.pm;
+    PmFitOptions bounded = options.pm;
     const double finest = observations.finest * (traits(objective).of_scatter ? k_finest_of_scatter : 1);
     if (!is_filled) bounded.finest = std::max(bounded.finest, finest);
     const std::size_t parameters = parameter_count(bounded), values = 3 * observations.groups;

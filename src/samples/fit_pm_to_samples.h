@@ -6,7 +6,7 @@
 namespace srbf {
 
 struct SampleFitOptions {
-    FitOptions pm;
+    PmFitOptions pm;
     /// If true, a fit without gap-filled samples also follows the values expected between the samples. A quick fit
     /// without them estimates the remaining error; their weight is the ratio of that error to their own error, at
     /// most 1. They constrain lobes where samples are sparse, but do harm where a fit is better than they are.

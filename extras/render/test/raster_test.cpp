@@ -151,7 +151,7 @@ const SuModel& film_su() {
 
 const PmModel& film_pm() {
     static const PmModel model = [] {
-        FitOptions options;
+        PmFitOptions options;
         options.lobes = 8, options.variates = 4, options.starts = 2, options.perturbations = 0;
         return rounded(fit_pm(*observe(signed_evaluator(film()), {.count = 8192}), options)->model);
     }();

@@ -21,10 +21,10 @@ constexpr Rgb8 k_black{0, 0, 0}, k_white{255, 255, 255};
 TEST(SrgbEncoded, IsTheStandardsFunctionAndMonotone) {
     EXPECT_EQ(srgb_encoded(0), 0);
     EXPECT_TRUE(near(srgb_encoded(1), 1, 1e-6));
-    EXPECT_TRUE(near(srgb_encoded(0.5f), 0.7353570, 1e-6));
-    EXPECT_TRUE(near(srgb_encoded(0.2140411f), 0.5, 1e-6));
-    EXPECT_TRUE(near(srgb_encoded(0.0031308f), 0.04045, 1e-5));
-    for (int i = 0; i < 20000; ++i) EXPECT_LE(srgb_encoded(float(i) / 20000), srgb_encoded(float(i + 1) / 20000));
+    EXPECT_TRUE(near(srgb_encoded(0.5), 0.7353570, 1e-6));
+    EXPECT_TRUE(near(srgb_encoded(0.2140411), 0.5, 1e-6));
+    EXPECT_TRUE(near(srgb_encoded(0.0031308), 0.04045, 1e-5));
+    for (int i = 0; i < 20000; ++i) EXPECT_LE(srgb_encoded(i / 20000.0), srgb_encoded((i + 1) / 20000.0));
 }
 
 TEST(ToneMap, IsItsFormula) {

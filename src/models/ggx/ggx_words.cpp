@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/parameters.h"
-#include "base/rows.h"
+#include "brdf/rows.h"
 #include "models/ggx/ggx_kind.h"
 #include "srbf/model.h"
 

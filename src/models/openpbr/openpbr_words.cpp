@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/parameters.h"
-#include "base/rows.h"
+#include "brdf/rows.h"
 #include "models/openpbr/openpbr_kernel.h"
 #include "models/openpbr/openpbr_kind.h"
 #include "srbf/model.h"

@@ -8,10 +8,9 @@
 
 #include "base/half.h"
 #include "base/parameters.h"
-#include "base/rows.h"
+#include "brdf/rows.h"
 #include "models/pm/pm_kind.h"
 #include "srbf/elementary.h"
-#include "base/half.h"
 #include "srbf/model.h"
 
 namespace srbf {

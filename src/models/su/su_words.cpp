@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/parameters.h"
-#include "base/rows.h"
+#include "brdf/rows.h"
 #include "models/su/su_kind.h"
 #include "srbf/model.h"
 

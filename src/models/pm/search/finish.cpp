@@ -71,7 +71,7 @@ Lobes without_features(Lobes lobes, std::span<const int> which) {
 
 }  // namespace
 
-PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const FitOptions& options,
+PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const PmFitOptions& options,
              double log_peak_limit, const Reporter& reporter) {
     PmFit fit;
     const bool spectral = !observations.wavelengths.empty();

@@ -14,7 +14,7 @@ struct TermFactors {
 
 /// Optimises the lobes on all observations, including the spectra of spectral ones, and rounds them. Bound pairs
 /// that the rounded model exceeds become observations for the next round, until the model exceeds none.
-PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const FitOptions& options,
+PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const PmFitOptions& options,
              double log_peak_limit, const Reporter& reporter);
 
 }  // namespace srbf

@@ -38,7 +38,7 @@ constexpr double k_nearly_best = 0.01;
 /// thousands.
 constexpr double k_missed = 10;
 
-Result<Done> validate(const Observations& observations, const FitOptions& options) {
+Result<Done> validate(const Observations& observations, const PmFitOptions& options) {
     for (const auto& result : {require_range("fit", "number of lobes", options.lobes, 1, k_most_fitted_lobes),
                                require_range("fit", "number of variates", options.variates, 1, int(k_most_variates)),
                                require_range("fit", "number of starts", starts_of(options), 1, 1000),
@@ -55,7 +55,7 @@ Result<Done> validate(const Observations& observations, const FitOptions& option
     return validate(observations, parameter_count(options));
 }
 
-double log_peak_limit_of(const FitOptions& options) {
+double log_peak_limit_of(const PmFitOptions& options) {
     return options.log_scale ? k_log_peak_limit : elementary::log(double(k_half_max));
 }
 
@@ -65,7 +65,7 @@ struct Effort {
     double total() const { return search + 2 * finish; }
 };
 bool is_polish(const Stage& stage) { return stage.kind == StageKind::by_pictures || stage.kind == StageKind::polish; }
-Effort effort_of(const Observations& observations, const FitOptions& options) {
+Effort effort_of(const Observations& observations, const PmFitOptions& options) {
     int perturbations = 0, previous = 0, polishes = 0;
     for (const Stage& stage : schedule(!observations.views.empty())) {
         polishes += is_polish(stage);
@@ -83,7 +83,7 @@ Effort effort_of(const Observations& observations, const FitOptions& options) {
 class Fit {
   public:
     /// The candidates are those of the options' starts, or the lobes of `begin`.
-    Fit(const Observations& observations, const FitOptions& options, const PmModel* begin, Reporter& reporter)
+    Fit(const Observations& observations, const PmFitOptions& options, const PmModel* begin, Reporter& reporter)
         : observations_(observations), options_(options), reporter_(reporter) {
         candidates_.resize(begin ? 1 : std::size_t(starts_of(options)));
         for (std::size_t start = 0; start < candidates_.size(); ++start) candidates_[start].start = int(start);
@@ -193,7 +193,7 @@ class Fit {
     }
 
     const Observations& observations_;
-    const FitOptions& options_;
+    const PmFitOptions& options_;
     Reporter& reporter_;
     std::vector<Candidate> candidates_;
     double log_peak_limit_ = log_peak_limit_of(options_);
@@ -206,7 +206,7 @@ class Fit {
 
 }  // namespace
 
-Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress,
+Result<PmFit> fit_pm(const Observations& observations, const PmFitOptions& options, const ProgressToken& progress,
                      const PmModel* begin) {
     const StandardArithmetic mode;
     if (const auto valid = validate(observations, options); !valid) return valid.error();

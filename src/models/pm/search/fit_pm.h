@@ -11,7 +11,7 @@
 
 namespace srbf {
 
-struct FitOptions {
+struct PmFitOptions {
     PmForm form = PmForm::extended;
     bool axial = true;  ///< only centres at +z or −z, sufficient for isotropic data
     /// f(ωl,ωv) = f(ωv,ωl) up to rounding: variates form pairs (a, b), (b, a) with the same centre and bandwidth
@@ -53,7 +53,7 @@ struct PmFit {
 /// Details: docs/fitting.md.
 /// If `begin` is given, its lobes are polished instead of those of a search; it must have this size and form.
 /// Errors: options out of range, fewer observations than parameters, values that are not finite.
-Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress = {},
+Result<PmFit> fit_pm(const Observations& observations, const PmFitOptions& options, const ProgressToken& progress = {},
                      const PmModel* begin = nullptr);
 
 }  // namespace srbf

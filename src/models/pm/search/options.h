@@ -8,23 +8,23 @@
 
 namespace srbf {
 
-inline LobeShape shape_of(const FitOptions& options) {
+inline LobeShape shape_of(const PmFitOptions& options) {
     return {options.form, options.variates / (options.reciprocal ? 2 : 1), options.axial, options.reciprocal,
             options.finest};
 }
 
 /// Default numbers of starts and perturbations. Fits with more lobes use fewer, because each takes longer and
 /// matters less.
-inline int starts_of(const FitOptions& options) {
+inline int starts_of(const PmFitOptions& options) {
     return options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 16, 20));
 }
-inline int perturbations_of(const FitOptions& options) {
+inline int perturbations_of(const PmFitOptions& options) {
     return options.perturbations.value_or(std::clamp(1600 / std::max(options.lobes * options.lobes, 1), 25, 45));
 }
 
 /// `options` with at most this many starts and perturbations, for a quick fit that estimates the result of a full
 /// one.
-inline FitOptions quick_options(FitOptions options, int starts, int perturbations) {
+inline PmFitOptions quick_options(PmFitOptions options, int starts, int perturbations) {
     options.starts = std::min(starts_of(options), starts);
     options.perturbations = std::min(perturbations_of(options), perturbations);
     return options;
@@ -36,7 +36,7 @@ inline FitOptions quick_options(FitOptions options, int starts, int perturbation
 inline constexpr double k_log_peak_limit = 300;
 
 /// Number of free parameters of a fit.
-inline std::size_t parameter_count(const FitOptions& options) {
+inline std::size_t parameter_count(const PmFitOptions& options) {
     return std::size_t(options.lobes * (3 + shape_of(options).width()) + 2 * options.variates);
 }
 

@@ -37,10 +37,10 @@ struct Stage {
     double perturbations = 0;                      ///< fraction of the options' number, since the first stage
     int steps = 0;                                 ///< maximum number of Levenberg-Marquardt steps
 
-    std::size_t candidates(const FitOptions& options) const {
+    std::size_t candidates(const PmFitOptions& options) const {
         return std::min(std::size_t(std::max(std::lround(fraction * starts_of(options)), 1L)), max_candidates);
     }
-    int perturbations_until(const FitOptions& options) const {
+    int perturbations_until(const PmFitOptions& options) const {
         return int(std::lround(perturbations * perturbations_of(options)));
     }
 };

@@ -67,7 +67,7 @@ bool has_useless_lobe(const Candidate& candidate) {
 
 }  // namespace
 
-void grow(LobeProblem& problem, const FitOptions& options, Candidate& candidate, Reporter& reporter) {
+void grow(LobeProblem& problem, const PmFitOptions& options, Candidate& candidate, Reporter& reporter) {
     std::mt19937_64 random = generator(options.seed, candidate.start, 0);
     candidate.lobes = initial_parameterizations(shape_of(options), candidate.start, random);
     for (int j = 0; j < options.lobes; ++j) {
@@ -77,7 +77,7 @@ void grow(LobeProblem& problem, const FitOptions& options, Candidate& candidate,
     }
 }
 
-void perturb(LobeProblem& problem, const FitOptions& options, int until, Candidate& candidate, Reporter& reporter) {
+void perturb(LobeProblem& problem, const PmFitOptions& options, int until, Candidate& candidate, Reporter& reporter) {
     if (candidate.perturbations >= until || reporter.cancelled()) return;
     optimise(problem, candidate, candidate.lobes, k_first_steps);
     while (candidate.perturbations < until) {
@@ -88,7 +88,7 @@ void perturb(LobeProblem& problem, const FitOptions& options, int until, Candida
     }
 }
 
-void polish(LobeProblem& problem, const FitOptions& options, int steps, Candidate& candidate) {
+void polish(LobeProblem& problem, const PmFitOptions& options, int steps, Candidate& candidate) {
     optimise(problem, candidate, candidate.lobes, steps);
     std::mt19937_64 random = generator(options.seed, candidate.start, 1);
     // A lobe may become useless on more rows than those on which it was found.

@@ -22,14 +22,14 @@ struct Candidate {
 // Each of these functions advances a candidate on the rows of a problem, and returns early if cancelled.
 
 /// Grows J lobes one by one.
-void grow(LobeProblem& problem, const FitOptions& options, Candidate& candidate, Reporter& reporter);
+void grow(LobeProblem& problem, const PmFitOptions& options, Candidate& candidate, Reporter& reporter);
 
 /// Optimises the candidate, possibly on other rows than before. Then perturbs it until it has had `until`
 /// perturbations. Each replaces the least useful lobe, or every fourth time a variate, and is kept if the loss
 /// falls.
-void perturb(LobeProblem& problem, const FitOptions& options, int until, Candidate& candidate, Reporter& reporter);
+void perturb(LobeProblem& problem, const PmFitOptions& options, int until, Candidate& candidate, Reporter& reporter);
 
 /// Optimises on more rows by `steps` steps, and replaces lobes that become useless there.
-void polish(LobeProblem& problem, const FitOptions& options, int steps, Candidate& candidate);
+void polish(LobeProblem& problem, const PmFitOptions& options, int steps, Candidate& candidate);
 
 }  // namespace srbf

@@ -45,7 +45,7 @@ Subsets::Part Subsets::first_pairs(Pairs pairs) const {
     return {std::move(part), begin};
 }
 
-void Subsets::add_exceeded_pairs(const std::vector<Candidate>& candidates, const FitOptions& options,
+void Subsets::add_exceeded_pairs(const std::vector<Candidate>& candidates, const PmFitOptions& options,
                                  double log_peak_limit) {
     const Rows selection_rows(selection_.observations), polish_rows(polish_.observations);
     std::vector<std::vector<std::size_t>> added(candidates.size());
@@ -85,7 +85,7 @@ double Subsets::integral_importance(bool beside_directional_lights) const {
            (3 * all_.integral_error * all_.integral_error);
 }
 
-double Subsets::picture_importance(const Candidate& candidate, const Stage& stage, const FitOptions& options,
+double Subsets::picture_importance(const Candidate& candidate, const Stage& stage, const PmFitOptions& options,
                                    double log_peak_limit) const {
     constexpr double k_negligible = 1e-9, k_least_delta_e = 1e-3;
     const Rows stage_rows = rows(stage, k_negligible);

@@ -16,7 +16,8 @@ class Subsets {
 
     /// Evaluates the candidates at the other observations. Adds those at which they exceed the measurement, and
     /// updates the loss to which the weight of integrals is relative.
-    void add_exceeded_pairs(const std::vector<Candidate>& candidates, const FitOptions& options, double log_peak_limit);
+    void add_exceeded_pairs(const std::vector<Candidate>& candidates, const PmFitOptions& options,
+                            double log_peak_limit);
 
     /// Adds the weights of directional lights, relative to the errors of a fit, to the pairs used with pictures.
     void add_directional_lights(const Evaluate& fitted);
@@ -28,7 +29,7 @@ class Subsets {
     /// beside weights of directional lights.
     double integral_importance(bool beside_directional_lights = false) const;
     /// The factor with which the pixels of this candidate cost `k_pixels` times the loss per mean ΔE_ITP.
-    double picture_importance(const Candidate& candidate, const Stage& stage, const FitOptions& options,
+    double picture_importance(const Candidate& candidate, const Stage& stage, const PmFitOptions& options,
                               double log_peak_limit) const;
 
   private:

@@ -11,10 +11,10 @@
 #include "app/read_options.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
-#include "srbf/fit_batch.h"
 #include "measured/peak.h"
 #include "prepared/table_file.h"
 #include "srbf/file.h"
+#include "srbf/fit_batch.h"
 #include "srbf/library.h"
 
 namespace srbf {

@@ -9,8 +9,8 @@
 #include "background.h"
 #include "brdf.h"
 #include "brdf/directions.h"
-#include "srbf/fit_batch.h"
 #include "srbf/fit.h"
+#include "srbf/fit_batch.h"
 #include "srbf/fit_bsdf.h"
 
 namespace srbf {

@@ -176,7 +176,8 @@ TEST(Folds, EachScanIsInOneFold) {
     ASSERT_TRUE(folds);
     EXPECT_EQ(folds->incidences, 3);
     constexpr int expected[] = {2, 0, 1};
-    for (std::size_t i = 0; i < folds->fold_of.size(); ++i) EXPECT_EQ(folds->fold_of[i], expected[i / (folds->fold_of.size() / 3)]);
+    for (std::size_t i = 0; i < folds->fold_of.size(); ++i)
+        EXPECT_EQ(folds->fold_of[i], expected[i / (folds->fold_of.size() / 3)]);
     EXPECT_FALSE(incidence_folds(samples_of(300, 0, 2)));  // random incidences
 }
 

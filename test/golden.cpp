@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "brdf/directions.h"
-#include "srbf/fit_batch.h"
 #include "one_target.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
+#include "srbf/fit_batch.h"
 #include "srbf/fit_bsdf.h"
 #include "srbf/kernel.h"
 #include "srbf/model.h"

@@ -1,6 +1,5 @@
 // Models with the parameters of renderers' surfaces: the formula, the file, the fit.
 #include "brdf/directions.h"
-#include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_kernel.h"
 #include "models/openpbr/openpbr_kind.h"
 #include "properties.h"

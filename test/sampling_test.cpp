@@ -48,7 +48,8 @@ template <typename Visit> void for_each_pairing(const Material& material, const 
     visit(material.name + " PM", evaluator(material.pm), Proposal(material.pm_proposal));
     visit(material.name + " SU", evaluator(material.su), Proposal(material.su_proposal));
     visit(material.name + " table", evaluator(material.measured), Proposal(material.table_proposal));
-    visit(material.name + " table with the proposal of PM", evaluator(material.measured), Proposal(material.pm_proposal));
+    visit(material.name + " table with the proposal of PM", evaluator(material.measured),
+          Proposal(material.pm_proposal));
 }
 
 std::vector<std::filesystem::path> measurements() {
@@ -495,7 +496,8 @@ TEST_F(Sampling, ViewsAreNoWorseThanTheCosine) {
     for (const auto& material : materials())
         for (const double theta : {0.0, 45.0, 60.0, 75.0, 85.0}) {
             const Evaluate brdf = evaluator(material->su);
-            EXPECT_LT(variance(brdf, material->su_proposal, theta), 1.1 * variance(brdf, CosineProposal{}, theta) + 1e-3)
+            EXPECT_LT(variance(brdf, material->su_proposal, theta),
+                      1.1 * variance(brdf, CosineProposal{}, theta) + 1e-3)
                 << material->name << ' ' << theta;
         }
 }

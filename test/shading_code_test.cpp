@@ -361,7 +361,7 @@ using std::acos;
 }
 )");
     expect_compiled(fmt::format("{} -x c++ -std=c++14 -I'{}'", SRBF_COMPILER, folder_.path.string()),
-                 code(CodeLanguage::msl, true), "metal::float3", "msl");
+                    code(CodeLanguage::msl, true), "metal::float3", "msl");
     EXPECT_TRUE(
         runs(fmt::format("{} -x c++ -std=c++14 -I'{}' -fsyntax-only '{}'", SRBF_COMPILER, folder_.path.string(),
                          written("plain.metal", code(CodeLanguage::msl, false) + map_code_in(CodeLanguage::msl)))));

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "brdf/directions.h"
-#include "srbf/fit_batch.h"
 #include "properties.h"
+#include "srbf/fit_batch.h"
 #include "srbf/load.h"
 
 namespace srbf {

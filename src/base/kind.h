@@ -1,7 +1,7 @@
 // The interface of a kind of model to the library and to fronts, and what its fit is given and gives.
 #pragma once
-#include "base/safetensors.h"
 #include "base/parameters.h"
+#include "base/safetensors.h"
 
 namespace srbf {
 

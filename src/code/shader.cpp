@@ -8,11 +8,11 @@
 #include <type_traits>
 
 #include "base/half.h"
+#include "base/parameters.h"
 #include "code/bsdf_code.h"
 #include "code/texts.h"
 #include "models/openpbr/openpbr_kernel.h"
 #include "srbf/kernel.h"
-#include "base/parameters.h"
 
 namespace srbf {
 namespace {

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <set>
 
+#include "base/parameters.h"
 #include "code/added_code.h"
 #include "code/bsdf_code.h"
 #include "code/defined_names.h"
@@ -16,7 +17,6 @@
 #include "code/syntax.h"
 #include "code/texts.h"
 #include "sampling/elevation_nodes.h"
-#include "base/parameters.h"
 #include "srbf/prepared.h"
 
 namespace srbf {

@@ -10,8 +10,6 @@
 #include "base/text.h"
 #include "models/lobes_file.h"
 #include "models/pm/pm_kind.h"
-#include "base/half.h"
-#include "base/text.h"
 
 namespace srbf {
 namespace {

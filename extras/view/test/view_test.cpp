@@ -9,6 +9,7 @@
 #include <chrono>
 #include <thread>
 
+#include "base/parameters.h"
 #include "errors/measures.h"
 #include "extras/view/display_state.h"
 #include "extras/view/ink.h"
@@ -20,7 +21,6 @@
 #include "program.h"
 #include "properties.h"
 #include "srbf/metrics.h"
-#include "base/parameters.h"
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG

@@ -8,7 +8,6 @@
 #include "base/half.h"
 #include "brdf/values.h"
 #include "models/ggx/ggx_kind.h"
-#include "base/half.h"
 #include "srbf/kernel.h"
 
 namespace srbf {

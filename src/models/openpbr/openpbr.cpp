@@ -6,7 +6,6 @@
 
 #include "base/half.h"
 #include "models/openpbr/openpbr_kind.h"
-#include "base/half.h"
 
 namespace srbf {
 

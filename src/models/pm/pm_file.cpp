@@ -12,10 +12,6 @@
 #include "brdf/directions.h"
 #include "brdf/values.h"
 #include "models/pm/pm_kind.h"
-#include "brdf/colour.h"
-#include "brdf/directions.h"
-#include "base/half.h"
-#include "base/text.h"
 
 namespace srbf {
 namespace {

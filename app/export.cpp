@@ -158,10 +158,7 @@ CodeOptions code_options(const ExportCommand& asked, CodeLanguage language) {
     return options;
 }
 
-bool is_code(const std::string& kind) {
-    return std::ranges::find(k_code_languages, std::string_view(kind), &CodeLanguageRow::name) !=
-           std::end(k_code_languages);
-}
+bool is_code(const std::string& kind) { return code_language_named(kind).has_value(); }
 
 std::vector<TextKind> text_kinds() {
     std::vector<TextKind> kinds;
@@ -191,12 +188,10 @@ std::vector<TextKind> text_kinds() {
 
 /// The help's description of source code.
 std::string about_code() {
-    std::vector<std::string_view> names;
-    for (const CodeLanguageRow& row : k_code_languages) names.push_back(row.name);
     return fmt::format(
         "{}: source code with functions NAME_brdf of each model, named by its file, and\n"
         "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)",
-        fmt::join(names, ", "));
+        code_language_names());
 }
 constexpr const char* k_about_others =
     "mtlx, standard-surface, gltf, glb, usd, blender: a surface (fit --model openpbr) as a document of\n"

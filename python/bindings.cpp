@@ -54,11 +54,9 @@ std::string code(const std::vector<PyBrdf>& models, const std::vector<std::strin
     for (std::size_t i = 0; i < models.size(); ++i) named.push_back({identifier(names[i]), &models[i].require_model()});
     for (const CodeModule& module : code_modules())
         if (to == module.name) return required(module.text(named, prefix, 0));
-    for (const auto& [language, name] : k_code_languages)
-        if (to == name)
-            return required(
-                shading_code(named, prefix, {.language = language, .sampling = sampling, .albedo = albedo}));
-    return {};
+    const auto language = code_language_named(to);
+    if (!language) return {};
+    return required(shading_code(named, prefix, {.language = *language, .sampling = sampling, .albedo = albedo}));
 }
 
 }  // namespace

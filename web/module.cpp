@@ -9,7 +9,6 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <ranges>
 #include <vector>
 
 #include "app/output.h"
@@ -264,16 +263,9 @@ SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, i
         }
         return set_result(module.text(named, named.size() == 1 ? named[0].name : name, 0));
     }
-    for (const CodeLanguageRow& row : k_code_languages)
-        if (row.name == to)
-            return set_result(shading_code(named, name, {.language = row.language, .sampling = sampling != 0}));
-    return fail(
-        {"code",
-         {},
-         "language",
-         fmt::format("three or {}", fmt::join(std::views::transform(k_code_languages, &CodeLanguageRow::name), ", ")),
-         to,
-         ErrorCode::argument});
+    if (const auto known = code_language_named(to))
+        return set_result(shading_code(named, name, {.language = *known, .sampling = sampling != 0}));
+    return fail({"code", {}, "language", "three or " + code_language_names(), to, ErrorCode::argument});
 }
 
 /// The subject as a table, for a file with this name.

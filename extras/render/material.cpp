@@ -1,7 +1,8 @@
 #include "extras/render/material.h"
-#include "prepared/table_file.h"
 
 #include <algorithm>
+
+#include "prepared/table_file.h"
 
 namespace srbf {
 

@@ -185,7 +185,7 @@ struct BsdfTable {
 /// Any measurement.
 struct Measured {
     std::string source;       ///< the file name
-    std::string format;       ///< the name of one of `formats()` (formats.h), unless its reader gives another
+    std::string format;       ///< the name of one of `formats()` (measured/formats.h), unless its reader gives another
     std::uint64_t bytes = 0;  ///< size of the file
     std::variant<MerlTable, RglTable, UtiaTable, MbsdfTable, ScatteredSamples, EvaluatedTable, BsdfTable> table;
     bool exchanged = false;  ///< all functions of a `Measured` look up the table at (wv, wl)

@@ -102,7 +102,7 @@ struct Uniform {
 /// The numbers of a model of few: of Lambert and GGX `ggx_numbers`, (kd, F90 of the first lobe), (F0, α) of the first lobe,
 /// (F0, α) of the second, (0, 0, 0, F90 of the second); of a surface `openpbr_numbers`, the 23 numbers of kernel.glsl's
 /// OpenPbrSurface in its order, 1 if light and viewer are exchanged, otherwise 0, those of OpenPbrFilm, 0, those of
-/// OpenPbrAnisotropy, 0; of other kinds `model_numbers`, those of `formula_text` (parameters.h).
+/// OpenPbrAnisotropy, 0; of other kinds `model_numbers`, those of `formula_text` (base/parameters.h).
 Uniform uniform_of(const Material& material);
 
 /// The texels of a view-by-view model's textures, one row per view.

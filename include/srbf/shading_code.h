@@ -1,6 +1,7 @@
 // Models as source code that stands alone: for engines, ray tracers and anything else with a compiler.
 // Component `srbf::shader` of the package.
 #pragma once
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,6 +30,10 @@ inline constexpr CodeLanguageRow k_code_languages[] = {{CodeLanguage::glsl, "gls
                                                        {CodeLanguage::wgsl, "wgsl"},
                                                        {CodeLanguage::msl, "msl"},
                                                        {CodeLanguage::c, "c"}};
+
+/// The language of this name; none if there is no such language. And all names, as "glsl, hlsl, ...".
+std::optional<CodeLanguage> code_language_named(std::string_view name);
+std::string code_language_names();
 
 struct CodeOptions {
     CodeLanguage language = CodeLanguage::glsl;

@@ -5,8 +5,6 @@
 
 namespace srbf {
 
-class ParameterReader;
-
 /// A specialisation for each kind of model M, in src/models/NAME/NAME_kind.h, has
 ///   std::string_view name, words                       the metadata `model` of its file, and what people call it
 ///   Safetensors content(const M&)                      its tensors, of numbers rounded to 16-bit floats, and metadata
@@ -14,7 +12,7 @@ class ParameterReader;
 ///   double largest(const M&)                           the largest of the numbers that `content` clamps to 65504
 ///   std::string summary(const M&), void add_rows(std::string& text, const M&), Parameters members(const M&),
 ///   Parameters parameters(const M&), std::vector<Model> terms(const M&, std::size_t most),
-///   std::string formula_text(const M&, const NumberText&)   as in srbf/parameters.h
+///   std::string formula_text(const M&, const NumberText&)   as in base/parameters.h
 ///   void for_members(M&, const Each& each)             calls each(member) for all members, for exact copies as bytes
 ///   const char* not_for_radiance                       what it is, unless src/code/radiance.cpp has its formula
 ///   bool is_of(const ParameterReader&), M made_of(ParameterReader&)   whether parameters are its own, by a name that no kind

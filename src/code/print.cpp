@@ -1,5 +1,4 @@
 #include "code/print.h"
-#include "base/printable.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +7,8 @@
 #include <cctype>
 #include <string_view>
 #include <utility>
+
+#include "base/printable.h"
 
 namespace srbf::syntax {
 

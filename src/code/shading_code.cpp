@@ -1,13 +1,14 @@
 #include "srbf/shading_code.h"
-#include "base/printable.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
+#include <ranges>
 #include <set>
 
 #include "base/parameters.h"
+#include "base/printable.h"
 #include "code/added_code.h"
 #include "code/bsdf_code.h"
 #include "code/defined_names.h"
@@ -499,6 +500,15 @@ Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine) { return albedo(brdf
 Model lobe_alone(PmModel basis, std::size_t j) {
     basis.coefficient.assign(std::size_t(basis.lobes), Rgb{}), basis.coefficient[j] = {1, 1, 1};
     return {std::move(basis), {}};
+}
+
+std::optional<CodeLanguage> code_language_named(std::string_view name) {
+    const auto row = std::ranges::find(k_code_languages, name, &CodeLanguageRow::name);
+    return row == std::end(k_code_languages) ? std::nullopt : std::optional(row->language);
+}
+
+std::string code_language_names() {
+    return fmt::format("{}", fmt::join(std::views::transform(k_code_languages, &CodeLanguageRow::name), ", "));
 }
 
 Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix, const CodeOptions& asked,

@@ -66,7 +66,7 @@ struct Table {
     std::string comment, name;
     std::vector<float> numbers;
     std::size_t columns = 8;  ///< numbers of a printed line
-    /// Of a model's numbers the parameter (parameters.h), after a minus for its negative, and the index; without a name it
+    /// Of a model's numbers the parameter (base/parameters.h), after a minus for its negative, and the index; without a name it
     /// follows from several.
     std::vector<std::pair<std::string, std::size_t>> sources = {};
 

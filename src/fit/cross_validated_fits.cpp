@@ -1,11 +1,11 @@
 #include "fit/cross_validated_fits.h"
-#include "errors/measures.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
 #include "base/parallel.h"
+#include "errors/measures.h"
 #include "fit/requests.h"
 #include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"

@@ -1,5 +1,4 @@
 #include "srbf/fit_batch.h"
-#include "errors/measures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include "base/half.h"
 #include "base/parallel.h"
 #include "base/reporter.h"
+#include "errors/measures.h"
 #include "fit/requests.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"

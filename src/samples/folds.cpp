@@ -1,5 +1,4 @@
 #include "samples/folds.h"
-#include "errors/measures.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +10,7 @@
 
 #include "base/parallel.h"
 #include "brdf/directions.h"
+#include "errors/measures.h"
 #include "samples/near_samples.h"
 #include "srbf/elementary.h"
 

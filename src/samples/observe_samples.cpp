@@ -1,5 +1,4 @@
 #include "samples/observe_samples.h"
-#include "errors/measures.h"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +7,7 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
+#include "errors/measures.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
 #include "samples/facets.h"

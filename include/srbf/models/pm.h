@@ -18,7 +18,7 @@ struct Parameterization {
 /// Parameterized multivariate SRBFs (Tsai 2009, section 7.2), with the further terms κ_jk x_k of exponent_terms.h:
 ///   ρ(wl,wv) = Σ_j β_j e^{s_j} Π_n G(ψ_n(wl,wv)·ξ_jn | λ_jn) Π_k e^{κ_jk x_k(wl,wv)} [1/sr],
 /// Evaluated by `pm_value` of kernel.glsl. The members hold the symbols of the formula; `write_model` describes the
-/// file encoding. A spectral model has β_j at C wavelengths; its R, G, B follow from these (colour.h). One of them may
+/// file encoding. A spectral model has β_j at C wavelengths; its R, G, B follow from these (brdf/colour.h). One of them may
 /// be negative; ρ is 0 where the sum is.
 struct PmModel {
     PmForm form = PmForm::gaussian;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "base/kind.h"
 #include "observe/observations.h"
 #include "srbf/models/pm.h"
 #include "srbf/objective.h"
@@ -37,12 +38,8 @@ struct PmFitOptions {
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
-struct PmFit {
-    PmModel model;      ///< every number rounded to a 16-bit float
-    PmModel unrounded;  ///< before rounding
-    /// Σ w |f−f̂|² of `model` over the observations, including horizon pairs, exceeded bound pairs and integrals
-    double loss = 0;
-    double unrounded_loss = 0;  ///< loss of `unrounded`
+/// The loss is Σ w |f−f̂|² over the observations, including horizon pairs, exceeded bound pairs and integrals.
+struct PmFit : Fitted<PmModel> {
     StopReason stop = StopReason::converged;
 };
 

@@ -10,7 +10,9 @@
 #include "app/hash.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
+#include "brdf/parts.h"
 #include "measured/peak.h"
+#include "models/bsdf/bsdf_functions.h"
 #include "srbf/file.h"
 
 namespace srbf {

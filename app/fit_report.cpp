@@ -8,7 +8,11 @@
 #include "app/hash.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
+#include "errors/measures.h"
+#include "fit/noise.h"
+#include "fit/request_traits.h"
 #include "measured/peak.h"
+#include "samples/gap_filled_samples.h"
 #include "srbf/metrics.h"
 
 namespace srbf {
@@ -56,7 +60,7 @@ void print_repeatability(const FitOutcome& outcome) {
     if (is_smoothed(outcome)) {
         fmt::print(
             "  noise     {:.0f} % of dark values; ΔE_ITP {:.3g} (worst {:.3g}) against the smoothed measurement\n",
-            100 * outcome.noise->share(), outcome.against_smoothed->mean.delta_e,
+            100 * share_of(*outcome.noise), outcome.against_smoothed->mean.delta_e,
             outcome.against_smoothed->worst_delta_e);
         if (outcome.noise->excess > 0)
             fmt::print(
@@ -122,7 +126,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     if (outcome.empty_directions) json["empty_directions"] = *outcome.empty_directions;
     add_measures(json, *outcome.errors, "");
     add_measures(json, *outcome.unrounded_errors, "unrounded_");
-    if (outcome.noise) json["noise"] = outcome.noise->share();
+    if (outcome.noise) json["noise"] = share_of(*outcome.noise);
     if (outcome.noise && outcome.noise->excess > 0) json["zeros_too_bright"] = outcome.noise->excess;
     if (outcome.exchanged) json["exchanged_pictures"] = json_of(*outcome.exchanged);
     if (is_smoothed(outcome)) json["smoothed_pictures"] = json_of(*outcome.against_smoothed);

@@ -13,6 +13,8 @@
 #include "extras/render/offscreen.h"
 #include "extras/render/path.h"
 #include "extras/render/raster.h"
+#include "measured/tables.h"
+#include "models/bsdf/bsdf_functions.h"
 #include "srbf/convert.h"
 #include "srbf/load.h"
 

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "brdf/directions.h"
+#include "measured/tables.h"
+#include "models/ggx/ggx_functions.h"
 #include "one_target.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "errors/measures.h"
+#include "errors/picture_errors.h"
 #include "srbf/fit.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"

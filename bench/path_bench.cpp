@@ -8,6 +8,7 @@
 
 #include "brdf/directions.h"
 #include "extras/render/path.h"
+#include "measured/tables.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "one_target.h"

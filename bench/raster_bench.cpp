@@ -25,6 +25,7 @@
 #include "extras/render/frames.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
+#include "models/su/su_functions.h"
 #include "srbf/metrics.h"
 
 namespace srbf {

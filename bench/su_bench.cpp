@@ -6,9 +6,11 @@
 #include <map>
 #include <string>
 
+#include "brdf/channels.h"
 #include "brdf/directions.h"
 #include "errors/measures.h"
 #include "models/su/fit_su.h"
+#include "models/su/su_functions.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"

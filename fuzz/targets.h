@@ -358,6 +358,9 @@ inline const NamedTarget k_targets[] = {
 }  // namespace srbf
 
 #include "fuzz/extra_targets.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
+#include "models/library_file.h"
 
 namespace srbf {
 

@@ -3,9 +3,11 @@
 // because of pybind11.
 #include <pybind11/stl.h>
 
+#include "code/offered_code.h"
 #include "errors/sphere.h"
 #include "fit/fit_options.h"
 #include "fits.h"
+#include "measured/tables.h"
 #include "parameters.h"
 #include "prepared/table_file.h"
 #include "srbf/convert.h"

@@ -1,6 +1,8 @@
 // Exported code of BSDFs is what compilers accept, and computes on both sides what the library computes.
 #include "compiled_code.h"
 #include "models.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/ggx/ggx_functions.h"
 #include "srbf/bsdf.h"
 #include "srbf/shading_code.h"
 #include "statistics.h"

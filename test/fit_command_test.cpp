@@ -1,6 +1,10 @@
 // `srbf fit`: its output for each kind of model and measurement, and independence of threads.
 #include "command.h"
+#include "errors/picture_errors.h"
 #include "errors/sphere.h"
+#include "measured/readers.h"
+#include "models/pm/pm_functions.h"
+#include "models/su/su_functions.h"
 #include "srbf/file.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"

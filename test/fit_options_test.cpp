@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "brdf/directions.h"
+#include "fit/request_traits.h"
 
 namespace srbf::fit_options_test {
 namespace {

@@ -4,8 +4,11 @@
 
 #include <map>
 
+#include "brdf/channels.h"
 #include "brdf/directions.h"
 #include "models.h"
+#include "models/pm/pm_functions.h"
+#include "observe/objectives.h"
 #include "properties.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"

@@ -17,6 +17,8 @@
 #include <vector>
 
 #include "brdf/directions.h"
+#include "errors/measure_names.h"
+#include "errors/picture_errors.h"
 #include "one_target.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"

@@ -5,6 +5,7 @@
 #include "base/least_squares.h"
 #include "base/levenberg_marquardt.h"
 #include "errors/sphere.h"
+#include "models/pm/pm_functions.h"
 #include "models/pm/solve/rounding.h"
 #include "observe/observations.h"
 #include "properties.h"

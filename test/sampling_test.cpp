@@ -5,8 +5,10 @@
 #include <map>
 
 #include "models.h"
+#include "models/ggx/ggx_functions.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
+#include "models/su/su_functions.h"
 #include "srbf/kernel.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"

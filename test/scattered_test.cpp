@@ -4,7 +4,9 @@
 #include <map>
 
 #include "brdf/colour.h"
+#include "measured/readers.h"
 #include "measured/samples.h"
+#include "measured/tables.h"
 #include "measured_files.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"

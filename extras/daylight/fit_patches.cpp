@@ -4,9 +4,11 @@
 #include <numeric>
 #include <random>
 
+#include "base/errors.h"
 #include "base/floating_point.h"
 #include "base/r_sequence.h"
 #include "brdf/directions.h"
+#include "brdf/values.h"
 #include "extras/daylight/klems.h"
 #include "fit/requests.h"
 #include "measured/isotropy.h"

@@ -1,7 +1,5 @@
 // The loss that a fit minimises, and why it stops.
 #pragma once
-#include <optional>
-#include <span>
 #include <string_view>
 
 #include "srbf/metrics.h"
@@ -27,13 +25,9 @@ enum class Objective {
 };
 inline constexpr Objective k_default_objective = Objective::appearance;
 inline constexpr double k_dark_share = 0.07;
-std::span<const Objective> objectives();  ///< all objectives
 std::string_view name(Objective objective);
-std::string_view summary(Objective objective);  ///< what it minimises, a line in ASCII
-std::optional<Objective> objective_named(std::string_view text);
 /// The measure that an objective minimises and by which its fits are judged.
-double Measures::*measure_of(Objective objective);
-inline double error_of(const Measures& measures, Objective objective) { return measures.*measure_of(objective); }
+double error_of(const Measures& measures, Objective objective);
 /// Default θmax of the fit and of its measures [rad]: 80° for raw, cube-root and relative, 89° for the others.
 double default_max_theta(Objective objective);
 

@@ -80,9 +80,7 @@ struct Proposals {
 };
 /// The mixtures for a BSDF's parts; `bsdf` is asked at the front and the back.
 Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options);
-/// The numbers of mixtures' nodes, of each node in `k_node_vectors` vectors of four, one mixture after the other; and
-/// of each mixture the cosine and sine of the azimuth of its axis, 0 and 0 without one.
-inline constexpr int k_node_vectors = (MixtureProposal::k_numbers + 3) / 4;
+/// The numbers of mixtures' nodes, of each node in whole vectors of four, one mixture after the other; and of each mixture the cosine and sine of the azimuth of its axis, 0 and 0 without one.
 struct ProposalNumbers {
     std::vector<float> nodes;
     std::vector<std::array<float, 2>> grains;

@@ -4,7 +4,10 @@
 
 #include "srbf/result.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
+
+/// The error of a computation that was cancelled.
+Error cancelled_error(std::string source);
 
 inline Error argument_error(std::string source, std::string what, std::string expected, std::string found) {
     return {std::move(source), {}, std::move(what), std::move(expected), std::move(found), ErrorCode::argument};

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "base/file_reader.h"
+#include "base/files.h"
 #include "base/text.h"
 
 namespace srbf {
@@ -210,6 +211,8 @@ Result<std::vector<std::byte>> read_open(const Descriptor& file, const std::stri
 }
 
 }  // namespace
+
+Result<std::vector<std::byte>> read_file(const std::string& path) { return read_file(path, {}); }
 
 Result<std::vector<std::byte>> read_file(const std::string& path, const MostBytes& most) {
     return within_memory(path, [&]() -> Result<std::vector<std::byte>> {

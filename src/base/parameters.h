@@ -37,6 +37,10 @@ Parameters parameters(const Model& model);
 /// unknown, another shape, numbers that are not finite, or out of their range; vectors that are not of length 1.
 Result<Model> model_from(const Parameters& parameters, std::map<std::string, std::string> provenance = {});
 
+/// The kind of a model in words: "surface of OpenPBR".
+std::string_view kind_words(const Model& model);
+/// "exchanged" of the provenance of a model of exchanged data.
+inline constexpr std::string_view k_exchanged = "light and viewer of the source";
 /// Describes a model in a line: "pm, form gaussian, 8 lobes, 4 variates, axial".
 std::string summary(const Model& model);
 /// Describes a model in rows, with its parameters, as `srbf info` prints them.

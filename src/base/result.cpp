@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "base/errors.h"
+#include "base/files.h"
 #include "base/printable.h"
 
 namespace srbf {

@@ -12,6 +12,7 @@
 
 #include "base/printable.h"
 #include "brdf/directions.h"
+#include "brdf/parts.h"
 #include "srbf/bsdf.h"
 
 namespace srbf {

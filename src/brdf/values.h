@@ -9,6 +9,19 @@
 
 namespace srbf {
 
+/// a + share (b − a).
+constexpr Rgb mixed(const Rgb& a, const Rgb& b, float share) {
+    return {a.r + share * (b.r - a.r), a.g + share * (b.g - a.g), a.b + share * (b.b - a.b)};
+}
+
+/// f with negative channels set to 0; NaN is kept.
+inline Evaluate non_negative(Evaluate values) {
+    return [values = std::move(values)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        values(wl, wv, f);
+        for (Rgb& c : f) c = non_negative(c);
+    };
+}
+
 /// Sets negative channels to 0, not NaN; returns how many.
 inline int clamp_negative(std::span<float> f) {
     int clamped = 0;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "code/offered_code.h"
 #include "code/syntax.h"
 #include "srbf/prepared.h"
 #include "srbf/shading_code.h"

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include "brdf/parts.h"
 #include "code/print.h"
 #include "code/syntax.h"
+#include "models/bsdf/bsdf_functions.h"
 
 namespace srbf {
 namespace {

@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 
+#include "brdf/parts.h"
 #include "code/defined_names.h"
 #include "models/kinds.h"
 #include "srbf/elementary.h"

@@ -9,13 +9,18 @@
 
 #include "base/half.h"
 #include "base/parameters.h"
+#include "brdf/parts.h"
 #include "code/bsdf_code.h"
 #include "code/texts.h"
 #include "models/openpbr/openpbr_kernel.h"
+#include "sampling/mixture.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
 namespace {
+
+/// Vectors of four for the numbers of a node of a mixture.
+constexpr int k_node_vectors = (MixtureProposal::k_numbers + 3) / 4;
 
 /// The sizes of a material as macros for host.glsl and material.glsl.
 std::string shape(const Flat&) { return fmt::format("#define FLAT {:.9f}\n", Flat::k_value); }
@@ -165,7 +170,7 @@ ProposalNumbers proposal_numbers(const Proposals& proposals) {
     ProposalNumbers all;
     for (const MixtureProposal& of : proposals.of_part) {
         for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
-            const auto numbers = of.numbers(node);
+            const auto numbers = numbers_of(of, node);
             all.nodes.insert(all.nodes.end(), numbers.begin(), numbers.end());
             all.nodes.resize(all.nodes.size() + std::size_t(4 * k_node_vectors) - numbers.size());
         }

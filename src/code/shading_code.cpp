@@ -13,11 +13,17 @@
 #include "code/bsdf_code.h"
 #include "code/defined_names.h"
 #include "code/extra_code.h"
+#include "code/offered_code.h"
 #include "code/print.h"
 #include "code/print_python.h"
 #include "code/syntax.h"
 #include "code/texts.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/library_file.h"
+#include "models/openpbr/openpbr_functions.h"
+#include "models/su/su_functions.h"
 #include "sampling/elevation_nodes.h"
+#include "sampling/mixture.h"
 #include "srbf/prepared.h"
 
 namespace srbf {
@@ -258,7 +264,7 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
         const int azimuths = is_isotropic(model) ? 1 : k_anisotropic_azimuths;
         mixture = std::get<MixtureProposal>(propose(model, {azimuths, options.threads}));
         for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
-            const auto numbers = mixture.numbers(node);
+            const auto numbers = numbers_of(mixture, node);
             lobes.numbers.insert(lobes.numbers.end(), numbers.begin(), numbers.end());
         }
     }

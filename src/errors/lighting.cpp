@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brdf/values.h"
 #include "errors/sphere.h"
 #include "srbf/elementary.h"
 

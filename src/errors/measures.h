@@ -1,8 +1,20 @@
 // Measures over pairs of directions and over samples.
 #pragma once
+#include <array>
+#include <cstdint>
+
 #include "srbf/metrics.h"
 
 namespace srbf {
+
+/// The number of directions of the matrix of Tsai 2009, the Fibonacci set on the cap θ ≤ θmax.
+inline constexpr int k_matrix_directions = 1536;
+/// The number of folds in which scattered samples are held out.
+inline constexpr int k_folds = 5;
+/// The number of pairs of directions of `Comparison::heldout`.
+inline constexpr std::uint64_t k_heldout_pairs = 200000;
+/// The view angles at which albedo is compared [degrees].
+inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};
 
 /// The measures of each of `others` over all pairs of the given directions within θmax.
 std::vector<Measures> measure_matrix(const Channels& reference, std::span<const Channels> others,

@@ -7,8 +7,11 @@
 
 #include "base/parallel.h"
 #include "base/reporter.h"
+#include "brdf/channels.h"
 #include "brdf/directions.h"
+#include "errors/measure_names.h"
 #include "errors/metrics_sums.h"
+#include "errors/picture_errors.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

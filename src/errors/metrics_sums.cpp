@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 
 #include "brdf/batch-inl.h"
+#include "errors/measure_names.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {

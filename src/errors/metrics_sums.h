@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include "errors/measure_names.h"
 #include "srbf/metrics.h"
 
 namespace srbf {

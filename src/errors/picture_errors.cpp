@@ -7,6 +7,7 @@
 #include "brdf/colour.h"
 #include "errors/itp.h"
 #include "errors/likeness.h"
+#include "errors/picture_errors.h"
 #include "errors/sphere.h"
 #include "srbf/elementary.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "errors/picture.h"
-#include "srbf/pictures.h"
+#include "errors/picture_errors.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 

@@ -6,7 +6,9 @@
 #include "base/errors.h"
 #include "base/parallel.h"
 #include "fit/choose.h"
+#include "fit/request_traits.h"
 #include "fit/requests.h"
+#include "models/pm/pm_functions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -5,6 +5,7 @@
 #include "models/pm/search/schedule.h"
 #include "observe/bound.h"
 #include "observe/costs.h"
+#include "observe/objectives.h"
 #include "observe/pair_weights.h"
 
 namespace srbf {

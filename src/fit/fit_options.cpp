@@ -9,6 +9,10 @@
 
 #include "base/text.h"
 #include "brdf/directions.h"
+#include "fit/request_traits.h"
+#include "models/openpbr/openpbr_parameters.h"
+#include "models/su/su_functions.h"
+#include "observe/objectives.h"
 
 namespace srbf {
 namespace {

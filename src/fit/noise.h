@@ -17,6 +17,11 @@ Noise noise_of(const Measured& measured);
 /// set to 0 because they were below.
 bool is_noisy(const Noise& noise);
 
+/// The deviation relative to the value, by means over the channels; 0 where the value is not above 0.
+inline double share_of(const Noise& noise) {
+    const auto sum = [](const Rgb& x) { return double(x.r) + double(x.g) + double(x.b); };
+    return sum(noise.level) > 0 ? sum(noise.deviation) / sum(noise.level) : 0;
+}
 /// The deviation relative to the value, of the channel where that is largest; infinite where there is noise about a value that is
 /// not above 0.
 double largest_share(const Noise& noise);

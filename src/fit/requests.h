@@ -2,6 +2,7 @@
 #pragma once
 #include <chrono>
 
+#include "base/parameters.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/pm/search/search.h"
 #include "models/su/fit_su.h"

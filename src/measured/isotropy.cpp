@@ -10,6 +10,7 @@
 #include "brdf/directions.h"
 #include "brdf/values.h"
 #include "measured/angles.h"
+#include "measured/tables.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 #include "srbf/measured.h"

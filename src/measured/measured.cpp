@@ -4,6 +4,10 @@
 #include <cassert>
 
 #include "base/floating_point.h"
+#include "brdf/parts.h"
+#include "brdf/values.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 
 namespace srbf {
 

@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "base/floating_point.h"
+#include "brdf/frame.h"
 #include "measured/angles.h"
+#include "measured/tables.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -11,6 +11,7 @@
 
 #include "base/text.h"
 #include "brdf/colour.h"
+#include "measured/tables.h"
 #include "srbf/elementary.h"
 #include "srbf/measured.h"
 

@@ -10,6 +10,7 @@
 #include "measured/angles.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
+#include "measured/tables.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

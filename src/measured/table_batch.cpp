@@ -1,6 +1,6 @@
 // Isotropic RGL measurements and MERL tables on arrays of pairs in SIMD batches: the steps of rgl.cpp and warp.h, and of
 // merl.cpp.
-#include "srbf/measured.h"
+#include "measured/tables.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "measured/table_batch.cpp"

@@ -8,6 +8,8 @@
 #include <cctype>
 
 #include "brdf/directions.h"
+#include "brdf/parts.h"
+#include "measured/tables.h"
 
 namespace srbf {
 

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "base/parallel.h"
+#include "sampling/mixture.h"
 #include "sampling/sampling_points.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"

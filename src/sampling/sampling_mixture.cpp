@@ -14,6 +14,7 @@
 #include <hwy/foreach_target.h>
 
 #include "brdf/batch-inl.h"
+#include "sampling/mixture.h"
 
 #ifndef SRBF_SAMPLING_MIXTURE
 #define SRBF_SAMPLING_MIXTURE

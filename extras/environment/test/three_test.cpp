@@ -15,6 +15,8 @@
 #include "extras/render/scene.h"
 #include "extras/render/sphere_picture.h"
 #include "models.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/ggx/ggx_functions.h"
 #include "models/pm/search/fit_pm.h"
 #include "srbf/convert.h"
 #include "srbf/environment_code.h"

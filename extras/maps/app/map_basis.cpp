@@ -16,6 +16,7 @@
 #include "extras/maps/app/journal.h"
 #include "extras/maps/app/map.h"
 #include "extras/maps/app/texels.h"
+#include "measured/tables.h"
 #include "srbf/basis.h"
 #include "srbf/file.h"
 

@@ -20,8 +20,11 @@
 #include "su_models.h"
 #include "temporary_folder.h"
 #ifdef SRBF_RASTER
+#include "brdf/parts.h"
 #include "extras/render/offscreen.h"
 #include "extras/render/raster.h"
+#include "models/ggx/ggx_functions.h"
+#include "models/su/su_functions.h"
 #endif
 
 namespace srbf::page_test {

@@ -6,11 +6,17 @@
 #include <map>
 
 #include "base/half.h"
+#include "brdf/parts.h"
 #include "extras/render/exr.h"
 #include "extras/render/shading.h"
+#include "measured/tables.h"
 #include "models.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/ggx/ggx_functions.h"
+#include "models/openpbr/openpbr_functions.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
+#include "models/su/su_functions.h"
 #include "program.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/floating_point.h"
+#include "measured/readers.h"
 #include "measured/samples.h"
 #include "srbf/elementary.h"
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "base/floating_point.h"
+#include "measured/readers.h"
 #include "measured/samples.h"
 
 namespace srbf {

@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include "base/floating_point.h"
+#include "brdf/parts.h"
 #include "measured/formats/columns.h"
+#include "measured/readers.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

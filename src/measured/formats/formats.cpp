@@ -5,11 +5,13 @@
 
 #include <algorithm>
 
+#include "base/files.h"
 #include "measured/bytes.h"
 #include "measured/extra_formats.h"
 #include "measured/formats/mbsdf.h"
 #include "measured/formats/rows.h"
 #include "measured/formats/write.h"
+#include "measured/readers.h"
 #include "measured/samples.h"
 #include "srbf/file.h"
 

@@ -10,6 +10,8 @@
 #include "measured/bytes.h"
 #include "measured/formats/mbsdf.h"
 #include "measured/limits.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 #include "srbf/measured.h"
 
 namespace srbf {

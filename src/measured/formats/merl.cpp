@@ -8,6 +8,8 @@
 #include "measured/bytes.h"
 #include "measured/formats/merl.h"
 #include "measured/limits.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 #include "srbf/measured.h"
 
 namespace srbf {

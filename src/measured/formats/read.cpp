@@ -3,8 +3,10 @@
 
 #include <algorithm>
 
+#include "base/files.h"
 #include "base/floating_point.h"
 #include "measured/formats.h"
+#include "measured/readers.h"
 #include "measured/samples.h"
 #include "srbf/file.h"
 

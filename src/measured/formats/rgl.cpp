@@ -9,6 +9,8 @@
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"
 #include "measured/limits.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 
 namespace srbf {
 

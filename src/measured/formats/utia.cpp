@@ -2,10 +2,13 @@
 
 #include <cmath>
 
+#include "base/files.h"
 #include "base/floating_point.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
 #include "measured/limits.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 #include "srbf/file.h"
 #include "srbf/measured.h"
 

@@ -1,6 +1,8 @@
 // Tables of any BRDF or BSDF in the core's formats.
 #include "measured/formats/write.h"
 
+#include "brdf/parts.h"
+#include "brdf/values.h"
 #include "measured/formats/rows.h"
 #include "srbf/convert.h"
 

@@ -5,6 +5,9 @@
 #include <cmath>
 
 #include "base/half.h"
+#include "brdf/parts.h"
+#include "brdf/values.h"
+#include "models/bsdf/bsdf_functions.h"
 #include "models/bsdf/bsdf_kind.h"
 #include "srbf/elementary.h"
 #include "srbf/model.h"
@@ -90,6 +93,26 @@ Rgb share_at(const Beam& beam, Vec3f wl) {
     const float part = to > from ? std::fmin((theta - from) / (to - from), 1.f) : 0.f;
     return mixed(share_on_ring(beam, next - 1, before, turns),
                  is_last ? Rgb{} : share_on_ring(beam, next, first, turns), part);
+}
+
+Rgb share_at(const Beams& beams, Part part, Vec3f wl) {
+    const Beam& own = beams[std::size_t(part)];
+    if (own.empty() && is_transmission(part)) return share_at(beams[std::size_t(counterpart(part))], mirror(wl));
+    return share_at(own, wl);
+}
+
+Evaluate part_of(Evaluate bsdf, Part part) {
+    return [bsdf = std::move(bsdf), part](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        require_equal_lengths(wl.size(), wv.size(), f.size());
+        std::vector<Vec3f> lights, views;
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            lights.push_back(to_side(wl[i], side_of_light(part)));
+            views.push_back(to_side(wv[i], side_of_viewer(part)));
+        }
+        bsdf(lights, views, f);
+        for (std::size_t i = 0; i < f.size(); ++i)
+            if (!above_horizon(wl[i], wv[i])) f[i] = {};
+    };
 }
 
 void add_part(const Safetensors& part, Part of, Safetensors& content) {

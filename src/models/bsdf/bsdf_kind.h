@@ -1,7 +1,8 @@
 // `Kind` of BSDFs; their parts and beams as tensors of a model file.
 #pragma once
 #include "base/kind.h"
-#include "srbf/models/bsdf.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "srbf/model.h"
 
 namespace srbf {
 

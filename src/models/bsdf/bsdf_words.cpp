@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include "base/parameters.h"
+#include "brdf/parts.h"
 #include "brdf/rows.h"
+#include "models/bsdf/bsdf_functions.h"
 #include "models/bsdf/bsdf_kind.h"
 #include "srbf/model.h"
 

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <limits>
 
+#include "base/errors.h"
 #include "base/half.h"
 #include "base/least_squares.h"
 #include "base/parallel.h"
+#include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "observe/large_errors.h"
 #include "observe/pair_weights.h"

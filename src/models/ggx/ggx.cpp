@@ -7,6 +7,7 @@
 #include "base/floating_point.h"
 #include "base/half.h"
 #include "brdf/values.h"
+#include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "srbf/kernel.h"
 

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "base/kind.h"
+#include "models/ggx/ggx_functions.h"
 #include "observe/observations.h"
 #include "srbf/models/ggx.h"
 #include "srbf/progress.h"

@@ -3,6 +3,7 @@
 
 #include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "srbf/model.h"
 

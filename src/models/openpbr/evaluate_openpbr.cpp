@@ -10,6 +10,7 @@
 
 #include "base/floating_point.h"
 #include "brdf/batch-inl.h"
+#include "models/openpbr/openpbr_functions.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {

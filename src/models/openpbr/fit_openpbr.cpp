@@ -3,9 +3,12 @@
 #include <cmath>
 #include <random>
 
+#include "base/errors.h"
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
+#include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kind.h"
+#include "models/openpbr/openpbr_parameters.h"
 #include "observe/large_errors.h"
 #include "observe/pair_weights.h"
 #include "observe/pixels.h"

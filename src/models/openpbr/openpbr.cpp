@@ -5,7 +5,9 @@
 #include <algorithm>
 
 #include "base/half.h"
+#include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kind.h"
+#include "models/openpbr/openpbr_parameters.h"
 
 namespace srbf {
 
@@ -24,6 +26,8 @@ Rgb value(const OpenPbrModel& model, Vec3f wl, Vec3f wv) {
 Evaluate evaluator(const OpenPbrModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
+
+std::size_t payload_bytes(const OpenPbrModel& model) { return 2 * openpbr_number_count(model); }
 
 OpenPbrModel rounded(const OpenPbrModel& model) { return as_stored(model); }
 

@@ -4,6 +4,8 @@
 #include <string_view>
 
 #include "base/kind.h"
+#include "models/openpbr/openpbr_functions.h"
+#include "models/openpbr/openpbr_parameters.h"
 #include "observe/observations.h"
 #include "srbf/models/openpbr.h"
 #include "srbf/progress.h"

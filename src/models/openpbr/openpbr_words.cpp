@@ -3,8 +3,10 @@
 
 #include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kernel.h"
 #include "models/openpbr/openpbr_kind.h"
+#include "models/openpbr/openpbr_parameters.h"
 #include "srbf/model.h"
 
 namespace srbf {

@@ -16,6 +16,7 @@
 
 #include "base/floating_point.h"
 #include "brdf/batch-inl.h"
+#include "models/pm/pm_functions.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {

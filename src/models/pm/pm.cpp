@@ -4,6 +4,7 @@
 
 #include "base/half.h"
 #include "brdf/colour.h"
+#include "models/pm/pm_functions.h"
 #include "srbf/kernel.h"
 
 namespace srbf {

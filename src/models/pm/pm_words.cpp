@@ -9,6 +9,7 @@
 #include "base/half.h"
 #include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/pm/pm_functions.h"
 #include "models/pm/pm_kind.h"
 #include "srbf/elementary.h"
 #include "srbf/model.h"

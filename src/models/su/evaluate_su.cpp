@@ -12,6 +12,7 @@
 #include "base/floating_point.h"
 #include "brdf/batch-inl.h"
 #include "models/su/neighbours.h"
+#include "models/su/su_functions.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {

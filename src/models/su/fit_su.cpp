@@ -11,6 +11,7 @@
 #include "models/su/fit_su.h"
 #include "models/su/fit_view.h"
 #include "models/su/sampled_views.h"
+#include "models/su/su_functions.h"
 #include "observe/pair_weights.h"
 
 namespace srbf {

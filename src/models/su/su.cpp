@@ -4,6 +4,7 @@
 
 #include "base/parallel.h"
 #include "brdf/directions.h"
+#include "models/su/su_functions.h"
 #include "models/su/su_kind.h"
 #include "srbf/kernel.h"
 

@@ -8,6 +8,7 @@
 #include "base/half.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"
+#include "models/su/su_functions.h"
 
 namespace srbf {
 namespace {

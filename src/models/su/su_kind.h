@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "base/kind.h"
+#include "models/su/su_functions.h"
 #include "srbf/models/su.h"
 
 namespace srbf {

@@ -5,6 +5,7 @@
 
 #include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/su/su_functions.h"
 #include "models/su/su_kind.h"
 #include "srbf/model.h"
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/half.h"
+#include "brdf/frame.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 

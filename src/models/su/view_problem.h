@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Dense>
 
+#include "brdf/frame.h"
 #include "models/pm/solve/coefficients.h"
 #include "models/su/view_lobes.h"
 

@@ -5,6 +5,7 @@
 
 #include "base/half.h"
 #include "base/levenberg_marquardt.h"
+#include "models/pm/pm_functions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

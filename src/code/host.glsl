@@ -1,5 +1,5 @@
 // The definitions that kernel.glsl requires, for shaders. Macros of the material's sizes precede it: PM_LOBES and those
-// that belong to it, or SU_LOBES, MERL_SIZE, GGX, FLAT.
+// that belong to it, or SU_LOBES, MERL_SIZE, or VALUE.
 #define Real float
 #define Vec3 vec3
 #define Bool bool

@@ -1,4 +1,4 @@
-// The BRDF or BSDF of a material, to follow its macros, host.glsl, kernel.glsl and, of a BSDF, its code.
+// The BRDF or BSDF of a material, to follow its macros, host.glsl, kernel.glsl and code of its own.
 bool is_measured = true;  // whether the last value was measured; not to be read in the expression that asks for it
 
 // f_r(wl, wv) [1/sr] for R, G, B, of unit vectors in the local frame with wl.z, wv.z > 0.
@@ -58,29 +58,8 @@ Vec3 bsdf(Vec3 wl, Vec3 wv) {
 }
 #endif
 
-#elif defined GGX
-uniform vec4 ggx_numbers[4];
-Vec3 brdf(Vec3 wl, Vec3 wv) {
-    GgxLobe first = GgxLobe(ggx_numbers[1].w, ggx_numbers[1].rgb, ggx_numbers[0].w);
-    GgxLobe second = GgxLobe(ggx_numbers[2].w, ggx_numbers[2].rgb, ggx_numbers[3].w);
-    return ggx_value(ggx_numbers[0].rgb, first, second, wl, wv);
-}
-
-#elif defined PBR
-uniform vec4 openpbr_numbers[8];
-Vec3 brdf(Vec3 wl, Vec3 wv) {
-    vec4 a = openpbr_numbers[0], b = openpbr_numbers[1], c = openpbr_numbers[2], d = openpbr_numbers[3], e = openpbr_numbers[4],
-         f = openpbr_numbers[5], g = openpbr_numbers[6], h = openpbr_numbers[7];
-    OpenPbrSurface of = OpenPbrSurface(a.rgb, a.a, b.x, b.y, Vec3(b.z, b.w, c.x), c.y, c.z, c.w, d.rgb, d.a, e.x, e.y, e.z,
-                               Vec3(e.w, f.x, f.y), f.z);
-    Vec3 to = f.w > 0.5 ? wv : wl, from = f.w > 0.5 ? wl : wv;
-    if (h.x > 0.0)
-        return openpbr_anisotropic_value(of, OpenPbrFilm(g.x, g.y, g.z), OpenPbrAnisotropy(h.x, h.y, h.z), to, from);
-    return g.x > 0.0 ? openpbr_film_value(of, OpenPbrFilm(g.x, g.y, g.z), to, from) : openpbr_value(of, to, from);
-}
-
-#elif defined FLAT
-Vec3 brdf(Vec3 wl, Vec3 wv) { return Vec3(FLAT); }
+#elif defined VALUE
+Vec3 brdf(Vec3 wl, Vec3 wv) { return Vec3(VALUE); }
 
 #else
 Vec3 bsdf(Vec3 wl, Vec3 wv) { return material_bsdf(wl, wv); }

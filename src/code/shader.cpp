@@ -12,7 +12,6 @@
 #include "brdf/parts.h"
 #include "code/bsdf_code.h"
 #include "code/texts.h"
-#include "models/openpbr/openpbr_kernel.h"
 #include "sampling/mixture.h"
 #include "srbf/kernel.h"
 
@@ -23,7 +22,7 @@ namespace {
 constexpr int k_node_vectors = (MixtureProposal::k_numbers + 3) / 4;
 
 /// The sizes of a material as macros for host.glsl and material.glsl.
-std::string shape(const Flat&) { return fmt::format("#define FLAT {:.9f}\n", Flat::k_value); }
+std::string shape(const Flat&) { return fmt::format("#define VALUE {:.9f}\n", Flat::k_value); }
 std::string shape(const MerlTable& table) {
     const auto [h, d, p] = table.size;
     return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h);
@@ -88,10 +87,6 @@ std::string shape(const SuModel& model) {
         map == DirectionMap::cube, model.discretise == Discretise::light);
 }
 
-std::string shape(const GgxModel&) { return "#define GGX 1\n"; }
-
-std::string shape(const OpenPbrModel&) { return "#define PBR 1\n"; }
-
 std::string beams_shape(const Beams& beams) {
     return fmt::format("#define HAS_BEAM {:d}\n#define HAS_MIRROR_BEAM {:d}\n", !beams[2].empty() || !beams[3].empty(),
                        !beams[0].empty() || !beams[1].empty());
@@ -102,22 +97,25 @@ std::string shape(const BsdfTables& tables) {
     return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h) + beams_shape(tables.beam);
 }
 
-/// A model of another kind: what it calls the constant is its value.
-template <typename M> std::string shape(const M&) { return "#define FLAT model_value(wl, wv)\n"; }
-
 template <typename M, typename... Of>
-concept OneOf = (std::same_as<M, Of> || ...);
-/// The code that precedes material.glsl. It has these itself.
-template <OneOf<Flat, MerlTable, PmModel, SuModel, GgxModel, OpenPbrModel> M> std::string code_of(const M&) {
-    return {};
-}
-template <typename M> std::string code_of(const M& model) {
+concept NoneOf = !(std::same_as<M, Of> || ...);
+/// A model of few numbers, which are a uniform that its formula reads.
+template <typename M>
+concept OfFewNumbers = NoneOf<M, Flat, MerlTable, BsdfTables, PmModel, SuModel, BsdfModel>;
+template <OfFewNumbers M> std::string shape(const M&) { return "#define VALUE model_value(wl, wv)\n"; }
+
+std::string uniform_name(const Model& model) { return fmt::format("{}_numbers", kind(model)); }
+
+/// The code that precedes material.glsl.
+template <typename M> std::string code_of(const M&) { return {}; }
+template <OfFewNumbers M> std::string code_of(const M& of) {
+    const Model model{of, {}};
     std::size_t count = 0;
-    const std::string statements = formula_text({model, {}}, [&](float, auto, auto) {
+    const std::string statements = formula_text(model, [&](float, auto, auto) {
         const std::size_t i = count++;
-        return fmt::format("model_numbers[{}].{}", i / 4, "xyzw"[i % 4]);
+        return fmt::format("{}[{}].{}", uniform_name(model), i / 4, "xyzw"[i % 4]);
     });
-    return fmt::format("uniform vec4 model_numbers[{}];\nVec3 model_value(Vec3 wl, Vec3 wv) {{\n{}}}\n",
+    return fmt::format("uniform vec4 {}[{}];\nVec3 model_value(Vec3 wl, Vec3 wv) {{\n{}}}\n", uniform_name(model),
                        (count + 3) / 4, statements);
 }
 std::string code_of(const BsdfTables& tables) { return beam_code("material", tables.beam, CodeLanguage::glsl); }
@@ -181,39 +179,17 @@ ProposalNumbers proposal_numbers(const Proposals& proposals) {
 
 namespace {
 
-template <OneOf<Flat, MerlTable, PmModel, SuModel, BsdfModel, BsdfTables> M> Uniform uniform_of(const M&) { return {}; }
-Uniform uniform_of(const GgxModel& model) {
-    Uniform of{"ggx_numbers", {{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
-    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
-        const GgxModel::Lobe& lobe = model.lobes[i];
-        of.numbers[1 + i] = {lobe.f0.r, lobe.f0.g, lobe.f0.b, lobe.roughness};
-        of.numbers[3 * i][3] = lobe.f90;
-    }
-    return of;
-}
-Uniform uniform_of(const OpenPbrModel& model) {
-    const auto of = kernel_surface(model);
-    const auto film = kernel_film(model);
-    const auto anisotropy = kernel_anisotropy(model);
-    return {"openpbr_numbers",
-            {{of.base_color.x, of.base_color.y, of.base_color.z, of.base_metalness},
-             {of.base_diffuse_roughness, of.specular_weight, of.specular_color.x, of.specular_color.y},
-             {of.specular_color.z, of.specular_roughness, of.specular_ior, of.coat_weight},
-             {of.coat_color.x, of.coat_color.y, of.coat_color.z, of.coat_roughness},
-             {of.coat_ior, of.coat_darkening, of.fuzz_weight, of.fuzz_color.x},
-             {of.fuzz_color.y, of.fuzz_color.z, of.fuzz_roughness, model.is_exchanged ? 1.f : 0.f},
-             {film.weight, film.thickness, film.ior, 0},
-             {anisotropy.amount, anisotropy.cosine, anisotropy.sine, 0}}};
-}
-template <typename M> Uniform uniform_of(const M& model) {
-    Uniform of{"model_numbers", {}};
+template <typename M> Uniform uniform_of(const M&) { return {}; }
+template <OfFewNumbers M> Uniform uniform_of(const M& of) {
+    const Model model{of, {}};
+    Uniform uniform{uniform_name(model), {}};
     std::size_t count = 0;
-    formula_text({model, {}}, [&](float x, auto, auto) {
-        if (count % 4 == 0) of.numbers.emplace_back();
-        of.numbers.back()[count++ % 4] = x;
+    formula_text(model, [&](float x, auto, auto) {
+        if (count % 4 == 0) uniform.numbers.emplace_back();
+        uniform.numbers.back()[count++ % 4] = x;
         return std::string();
     });
-    return of;
+    return uniform;
 }
 
 }  // namespace

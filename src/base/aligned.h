@@ -1,4 +1,4 @@
-// Vectors for SIMD.
+// Memory for SIMD.
 #pragma once
 #include <tbb/cache_aligned_allocator.h>
 

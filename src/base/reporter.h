@@ -12,7 +12,7 @@ namespace srbf {
 class Reporter {
   public:
     Reporter(ProgressToken token, double total) : token_(std::move(token)), total_(total) {}
-    /// Returns false once cancelled.
+    /// Adds completed work. Returns false once cancelled.
     bool advance(std::string_view stage, double work) {
         const std::scoped_lock lock(mutex_);
         done_ += work;

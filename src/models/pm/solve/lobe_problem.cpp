@@ -181,7 +181,7 @@ CoefficientTerms LobeProblem::coefficient_terms() {
 Eigen::VectorXd LobeProblem::gains(const std::vector<std::vector<double>>& candidates) {
     constexpr std::size_t k_group = 16;  // the values of this many candidates on all blocks fit in the cache
     constexpr double k_nothing = 1e-60, k_least_orthogonal = 1e-4;  // of |e|²: smaller fractions are float noise
-    const Eigen::LDLT<Eigen::MatrixXd> factor(ridged(gram()));
+    const Eigen::LDLT<Eigen::MatrixXd> factor(with_ridge(gram()));
     Eigen::VectorXd gains = Eigen::VectorXd::Constant(Eigen::Index(candidates.size()), -1);
     for (std::size_t first = 0; first < candidates.size(); first += k_group) {
         const auto group = std::span(candidates).subspan(first, std::min(k_group, candidates.size() - first));

@@ -9,7 +9,7 @@
 
 namespace srbf {
 
-/// Sets negative channels to 0, not NaN; returns how many.
+/// Sets negative channels to 0 and keeps NaN; returns the number of changed channels.
 inline int clamp_negative(std::span<float> f) {
     int clamped = 0;
     for (float& x : f) {
@@ -35,7 +35,7 @@ inline double energy_of(std::span<const Rgb> f, std::span<const double> weight) 
     return energy;
 }
 
-/// f of light from all of these directions towards one viewer.
+/// f of all directions `wl` and one direction to the viewer.
 inline std::vector<Rgb> values_towards(const Evaluate& f, std::span<const Vec3f> wl, Vec3f wv) {
     std::vector<Rgb> values(wl.size());
     f(wl, std::vector<Vec3f>(wl.size(), wv), values);

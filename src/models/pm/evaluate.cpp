@@ -109,9 +109,9 @@ Evaluator evaluator_of(const PmLanes& model) {
 
 void evaluate(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     const Evaluator evaluator = evaluator_of(model);
-    in_whole_batches(2 * Batch::size(), wl, wv, f, count,
-                     [&](const Vec3f* batch_wl, const Vec3f* batch_wv, Rgb* batch_f, std::size_t n)
-                         HWY_ATTR { evaluator(model, batch_wl, batch_wv, batch_f, n); });
+    evaluate_padded(2 * Batch::size(), wl, wv, f, count,
+                    [&](const Vec3f* batch_wl, const Vec3f* batch_wv, Rgb* batch_f, std::size_t n)
+                        HWY_ATTR { evaluator(model, batch_wl, batch_wv, batch_f, n); });
 }
 
 // A model whose lobe j is a group of lobes, one in each lane of a vector.

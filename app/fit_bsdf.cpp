@@ -45,7 +45,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
                     {"squared_error_ratio", part.squared_error_ratio}};
         if (const auto& own = std::get<BsdfTable>(measured.table).band().part[std::size_t(part.part)]) {
             const Peak peak = peak_of(*own);
-            member["peak"] = name(peak.place), member["peak_ratio"] = peak.ratio;
+            member["peak"] = name(peak.position), member["peak_ratio"] = peak.ratio;
         }
         for (const Hemispherical& sum : part.hemispherical)
             member["hemispherical"].push_back({{"theta", degrees_of(sum.theta)},

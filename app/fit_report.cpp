@@ -116,7 +116,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
         {"stop_reason", outcome.stop ? Json(name(*outcome.stop)) : Json()},
         {"masked_samples", outcome.masked},
         {"clamped_samples", outcome.clamped},
-        {"peak", name(peak.place)},
+        {"peak", name(peak.position)},
         {"peak_ratio", peak.ratio},
     });
     if (outcome.empty_directions) json["empty_directions"] = *outcome.empty_directions;

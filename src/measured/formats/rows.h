@@ -1,4 +1,4 @@
-// The parts of rows of the table of formats: private to it and to the rows of extras.
+// Functions for rows of the table of formats, here and in extras.
 #pragma once
 #include <memory>
 
@@ -25,8 +25,8 @@ inline std::vector<std::byte> bytes_of(std::string_view text) {
     return {bytes.begin(), bytes.end()};
 }
 
-/// A table of a format as what others ask of it, by its `signed_value`, `is_isotropic` and `lines_about`. It is packed as a
-/// `Packed`.
+/// Makes an `EvaluatedTable` of a format's own table by its `signed_value`, `is_isotropic` and `lines_about`. `Packed` is
+/// the type that is archived for copies in other processes.
 template <typename Packed, typename Table>
 EvaluatedTable evaluated_as(std::string_view format, const std::shared_ptr<const Table>& table) {
     EvaluatedTable evaluated;
@@ -37,7 +37,7 @@ EvaluatedTable evaluated_as(std::string_view format, const std::shared_ptr<const
     evaluated.lines = [table] { return lines_about(*table); };
     evaluated.own = table;
     evaluated.format = format;
-    evaluated.packed = [table] { return archived(Packed(*table)); };
+    evaluated.packed = [table] { return to_archive(Packed(*table)); };
     return evaluated;
 }
 template <typename Table> EvaluatedTable unpack_as(std::string_view bytes) {

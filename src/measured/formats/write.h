@@ -1,4 +1,4 @@
-// The writers of the core's formats: private to the table of formats.
+// The writers of the core's formats.
 #pragma once
 #include "measured/formats.h"
 

@@ -17,16 +17,16 @@
 namespace srbf {
 namespace {
 
-/// The sizes of a material as macros for host.glsl and material.glsl.
-std::string shape(const Flat&) { return fmt::format("#define FLAT {:.9f}\n", Flat::k_value); }
-std::string shape(const MerlTable& table) {
+/// The macros of a material for host.glsl and material.glsl.
+std::string macros(const Flat&) { return fmt::format("#define FLAT {:.9f}\n", Flat::k_value); }
+std::string macros(const MerlTable& table) {
     const auto [h, d, p] = table.size;
     return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h);
 }
 bool has_open_text(const PmModel& model) { return model.lobes <= k_most_open_lobes; }
 int kernel_texels(const PmModel& model) { return model.axial ? (model.variates + 3) / 4 : model.variates; }
-/// `model` in the form with the most terms, and with four or eight variates: the same function.
-PmModel widened(const PmModel& model) {
+/// The same function in the form with the most terms, and with four or eight variates.
+PmModel widen(const PmModel& model) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
     PmModel wide = model;
     wide.form = k_forms.back();
@@ -43,8 +43,8 @@ PmModel widened(const PmModel& model) {
     }
     return wide;
 }
-/// Padded with lobes that contribute 0, up to the capacity of an open text.
-PmModel filled(PmModel model) {
+/// Adds lobes that contribute 0, up to the capacity of an open text.
+PmModel add_black_lobes(PmModel model) {
     const auto J = std::size_t(k_most_open_lobes), N = std::size_t(model.variates);
     model.lobes = k_most_open_lobes;
     model.coefficient.resize(J);
@@ -55,9 +55,9 @@ PmModel filled(PmModel model) {
     return model;
 }
 
-std::string shape(const PmModel& model, bool open) {
+std::string macros(const PmModel& model, bool open) {
     if (open) {
-        const int variates = widened(model).variates;
+        const int variates = widen(model).variates;
         return fmt::format(
             "#define PM_LOBES {0}\n#define PM_VARIATES {1}\n#define PM_FEATURES {2}\n#define PM_AXIAL {3:d}\n"
             "#define PM_KERNELS {4}\n#define PM_OPEN 1\n",
@@ -74,7 +74,7 @@ std::string shape(const PmModel& model, bool open) {
     if (model.axial) text += fmt::format("#define PM_DOWNS {}\n", fmt::join(downs, ", "));
     return text;
 }
-std::string shape(const SuModel& model) {
+std::string macros(const SuModel& model) {
     const DirectionMap map = model.index ? model.index->map : DirectionMap::cube;
     return fmt::format(
         "#define SU_LOBES {}\n#define SU_VIEWS {}\n#define SU_ROTATED {:d}\n#define SU_NEIGHBOURS {}\n"
@@ -83,26 +83,26 @@ std::string shape(const SuModel& model) {
         map == DirectionMap::cube, model.discretise == Discretise::light);
 }
 
-std::string shape(const GgxModel&) { return "#define GGX 1\n"; }
+std::string macros(const GgxModel&) { return "#define GGX 1\n"; }
 
-std::string shape(const OpenPbrModel&) { return "#define PBR 1\n"; }
+std::string macros(const OpenPbrModel&) { return "#define PBR 1\n"; }
 
-std::string beams_shape(const Beams& beams) {
+std::string beam_macros(const Beams& beams) {
     return fmt::format("#define HAS_BEAM {:d}\n#define HAS_MIRROR_BEAM {:d}\n", !beams[2].empty() || !beams[3].empty(),
                        !beams[0].empty() || !beams[1].empty());
 }
-std::string shape(const BsdfModel& model) { return beams_shape(model.beam); }
-std::string shape(const BsdfTables& tables) {
+std::string macros(const BsdfModel& model) { return beam_macros(model.beam); }
+std::string macros(const BsdfTables& tables) {
     const auto [h, d, p] = size_of(tables);
-    return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h) + beams_shape(tables.beam);
+    return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h) + beam_macros(tables.beam);
 }
 
-/// A model of another kind: what it calls the constant is its value.
-template <typename M> std::string shape(const M&) { return "#define FLAT model_value(wl, wv)\n"; }
+/// A model of another kind, whose value takes the place of the constant.
+template <typename M> std::string macros(const M&) { return "#define FLAT model_value(wl, wv)\n"; }
 
-template <typename M, typename... Of>
-concept OneOf = (std::same_as<M, Of> || ...);
-/// The code that precedes material.glsl. It has these itself.
+template <typename M, typename... Types>
+concept OneOf = (std::same_as<M, Types> || ...);
+/// The code that precedes material.glsl, for materials that it does not evaluate itself.
 template <OneOf<Flat, MerlTable, PmModel, SuModel, GgxModel, OpenPbrModel> M> std::string code_of(const M&) {
     return {};
 }
@@ -119,7 +119,7 @@ std::string code_of(const BsdfTables& tables) { return beam_code("material", tab
 std::string code_of(const BsdfModel& bsdf) {
     const Model model{bsdf, {}};
     const auto code = shading_code(std::vector<NamedModel>{{"material", &model}}, "material");
-    assert(code.ok());  // parts are not view by view
+    assert(code.ok());  // only view-by-view models are errors
     return code.ok() ? *code : std::string();
 }
 
@@ -136,17 +136,17 @@ std::string version_text(Dialect dialect) {
 }
 
 std::string brdf_text(const Material& material, bool open) {
-    const std::string of_shape = std::visit(
-        [open](const auto& of) {
-            if constexpr (std::is_same_v<decltype(of), const PmModel&>)
-                return shape(of, open && has_open_text(of));
+    const std::string macro_text = std::visit(
+        [open](const auto& content) {
+            if constexpr (std::is_same_v<decltype(content), const PmModel&>)
+                return macros(content, open && has_open_text(content));
             else
-                return shape(of);
+                return macros(content);
         },
         material);
-    const std::string code = std::visit([](const auto& of) { return code_of(of); }, material);
-    return fmt::format("#define SIDES {}\n", is_two_sided(material) ? 2 : 1) + of_shape + k_host_text + k_kernel_text +
-           code + k_material_text;
+    const std::string code = std::visit([](const auto& content) { return code_of(content); }, material);
+    return fmt::format("#define SIDES {}\n", is_two_sided(material) ? 2 : 1) + macro_text + k_host_text +
+           k_kernel_text + code + k_material_text;
 }
 
 std::string proposal_text(int parts) {
@@ -156,20 +156,20 @@ std::string proposal_text(int parts) {
 }
 
 Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options) {
-    std::vector<MixtureProposal> of_parts;
-    for (std::size_t p = 0; p < k_parts; ++p) of_parts.push_back(propose(part_of(bsdf, Part(p)), options));
-    return Proposals(std::move(of_parts));
+    std::vector<MixtureProposal> proposals;
+    for (std::size_t p = 0; p < k_parts; ++p) proposals.push_back(propose(part_of(bsdf, Part(p)), options));
+    return Proposals(std::move(proposals));
 }
 
 ProposalNumbers proposal_numbers(const Proposals& proposals) {
     ProposalNumbers all;
-    for (const MixtureProposal& of : proposals.of_part) {
+    for (const MixtureProposal& proposal : proposals.of_part) {
         for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
-            const auto numbers = of.numbers(node);
+            const auto numbers = proposal.numbers(node);
             all.nodes.insert(all.nodes.end(), numbers.begin(), numbers.end());
             all.nodes.resize(all.nodes.size() + std::size_t(4 * k_node_vectors) - numbers.size());
         }
-        all.grains.push_back({of.cosine, of.sine});
+        all.grains.push_back({proposal.cosine, proposal.sine});
     }
     return all;
 }
@@ -178,49 +178,50 @@ namespace {
 
 template <OneOf<Flat, MerlTable, PmModel, SuModel, BsdfModel, BsdfTables> M> Uniform uniform_of(const M&) { return {}; }
 Uniform uniform_of(const GgxModel& model) {
-    Uniform of{"ggx_numbers", {{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
+    Uniform uniform{"ggx_numbers",
+                    {{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
     for (std::size_t i = 0; i < model.lobes.size(); ++i) {
         const GgxModel::Lobe& lobe = model.lobes[i];
-        of.numbers[1 + i] = {lobe.f0.r, lobe.f0.g, lobe.f0.b, lobe.roughness};
-        of.numbers[3 * i][3] = lobe.f90;
+        uniform.numbers[1 + i] = {lobe.f0.r, lobe.f0.g, lobe.f0.b, lobe.roughness};
+        uniform.numbers[3 * i][3] = lobe.f90;
     }
-    return of;
+    return uniform;
 }
 Uniform uniform_of(const OpenPbrModel& model) {
-    const auto of = kernel_surface(model);
+    const auto s = kernel_surface(model);
     const auto film = kernel_film(model);
     const auto anisotropy = kernel_anisotropy(model);
     return {"openpbr_numbers",
-            {{of.base_color.x, of.base_color.y, of.base_color.z, of.base_metalness},
-             {of.base_diffuse_roughness, of.specular_weight, of.specular_color.x, of.specular_color.y},
-             {of.specular_color.z, of.specular_roughness, of.specular_ior, of.coat_weight},
-             {of.coat_color.x, of.coat_color.y, of.coat_color.z, of.coat_roughness},
-             {of.coat_ior, of.coat_darkening, of.fuzz_weight, of.fuzz_color.x},
-             {of.fuzz_color.y, of.fuzz_color.z, of.fuzz_roughness, model.is_exchanged ? 1.f : 0.f},
+            {{s.base_color.x, s.base_color.y, s.base_color.z, s.base_metalness},
+             {s.base_diffuse_roughness, s.specular_weight, s.specular_color.x, s.specular_color.y},
+             {s.specular_color.z, s.specular_roughness, s.specular_ior, s.coat_weight},
+             {s.coat_color.x, s.coat_color.y, s.coat_color.z, s.coat_roughness},
+             {s.coat_ior, s.coat_darkening, s.fuzz_weight, s.fuzz_color.x},
+             {s.fuzz_color.y, s.fuzz_color.z, s.fuzz_roughness, model.is_exchanged ? 1.f : 0.f},
              {film.weight, film.thickness, film.ior, 0},
              {anisotropy.amount, anisotropy.cosine, anisotropy.sine, 0}}};
 }
 template <typename M> Uniform uniform_of(const M& model) {
-    Uniform of{"model_numbers", {}};
+    Uniform uniform{"model_numbers", {}};
     std::size_t count = 0;
     formula_text({model, {}}, [&](float x, auto, auto) {
-        if (count % 4 == 0) of.numbers.emplace_back();
-        of.numbers.back()[count++ % 4] = x;
+        if (count % 4 == 0) uniform.numbers.emplace_back();
+        uniform.numbers.back()[count++ % 4] = x;
         return std::string();
     });
-    return of;
+    return uniform;
 }
 
 }  // namespace
 
 Uniform uniform_of(const Material& material) {
-    return std::visit([](const auto& of) { return uniform_of(of); }, material);
+    return std::visit([](const auto& content) { return uniform_of(content); }, material);
 }
 
-std::vector<Float4> pm_numbers(const PmModel& of, bool open) {
+std::vector<Float4> pm_numbers(const PmModel& original, bool open) {
     using Formulas = Kernel<float>;
-    open = open && has_open_text(of);
-    const PmModel model = open ? filled(widened(of)) : of;
+    open = open && has_open_text(original);
+    const PmModel model = open ? add_black_lobes(widen(original)) : original;
     const int J = model.lobes, N = model.variates, F = features(model.form);
     std::vector<Float4> numbers;
     for (int j = 0; j < J; ++j) {
@@ -244,7 +245,7 @@ std::vector<Float4> pm_numbers(const PmModel& of, bool open) {
             numbers.back()[std::size_t(n % 4)] = open && Formulas::pm_down(model, j, n) ? -log2_falloff : log2_falloff;
         }
     for (const Parameterization& weights : model.parameterization)
-        numbers.push_back({weights.a, weights.b, open ? float(of.lobes) : 0, 0});
+        numbers.push_back({weights.a, weights.b, open ? float(original.lobes) : 0, 0});
     return numbers;
 }
 
@@ -257,9 +258,9 @@ SuTexels su_texels(const SuModel& model) {
         texels.directions.push_back({w.x, w.y, w.z, 0});
         for (std::size_t j = i * J; j < (i + 1) * J; ++j) {
             const Rgb& beta = model.coefficient[j];
-            const Vec3f apart = model.centre[j] - mirror(w);
+            const Vec3f shift = model.centre[j] - mirror(w);
             texels.numbers.push_back({to_half(beta.r), to_half(beta.g), to_half(beta.b), to_half(model.bandwidth[j])});
-            texels.numbers.push_back({to_half(apart.x), to_half(apart.y), to_half(apart.z),
+            texels.numbers.push_back({to_half(shift.x), to_half(shift.y), to_half(shift.z),
                                       model.shape.empty() ? std::uint16_t(0) : to_half(model.shape[j])});
         }
     }
@@ -274,7 +275,7 @@ std::vector<Float4> merl_texels(const BsdfTables& tables) {
     const auto [h, d, p] = size_of(tables);
     std::vector<Float4> texels;
     for (std::size_t part = 0; part < k_parts; ++part) {
-        // Tables take light and viewer to be exchangeable.
+        // Light and viewer need not be exchanged, since tables are reciprocal.
         if (const MerlTable* table = answering(tables.part, Part(part)).brdf) {
             const auto own = merl_texels(*table);
             texels.insert(texels.end(), own.begin(), own.end());

@@ -55,6 +55,7 @@ Real light_pdf(Vec3 wl, Vec3 wv) {
     NodesAbout nodes = mixture_nodes(wv);
     ProposalPoint coordinates = proposal_point(wl, wv, mixture_stretch(wv, nodes), mixture_power(nodes));
     Real sum = Real(0.0);
-    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum = sum + mixture_between(k, nodes) * proposal_lobe_pdf(k, coordinates);
+    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k)
+        sum = sum + mixture_between(k, nodes) * proposal_lobe_pdf(k, coordinates);
     return sum;
 }

@@ -100,26 +100,13 @@ std::string in_template_literal(std::string_view text) {
 }
 
 std::string html_escaped(std::string_view text) {
+    constexpr std::string_view characters = "&<>\"'";
+    constexpr std::array<std::string_view, 5> entities{"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
     std::string escaped;
-    for (const char c : printable_lines(text)) switch (c) {
-            case '&':
-                escaped += "&amp;";
-                break;
-            case '<':
-                escaped += "&lt;";
-                break;
-            case '>':
-                escaped += "&gt;";
-                break;
-            case '"':
-                escaped += "&quot;";
-                break;
-            case '\'':
-                escaped += "&#39;";
-                break;
-            default:
-                escaped += c;
-        }
+    for (const char c : printable_lines(text)) {
+        const std::size_t i = characters.find(c);
+        escaped += i == characters.npos ? std::string_view(&c, 1) : entities[i];
+    }
     return escaped;
 }
 

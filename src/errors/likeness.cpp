@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 
 #include "srbf/elementary.h"
 
@@ -31,11 +32,7 @@ Filter sample_filter(int radius, const std::function<double(double)>& weight) {
     for (int i = -radius; i <= radius; ++i) filter.push_back(weight(i));
     return filter;
 }
-double sum(const Filter& filter) {
-    double total = 0;
-    for (const double w : filter) total += w;
-    return total;
-}
+double sum(const std::vector<double>& numbers) { return std::accumulate(numbers.begin(), numbers.end(), 0.0); }
 Filter gaussian_filter(int radius, double sigma) {
     Filter filter = sample_filter(radius, [&](double x) { return elementary::exp(-x * x / (2 * sigma * sigma)); });
     const double whole = sum(filter);
@@ -194,12 +191,6 @@ Plane luma(const Image8& image) {
     return plane;
 }
 
-double mean(const std::vector<double>& map) {
-    double total = 0;
-    for (const double x : map) total += x;
-    return total / double(map.size());
-}
-
 template <typename Pixel>
 std::vector<double> flip_errors(const Picture<Pixel>& reference, const Picture<Pixel>& other,
                                 double pixels_per_degree) {
@@ -253,9 +244,10 @@ Likeness likeness(const Image8& reference, const Image8& other) {
             const double error = (reference.pixels[i][c] - other.pixels[i][c]) / 255.0;
             squares += error * error;
         }
-    squares /= 3 * double(reference.pixels.size());
+    const auto count = double(reference.pixels.size());
+    squares /= 3 * count;
     return {squares > 0 ? -10 * elementary::log10(squares) : std::numeric_limits<double>::infinity(),
-            mean(ssim_map(reference, other)), mean(flip_map(reference, other))};
+            sum(ssim_map(reference, other)) / count, sum(flip_map(reference, other)) / count};
 }
 
 Image8 in_false_colours(const std::vector<double>& map, int width, int height) {

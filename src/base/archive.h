@@ -70,7 +70,7 @@ struct ArchiveWriter {
 };
 
 /// Removes values that `ArchiveWriter` wrote from the beginning value `bytes`. Throws std::invalid_argument if the bytes end
-/// too early or contain an unknown read_alternative value a variant.
+/// too early or contain an unknown alternative of a variant.
 struct ArchiveReader {
     std::string_view bytes;
 

@@ -1,4 +1,3 @@
-// Errors of arguments and of missing data.
 #pragma once
 #include <fmt/format.h>
 

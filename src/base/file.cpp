@@ -28,8 +28,7 @@ class Descriptor {
     ~Descriptor() { (void)close(); }
 
     int number() const { return number_; }
-    /// Closes the file; returns 0 or errno. Some systems report a full disk only here. The file is closed even if a
-    /// signal interrupts the call.
+    /// Closes the file, also if a signal interrupts the call; returns 0 or errno. A full disk may be reported only here.
     int close() { return number_ < 0 || ::close(std::exchange(number_, -1)) == 0 || errno == EINTR ? 0 : errno; }
 
   private:
@@ -142,7 +141,6 @@ class Replacement {
         temporary_.clear();
         return Done{};
     }
-    /// Waits until the disk has the new name.
     Result<Done> synchronise_name() const {
         if (target_.empty()) return Done{};
         if (const int code = synchronise_folder_of(target_)) return cannot_write(path_, reason(code));

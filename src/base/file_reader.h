@@ -1,4 +1,3 @@
-// Reads files piece by piece.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -12,7 +11,6 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// An open file.
 class FileReader {
   public:
     /// Errors: those of `read_file`.

@@ -12,7 +12,6 @@ inline constexpr float k_half_min = 6.103515625e-05f;
 std::uint16_t to_half(float x);
 float from_half(std::uint16_t bits);
 
-/// `x` rounded to a half.
 inline float round_to_half(float x) { return from_half(to_half(x)); }
 
 }  // namespace srbf

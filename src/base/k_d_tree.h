@@ -1,4 +1,3 @@
-// Nearest-neighbour search among points.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -39,8 +38,7 @@ std::vector<std::uint32_t> first_coincident_points(const PointCloud<Real, dimens
     return first;
 }
 
-/// The result of a search within a radius: pairs of an index, `first`, and a squared distance, `second`. Their type
-/// depends on nanoflann's version.
+/// The result of a search within a radius: pairs of an index and a squared distance. Their type depends on nanoflann.
 template <typename Real>
 using FoundPoints = std::remove_reference_t<decltype(nanoflann::RadiusResultSet<Real, std::uint32_t>::m_indices_dists)>;
 

@@ -1,4 +1,3 @@
-// Linear least squares.
 #pragma once
 #include <Eigen/Dense>
 #include <vector>

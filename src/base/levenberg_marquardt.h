@@ -23,7 +23,6 @@ concept SeparableProblem = requires(P& problem, const Eigen::VectorXd& x, Eigen:
     { problem.longest_step(x) } -> std::convertible_to<Eigen::VectorXd>;
 };
 
-/// The reason why an optimiser stopped.
 enum class Stop {
     decrease,    ///< predicted decrease ≤ `decrease_tolerance` × loss
     step,        ///< no step with damping up to 1e10 lowers the loss

@@ -1,4 +1,3 @@
-// Loops on several threads.
 #pragma once
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>

@@ -1,4 +1,3 @@
-// Low-discrepancy sequences.
 #pragma once
 #include <array>
 #include <cmath>

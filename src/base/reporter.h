@@ -1,4 +1,3 @@
-// Progress of work on several threads.
 #pragma once
 #include <algorithm>
 #include <mutex>
@@ -12,7 +11,7 @@ namespace srbf {
 class Reporter {
   public:
     Reporter(ProgressToken token, double total) : token_(std::move(token)), total_(total) {}
-    /// Adds completed work. Returns false once cancelled.
+    /// Returns false once cancelled.
     bool advance(std::string_view stage, double work) {
         const std::scoped_lock lock(mutex_);
         done_ += work;

@@ -15,7 +15,6 @@
 
 namespace srbf {
 
-/// Element type of a tensor.
 enum class Type16 { half, count };  // "F16", "U16"
 
 /// A tensor of 16-bit elements.
@@ -25,7 +24,6 @@ struct Tensor16 {
     std::vector<std::uint16_t> data;  ///< as many elements as the product of the shape
 };
 
-/// Expected element type and shape of a tensor.
 struct TensorShape {
     Type16 type;
     std::vector<std::uint64_t> shape;
@@ -41,7 +39,6 @@ Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensor
 /// "[2, 3]".
 std::string shape_text(const std::vector<std::uint64_t>& shape);
 
-/// The content of a file: tensors by name, and the string metadata.
 using Metadata = std::map<std::string, std::string>;
 struct Safetensors {
     std::map<std::string, Tensor16> tensors;

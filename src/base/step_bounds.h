@@ -1,4 +1,3 @@
-// Bounds of the variables of Levenberg-Marquardt.
 #pragma once
 #include <Eigen/Dense>
 

@@ -37,7 +37,6 @@ class Lines {
     explicit Lines(std::string_view text) : rest_(text) {
         if (constexpr std::string_view mark = "\xef\xbb\xbf"; rest_.starts_with(mark)) rest_.remove_prefix(mark.size());
     }
-    /// The next line that is not empty.
     std::optional<std::string_view> next() {
         while (!rest_.empty()) {
             const auto end = std::min(rest_.find('\n'), rest_.size());

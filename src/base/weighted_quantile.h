@@ -1,4 +1,3 @@
-// Quantiles of weighted numbers.
 #pragma once
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,3 @@
-// Conversion of spectra to colours.
 #pragma once
 #include <array>
 #include <span>

@@ -17,7 +17,6 @@ inline double uniform(std::mt19937_64& random) { return double(random() >> 11) *
 /// azimuth i times the golden angle π(3−√5). Each direction represents the solid angle 2π(1−cos θmax)/n [sr].
 Vec3d fibonacci_direction(int i, int n, double theta_max);
 
-/// All n directions of the Fibonacci set.
 std::vector<Vec3f> fibonacci_directions(int n, double theta_max);
 
 /// Finds the indices of the directions nearest to `w`, in order of distance, then of index. `directions` holds at most

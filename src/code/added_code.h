@@ -23,7 +23,6 @@ struct AddedCode {
         text = {};
 };
 
-/// The features and modules that an extra offers.
 struct CodeExtra {
     std::vector<CodeFeature> features;
     std::vector<CodeModule> modules;

@@ -100,7 +100,6 @@ std::string beam_call(const Beams& beams, Part part) {
     return k_black;
 }
 
-/// The functions `beam` and `mirror_beam`.
 std::string beams_text(const Beams& beams, Program& program) {
     std::string text;
     for (std::size_t b = 0; b < beams.size(); ++b)

@@ -22,7 +22,6 @@ PartModels part_models(const NamedModel& bsdf, bool sampling);
 Result<std::string> bsdf_code(const NamedModel& bsdf, const CodeOptions& options, DefinedNames& defined);
 /// The functions of beams alone.
 std::string beam_code(const std::string& name, const Beams& beams, CodeLanguage language);
-/// The names of these functions.
 std::vector<std::string> bsdf_functions(const NamedModel& bsdf, bool sampling);
 
 }  // namespace srbf

@@ -1,4 +1,3 @@
-// The names that exported code defines.
 #pragma once
 #include <fmt/format.h>
 

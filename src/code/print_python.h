@@ -1,4 +1,3 @@
-// Prints the syntax tree in Python.
 #pragma once
 #include <string>
 

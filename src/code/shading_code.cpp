@@ -97,7 +97,6 @@ Table lobes_of(const PmModel& model, ParameterStorage storage) {
     return lobes;
 }
 
-/// The tables and accessors of a multivariate model.
 std::string numbers_of(const PmModel& model, ParameterStorage storage, Program& program) {
     const LobeRow row(model, storage);
     Table weights{"The weights a, b of each variate.", "variates", {}, 2};
@@ -199,7 +198,6 @@ std::string brdf_function(const std::string& statements) {
            "        return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
            statements + "}\n";
 }
-/// The function `brdf` of a model.
 std::string brdf_of(const Model& model, ParameterStorage storage, Program& program) {
     if (storage != ParameterStorage::tables)
         return brdf_function(formula_text(model, [](float x, auto, auto) { return real(x); }));
@@ -304,7 +302,6 @@ std::string look_up_text(const PmModel& basis) {
         basis.lobes);
 }
 
-/// The text that a model adds to the kernel.
 struct ModelText {
     std::string accessors = k_no_pm + k_no_su, brdf;
     int variates = 1, terms = 1;

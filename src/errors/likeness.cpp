@@ -12,7 +12,6 @@
 namespace srbf {
 namespace {
 
-/// An image with one number per pixel.
 struct Plane {
     int width, height;
     std::vector<double> x;
@@ -111,7 +110,7 @@ double scale_distance(double distance) {
 
 Triplet linear_rgb(const Rgb& colour) { return {double(colour.r), double(colour.g), double(colour.b)}; }
 
-/// The opponent colours Y, Cx, Cz of an image.
+/// Y, Cx, Cz.
 template <typename Pixel> std::array<Plane, 3> opponent_colours(const Picture<Pixel>& image) {
     const Plane blank(image.width, image.height);
     std::array<Plane, 3> planes{blank, blank, blank};

@@ -1,4 +1,3 @@
-// Perceptual differences between images.
 #pragma once
 #include <vector>
 

@@ -11,7 +11,6 @@ namespace srbf {
 struct alignas(64) PairColumn : std::array<float, 256> {};
 inline constexpr std::size_t k_pair_block = PairColumn().size();
 
-/// The cosines of the pairs of a block.
 struct PairCosines {
     PairColumn light, viewer;
 };

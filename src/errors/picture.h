@@ -1,4 +1,3 @@
-// Images in memory.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -39,7 +39,6 @@ Disc disc(const Lighting::Source& source) {
     return disc;
 }
 
-/// The sources of nonzero size of a lighting.
 struct Discs {
     explicit Discs(const Lighting& lighting) {
         for (const Lighting::Source& source : lighting.sources)
@@ -128,7 +127,6 @@ Pixel make_pixel(const Frame& frame, const Quadrature& mirrored, const MirrorMix
     return pixel;
 }
 
-/// The radiance of the pixel under each lighting.
 std::vector<Rgb> radiances(const Pixel& pixel, std::span<const Rgb> f, std::span<const Lighting> lightings) {
     std::array<Vec3d, 3> sums{};  // the shares of the sky in each channel
     for (std::size_t i = 0; i < pixel.shares.size(); ++i)

@@ -17,7 +17,6 @@ template <typename T> T load(const std::byte* bytes) {
     return number;
 }
 
-/// Appends the bytes of a number.
 template <typename T> void store(std::vector<std::byte>& bytes, const T& number) {
     const auto raw = std::as_bytes(std::span(&number, 1));
     bytes.insert(bytes.end(), raw.begin(), raw.end());

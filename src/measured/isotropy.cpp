@@ -24,7 +24,6 @@ constexpr double k_rounding = 1e-6, k_noise = 0.02;
 /// Noise changes as much under a small rotation as under any other; a brushed surface changes far less.
 constexpr double k_most_growth = 2.5;
 
-/// Pairs of directions, and the values of f.
 struct ValuesAtPairs {
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f;

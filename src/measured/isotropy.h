@@ -1,4 +1,3 @@
-// A test for isotropy.
 #pragma once
 #include "srbf/brdf.h"
 

@@ -16,7 +16,6 @@
 
 namespace srbf {
 
-/// The kind of values of a sample.
 enum class Values { grey, rgb, xyz, spectrum };
 
 /// Limit on the columns of a file, far above those of any measurement.
@@ -29,7 +28,6 @@ class SampleBuilder {
     /// For a file with `bytes` bytes and at most `rows` rows. Samples and their index may take at most four times the
     /// size of the file and 32 MB, which limits their number.
     SampleBuilder(Values values, std::vector<float> wavelengths, std::size_t bytes, std::size_t rows);
-    /// The number of values of a sample.
     std::size_t width() const {
         return values_ == Values::grey ? 1 : values_ == Values::spectrum ? weights_.size() : 3;
     }

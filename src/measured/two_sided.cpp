@@ -1,4 +1,3 @@
-// Measurements of reflection and transmission.
 #include "measured/two_sided.h"
 
 #include <fmt/format.h>

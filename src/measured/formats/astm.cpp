@@ -67,7 +67,6 @@ Result<Vars> parse_vars(std::string_view vars, const std::string& file_name, std
 
 bool opens_row(std::string_view line) { return line.find_first_of("0123456789+-.") == 0; }
 
-/// The content of the lines before the samples.
 struct AstmHeader {
     Vars columns;
     std::optional<std::uint64_t> points;

@@ -20,7 +20,6 @@ struct AngleColumn {
     AngleUnit unit_or_degrees() const { return unit.value_or(k_in_degrees); }
 };
 
-/// The columns that a header, or the option --columns, names.
 struct Columns {
     std::size_t count = 0;                ///< number of fields in a row
     bool has_vectors = false;             ///< if true, `vector` has the directions, otherwise `angle`

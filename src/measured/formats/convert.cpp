@@ -225,7 +225,6 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
 
 namespace {
 
-/// Collects the fields of a tensor file and writes them.
 class TensorWriter {
   public:
     template <typename T> void add(std::string name, std::vector<std::uint64_t> shape, std::span<const T> numbers) {

@@ -119,7 +119,6 @@ char row_separator(Lines rows, const Columns& columns, char preferred) {
     return preferred;
 }
 
-/// Rows, and the meaning of their columns.
 struct Table {
     Columns columns;
     Lines rows;
@@ -230,7 +229,6 @@ Result<Table> open_table(std::string_view text, const std::string& file_name, co
     return table;
 }
 
-/// The directions of a sample.
 struct Directions {
     Vec3d wl, wv;
 };

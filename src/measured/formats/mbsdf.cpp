@@ -19,7 +19,6 @@ namespace {
 constexpr std::string_view k_any_version = "NVIDIA ARC MBSDF V";
 constexpr std::size_t k_most_entries = 1024;  ///< bound on the lines of the header
 
-/// A position in a file.
 struct Cursor {
     std::string_view text;
     std::string file_name;

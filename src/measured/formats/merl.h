@@ -1,4 +1,3 @@
-// The layout of MERL tables.
 #pragma once
 #include <array>
 

@@ -1,4 +1,3 @@
-// Reads a measurement of any format.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -46,7 +46,6 @@ Result<TensorField> find(const TensorFile& file, const std::string& file_name, c
     return field;
 }
 
-/// A field of floats.
 struct Floats {
     TensorField field;
     std::vector<float> values;
@@ -77,7 +76,6 @@ bool keep_first(std::vector<float>& values, std::uint64_t copies) {
 
 constexpr const char* k_one_azimuth = "the same values at every azimuth (isotropic)";
 
-/// The azimuths of the light in a file.
 struct Azimuths {
     std::vector<float> phi;     ///< empty for an isotropic material
     std::uint64_t in_file = 1;  ///< number of azimuths in the file, also for an isotropic material

@@ -74,7 +74,6 @@ inline std::optional<std::uint64_t> tensor_bytes(TensorType type, std::span<cons
     return size;
 }
 
-/// Reads the next entry of the table of fields.
 inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader& reader,
                                                                       std::span<const std::byte> bytes,
                                                                       const std::string& file_name) {

@@ -1,4 +1,3 @@
-// Writes any BRDF or BSDF in the core's formats.
 #include "measured/formats/write.h"
 
 #include "measured/formats/rows.h"

@@ -38,7 +38,6 @@ class GgxProblem {
         GgxModel model;
         double loss = 0;  ///< Σ w |f−f̂|²
     };
-    /// The best model with the given roughness.
     Solution solve(const LogRoughness& log_alpha) {
         const Eigen::MatrixXd sums = moments(log_alpha);
         const auto L = log_alpha.size();

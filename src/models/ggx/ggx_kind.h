@@ -1,4 +1,3 @@
-// `Kind` of Lambert and GGX, with its fit.
 #pragma once
 #include <string>
 #include <string_view>

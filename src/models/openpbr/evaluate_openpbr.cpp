@@ -1,4 +1,3 @@
-// Evaluates surfaces on arrays of pairs, in SIMD batches.
 #include <cstdint>
 #include <utility>
 

@@ -1,4 +1,3 @@
-// `Kind` of surfaces of renderers' parameters, with its fit.
 #pragma once
 #include <string>
 #include <string_view>

@@ -18,8 +18,7 @@ namespace {
 
 /// Number of consecutive views in a chain: each view is fitted from the previous one, the first from scratch.
 constexpr std::size_t k_chain = 32;
-/// A view is fitted from scratch if its loss exceeds k_much_worse times its predecessor's by more than that of an exact
-/// fit.
+/// A view is also fitted from scratch if its loss exceeds k_much_worse times its predecessor's plus k_exact_loss.
 constexpr double k_much_worse = 4, k_exact_loss = 1e-9;
 
 Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {

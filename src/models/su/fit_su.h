@@ -1,4 +1,3 @@
-// The fit of a view-by-view model to a measurement as a matrix.
 #pragma once
 #include <cstdint>
 

@@ -1,4 +1,3 @@
-// The fit of one sampled view.
 #pragma once
 #include <array>
 #include <limits>
@@ -28,7 +27,6 @@ ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::s
 /// Rotates the lobes of a view about the normal to the azimuth of another view.
 std::vector<ViewLobe> rotate_lobes(std::vector<ViewLobe> lobes, Vec3f view, Vec3f other);
 
-/// Solves for the coefficients of given lobes.
 ViewFit fit_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes);
 
 }  // namespace srbf

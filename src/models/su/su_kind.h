@@ -1,4 +1,3 @@
-// `Kind` of the view-by-view model.
 #pragma once
 #include <string>
 #include <string_view>

@@ -35,8 +35,7 @@ template <typename Share> Choice choose(int count, float u, const Share& share) 
     return {last, k_below_one};  // shares were rounded to a sum below u
 }
 
-/// Approximates a lobe times the cosine by a lobe: the cosine is like a lobe of bandwidth 2.133 about the normal (Wang et
-/// al. 2009).
+/// A lobe times the cosine, which is like a lobe of bandwidth 2.133 about the normal (Wang et al. 2009).
 auto lobe_times_cosine(const SuModel& model, std::size_t k) {
     return SuKernel::gaussian_product(model.centre[k], model.bandwidth[k], {0, 0, 1}, 2.133f);
 }

@@ -38,7 +38,6 @@ class ViewProblem {
 
     /// Begins with a view, which must outlive this, and initial lobes. Returns their x, with shifts 0.
     Eigen::VectorXd start(const ViewRows& view, std::span<const ViewLobe> lobes);
-    /// The lobes at x.
     std::vector<ViewLobe> lobes(const Eigen::VectorXd& x) const;
 
     double loss(const Eigen::VectorXd& x);
@@ -56,13 +55,11 @@ class ViewProblem {
 
   private:
     static constexpr int k_variables = 3;  ///< number of variables of a lobe
-    /// The initial centre of a lobe and its tangents.
     struct Frame {
         Vec3d centre, along[2];
     };
     /// The same bounds for the variables of all lobes.
     Eigen::VectorXd for_each_lobe(double shift, double log_bandwidth) const;
-    /// Lobe j at x.
     MovingLobe moving_lobe(const Eigen::VectorXd& x, int j) const;
     /// Upper bounds on the coefficients of a lobe whose largest exponent on the rows is `most`.
     Eigen::RowVector3d coefficient_limits(const MovingLobe& lobe, double most) const;

@@ -25,7 +25,7 @@ std::string macros(const MerlTable& table) {
 }
 bool has_open_text(const PmModel& model) { return model.lobes <= k_most_open_lobes; }
 int kernel_texels(const PmModel& model) { return model.axial ? (model.variates + 3) / 4 : model.variates; }
-/// The same function in the form with the most terms, and with four or eight variates.
+/// Converts to the form with the most terms, and to four or eight variates, without changing the function.
 PmModel widen(const PmModel& model) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
     PmModel wide = model;

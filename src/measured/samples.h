@@ -1,4 +1,4 @@
-// What readers of scattered samples share.
+// Functions that readers of scattered samples share.
 #pragma once
 #include <fmt/format.h>
 

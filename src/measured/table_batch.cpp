@@ -107,7 +107,7 @@ HWY_INLINE Vec3<Batch> rgl_value(const RglTable& table, Vec3<Batch> wl, Vec3<Bat
     return {finite(channel(0)), finite(channel(1)), finite(channel(2))};
 }
 
-/// The same bits as `signed_value` of merl.cpp, for tables whose indices fit in 32 bits.
+/// Gives the same bits as `signed_value` of merl.cpp, for tables whose indices fit in 32 bits.
 HWY_INLINE Vec3<Batch> merl_value(const MerlTable& table, Vec3<Batch> wl, Vec3<Batch> wv) {
     const Batch none(0.0), one(1.0);
     const std::size_t n_h = table.size[0], n_d = table.size[1], n_p = table.size[2];

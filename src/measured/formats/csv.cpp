@@ -11,8 +11,8 @@ namespace srbf {
 
 namespace {
 
-/// Comments that `srbf` writes and reads.
-constexpr std::string_view k_both_sides = "both sides", k_isotropic = "isotropic";
+/// Comments that `srbf` writes and reads; the second one without "# ".
+constexpr std::string_view k_both_sides = "# both sides", k_isotropic = "isotropic";
 
 /// Separators, in the order in which they are tried.
 constexpr char k_separators[] = {';', '\t', ',', ' ', k_any_separator};
@@ -76,7 +76,7 @@ Preamble read_preamble(std::string_view text, bool has_names) {
     for (auto line = lines.next(); line; preamble.rows = lines, line = lines.next()) {
         const auto comment = comment_in(*line);
         const std::string_view content = comment.value_or(*line);
-        const bool both_sides = comment && equal_ignoring_case(content, k_both_sides),
+        const bool both_sides = comment && equal_ignoring_case(content, k_both_sides.substr(2)),
                    isotropic = comment && equal_ignoring_case(content, k_isotropic);
         preamble.both_sides |= both_sides, preamble.isotropic |= isotropic;
         if (both_sides || isotropic) continue;

@@ -58,7 +58,7 @@ class ViewProblem {
     struct Frame {
         Vec3d centre, along[2];
     };
-    /// The same bounds for the variables of all lobes.
+    /// Repeats bounds for the variables of each lobe.
     Eigen::VectorXd for_each_lobe(double shift, double log_bandwidth) const;
     MovingLobe moving_lobe(const Eigen::VectorXd& x, int j) const;
     /// Upper bounds on the coefficients of a lobe whose largest exponent on the rows is `most`.

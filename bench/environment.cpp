@@ -1,6 +1,6 @@
 // Pictures of the raster renderer under an environment: errors against the path tracer by the number of samples, or the
-// number of samples after which pictures are clean. FILE is a measurement, drawn as a table in Rusinkiewicz coordinates,
-// or a model.
+// number of samples after which pictures are clean. FILE is a measurement, drawn as a table in Rusinkiewicz
+// coordinates, or a model.
 //   usage: environment errors|samples MESH ENVIRONMENT FILE...
 #include <fmt/format.h>
 

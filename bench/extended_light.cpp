@@ -1,10 +1,10 @@
-// Errors of pictures by a few lobes for each view (srbf/extended_light.h), without occlusion. Environments are files .hdr
-// or .exr, models .srbf.
+// Errors of pictures by a few lobes for each view (srbf/extended_light.h), without occlusion. Environments are files
+// .hdr or .exr, models .srbf.
 //   usage: extended_light [MESH..] [ENVIRONMENT..] MODEL..
-// Prints for each model, and in the mean, ΔE_ITP and PSNR of a sphere and the meshes under the environments by the number
-// of lobes, those of the split sum for models with one lobe of GGX, and those of a sphere under three rectangles of light.
-// References under environments are integrals by a low-discrepancy sequence, since the noise of 2048 paths has a visible
-// error. References under rectangles are path-traced.
+// Prints for each model, and in the mean, ΔE_ITP and PSNR of a sphere and the meshes under the environments by the
+// number of lobes, those of the split sum for models with one lobe of GGX, and those of a sphere under three rectangles
+// of light. References under environments are integrals by a low-discrepancy sequence, since the noise of 2048 paths
+// has a visible error. References under rectangles are path-traced.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -232,8 +232,9 @@ struct Map {
     FilteredEnvironment filtered;
     std::vector<EnvironmentDraw> draws;
 };
-/// ∫ f cosθl L dω towards the viewer, in the mean over a pixel's points, by samples of the BRDF and of the environment with
-/// the balance heuristic (Veach & Guibas 1995). The points of a pixel share one sequence, whose start differs by pixel.
+/// ∫ f cosθl L dω towards the viewer, in the mean over a pixel's points, by samples of the BRDF and of the environment
+/// with the balance heuristic (Veach & Guibas 1995). The points of a pixel share one sequence, whose start differs by
+/// pixel.
 Rgb reflected(const Pixel& pixel, const PreparedBrdf& brdf, const Map& map, const Frame& to_map) {
     std::array<double, 3> sum{};
     const auto add = [&](double weight, const Rgb& reflectance, const Rgb& light) {

@@ -1,11 +1,11 @@
 // Errors of fits to noisy tables. Each measurement is sampled to a table of MBSDF's layout (the truth). The table gets
 // independent normal noise of a share of its median value, signed or with negative values set to 0. Prints for each fit
 // ΔE_ITP against the truth, also relative to the fit to the truth; the largest errors of albedo from 0 to 75°, of
-// luminance and of a channel (relative to luminance); the same for the noisy table; and processor seconds. With --seeds,
-// prints the mean ΔE_ITP and the largest errors of N fits.
+// luminance and of a channel (relative to luminance); the same for the noisy table; and processor seconds. With
+// --seeds, prints the mean ΔE_ITP and the largest errors of N fits.
 //   usage: noisy_tables [--signed] [--clamped] [--share X] [--seeds N] FILE...
-// For N samples of signed noise as large as the median, prints the errors of the albedo's luminance of the tables and of
-// the fits at angles from 0.5 to 75°: mean and standard deviation, then the median of the largest errors.
+// For N samples of signed noise as large as the median, prints the errors of the albedo's luminance of the tables and
+// of the fits at angles from 0.5 to 75°: mean and standard deviation, then the median of the largest errors.
 //   usage: noisy_tables --draws N FILE...
 // Compares each channel's albedo of a fit with that of the file.
 //   usage: noisy_tables --own FILE...

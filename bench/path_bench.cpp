@@ -1,7 +1,8 @@
-// Time of a path-traced picture: the ball on its ground in the bundled studio, 256 × 192 pixels, 4 paths per pixel of at
-// most 8 bounces, on one thread. The material is the bundled vinyl film: its fit of 208 bytes, its view-by-view fit, the
-// measurement, and a table of MERL's layout. `evaluation_percent` is the share of time for f: the time that a second
-// evaluation of each f adds. Then ns for a sample and a density of the proposals, and the time to make proposals.
+// Time of a path-traced picture: the ball on its ground in the bundled studio, 256 × 192 pixels, 4 paths per pixel of
+// at most 8 bounces, on one thread. The material is the bundled vinyl film: its fit of 208 bytes, its view-by-view fit,
+// the measurement, and a table of MERL's layout. `evaluation_percent` is the share of time for f: the time that a
+// second evaluation of each f adds. Then ns for a sample and a density of the proposals, and the time to make
+// proposals.
 #include <benchmark/benchmark.h>
 
 #include <ctime>

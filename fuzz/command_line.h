@@ -143,7 +143,8 @@ class Grammar {
     mutable std::span<const std::byte> bytes_;
 };
 
-/// Runs a command line, and checks that wrong usage writes no file and that inputs remain unchanged. Returns the status.
+/// Runs a command line, and checks that wrong usage writes no file and that inputs remain unchanged. Returns the
+/// status.
 inline int check_command_line(std::span<const std::byte> bytes) {
     static const CommandFolder folder;
     static const Grammar grammar;

@@ -281,8 +281,8 @@ inline Uses uses_of_measurements() {
     return uses;
 }
 
-/// Prepares, evaluates and samples the BRDF of a file, and runs commands of the program on it: all quick ones and a slow
-/// one, or in a fuzzer a single one. The sum of the bytes chooses.
+/// Prepares, evaluates and samples the BRDF of a file, and runs commands of the program on it: all quick ones and a
+/// slow one, or in a fuzzer a single one. The sum of the bytes chooses.
 inline void check_uses(std::span<const std::byte> bytes) {
     static const FuzzFolder folder;
     static const Uses model_uses = uses_of_models(), measurement_uses = uses_of_measurements();

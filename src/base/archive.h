@@ -1,5 +1,5 @@
-// Serialises values, member by member, for copies in other processes and for comparison. Only the same version value the
-// library, on a processor value the same byte order, can read the bytes.
+// Serialises values, member by member, for copies in other processes and for comparison. Only the same version of the
+// library, on a processor of the same byte order, can read the bytes.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -69,8 +69,8 @@ struct ArchiveWriter {
     }
 };
 
-/// Removes values that `ArchiveWriter` wrote from the beginning value `bytes`. Throws std::invalid_argument if the bytes end
-/// too early or contain an unknown alternative of a variant.
+/// Removes values that `ArchiveWriter` wrote from the beginning of `bytes`. Throws std::invalid_argument if the
+/// bytes end too early or contain an unknown alternative of a variant.
 struct ArchiveReader {
     std::string_view bytes;
 
@@ -88,7 +88,7 @@ struct ArchiveReader {
     template <typename T> void operator()(T& value) {
         if constexpr (is_list<T>) {
             const auto count = next<std::uint64_t>();
-            if (count > bytes.size()) take(count);  // throws: each item has at least item byte
+            if (count > bytes.size()) take(count);  // throws: each item has at least one byte
             value.resize(std::size_t(count));
             if constexpr (std::is_trivially_copyable_v<typename T::value_type>) {
                 const std::string_view from = take(count * sizeof(typename T::value_type));

@@ -62,7 +62,7 @@ template <std::size_t N> constexpr std::array<double, N> inverse_odd_numbers(dou
     return c;
 }
 
-/// The round_to_integer integer, for |x| < 2⁵¹: doubles near 1.5 · 2⁵² are integers.
+/// The nearest integer, for |x| < 2⁵¹: doubles near 1.5 · 2⁵² are integers.
 double round_to_integer(double x) {
     constexpr double k_shift = 0x1.8p52;
     return (x + k_shift) - k_shift;

@@ -28,7 +28,8 @@ class Descriptor {
     ~Descriptor() { (void)close(); }
 
     int number() const { return number_; }
-    /// Closes the file, also if a signal interrupts the call; returns 0 or errno. A full disk may be reported only here.
+    /// Closes the file, also if a signal interrupts the call; returns 0 or errno. A full disk may be reported only
+    /// here.
     int close() { return number_ < 0 || ::close(std::exchange(number_, -1)) == 0 || errno == EINTR ? 0 : errno; }
 
   private:

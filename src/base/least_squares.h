@@ -13,8 +13,8 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G, const Eigen::Vec
 Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
 /// Eliminates variables with Hessian B and gradient b from a quadratic problem (Schur complement): H ← H − A B⁻¹ Aᵀ and
-/// g ← g − A B⁻¹ b, where A couples them to the other variables. A ridge of 1e-6 of its diagonal is added to B, which is
-/// symmetric and positive semidefinite.
+/// g ← g − A B⁻¹ b, where A couples them to the other variables. A ridge of 1e-6 of its diagonal is added to B, which
+/// is symmetric and positive semidefinite.
 void eliminate(Eigen::MatrixXd B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H);
 void eliminate(Eigen::MatrixXd B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H, const Eigen::VectorXd& b,
                Eigen::VectorXd& g);

@@ -41,13 +41,14 @@ Result<Model> model_from(const Parameters& parameters, std::map<std::string, std
 std::string summary(const Model& model);
 /// Describes a model in rows, with its parameters, as `srbf info` prints them.
 std::string rows_text(const Model& model);
-/// The members of its fit's report that describe a model: "form", "lobes", "variates", "axial", and others for some kinds.
+/// The members of its fit's report that describe a model: "form", "lobes", "variates", "axial", and others for some
+/// kinds.
 Parameters report_members(const Model& model);
 
-/// Models of one term each whose sum is `model`, at most `max_count` of them: lobes, for a multivariate model those with
-/// the largest coefficients, or the diffuse term and each lobe of Lambert and GGX. The layers of a surface are no terms
-/// of a sum; the result is `model`, the surface without fuzz, and the one without fuzz and coat. For a BSDF the result is
-/// that for the front reflection.
+/// Models of one term each whose sum is `model`, at most `max_count` of them: lobes, for a multivariate model those
+/// with the largest coefficients, or the diffuse term and each lobe of Lambert and GGX. The layers of a surface are no
+/// terms of a sum; the result is `model`, the surface without fuzz, and the one without fuzz and coat. For a BSDF the
+/// result is that for the front reflection.
 std::vector<Model> terms_of(const Model& model, std::size_t max_count = 64);
 
 /// Writes number x of a model in code: element `index` of `parameter`, which is empty if x depends on several.

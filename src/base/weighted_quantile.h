@@ -7,10 +7,10 @@
 
 namespace srbf {
 
-/// The smallest number for which the weights of all numbers up to it sum to at least `share`, in (0, 1], of all weights;
-/// 0 if there are no numbers. `numbers` are pairs of a number and its weight ≥ 0. Halves them about a median until one
-/// is left. Weights are rounded to multiples of 2⁻⁵² of their sum, so that sums do not depend on the order in which
-/// nth_element leaves them.
+/// The smallest number for which the weights of all numbers up to it sum to at least `share`, in (0, 1], of all
+/// weights; 0 if there are no numbers. `numbers` are pairs of a number and its weight ≥ 0. Halves them about a median
+/// until one is left. Weights are rounded to multiples of 2⁻⁵² of their sum, so that sums do not depend on the order in
+/// which nth_element leaves them.
 inline double weighted_quantile(std::span<const std::pair<double, double>> numbers, double share) {
     if (numbers.empty()) return 0;
     double total = 0;

@@ -2,9 +2,9 @@
 // Highway includes repeatedly; hence no ordinary include guard.
 //
 // A `Batch` gives the same bits on every processor: each operation is rounded once, as IEEE 754 defines it, functions
-// consist of such operations, minima and maxima are comparisons, and sums run over sixteen lanes whatever the width of a
-// vector. A `Group` is for renderers: it fuses products with sums, and its 1/√ begins with the processor's estimate, if
-// the processor has such instructions.
+// consist of such operations, minima and maxima are comparisons, and sums run over sixteen lanes whatever the width of
+// a vector. A `Group` is for renderers: it fuses products with sums, and its 1/√ begins with the processor's estimate,
+// if the processor has such instructions.
 #if defined(SRBF_BATCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SRBF_BATCH_INL_H
 #undef SRBF_BATCH_INL_H
@@ -162,8 +162,8 @@ template <typename D, bool is_fused = false> struct BatchOf {
     friend HWY_INLINE BatchOf inversesqrt(BatchOf a) requires is_fused { return BatchOf(1.0) / sqrt(a); }
 #endif
 
-    // cos(a) and sin(a), |a| <= 2 pi, with an absolute error of 2e-7. The angle is reduce_parts by the nearest multiple of
-    // pi / 2. The multiple selects one of two polynomials, and the sign.
+    // cos(a) and sin(a), |a| <= 2 pi, with an absolute error of 2e-7. The angle is reduced by the nearest multiple
+    // of pi / 2. The multiple selects one of two polynomials, and the sign.
     friend HWY_INLINE BatchOf cos(BatchOf a) { return shifted_sine(a, 1); }
     friend HWY_INLINE BatchOf sin(BatchOf a) { return shifted_sine(a, 0); }
 

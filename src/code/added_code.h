@@ -16,8 +16,8 @@ struct AddedCode {
     std::map<std::string, std::string> entries;  ///< names in the kernel's language, and in the code
     bool sampling = false, albedo = false;       ///< true if the functions call the core's functions for these
     std::string albedo_node = {};                ///< the text of `albedo_node`; empty for one that reads a table
-    /// The text of the functions, which follows albedo.glsl. It adds its tables to `program`, and its numbers of the model
-    /// to `defines`. If `is_basis`, the coefficients of the model's lobes are arguments.
+    /// The text of the functions, which follows albedo.glsl. It adds its tables to `program`, and its numbers of the
+    /// model to `defines`. If `is_basis`, the coefficients of the model's lobes are arguments.
     std::function<std::string(const Model& model, bool is_basis, syntax::Program& program,
                               std::map<std::string, std::string>& defines)>
         text = {};

@@ -154,8 +154,8 @@ std::string value_text(const BsdfModel& bsdf, bool sampling) {
     return text + fmt::format("    return {};\n}}\n", k_black);
 }
 
-/// Formats `text` with calls of parts: {0} and {1} reflect and transmit light to a viewer at the front, {2} and {3} to one
-/// at the back. `none` replaces the call of a part that does not exist.
+/// Formats `text` with calls of parts: {0} and {1} reflect and transmit light to a viewer at the front, {2} and {3} to
+/// one at the back. `none` replaces the call of a part that does not exist.
 std::string format_calls(const char* text, const BsdfModel& bsdf, const char* call, const char* none) {
     const auto part_call = [&](Part part) {
         const std::string function = call_of(bsdf, part, true).function;
@@ -165,8 +165,8 @@ std::string format_calls(const char* text, const BsdfModel& bsdf, const char* ca
                        part_call(Part::reflection_back), part_call(Part::transmission_front));
 }
 
-/// Reflection and transmission are chosen with probabilities proportional to the luminance that the viewer receives, and
-/// at least 1/1000.
+/// Reflection and transmission are chosen with probabilities proportional to the luminance that the viewer receives,
+/// and at least 1/1000.
 std::string chance_text(const BsdfModel& bsdf) {
     return "Real luminance(Vec3 c) { return Real(0.2126) * c.x + Real(0.7152) * c.y + Real(0.0722) * c.z; }\n"
            "// The chance of drawing reflected light, otherwise transmitted light.\n"

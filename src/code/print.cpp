@@ -138,8 +138,8 @@ int precedence(const Expression& expression) {
     return std::ranges::find(levels, std::string_view(expression.text), &Level::first)->second;
 }
 
-/// Breaks a line before column `k_columns` at blanks whose preceding character `may_break` accepts. The next line begins
-/// with `indent`.
+/// Breaks a line before column `k_columns` at blanks whose preceding character `may_break` accepts. The next line
+/// begins with `indent`.
 template <typename MayBreak>
 std::string break_line(std::string line, const std::string& indent, const MayBreak& may_break) {
     std::string text;
@@ -237,8 +237,8 @@ std::string Printer::expression_text(const Expression& expression, int outer) {
         case EKind::member:
             return part(0, 9) + "." + printed_name(expression.text);
         case EKind::index: {
-            // In C a table is a function, since GPU programs may lack global arrays. In every language the host supplies
-            // a function.
+            // In C a table is a function, since GPU programs may lack global arrays. In every language the host
+            // supplies a function.
             const bool is_table = parts[0].kind == EKind::name && names_.contains(parts[0].text);
             const bool is_supplied = parts[0].type.size.empty();
             const char* brackets = is_table && (!language_.has_operators || is_supplied) ? "()" : "[]";

@@ -69,7 +69,7 @@ bool any_down(const PmModel& model) {
 Table lobes_of(const PmModel& model, ParameterStorage storage) {
     const auto N = std::size_t(model.variates), F = std::size_t(features(model.form));
     const char* const variates = !model.axial      ? "the centre and bandwidth of each variate"
-                                 : any_down(model) ? "a bandwidth for each variate, negative storage its centre is -z"
+                                 : any_down(model) ? "a bandwidth for each variate, negative where its centre is -z"
                                                    : "a bandwidth for each variate";
     Table lobes{fmt::format("A row for each lobe: its {}log scale, {}{}.",
                             storage == ParameterStorage::arguments ? "" : "coefficient (R, G, B) and ", variates,
@@ -192,7 +192,7 @@ std::string brdf_function(const std::string& statements) {
            "light on a\n"
            "// surface that faces it. wl points to the light and wv to the viewer: unit vectors in the local frame, "
            "whose z is the\n"
-           "// shading normal. 0 storage one of them is not above the horizon, or has a NaN.\n"
+           "// shading normal. 0 where one of them is not above the horizon, or has a NaN.\n"
            "Vec3 brdf(Su su, Vec3 wl, Vec3 wv, Pm pm) {\n"
            "    if (!(Real(0.0) < wl.z && Real(0.0) < wv.z && dot(wl, wl) + dot(wv, wv) < Real(1.0e30)))\n"
            "        return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
@@ -210,16 +210,16 @@ std::string brdf_of(const Model& model, ParameterStorage storage, Program& progr
     return brdf_function(statements);
 }
 
-/// Directional node_albedos at the nodes. They are those of the model, whose values are the same on every processor, not of the
-/// faster functions for renderers.
+/// Directional albedos at the nodes. They are those of the model, whose values are the same on every processor,
+/// not of the faster functions for renderers.
 std::vector<Rgb> node_albedos(const Model& model) {
     const PreparedBrdf brdf = prepare<Model>(model, CosineProposal{});
     std::vector<Rgb> reflected;
     for (int i = 0; i < k_albedo_nodes; ++i) reflected.push_back(albedo_of_node(brdf, albedo_cosine(i)));
     return reflected;
 }
-/// The function that albedo.glsl requires. If coefficients are arguments, it sums over lobes. Unless `is_used`, its table
-/// is empty.
+/// The function that albedo.glsl requires. If coefficients are arguments, it sums over lobes. Unless `is_used`, its
+/// table is empty.
 std::string albedo_node_text(const Model& model, ParameterStorage storage, bool is_used, Program& program) {
     Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
     if (storage != ParameterStorage::arguments) {
@@ -428,8 +428,8 @@ class ProgramPrinter {
         return names;
     }
 
-    /// Marks definitions as a model's own if they differ between models, or use a model's own definitions. Returns true if
-    /// it marked any.
+    /// Marks definitions as a model's own if they differ between models, or use a model's own definitions. Returns true
+    /// if it marked any.
     bool separate() {
         Names texts;
         const std::size_t before = own_.size();
@@ -565,7 +565,7 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
     };
     if (!map.dense()) return refuse("library", "a coefficient for each lobe", "some lobes of each material");
     if (options.sampling || added.sampling)
-        return refuse("code of a map", "values, node_albedos and light", "sampling");
+        return refuse("code of a map", "values, albedos and light", "sampling");
     Names names = map_entries(options, added);
     std::vector<std::string> roots;
     std::string list;

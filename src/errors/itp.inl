@@ -30,8 +30,8 @@ template <typename Real> struct Itp {
         for (std::size_t i = 0; i < 3; ++i) y[i] = Real(m[i][0]) * x[0] + Real(m[i][1]) * x[1] + Real(m[i][2]) * x[2];
         return y;
     }
-    // The perceptual quantiser of BT.2100, ((c1 + c2 y) / (1 + c3 y))^m2 with y = (x 100 cd/m² / 10000 cd/m²)^m1, and its
-    // derivative. Since c1 = 1 + c3 - c2, the ratio is 1 - t.
+    // The perceptual quantiser of BT.2100, ((c1 + c2 y) / (1 + c3 y))^m2 with y = (x 100 cd/m² / 10000 cd/m²)^m1, and
+    // its derivative. Since c1 = 1 + c3 - c2, the ratio is 1 - t.
     static void quantise(Real x, Real& encoded, Real& slope) {
         constexpr double m1 = 2610.0 / 16384, m2 = 128 * 2523.0 / 4096, c1 = 3424.0 / 4096, c2 = 32 * 2413.0 / 4096,
                          c3 = 32 * 2392.0 / 4096, white = 100.0 / 10000, least = 1e-9;

@@ -24,7 +24,8 @@ HWY_INLINE Batch log_of_1_plus(Batch x) {
     return select(Batch(-1.0) < x, logarithm, Batch(std::numeric_limits<double>::quiet_NaN()));
 }
 
-// The cube root of x; x itself if |x| is infinite or below 2^-120. Two steps of Halley's method, as in elementary::cbrt.
+// The cube root of x; x itself if |x| is infinite or below 2^-120. Two steps of Halley's method, as in
+// elementary::cbrt.
 HWY_INLINE Batch cube_root(Batch x) {
     const Batch::Bits bits;
     const Batch size = hn::Abs(x.v), quarter = Batch(0.25) * size;  // a quarter, since size + 2 y^3 may overflow

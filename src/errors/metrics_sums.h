@@ -43,7 +43,8 @@ struct ErrorSums {
         return *this;
     }
 };
-/// The sums over a channel of f and of f̂ with weights w ≥ 0. Where w = 0, values may be NaN, but cosines must be finite.
+/// The sums over a channel of f and of f̂ with weights w ≥ 0. Where w = 0, values may be NaN, but cosines must be
+/// finite.
 ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const TransformedValues& f,
                      const TransformedValues& other);
 

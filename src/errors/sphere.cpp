@@ -17,7 +17,8 @@ namespace {
 constexpr int k_source_points = 32;
 constexpr int k_most_shared = 256;  ///< the largest picture whose pixels of equal θv share points; a point set has 8 KB
 
-/// Squared distance of a pixel from the sphere's centre, in units of (radius / size)². θv is a function of this integer.
+/// Squared distance of a pixel from the sphere's centre, in units of (radius / size)². θv is a function of this
+/// integer.
 int squared_distance(int size, int x, int y) {
     const int dx = 2 * x + 1 - size, dy = 2 * y + 1 - size;
     return dx * dx + dy * dy;

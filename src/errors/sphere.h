@@ -29,11 +29,11 @@ Rgb radiance(const Lighting& lighting, Vec3d w);
 std::span<const Lighting> standard_lightings();
 
 inline constexpr int k_mirror_points = 384;
-/// Pictures [lighting][BRDF] of a distant sphere in direct light, which touches the borders of `size` × `size` pixels; 0
-/// outside of the sphere. All BRDFs are evaluated at the same directions: points of `MirrorMixture` and points on the
-/// sources, weighted by their common density (balance heuristic, Veach 1997), without random numbers. Pairs at which one
-/// of the BRDFs is not measured count as black for all of them. If `first_is_isotropic`, views of the same polar angle
-/// share values of the first BRDF.
+/// Pictures [lighting][BRDF] of a distant sphere in direct light, which touches the borders of `size` × `size` pixels;
+/// 0 outside of the sphere. All BRDFs are evaluated at the same directions: points of `MirrorMixture` and points on the
+/// sources, weighted by their common density (balance heuristic, Veach 1997), without random numbers. Pairs at which
+/// one of the BRDFs is not measured count as black for all of them. If `first_is_isotropic`, views of the same polar
+/// angle share values of the first BRDF.
 std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs, std::span<const Lighting> lightings,
                                                 int size = k_sphere_pixels, int threads = 0,
                                                 const ProgressToken& progress = {}, int mirror_points = k_mirror_points,

@@ -23,7 +23,8 @@ template <typename T> void store(std::vector<std::byte>& bytes, const T& number)
 }
 
 /// True if `bytes` begin a file of the format. A MERL file has three dimensions that match its size, or those of the
-/// database, so that a truncated table is recognised. A UTIA file is recognised by its size, others by their first words.
+/// database, so that a truncated table is recognised. A UTIA file is recognised by its size, others by their first
+/// words.
 bool is_merl(std::span<const std::byte> bytes);
 bool is_rgl(std::span<const std::byte> bytes);
 bool is_utia(std::span<const std::byte> bytes);

@@ -50,8 +50,8 @@ struct Format {
     /// Reads a measurement without the index of samples, the name and the size, which `read_as` adds.
     Result<Measured> (*read)(std::span<const std::byte> bytes, const std::string& file_name,
                              const ReadOptions& options) = nullptr;
-    /// The size of a file that begins with `head`, by which a format without a magic number is recognised; 0 if it is of
-    /// another format. Null for formats with a magic number.
+    /// The size of a file that begins with `head`, by which a format without a magic number is recognised; 0 if it is
+    /// of another format. Null for formats with a magic number.
     std::uint64_t (*size)(std::span<const std::byte> head) = nullptr;
 
     std::string_view extension = {};  ///< the extension of written files; empty for a format without a writer

@@ -25,18 +25,18 @@ struct Peak {
 };
 inline constexpr double k_most_peak = 1000;
 
-/// The position of the highlight. With the light at (θ_l, 0), pairs with viewers within 10° of (θ_l, 180°) belong to the
-/// mirror direction, of (θ_l, 0) to retro and of (θ_l, ±90°) to beside, whichever is nearest; others are elsewhere. Pairs
-/// are divided into four intervals of θ_l from 10° to 70°, with θ_v ≤ 75°. The level of a position in an interval is the
-/// largest mean of the luminance of f over four shells, bounded by ¼°, 1° and 4° from the direction; elsewhere it is the
-/// mean of all pairs. The score of a position is the mean over the intervals of log (level / least level). The peak is
-/// the position with the largest score, provided that in some interval its level is at least twice the least one; `ratio`
-/// is the largest such quotient. Equal polar angles make this independent of the growth of f towards grazing angles.
-/// Values that are not finite and directions below the horizon are ignored. In transmission, in the frame of the part
-/// (bsdf.h), the mirror direction is straight through.
+/// The position of the highlight. With the light at (θ_l, 0), pairs with viewers within 10° of (θ_l, 180°) belong to
+/// the mirror direction, of (θ_l, 0) to retro and of (θ_l, ±90°) to beside, whichever is nearest; others are elsewhere.
+/// Pairs are divided into four intervals of θ_l from 10° to 70°, with θ_v ≤ 75°. The level of a position in an interval
+/// is the largest mean of the luminance of f over four shells, bounded by ¼°, 1° and 4° from the direction; elsewhere
+/// it is the mean of all pairs. The score of a position is the mean over the intervals of log (level / least level).
+/// The peak is the position with the largest score, provided that in some interval its level is at least twice the
+/// least one; `ratio` is the largest such quotient. Equal polar angles make this independent of the growth of f towards
+/// grazing angles. Values that are not finite and directions below the horizon are ignored. In transmission, in the
+/// frame of the part (bsdf.h), the mirror direction is straight through.
 Peak peak_of(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f);
-/// The peak of a function at pairs with lights at four polar angles and eight azimuths, and viewers that are dense around
-/// the four directions.
+/// The peak of a function at pairs with lights at four polar angles and eight azimuths, and viewers that are dense
+/// around the four directions.
 Peak peak_of(const Evaluate& brdf);
 /// The peak of the samples of a measurement, or of the values of a table. A BSDF has that of its first part.
 Peak peak_of(const Measured& measured);

@@ -63,8 +63,8 @@ struct AngleUnit {
     std::string_view name;
 };
 inline constexpr AngleUnit k_in_degrees{k_degree, "degrees"}, k_in_radians{1, "radians"};
-/// Checks an angle: a polar angle lies within 180° on either side of the normal, an azimuth within two turns; NaN passes,
-/// since its sample is masked. Returns the expectation for an error message, empty for a valid angle.
+/// Checks an angle: a polar angle lies within 180° on either side of the normal, an azimuth within two turns; NaN
+/// passes, since its sample is masked. Returns the expectation for an error message, empty for a valid angle.
 std::string expected_angle(AngleKind kind, double number, AngleUnit unit);
 
 /// Readers without `make_index`, which can wait until the text is freed.

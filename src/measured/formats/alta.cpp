@@ -47,8 +47,8 @@ struct AltaParameterization {
     ViewAndLight (*directions)(const double*);
 };
 
-/// The parameterizations of ALTA's params.h. Where its conversion to vectors loses a hemisphere or is not the inverse of
-/// its conversion from vectors (RETRO, STEREOGRAPHIC), this is the inverse of the latter.
+/// The parameterizations of ALTA's params.h. Where its conversion to vectors loses a hemisphere or is not the inverse
+/// of its conversion from vectors (RETRO, STEREOGRAPHIC), this is the inverse of the latter.
 constexpr AltaParameterization k_parameterizations[] = {
     {"CARTESIAN", "......", false,
      [](const double* x) {

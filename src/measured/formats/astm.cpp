@@ -12,8 +12,8 @@ namespace {
 constexpr std::array<std::string_view, 4> k_names_of_angles{"theta_i", "phi_i", "theta_s", "phi_s"};
 
 /// The comment of Cornell's files with RGB values. Their conversion to linear sRGB is the least-squares map from
-/// krylon_blue_RGB.astm to the colours of the spectra of the same samples (krylon_blue.brdf), with a squared error ratio
-/// of 2e-8. Its rows sum to 2.8, by which the scale of those files is lower than white = 1.
+/// krylon_blue_RGB.astm to the colours of the spectra of the same samples (krylon_blue.brdf), with a squared error
+/// ratio of 2e-8. Its rows sum to 2.8, by which the scale of those files is lower than white = 1.
 constexpr std::string_view k_trinitron = "RGB for Trinitron phosphors";
 constexpr double k_from_trinitron[3][3] = {
     {3.10689, -0.26651, -0.04211}, {0.08512, 2.62439, 0.07920}, {0.04650, 0.06312, 2.68701}};

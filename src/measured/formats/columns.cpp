@@ -10,7 +10,8 @@ namespace srbf {
 
 namespace {
 
-/// The name of a column for comparison: letters and digits in lower case, without text in brackets and without the unit.
+/// The name of a column for comparison: letters and digits in lower case, without text in brackets and without the
+/// unit.
 struct ColumnName {
     std::string key;
     std::optional<AngleUnit> unit;

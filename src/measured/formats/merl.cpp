@@ -39,8 +39,9 @@ struct Position {
 /// With h = ωl + ωv and d = ωl − ωv, which are orthogonal:
 ///   tan θ_h = √(h_x² + h_y²) / h_z,  tan θ_d = |d| / |h|,
 ///   tan φ_d = |h| (h_x d_y − h_y d_x) / (h_z (h_x d_x + h_y d_y) − (h_x² + h_y²) d_z).
-/// For close directions d is exact, so that the angles are accurate where an arc cosine of a dot product would lose half
-/// of its digits. φ_d is 0 if it is undefined (h along the normal, or ωl = ωv), under every rotation about the normal.
+/// For close directions d is exact, so that the angles are accurate where an arc cosine of a dot product would lose
+/// half of its digits. φ_d is 0 if it is undefined (h along the normal, or ωl = ωv), under every rotation about the
+/// normal.
 Position position(const MerlTable& table, Vec3f wl, Vec3f wv) {
     const Vec3f h = wl + wv, d = wl - wv;
     const float planar2 = h.x * h.x + h.y * h.y, length = std::sqrt(planar2 + h.z * h.z);

@@ -127,8 +127,8 @@ class GgxProblem {
 
 constexpr double k_least_log = -10;  ///< log2 of k_least_roughness
 
-/// The best roughness on a grid of half octaves from `least_log` on. The first of two lobes is the narrower one. Empty if
-/// no loss is finite.
+/// The best roughness on a grid of half octaves from `least_log` on. The first of two lobes is the narrower one. Empty
+/// if no loss is finite.
 LogRoughness scan(GgxProblem& problem, int lobes, double least_log) {
     LogRoughness best;
     double least = std::numeric_limits<double>::infinity();

@@ -22,10 +22,10 @@ template <> struct Kind<GgxModel> {
     static std::string formula_text(const GgxModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& reader);
     static GgxModel made_of(ParameterReader& reader);
-    /// Minimises Σ w |f−f̂|² over the observations. For given roughness all other parameters solve a non-negative linear
-    /// problem. Roughness is optimised by pattern search from the best values on a grid of half octaves, which is evaluated
-    /// on a subset; no roughness is below the observations' least. The loss of `model` is that before the linear parameters
-    /// are rounded. Albedos and bound pairs are not used.
+    /// Minimises Σ w |f−f̂|² over the observations. For given roughness all other parameters solve a non-negative
+    /// linear problem. Roughness is optimised by pattern search from the best values on a grid of half octaves, which
+    /// is evaluated on a subset; no roughness is below the observations' least. The loss of `model` is that before the
+    /// linear parameters are rounded. Albedos and bound pairs are not used.
     /// Errors: options out of range, fewer observations than parameters, values that are not finite; cancelled.
     static Result<Fitted<GgxModel>> fit(const Observations& observations, const GgxRequest& request = {},
                                         const FitConditions& conditions = {}, const ProgressToken& progress = {});

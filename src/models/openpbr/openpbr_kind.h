@@ -23,10 +23,11 @@ template <> struct Kind<OpenPbrModel> {
     static std::string formula_text(const OpenPbrModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& reader);
     static OpenPbrModel made_of(ParameterReader& reader);
-    /// Minimises the mean of ρ(ΔE_ITP) over the pixels of the observed pictures. If there are none, minimises Σ w |f−f̂|²
-    /// over the pairs, with weights adapted to large errors. The search is Levenberg-Marquardt from the best of two thousand
-    /// random surfaces, and from the best results with films added. A part of the surface without which the loss rises by
-    /// less than 1 %, once the others have adapted, gets its default; so does the anisotropy of an isotropic measurement.
+    /// Minimises the mean of ρ(ΔE_ITP) over the pixels of the observed pictures. If there are none, minimises Σ w
+    /// |f−f̂|² over the pairs, with weights adapted to large errors. The search is Levenberg-Marquardt from the best of
+    /// two thousand random surfaces, and from the best results with films added. A part of the surface without which
+    /// the loss rises by less than 1 %, once the others have adapted, gets its default; so does the anisotropy of an
+    /// isotropic measurement.
     /// Errors: fewer observations than parameters, values that are not finite; cancelled.
     static Result<Fitted<OpenPbrModel>> fit(const Observations& observations, const OpenPbrRequest& request = {},
                                             const FitConditions& conditions = {}, const ProgressToken& progress = {});

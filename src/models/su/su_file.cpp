@@ -12,8 +12,8 @@
 namespace srbf {
 namespace {
 
-// A centre is stored by its angles relative to the mirror direction of its view. Near the highlight these are small, and
-// so are their rounding errors.
+// A centre is stored by its angles relative to the mirror direction of its view. Near the highlight these are small,
+// and so are their rounding errors.
 Angles<float> to_relative(Vec3f centre, Vec3f view) {
     const Angles<float> a = angles(centre), origin = angles(mirror(view));
     return {a.theta - origin.theta, std::remainder(a.phi - origin.phi, float(2 * k_pi))};

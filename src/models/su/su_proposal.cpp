@@ -15,8 +15,8 @@ namespace {
 
 using SuKernel = Kernel<float>;
 
-/// The share s of a view's samples that follow the cosine is v₀ / (v₀ + v), within bounds. v is the relative variance of
-/// samples by the cosine alone; for v = v₀ the share is half.
+/// The share s of a view's samples that follow the cosine is v₀ / (v₀ + v), within bounds. v is the relative variance
+/// of samples by the cosine alone; for v = v₀ the share is half.
 constexpr float k_least_cosine_share = 0.1f, k_most_cosine_share = 0.99f, k_half_share_variance = 0.2f;
 constexpr int k_variance_samples = 128;  ///< samples that estimate this variance
 /// Lower bound on the reflectance of a lobe, so that the shares of black lobes are defined.

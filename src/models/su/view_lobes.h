@@ -25,7 +25,8 @@ struct MovingLobe {
 
 // Every array below holds k_block numbers and is aligned for SIMD.
 
-/// x = `gaussian_exponent`. Returns the largest of the rows with positive weight, or the lowest float if there are none.
+/// x = `gaussian_exponent`. Returns the largest of the rows with positive weight, or the lowest float if there are
+/// none.
 float exponents(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* root_weight,
                 float* x);
 /// The derivatives of e = √w G by the shifts along the tangents, λ ((w − ξ)·along_k) e, and by log λ, x e.

@@ -29,9 +29,10 @@ struct ViewRows {
     double least_cosine = 0;
 };
 
-/// Minimises Σ w |f − Σ_j β_j G_j|² / Σ w |f|² over the rows of a view, plus the squared errors of its radiances, with J
-/// lobes G_j normalised to a largest value of 1 on the rows. The coefficients β are eliminated. The variables x of each
-/// lobe are two shifts u along the tangents t of its initial centre, ξ = normalize(ξ_0 + u_1 t_1 + u_2 t_2), and log λ.
+/// Minimises Σ w |f − Σ_j β_j G_j|² / Σ w |f|² over the rows of a view, plus the squared errors of its radiances, with
+/// J lobes G_j normalised to a largest value of 1 on the rows. The coefficients β are eliminated. The variables x of
+/// each lobe are two shifts u along the tangents t of its initial centre, ξ = normalize(ξ_0 + u_1 t_1 + u_2 t_2), and
+/// log λ.
 class ViewProblem {
   public:
     explicit ViewProblem(int lobes);
@@ -74,7 +75,8 @@ class ViewProblem {
     static std::size_t offset(std::size_t block, Eigen::Index column, int columns) {
         return (block * std::size_t(columns) + std::size_t(column)) * k_block;
     }
-    /// The Gram matrix of columns, and of their sums under each light. `add_columns(block, columns)` appends the columns.
+    /// The Gram matrix of columns, and of their sums under each light. `add_columns(block, columns)` appends the
+    /// columns.
     template <typename AddColumns> Eigen::MatrixXd gram(std::size_t count, const AddColumns& add_columns);
     double loss_with_residuals();
 

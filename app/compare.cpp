@@ -7,6 +7,8 @@
 #include "app/read_options.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
+#include "errors/measures.h"
+#include "fit/request_traits.h"
 #include "prepared/table_file.h"
 #include "srbf/fit.h"
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 
@@ -106,6 +107,39 @@ std::string written_formats() {
     return all;
 }
 
+using Command = std::shared_ptr<ConvertCommand>;
+
+/// `--directions` and `--max-theta`, of CSV.
+std::array<Option, 2> add_csv_options(const Subcommand& sub, const Command& command) {
+    const Option directions = sub.add_option("--directions", command->directions,
+                                             "CSV of tables and models: all pairs of this many directions, 1 to 1536")
+                                  .type_name("N")
+                                  .check(within(1, 1536))
+                                  .capture_default_str();
+    const Option max_theta = sub.add_option("--max-theta", command->max_theta,
+                                            "CSV of tables and models: largest angle from the normal, 1 to 90 degrees")
+                                 .type_name("DEG")
+                                 .check(within(1.0, 90.0))
+                                 .capture_default_str();
+    return {directions, max_theta};
+}
+
+/// The options that one writer reads.
+std::vector<Reading> add_writer_options(const Subcommand& sub, const Command& command) {
+    std::vector<Reading> readings;
+    for (const Format& format : formats()) {
+        if (!format.option) continue;
+        const auto& [name, help, values] = *format.option;
+        const Option choice = sub.add_option(
+            std::string(name), [command](const std::string& value) { command->choice = value; }, std::string(help));
+        choice.type_name(fmt::format("NAME={}", values.front())).one_of({values.begin(), values.end()});
+        readings.push_back({{choice}, fmt::format("only with an output {}", format.extension), [command, &format] {
+                                return format_written_to(command->output) == &format;
+                            }});
+    }
+    return readings;
+}
+
 }  // namespace
 
 void add_convert(CommandLine& app, int& status) {
@@ -121,27 +155,8 @@ void add_convert(CommandLine& app, int& status) {
                        ? ""
                        : fmt::format("expected a name that ends in {}, found {}", extensions_of_formats(), name);
         });
-    const Option directions = sub.add_option("--directions", command->directions,
-                                             "CSV of tables and models: all pairs of this many directions, 1 to 1536")
-                                  .type_name("N")
-                                  .check(within(1, 1536))
-                                  .capture_default_str();
-    const Option max_theta = sub.add_option("--max-theta", command->max_theta,
-                                            "CSV of tables and models: largest angle from the normal, 1 to 90 degrees")
-                                 .type_name("DEG")
-                                 .check(within(1.0, 90.0))
-                                 .capture_default_str();
-    std::vector<Reading> readings;
-    for (const Format& format : formats()) {
-        if (!format.option) continue;
-        const auto& [name, help, values] = *format.option;
-        const Option choice = sub.add_option(
-            std::string(name), [command](const std::string& value) { command->choice = value; }, std::string(help));
-        choice.type_name(fmt::format("NAME={}", values.front())).one_of({values.begin(), values.end()});
-        readings.push_back({{choice}, fmt::format("only with an output {}", format.extension), [command, &format] {
-                                return format_written_to(command->output) == &format;
-                            }});
-    }
+    const auto [directions, max_theta] = add_csv_options(sub, command);
+    std::vector<Reading> readings = add_writer_options(sub, command);
     const Option rgb_alone =
         sub.add_flag("--rgb-alone", command->rgb_alone,
                      "RGL: colours without the spectra of the same material, as Mitsuba 3 needs them in its\n"
@@ -168,7 +183,7 @@ void add_convert(CommandLine& app, int& status) {
     readings.push_back({{rgb_alone}, "only with an output .bsdf", [=] { return writes(".bsdf"); }});
     readings.push_back({{threads}, "not with an output .csv", [=] { return !writes(".csv"); }});
     sub.callback(
-        [command, directions, max_theta, &status] {
+        [command, directions = directions, max_theta = max_theta, &status] {
             command->chooses_directions = directions.given() || max_theta.given();
             status = command->run();
         },

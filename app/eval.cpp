@@ -9,6 +9,7 @@
 #include "app/load.h"
 #include "app/pairs.h"
 #include "app/read_options.h"
+#include "brdf/channels.h"
 
 namespace srbf {
 namespace {

@@ -3,6 +3,7 @@
 
 #include "app/commands.h"
 #include "app/fit_options.h"
+#include "fit/request_traits.h"
 
 namespace srbf {
 

@@ -14,7 +14,9 @@
 #include "app/map_layers.h"
 #include "app/output.h"
 #include "app/surface_files.h"
+#include "base/files.h"
 #include "base/printable.h"
+#include "code/offered_code.h"
 #include "srbf/file.h"
 #include "srbf/shading_code.h"
 

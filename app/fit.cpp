@@ -6,6 +6,9 @@
 #include "app/commands.h"
 #include "app/fit.h"
 #include "app/preview.h"
+#include "base/files.h"
+#include "fit/own_fit.h"
+#include "fit/request_traits.h"
 #include "srbf/file.h"
 
 namespace srbf {

@@ -10,7 +10,9 @@
 #include "app/hash.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
+#include "brdf/parts.h"
 #include "measured/peak.h"
+#include "models/bsdf/bsdf_functions.h"
 #include "srbf/file.h"
 
 namespace srbf {
@@ -45,7 +47,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
                     {"squared_error_ratio", part.squared_error_ratio}};
         if (const auto& own = std::get<BsdfTable>(measured.table).band().part[std::size_t(part.part)]) {
             const Peak peak = peak_of(*own);
-            member["peak"] = name(peak.place), member["peak_ratio"] = peak.ratio;
+            member["peak"] = name(peak.position), member["peak_ratio"] = peak.ratio;
         }
         for (const Hemispherical& sum : part.hemispherical)
             member["hemispherical"].push_back({{"theta", degrees_of(sum.theta)},

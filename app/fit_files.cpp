@@ -13,7 +13,9 @@
 #include "app/fit.h"
 #include "app/hash.h"
 #include "app/jobs.h"
+#include "base/files.h"
 #include "base/printable.h"
+#include "measured/readers.h"
 #include "srbf/file.h"
 
 namespace srbf {

@@ -8,7 +8,11 @@
 #include "app/hash.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
+#include "errors/measures.h"
+#include "fit/noise.h"
+#include "fit/request_traits.h"
 #include "measured/peak.h"
+#include "samples/gap_filled_samples.h"
 #include "srbf/metrics.h"
 
 namespace srbf {
@@ -56,7 +60,7 @@ void print_repeatability(const FitOutcome& outcome) {
     if (is_smoothed(outcome)) {
         fmt::print(
             "  noise     {:.0f} % of dark values; ΔE_ITP {:.3g} (worst {:.3g}) against the smoothed measurement\n",
-            100 * outcome.noise->share(), outcome.against_smoothed->mean.delta_e,
+            100 * share_of(*outcome.noise), outcome.against_smoothed->mean.delta_e,
             outcome.against_smoothed->worst_delta_e);
         if (outcome.noise->excess > 0)
             fmt::print(
@@ -68,6 +72,9 @@ void print_repeatability(const FitOutcome& outcome) {
                 "            no value is negative: the data were cut off at 0, which makes dark values brighter\n");
     }
     if (outcome.exchanged) fmt::print("  repeats   {}\n", repeats_text(*outcome.exchanged));
+    if (outcome.against_mean)
+        fmt::print("  fitted to the mean with light and viewer exchanged: ΔE_ITP {:.3g} (worst {:.3g}) against it\n",
+                   outcome.against_mean->mean.delta_e, outcome.against_mean->worst_delta_e);
 }
 
 /// An angle [rad] in degrees, without the rounding error of the conversion.
@@ -116,15 +123,16 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
         {"stop_reason", outcome.stop ? Json(name(*outcome.stop)) : Json()},
         {"masked_samples", outcome.masked},
         {"clamped_samples", outcome.clamped},
-        {"peak", name(peak.place)},
+        {"peak", name(peak.position)},
         {"peak_ratio", peak.ratio},
     });
     if (outcome.empty_directions) json["empty_directions"] = *outcome.empty_directions;
     add_measures(json, *outcome.errors, "");
     add_measures(json, *outcome.unrounded_errors, "unrounded_");
-    if (outcome.noise) json["noise"] = outcome.noise->share();
+    if (outcome.noise) json["noise"] = share_of(*outcome.noise);
     if (outcome.noise && outcome.noise->excess > 0) json["zeros_too_bright"] = outcome.noise->excess;
     if (outcome.exchanged) json["exchanged_pictures"] = json_of(*outcome.exchanged);
+    if (outcome.against_mean) json["mean_pictures"] = json_of(*outcome.against_mean);
     if (is_smoothed(outcome)) json["smoothed_pictures"] = json_of(*outcome.against_smoothed);
     if (outcome.samples) {
         json["samples"] = *outcome.samples;

@@ -11,7 +11,10 @@
 #include "app/read_options.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
+#include "measured/evaluated_table.h"
 #include "measured/peak.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/library_file.h"
 #include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"
@@ -106,7 +109,7 @@ void print_table(const ScatteredSamples& samples) {
 }
 
 void print_table(const EvaluatedTable& table) {
-    for (const auto& [name, value, colours] : table.lines())
+    for (const auto& [name, value, colours] : table.functions->lines())
         colours.empty() ? print_row(name, value) : print_channel_ranges(name, colours);
 }
 

@@ -6,8 +6,11 @@
 #include <filesystem>
 
 #include "app/commands.h"
+#include "base/files.h"
 #include "base/printable.h"
+#include "brdf/channels.h"
 #include "brdf/directions.h"
+#include "models/library_file.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
 #include "srbf/sampling.h"

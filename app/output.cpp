@@ -10,8 +10,11 @@
 #include <system_error>
 
 #include "app/hash.h"
+#include "base/files.h"
 #include "base/printable.h"
 #include "base/text.h"
+#include "errors/measure_names.h"
+#include "errors/picture_errors.h"
 #include "srbf/file.h"
 
 namespace srbf {

@@ -12,6 +12,7 @@
 #include "app/load.h"
 #include "base/parameters.h"
 #include "brdf/rows.h"
+#include "errors/measure_names.h"
 #include "srbf/metrics.h"
 #include "srbf/objective.h"
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/files.h"
 #include "base/text.h"
 #include "srbf/file.h"
 

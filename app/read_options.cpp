@@ -1,6 +1,7 @@
 #include "app/read_options.h"
 
 #include "base/text.h"
+#include "measured/readers.h"
 
 namespace srbf {
 

@@ -9,6 +9,8 @@
 
 #include "app/html.h"
 #include "base/printable.h"
+#include "models/openpbr/openpbr_functions.h"
+#include "models/openpbr/openpbr_parameters.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 

@@ -1,5 +1,5 @@
-// Directional albedos of models and of the tables that they were fitted to, over all light: for each cosθv the errors of the
-// channels relative to the table's, the largest difference, and by how much a model's exceeds both 1 and the table's.
+// Compares directional albedos of models with those of the tables that they were fitted to. Prints for each cosθv the
+// relative errors of the channels, the largest difference, and the largest excess over both 1 and the table.
 //   usage: albedos TABLE MODEL [TABLE MODEL]...
 #include <fmt/format.h>
 
@@ -20,9 +20,9 @@ namespace {
 
 constexpr double k_cosines[] = {1, 0.5, 0.1, 0.03, 0.01, 0.003};
 
-/// At the views of `k_cosines`.
+/// Albedos at the views of `k_cosines`.
 struct Albedos {
-    std::array<Rgb, std::size(k_cosines)> of_table, of_model;
+    std::array<Rgb, std::size(k_cosines)> table, model;
 };
 
 Result<Albedos> albedos(const char* table, const char* model) {
@@ -33,8 +33,8 @@ Result<Albedos> albedos(const char* table, const char* model) {
     Albedos all;
     for (std::size_t k = 0; k < std::size(k_cosines); ++k) {
         const double theta = elementary::acos(k_cosines[k]);
-        all.of_table[k] = albedo(evaluator(*measured), theta, k_pi / 2);
-        all.of_model[k] = albedo(evaluator(*fitted), theta, k_pi / 2);
+        all.table[k] = albedo(evaluator(*measured), theta, k_pi / 2);
+        all.model[k] = albedo(evaluator(*fitted), theta, k_pi / 2);
     }
     return all;
 }
@@ -42,9 +42,9 @@ Result<Albedos> albedos(const char* table, const char* model) {
 void print_view(std::span<const Albedos> pairs, std::size_t view) {
     std::vector<double> relative;
     double largest = 0, excess = -1;
-    for (const Albedos& of : pairs) {
+    for (const Albedos& pair : pairs) {
         for (int c = 0; c < 3; ++c) {
-            const double measured = double(of.of_table[view][c]), fitted = double(of.of_model[view][c]);
+            const double measured = double(pair.table[view][c]), fitted = double(pair.model[view][c]);
             relative.push_back(std::abs(fitted - measured) / measured);
             largest = std::max(largest, std::abs(fitted - measured));
             excess = std::max(excess, fitted - std::max(measured, 1.0));

@@ -1,29 +1,30 @@
-"""Two analytic BRDFs of 2012, and their fits to a measurement: python3 bench/classic_brdfs.py FILE...
+"""Fits two analytic BRDFs of 2012 to measurements: python3 bench/classic_brdfs.py FILE...
 
-Prints the visible error of both BRDFs by each loss and weight below. Needs the package `srbf` (PYTHONPATH=build/release/python) and NumPy.
+Prints the visible error of both BRDFs by each loss and weight below. Needs the package `srbf`
+(PYTHONPATH=build/release/python) and NumPy.
 
-abc  the microfacet model of Löw, Kronander, Ynnerman and Unger, BRDF Models for Accurate and Efficient Rendering of Glossy Surfaces, 2012,
-     https://doi.org/10.1145/2077341.2077350
-sgd  the shifted gamma distribution of Bagher, Soler and Holzschuch, Accurate fitting of measured reflectances using a Shifted Gamma
-     micro-facet distribution, 2012, https://doi.org/10.1111/j.1467-8659.2012.03147.x
+abc  the microfacet model of Löw, Kronander, Ynnerman and Unger, BRDF Models for Accurate and Efficient Rendering of
+     Glossy Surfaces, 2012, https://doi.org/10.1145/2077341.2077350
+sgd  the shifted gamma distribution of Bagher, Soler and Holzschuch, Accurate fitting of measured reflectances using a
+     Shifted Gamma micro-facet distribution, 2012, https://doi.org/10.1111/j.1467-8659.2012.03147.x
 
-The fits are this project's own: Levenberg-Marquardt from several starts, without random numbers.
+The fits are our own: Levenberg-Marquardt from several starts, without random numbers.
 """
 import sys
 from typing import NamedTuple
 
 import numpy as np
 
-MAX_THETA = 80  # degrees, of the pairs of a fit
-PAIRS = 12_000  # tried; those of two directions within MAX_THETA are taken
+MAX_THETA = 80  # [degrees], for the pairs of a fit
+PAIRS = 12_000  # before those beyond MAX_THETA are removed
 
 
 class Angles(NamedTuple):
-    """Of n pairs of directions, arrays [n]."""
+    """Cosines of n pairs of directions, arrays [n]."""
     cos_l: np.ndarray
     cos_v: np.ndarray
-    cos_h: np.ndarray  # of the half vector
-    cos_d: np.ndarray  # of the light in the half vector's frame
+    cos_h: np.ndarray  # for the half vector
+    cos_d: np.ndarray  # for the light in the half vector's frame
 
 
 def angles(wl, wv):
@@ -36,15 +37,16 @@ class Parameter(NamedTuple):
     name: str
     low: float
     high: float
-    logarithmic: bool  # whether the fit moves its logarithm
+    logarithmic: bool  # true if the fit varies its logarithm
 
 
 class Abc:
-    """f = (kd + A F(η, θd) G / (cosθl cosθv (1 + (1 - cosθh) / w²)^C)) / π: kd and A for each channel, w, C, η, 9 numbers.
+    """f = (kd + A F(η, θd) G / (cosθl cosθv (1 + (1 - cosθh) / w²)^C)) / π, with kd and A for each channel, w, C and η.
 
-    w = B^(-1/2) for the authors' B, which exceeds 16-bit floats. F is of a dielectric and unpolarized light, G of V-shaped grooves.
+    w = B^(-1/2) for the authors' B, which exceeds 16-bit floats. F is the Fresnel term of a dielectric for unpolarized
+    light, G the shadowing of V-shaped grooves.
     """
-    joint = True  # all channels are fitted together
+    joint = True  # channels are fitted together
     parameters = [Parameter("kd", 0, 4, False)] * 3 + [Parameter("A", 1e-6, 6e4, True)] * 3 + [
         Parameter("w", 1e-4, 3, True), Parameter("C", 0.02, 60, True), Parameter("eta", 1.01, 100, True)]
 
@@ -54,13 +56,13 @@ class Abc:
         return 0.5 * ((g - cos_d) / (g + cos_d)) ** 2 * (1 + ((cos_d * (g + cos_d) - 1) / (cos_d * (g - cos_d) + 1)) ** 2)
 
     @staticmethod
-    def value(x, at, derivatives=False):
-        """f [n, 3]; with `derivatives` also those by the coordinates of the fit, [9, n, 3]."""
+    def value(x, angle, derivatives=False):
+        """f [n, 3], and if `derivatives` its derivatives by the coordinates of the fit, [9, n, 3]."""
         kd, scale, (w, exponent, eta) = x[:3], x[3:6], x[6:9]
-        shadowing = np.minimum(1, 2 * at.cos_h * np.minimum(at.cos_l, at.cos_v) / at.cos_d)
-        ratio = (1 - at.cos_h) / (w * w)
-        rest = shadowing / (np.pi * at.cos_l * at.cos_v) * (1 + ratio) ** -exponent
-        fresnel = Abc.fresnel(eta, at.cos_d)
+        shadowing = np.minimum(1, 2 * angle.cos_h * np.minimum(angle.cos_l, angle.cos_v) / angle.cos_d)
+        ratio = (1 - angle.cos_h) / (w * w)
+        rest = shadowing / (np.pi * angle.cos_l * angle.cos_v) * (1 + ratio) ** -exponent
+        fresnel = Abc.fresnel(eta, angle.cos_d)
         lobes = (rest * fresnel)[:, None] * scale
         f = kd / np.pi + lobes
         if not derivatives:
@@ -70,40 +72,42 @@ class Abc:
             by[c, :, c], by[3 + c, :, c] = 1 / np.pi, lobes[:, c]
         by[6] = lobes * (2 * exponent * ratio / (1 + ratio))[:, None]
         by[7] = lobes * (-exponent * np.log1p(ratio))[:, None]
-        by[8] = (rest * (Abc.fresnel(eta * 1.000001, at.cos_d) - fresnel) / 1e-6)[:, None] * scale
+        by[8] = (rest * (Abc.fresnel(eta * 1.000001, angle.cos_d) - fresnel) / 1e-6)[:, None] * scale
         return f, by
 
     @staticmethod
-    def starts(f, at):
+    def starts(f, angle):
         for w in (1, 0.2, 0.05, 0.015, 0.004, 0.0012):
             for exponent in (0.7, 1.6):
                 for eta in (1.5, 8):
                     x = np.concatenate([np.zeros(3), np.ones(3), [w, exponent, eta]])
-                    yield with_scales(Abc, x, f, at, slice(0, 3), slice(3, 6))
+                    yield with_scales(Abc, x, f, angle, slice(0, 3), slice(3, 6))
 
 
 class Sgd:
-    """f = (kd + s F G1(θl) G1(θv) e^(-tan²θh / α) / ((1 + tan²θh / α²)^p cos⁴θh cosθl cosθv)) / π: 10 numbers a channel.
+    """f = (kd + s F G1(θl) G1(θv) e^(-tan²θh / α) / ((1 + tan²θh / α²)^p cos⁴θh cosθl cosθv)) / π, for each channel.
 
-    F = F0 - F1 cosθd + (1 - F0) (1 - cosθd)⁵ with Fn = F0 - F1, and G1 = 1 + Λ (1 - e^(((θ - θ0) / τ)^k)) for θ > θ0, within [0, 1].
-    The authors' numbers are ks K = π s e^α α^p and c = τ^-k. They compute Λ, c, k and θ0 from α and p; here they are free.
+    F = F0 - F1 cosθd + (1 - F0) (1 - cosθd)⁵ with Fn = F0 - F1, and G1 = 1 + Λ (1 - e^(((θ - θ0) / τ)^k)) for θ > θ0,
+    clamped to [0, 1]. The authors' numbers are ks K = π s e^α α^p and c = τ^-k. They compute Λ, c, k and θ0 from α and
+    p; here they are free.
     """
     joint = False
     parameters = [Parameter("kd", 0, 4, False), Parameter("s", 1e-6, 6e4, True), Parameter("alpha", 6.2e-5, 4, True),
-                  Parameter("p", 0, 4, False), Parameter("F0", 0, 4, False), Parameter("Fn", 0, 4, False), Parameter("Lambda", 1e-3, 1e3, True),
-                  Parameter("tau", 0.05, 10, True), Parameter("k", 1, 60, True), Parameter("theta0", -1, 1.4, False)]
+                  Parameter("p", 0, 4, False), Parameter("F0", 0, 4, False), Parameter("Fn", 0, 4, False),
+                  Parameter("Lambda", 1e-3, 1e3, True), Parameter("tau", 0.05, 10, True), Parameter("k", 1, 60, True),
+                  Parameter("theta0", -1, 1.4, False)]
 
     @staticmethod
-    def value(x, at, derivatives=False):
-        """f [n, 1]; with `derivatives` also those by the coordinates of the fit, [10, n, 1]."""
+    def value(x, angle, derivatives=False):
+        """f [n, 1], and if `derivatives` its derivatives by the coordinates of the fit, [10, n, 1]."""
         kd, scale, alpha, p, f0, fn, big, tau, k, theta0 = x
-        tan2 = np.maximum(at.cos_h ** -2 - 1, 0)
-        schlick = (1 - at.cos_d) ** 5
-        fresnel = f0 - (f0 - fn) * at.cos_d + (1 - f0) * schlick
+        tan2 = np.maximum(angle.cos_h ** -2 - 1, 0)
+        schlick = (1 - angle.cos_d) ** 5
+        fresnel = f0 - (f0 - fn) * angle.cos_d + (1 - f0) * schlick
         ratio = tan2 / (alpha * alpha)
-        rest = scale * np.exp(-tan2 / alpha) * (1 + ratio) ** -p / (np.pi * at.cos_h ** 4 * at.cos_l * at.cos_v)
+        rest = scale * np.exp(-tan2 / alpha) * (1 + ratio) ** -p / (np.pi * angle.cos_h ** 4 * angle.cos_l * angle.cos_v)
         shadowing = []
-        for cosine in (at.cos_l, at.cos_v):
+        for cosine in (angle.cos_l, angle.cos_v):
             t = np.maximum(np.arccos(np.minimum(cosine, 1)) - theta0, 1e-9) / tau
             power = np.minimum(t ** k, 50)
             grown = np.exp(power)
@@ -117,8 +121,8 @@ class Sgd:
         by[0], by[1] = 1 / np.pi, lobe
         by[2] = lobe * (tan2 / alpha + 2 * p * ratio / (1 + ratio))
         by[3] = -lobe * np.log1p(ratio)
-        by[4] = rest * g_l * g_v * (1 - at.cos_d - schlick)
-        by[5] = rest * g_l * g_v * at.cos_d
+        by[4] = rest * g_l * g_v * (1 - angle.cos_d - schlick)
+        by[5] = rest * g_l * g_v * angle.cos_d
         for (g, t, power, grown), other in zip(shadowing, (g_v, g_l)):
             outer = np.where(g > 0, rest * fresnel * other * big, 0)
             by[6] += outer * (1 - grown)
@@ -128,35 +132,37 @@ class Sgd:
         return f[:, None], by[..., None]
 
     @staticmethod
-    def starts(f, at):
+    def starts(f, angle):
         for alpha in (1, 0.3, 0.1, 0.03, 0.01, 0.002, 0.0004):
             for p in (0.3, 1.2):
                 for fn in (0.05, 0.8):
                     x = np.array([0, 1, alpha, p, fn + 0.01, fn, 1, 1.5, 10, 0])
-                    yield with_scales(Sgd, x, f, at, slice(0, 1), slice(1, 2))
+                    yield with_scales(Sgd, x, f, angle, slice(0, 1), slice(1, 2))
 
 
 MODELS = {"abc": Abc, "sgd": Sgd}
-LOSSES = {  # what a fit compares, and its derivative by f
-    "log": (lambda f, cos_l: np.log1p(f * cos_l), lambda f, cos_l: cos_l / (1 + f * cos_l)),  # of Löw et al.
+LOSSES = {  # the function of f that a fit compares, and its derivative
+    "log": (lambda f, cos_l: np.log1p(f * cos_l), lambda f, cos_l: cos_l / (1 + f * cos_l)),  # the loss of Löw et al.
     "cube-root": (lambda f, cos_l: np.cbrt(f + 1e-4), lambda f, cos_l: np.cbrt(f + 1e-4) ** -2 / 3),
 }
-WEIGHTS = {"solid-angle": 1, "between": 0.5, "table": 0}  # the power of the solid angle of a node of a table with nodes as MERL's
-CHOSEN = {"abc": ("cube-root", "between"), "sgd": ("cube-root", "solid-angle")}  # least mean visible error of the five measurements
+# The power of the solid angle of a node in MERL's layout.
+WEIGHTS = {"solid-angle": 1, "between": 0.5, "table": 0}
+# The loss and weight with the smallest mean visible error of five measurements.
+CHOSEN = {"abc": ("cube-root", "between"), "sgd": ("cube-root", "solid-angle")}
 
 
-def with_scales(model, x, f, at, diffuse, specular):
-    """x with a diffuse term from values far from the highlight, and a scale that gives the rest the sum of cube roots that it has."""
+def with_scales(model, x, f, angle, diffuse, specular):
+    """x with a diffuse term from values far from the highlight, and a scale that reproduces the sum of cube roots of the rest."""
     x = x.copy()
-    x[diffuse] = np.clip(np.pi * np.quantile(f[at.cos_h < 0.8], 0.3, axis=0), 0, 4)
-    lobe = np.cbrt(model.value(np.where(np.arange(len(x)) < diffuse.stop, 0, x), at)).sum(axis=0)
+    x[diffuse] = np.clip(np.pi * np.quantile(f[angle.cos_h < 0.8], 0.3, axis=0), 0, 4)
+    lobe = np.cbrt(model.value(np.where(np.arange(len(x)) < diffuse.stop, 0, x), angle)).sum(axis=0)
     rest = np.cbrt(np.maximum(f - x[diffuse] / np.pi, 0)).sum(axis=0)
     x[specular] = np.clip((rest / np.maximum(lobe, 1e-9)) ** 3, 1e-5, 5e4)
     return x
 
 
 def pairs():
-    """Light and viewer [n, 3], and the solid angle of each pair: uniform in √θh, θd and φd, as nodes of MERL's tables are."""
+    """Light and viewer [n, 3], and the solid angle of each pair. Pairs are uniform in √θh, θd and φd, as MERL's nodes."""
     n = np.arange(PAIRS)[:, None]
     u = (0.5 + n * 1.2207440846057596 ** -np.arange(1.0, 4)) % 1  # Roberts' sequence of three dimensions
     theta_h, theta_d, phi = np.pi / 2 * u[:, 0] ** 2, np.pi / 2 * u[:, 1], np.pi * u[:, 2]
@@ -170,7 +176,10 @@ def pairs():
 
 
 def levenberg_marquardt(residuals, x, low, high, iterations):
-    """x within [low, high] of a local minimum of the sum of squares, and that sum. `residuals` returns them, or also their Jacobian."""
+    """Returns x within [low, high] at a local minimum of the sum of squares, and that sum.
+
+    residuals(x, derivatives) returns the residuals, and if `derivatives` their Jacobian.
+    """
     cost, damping = np.sum(residuals(x, False) ** 2), 1e-2
     for _ in range(iterations):
         r, jacobian = residuals(x, True)
@@ -179,12 +188,12 @@ def levenberg_marquardt(residuals, x, low, high, iterations):
         diagonal = np.diag(normal)[free] + 1e-9 * np.diag(normal).max() + 1e-300
         before = cost
         for _ in range(10):
-            tried = x.copy()
-            tried[free] -= np.linalg.solve(normal[np.ix_(free, free)] + damping * np.diag(diagonal), gradient[free])
-            tried = np.clip(tried, low, high)
-            cost_tried = np.sum(residuals(tried, False) ** 2)
-            if cost_tried < cost:
-                x, cost, damping = tried, cost_tried, max(damping / 5, 1e-9)
+            next_x = x.copy()
+            next_x[free] -= np.linalg.solve(normal[np.ix_(free, free)] + damping * np.diag(diagonal), gradient[free])
+            next_x = np.clip(next_x, low, high)
+            next_cost = np.sum(residuals(next_x, False) ** 2)
+            if next_cost < cost:
+                x, cost, damping = next_x, next_cost, max(damping / 5, 1e-9)
                 break
             damping *= 4
         if cost > before * (1 - 1e-6):
@@ -193,59 +202,62 @@ def levenberg_marquardt(residuals, x, low, high, iterations):
 
 
 class Coordinates:
-    """What a fit moves: the numbers of a model, the logarithms of those that are logarithmic, and their bounds."""
+    """The variables of a fit, with bounds: the parameters of a model, or their logarithms."""
 
     def __init__(self, model):
         self.logarithmic = np.array([p.logarithmic for p in model.parameters])
-        self.low, self.high = (self.of(np.array([getattr(p, end) for p in model.parameters])) for end in ("low", "high"))
+        bounds = ([getattr(p, end) for p in model.parameters] for end in ("low", "high"))
+        self.low, self.high = (self.from_parameters(np.array(bound)) for bound in bounds)
 
-    def of(self, x):
+    def from_parameters(self, x):
         return np.where(self.logarithmic, np.log(np.maximum(x, 1e-12)), x)
 
-    def numbers(self, y):
+    def to_parameters(self, y):
         return np.where(self.logarithmic, np.exp(np.where(self.logarithmic, y, 0)), y)
 
 
-def fit_values(model, f, at, weight, loss):
-    """The numbers of a model of values f [n, channels], by a loss of values."""
+def fit_values(model, f, angle, weight, loss):
+    """The parameters of a model that is fitted to values f [n, channels]."""
     coordinates = Coordinates(model)
-    compared, slope = LOSSES[loss]
+    transform, derivative = LOSSES[loss]
 
     def search(y, every, iterations):
-        near = Angles(*(a[::every] for a in at))
+        near = Angles(*(a[::every] for a in angle))
         cos_l, root = near.cos_l[:, None], np.sqrt(weight[::every])[:, None]
-        wanted = compared(f[::every], cos_l)
+        target = transform(f[::every], cos_l)
 
         def residuals(y, derivatives):
             if not derivatives:
-                return ((compared(model.value(coordinates.numbers(y), near), cos_l) - wanted) * root).ravel()
-            value, by = model.value(coordinates.numbers(y), near, True)
-            return ((compared(value, cos_l) - wanted) * root).ravel(), (by * (slope(value, cos_l) * root)).reshape(len(y), -1)
+                return ((transform(model.value(coordinates.to_parameters(y), near), cos_l) - target) * root).ravel()
+            value, by = model.value(coordinates.to_parameters(y), near, True)
+            jacobian = (by * (derivative(value, cos_l) * root)).reshape(len(y), -1)
+            return ((transform(value, cos_l) - target) * root).ravel(), jacobian
 
         return levenberg_marquardt(residuals, y, coordinates.low, coordinates.high, iterations)
 
-    found = [search(np.clip(coordinates.of(x), coordinates.low, coordinates.high), 5, 12) for x in model.starts(f, at)]
+    starts = (np.clip(coordinates.from_parameters(x), coordinates.low, coordinates.high) for x in model.starts(f, angle))
+    found = [search(y, 5, 12) for y in starts]
     found = [search(y, 1, 15) for y, _ in sorted(found, key=lambda pair: pair[1])[:4]]
     found = [search(y, 1, 80) for y, _ in sorted(found, key=lambda pair: pair[1])[:2]]
-    return coordinates.numbers(min(found, key=lambda pair: pair[1])[0])
+    return coordinates.to_parameters(min(found, key=lambda pair: pair[1])[0])
 
 
 def fit(measured, name, loss=None, weights=None):
-    """A model fitted to a BRDF with `eval`: f(wl, wv), and the bytes of its numbers, which are 16-bit floats."""
+    """Fits a model to a BRDF with `eval`. Returns f(wl, wv), and the size of its parameters as 16-bit floats in bytes."""
     model = MODELS[name]
     loss, weights = loss or CHOSEN[name][0], weights or CHOSEN[name][1]
     wl, wv, solid_angle = pairs()
     f = measured.eval(wl.astype(np.float32), wv.astype(np.float32)).astype(float)
     known = np.isfinite(f).all(axis=1)
-    f, at = np.maximum(f[known], 0), angles(wl[known], wv[known])
+    f, angle = np.maximum(f[known], 0), angles(wl[known], wv[known])
     weight = solid_angle[known] ** WEIGHTS[weights]
     channels = [f] if model.joint else f.T[:, :, None]
-    fitted = [fit_values(model, channel, at, weight / weight.mean(), loss).astype(np.float16) for channel in channels]
+    fitted = [fit_values(model, channel, angle, weight / weight.mean(), loss).astype(np.float16) for channel in channels]
 
     def value(wl, wv):
         above = ((np.asarray(wl)[..., 2] > 0) & (np.asarray(wv)[..., 2] > 0))[..., None]
-        at = Angles(*map(np.ravel, angles(np.where(above, wl, [0, 0, 1]), np.where(above, wv, [0, 0, 1]))))
-        f = np.concatenate([model.value(x.astype(float), at) for x in fitted], axis=-1)
+        angle = Angles(*map(np.ravel, angles(np.where(above, wl, [0, 0, 1]), np.where(above, wv, [0, 0, 1]))))
+        f = np.concatenate([model.value(x.astype(float), angle) for x in fitted], axis=-1)
         return np.where(above, f.reshape(above.shape[:-1] + (3,)), 0).astype(np.float32)
 
     return value, sum(x.nbytes for x in fitted)

@@ -1,9 +1,13 @@
-"""Files of published networks as rivals.py and stand_ins.py read them: python3 bench/convert_networks.py nbrdf FILE.h5... OUT, or nps FOLDER OUT
+"""Converts published networks for rivals.py and stand_ins.py.
 
-nbrdf   networks of Sztrajman et al. (data/merl_nbrdf.zip, data/rgl-isotropic_nbrdf.zip of asztr/Neural-BRDF): OUT/NAME.txt
-nps     the repository of Zheng et al. (Rendering-at-ZJU/NPs-BRDF): OUT/decoder.f32 and OUT/latents.txt
+python3 bench/convert_networks.py nbrdf FILE.h5... OUT
+    converts networks of Sztrajman et al. (data/merl_nbrdf.zip, data/rgl-isotropic_nbrdf.zip of asztr/Neural-BRDF) to
+    OUT/NAME.txt
+python3 bench/convert_networks.py nps FOLDER OUT
+    converts the repository of Zheng et al. (Rendering-at-ZJU/NPs-BRDF) to OUT/decoder.f32 and OUT/latents.txt
 
-Needs NumPy and h5py. Not run on the authors' files, only on files made up in the layout in which Keras saves weights; shapes are checked.
+Needs NumPy and h5py. Tested only on synthetic files in Keras' layout of weights, not on the authors' files; shapes are
+checked.
 """
 import glob
 import os
@@ -17,12 +21,13 @@ DECODER = [shape for inputs, outputs in [(11, 400)] + [(400, 400)] * 5 + [(400, 
 
 
 def weights_of(path, shapes, only=None):
-    """The arrays that Keras saved, weights and offsets of each layer in its order; `only`: of that layer or nested model."""
+    """The arrays that Keras saved: weights and offsets of each layer, or of the layer or nested model `only`."""
     text = lambda name: name.decode() if isinstance(name, bytes) else name
     with h5py.File(path) as file:
         root = file.get("model_weights", file)
         layers = [only] if only else [text(name) for name in root.attrs["layer_names"]]
-        arrays = [np.asarray(root[layer][text(name)], np.float32) for layer in layers for name in root[layer].attrs["weight_names"]]
+        arrays = [np.asarray(root[layer][text(name)], np.float32)
+                  for layer in layers for name in root[layer].attrs["weight_names"]]
     if [array.shape for array in arrays] != shapes:
         sys.exit(f"{path}: expected arrays of the shapes {shapes}, found {[array.shape for array in arrays]}")
     return np.concatenate([array.ravel() for array in arrays])

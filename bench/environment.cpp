@@ -1,7 +1,7 @@
-// Pictures of the raster renderer under an environment.
+// Pictures of the raster renderer under an environment: errors against the path tracer by the number of samples, or the
+// number of samples after which pictures are clean. FILE is a measurement, drawn as a table in Rusinkiewicz
+// coordinates, or a model.
 //   usage: environment errors|samples MESH ENVIRONMENT FILE...
-// errors: against the path tracer, by the number of samples; samples: until they are clean. FILE is a measurement, drawn
-// from a table in Rusinkiewicz coordinates, or a model.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +13,8 @@
 #include "extras/render/offscreen.h"
 #include "extras/render/path.h"
 #include "extras/render/raster.h"
+#include "measured/tables.h"
+#include "models/bsdf/bsdf_functions.h"
 #include "srbf/convert.h"
 #include "srbf/load.h"
 
@@ -27,9 +29,9 @@ struct Subject {
     SampledMaterial sampled;
     PreparedBrdf brdf;
 };
-template <typename M> Subject subject_of(const M& of, int azimuths) {
-    const MixtureProposal proposal = propose(evaluator(of), {.azimuths = azimuths});
-    return {{of, proposal}, prepare(of, proposal)};
+template <typename M> Subject subject_of(const M& model, int azimuths) {
+    const MixtureProposal proposal = propose(evaluator(model), {.azimuths = azimuths});
+    return {{model, proposal}, prepare(model, proposal)};
 }
 Subject subject_of(const AnyBrdf& brdf) {
     if (const auto* measured = std::get_if<Measured>(&brdf))
@@ -37,31 +39,32 @@ Subject subject_of(const AnyBrdf& brdf) {
     const Model& model = std::get<Model>(brdf);
     const int azimuths = is_isotropic(model) ? 1 : k_anisotropic_azimuths;
     return std::visit(
-        [&](const auto& of) -> Subject {
-            if constexpr (std::is_same_v<std::decay_t<decltype(of)>, BsdfModel>)
+        [&](const auto& kind) -> Subject {
+            if constexpr (std::is_same_v<std::decay_t<decltype(kind)>, BsdfModel>)
                 return subject_of(to_merl(evaluator(model), k_merl_size), 1);
             else
-                return subject_of(of, azimuths);
+                return subject_of(kind, azimuths);
         },
         model.model);
 }
 
-/// A picture under an environment that takes its samples one by one.
-class Progress {
+/// A picture under an environment, to which samples are added one by one.
+class ProgressivePicture {
   public:
-    static Result<Progress> make(const OffscreenContext& context, const Scene& scene, const Environment& environment,
-                                 const SampledMaterial& of, int width, int height) {
+    static Result<ProgressivePicture> make(const OffscreenContext& context, const Scene& scene,
+                                           const Environment& environment, const SampledMaterial& sampled, int width,
+                                           int height) {
         auto light = RasterEnvironment::make(environment);
         if (!light) return light.error();
         auto surface = RasterSurface::make(context.dialect(), width, height, RasterSurface::Points::four);
         if (!surface) return surface.error();
-        auto material = RasterMaterial::make(of.material, {.dialect = context.dialect(), .environment = true});
+        auto material = RasterMaterial::make(sampled.material, {.dialect = context.dialect(), .environment = true});
         if (!material) return material.error();
-        material->set_proposal(of.proposal);
+        material->set_proposal(sampled.proposal);
         auto mean = RasterMean::make(*surface);
         if (!mean) return mean.error();
-        return Progress{scene, *std::move(light), *std::move(surface), *std::move(material), *std::move(mean), width,
-                        height};
+        return ProgressivePicture{
+            scene, *std::move(light), *std::move(surface), *std::move(material), *std::move(mean), width, height};
     }
     void restart() { mean_.restart(); }
     void add(LightDraws draws) {
@@ -80,8 +83,8 @@ class Progress {
     }
 
   private:
-    Progress(const Scene& scene, RasterEnvironment light, RasterSurface surface, RasterMaterial material,
-             RasterMean mean, int width, int height)
+    ProgressivePicture(const Scene& scene, RasterEnvironment light, RasterSurface surface, RasterMaterial material,
+                       RasterMean mean, int width, int height)
         : scene_(scene),
           mesh_(scene.mesh),
           light_(std::move(light)),
@@ -99,22 +102,22 @@ class Progress {
     int width_, height_;
 };
 
-Image8 displayed(const Image& image, float exposure) {
+Image8 display(const Image& image, float exposure) {
     return shown({image, std::vector<float>(image.pixels.size(), 1)}, exposure);
 }
 
 /// PSNR against the path tracer, by strategy and number of samples.
 Result<Done> print_errors(const OffscreenContext& context, const Mesh& mesh, const Environment& environment,
-                          const Subject& of, const std::string& name) {
+                          const Subject& subject, const std::string& name) {
     constexpr int width = 96, height = 72;
     const Scene scene = scene_of(mesh, {}, double(width) / height);
-    const PathScene paths{{{&scene.mesh, 0}}, {of.brdf}, scene.camera, {}, {}, &environment};
+    const PathScene paths{{{&scene.mesh, 0}}, {subject.brdf}, scene.camera, {}, {}, &environment};
     const Image reference =
         render_paths(paths, {.width = width, .height = height, .samples = 8192, .occlusion = false, .progress = {}})
             .rendering.radiance;
     const float exposure = automatic_exposure(reference);
-    const Image8 expected = displayed(reference, exposure);
-    auto progress = Progress::make(context, scene, environment, of.sampled, width, height);
+    const Image8 expected = display(reference, exposure);
+    auto progress = ProgressivePicture::make(context, scene, environment, subject.sampled, width, height);
     if (!progress) return progress.error();
     for (const auto& [title, draws] : {std::pair("both", LightDraws::both),
                                        {"BRDF alone", LightDraws::material},
@@ -124,8 +127,8 @@ Result<Done> print_errors(const OffscreenContext& context, const Mesh& mesh, con
         for (int i = 1; i <= k_counts.back(); ++i) {
             progress->add(draws);
             if (std::ranges::find(k_counts, i) != k_counts.end()) {
-                const Likeness alike = likeness(expected, displayed(progress->read(), exposure));
-                fmt::print(" {:.1f}, {:.3f} |", alike.psnr, alike.flip);
+                const auto [psnr, ssim, flip] = likeness(expected, display(progress->read(), exposure));
+                fmt::print(" {:.1f}, {:.3f} |", psnr, flip);
             }
         }
         fmt::print("\n");
@@ -136,10 +139,10 @@ Result<Done> print_errors(const OffscreenContext& context, const Mesh& mesh, con
 
 /// Samples until the picture differs by less than `k_clean` from the converged one.
 Result<Done> print_samples(const OffscreenContext& context, const Mesh& mesh, const Environment& environment,
-                           const Subject& of, const std::string& name) {
+                           const Subject& subject, const std::string& name) {
     constexpr int width = 640, height = 480;
     const Scene scene = scene_of(mesh, {}, double(width) / height);
-    auto progress = Progress::make(context, scene, environment, of.sampled, width, height);
+    auto progress = ProgressivePicture::make(context, scene, environment, subject.sampled, width, height);
     if (!progress) return progress.error();
     progress->add(LightDraws::both);
     progress->restart();
@@ -150,14 +153,15 @@ Result<Done> print_samples(const OffscreenContext& context, const Mesh& mesh, co
         if (i <= 64) means.push_back(progress->read());
     }
     const Image converged = progress->read();
-    const double each = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / k_converged;
+    const double seconds_per_sample =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / k_converged;
     const float exposure = automatic_exposure(converged);
-    const Image8 expected = displayed(converged, exposure);
-    const auto flip = [&](const Image& image) { return likeness(expected, displayed(image, exposure)).flip; };
+    const Image8 expected = display(converged, exposure);
+    const auto flip = [&](const Image& image) { return likeness(expected, display(image, exposure)).flip; };
     const auto clean = std::ranges::find_if(means, [&](const Image& mean) { return flip(mean) < k_clean; });
     fmt::print("| {} | {:.3f} | {:.3f} | {:.3f} | {} | {:.0f} |\n", name, flip(means[0]),
                flip(means[k_first_samples - 1]), flip(means[15]),
-               clean == means.end() ? "> 64" : std::to_string(clean - means.begin() + 1), 1000 * each);
+               clean == means.end() ? "> 64" : std::to_string(clean - means.begin() + 1), 1000 * seconds_per_sample);
     std::fflush(stdout);
     return Done{};
 }
@@ -178,15 +182,15 @@ Result<Done> print_tables(const std::vector<std::string>& arguments) {
     }
     if (arguments[0] == "errors") {
         fmt::print("| PSNR [dB], ꟻLIP | draws | {} |\n|---|---|---|---|---|---|---|\n", fmt::join(k_counts, " | "));
-        for (const auto& [name, of] : subjects)
-            if (const auto done = print_errors(*context, *mesh, *environment, of, name); !done) return done;
+        for (const auto& [name, subject] : subjects)
+            if (const auto done = print_errors(*context, *mesh, *environment, subject, name); !done) return done;
         return Done{};
     }
     fmt::print(
         "| 640 × 480, ꟻLIP | 1 sample | {} | 16 | samples until {} | a sample [ms] |\n|---|---|---|---|---|---|\n",
         k_first_samples, k_clean);
-    for (const auto& [name, of] : subjects)
-        if (const auto done = print_samples(*context, *mesh, *environment, of, name); !done) return done;
+    for (const auto& [name, subject] : subjects)
+        if (const auto done = print_samples(*context, *mesh, *environment, subject, name); !done) return done;
     return Done{};
 }
 

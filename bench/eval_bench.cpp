@@ -1,5 +1,5 @@
-// Cost of one evaluation: models by kernel.glsl, tables by look-up. The column Time is ns for one pair of directions,
-// RGB, on one thread. The pairs are random, so that all of a table is accessed, as by a path tracer.
+// Time of one evaluation of models by kernel.glsl and of tables. The column Time is ns for the RGB value of one pair of
+// directions on one thread. The pairs are random, so that all of a table is accessed, as by a path tracer.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "brdf/directions.h"
+#include "measured/tables.h"
+#include "models/ggx/ggx_functions.h"
 #include "one_target.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
@@ -96,13 +98,13 @@ void sizes(benchmark::internal::Benchmark* benchmark) {
 void pm(benchmark::State& state) { evaluate(state, model_of(state)); }
 BENCHMARK(pm)->Apply(sizes);
 
-/// The same with a prepared model, pair by pair, for one of the instruction sets of this machine.
+/// A prepared model, pair by pair, with one of the instruction sets of this machine.
 void pm_prepared(benchmark::State& state, Target target) {
     const OneTarget one(target);
     evaluate(state, prepare(Model{model_of(state), {}}, CosineProposal{}));
 }
 
-/// The same in batches; "per_pair" is the time for one pair.
+/// Evaluation in batches; "per_pair" is the time for one pair.
 void pm_batch(benchmark::State& state, Target target) {
     const OneTarget one(target);
     constexpr std::size_t count = 1 << 12;
@@ -144,16 +146,16 @@ void rgl(benchmark::State& state) {
 }
 BENCHMARK(rgl);
 
-/// The same in batches; "per_pair" is the time for one pair.
+/// Evaluation in batches; "per_pair" is the time for one pair.
 void rgl_batch(benchmark::State& state) {
     static const auto measured = load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
     if (!measured) return state.SkipWithError(message(measured.error()).c_str());
     constexpr std::size_t count = 1 << 12;
     const Pairs pairs = random_pairs(count);
     std::vector<Rgb> f(count);
-    const Evaluate of = evaluator(*measured);
+    const Evaluate evaluate = evaluator(*measured);
     for (auto _ : state) {
-        of(pairs.wl, pairs.wv, f);
+        evaluate(pairs.wl, pairs.wv, f);
         benchmark::DoNotOptimize(f.data());
     }
     state.counters["per_pair"] =

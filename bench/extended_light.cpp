@@ -1,10 +1,10 @@
-// How far pictures by a few lobes for each view (srbf/extended_light.h) are from the path tracer's, without occlusion.
-//   usage: extended_light [MESH..] [ENVIRONMENT..] MODEL..    files of environments end with .hdr or .exr, of models with .srbf
-// Prints for each model, and in the mean: ΔE_ITP and PSNR of a sphere and the meshes under the environments, by the
-// number of lobes; beside them those of the split sum, for models of one lobe of GGX; and those of a sphere under three
-// rectangles of light. What pictures under environments are
-// compared with is the path tracer's integral by a low-discrepancy sequence, since the noise of 2048 paths looks like
-// an error of their own. Under rectangles it is a path tracing.
+// Errors of pictures by a few lobes for each view (srbf/extended_light.h), without occlusion. Environments are files
+// .hdr or .exr, models .srbf.
+//   usage: extended_light [MESH..] [ENVIRONMENT..] MODEL..
+// Prints for each model, and in the mean, ΔE_ITP and PSNR of a sphere and the meshes under the environments by the
+// number of lobes, those of the split sum for models with one lobe of GGX, and those of a sphere under three rectangles
+// of light. References under environments are integrals by a low-discrepancy sequence, since the noise of 2048 paths
+// has a visible error. References under rectangles are path-traced.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ namespace kernel {
 template <Number Real> Real acos(Real x) { return std::acos(x); }
 template <Number Real> Real abs(Real x) { return std::abs(x); }
 
-/// The text of exported code, as C++.
+/// The functions of exported code, compiled as C++.
 struct ExportedLight {
     using Real = float;
     using Vec3 = Triple<float>;
@@ -51,9 +51,9 @@ struct ExportedLight {
     const PreparedBrdf& material;
     const FilteredEnvironment* map = nullptr;
     Frame map_axes{};
-    static inline thread_local const Frame* surface = nullptr;  ///< of the point that is shaded
-    ExportedLight(const PreparedBrdf& brdf, const ExtendedLight& of)
-        : lobes(of), EXTENDED_LOBES(of.lobes), material(brdf) {}
+    static inline thread_local const Frame* surface = nullptr;  ///< the frame of the shaded point
+    ExportedLight(const PreparedBrdf& brdf, const ExtendedLight& light)
+        : lobes(light), EXTENDED_LOBES(light.lobes), material(brdf) {}
     template <typename Number> float between(NodesAbout nodes, const Number& number) {
         const float below = number(std::size_t(nodes.below)), above = number(std::size_t(nodes.below) + 1);
         return below + nodes.beyond * (above - below);
@@ -76,13 +76,14 @@ struct ExportedLight {
         return {std::min(albedo.x, 1.f), std::min(albedo.y, 1.f), std::min(albedo.z, 1.f)};
     }
     Vec3 directional_albedo(float cosine, Pm) {
-        const Rgb of = albedo(material, cosine);
-        return {of.r, of.g, of.b};
+        const Rgb a = albedo(material, cosine);
+        return {a.r, a.g, a.b};
     }
     Vec3 brdf(Su, Vec3 wl, Vec3 wv, Pm) {
         const Rgb f = value(material, {wl.x, wl.y, wl.z}, {wv.x, wv.y, wv.z});
         return {f.r, f.g, f.b};
     }
+#include "brdf/frame.h"
 #include "extras/environment/code/extended.glsl"
 };
 Triple<float> ExportedLight::radiance(Vec3 direction, float roughness) {
@@ -94,11 +95,11 @@ Triple<float> ExportedLight::radiance(Vec3 direction, float roughness) {
 
 namespace {
 
-constexpr int k_size = 32, k_points = 4;  ///< points along a pixel
+constexpr int k_size = 32, k_points = 4;  ///< pixels, and points in a pixel, along a side
 constexpr int k_paths = 2048;
-constexpr int k_draws = 256;  ///< for each point, of the BRDF and of an environment: 4096 of each for a pixel
+constexpr int k_draws = 256;  ///< samples of the BRDF, and of an environment, for each point: 4096 of each for a pixel
 
-/// What a pixel shows at its points: the local frame, and the direction to the viewer in it.
+/// A point of a pixel: its local frame, and the direction to the viewer in that frame.
 struct Point {
     Vec3f position;
     Frame axes;
@@ -108,7 +109,7 @@ struct Pixel {
     std::size_t index;
     std::vector<Point> points;
 };
-/// The pixels that show nothing but the surface.
+/// The pixels that the surface covers.
 std::vector<Pixel> pixels_of(const Mesh& mesh, const Camera& camera) {
     const Rays rays({&mesh});
     std::vector<Pixel> pixels;
@@ -123,54 +124,54 @@ std::vector<Pixel> pixels_of(const Mesh& mesh, const Camera& camera) {
                 const auto hit = rays.closest(to_float(camera.eye), direction);
                 if (!hit) break;
                 const Triangle& triangle = mesh.triangles[hit->triangle];
-                const auto at = [&](const std::vector<Vec3f>& of) {
-                    return (1.f - hit->u - hit->v) * of[triangle[0]] + hit->u * of[triangle[1]] +
-                           hit->v * of[triangle[2]];
+                const auto interpolate = [&](const std::vector<Vec3f>& values) {
+                    return (1.f - hit->u - hit->v) * values[triangle[0]] + hit->u * values[triangle[1]] +
+                           hit->v * values[triangle[2]];
                 };
-                Vec3f normal = at(mesh.normals);
+                Vec3f normal = interpolate(mesh.normals);
                 if (dot(normal, hit->geometric_normal) < 0) normal = -1.f * normal;
                 normal = Shading<float>::visible_normal(normal, to_viewer);
                 const Frame axes = surface_frame(to_double(normal));
-                pixel.points.push_back({at(mesh.positions), axes, to_float(axes.to(to_double(to_viewer)))});
+                pixel.points.push_back({interpolate(mesh.positions), axes, to_float(axes.to(to_double(to_viewer)))});
             }
             if (pixel.points.size() == k_points * k_points) pixels.push_back(std::move(pixel));
         }
     return pixels;
 }
 
-template <typename F> Image drawn(const std::vector<Pixel>& pixels, const F& radiance) {
+template <typename F> Image draw(const std::vector<Pixel>& pixels, const F& radiance) {
     Image image(k_size, k_size);
     parallel_for(pixels.size(), 0, [&](std::size_t i) {
         Rgb& pixel = image.pixels[pixels[i].index];
         for (const Point& point : pixels[i].points) {
-            const Rgb of = radiance(point);
-            for (int c = 0; c < 3; ++c) pixel[c] += of[c] / float(pixels[i].points.size());
+            const Rgb value = radiance(point);
+            for (int c = 0; c < 3; ++c) pixel[c] += value[c] / float(pixels[i].points.size());
         }
     });
     return image;
 }
-Image only(const std::vector<Pixel>& pixels, const Image& of) {
-    Image image(k_size, k_size);
-    for (const Pixel& pixel : pixels) image.pixels[pixel.index] = of.pixels[pixel.index];
-    return image;
+Image mask(const std::vector<Pixel>& pixels, const Image& image) {
+    Image masked(k_size, k_size);
+    for (const Pixel& pixel : pixels) masked.pixels[pixel.index] = image.pixels[pixel.index];
+    return masked;
 }
 
 struct Errors {
     double delta_e = 0, psnr = 0, count = 0;
-    void add(const Errors& of) { delta_e += of.delta_e, psnr += of.psnr, count += of.count; }
+    void add(const Errors& other) { delta_e += other.delta_e, psnr += other.psnr, count += other.count; }
     std::string text() const { return fmt::format("{:.2f}, {:.1f}", delta_e / count, psnr / count); }
 };
-/// As displayed with the reference's exposure, over the pixels.
+/// Errors of pixels displayed with the reference's exposure.
 Errors errors_of(const std::vector<Pixel>& pixels, const Image& reference, const Image& other) {
     const float exposure = exposure_to(reference, k_exposed_value);
     Errors errors;
     double squares = 0;
-    const auto shown = [&](const Rgb& c) {
+    const auto display = [&](const Rgb& c) {
         return Rgb{std::clamp(exposure * c.r, 0.f, 1.f), std::clamp(exposure * c.g, 0.f, 1.f),
                    std::clamp(exposure * c.b, 0.f, 1.f)};
     };
     for (const Pixel& pixel : pixels) {
-        const Rgb a = shown(reference.pixels[pixel.index]), b = shown(other.pixels[pixel.index]);
+        const Rgb a = display(reference.pixels[pixel.index]), b = display(other.pixels[pixel.index]);
         errors.delta_e += delta_e_itp(a, b) / double(pixels.size());
         for (int c = 0; c < 3; ++c) squares += std::pow(double(srgb_encoded(a[c]) - srgb_encoded(b[c])), 2) / 3;
     }
@@ -179,37 +180,37 @@ Errors errors_of(const std::vector<Pixel>& pixels, const Image& reference, const
     return errors;
 }
 
-/// The practice of engines for Lambert and one lobe of GGX: irradiance, and one look-up along the mirror direction,
-/// bent to the normal as three.js bends it, scaled to the directional albedo.
+/// The split sum of renderers for Lambert and one lobe of GGX: irradiance, and one look-up along the mirror direction,
+/// bent to the normal as in three.js, scaled to the directional albedo.
 Rgb split_sum(const GgxModel& model, const PreparedBrdf& brdf, const FilteredEnvironment& map, const Frame& to_map,
-              const Point& at) {
+              const Point& point) {
     const float roughness = std::sqrt(model.lobes[0].roughness);
-    const Vec3f mirrored{-at.wv.x, -at.wv.y, at.wv.z};
+    const Vec3f mirrored{-point.wv.x, -point.wv.y, point.wv.z};
     const float bend = roughness * roughness;
     Vec3d axis = to_double((1 - bend) * mirrored) + Vec3d{0, 0, double(bend)};
-    const auto look = [&](const Vec3d& w, float r) {
-        return map.at(to_float(to_map.to(at.axes.from(normalize(w)))), r);
+    const auto filtered = [&](const Vec3d& w, float r) {
+        return map.at(to_float(to_map.to(point.axes.from(normalize(w)))), r);
     };
-    const Rgb whole = albedo(brdf, at.wv.z), glossy = look(axis, roughness), diffuse = look({0, 0, 1}, 1);
+    const Rgb total = albedo(brdf, point.wv.z), glossy = filtered(axis, roughness), diffuse = filtered({0, 0, 1}, 1);
     Rgb sum;
     for (int c = 0; c < 3; ++c) {
-        const float of_body = std::min(model.diffuse[c], whole[c]);
-        sum[c] = of_body * diffuse[c] + (whole[c] - of_body) * glossy[c];
+        const float diffuse_albedo = std::min(model.diffuse[c], total[c]);
+        sum[c] = diffuse_albedo * diffuse[c] + (total[c] - diffuse_albedo) * glossy[c];
     }
     return sum;
 }
 
 constexpr std::array<int, 5> k_lobe_counts{2, 3, 4, 6, 8};
 constexpr std::size_t k_usual = 3;
-/// From small to large; the last is near, seen at grazing angles, and goes below the horizon of most points. About a
-/// sphere of radius 1 that is seen from +z, out of the picture.
+/// Rectangles outside of the picture of a sphere of radius 1, seen from +z: a small one, a large one, and a near one at
+/// grazing angles, which extends below the horizon of most points.
 const std::array<AreaLight, 3> k_rectangles{{
     {{-1.2f, 2, 2.2f}, {0.1f, 0.2f, -0.1f}, {0.25f, 0, 0.25f}, {1, 1, 1}},
     {{-2.5f, 2.5f, -1}, {3, 0, 0}, {0, 0, 3}, {1, 1, 1}},
     {{1.35f, -1.5f, -1.2f}, {0, 0, 2.4f}, {0, 3, 0}, {1, 1, 1}},
 }};
 
-/// A direction that an environment is sampled by.
+/// A sample of an environment.
 struct EnvironmentDraw {
     Vec3f w;
     Environment::Light light;
@@ -232,9 +233,9 @@ struct Map {
     FilteredEnvironment filtered;
     std::vector<EnvironmentDraw> draws;
 };
-/// ∫ f cosθl L dω towards the viewer, in the mean over a pixel's points: half by draws of the BRDF, half by those of the
-/// environment, with the balance heuristic (Veach & Guibas 1995). The points of a pixel go on with one sequence, which begins
-/// elsewhere in each pixel.
+/// ∫ f cosθl L dω towards the viewer, in the mean over a pixel's points, by samples of the BRDF and of the environment
+/// with the balance heuristic (Veach & Guibas 1995). The points of a pixel share one sequence, whose start differs by
+/// pixel.
 Rgb reflected(const Pixel& pixel, const PreparedBrdf& brdf, const Map& map, const Frame& to_map) {
     std::array<double, 3> sum{};
     const auto add = [&](double weight, const Rgb& reflectance, const Rgb& light) {
@@ -247,10 +248,10 @@ Rgb reflected(const Pixel& pixel, const PreparedBrdf& brdf, const Map& map, cons
     for (const Point& point : pixel.points)
         for (int i = 0; i < k_draws; ++i) {
             const auto& u = numbers.next();
-            const LightSample of = sample(brdf, point.wv, {float(u[0]), float(u[1])}, float(u[2]));
-            if (of.pdf > 0 && of.wl.z > 0) {
-                const auto light = map.environment.at(to_float(to_map.to(point.axes.from(to_double(of.wl)))));
-                add(double(of.pdf) / (double(of.pdf) + double(light.pdf)), of.weight, light.radiance);
+            const LightSample sampled = sample(brdf, point.wv, {float(u[0]), float(u[1])}, float(u[2]));
+            if (sampled.pdf > 0 && sampled.wl.z > 0) {
+                const auto light = map.environment.at(to_float(to_map.to(point.axes.from(to_double(sampled.wl)))));
+                add(double(sampled.pdf) / (double(sampled.pdf) + double(light.pdf)), sampled.weight, light.radiance);
             }
             const auto& [w, light] = map.draws[drawn++ % k_environment_draws];
             const Vec3f wl = to_float(point.axes.to(to_map.from(to_double(w))));
@@ -261,7 +262,8 @@ Rgb reflected(const Pixel& pixel, const PreparedBrdf& brdf, const Map& map, cons
     const double count = double(k_draws) * double(pixel.points.size());
     return {float(sum[0] / count), float(sum[1] / count), float(sum[2] / count)};
 }
-Image pictured(const std::vector<Pixel>& pixels, const PreparedBrdf& brdf, const Map& map, const Frame& to_map) {
+Image reference_picture(const std::vector<Pixel>& pixels, const PreparedBrdf& brdf, const Map& map,
+                        const Frame& to_map) {
     Image image(k_size, k_size);
     parallel_for(pixels.size(), 0,
                  [&](std::size_t i) { image.pixels[pixels[i].index] = reflected(pixels[i], brdf, map, to_map); });
@@ -274,21 +276,21 @@ struct Object {
     Camera camera;
     std::vector<Pixel> pixels;
 };
-/// Of a model, over environments and objects.
+/// Errors of a model, over environments and objects.
 struct Row {
     std::array<Errors, k_lobe_counts.size()> by_lobes;
     Errors split;
     std::array<Errors, k_rectangles.size()> by_rectangle;  ///< with k_usual lobes
-    void add(const Row& of) {
-        for (std::size_t k = 0; k < by_lobes.size(); ++k) by_lobes[k].add(of.by_lobes[k]);
-        for (std::size_t i = 0; i < by_rectangle.size(); ++i) by_rectangle[i].add(of.by_rectangle[i]);
-        split.add(of.split);
+    void add(const Row& other) {
+        for (std::size_t k = 0; k < by_lobes.size(); ++k) by_lobes[k].add(other.by_lobes[k]);
+        for (std::size_t i = 0; i < by_rectangle.size(); ++i) by_rectangle[i].add(other.by_rectangle[i]);
+        split.add(other.split);
     }
     void print(const std::string& name) const {
         fmt::print("| {} |", name);
-        for (const Errors& of : by_lobes) fmt::print(" {} |", of.text());
+        for (const Errors& errors : by_lobes) fmt::print(" {} |", errors.text());
         fmt::print(" {} |", split.count > 0 ? split.text() : "");
-        for (const Errors& of : by_rectangle) fmt::print(" {} |", of.text());
+        for (const Errors& errors : by_rectangle) fmt::print(" {} |", errors.text());
         fmt::print("\n");
         std::fflush(stdout);
     }
@@ -300,10 +302,10 @@ Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<O
     std::vector<ExtendedLight> lobes;
     for (const int count : k_lobe_counts) lobes.push_back(extended_light(brdf, {.lobes = count}));
     std::vector<kernel::ExportedLight> lights;
-    for (const ExtendedLight& of : lobes) lights.emplace_back(brdf, of);
-    const auto traced = [&](const Object& object, std::vector<AreaLight> rectangle) {
+    for (const ExtendedLight& light : lobes) lights.emplace_back(brdf, light);
+    const auto trace = [&](const Object& object, std::vector<AreaLight> rectangle) {
         const PathScene scene{{{&object.mesh, 0}}, {brdf}, object.camera, {}, std::move(rectangle), nullptr};
-        return only(
+        return mask(
             object.pixels,
             render_paths(scene,
                          {.width = k_size, .height = k_size, .samples = k_paths, .occlusion = false, .progress = {}})
@@ -313,10 +315,10 @@ Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<O
     for (const Object& object : objects) {
         const Frame axes = environment_frame(object.camera);
         for (const Map& map : maps) {
-            const Image reference = pictured(object.pixels, brdf, map, axes);
+            const Image reference = reference_picture(object.pixels, brdf, map, axes);
             for (std::size_t k = 0; k < lights.size(); ++k) {
                 lights[k].map = &map.filtered, lights[k].map_axes = axes;
-                const Image picture = drawn(object.pixels, [&](const Point& at) {
+                const Image picture = draw(object.pixels, [&](const Point& at) {
                     kernel::ExportedLight::surface = &at.axes;
                     const Vec3f c = lights[k].environment(at.wv, {});
                     return Rgb{c.x, c.y, c.z};
@@ -324,24 +326,24 @@ Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<O
                 row.by_lobes[k].add(errors_of(object.pixels, reference, picture));
             }
             if (ggx && ggx->lobes.size() == 1)
-                row.split.add(errors_of(object.pixels, reference, drawn(object.pixels, [&](const Point& at) {
+                row.split.add(errors_of(object.pixels, reference, draw(object.pixels, [&](const Point& at) {
                                             return split_sum(*ggx, brdf, map.filtered, axes, at);
                                         })));
         }
     }
     const Object& sphere = objects[0];
     for (std::size_t i = 0; i < k_rectangles.size(); ++i) {
-        const AreaLight& of = k_rectangles[i];
-        const Image reference = traced(sphere, {of});
-        row.by_rectangle[i].add(errors_of(sphere.pixels, reference, drawn(sphere.pixels, [&](const Point& at) {
-                                              const auto corner = [&](const Vec3f& add) {
-                                                  return to_float(at.axes.to(to_double(of.corner + add - at.position)));
-                                              };
-                                              const Vec3f c =
-                                                  lights[k_usual].area({}, at.wv, corner({}), corner(of.x),
-                                                                       corner(of.x + of.y), corner(of.y), {});
-                                              return Rgb{c.x, c.y, c.z};
-                                          })));
+        const AreaLight& light = k_rectangles[i];
+        const Image reference = trace(sphere, {light});
+        row.by_rectangle[i].add(
+            errors_of(sphere.pixels, reference, draw(sphere.pixels, [&](const Point& at) {
+                          const auto corner = [&](const Vec3f& add) {
+                              return to_float(at.axes.to(to_double(light.corner + add - at.position)));
+                          };
+                          const Vec3f c = lights[k_usual].area({}, at.wv, corner({}), corner(light.x),
+                                                               corner(light.x + light.y), corner(light.y), {});
+                          return Rgb{c.x, c.y, c.z};
+                      })));
     }
     return row;
 }

@@ -1,6 +1,6 @@
-// Cost of a fit: milliseconds from a loaded measurement to a rounded model, those of each stage, and the squared error
-// ratio at held-out pairs of directions, on the bundled measurements. Then the default fit and the view-by-view fit,
-// called in a process's initial floating-point mode and in a mode that flushes subnormal numbers.
+// Time of a fit of the bundled measurements: milliseconds from a loaded measurement to a rounded model, and for each
+// stage, and the squared error ratio at held-out pairs. Then the default fit and the view-by-view fit, called in a
+// process's initial floating-point mode and in a mode that flushes subnormal numbers.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/floating_point.h"
+#include "brdf/channels.h"
 #include "errors/measures.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
@@ -28,7 +29,7 @@ void fit(benchmark::State& state, const std::string& name) {
     options.threads = int(state.range(4));
     const ObserveOptions observing{.objective = Objective::raw, .threads = options.threads};
     PmModel model;
-    std::map<std::string, double> milliseconds;  // of the stage that ends at a progress report
+    std::map<std::string, double> milliseconds;  // for each stage, which ends at a progress report
     for (auto _ : state) {
         using Clock = std::chrono::steady_clock;
         auto last = Clock::now();

@@ -60,15 +60,15 @@ Result<Done> print_row(const std::string& path, const Mesh& mesh, const Environm
     const PmModel& model = fit->model;
     PathScene scene{{{&mesh, 0}}, {}, camera_of(mesh, {}, 1), {}, {}, &studio};
     std::vector<Cost> costs;
-    const auto of = [&](const auto& brdf) {
+    const auto add_costs = [&](const auto& brdf) {
         scene.materials = {prepare(brdf, propose(evaluator(brdf)))};
         const PathPicture reference = picture(scene, 16 * k_samples, 0);
         costs.push_back(cost(scene, reference.rendering.radiance, reference.first.depth));
         scene.materials = {prepare(brdf, CosineProposal{})};
         costs.push_back(cost(scene, reference.rendering.radiance, reference.first.depth));
     };
-    of(model);
-    of(*measured);
+    add_costs(model);
+    add_costs(*measured);
     fmt::print("| {} | {:.1f} |", std::filesystem::path(path).stem().string(), -10 * std::log10(costs[0].error));
     for (std::size_t i = 1; i < costs.size(); ++i) {
         const double paths = costs[i].error / costs[0].error;

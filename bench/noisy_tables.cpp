@@ -1,14 +1,14 @@
-// Fits of noisy tables against what the noise hides: each measurement is read into a table of MBSDF's layout (the truth),
-// and gets independent normal noise of a share of its median value, signed as an instrument has it or with values below 0
-// set to 0. Prints of each fit ΔE_ITP against the truth, and how many times that of the fit to the truth it is; the largest
-// error of albedo from 0 to 75°, of luminance and of a channel (relative to luminance); the same of the noisy table itself;
-// and processor seconds.
+// Errors of fits to noisy tables. Each measurement is sampled to a table of MBSDF's layout (the truth). The table gets
+// independent normal noise of a share of its median value, signed or with negative values set to 0. Prints for each fit
+// ΔE_ITP against the truth, also relative to the fit to the truth; the largest errors of albedo from 0 to 75°, of
+// luminance and of a channel (relative to luminance); the same for the noisy table; and processor seconds. With
+// --seeds, prints the mean ΔE_ITP and the largest errors of N fits.
 //   usage: noisy_tables [--signed] [--clamped] [--share X] [--seeds N] FILE...
-// (with --seeds, of N fits the mean ΔE_ITP and the largest errors)
-// With --draws N, of N draws of signed noise as large as the median, the error of albedo (luminance) at each of 0.5 to 75° of
-// the fits and of the tables: their mean and standard deviation, then the median of their largest.
+// For N samples of signed noise as large as the median, prints the errors of the albedo's luminance of the tables and
+// of the fits at angles from 0.5 to 75°: mean and standard deviation, then the median of the largest errors.
 //   usage: noisy_tables --draws N FILE...
-// Of files of MBSDF's layout, --own compares each channel's albedo of the fit with the file's own.
+// Compares each channel's albedo of a fit with that of the file.
+//   usage: noisy_tables --own FILE...
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "errors/measures.h"
+#include "errors/picture_errors.h"
 #include "srbf/fit.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
@@ -27,7 +28,7 @@ namespace srbf {
 namespace {
 
 constexpr std::uint32_t k_polar = 45, k_azimuths = 91;
-/// Beside the normal, where a table of MBSDF's layout has all azimuths.
+/// [degrees]; 0.5 instead of 0, where a table of MBSDF's layout has all azimuths.
 constexpr double k_angles[] = {0.5, 15, 30, 45, 60, 75};
 
 /// f at the nodes of a table: θ = i π / (2 n_θ), φ = k π / (n_φ − 1).
@@ -75,27 +76,27 @@ AlbedoErrors albedo_errors_of(const Evaluate& truth, const Evaluate& other) {
     for (const double theta : k_angles) {
         const Rgb a = albedo(truth, theta * k_degree, 89 * k_degree),
                   b = albedo(other, theta * k_degree, 89 * k_degree);
-        const auto take = [](double& most, double error) { most = std::max(most, std::abs(error)); };
-        take(worst.luminance, double(luminance(b)) / double(luminance(a)) - 1);
-        for (int c = 0; c < 3; ++c) take(worst.channel, double(b[c] - a[c]) / double(luminance(a)));
+        const auto raise = [](double& most, double error) { most = std::max(most, std::abs(error)); };
+        raise(worst.luminance, double(luminance(b)) / double(luminance(a)) - 1);
+        for (int c = 0; c < 3; ++c) raise(worst.channel, double(b[c] - a[c]) / double(luminance(a)));
     }
     return worst;
 }
 
-struct Judged {
+struct TableErrors {
     double delta_e;
     AlbedoErrors albedo;
 };
-Judged judge(const Evaluate& truth, const Evaluate& other) {
+TableErrors errors_against(const Evaluate& truth, const Evaluate& other) {
     return {compare_pictures(truth, {&other, 1})[0].mean.delta_e, albedo_errors_of(truth, other)};
 }
-struct Fitted {
-    Judged fit;
+struct FitErrors {
+    TableErrors fit;
     double seconds, share;
 };
-/// The mean of the seeds' ΔE_ITP and times, the largest of their errors.
-Fitted fitted(const Measured& measured, const Evaluate& truth, int seeds) {
-    Fitted all{};
+/// The mean ΔE_ITP and time over seeds, and the largest errors.
+FitErrors fit_errors(const Measured& measured, const Evaluate& truth, int seeds) {
+    FitErrors all{};
     for (int seed = 0; seed < seeds; ++seed) {
         const std::clock_t start = std::clock();
         Fitter fitter(measured);
@@ -103,11 +104,11 @@ Fitted fitted(const Measured& measured, const Evaluate& truth, int seeds) {
         request.seed = std::uint64_t(seed);
         const auto outcome = fitter.fit(request);
         all.seconds += double(std::clock() - start) / CLOCKS_PER_SEC / seeds;
-        if (!outcome) return fmt::print(stderr, "{}\n", message(outcome.error())), Fitted{};
-        const Judged one = judge(truth, evaluator(outcome->model));
-        all.fit.delta_e += one.delta_e / seeds;
-        all.fit.albedo.luminance = std::max(all.fit.albedo.luminance, one.albedo.luminance);
-        all.fit.albedo.channel = std::max(all.fit.albedo.channel, one.albedo.channel);
+        if (!outcome) return fmt::print(stderr, "{}\n", message(outcome.error())), FitErrors{};
+        const auto [delta_e, albedo] = errors_against(truth, evaluator(outcome->model));
+        all.fit.delta_e += delta_e / seeds;
+        all.fit.albedo.luminance = std::max(all.fit.albedo.luminance, albedo.luminance);
+        all.fit.albedo.channel = std::max(all.fit.albedo.channel, albedo.channel);
         all.share = outcome->noise ? outcome->noise->share() : 0;
     }
     return all;
@@ -131,14 +132,14 @@ void print_own(const Measured& measured) {
 std::vector<double> luminance_errors(const Evaluate& truth, const Evaluate& other) {
     std::vector<double> errors;
     for (const double theta : k_angles) {
-        const auto seen = [&](const Evaluate& f) { return luminance(albedo(f, theta * k_degree, 89 * k_degree)); };
-        errors.push_back(100 * (double(seen(other)) / double(seen(truth)) - 1));
+        const auto reflected = [&](const Evaluate& f) { return luminance(albedo(f, theta * k_degree, 89 * k_degree)); };
+        errors.push_back(100 * (double(reflected(other)) / double(reflected(truth)) - 1));
     }
     return errors;
 }
 
-void print_draws(const std::string& name, const char* of, const std::vector<std::vector<double>>& draws) {
-    fmt::print("| {} | {} |", name, of);
+void print_draws(const std::string& name, const char* kind, const std::vector<std::vector<double>>& draws) {
+    fmt::print("| {} | {} |", name, kind);
     for (std::size_t k = 0; k < std::size(k_angles); ++k) {
         double sum = 0, squares = 0;
         for (const auto& errors : draws) sum += errors[k], squares += errors[k] * errors[k];
@@ -161,18 +162,18 @@ void print_draws(const std::string& file, int draws) {
     const MbsdfTable table = table_of(evaluator(*measured));
     const Measured clean{"", "", 0, table};
     const Evaluate truth = evaluator(clean);
-    std::vector<std::vector<double>> of_fits, of_tables;
+    std::vector<std::vector<double>> fits, tables;
     for (int seed = 1; seed <= draws; ++seed) {
         const Measured noisy{"", "", 0, with_noise(table, median(table), false, std::uint64_t(seed))};
-        of_tables.push_back(luminance_errors(truth, signed_evaluator(noisy)));
+        tables.push_back(luminance_errors(truth, signed_evaluator(noisy)));
         Fitter fitter(noisy);
         const auto outcome = fitter.fit({});
         if (!outcome) return void(fmt::print(stderr, "{}\n", message(outcome.error())));
-        of_fits.push_back(luminance_errors(truth, evaluator(outcome->model)));
+        fits.push_back(luminance_errors(truth, evaluator(outcome->model)));
     }
     const std::string name = std::filesystem::path(file).stem().string();
-    print_draws(name, "table", of_tables);
-    print_draws(name, "fit", of_fits);
+    print_draws(name, "table", tables);
+    print_draws(name, "fit", fits);
 }
 
 }  // namespace
@@ -218,22 +219,22 @@ int main(int argc, char** argv) {
         const MbsdfTable table = table_of(evaluator(*measured));
         const Measured clean{"", "", 0, table};
         const Evaluate truth = evaluator(clean);
-        const Fitted of_clean = fitted(clean, truth, seeds);
-        const auto print = [&](const std::string& noise, const Fitted& one, const Judged& own) {
+        const FitErrors clean_fit = fit_errors(clean, truth, seeds);
+        const auto print = [&](const std::string& noise, const FitErrors& one, const TableErrors& own) {
             fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n", name,
-                       noise, one.fit.delta_e, one.fit.delta_e / of_clean.fit.delta_e, 100 * one.fit.albedo.luminance,
+                       noise, one.fit.delta_e, one.fit.delta_e / clean_fit.fit.delta_e, 100 * one.fit.albedo.luminance,
                        100 * one.fit.albedo.channel, own.delta_e, 100 * own.albedo.luminance, one.share, one.seconds);
             std::fflush(stdout);
         };
-        print("none", of_clean, {});
-        const double body = median(table);
+        print("none", clean_fit, {});
+        const double median_value = median(table);
         for (const bool clamped : {false, true})
             for (const double share : shares) {
                 if (!(clamped ? with_clamped : with_signed)) continue;
-                const Measured noisy{"", "", 0, with_noise(table, share * body, clamped)};
+                const Measured noisy{"", "", 0, with_noise(table, share * median_value, clamped)};
                 const Evaluate shown = clamped ? evaluator(noisy) : signed_evaluator(noisy);
                 print(fmt::format("{:g} % {}", 100 * share, clamped ? "clamped" : "signed"),
-                      fitted(noisy, truth, seeds), judge(truth, shown));
+                      fit_errors(noisy, truth, seeds), errors_against(truth, shown));
             }
     }
 }

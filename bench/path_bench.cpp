@@ -1,13 +1,15 @@
-// What a picture by path tracing costs: the ball on its ground in the bundled studio, 256 × 192 pixels, 4 paths a pixel
-// of at most 8 bounces, on one thread, of the bundled vinyl film: its fit of 208 bytes, the fit view by view, the
-// measurement, and that as a table of MERL's layout. `evaluation` is the share of the time that f takes: what a second
-// evaluation of each f adds. Then ns for one draw and one density of the proposals, and making them.
+// Time of a path-traced picture: the ball on its ground in the bundled studio, 256 × 192 pixels, 4 paths per pixel of
+// at most 8 bounces, on one thread. The material is the bundled vinyl film: its fit of 208 bytes, its view-by-view fit,
+// the measurement, and a table of MERL's layout. `evaluation_percent` is the share of time for f: the time that a
+// second evaluation of each f adds. Then ns for a sample and a density of the proposals, and the time to make
+// proposals.
 #include <benchmark/benchmark.h>
 
 #include <ctime>
 
 #include "brdf/directions.h"
 #include "extras/render/path.h"
+#include "measured/tables.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "one_target.h"
@@ -37,14 +39,14 @@ const SuModel& film_su() {
 }
 
 double seconds_of(const PathScene& scene, std::uint64_t& rays) {
-    const std::clock_t start = std::clock();  // of the processor, which others may share
+    const std::clock_t start = std::clock();  // processor time, since other processes may run
     PathOptions options;
     options.width = k_width, options.height = k_height, options.samples = k_samples, options.threads = 1;
     rays = render_paths(scene, options).rays;
     return double(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-/// A BRDF that is asked twice for each value: what that adds is the time of one value.
+/// A BRDF that evaluates each value twice.
 struct Twice {
     PreparedBrdf brdf;
 };
@@ -84,64 +86,64 @@ BENCHMARK(path_su)->Unit(benchmark::kMillisecond)->Iterations(5);
 BENCHMARK(path_rgl)->Unit(benchmark::kMillisecond)->Iterations(5);
 BENCHMARK(path_merl)->Unit(benchmark::kMillisecond)->Iterations(5);
 
-struct Draws {
+struct Samples {
     std::vector<Vec3f> wv, u, wl;
 };
-const Draws& draws() {
-    static const Draws all = [] {
+const Samples& samples() {
+    static const Samples all = [] {
         std::mt19937_64 random(1);
         const MirrorMixture cap(80 * k_degree);
-        Draws drawn;
+        Samples sampled;
         const auto number = [&] { return float(uniform(random)); };
         for (int i = 0; i < 4096; ++i) {
             const double a = uniform(random), b = uniform(random);
-            drawn.wv.push_back(to_float(cap.sample_cap(a, b)));
-            drawn.wl.push_back(to_float(cap.sample_cap(b, a)));
+            sampled.wv.push_back(to_float(cap.sample_cap(a, b)));
+            sampled.wl.push_back(to_float(cap.sample_cap(b, a)));
             const float x = number(), y = number(), z = number();
-            drawn.u.push_back({x, y, z});
+            sampled.u.push_back({x, y, z});
         }
-        return drawn;
+        return sampled;
     }();
     return all;
 }
 template <typename P> void draw_one(benchmark::State& state, const P& proposal) {
     std::size_t i = 0;
     for (auto _ : state) {
-        const Vec3f u = draws().u[i];
-        benchmark::DoNotOptimize(sample(proposal, draws().wv[i], {u.x, u.y}, u.z));
-        i = (i + 1) % draws().u.size();
+        const Vec3f u = samples().u[i];
+        benchmark::DoNotOptimize(sample(proposal, samples().wv[i], {u.x, u.y}, u.z));
+        i = (i + 1) % samples().u.size();
     }
 }
 template <typename P> void density_of_one(benchmark::State& state, const P& proposal) {
     std::size_t i = 0;
     for (auto _ : state) {
-        benchmark::DoNotOptimize(pdf(proposal, draws().wl[i], draws().wv[i]));
-        i = (i + 1) % draws().u.size();
+        benchmark::DoNotOptimize(pdf(proposal, samples().wl[i], samples().wv[i]));
+        i = (i + 1) % samples().u.size();
     }
 }
-/// Both at once, as a path goes on.
+/// Both together, as path tracing does.
 template <typename P> void draw_and_density_of_one(benchmark::State& state, const P& proposal) {
     std::size_t i = 0;
     for (auto _ : state) {
-        const Vec3f u = draws().u[i];
-        benchmark::DoNotOptimize(sample_with_pdf(proposal, draws().wv[i], {u.x, u.y}, u.z));
-        i = (i + 1) % draws().u.size();
+        const Vec3f u = samples().u[i];
+        benchmark::DoNotOptimize(sample_with_pdf(proposal, samples().wv[i], {u.x, u.y}, u.z));
+        i = (i + 1) % samples().u.size();
     }
 }
-/// Of a mixture, for each of the instruction sets of this machine.
+/// Benchmarks of a mixture for each instruction set of this machine.
 const bool k_registered = [] {
     for (const Target target : hwy::SupportedAndGeneratedTargets()) {
-        const auto with = [&](const char* name, auto of_one) {
+        const auto add = [&](const char* name, auto run) {
             benchmark::RegisterBenchmark((name + std::string("_mixture/") + hwy::TargetName(target)).c_str(),
                                          [=](benchmark::State& state) {
                                              const OneTarget one(target);
-                                             of_one(state, propose(evaluator(film_pm())));
+                                             run(state, propose(evaluator(film_pm())));
                                          });
         };
         using State = benchmark::State;
-        with("draw", [](State& state, const auto& proposal) { draw_one(state, proposal); });
-        with("density", [](State& state, const auto& proposal) { density_of_one(state, proposal); });
-        with("draw_and_density", [](State& state, const auto& proposal) { draw_and_density_of_one(state, proposal); });
+        add("draw", [](State& state, const auto& proposal) { draw_one(state, proposal); });
+        add("density", [](State& state, const auto& proposal) { density_of_one(state, proposal); });
+        add("draw_and_density", [](State& state, const auto& proposal) { draw_and_density_of_one(state, proposal); });
     }
     return true;
 }();

@@ -25,6 +25,7 @@
 #include "extras/render/frames.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
+#include "models/su/su_functions.h"
 #include "srbf/metrics.h"
 
 namespace srbf {
@@ -67,7 +68,7 @@ Result<Done> compare(const OffscreenContext& context, const Scene& scene, const 
                      PixelInput input) {
     const bool two_passes = input == PixelInput::surface;
     std::vector<Material> materials;
-    for (const NamedMaterial& of : all) materials.push_back(of.material);
+    for (const NamedMaterial& named : all) materials.push_back(named.material);
     const auto costs = time_frames(context, scene, materials, {.input = input, .frames = two_passes ? 60 : 20});
     if (!costs) return costs.error();
     // If the library renders on the CPU, its CPU time is measured.

@@ -1,4 +1,4 @@
-// Cost of reading: files as large as those of the databases, from memory, on one thread.
+// Time to read files of the databases' sizes, from memory and on one thread.
 #include <benchmark/benchmark.h>
 
 #include "srbf/convert.h"

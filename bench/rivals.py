@@ -1,15 +1,15 @@
-"""Every row of docs/comparison.csv: python3 bench/rivals.py FILE... [--networks FOLDER] [--codes FOLDER] > docs/comparison.csv
+"""Writes docs/comparison.csv: python3 bench/rivals.py FILE... [--networks FOLDER] [--codes FOLDER] > docs/comparison.csv
 
-Each measurement by each model, all compared with it by the same measures. Needs the package `srbf` (PYTHONPATH=build/release/python) and
-NumPy. The rivals `abc` and `sgd` are fitted by classic_brdfs.py. Two published rivals are fitted to single materials by others; a row of
-them is written where a file has a material's name:
+Fits each measurement by each model, and compares them by the same measures. Needs the package `srbf`
+(PYTHONPATH=build/release/python) and NumPy. classic_brdfs.py fits the models `abc` and `sgd`. For two published models
+the authors' fits are read, for the materials that they have:
 
---networks FOLDER  networks of layers 6, 21, 21, 3 (Sztrajman, Rainer, Ritschel, Weyrich: Neural BRDF Representation and Importance
-                   Sampling, 2021), in files that stand_ins.py describes
---codes FOLDER     decoder.f32 and latents.txt: seven numbers a material, and a decoder that all share (Zheng, Zheng, Wang, Zhao, Bao: A
-                   Compact Representation of Measured BRDFs Using Neural Processes, 2021)
+--networks FOLDER  networks of layers 6, 21, 21, 3 (Sztrajman, Rainer, Ritschel, Weyrich: Neural BRDF Representation
+                   and Importance Sampling, 2021), in files that stand_ins.py describes
+--codes FOLDER     decoder.f32 and latents.txt: seven numbers for each material, and a shared decoder (Zheng, Zheng,
+                   Wang, Zhao, Bao: A Compact Representation of Measured BRDFs Using Neural Processes, 2021)
 
-convert_networks.py is meant to make these files from the authors' ones.
+convert_networks.py converts the authors' files to these.
 """
 import argparse
 import csv
@@ -28,32 +28,38 @@ FITS = {  # options of srbf.fit
     "openpbr": {"model": "openpbr"},
     "srbf-4": {"lobes": 4},
     "srbf": {},
-    "srbf-12": {"lobes": 12},
     "srbf-16": {"lobes": 16},
-    "cosine": {"objective": "cosine"},
-    "log": {"objective": "log"},
-    "cube-root": {"objective": "cube-root"},
+    "as-measured-4": {"as_measured": True, "lobes": 4},
+    "as-measured-8": {"as_measured": True},
+    "as-measured-12": {"as_measured": True, "lobes": 12},
+    "as-measured-16": {"as_measured": True, "lobes": 16},
+    "cosine": {"as_measured": True, "objective": "cosine"},
+    "log": {"as_measured": True, "objective": "log"},
+    "cube-root": {"as_measured": True, "objective": "cube-root"},
     "su": {"model": "su", "lobes": 5},
 }
 MODELS = [*FITS, *classic_brdfs.MODELS]
-KINDS = {  # by the names of the materials
-    "metal": "alum-bronze brass chrome-steel gold-metallic-paint3 grease-covered-steel nickel ilm_l3_37_metallic two-layer-silver",
-    "paint": "blue-metallic-paint color-changing-paint2 dark-red-paint purple-paint silver-metallic-paint irid_flake_paint1 aurora_white",
+KINDS = {  # names of materials
+    "metal": "alum-bronze brass chrome-steel gold-metallic-paint3 grease-covered-steel nickel ilm_l3_37_metallic "
+             "two-layer-silver",
+    "paint": "blue-metallic-paint color-changing-paint2 dark-red-paint purple-paint silver-metallic-paint "
+             "irid_flake_paint1 aurora_white",
     "plastic": "black-soft-plastic green-plastic nylon polyethylene red-plastic specular-green-phenolic specular-red-phenolic "
                "specular-yellow-phenolic teflon white-acrylic yellow-matte-plastic yellow-plastic green-latex spectralon",
     "fabric": "light-brown-fabric pink-felt red-fabric2 white-fabric2 acrylic_felt_green satin_blue",
-    "film": "cc_ibiza_sunset cc_amber_citrine cg_sunflower chm_mint cm_toxic_green vch_golden_yellow vch_frozen_amethyst vch_ultra_pink",
-    "wood, stone, paper": "aventurnine black-obsidian fruitwood-241 natural-209 pickled-oak-260 special-walnut-224 cardboard leaf_maple "
-                          "paper_red paper_white colodur_napoli_4f",
+    "film": "cc_ibiza_sunset cc_amber_citrine cg_sunflower chm_mint cm_toxic_green vch_golden_yellow "
+            "vch_frozen_amethyst vch_ultra_pink",
+    "wood, stone, paper": "aventurnine black-obsidian fruitwood-241 natural-209 pickled-oak-260 special-walnut-224 "
+                          "cardboard leaf_maple paper_red paper_white colodur_napoli_4f",
 }
 KIND_OF = {material: kind for kind, materials in KINDS.items() for material in materials.split()}
 ERRORS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms"]
 HELD_OUT = ["heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"]
-MAX_THETA = 80  # degrees, of what is held out
+MAX_THETA = 80  # [degrees], for held-out pairs
 
 
 def half_and_difference(wl, wv):
-    """The half vector at azimuth 0, and the light in its frame, of n pairs: two arrays [n, 3]."""
+    """The half vector rotated to azimuth 0, and the light in its frame, for n pairs: two arrays [n, 3]."""
     half = wl + wv
     half /= np.maximum(np.linalg.norm(half, axis=1, keepdims=True), 1e-12)
     sine = np.hypot(half[:, 0], half[:, 1])
@@ -65,18 +71,19 @@ def half_and_difference(wl, wv):
 
 
 def network(layers):
-    """A network of a material as f(wl, wv). These are of RGL's files with their first direction, the light, as the viewer."""
+    """A material's network as f(wl, wv). The authors took the first direction of RGL's files, the light, as the viewer."""
     return lambda wl, wv: stand_ins.network_value(layers, *half_and_difference(wv.astype(float), wl.astype(float)))
 
 
-def decoded(folder, name, work):
-    """A code as f(wl, wv): its values at the nodes of a table as MERL's, which holds f (cosθl + cosθv) / 2 of RGL's materials."""
-    codes = {line.split()[0]: np.array(line.split()[1:], np.float32) for line in open(os.path.join(folder, "latents.txt"))}
+def decode(folder, name, work):
+    """A material's code as f(wl, wv). The decoder gives a table of MERL's layout, with f (cosθl + cosθv) / 2."""
+    with open(os.path.join(folder, "latents.txt"), encoding="ascii") as file:
+        codes = {key: np.array(code, np.float32) for key, *code in map(str.split, file)}
     numbers = np.fromfile(os.path.join(folder, "decoder.f32"), np.float32)
     layers = []
     for inputs, outputs in [(11, 400)] + [(400, 400)] * 5 + [(400, 3)]:
-        layers.append((numbers[:inputs * outputs].reshape(inputs, outputs), numbers[inputs * outputs:(inputs + 1) * outputs]))
-        numbers = numbers[(inputs + 1) * outputs:]
+        weights, offsets, numbers = np.split(numbers, [inputs * outputs, (inputs + 1) * outputs])
+        layers.append((weights.reshape(inputs, outputs), offsets))
     phi, theta = np.pi * np.arange(180) / 180, np.arange(90) / 90
     table = np.empty((3, 90, 90, 180))
     for row in range(90):
@@ -99,7 +106,7 @@ def decoded(folder, name, work):
 
 
 def symmetric_error(measured, other, count=100_000):
-    """The mean of |f - g| / (f + g) over pairs of uniform solid angle and colours, where f or g is not 0."""
+    """The mean of |f - g| / (f + g) over pairs of uniform solid angle and over channels, where f or g is not 0."""
     random = np.random.default_rng(1)
 
     def directions():
@@ -118,7 +125,8 @@ def rows_of(path, models, networks, codes, work):
 
     def row(model, brdf, function, payload, shared=0):
         errors = srbf.errors(measured, brdf, max_theta=MAX_THETA)
-        numbers = [errors[key] for key in ERRORS] + [symmetric_error(measured, function)] + [errors[key] for key in HELD_OUT]
+        numbers = [errors[key] for key in ERRORS]
+        numbers += [symmetric_error(measured, function)] + [errors[key] for key in HELD_OUT]
         return [name, kind, model, payload, shared] + [f"{number:.6g}" for number in numbers]
 
     for model in models:
@@ -133,22 +141,23 @@ def rows_of(path, models, networks, codes, work):
         value = network(layers)
         yield row("nbrdf", value, value, 4 * 675)
     if codes and path.endswith("_rgb.bsdf"):
-        value = decoded(codes, name, work)
+        value = decode(codes, name, work)
         yield row("nps", value, value, 4 * 7, os.path.getsize(os.path.join(codes, "decoder.f32")))
 
 
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("files", nargs="+", metavar="FILE")
-    options.add_argument("--models", nargs="+", default=MODELS, choices=MODELS, metavar="NAME", help="instead of all: " + " ".join(MODELS))
+    options.add_argument("--models", nargs="+", default=MODELS, choices=MODELS, metavar="NAME",
+                         help="instead of all: " + " ".join(MODELS))
     options.add_argument("--networks", metavar="FOLDER")
     options.add_argument("--codes", metavar="FOLDER")
-    asked = options.parse_args()
+    arguments = options.parse_args()
     out = csv.writer(sys.stdout, lineterminator="\n")
     out.writerow(["material", "kind", "model", "payload", "shared"] + ERRORS + ["symmetric_error"] + HELD_OUT)
     with tempfile.TemporaryDirectory() as work:
-        for path in asked.files:
-            out.writerows(rows_of(path, asked.models, asked.networks, asked.codes, work))
+        for path in arguments.files:
+            out.writerows(rows_of(path, arguments.models, arguments.networks, arguments.codes, work))
             sys.stdout.flush()
 
 

@@ -1,9 +1,9 @@
-// Quality of importance sampling: the relative variance of f cosθl / pdf (luminance) and the share of lost samples. For
-// the multivariate and the view-by-view model with their own proposals; for the measurement with its own proposal, that
-// of its multivariate model, and the cosine. Fits are the program's defaults, the view-by-view one with 5 lobes.
+// Quality of importance sampling: the relative variance of f cosθl / pdf (luminance) and the share of lost samples, for
+// the multivariate and the view-by-view model with their own proposals, and for the measurement with its own proposal,
+// that of its multivariate model, and the cosine. Fits are the program's defaults, the view-by-view one with 5 lobes.
 //   usage: sampling FILE...
-// Or for measurements and models, prepared, the median and the largest over views every 3° to 85°, and the most lost to
-// 89.9°, as CSV, the largest variance first:
+// For prepared measurements and models, prints the median and the largest variance over views every 3° to 85°, and the
+// largest share of lost samples to 89.9°, as CSV in descending order of the largest variance.
 //   usage: sampling --views FILE...
 #include <fmt/format.h>
 
@@ -40,19 +40,19 @@ double lost(const Proposal& proposal, Vec3f wv, int draws) {
     return double(count) / draws;
 }
 
-/// Var(f cosθl / pdf) / E² by quadrature with so many points, ∫ (f cosθl)²/pdf dωl / (∫ f cosθl dωl)² − 1.
+/// Var(f cosθl / pdf) / E² = ∫ (f cosθl)²/pdf dωl / (∫ f cosθl dωl)² − 1 by quadrature with `count` points.
 double variance(const Evaluate& brdf, const Proposal& proposal, Vec3f wv, int count) {
     const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), count);
     std::vector<Rgb> f(points.w.size());
     brdf(points.w, std::vector<Vec3f>(f.size(), wv), f);
-    double whole = 0, squared = 0;
+    double sum = 0, squares = 0;
     for (std::size_t i = 0; i < f.size(); ++i) {
         const double g = is_finite(f[i]) ? luminance(f[i]) * double(points.w[i].z) : 0;
         if (!(g > 0)) continue;
-        whole += points.weight[i] * g;
-        squared += points.weight[i] * g * g / double(pdf(proposal, points.w[i], wv));
+        sum += points.weight[i] * g;
+        squares += points.weight[i] * g * g / double(pdf(proposal, points.w[i], wv));
     }
-    return squared / (whole * whole) - 1;
+    return squares / (sum * sum) - 1;
 }
 
 Quality quality(const Evaluate& brdf, const Proposal& proposal, double theta) {
@@ -72,11 +72,11 @@ Result<Done> print_rows(const std::string& path) {
     const auto su = fit_su(*matrix, {.lobes = 5});
     if (!su) return su.error();
 
-    const Evaluate of_pm = evaluator(pm->model), of_su = evaluator(su->model), of_table = evaluator(*measured);
-    const Proposal by_pm = propose(of_pm), by_su = propose(su->model), cosine,
-                   by_table = refine(of_table, propose(of_table));
+    const Evaluate f_pm = evaluator(pm->model), f_su = evaluator(su->model), f_table = evaluator(*measured);
+    const Proposal pm_proposal = propose(f_pm), su_proposal = propose(su->model), cosine,
+                   table_proposal = refine(f_table, propose(f_table));
     const std::pair<const Evaluate&, const Proposal&> columns[] = {
-        {of_pm, by_pm}, {of_su, by_su}, {of_table, by_table}, {of_table, by_pm}, {of_table, cosine}};
+        {f_pm, pm_proposal}, {f_su, su_proposal}, {f_table, table_proposal}, {f_table, pm_proposal}, {f_table, cosine}};
     for (const double theta : k_thetas) {
         fmt::print("| {} | {}° |", std::filesystem::path(path).stem().string(), theta);
         for (const auto& [brdf, proposal] : columns) {
@@ -92,48 +92,48 @@ Result<Done> print_rows(const std::string& path) {
     return Done{};
 }
 
-/// What there is at the worst views of a file.
-struct AtWorst {
+/// The quality over the views of a file.
+struct ViewQuality {
     std::string file;
     bool is_measured, has_table;
     double median, largest, largest_at, lost, lost_at;
-    std::vector<double> variances = {};  ///< to 85°, ascending
-    std::vector<double> grazing = {};    ///< at 87° and 89.4°
+    std::vector<double> variances = {};  ///< at views to 85°, in ascending order
+    std::vector<double> grazing = {};    ///< variances at 87° and 89.4°
 };
 
-Result<AtWorst> at_worst(const std::string& path) {
+Result<ViewQuality> view_quality(const std::string& path) {
     const auto loaded = load_brdf(path);
     if (!loaded) return loaded.error();
-    const PreparedBrdf brdf = std::visit([](const auto& of) { return prepare(of, ProposeOptions{}); }, *loaded);
-    AtWorst of{std::filesystem::path(path).stem().string(),
-               std::holds_alternative<Measured>(*loaded),
-               std::holds_alternative<TableProposal>(proposal(brdf)),
-               0,
-               0,
-               0,
-               0,
-               0};
+    const PreparedBrdf brdf = std::visit([](const auto& kind) { return prepare(kind, ProposeOptions{}); }, *loaded);
+    ViewQuality quality{std::filesystem::path(path).stem().string(),
+                        std::holds_alternative<Measured>(*loaded),
+                        std::holds_alternative<TableProposal>(proposal(brdf)),
+                        0,
+                        0,
+                        0,
+                        0,
+                        0};
     std::vector<double> variances;
     for (double theta = 0; theta < 90; theta += theta < 84 ? 3 : 0.7) {
         const Vec3f wv = to_float(spherical(theta * k_degree, 0.3));
-        if (const double share = lost(proposal(brdf), wv, 1 << 14); share > of.lost)
-            of.lost = share, of.lost_at = theta;
+        if (const double share = lost(proposal(brdf), wv, 1 << 14); share > quality.lost)
+            quality.lost = share, quality.lost_at = theta;
         if (theta > 85) continue;
         variances.push_back(variance(evaluator(brdf), proposal(brdf), wv, 1 << 15));
-        if (variances.back() > of.largest) of.largest = variances.back(), of.largest_at = theta;
+        if (variances.back() > quality.largest) quality.largest = variances.back(), quality.largest_at = theta;
     }
     for (const double theta : {87.0, 89.4})
-        of.grazing.push_back(
+        quality.grazing.push_back(
             variance(evaluator(brdf), proposal(brdf), to_float(spherical(theta * k_degree, 0.3)), 1 << 15));
     std::ranges::sort(variances);
-    of.median = variances[variances.size() / 2];
-    of.variances = std::move(variances);
-    return of;
+    quality.median = variances[variances.size() / 2];
+    quality.variances = std::move(variances);
+    return quality;
 }
 
-void print_views(std::span<const AtWorst> all, const char* which, std::vector<double> AtWorst::*variances) {
+void print_views(std::span<const ViewQuality> all, const char* which, std::vector<double> ViewQuality::*variances) {
     std::vector<double> views;
-    for (const AtWorst& of : all) views.insert(views.end(), (of.*variances).begin(), (of.*variances).end());
+    for (const ViewQuality& file : all) views.insert(views.end(), (file.*variances).begin(), (file.*variances).end());
     std::ranges::sort(views);
     if (!views.empty())
         fmt::print(stderr, "{} views {}: median {:.4f}, 95 % {:.4f}, largest {:.4f}\n", views.size(), which,
@@ -141,19 +141,20 @@ void print_views(std::span<const AtWorst> all, const char* which, std::vector<do
 }
 
 Result<Done> print_worst(std::span<char*> paths) {
-    std::vector<AtWorst> all;
+    std::vector<ViewQuality> all;
     for (const char* path : paths) {
-        const auto of = at_worst(path);
-        if (!of) return of.error();
-        all.push_back(*of);
+        const auto quality = view_quality(path);
+        if (!quality) return quality.error();
+        all.push_back(*quality);
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.largest > b.largest; });
     fmt::print("file,of,drawn by,median variance,largest variance,at [degrees],most lost,lost at [degrees]\n");
-    for (const AtWorst& of : all)
-        fmt::print("{},{},{},{:.4f},{:.4f},{:.1f},{:.4f},{:.1f}\n", of.file, of.is_measured ? "measurement" : "fit",
-                   of.has_table ? "table" : "mixture", of.median, of.largest, of.largest_at, of.lost, of.lost_at);
-    print_views(all, "to 85 degrees", &AtWorst::variances);
-    print_views(all, "at 87 and 89.4 degrees", &AtWorst::grazing);
+    for (const ViewQuality& quality : all)
+        fmt::print("{},{},{},{:.4f},{:.4f},{:.1f},{:.4f},{:.1f}\n", quality.file,
+                   quality.is_measured ? "measurement" : "fit", quality.has_table ? "table" : "mixture", quality.median,
+                   quality.largest, quality.largest_at, quality.lost, quality.lost_at);
+    print_views(all, "to 85 degrees", &ViewQuality::variances);
+    print_views(all, "at 87 and 89.4 degrees", &ViewQuality::grazing);
     return Done{};
 }
 

@@ -1,7 +1,7 @@
-"""The stand-ins of docs/comparison.md: python3 bench/stand_ins.py NETWORKS OUT
+"""Makes the stand-ins of docs/comparison.md: python3 bench/stand_ins.py NETWORKS OUT
 
-For each network that Sztrajman et al. published (Neural BRDF Representation and Importance Sampling, 2021) a table of MERL's layout,
-OUT/NAME.binary. NETWORKS is a folder with, for each material, either
+Writes a table of MERL's layout, OUT/NAME.binary, for each network that Sztrajman et al. published (Neural BRDF
+Representation and Importance Sampling, 2021). NETWORKS is a folder with, for each material, either
 
 NAME.txt          675 numbers: weights [6, 21], offsets [21], weights [21, 21], offsets [21], weights [21, 3] and offsets [3]
 NAME_fc1.npy ..   the same six arrays, fc1, b1, fc2, b2, fc3 and b3, as the authors' program h5_to_npy.py writes them
@@ -21,7 +21,8 @@ SCALE = np.array([1, 1.15, 1.66]) / 1500  # 1/sr of a stored number, red, green 
 
 def names_in(folder):
     """The materials of a folder of networks."""
-    stems = (name.removesuffix(".txt").removesuffix("_fc1.npy") for name in os.listdir(folder) if name.endswith((".txt", "_fc1.npy")))
+    stems = (name.removesuffix(".txt").removesuffix("_fc1.npy")
+             for name in os.listdir(folder) if name.endswith((".txt", "_fc1.npy")))
     return sorted(set(stems))
 
 
@@ -43,7 +44,7 @@ def network_of(folder, name):
 
 
 def network_value(layers, half, difference):
-    """f [1/sr] of n pairs of a half vector, its azimuth 0, and the light in its frame: two arrays [n, 3]."""
+    """f [1/sr] for n pairs, by the half vector at azimuth 0 and the light in its frame: two arrays [n, 3]."""
     x = np.concatenate([half, difference], axis=1)
     for weights, offsets in layers[:-1]:
         x = np.maximum(x @ weights + offsets, 0)
@@ -52,16 +53,19 @@ def network_value(layers, half, difference):
 
 
 def table_of(layers):
-    """The stored numbers [3, θh, θd, φd] of MERL's layout: θh in squares, and -1 below the horizon."""
+    """The stored numbers [3, θh, θd, φd] of MERL's layout: quadratic in θh, and -1 below the horizon."""
     table = np.empty((3, HALF, DIFFERENCE, AZIMUTH))
     theta_d = (np.arange(DIFFERENCE) / DIFFERENCE * np.pi / 2)[:, None]
     phi_d = (np.arange(AZIMUTH) / AZIMUTH * np.pi)[None, :]
-    difference = np.stack(np.broadcast_arrays(np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d), np.cos(theta_d)), axis=-1)
+    components = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d), np.cos(theta_d)
+    difference = np.stack(np.broadcast_arrays(*components), axis=-1)
     for row in range(HALF):
         theta_h = (row / HALF) ** 2 * np.pi / 2
         half = np.array([np.sin(theta_h), 0, np.cos(theta_h)])
-        z, x = difference[..., 2] * half[2], difference[..., 0] * half[0]  # the cosines are z - x of the light and z + x of the viewer
-        f = network_value(layers, np.broadcast_to(half, (z.size, 3)), difference.reshape(-1, 3)).reshape(DIFFERENCE, AZIMUTH, 3)
+        # The cosines are z - x of the light and z + x of the viewer.
+        z, x = difference[..., 2] * half[2], difference[..., 0] * half[0]
+        f = network_value(layers, np.broadcast_to(half, (z.size, 3)), difference.reshape(-1, 3))
+        f = f.reshape(DIFFERENCE, AZIMUTH, 3)
         table[:, row] = np.where((z > abs(x))[..., None], f / SCALE, -1).transpose(2, 0, 1)
     return table
 

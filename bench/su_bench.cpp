@@ -1,14 +1,16 @@
-// Time of the stages of the view-by-view model: evaluation of the raw matrix, the fit stage by stage, writing the file,
-// building the index texture, evaluation. Fits of the bundled vinyl film; objective raw, 1536 directions.
+// Time of the view-by-view model's stages, for the bundled vinyl film with objective raw and 1536 directions: the raw
+// matrix, the stages of the fit, writing the file, building the index texture, evaluation.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
 #include <map>
 #include <string>
 
+#include "brdf/channels.h"
 #include "brdf/directions.h"
 #include "errors/measures.h"
 #include "models/su/fit_su.h"
+#include "models/su/su_functions.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
@@ -23,15 +25,15 @@ const Measured& measured() {
     return film;
 }
 const RawMatrix& matrix() {
-    static const RawMatrix of_film = *tabulate(signed_evaluator(measured()));
-    return of_film;
+    static const RawMatrix raw = *tabulate(signed_evaluator(measured()));
+    return raw;
 }
 SuFitOptions options_of(int lobes, int threads) {
     return {.lobes = lobes, .objective = Objective::raw, .threads = threads};
 }
 const SuModel& model() {
-    static const SuModel of_film = fit_su(matrix(), options_of(5, 0))->model;
-    return of_film;
+    static const SuModel fitted = fit_su(matrix(), options_of(5, 0))->model;
+    return fitted;
 }
 
 void tabulate_matrix(benchmark::State& state) {
@@ -46,7 +48,7 @@ BENCHMARK(tabulate_matrix)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-/// From the raw matrix to the bytes of the file; the counters are milliseconds between progress reports of that stage.
+/// From the raw matrix to the bytes of the file. The counters are milliseconds between progress reports of each stage.
 void fit(benchmark::State& state) {
     std::map<std::string, double> stages;
     SuModel fitted;
@@ -77,8 +79,8 @@ BENCHMARK(fit)
     ->UseRealTime();
 
 void write_file(benchmark::State& state) {
-    const Model whole{model(), {}};
-    for (auto _ : state) benchmark::DoNotOptimize(write_model(whole));
+    const Model any{model(), {}};
+    for (auto _ : state) benchmark::DoNotOptimize(write_model(any));
 }
 BENCHMARK(write_file)->Unit(benchmark::kMillisecond);
 
@@ -96,30 +98,31 @@ const Pairs& random_pairs() {
     static const Pairs pairs = [] {
         std::mt19937_64 random(1);
         const MirrorMixture cap(89 * k_degree);
-        Pairs drawn;
+        Pairs sampled;
         for (int i = 0; i < 1 << 14; ++i)
-            for (auto* of : {&drawn.wl, &drawn.wv}) {
+            for (auto* directions : {&sampled.wl, &sampled.wv}) {
                 const double u1 = uniform(random), u2 = uniform(random);
-                of->push_back(to_float(cap.sample_cap(u1, u2)));
+                directions->push_back(to_float(cap.sample_cap(u1, u2)));
             }
-        return drawn;
+        return sampled;
     }();
     return pairs;
 }
 
-/// ns per pair: single pairs, by the texture, in arrays of unrelated pairs, in arrays of one view.
-void evaluate_one(benchmark::State& state) {
-    SuModel one = model();
-    one.interpolation = SuInterpolation(state.range(0));
+// Evaluation, in ns per pair: single pairs, single pairs by the index texture, arrays of unrelated pairs, and arrays of
+// pairs with the same view.
+void evaluate_pair(benchmark::State& state) {
+    SuModel su = model();
+    su.interpolation = SuInterpolation(state.range(0));
     const Pairs& pairs = random_pairs();
     std::size_t i = 0;
     for (auto _ : state) {
-        benchmark::DoNotOptimize(value(one, pairs.wl[i], pairs.wv[i]));
+        benchmark::DoNotOptimize(value(su, pairs.wl[i], pairs.wv[i]));
         i = (i + 1) % pairs.wl.size();
     }
-    state.SetLabel(std::string(name(one.interpolation)));
+    state.SetLabel(std::string(name(su.interpolation)));
 }
-BENCHMARK(evaluate_one)->Arg(0)->Arg(1);
+BENCHMARK(evaluate_pair)->Arg(0)->Arg(1);
 
 void evaluate_by_texture(benchmark::State& state) {
     const IndexTexture index = index_texture(model(), DirectionMap::cube);
@@ -133,18 +136,18 @@ void evaluate_by_texture(benchmark::State& state) {
 BENCHMARK(evaluate_by_texture);
 
 void evaluate_array(benchmark::State& state) {
-    SuModel one = model();
-    one.interpolation = SuInterpolation(state.range(0));
+    SuModel su = model();
+    su.interpolation = SuInterpolation(state.range(0));
     Pairs pairs = random_pairs();
     if (state.range(1) == 1) std::fill(pairs.wv.begin(), pairs.wv.end(), pairs.wv[0]);
     std::vector<Rgb> f(pairs.wl.size());
     for (auto _ : state) {
-        evaluate(one, pairs.wl, pairs.wv, f);
+        evaluate(su, pairs.wl, pairs.wv, f);
         benchmark::DoNotOptimize(f.data());
     }
     state.counters["per_pair"] = benchmark::Counter(
         double(f.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-    state.SetLabel(std::string(name(one.interpolation)));
+    state.SetLabel(std::string(name(su.interpolation)));
 }
 BENCHMARK(evaluate_array)->ArgNames({"interpolation", "one_view"})->ArgsProduct({{0, 1}, {0, 1}});
 

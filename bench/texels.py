@@ -1,11 +1,13 @@
-"""Synthetic maps of texels, and the errors of fits to them where nothing was sampled. Needs NumPy.
+"""Makes synthetic maps of texels, and measures errors of fits to them at other pairs of directions. Needs NumPy.
 
 python3 bench/texels.py make FOLDER --program SRBF --texels N [FILE...]
-    writes FOLDER/texels.npy and pairs.csv, for `srbf map texels.npy --pairs pairs.csv --basis J`: 256 pairs within 78°, half of them with
-    the light near the mirror direction, and noise of 2 %. With measurements a texel is a blend of them in random proportions; without
-    them, a Lambert and a GGX lobe whose colours, roughness and reflectance at normal incidence differ from texel to texel.
+    writes FOLDER/texels.npy and pairs.csv, for `srbf map texels.npy --pairs pairs.csv --basis J`: values at 256 pairs
+    within 78°, half of them with the light near the mirror direction, with noise of 2 %. If there are measurements, a
+    texel blends them in random proportions. Otherwise it is a Lambert and a GGX lobe with random colour, roughness and
+    reflectance at normal incidence.
 python3 bench/texels.py compare FOLDER MAP.srbf... --program SRBF [--sample 64]
-    prints errors of MAP and of single fits, `srbf map` without --basis, for some of the texels, against their values without noise at other pairs.
+    prints for some of the texels the errors of MAP and of single fits (`srbf map` without --basis) against values
+    without noise at other pairs.
 """
 import argparse
 import json
@@ -18,7 +20,7 @@ import numpy as np
 PAIRS, OTHER_PAIRS = 256, 2048
 MAX_THETA = np.radians(78)
 NOISE = 0.02
-CHUNK = 4096  # texels that are made at a time
+CHUNK = 4096  # texels that are computed together
 
 
 def directions(random, count):
@@ -27,7 +29,7 @@ def directions(random, count):
 
 
 def pairs_of(random, count):
-    """wl and wv; half of the lights are near the mirror direction."""
+    """Random wl and wv; half of the lights are near the mirror direction."""
     wl, wv = directions(random, count), directions(random, count)
     near = wv[::2] * [-1, -1, 1] + 0.1 * random.normal(size=wv[::2].shape)
     near /= np.linalg.norm(near, axis=1, keepdims=True)
@@ -39,20 +41,21 @@ def write_pairs(path, wl, wv):
     np.savetxt(path, np.hstack([wl, wv]), delimiter=",", header="wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", comments="")
 
 
-def evaluated(program, brdf, pairs):
+def evaluate(program, brdf, pairs):
     """f_r [1/sr] of a measurement or a model at pairs, [M, 3]."""
-    lines = subprocess.run([program, "eval", brdf, "--pairs", pairs, "--channels", "rgb"], check=True, capture_output=True, text=True).stdout
+    command = [program, "eval", brdf, "--pairs", pairs, "--channels", "rgb"]
+    lines = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     return np.array([line.split(",")[-3:] for line in lines.splitlines()[1:]], float)
 
 
 class Blends:
-    """Of measurements, in proportions that are uniform over the simplex."""
+    """Blends of measurements, in proportions that are uniform over the simplex."""
 
     def __init__(self, program, files, pairs):
-        self.f = np.stack([evaluated(program, file, pairs) for file in files])
+        self.f = np.stack([evaluate(program, file, pairs) for file in files])
 
     def values(self, texels):
-        # A generator for each texel would be slow: exponential variates of a hash of its number.
+        # Normalised exponential variates are uniform over the simplex. A hash of the texel's number gives them.
         share = -np.log(uniform(texels, len(self.f)))
         return np.einsum("tk,kmc->tmc", share / share.sum(axis=1, keepdims=True), self.f)
 
@@ -84,9 +87,10 @@ class Ggx:
 
 
 def uniform(texels, count):
-    """`count` numbers in (0, 1) for each texel: splitmix64 of its number."""
+    """`count` numbers in (0, 1) for each texel, by splitmix64 of its number."""
     with np.errstate(over="ignore"):
-        x = (np.asarray(texels, np.uint64)[:, None] * np.uint64(count) + np.arange(1, count + 1, dtype=np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
+        x = np.asarray(texels, np.uint64)[:, None] * np.uint64(count) + np.arange(1, count + 1, dtype=np.uint64)
+        x *= np.uint64(0x9E3779B97F4A7C15)
         x = (x ^ (x >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
         x = (x ^ (x >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return ((x ^ (x >> np.uint64(31))) >> np.uint64(11)).astype(float) * 2.0**-53 + 2.0**-54
@@ -103,10 +107,10 @@ def make(folder, program, files, texels):
         write_pairs(os.path.join(folder, name), *pairs_of(random, count))
     with open(os.path.join(folder, "files.json"), "w", encoding="utf-8") as file:
         json.dump([os.path.abspath(path) for path in files], file)
-    of = materials(program, files, os.path.join(folder, "pairs.csv"))
+    source = materials(program, files, os.path.join(folder, "pairs.csv"))
     out = np.lib.format.open_memmap(os.path.join(folder, "texels.npy"), "w+", np.float32, (texels, PAIRS, 3))
     for first in range(0, texels, CHUNK):
-        f = of.values(np.arange(first, min(first + CHUNK, texels)))
+        f = source.values(np.arange(first, min(first + CHUNK, texels)))
         out[first:first + CHUNK] = f * (1 + NOISE * random.standard_normal(f.shape, np.float32))
 
 
@@ -123,15 +127,17 @@ def compare(folder, program, maps, sample):
         expected = materials(program, json.load(file), other).values(which)
     singles = os.path.join(folder, "sample.npy")
     np.save(singles, texels[which])
-    subprocess.run([program, "map", singles, "--pairs", pairs, "-o", os.path.join(folder, "singles"), "--resume"], check=True)
+    command = [program, "map", singles, "--pairs", pairs, "-o", os.path.join(folder, "singles"), "--resume"]
+    subprocess.run(command, check=True)
     columns = {"single fits": [os.path.join(folder, "singles", f"sample-000000000.srbf#{n}") for n in range(sample)]}
     columns |= {path: [f"{path}#{t}" for t in which] for path in maps}
     reference = None
     for name, models in columns.items():
-        errors = np.array([cube_root_error(f, evaluated(program, model, other)) for f, model in zip(expected, models)])
+        errors = np.array([cube_root_error(f, evaluate(program, model, other)) for f, model in zip(expected, models)])
         reference = errors if reference is None else reference
         print(f"{name}: mean {errors.mean():.3%}, median {np.median(errors):.3%}, 95 % {np.quantile(errors, 0.95):.3%}; "
-              f"times the single fits': mean {errors.mean() / reference.mean():.2f}, median {np.median(errors) / np.median(reference):.2f}")
+              f"times the single fits': mean {errors.mean() / reference.mean():.2f}, "
+              f"median {np.median(errors) / np.median(reference):.2f}")
         sys.stdout.flush()
 
 
@@ -143,11 +149,11 @@ def main():
     options.add_argument("--program", default="srbf")
     options.add_argument("--texels", type=int, default=1024 * 1024)
     options.add_argument("--sample", type=int, default=64)
-    asked = options.parse_intermixed_args()
-    if asked.work == "make":
-        make(asked.folder, asked.program, asked.files, asked.texels)
+    arguments = options.parse_intermixed_args()
+    if arguments.work == "make":
+        make(arguments.folder, arguments.program, arguments.files, arguments.texels)
     else:
-        compare(asked.folder, asked.program, asked.files, asked.sample)
+        compare(arguments.folder, arguments.program, arguments.files, arguments.sample)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,4 @@
-// Command lines of a grammar: the subcommands and options that --help tells of, with arguments of the kinds that they
-// take and others.
+// Command lines of a grammar: the subcommands and options that --help lists, with valid and invalid arguments.
 #pragma once
 #include <filesystem>
 #include <fstream>
@@ -11,7 +10,7 @@
 
 namespace srbf {
 
-/// A small file of each kind, bad ones among them, and what stands on standard error.
+/// A folder with a small file of each kind, and invalid files.
 class CommandFolder {
   public:
     CommandFolder() {
@@ -33,7 +32,7 @@ class CommandFolder {
         add("t.npy", "\x93NUMPY" + std::string("\1\0", 2) + char(head.size()) + '\0' + head + std::string(12, '\0'));
     }
     const std::filesystem::path& path() const { return folder_.path(); }
-    /// Names that are not among the files at first.
+    /// The names of new files.
     std::vector<std::string> outputs() const {
         std::vector<std::string> names;
         for (const auto& entry : std::filesystem::directory_iterator(path()))
@@ -41,7 +40,7 @@ class CommandFolder {
                 names.push_back(name);
         return names;
     }
-    /// Files change only if a line names them once, for output.
+    /// Aborts if a file has changed that the line does not name exactly once, as output.
     void check_inputs(const std::vector<std::string>& words) const {
         for (const auto& [name, text] : files_) {
             const auto file = path() / name;
@@ -69,7 +68,7 @@ class CommandFolder {
     std::map<std::string, std::string> files_;
 };
 
-/// Makes words of bytes.
+/// Makes command lines from bytes.
 class Grammar {
   public:
     Grammar() {
@@ -85,7 +84,7 @@ class Grammar {
         if (which == help_.subcommands.size()) return {"srbf", text()};
         const SubcommandHelp& sub = help_.subcommands[which];
         std::vector<std::string> words{"srbf", sub.name};
-        // What is required is mostly there, and pictures are small.
+        // Required arguments are usually present, and pictures are small.
         if (sub.name == "render") words.insert(words.end(), {"--size", "3x2", "--spp", "1"});
         for (const OptionHelp& option : sub.options) {
             const bool is_output = option.names.back() == "--output" && sub.name != "fit";
@@ -108,7 +107,7 @@ class Grammar {
         bytes_ = bytes_.subspan(1);
         return byte % count;
     }
-    template <std::size_t n> std::string one_of(const std::array<const char*, n>& all) const { return all[next(n)]; }
+    template <std::size_t n> std::string choose(const std::array<const char*, n>& all) const { return all[next(n)]; }
 
     void add(std::vector<std::string>& words, const OptionHelp& option) const {
         if (!option.positional) words.push_back(next(16) == 1 ? option.names[0] : option.names.back());
@@ -124,19 +123,19 @@ class Grammar {
         return is_file ? input() : number();
     }
     std::string input() const {
-        return one_of(std::array{"m.srbf", "g.srbf", "p.csv", "s.csv", "m.obj", "e.hdr", "empty", "text", "t.npy",
+        return choose(std::array{"m.srbf", "g.srbf", "p.csv", "s.csv", "m.obj", "e.hdr", "empty", "text", "t.npy",
                                  "missing", "f", "m.srbf", "m.srbf"});
     }
     std::string output() const {
-        return one_of(std::array{"x.png", "x.exr", "x.srbf", "x.csv", "x.binary", "x.bsdf", "x.mbsdf", "x.html", "x",
+        return choose(std::array{"x.png", "x.exr", "x.srbf", "x.csv", "x.binary", "x.bsdf", "x.mbsdf", "x.html", "x",
                                  "f", "f/", "f/x.png", "no/x.png", "m.srbf", "/dev/full"});
     }
     std::string number() const {
-        return one_of(std::array{"1", "2", "0", "8", "30", "0.5", "auto", "-1", "nan", "4x3", "0x1", "0:1", "1:0", "12",
+        return choose(std::array{"1", "2", "0", "8", "30", "0.5", "auto", "-1", "nan", "4x3", "0x1", "0:1", "1:0", "12",
                                  "m=label", "=", "1e9", "99999999999999999999"});
     }
     std::string text() const {
-        return one_of(std::array{"", "-", "--", "x", "a\nb", "--bogus", "-h", "--version", "\xff\x1b[2J", "/dev/null",
+        return choose(std::array{"", "-", "--", "x", "a\nb", "--bogus", "-h", "--version", "\xff\x1b[2J", "/dev/null",
                                  "-o", "=", "--seed=1", "none", "studio", "knot"});
     }
 
@@ -144,7 +143,8 @@ class Grammar {
     mutable std::span<const std::byte> bytes_;
 };
 
-/// A command line keeps the promises of each run; wrong usage writes no file. Inputs are left as they are. Returns the status.
+/// Runs a command line, and checks that wrong usage writes no file and that inputs remain unchanged. Returns the
+/// status.
 inline int check_command_line(std::span<const std::byte> bytes) {
     static const CommandFolder folder;
     static const Grammar grammar;

@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
 }
 
-/// Half of the changes to a model file leave its header as it is: it is read, with other numbers.
+/// Half of the mutations of a model file change only its numbers, so that the file remains readable.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
     std::uint64_t header = 0;
     if (size > sizeof header) std::memcpy(&header, data, sizeof header);

@@ -1,4 +1,4 @@
-// The program in this process, and what it promises of each of its runs.
+// Runs the program in this process, and checks what it promises for every run.
 #pragma once
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ inline std::string bytes_of(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// A folder that is removed at last.
+/// A temporary folder, which the destructor removes.
 class FuzzFolder {
   public:
     FuzzFolder() {
@@ -49,12 +49,12 @@ class FuzzFolder {
     std::filesystem::path path_;
 };
 
-/// Standard output goes nowhere, and standard error to a file, while it lives.
-class Captured {
+/// Discards standard output, and redirects standard error to a file, until `end`.
+class OutputCapture {
   public:
-    explicit Captured(const std::string& file)
-        : file_(file), out_(replaced(1, "/dev/null")), error_(replaced(2, file.c_str())) {}
-    /// Returns what stood on standard error.
+    explicit OutputCapture(const std::string& file)
+        : file_(file), out_(redirect(1, "/dev/null")), error_(redirect(2, file.c_str())) {}
+    /// Restores both. Returns the text of standard error.
     std::string end() const {
         std::fflush(stdout), std::fflush(stderr);
         ::dup2(out_, 1), ::dup2(error_, 2);
@@ -63,7 +63,7 @@ class Captured {
     }
 
   private:
-    static int replaced(int number, const char* path) {
+    static int redirect(int number, const char* path) {
         const int kept = ::dup(number), file = ::open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
         ::dup2(file, number);
         ::close(file);
@@ -76,23 +76,24 @@ class Captured {
 struct InProcess {
     int status;
     std::string error;
-    int lines;  ///< of it
+    int lines;  ///< number of lines of `error`
 };
 
-/// Runs the program on the words in the folder. It ends with exit status 0, 1 or 2; without 0 it says why, in lines
-/// that begin with its name and have no control characters; wrong usage is one line that names the help.
+/// Runs the program with the given words in the folder. Checks that the exit status is 0, 1 or 2; that any other than 0
+/// comes with lines that begin with the program's name and have no control characters; and that wrong usage is one line
+/// that names the help.
 inline InProcess run_in_process(const std::filesystem::path& folder, std::vector<std::string> words) {
     const std::string line = fmt::format("{}", fmt::join(words, " "));
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
-    const auto from = std::filesystem::current_path();
+    const auto previous = std::filesystem::current_path();
     std::filesystem::current_path(folder);
-    Captured captured("x.err");
+    OutputCapture capture("x.err");
     InProcess done{run_program(int(words.size()), argv.data()), {}, 0};
-    done.error = captured.end();
+    done.error = capture.end();
     std::filesystem::remove("x.err");
-    std::filesystem::current_path(from);
+    std::filesystem::current_path(previous);
     if (std::getenv("SRBF_FUZZ_SHOW")) fmt::print(stderr, "{}\n  {} {}\n", line, done.status, done.error);
     const auto demand = [&](bool holds, const char* promise) {
         if (!holds) fmt::print(stderr, "{}\nstatus {}: {}\n", line, done.status, done.error);

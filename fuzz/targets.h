@@ -1,4 +1,4 @@
-// Targets that run a reader on arbitrary bytes, for libFuzzer and for the test of the corpus.
+// Targets for libFuzzer and for the test of the corpus, which run a reader on arbitrary bytes.
 #pragma once
 #include <cmath>
 #include <cstring>
@@ -10,6 +10,8 @@
 #include "brdf/directions.h"
 #include "in_process.h"
 #include "measured/formats.h"
+#include "measured/readers.h"
+#include "models/library_file.h"
 #include "srbf/convert.h"
 #include "srbf/library.h"
 #include "srbf/load.h"
@@ -25,34 +27,34 @@
 
 namespace srbf {
 
-/// An error is one line of bounded length that names its source.
+/// Checks that an error is one line of bounded length that names its source.
 inline void check_error(const Error& error) {
     const std::string line = message(error);
     require(line.starts_with("f: ") && line.size() < 2000 && line.find('\n') == line.npos, "an error is one line");
 }
 
-/// Spectra, if there are any, satisfy the contract of `Brdf` at each wavelength.
+/// Checks that spectra, if there are any, satisfy the contract of `Brdf` at each wavelength.
 template <typename B> void check_spectra(const B& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
     if (wavelengths(brdf).empty()) return;
-    Channels of;
+    Channels spectral;
     if constexpr (std::is_same_v<B, Model>)
-        of = channels(brdf);
+        spectral = channels(brdf);
     else
-        of = spectra(brdf);
-    std::vector<float> f(of.count() * wl.size());
-    of.evaluate(wl, wv, f);
+        spectral = spectra(brdf);
+    std::vector<float> f(spectral.count() * wl.size());
+    spectral.evaluate(wl, wv, f);
     for (const float x : f) require(std::isfinite(x) && x >= 0, "finite spectra, not negative");
 }
 
-/// Whether something answers on both sides.
+/// True for BSDFs.
 template <typename B> bool is_two_sided(const B& brdf) {
     if constexpr (std::is_same_v<B, Model>) return std::holds_alternative<BsdfModel>(brdf.model);
     if constexpr (std::is_same_v<B, Measured>) return std::holds_alternative<BsdfTable>(brdf.table);
     return false;
 }
 
-/// A BRDF satisfies the contract of `Brdf`, a BSDF that of its parts.
-template <typename B> void check_answers(const Result<B>& brdf) {
+/// Checks that a BRDF satisfies the contract of `Brdf`, and a BSDF that of its parts.
+template <typename B> void check_values(const Result<B>& brdf) {
     if (!brdf) return check_error(brdf.error());
     std::mt19937_64 random(1);
     std::vector<Vec3f> lights, views;
@@ -72,8 +74,8 @@ template <typename B> void check_answers(const Result<B>& brdf) {
             require(f == Rgb{}, "0 below the horizon");
             continue;
         }
-        const bool lacks = std::isnan(f.r) && std::isnan(f.g) && std::isnan(f.b);
-        require(lacks || (is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0), "finite and not negative, or NaN");
+        const bool is_masked = std::isnan(f.r) && std::isnan(f.g) && std::isnan(f.b);
+        require(is_masked || (is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0), "finite and not negative, or NaN");
     }
     std::vector<Rgb> f(lights.size());
     evaluator (*brdf)(lights, views, f);
@@ -82,28 +84,28 @@ template <typename B> void check_answers(const Result<B>& brdf) {
     if constexpr (std::is_same_v<B, Model> || std::is_same_v<B, Measured>) check_spectra(*brdf, lights, views);
 }
 
-/// A target's name is that of its folder of a corpus.
+/// A target, with the name of its folder in the corpus.
 struct NamedTarget {
     std::string name;
     std::function<void(std::span<const std::byte>)> check;
 };
 
-/// A UTIA table has a fixed size: the bytes are repeated to fill it.
+/// Repeats the bytes to fill a UTIA table, which has a fixed size.
 inline void check_utia(std::span<const std::byte> bytes) {
-    check_answers(read_utia(bytes, "f"));
+    check_values(read_utia(bytes, "f"));
     if (bytes.empty()) return;
     std::vector<std::byte> table(3 * UtiaTable::k_directions * UtiaTable::k_directions * sizeof(double));
-    for (std::size_t at = 0; at < table.size(); at += bytes.size())
-        std::memcpy(&table[at], bytes.data(), std::min(bytes.size(), table.size() - at));
-    check_answers(read_utia(table, "f"));
+    for (std::size_t i = 0; i < table.size(); i += bytes.size())
+        std::memcpy(&table[i], bytes.data(), std::min(bytes.size(), table.size() - i));
+    check_values(read_utia(table, "f"));
 }
 
-/// By way of `Measured`, whose evaluator works in batches and has spectra.
+/// Checks a table as a `Measured`, whose evaluator works in batches and has spectra.
 template <typename Table> void check_measured(Result<Table> table) {
-    check_answers(table ? Result<Measured>(Measured{"f", "", 0, *std::move(table)}) : Result<Measured>(table.error()));
+    check_values(table ? Result<Measured>(Measured{"f", "", 0, *std::move(table)}) : Result<Measured>(table.error()));
 }
 
-/// A table that was read can be written; the written bytes give the same table, but for metadata that are not printable.
+/// Checks that a table that was read can be written, and that reading and writing it again gives the same bytes.
 inline void check_mbsdf(std::span<const std::byte> bytes) {
     const auto table = read_mbsdf(bytes, "f");
     check_measured(table);
@@ -114,20 +116,20 @@ inline void check_mbsdf(std::span<const std::byte> bytes) {
             "write(read(written)) = written");
 }
 
-/// A model that was read can be written; the written bytes can be read, and written again to the same bytes. (A file
-/// from elsewhere may contain weights of any length, which are normalised when written.)
+/// Checks that a model that was read can be written, and that reading and writing it again gives the same bytes. (The
+/// first writing may change bytes, since it normalises weights.)
 inline void check_model(std::span<const std::byte> bytes) {
     const auto model = read_model(bytes, "f");
-    check_answers(model);
+    check_values(model);
     if (!model) return;
     const auto written = write_model(*model);
     const auto again = read_model(written, "f");
     require(again.ok() && write_model(*again) == written, "write(read(written)) = written");
 }
 
-/// The header of a model file, behind its length, with numbers 1 behind it.
+/// Checks a model file with the given header, in which all numbers are 1.
 inline void check_header(std::span<const std::byte> header) {
-    constexpr std::size_t k_length_bytes = 8, k_numbers = 31;  // as many as the headers of the corpus describe
+    constexpr std::size_t k_length_bytes = 8, k_numbers = 31;  // the size of the headers in the corpus
     std::vector<std::byte> file;
     for (std::size_t i = 0; i < k_length_bytes; ++i)
         file.push_back(std::byte(std::uint64_t(header.size()) >> 8 * i & 0xff));
@@ -136,28 +138,28 @@ inline void check_header(std::span<const std::byte> header) {
     check_model(file);
 }
 
-/// The same of a stack; each of its models keeps the contract.
+/// Checks a stack as `check_model` does a model.
 inline void check_stack(std::span<const std::byte> bytes) {
     const auto stack = read_stack(bytes, "f");
     if (!stack) return check_error(stack.error());
     const auto written = write_stack(*stack);
     const auto again = read_stack(written, "f");
     require(again.ok() && write_stack(*again) == written, "write(read(written)) = written");
-    check_answers(Result<Model>(Model{stack->models.front(), {}}));
+    check_values(Result<Model>(Model{stack->models.front(), {}}));
 }
 
-/// The same of a library of materials.
+/// Checks a library of materials as `check_model` does a model.
 inline void check_library(std::span<const std::byte> bytes) {
     const auto library = read_library(bytes, "f");
     if (!library) return check_error(library.error());
     const auto written = write_library(*library);
     const auto again = read_library(written, "f");
     require(again.ok() && write_library(*again) == written, "write(read(written)) = written");
-    if (library->count() > 0) check_answers(Result<Model>(material(*library, 0)));
+    if (library->count() > 0) check_values(Result<Model>(material(*library, 0)));
 }
 
 #ifdef SRBF_RENDER
-/// A mesh has triangles of its own vertices, finite positions and unit normals.
+/// Checks that a mesh has triangles with valid vertices, finite positions and unit normals.
 inline void check_mesh(const Result<Mesh>& mesh) {
     if (!mesh) return check_error(mesh.error());
     require(!mesh->triangles.empty() && mesh->normals.size() == mesh->positions.size(), "triangles and normals");
@@ -171,13 +173,13 @@ inline void check_mesh(const Result<Mesh>& mesh) {
         for (const Vec2f& uv : corners) require(std::isfinite(uv.x) && std::isfinite(uv.y), "finite places in a map");
 }
 
-/// Meshes with more triangles take long.
-inline constexpr std::size_t k_most_pictured = 1 << 14;
+/// Pictures of meshes with more triangles would take too long.
+inline constexpr std::size_t k_most_triangles = 1 << 14;
 
-/// Pictures of a mesh are finite.
+/// Checks that a picture of a mesh is finite.
 inline void check_picture(const Result<Mesh>& mesh) {
     check_mesh(mesh);
-    if (!mesh || mesh->triangles.size() > k_most_pictured) return;
+    if (!mesh || mesh->triangles.size() > k_most_triangles) return;
     const Scene scene = scene_of(*mesh, {}, 1);
     const Mesh floor = ground_below(*mesh, scene.camera.up);
     static const std::vector<PathMaterial> materials{diffuse({0.5f, 0.5f, 0.5f})};
@@ -188,7 +190,7 @@ inline void check_picture(const Result<Mesh>& mesh) {
     for (const float depth : picture.first.depth) require(std::isfinite(depth), "of finite depth");
 }
 
-/// An environment has finite radiance, and samples unit vectors.
+/// Checks that an environment has finite radiance, and samples unit vectors.
 inline void check_environment(const Result<Environment>& environment) {
     if (!environment) return check_error(environment.error());
     for (const Rgb& c : environment->texels().pixels)
@@ -205,7 +207,7 @@ inline void check_environment(const Result<Environment>& environment) {
 }
 #endif
 
-/// Directions that are sampled for views down to the horizon: unit vectors of positive density and finite weight, or none.
+/// Checks that samples for views down to the horizon are unit vectors with positive density and finite weight, or none.
 inline void check_samples(const PreparedBrdf& brdf) {
     std::mt19937_64 random(1);
     for (const float cosine : {1.f, 0.8f, 0.3f, 0.01f, 1e-6f, 1e-30f, 0.f, -0.5f}) {
@@ -226,14 +228,14 @@ inline void check_albedo(const PreparedBrdf& brdf) {
     }
 }
 
-/// True if a text holds "nan" or "inf" as a number. Bytes with a 0 among them are no text.
+/// True if a text contains "nan" or "inf" as a number. Bytes with a 0 are not text.
 inline bool has_bad_number(std::string_view text) {
     if (text.find('\0') != text.npos) return false;
     const auto is_letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.'; };
     for (const std::string_view bad : {"nan", "inf"})
-        for (std::size_t at = text.find(bad); at != text.npos; at = text.find(bad, at + 1))
-            if ((at == 0 || !is_letter(text[at - 1])) &&
-                (at + bad.size() == text.size() || !is_letter(text[at + bad.size()])))
+        for (std::size_t i = text.find(bad); i != text.npos; i = text.find(bad, i + 1))
+            if ((i == 0 || !is_letter(text[i - 1])) &&
+                (i + bad.size() == text.size() || !is_letter(text[i + bad.size()])))
                 return true;
     return false;
 }
@@ -244,18 +246,18 @@ inline std::vector<std::string> choices_of_export(std::string_view option) {
     CommandLine app("srbf", "", "", "");
     add_subcommands(app, status);
     for (const SubcommandHelp& sub : app.help().subcommands)
-        for (const OptionHelp& of : sub.options)
-            if (sub.name == "export" && of.names.back() == option) return of.choices;
+        for (const OptionHelp& candidate : sub.options)
+            if (sub.name == "export" && candidate.names.back() == option) return candidate.choices;
     return {};
 }
 
-/// A command on an input, as words after the program's name; it writes to "out" + the ending.
+/// A command on an input: the words after the program's name, and the extension of the output file.
 struct Use {
     std::vector<std::string> words;
-    std::string ending;
+    std::string extension;
 };
-/// Exports to each destination that the program lists are `quick`; what computes for long is `slow`: the page,
-/// three.js, code with further functions, and a table of each format.
+/// Commands on a file. `slow` are exports of the page, of three.js and of code with additional functions, and
+/// conversions; `quick` are the other exports.
 struct Uses {
     std::vector<Use> quick, slow;
 };
@@ -281,14 +283,14 @@ inline Uses uses_of_measurements() {
     return uses;
 }
 
-/// Prepares, evaluates and samples the BRDF of a file, and exports it by the program to each destination, in a fuzzer to
-/// one. The sum of the bytes chooses one of the commands that take long.
+/// Prepares, evaluates and samples the BRDF of a file, and runs commands of the program on it: all quick ones and a
+/// slow one, or in a fuzzer a single one. The sum of the bytes chooses.
 inline void check_uses(std::span<const std::byte> bytes) {
     static const FuzzFolder folder;
-    static const Uses of_models = uses_of_models(), of_measurements = uses_of_measurements();
-    const auto write = [](const char* name, std::span<const std::byte> of) {
+    static const Uses model_uses = uses_of_models(), measurement_uses = uses_of_measurements();
+    const auto write = [](const char* name, std::span<const std::byte> content) {
         std::ofstream(folder.path() / name, std::ios::binary)
-            .write(reinterpret_cast<const char*>(of.data()), std::streamsize(of.size()));
+            .write(reinterpret_cast<const char*>(content.data()), std::streamsize(content.size()));
     };
     std::size_t sum = 0;
     for (const std::byte b : bytes) sum += std::size_t(b);
@@ -297,22 +299,22 @@ inline void check_uses(std::span<const std::byte> bytes) {
     bool is_model = true;
     std::string name = "in";
     auto brdf = load_brdf(path);
-    if (!brdf) brdf = load_brdf(path + "#0"), name = is_library(bytes) ? "in" : "in#0";  // of a map all is exported
+    if (!brdf) brdf = load_brdf(path + "#0"), name = is_library(bytes) ? "in" : "in#0";  // maps are exported whole
     if (!brdf) return;
     is_model = std::holds_alternative<Model>(*brdf);
-    const PreparedBrdf prepared =
-        std::visit([&](const auto& of) { return sum % 8 == 0 ? prepare(of) : prepare(of, CosineProposal{}); }, *brdf);
-    check_answers(Result<PreparedBrdf>(prepared));
+    const PreparedBrdf prepared = std::visit(
+        [&](const auto& kind) { return sum % 8 == 0 ? prepare(kind) : prepare(kind, CosineProposal{}); }, *brdf);
+    check_values(Result<PreparedBrdf>(prepared));
     check_samples(prepared);
     if (sum % 8 == 0) return check_albedo(prepared);
 
     if (!is_model) write("model", write_model({GgxModel{{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.5f, 0.5f}, 1}}}, {}}));
-    const Uses& uses = is_model ? of_models : of_measurements;
-    const auto use = [&](const Use& of) {
+    const Uses& uses = is_model ? model_uses : measurement_uses;
+    const auto run = [&](const Use& use) {
         std::vector<std::string> words{"srbf"};
-        for (const std::string& word : of.words) words.push_back(word == "in" ? name : word);
-        const std::string out = "out" + of.ending;
-        if (of.words[0] != "info") words.insert(words.end(), {"-o", out});
+        for (const std::string& word : use.words) words.push_back(word == "in" ? name : word);
+        const std::string out = "out" + use.extension;
+        if (use.words[0] != "info") words.insert(words.end(), {"-o", out});
         const InProcess done = run_in_process(folder.path(), words);
         const std::string line = fmt::format("{}: ", fmt::join(words, " ")), text = bytes_of(folder.path() / out);
         require(done.status != k_usage, line + "only a file is wrong");
@@ -320,29 +322,29 @@ inline void check_uses(std::span<const std::byte> bytes) {
         require(!has_bad_number(text), line + "numbers are finite");
         std::filesystem::remove(folder.path() / out);
     };
-#ifdef SRBF_FUZZ_TARGET  // a fuzzer rather tries many files
-    const std::size_t one = sum / 8 % (uses.quick.size() + uses.slow.size());
-    use(one < uses.quick.size() ? uses.quick[one] : uses.slow[one - uses.quick.size()]);
+#ifdef SRBF_FUZZ_TARGET  // a fuzzer should try many files
+    const std::size_t chosen = sum / 8 % (uses.quick.size() + uses.slow.size());
+    run(chosen < uses.quick.size() ? uses.quick[chosen] : uses.slow[chosen - uses.quick.size()]);
 #else
-    for (const Use& of : uses.quick) use(of);
-    use(uses.slow[sum / 8 % uses.slow.size()]);
+    for (const Use& use : uses.quick) run(use);
+    run(uses.slow[sum / 8 % uses.slow.size()]);
 #endif
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
         std::filesystem::remove_all(entry.path());
 }
 
-/// A target that does more than to read.
+/// Targets that do more than read.
 inline const NamedTarget k_targets[] = {
     {"utia", check_utia},
     {"mbsdf", check_mbsdf},
     {"columns",
      [](auto bytes) {
-         check_answers(
+         check_values(
              read_measured(bytes, "f", {"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,532nm", Quantity::factor, 1e-4f}));
-         check_answers(
+         check_values(
              read_measured(bytes, "f", {"theta_i theta_s 532nm phi_l_deg=180 phi_v_deg=0", Quantity::cosine, 0}));
      }},
-    {"measured", [](auto bytes) { check_answers(read_measured(bytes, "f")); }},
+    {"measured", [](auto bytes) { check_values(read_measured(bytes, "f")); }},
     {"model", check_model},
     {"header", check_header},
     {"stack", check_stack},
@@ -358,10 +360,13 @@ inline const NamedTarget k_targets[] = {
 }  // namespace srbf
 
 #include "fuzz/extra_targets.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
+#include "models/library_file.h"
 
 namespace srbf {
 
-/// All targets: those above, those of extras, and the reader of each other format, "astm_e1392" of ASTM E1392.
+/// All targets: those above, those of extras, and the readers of other formats, named like "astm_e1392".
 inline std::vector<NamedTarget> all_targets() {
     std::vector<NamedTarget> all(std::begin(k_targets), std::end(k_targets));
     for (const std::span<const NamedTarget> extra : k_extra_targets) all.insert(all.end(), extra.begin(), extra.end());
@@ -369,7 +374,7 @@ inline std::vector<NamedTarget> all_targets() {
         std::string name;
         for (const char c : format.name) name += c == ' ' ? '_' : char(std::tolower(static_cast<unsigned char>(c)));
         if (std::ranges::find(all, name, &NamedTarget::name) != all.end()) continue;
-        all.push_back({name, [&format](auto bytes) { check_answers(read_as(format, bytes, "f")); }});
+        all.push_back({name, [&format](auto bytes) { check_values(read_as(format, bytes, "f")); }});
     }
     return all;
 }

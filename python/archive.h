@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/archive.h"
+#include "measured/evaluated_table.h"
 #include "measured/formats.h"
 #include "models/kinds.h"
 #include "srbf/load.h"
@@ -46,9 +47,10 @@ template <typename Each> void members(ScatteredSamples& value, const Each& each)
 inline void complete(ScatteredSamples& samples) { make_index(samples); }
 /// The format of a table packs and unpacks it.
 template <typename Each> void members(EvaluatedTable& value, const Each& each) {
-    std::string name(value.format), bytes = value.packed ? value.packed() : std::string();
+    const TableFunctions* const known = value.functions.get();
+    std::string name(known ? known->format : std::string_view()), bytes = known ? known->packed() : std::string();
     each(name), each(bytes);
-    if (value.packed) return;
+    if (known) return;
     const auto format = std::ranges::find(formats(), name, &Format::name);
     if (format == formats().end() || !format->unpack) throw std::invalid_argument("pickled BRDF: unknown format");
     value = format->unpack(bytes);

@@ -3,9 +3,11 @@
 // because of pybind11.
 #include <pybind11/stl.h>
 
+#include "code/offered_code.h"
 #include "errors/sphere.h"
 #include "fit/fit_options.h"
 #include "fits.h"
+#include "measured/tables.h"
 #include "parameters.h"
 #include "prepared/table_file.h"
 #include "srbf/convert.h"
@@ -59,11 +61,29 @@ std::string code(const std::vector<PyBrdf>& models, const std::vector<std::strin
     return required(shading_code(named, prefix, {.language = *language, .sampling = sampling, .albedo = albedo}));
 }
 
-}  // namespace
-}  // namespace srbf
+py::list notes_of(const PyBrdf& brdf) {
+    py::list lines;
+    if (brdf.measured())
+        for (const std::string& note : notes(*brdf.measured())) lines.append(text_of(note));
+    return lines;
+}
 
-PYBIND11_MODULE(_srbf, module) {
-    using namespace srbf;
+py::dict provenance_of(const PyBrdf& brdf) {
+    py::dict entries;
+    if (brdf.model())
+        for (const auto& [key, value] : brdf.model()->provenance) entries[text_of(key)] = text_of(value);
+    return entries;
+}
+
+void save_brdf(const PyBrdf& brdf, const std::string& path) {
+    const Model& model = brdf.require_model();
+    required([&] {
+        const py::gil_scoped_release released;
+        return save_model(model, path);
+    }());
+}
+
+void define_brdf(py::module_& module) {
     py::class_<PyBrdf>(module, "Brdf")
         .def("evaluate", &values_of)
         .def("evaluate_channels", &channels_of)
@@ -99,30 +119,24 @@ PYBIND11_MODULE(_srbf, module) {
         .def("nbytes",
              [](const PyBrdf& brdf) { return brdf.model() ? payload_bytes(*brdf.model()) : brdf.measured()->bytes; })
         .def("source", [](const PyBrdf& brdf) { return file_name_of(brdf.measured() ? brdf.measured()->source : ""); })
-        .def("notes",
-             [](const PyBrdf& brdf) {
-                 py::list lines;
-                 if (brdf.measured())
-                     for (const std::string& note : notes(*brdf.measured())) lines.append(text_of(note));
-                 return lines;
-             })
-        .def("provenance",
-             [](const PyBrdf& brdf) {
-                 py::dict entries;
-                 if (brdf.model())
-                     for (const auto& [key, value] : brdf.model()->provenance) entries[text_of(key)] = text_of(value);
-                 return entries;
-             })
-        .def("save", [](const PyBrdf& brdf, const std::string& path) {
-            const Model& model = brdf.require_model();
-            required([&] {
-                const py::gil_scoped_release released;
-                return save_model(model, path);
-            }());
-        });
+        .def("notes", &notes_of)
+        .def("provenance", &provenance_of)
+        .def("save", &save_brdf);
+}
+
+void define_fits(py::module_& module) {
     py::class_<FitRequest>(module, "Request").def(py::init([](const FitTexts& texts) {
         return required(fit_request(texts));
     }));
+    module.def("fit", &fit_brdf);
+    module.def("fit_function", &fit_function);
+    module.def("fit_batch", &fit_texels);
+    module.def("load_stack", &load_stack);
+    module.def("errors", &errors);
+    module.def("errors_of_function", &errors_of_function);
+}
+
+void define_functions(py::module_& module) {
     module.def("load", &load_file);
     module.def("unpickled", &unpickled);
     module.def("model_of", &model_of);
@@ -130,17 +144,15 @@ PYBIND11_MODULE(_srbf, module) {
     module.def("change_by_azimuth", [](const Array& wl, const Array& wv, const Array& f) {
         return change_by_azimuth(valid_samples(wl, wv, f, true));
     });
-    module.def("fit", &fit_brdf);
-    module.def("fit_function", &fit_function);
-    module.def("fit_batch", &fit_texels);
-    module.def("load_stack", &load_stack);
-    module.def("errors", &errors);
-    module.def("errors_of_function", &errors_of_function);
     module.def("render", &render);
     module.def("convert", &convert);
     module.def("code", &code);
     module.def("python_code", [](const PyBrdf& brdf) { return required(python_code(brdf.require_model())); });
     module.def("identifier", [](const std::string& text) { return identifier(text); });
+}
+
+/// Names and numbers that Python offers as choices.
+void define_choices(py::module_& module) {
     module.def("fit_options", [] {
         py::dict choices;  // the choices of each option
         for (const FitOptionRow& option : fit_options()) choices[py::str(std::string(option.name))] = option.choices;
@@ -153,6 +165,17 @@ PYBIND11_MODULE(_srbf, module) {
     });
     module.def("lightings", [] { return names_of(standard_lightings()); });
     module.def("code_languages", [] { return names_of(k_code_languages); });
+}
+
+}  // namespace
+}  // namespace srbf
+
+PYBIND11_MODULE(_srbf, module) {
+    using namespace srbf;
+    define_brdf(module);
+    define_fits(module);
+    define_functions(module);
+    define_choices(module);
     module.attr("most_threads") = k_most_threads;
     module.attr("version") = SRBF_VERSION;
     module.attr("knows_numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;

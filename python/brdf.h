@@ -9,6 +9,10 @@
 
 #include "archive.h"
 #include "arrays.h"
+#include "base/files.h"
+#include "brdf/channels.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
 #include "srbf/prepared_bsdf.h"

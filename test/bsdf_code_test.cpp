@@ -1,6 +1,8 @@
 // Exported code of BSDFs is what compilers accept, and computes on both sides what the library computes.
 #include "compiled_code.h"
 #include "models.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/ggx/ggx_functions.h"
 #include "srbf/bsdf.h"
 #include "srbf/shading_code.h"
 #include "statistics.h"
@@ -37,98 +39,114 @@ std::string code_of_bsdfs(const std::vector<Model>& all, CodeLanguage language, 
     return *text;
 }
 
-/// On either side of a BSDF: values and beams are the library's, the density integrates to 1 with the draws that have
-/// no direction, draws follow it, and their weights are unbiased.
+/// The functions of exported code, by one that takes what is asked.
+enum Asked { value_of, beam, mirror_beam, drawn, density };
+const char* const k_answer_text =
+    "enum { VALUE, BEAM, MIRROR_BEAM, SAMPLE, PDF };\n"
+    "void answer(int m, int what, const float* l, const float* v, float* to);\n"
+    "void answer(int m, int what, const float* l, const float* v, float* to) {\n"
+    "    srbf_vec3 a = {l[0], l[1], l[2]}, wv = {v[0], v[1], v[2]}, w = {0.0f, 0.0f, 0.0f};\n"
+    "    if (what == VALUE) w = m == 0 ? b0_bsdf(a, wv) : m == 1 ? b1_bsdf(a, wv) : b2_bsdf(a, wv);\n"
+    "    if (what == BEAM && m != 1) w = m == 0 ? b0_beam(wv) : b2_beam(wv);\n"
+    "    if (what == MIRROR_BEAM) w = m == 0 ? b0_mirror_beam(wv) : m == 1 ? b1_mirror_beam(wv) : "
+    "b2_mirror_beam(wv);\n"
+    "    if (what == SAMPLE)\n"
+    "        w = m == 0   ? b0_sample(wv, a.x, a.y, a.z)\n            : m == 1 ? b1_sample(wv, a.x, a.y, a.z)\n"
+    "                     : b2_sample(wv, a.x, a.y, a.z);\n"
+    "    if (what == PDF) w.x = m == 0 ? b0_pdf(a, wv) : m == 1 ? b1_pdf(a, wv) : b2_pdf(a, wv);\n"
+    "    to[0] = w.x, to[1] = w.y, to[2] = w.z;\n}\n";
+/// The answers of one BSDF's code.
+using Answer = std::function<Rgb(Asked what, Vec3f l, Vec3f v)>;
+
+void expect_nothing_of_nan(const Answer& answer) {
+    for (const Vec3f none : {Vec3f(NAN, NAN, NAN), {NAN, 0, 1}, {0, NAN, -1}, {0, 0, NAN}})
+        for (const Asked what : {value_of, density, beam, mirror_beam}) {
+            EXPECT_EQ(answer(what, {0, 0.6f, 0.8f}, none), Rgb()) << what;
+            if (what == beam || what == mirror_beam) continue;
+            EXPECT_EQ(answer(what, none, {0, 0.6f, -0.8f}), Rgb()) << what;
+        }
+}
+
+void expect_values(const Answer& answer, const Model& model, std::mt19937_64& random) {
+    const auto& bsdf = std::get<BsdfModel>(model.model);
+    for (int i = 0; i < 4000; ++i) {
+        const Vec3f wl = to_float(random_direction(random)), wv = to_float(random_direction(random));
+        const Rgb f = answer(value_of, wl, wv), expected = value(model, wl, wv);
+        const Rgb through = answer(beam, wl, wv), of_mirror = answer(mirror_beam, wl, wv);
+        const Vec3f from = mirror(wv);
+        const Part through_part = wv.z > 0 ? Part::transmission_back : Part::transmission_front,
+                   mirror_part = wv.z > 0 ? Part::reflection_front : Part::reflection_back;
+        for (int c = 0; c < 3; ++c) {
+            ASSERT_PRED3(near, f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6);
+            ASSERT_PRED3(near, through[c], share_at(bsdf.beam, through_part, from)[c], 1e-4);
+            ASSERT_PRED3(near, of_mirror[c], share_at(bsdf.beam, mirror_part, from)[c], 1e-4);
+        }
+    }
+    const Vec3f in_surface{1, 0, 0}, up{0, 0, 1};
+    EXPECT_EQ(answer(value_of, in_surface, up), Rgb{});
+    EXPECT_EQ(answer(value_of, up, in_surface), Rgb{});
+}
+
+double sum_of(const std::vector<double>& numbers) {
+    double sum = 0;
+    for (const double each : numbers) sum += each;
+    return sum;
+}
+
+/// The density integrates to 1 with the draws that have no direction, draws follow it, and their weights are unbiased.
+void expect_draws(const Answer& answer, const Model& model, Vec3f wv, std::mt19937_64& random) {
+    const PolarBins bins{{0, 0, 1}, {0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 1.9, 2}};
+    std::vector<double> expected = bins.masses([&](Vec3d w) { return double(answer(density, to_float(w), wv).r); }, 48);
+    std::vector<double> observed(bins.size());
+    constexpr int count = 50000;
+    int lost = 0;
+    double sum = 0, squares = 0;
+    for (int i = 0; i < count; ++i) {
+        const auto u = [&] { return std::min(float(uniform(random)), 0x1.fffffep-1f); };
+        const Vec3f three{u(), u(), u()};
+        const Rgb to = answer(drawn, three, wv);
+        const Vec3f wl{to.r, to.g, to.b};
+        const float of_draw = answer(density, wl, wv).r;
+        if (!(of_draw > 0)) {
+            ++lost;
+            continue;
+        }
+        observed[bins.index(to_double(wl))] += 1;
+        const double weight = double(answer(value_of, wl, wv).g * std::abs(wl.z) / of_draw);
+        sum += weight, squares += weight * weight;
+    }
+    const double mass = sum_of(expected), seen = sum_of(observed);
+    EXPECT_PRED3(near, mass + double(lost) / count, 1, 7e-3);
+    for (double& each : expected) each *= seen / mass;
+    EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, 12));
+    const double whole =
+        sum_of(bins.masses([&](Vec3d w) { return double(value(model, to_float(w), wv).g) * std::abs(w.z); }, 48));
+    const double mean = sum / count, deviation = std::sqrt((squares / count - mean * mean) / count);
+    EXPECT_PRED3(near, mean, whole, 4 * deviation + 3e-3 * whole);
+}
+
+/// On either side of a BSDF: values and beams are the library's, and samples follow their density.
 TEST_F(BsdfCode, AnswersAsTheLibrary) {
     const std::vector<Model> all = bsdfs();
-    void* const library = compiled(
-        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Wno-unused-function -Werror", "both",
-        code_of_bsdfs(all, CodeLanguage::c, true) +
-            "enum { VALUE, BEAM, MIRROR_BEAM, SAMPLE, PDF };\n"
-            "void answer(int m, int what, const float* l, const float* v, float* to);\n"
-            "void answer(int m, int what, const float* l, const float* v, float* to) {\n"
-            "    srbf_vec3 a = {l[0], l[1], l[2]}, wv = {v[0], v[1], v[2]}, w = {0.0f, 0.0f, 0.0f};\n"
-            "    if (what == VALUE) w = m == 0 ? b0_bsdf(a, wv) : m == 1 ? b1_bsdf(a, wv) : b2_bsdf(a, wv);\n"
-            "    if (what == BEAM && m != 1) w = m == 0 ? b0_beam(wv) : b2_beam(wv);\n"
-            "    if (what == MIRROR_BEAM) w = m == 0 ? b0_mirror_beam(wv) : m == 1 ? b1_mirror_beam(wv) : "
-            "b2_mirror_beam(wv);\n"
-            "    if (what == SAMPLE)\n"
-            "        w = m == 0   ? b0_sample(wv, a.x, a.y, a.z)\n            : m == 1 ? b1_sample(wv, a.x, a.y, a.z)\n"
-            "                     : b2_sample(wv, a.x, a.y, a.z);\n"
-            "    if (what == PDF) w.x = m == 0 ? b0_pdf(a, wv) : m == 1 ? b1_pdf(a, wv) : b2_pdf(a, wv);\n"
-            "    to[0] = w.x, to[1] = w.y, to[2] = w.z;\n}\n");
+    void* const library =
+        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Wno-unused-function -Werror",
+                 "both", code_of_bsdfs(all, CodeLanguage::c, true) + k_answer_text);
     ASSERT_TRUE(library);
     const auto called = function<void(int, int, const float*, const float*, float*)>(library, "answer");
-    enum { value_of, beam, mirror_beam, drawn, density };
-    const auto answer = [&](std::size_t m, int what, Vec3f l, Vec3f v) {
-        const std::array<float, 3> a{l.x, l.y, l.z}, b{v.x, v.y, v.z};
-        std::array<float, 3> to{};
-        called(int(m), what, a.data(), b.data(), to.data());
-        return Rgb{to[0], to[1], to[2]};
-    };
-
-    for (std::size_t m = 0; m < all.size(); ++m)
-        for (const Vec3f none : {Vec3f(NAN, NAN, NAN), {NAN, 0, 1}, {0, NAN, -1}, {0, 0, NAN}})
-            for (const int what : {value_of, density, beam, mirror_beam}) {
-                EXPECT_EQ(answer(m, what, {0, 0.6f, 0.8f}, none), Rgb()) << m << ", " << what;
-                if (what == beam || what == mirror_beam) continue;
-                EXPECT_EQ(answer(m, what, none, {0, 0.6f, -0.8f}), Rgb()) << m << ", " << what;
-            }
     std::mt19937_64 random(7);
     for (std::size_t m = 0; m < all.size(); ++m) {
-        const auto& bsdf = std::get<BsdfModel>(all[m].model);
-        for (int i = 0; i < 4000; ++i) {
-            const Vec3f wl = to_float(random_direction(random)), wv = to_float(random_direction(random));
-            const Rgb f = answer(m, value_of, wl, wv), expected = value(all[m], wl, wv);
-            const Rgb through = answer(m, beam, wl, wv), of_mirror = answer(m, mirror_beam, wl, wv);
-            const Vec3f from = mirror(wv);
-            const Part through_part = wv.z > 0 ? Part::transmission_back : Part::transmission_front,
-                       mirror_part = wv.z > 0 ? Part::reflection_front : Part::reflection_back;
-            for (int c = 0; c < 3; ++c) {
-                ASSERT_PRED3(near, f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6) << m;
-                ASSERT_PRED3(near, through[c], share_at(bsdf.beam, through_part, from)[c], 1e-4) << m;
-                ASSERT_PRED3(near, of_mirror[c], share_at(bsdf.beam, mirror_part, from)[c], 1e-4) << m;
-            }
-        }
-        const Vec3f in_surface{1, 0, 0}, up{0, 0, 1};
-        EXPECT_EQ(answer(m, value_of, in_surface, up), Rgb{});
-        EXPECT_EQ(answer(m, value_of, up, in_surface), Rgb{});
-
+        SCOPED_TRACE(m);
+        const Answer answer = [&](Asked what, Vec3f l, Vec3f v) {
+            const std::array<float, 3> a{l.x, l.y, l.z}, b{v.x, v.y, v.z};
+            std::array<float, 3> to{};
+            called(int(m), what, a.data(), b.data(), to.data());
+            return Rgb{to[0], to[1], to[2]};
+        };
+        expect_nothing_of_nan(answer);
+        expect_values(answer, all[m], random);
         for (const double theta : {10.0, 55.0, 125.0, 165.0}) {
-            const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
-            const PolarBins bins{{0, 0, 1}, {0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 1.9, 2}};
-            std::vector<double> expected =
-                bins.masses([&](Vec3d w) { return double(answer(m, density, to_float(w), wv).r); }, 48);
-            std::vector<double> observed(bins.size());
-            constexpr int count = 50000;
-            int lost = 0;
-            double sum = 0, squares = 0;
-            for (int i = 0; i < count; ++i) {
-                const auto u = [&] { return std::min(float(uniform(random)), 0x1.fffffep-1f); };
-                const Vec3f three{u(), u(), u()};
-                const Rgb to = answer(m, drawn, three, wv);
-                const Vec3f wl{to.r, to.g, to.b};
-                const float of_draw = answer(m, density, wl, wv).r;
-                if (!(of_draw > 0)) {
-                    ++lost;
-                    continue;
-                }
-                observed[bins.index(to_double(wl))] += 1;
-                const double weight = double(answer(m, value_of, wl, wv).g * std::abs(wl.z) / of_draw);
-                sum += weight, squares += weight * weight;
-            }
-            double mass = 0, seen = 0;
-            for (const double each : expected) mass += each;
-            for (const double each : observed) seen += each;
-            EXPECT_PRED3(near, mass + double(lost) / count, 1, 7e-3) << m << " from " << theta;
-            for (double& each : expected) each *= seen / mass;
-            EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, 12)) << m << " from " << theta;
-            double whole = 0;
-            for (const double each :
-                 bins.masses([&](Vec3d w) { return double(value(all[m], to_float(w), wv).g) * std::abs(w.z); }, 48))
-                whole += each;
-            const double mean = sum / count, deviation = std::sqrt((squares / count - mean * mean) / count);
-            EXPECT_PRED3(near, mean, whole, 4 * deviation + 3e-3 * whole) << m << " from " << theta;
+            SCOPED_TRACE(theta);
+            expect_draws(answer, all[m], to_float(spherical(theta * k_degree, 0.7)), random);
         }
     }
 }

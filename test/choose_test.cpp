@@ -1,6 +1,7 @@
 // Selection of a model by bytes or by visible error.
 #include "errors/measures.h"
 
+#include "brdf/channels.h"
 #include "fit/choose.h"
 #include "models.h"
 #include "srbf/metrics.h"

@@ -1,9 +1,11 @@
 // Output of the subcommands other than fit.
 #include <regex>
 
+#include "brdf/channels.h"
 #include "command.h"
 #include "errors/measures.h"
 #include "models.h"
+#include "models/openpbr/openpbr_functions.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"

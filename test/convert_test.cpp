@@ -2,8 +2,11 @@
 #include "srbf/convert.h"
 #include "errors/measures.h"
 
+#include "brdf/channels.h"
 #include "brdf/colour.h"
 #include "measured/formats/warp.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 #include "measured_files.h"
 #include "models.h"
 #include "srbf/file.h"

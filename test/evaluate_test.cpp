@@ -3,6 +3,7 @@
 
 #include "brdf/colour.h"
 #include "models.h"
+#include "models/pm/pm_functions.h"
 #include "one_target.h"
 #include "srbf/kernel.h"
 

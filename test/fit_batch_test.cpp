@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "brdf/directions.h"
+#include "fit/texel_stream.h"
 #include "properties.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"

@@ -1,6 +1,10 @@
 // `srbf fit`: its output for each kind of model and measurement, and independence of threads.
 #include "command.h"
+#include "errors/picture_errors.h"
 #include "errors/sphere.h"
+#include "measured/readers.h"
+#include "models/pm/pm_functions.h"
+#include "models/su/su_functions.h"
 #include "srbf/file.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
@@ -331,10 +335,11 @@ TEST_F(Command, fit_su_takes_scattered_samples) {
     EXPECT_EQ(json.value("folds", 0), 5);
 }
 
+const Arguments k_fit_su{"fit", k_paper, "--model", "su", "--directions", "200", "--lobes", "2", "--objective", "raw"};
+
 TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
-    const Arguments fit{"fit", k_paper, "--model", "su", "--directions", "200", "--lobes", "2", "--objective", "raw"};
     const ProgramRun result =
-        run(folder, fit + Arguments{"-o", "su.srbf", "--with-index", "parabolic", "--json", "r.json"});
+        run(folder, k_fit_su + Arguments{"-o", "su.srbf", "--with-index", "parabolic", "--json", "r.json"});
     ASSERT_EQ(result.status, 0) << result.err;
     const Json json = Json::parse(contents(folder / "r.json"), nullptr, false);
     const Json expected = Json::parse(R"({"model": "su", "form": "source", "lobes": 2, "variates": 1, "axial": false,
@@ -372,27 +377,31 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     evaluator (*model)(wl, wv, f);
     EXPECT_NE(eval.out.find(fmt::format("0,0,1,{:.9g},{:.9g},{:.9g}\n", f[0].r, f[0].g, f[0].b)), std::string::npos)
         << eval.out;
+}
 
-    // Without the texture, discretised by light, and with plain interpolation as in Tsai 2009.
+/// Without the texture, discretised by light, and with plain interpolation as in Tsai 2009.
+TEST_F(Command, fit_su_by_light) {
     const Arguments light_options{"-o",           "light.srbf", "--discretise", "light", "--interpolation", "plain",
                                   "--neighbours", "4"};
-    ASSERT_EQ(run(folder, fit + light_options).status, 0);
+    ASSERT_EQ(run(folder, k_fit_su + light_options).status, 0);
     const auto by_light = load_model(folder / "light.srbf");
     ASSERT_TRUE(by_light);
     EXPECT_EQ(std::get<SuModel>(by_light->model).discretise, Discretise::light);
     EXPECT_EQ(std::get<SuModel>(by_light->model).interpolation, SuInterpolation::plain);
     EXPECT_EQ(std::get<SuModel>(by_light->model).neighbours, 4);
     EXPECT_FALSE(std::get<SuModel>(by_light->model).index);
+}
 
-    // With as many lobes as there are directions within 80 degrees, and one more.
+TEST_F(Command, fit_su_refuses) {
+    // As many lobes as there are directions within 80 degrees, and one more.
     expect_failure(1, {"fit", k_paper, "--model", "su", "--directions", "16", "--lobes", "14", "--objective", "raw"},
                    "paper_white_rgb.bsdf: directions with data in sampled view 0: expected none or at least 14");
     write(folder / "zero.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return 0; })));
     expect_failure(1, {"fit", "zero.binary", "--model", "su", "--directions", "64"}, "zero.binary: values");
-    expect_failure(2, fit + Arguments{"--variates", "2"}, "--variates: only with --model pm");
+    expect_failure(2, k_fit_su + Arguments{"--variates", "2"}, "--variates: only with --model pm");
     expect_failure(2, {"fit", k_paper, "--with-index", "cube"}, "--with-index: only with --model su");
-    expect_failure(2, fit + Arguments{"--neighbours", "8"}, "--neighbours");
-    expect_failure(2, fit + Arguments{"--between", "0"}, "--between is now 512 directions in every fit");
+    expect_failure(2, k_fit_su + Arguments{"--neighbours", "8"}, "--neighbours");
+    expect_failure(2, k_fit_su + Arguments{"--between", "0"}, "--between is now 512 directions in every fit");
     for (const char* directions : {"7", "8193", "x"})
         expect_failure(2, {"fit", k_paper, "--model", "su", "--directions", directions}, "--directions");
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "brdf/directions.h"
+#include "fit/request_traits.h"
 
 namespace srbf::fit_options_test {
 namespace {
@@ -87,7 +88,8 @@ TEST(PmFitOptions, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
         {{{"model", "su"}, {"neighbours", "3"}}, "<neighbours>: only with <interpolation> plain or <with_index>"},
         {{{"model", "ggx"}, {"channels", "spectral"}}, "<channels>: spectral only with <model> pm"},
         {{{"no_scale", "true"}}, "<no_scale>: only with <form> gaussian; other forms always store log scales"},
-        {{{"reciprocal", "true"}, {"variates", "3"}}, "<variates>: an even number with <reciprocal>"},
+        {{{"as_measured", "true"}, {"form", "horizon"}},
+         "<as_measured>: not together with <form>; forms that are not reciprocal imply it"},
         {{{"model", "ggx"}, {"lobes", "3"}}, "<lobes>: expected 1 to 2 with <model> ggx, found 3"},
         {{{"model", "ggx"}, {"form", "gaussian"}}, "<form>: only with <model> pm, found ggx"},
     };

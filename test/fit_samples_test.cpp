@@ -5,8 +5,13 @@
 #include <functional>
 #include <set>
 
+#include "brdf/channels.h"
 #include "brdf/directions.h"
+#include "errors/picture_errors.h"
 #include "fit/cross_validated_fits.h"
+#include "fit/request_traits.h"
+#include "models/ggx/ggx_functions.h"
+#include "models/pm/pm_functions.h"
 #include "properties.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"

@@ -3,12 +3,14 @@
 
 #include <limits>
 
+#include "brdf/channels.h"
 #include "errors/measures.h"
+#include "errors/picture_errors.h"
 #include "models/su/fit_su.h"
+#include "models/su/su_functions.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
-#include "srbf/pictures.h"
 #include "su_models.h"
 
 namespace srbf::fit_su_test {

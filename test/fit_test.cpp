@@ -4,9 +4,14 @@
 
 #include <map>
 
+#include "brdf/channels.h"
 #include "brdf/directions.h"
 #include "models.h"
+#include "models/pm/pm_functions.h"
+#include "observe/objectives.h"
+#include "observe/reciprocal_mean.h"
 #include "properties.h"
+#include "srbf/elementary.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 
@@ -177,30 +182,81 @@ TEST(Fit, FurtherFormsHaveMuchSmallerErrors) {
     }
 }
 
-TEST(Fit, IsReciprocalIfRequested) {
+TEST(Fit, ReciprocalFormIsReciprocal) {
     const Measured& paper = bundled("paper_white_rgb");
-    for (const PmForm form : k_forms) {
-        PmFitOptions options = short_search(form, 8, 4);
-        options.reciprocal = true;
-        const auto fit = fit_pm(observed(signed_evaluator(paper)), options);
+    for (const bool axial : {true, false}) {
+        PmFitOptions options = short_search(PmForm::reciprocal, axial ? 6 : 4, 3);
+        options.axial = axial;
+        const auto fit = fit_pm(observed(reciprocal_mean(signed_evaluator(paper))), options);
         ASSERT_TRUE(fit);
-        EXPECT_TRUE(is_reciprocal(fit->model));
         std::mt19937_64 random(5);
-        const MirrorMixture mixture(80 * k_degree);
-        for (int i = 0; i < 1000; ++i) {
-            const double u1 = uniform(random), u2 = uniform(random), u3 = uniform(random), u4 = uniform(random),
-                         u5 = uniform(random);
-            const Vec3d v = mixture.sample_cap(u1, u2);
-            const Vec3f wv = to_float(v), wl = to_float(mixture.sample(v, u3, u4, u5));
-            const double f = value(fit->model, wl, wv).g, exchanged = value(fit->model, wv, wl).g;
-            EXPECT_TRUE(near_relative(f, exchanged, 1e-3));
+        const auto draw = [&](double most_cosine) {
+            return to_float(spherical(elementary::acos(most_cosine * uniform(random)), 2 * k_pi * uniform(random)));
+        };
+        std::vector<Vec3f> a, b;
+        for (int i = 0; i < 1000; ++i) {  // to the horizon
+            a.push_back(draw(i % 4 == 0 ? 1e-5 : 1)), b.push_back(draw(i % 3 == 0 ? 1e-4 : 1));
+            EXPECT_EQ(value(fit->model, a.back(), b.back()), value(fit->model, b.back(), a.back()));
         }
+        std::vector<Rgb> f(a.size()), exchanged(a.size());
+        evaluate(fit->model, a, b, f);
+        evaluate(fit->model, b, a, exchanged);
+        EXPECT_EQ(f, exchanged);
         const Evaluate others[] = {evaluator(fit->model)};
         const double error =
             measure_heldout(rgb_channels(evaluator(paper)), rgb_channels(others), {80 * k_degree, 0})[0]
                 .squared_error_ratio;
-        EXPECT_LE(error, form == PmForm::extended ? 0.002 : 0.012) << name(form);
+        EXPECT_LE(error, 0.005) << axial;
     }
+}
+
+// f rises towards the horizon such that the albedo is 0.96 at 80° and exceeds 1 beyond 82°.
+TEST(Fit, AlbedoIsWithinItsLimit) {
+    const Evaluate rising = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            const float sum = wl[i].z + wv[i].z, value = 0.2f + 0.05f / (sum * sum + 1e-4f);
+            f[i] = {value, 0.8f * value, 0.5f * value};
+        }
+    };
+    ASSERT_GT(albedo(rising, 86 * k_degree, k_pi / 2).r, 1.05);
+    for (const std::optional<double> limit : {std::optional<double>(), std::optional<double>(0.5)})
+        for (const bool axial : {true, false}) {
+            PmFitOptions options = short_search(limit ? PmForm::extended : PmForm::reciprocal, 3, 2);
+            options.axial = axial, options.albedo_limit = limit;
+            const auto fit = fit_pm(*observe(rising, {}), options);
+            ASSERT_TRUE(fit);
+            for (const PmModel& model : {fit->model, fit->unrounded}) {
+                for (const double cosine : {1.0, 0.6, 0.3, 0.11, 0.06, 0.03, 0.008, 0.003, 0.001}) {
+                    const Rgb a = albedo(evaluator(model), elementary::acos(cosine), k_pi / 2);
+                    EXPECT_LE(largest_of(a), 1.005 * limit.value_or(1)) << cosine;
+                }
+            }
+            if (!limit) {
+                EXPECT_GT(albedo(evaluator(fit->model), 30 * k_degree, k_pi / 2).r, 0.6);
+            }
+        }
+}
+
+/// The mean is reciprocal, equal to a reciprocal function, and where one value is missing, equal to the other.
+TEST(Fit, ReciprocalMeanIsWeightedByTheCosines) {
+    const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            const float missing = wl[i].x > 0.5f ? std::numeric_limits<float>::quiet_NaN() : 0;
+            out[i] = {1 / wv[i].z, wl[i].z * wv[i].z, 1 + missing};
+        }
+    };
+    const Vec3f a = to_float(spherical(0.3, 0.0)), b = to_float(spherical(1.4, 2.0)), c = to_float(spherical(1.2, 0.1));
+    const std::vector<Vec3f> wl{a, b, c, a}, wv{b, a, a, c};
+    std::vector<Rgb> mean(4);
+    reciprocal_mean(f)(wl, wv, mean);
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(near_relative(mean[0][k], mean[1][k], 1e-6));
+    EXPECT_TRUE(near_relative(mean[0].r, 2 / (a.z + b.z), 1e-5));  // (1 + 1) / (cosθv + cosθl)
+    EXPECT_TRUE(near_relative(mean[0].g, a.z * b.z, 1e-5));
+    EXPECT_EQ(mean[2].b, 1);
+    EXPECT_EQ(mean[3].b, 1);
+    std::vector<float> channels(12);
+    reciprocal_mean(rgb_channels(f)).evaluate(wl, wv, channels);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(channels[3 * i], mean[i].r);
 }
 
 TEST(Fit, EachObjectiveIsBestInItsOwnMeasure) {

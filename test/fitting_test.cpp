@@ -10,6 +10,7 @@
 #include "models.h"
 #include "observe/bound.h"
 #include "observe/pairs.h"
+#include "observe/reciprocal_mean.h"
 #include "properties.h"
 
 namespace srbf::fitting_test {
@@ -72,14 +73,14 @@ class DefaultFit : public testing::TestWithParam<Bound> {
 };
 
 TEST_P(DefaultFit, ErrsNoMoreThanItDid) {
-    EXPECT_EQ(payload_bytes(outcome().model), 208u);
+    EXPECT_EQ(payload_bytes(outcome().model), 210u);
     EXPECT_LE(outcome().errors->appearance.mean.delta_e, GetParam().delta_e);
     EXPECT_LE(outcome().errors->appearance.mean.rms, GetParam().rms);
     EXPECT_EQ(outcome().model.provenance.at("objective"), "appearance");
     EXPECT_EQ(outcome().model.provenance.at("max_theta"), "89");
 }
 
-/// No fit minimises this error. That of the film is 0.8 to 3.5 %, depending on the seed.
+/// No fit minimises this error.
 TEST_P(DefaultFit, ErrsInAlbedoNoMoreThanItDid) { EXPECT_LE(outcome().errors->albedo_error, GetParam().albedo_error); }
 
 TEST_P(DefaultFit, IsBoundedToTheHorizon) {
@@ -114,21 +115,18 @@ TEST_P(DefaultFit, ReflectsWhatIsMeasuredAtGrazingAngles) {
     const Measured measured = bundled(GetParam().name);
     for (const double cosine : {1.0, 0.5, 0.1, 0.03, 0.01, 0.002}) {
         const double theta = std::acos(cosine);
-        const Rgb expected = albedo(evaluator(measured), theta, k_pi / 2),
+        const Rgb expected = albedo(reciprocal_mean(evaluator(measured)), theta, k_pi / 2),
                   found = albedo(evaluator(outcome().model), theta, k_pi / 2);
         for (int c = 0; c < 3; ++c) {
-            EXPECT_LE(found[c], std::max(1.f, expected[c]) + 0.01f) << cosine;
-            // Beyond 0.01 the files are extrapolated and diverge.
-            if (cosine >= 0.01) {
-                EXPECT_NEAR(found[c], expected[c], 0.05) << cosine;
-            }
+            EXPECT_LE(found[c], 1.003f) << cosine;
+            EXPECT_NEAR(found[c], expected[c], 0.03) << cosine;
         }
     }
 }
 
 INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
-                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 5.52, 0.0905, 0.0131},
-                                         Bound{"paper_white_rgb", 0.95, 0.0331, 0.0029}),
+                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 6.13, 0.1233, 0.0607},
+                                         Bound{"paper_white_rgb", 1.43, 0.0916, 0.0084}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 /// The same number of bytes, by what is seen: better than an objective of numbers.
@@ -148,7 +146,8 @@ TEST(Fitting, LargerModelsErrNoMoreThanTheyDid) {
         FitRequest request;
         std::size_t bytes;
         double delta_e, rms;  // 1.1 times the measured values
-    } expected[] = {{{.model = PmRequest{.size = LobeCount{12}}}, 304, 4.70, 0.0864},
+    } expected[] = {{{.model = PmRequest{.size = LobeCount{12}}}, 276, 6.1, 0.105},
+                    {{.model = PmRequest{.form = PmForm::extended, .size = LobeCount{12}}}, 304, 4.70, 0.0864},
                     {{.model = SuRequest{.lobes = 5, .directions = 384}}, 23040, 6.25, 0.0851}};
     for (const auto& of : expected) {
         const auto outcome = fit(measured, of.request);

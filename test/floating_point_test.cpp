@@ -29,8 +29,10 @@
 #include "srbf/metrics.h"
 #include "srbf/sampling.h"
 #ifdef SRBF_RENDER
+#include "brdf/channels.h"
 #include "extras/render/environment.h"
 #include "extras/render/mesh.h"
+#include "models/ggx/ggx_functions.h"
 #endif
 
 namespace srbf {

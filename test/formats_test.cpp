@@ -7,6 +7,8 @@
 #include "app/map_layers.h"
 #include "measured_files.h"
 #include "models.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/ggx/ggx_functions.h"
 #include "program.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"

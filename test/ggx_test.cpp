@@ -1,6 +1,8 @@
 // Lambert and GGX: the formula, its file, its fit.
 #include "brdf/directions.h"
+#include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
+#include "observe/objectives.h"
 #include "properties.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"

@@ -17,6 +17,8 @@
 #include <vector>
 
 #include "brdf/directions.h"
+#include "errors/measure_names.h"
+#include "errors/picture_errors.h"
 #include "one_target.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
@@ -159,12 +161,12 @@ struct Golden {
         return line_of(value_or_fail(fit(measured, fit_request)));
     }
     Line pm_line(const Measured& measured, int lobes, Objective objective = k_default_objective,
-                 PmRequest pm = {}) const {
+                 PmRequest pm = {.form = PmForm::extended}) const {
         pm.size = LobeCount{lobes};
         return fitted(measured, request(pm, objective));
     }
     Line goal_line(const Measured& measured, SizeGoal goal, Objective objective) const {
-        return fitted(measured, request({.variates = 2, .size = goal}, objective));
+        return fitted(measured, request({.form = PmForm::extended, .variates = 2, .size = goal}, objective));
     }
     Line su_line(const Measured& measured, SuRequest su, Objective objective) const {
         return fitted(measured, {.model = su, .objective = objective, .threads = threads});
@@ -212,9 +214,17 @@ const std::vector<Row>& rows() {
     static const std::vector<Row> list{
         {"paper", [](const G& g) { return g.pm_line(g.paper, 8); }},
         {"film", [](const G& g) { return g.pm_line(g.film, 8); }},
-        {"film-3-general", [](const G& g) { return g.pm_line(g.film, 3, k_default_objective, {.axial = false}); }},
+        {"film-3-general",
+         [](const G& g) {
+             return g.pm_line(g.film, 3, k_default_objective, {.form = PmForm::extended, .axial = false});
+         }},
         {"film-3-source", [](const G& g) { return g.pm_line(g.film, 3, Objective::raw, {.form = PmForm::gaussian}); }},
-        {"film-3-cosine", [](const G& g) { return g.pm_line(g.film, 3, Objective::cosine, {.reciprocal = true}); }},
+        {"paper-reciprocal", [](const G& g) { return g.fitted(g.paper, g.request({})); }},
+        {"film-reciprocal", [](const G& g) { return g.fitted(g.film, g.request({})); }},
+        {"film-3-reciprocal-general",
+         [](const G& g) {
+             return g.pm_line(g.film, 3, Objective::cosine, {.form = PmForm::reciprocal, .axial = false});
+         }},
         {"paper-3-log", [](const G& g) { return g.pm_line(g.paper, 3, Objective::log, {.form = PmForm::horizon}); }},
         {"film-3-cube-root", [](const G& g) { return g.pm_line(g.film, 3, Objective::cube_root); }},
         {"paper-budget", [](const G& g) { return g.goal_line(g.paper, ByteBudget{60}, Objective::cosine); }},

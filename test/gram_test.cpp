@@ -97,7 +97,7 @@ TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAtTheNormal) {
         const double angle = 2 * k_pi * uniform(random_), h = 1e-5;
         Aligned<float> s(k_block), derivative(k_block);
         for (std::size_t block = 0; block < 3; ++block) {
-            variate_features(rows_, block, float(std::cos(angle)), float(std::sin(angle)), true, s.data(),
+            variate_features(rows_, block, 0, float(std::cos(angle)), float(std::sin(angle)), true, s.data(),
                              derivative.data());
             for (std::size_t i = 0; i < k_block && block * k_block + i < k_count; ++i) {
                 const Vec3d wl = widened(observations_.wl[block * k_block + i]),
@@ -121,11 +121,13 @@ TEST_P(Gram, GeneralFeaturesMatchTheKernel) {
     using K = Kernel<double>;
     const double a = std::cos(0.4), b = std::sin(0.4);
     Aligned<float> s(3 * k_block), derivative(3 * k_block);
-    for (std::size_t block = 0; block < 3; ++block) {
-        variate_features(rows_, block, float(a), float(b), false, s.data(), derivative.data());
-        for (std::size_t i = 0; i < k_block && block * k_block + i < k_count; ++i) {
-            const Vec3d wl = widened(observations_.wl[block * k_block + i]),
-                        wv = widened(observations_.wv[block * k_block + i]);
+    for (std::size_t block = 0; block < 6; ++block) {
+        const std::size_t first = block / 2 * k_block;
+        const bool is_exchanged = block % 2 == 1;
+        variate_features(rows_, block / 2, int(is_exchanged), float(a), float(b), false, s.data(), derivative.data());
+        for (std::size_t i = 0; i < k_block && first + i < k_count; ++i) {
+            Vec3d wl = widened(observations_.wl[first + i]), wv = widened(observations_.wv[first + i]);
+            if (is_exchanged) std::swap(wl, wv);
             const Vec3d psi = K::psi(wl, wv, a, b), by_angle = K::psi_by_angle(wl, wv, a, b);
             const double expected[] = {psi.x, psi.y, psi.z - 1, by_angle.x, by_angle.y, by_angle.z};
             for (std::size_t k = 0; k < 3; ++k) {
@@ -330,8 +332,8 @@ std::vector<double> all_results(const Rows& rows) {
     const auto add = [&](const Aligned<float>& numbers) {
         results.insert(results.end(), numbers.begin(), numbers.end());
     };
-    variate_features(rows, 0, 0.6f, -0.8f, true, s.data(), derivatives.data()), add(s), add(derivatives);
-    variate_features(rows, 1, 0.6f, 0.8f, false, s.data(), derivatives.data()), add(s), add(derivatives);
+    variate_features(rows, 0, 0, 0.6f, -0.8f, true, s.data(), derivatives.data()), add(s), add(derivatives);
+    variate_features(rows, 1, 1, 0.6f, 0.8f, false, s.data(), derivatives.data()), add(s), add(derivatives);
     further_features(rows, 0, SRBF_TERMS, further.data()), add(further);
     const float* const root_weight = &rows.root_weight[k_block];
     results.push_back(exponent(weight, pointers_to, root_weight, x.data(), rows.rows_in(1))), add(x);

@@ -1,7 +1,10 @@
 // Anisotropic data: detection, and fits with general lobes.
 #include "measured/isotropy.h"
+#include "brdf/channels.h"
 #include "brdf/directions.h"
 #include "errors/measures.h"
+#include "measured/tables.h"
+#include "models/pm/pm_functions.h"
 #include "models/pm/search/fit_pm.h"
 #include "properties.h"
 #include "srbf/kernel.h"

@@ -85,7 +85,7 @@ double best_of_all_active_sets(const LinearProblem& p) {
         if (!possible) continue;
         const MatrixXd G = regularized(p.G);
         const VectorXd rest = p.g - G * x;
-        if (!free.empty()) x(free) = solved(G(free, free), rest(free));
+        if (!free.empty()) x(free) = solve_symmetric(G(free, free), rest(free));
         if ((x.array() >= 0).all() && (x.array() <= p.upper.array()).all()) best = std::min(best, objective(p, x));
     }
     return best;
@@ -203,7 +203,7 @@ TEST(AdaptToBounds, SolvesAgainForFreeVariables) {
         const LinearProblem problem = random_problem(random, n, false, false);
         const VectorXd lower = VectorXd::NullaryExpr(n, [&] { return -uniform(random); }),
                        upper = VectorXd::NullaryExpr(n, [&] { return uniform(random); });
-        VectorXd step = -solved(problem.G, problem.g);
+        VectorXd step = -solve_symmetric(problem.G, problem.g);
         adapt_to_bounds(step, problem.G, problem.g, lower, upper);
         const VectorXd gradient = problem.G * step + problem.g;
         for (Index i = 0; i < n; ++i) {

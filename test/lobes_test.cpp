@@ -5,6 +5,7 @@
 #include "base/least_squares.h"
 #include "base/levenberg_marquardt.h"
 #include "errors/sphere.h"
+#include "models/pm/pm_functions.h"
 #include "models/pm/solve/rounding.h"
 #include "observe/observations.h"
 #include "properties.h"
@@ -32,7 +33,7 @@ Lobes general_lobes() {
 }
 
 Lobes reciprocal(Lobes lobes) {
-    lobes.shape.reciprocal = true;
+    lobes.shape.form = PmForm::reciprocal;
     return lobes;
 }
 
@@ -71,7 +72,7 @@ void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
 TEST(Lobes, ExponentsAreBoundedByTheirTerms) {
     for (const double finest : {0.0, 1e-4, 0.05})
         for (const bool axial : {true, false}) {
-            const LobeShape shape{k_forms.back(), 2, axial, false, finest};
+            const LobeShape shape{PmForm::extended, 2, axial, finest};
             const double slope = finest > 0 ? std::min(1 / finest, 65504.0) : 65504.0;
             for (int k = 0; k < features(shape.form); ++k) {
                 const ExponentTerm& term = k_terms[std::size_t(k)];
@@ -100,11 +101,13 @@ TEST(Lobes, SpectralGradientMatchesDifferences) {
     observe_spectra(o, five);
     const Rows spectral(o, {.spectra = true}), with_integrals(o, {.integral_importance = 0.01, .spectra = true});
     EXPECT_EQ(spectral.y.size(), 5u);
-    LobeProblem problem(spectral, {PmForm::gaussian, 3}, false),
-        problem_with_integrals(with_integrals, {PmForm::gaussian, 3}, false);
+    for (const Lobes& lobes : {some_lobes(), reciprocal(general_lobes()), doubled(reciprocal(general_lobes()))})
+        for (const Rows* each_rows : {&spectral, &with_integrals}) {
+            LobeProblem problem(*each_rows, lobes.shape, false);
+            check_gradient(problem, pack(lobes));
+        }
+    LobeProblem problem(spectral, {PmForm::gaussian, 3}, false);
     const Eigen::VectorXd x = pack(some_lobes());
-    check_gradient(problem, x);
-    check_gradient(problem_with_integrals, x);
     problem.loss(x);
     EXPECT_EQ(problem.beta().cols(), 5);
     const PmModel model = to_model(problem, some_lobes(), true, o.wavelengths);
@@ -116,7 +119,7 @@ TEST(Lobes, GradientMatchesTheLoss) {
     const Lobes horizon{{PmForm::horizon, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, -1.5, 1}},
         extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
     for (const Lobes& lobes :
-         {some_lobes(), horizon, extended, general_lobes(), reciprocal(some_lobes()), reciprocal(general_lobes()),
+         {some_lobes(), horizon, extended, general_lobes(), reciprocal(extended), reciprocal(general_lobes()),
           doubled(some_lobes()), doubled(general_lobes()), doubled(reciprocal(general_lobes()))}) {
         LobeProblem problem(rows(), lobes.shape, false);
         check_gradient(problem, pack(lobes));
@@ -136,6 +139,10 @@ TEST(Lobes, GradientMatchesTheLossWithBoundedCoefficients) {
     LobeProblem general_unbounded(rows(), {PmForm::extended, 2, false}, false);
     ASSERT_GT(general.loss(y), 1.05 * general_unbounded.loss(y));
     check_gradient(general, y);
+    const LobeShape shape = reciprocal(general_lobes()).shape;
+    LobeProblem both(rows(), shape, false, 0.0), both_unbounded(rows(), shape, false);
+    ASSERT_GT(both.loss(y), 1.05 * both_unbounded.loss(y));
+    check_gradient(both, y);
 }
 
 // The loss contains the squared difference of each integral, relative to its luminance.
@@ -264,15 +271,17 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
 
 TEST(Lobes, AreTheSameInParallel) {
     const Rows many(observations(Objective::appearance, 1 << 16), {.picture_importance = 0.01});
-    LobeProblem serial(many, {PmForm::gaussian, 3}, false), parallel(many, {PmForm::gaussian, 3}, true);
-    const Eigen::VectorXd x = pack(some_lobes());
-    EXPECT_EQ(serial.loss(x), parallel.loss(x));
-    Eigen::MatrixXd H1, H2;
-    Eigen::VectorXd g1, g2;
-    serial.linearise(x, H1, g1);
-    parallel.linearise(x, H2, g2);
-    EXPECT_EQ(H1, H2);
-    EXPECT_EQ(g1, g2);
+    for (const Lobes& lobes : {some_lobes(), reciprocal(general_lobes())}) {
+        LobeProblem serial(many, lobes.shape, false), parallel(many, lobes.shape, true);
+        const Eigen::VectorXd x = pack(lobes);
+        EXPECT_EQ(serial.loss(x), parallel.loss(x));
+        Eigen::MatrixXd H1, H2;
+        Eigen::VectorXd g1, g2;
+        serial.linearise(x, H1, g1);
+        parallel.linearise(x, H2, g2);
+        EXPECT_EQ(H1, H2);
+        EXPECT_EQ(g1, g2);
+    }
 }
 
 TEST(Lobes, CostOfDroppingIsARiseOfTheLoss) {
@@ -359,10 +368,22 @@ TEST(Rounding, ModelHasTheValuesOfItsLobes) {
     EXPECT_LT(error, 1e-6 * total);
 }
 
+// The columns of a problem are the values of the model of its lobes, on both sides of a reciprocal one.
+TEST(Rounding, ModelOfReciprocalLobesHasTheirLoss) {
+    const Observations o = observations();
+    for (const Lobes& lobes : {reciprocal(general_lobes()), doubled(reciprocal(general_lobes()))}) {
+        LobeProblem problem(rows(), lobes.shape, false);
+        const double loss = problem.loss(pack(lobes));
+        const PmModel model = to_model(problem, lobes, true);
+        EXPECT_TRUE(is_reciprocal(model));
+        EXPECT_TRUE(near_relative(loss, loss_of(o, evaluator(model)), 1e-3));
+    }
+}
+
 TEST(Rounding, IsAtLeastAsGoodAsRoundingEachNumber) {
     const Lobes extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
     for (const Rows* each_rows : {&rows(), &rows_with_pictures()})
-        for (const Lobes& lobes : {some_lobes(), extended, general_lobes()}) {
+        for (const Lobes& lobes : {some_lobes(), extended, general_lobes(), reciprocal(extended)}) {
             LobeProblem problem(*each_rows, lobes.shape, false);
             Eigen::VectorXd x = pack(lobes);
             const double unrounded = levenberg_marquardt(problem, x, {.max_iterations = 30}).loss;

@@ -153,71 +153,93 @@ TEST_F(MapCode, LevelsAreMeans) {
 }
 
 #ifdef SRBF_RASTER
-/// Of a texture array with the levels of the file: at corners of texels the filter's BRDF is the mean of four, at the
-/// middle of a texel of level k that of the 4ᵏ under it.
+/// Texels of a map, and where a level of its texture shows their mean.
+struct Place {
+    std::vector<std::size_t> texels;
+    std::array<float, 4> uv;  // and the level
+};
+Place place_of(std::size_t x0, std::size_t y0, std::size_t size, float level) {
+    Place place{{}, {(float(x0) + float(size) / 2) / k_width, (float(y0) + float(size) / 2) / k_height, level, 0}};
+    for (std::size_t y = y0; y < y0 + size; ++y)
+        for (std::size_t x = x0; x < x0 + size; ++x) place.texels.push_back(y * k_width + x);
+    return place;
+}
+/// Corners of texels, where a filter takes the mean of four, and middles of texels of the coarser levels.
+std::vector<Place> places() {
+    std::vector<Place> all;
+    for (std::size_t i = 0; i < 7; ++i) all.push_back(place_of(i, i % 3, 2, 0));
+    for (std::size_t i = 0; i < 8; ++i) all.push_back(place_of(2 * (i % 4), 2 * (i / 4), 2, 1));
+    all.push_back(place_of(4, 0, 4, 2));
+    return all;
+}
+
+GLuint program_of(const Library& map) {
+    return linked(
+        "#version 450\nlayout(local_size_x = 64) in;\n"
+        "layout(std430, binding = 0) readonly buffer Questions { vec4 questions[]; };\n"
+        "layout(std430, binding = 1) writeonly buffer Answers { vec4 answers[]; };\n"
+        "layout(binding = 0) uniform sampler2DArray layers;\nfloat level;\n"
+        "vec3 map_layer(int j, float u, float v) { return textureLod(layers, vec3(u, v, float(j)), level).rgb; "
+        "}\n" +
+        code(map, CodeLanguage::glsl) +
+        "void main() {\n    uint i = gl_GlobalInvocationID.x;\n    level = questions[3 * i + 2].z;\n"
+        "    map_Coefficients of = map_coefficients(questions[3 * i + 2].x, questions[3 * i + 2].y);\n"
+        "    answers[i] = vec4(map_brdf(questions[3 * i].xyz, questions[3 * i + 1].xyz, of), 1.0);\n}\n");
+}
+
+/// Binds a texture array with the levels of the file.
+void bind_layers(const Library& map) {
+    const Texture texture = texture_of(map_ktx2(map));
+    GLuint layers = 0;
+    glGenTextures(1, &layers);
+    glBindTexture(GL_TEXTURE_2D_ARRAY, layers);
+    for (std::size_t k = 0; k < texture.levels.size(); ++k)
+        glTexImage3D(GL_TEXTURE_2D_ARRAY, GLint(k), GL_RGBA16F, GLsizei(std::max<std::size_t>(k_width >> k, 1)),
+                     GLsizei(std::max<std::size_t>(k_height >> k, 1)), map.basis.lobes, 0, GL_RGBA, GL_HALF_FLOAT,
+                     texture.levels[k].data());
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
+}
+
+/// What the program answers to questions of three vectors each, in groups of 64.
+std::vector<std::array<float, 4>> answers_of(GLuint program, const std::vector<std::array<float, 4>>& questions) {
+    std::vector<std::array<float, 4>> answers(questions.size() / 3);
+    std::array<GLuint, 2> buffers;
+    glGenBuffers(2, buffers.data());
+    for (GLuint i = 0; i < 2; ++i) {
+        const auto& of = i == 0 ? questions : answers;
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, buffers[i]);
+        glBufferData(GL_SHADER_STORAGE_BUFFER, GLsizeiptr(16 * of.size()), of.data(), GL_STATIC_DRAW);
+    }
+    glUseProgram(program);
+    glDispatchCompute(GLuint(answers.size() / 64), 1, 1);
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, GLsizeiptr(16 * answers.size()), answers.data());
+    return answers;
+}
+
+/// At corners of texels the filter's BRDF is the mean of four, at the middle of a texel of level k that of the 4ᵏ under
+/// it.
 TEST_F(MapCode, FilteredTexturesAreMeansOfBrdfs) {
-    struct Place {
-        std::vector<std::size_t> texels;
-        std::array<float, 4> uv;  // and the level
-    };
-    std::vector<Place> places;
-    const auto add = [&](std::size_t x0, std::size_t y0, std::size_t size, float level) {
-        Place place{{}, {(float(x0) + float(size) / 2) / k_width, (float(y0) + float(size) / 2) / k_height, level, 0}};
-        for (std::size_t y = y0; y < y0 + size; ++y)
-            for (std::size_t x = x0; x < x0 + size; ++x) place.texels.push_back(y * k_width + x);
-        places.push_back(place);
-    };
-    for (std::size_t i = 0; i < 7; ++i) add(i, i % 3, 2, 0);
-    for (std::size_t i = 0; i < 8; ++i) add(2 * (i % 4), 2 * (i / 4), 2, 1);
-    add(4, 0, 4, 2);
+    const std::vector<Place> all = places();
     const std::vector<Pair> at = pairs(64);
     const auto context = OffscreenContext::make(Dialect::gl_450);
     if (!context) GTEST_SKIP() << message(context.error());
     for (const bool axial : {true, false}) {
         const Library map = map_of(axial);
-        const Texture texture = texture_of(map_ktx2(map));
-        const GLuint program = linked(
-            "#version 450\nlayout(local_size_x = 64) in;\n"
-            "layout(std430, binding = 0) readonly buffer Questions { vec4 questions[]; };\n"
-            "layout(std430, binding = 1) writeonly buffer Answers { vec4 answers[]; };\n"
-            "layout(binding = 0) uniform sampler2DArray layers;\nfloat level;\n"
-            "vec3 map_layer(int j, float u, float v) { return textureLod(layers, vec3(u, v, float(j)), level).rgb; "
-            "}\n" +
-            code(map, CodeLanguage::glsl) +
-            "void main() {\n    uint i = gl_GlobalInvocationID.x;\n    level = questions[3 * i + 2].z;\n"
-            "    map_Coefficients of = map_coefficients(questions[3 * i + 2].x, questions[3 * i + 2].y);\n"
-            "    answers[i] = vec4(map_brdf(questions[3 * i].xyz, questions[3 * i + 1].xyz, of), 1.0);\n}\n");
+        const GLuint program = program_of(map);
         ASSERT_NE(program, 0u);
-        GLuint layers = 0;
-        glGenTextures(1, &layers);
-        glBindTexture(GL_TEXTURE_2D_ARRAY, layers);
-        for (std::size_t k = 0; k < texture.levels.size(); ++k)
-            glTexImage3D(GL_TEXTURE_2D_ARRAY, GLint(k), GL_RGBA16F, GLsizei(std::max<std::size_t>(k_width >> k, 1)),
-                         GLsizei(std::max<std::size_t>(k_height >> k, 1)), map.basis.lobes, 0, GL_RGBA, GL_HALF_FLOAT,
-                         texture.levels[k].data());
-        glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
+        bind_layers(map);
         std::vector<std::array<float, 4>> questions;
-        for (const Place& place : places)
+        for (const Place& place : all)
             for (const Pair& of : at) {
                 questions.push_back({of.wl.x, of.wl.y, of.wl.z, 0});
                 questions.push_back({of.wv.x, of.wv.y, of.wv.z, 0});
                 questions.push_back(place.uv);
             }
-        std::vector<std::array<float, 4>> answers(places.size() * at.size());
-        std::array<GLuint, 2> buffers;
-        glGenBuffers(2, buffers.data());
-        for (GLuint i = 0; i < 2; ++i) {
-            const auto& of = i == 0 ? questions : answers;
-            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, buffers[i]);
-            glBufferData(GL_SHADER_STORAGE_BUFFER, GLsizeiptr(16 * of.size()), of.data(), GL_STATIC_DRAW);
-        }
-        glUseProgram(program);
-        glDispatchCompute(GLuint(places.size()), 1, 1);
-        glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-        glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, GLsizeiptr(16 * answers.size()), answers.data());
+        const auto answers = answers_of(program, questions);
         EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
         for (std::size_t i = 0; i < answers.size(); ++i) {
-            const Place& place = places[i / at.size()];
+            const Place& place = all[i / at.size()];
             expect_near({answers[i][0], answers[i][1], answers[i][2]}, mean(map, place.texels, at[i % at.size()]),
                         1e-3f, fmt::format("level {}", place.uv[2]));
         }

@@ -1,4 +1,6 @@
 // MBSDF tables: look-up, metadata, NVIDIA's car paints, and what is refused.
+#include "measured/readers.h"
+#include "measured/tables.h"
 #include "measured_files.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"

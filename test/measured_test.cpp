@@ -3,6 +3,8 @@
 #include "base/text.h"
 #include "corpus.h"
 #include "measured/formats.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 #include "measured_files.h"
 #include "srbf/file.h"
 #include "temporary_folder.h"

@@ -1,5 +1,7 @@
 // Tables of half and difference angles: what they answer at, between and beyond their nodes.
 #include "measured/angles.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 #include "measured_files.h"
 
 namespace srbf::merl_test {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "models.h"
+#include "models/su/su_functions.h"
 #include "srbf/file.h"
 #include "su_models.h"
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "models.h"
+#include "models/pm/pm_functions.h"
 #include "srbf/file.h"
 #include "temporary_folder.h"
 

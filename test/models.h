@@ -1,6 +1,10 @@
 // Models for tests.
 #pragma once
 #include "base/half.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/ggx/ggx_functions.h"
+#include "models/library_file.h"
+#include "models/pm/pm_functions.h"
 #include "properties.h"
 #include "srbf/library.h"
 #include "srbf/model.h"

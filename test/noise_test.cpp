@@ -2,13 +2,13 @@
 #include <cstring>
 #include <random>
 
+#include "errors/picture_errors.h"
 #include "fit/clamped_noise.h"
 #include "fit/noise.h"
 #include "measured_files.h"
 #include "properties.h"
 #include "srbf/convert.h"
 #include "srbf/fit.h"
-#include "srbf/pictures.h"
 
 namespace srbf::noise_test {
 namespace {
@@ -57,7 +57,7 @@ TEST(Noise, IsFound) {
     EXPECT_TRUE(is_noisy(noise_of(with_noise(bundled("paper_white_rgb"), 0.3f))));
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"})
         EXPECT_FALSE(is_noisy(noise_of(evaluator(bundled(name))))) << name;
-    EXPECT_EQ(noise_of([](auto, auto, std::span<Rgb> f) { std::ranges::fill(f, Rgb{}); }).share(), 0);
+    EXPECT_EQ(share_of(noise_of([](auto, auto, std::span<Rgb> f) { std::ranges::fill(f, Rgb{}); })), 0);
 }
 
 /// Noise as large as what it hides: a sixth of the values are below 0.
@@ -66,7 +66,7 @@ TEST(Noise, DoesNotBiasAFit) {
     Fitter fitter(with_noise(truth, 0.28f));
     const auto outcome = fitter.fit({});
     ASSERT_TRUE(outcome);
-    EXPECT_GT(outcome->noise->share(), 1);
+    EXPECT_GT(share_of(*outcome->noise), 1);
     const Evaluate reference = evaluator(truth), fitted = evaluator(outcome->model);
     for (const double theta : {0.0, 30.0, 60.0}) {
         const double expected = luminance(albedo(reference, theta * k_degree, 89 * k_degree)),

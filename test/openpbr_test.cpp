@@ -1,11 +1,14 @@
 // Models with the parameters of renderers' surfaces: the formula, the file, the fit.
 #include "brdf/directions.h"
+#include "errors/picture_errors.h"
+#include "models/ggx/ggx_functions.h"
+#include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kernel.h"
 #include "models/openpbr/openpbr_kind.h"
+#include "models/openpbr/openpbr_parameters.h"
 #include "properties.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
-#include "srbf/pictures.h"
 
 namespace srbf::pbr_test {
 namespace {

@@ -19,20 +19,20 @@ double brushed(const Vec3d& wl, const Vec3d& wv) {
 }
 
 TEST(Peak, IsWhereTheHighlightIs) {
-    const auto place = [](Function f) { return peak_of(brdf_of(std::move(f))).place; };
+    const auto place = [](Function f) { return peak_of(brdf_of(std::move(f))).position; };
     for (const double bandwidth : {8.0, 100.0, 1e5}) {  // as wide as a satin paint's to 0.2°
-        EXPECT_EQ(place(lobe(bandwidth, 2, mirrored)), PeakPlace::mirror) << bandwidth;
-        EXPECT_EQ(place(lobe(bandwidth, 2, to_light)), PeakPlace::retro) << bandwidth;
-        EXPECT_EQ(place(lobe(bandwidth, 2, turned)), PeakPlace::beside) << bandwidth;
+        EXPECT_EQ(place(lobe(bandwidth, 2, mirrored)), PeakPosition::mirror) << bandwidth;
+        EXPECT_EQ(place(lobe(bandwidth, 2, to_light)), PeakPosition::retro) << bandwidth;
+        EXPECT_EQ(place(lobe(bandwidth, 2, turned)), PeakPosition::beside) << bandwidth;
     }
-    EXPECT_EQ(place(brushed), PeakPlace::mirror);
-    EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return 0.2; }), PeakPlace::none);
-    EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return 0.0; }), PeakPlace::none);
-    EXPECT_EQ(place(rough_matte), PeakPlace::none);
+    EXPECT_EQ(place(brushed), PeakPosition::mirror);
+    EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return 0.2; }), PeakPosition::none);
+    EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return 0.0; }), PeakPosition::none);
+    EXPECT_EQ(place(rough_matte), PeakPosition::none);
     // A rise towards the horizon alone is no highlight.
-    EXPECT_EQ(place([](const Vec3d& wl, const Vec3d& wv) { return 0.1 / std::sqrt(wl.z * wv.z); }), PeakPlace::none);
-    EXPECT_EQ(place([](const Vec3d&, const Vec3d& wv) { return wv.z > 0.9 ? 5 : 0.1; }), PeakPlace::elsewhere);
-    EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return std::nan(""); }), PeakPlace::unknown);
+    EXPECT_EQ(place([](const Vec3d& wl, const Vec3d& wv) { return 0.1 / std::sqrt(wl.z * wv.z); }), PeakPosition::none);
+    EXPECT_EQ(place([](const Vec3d&, const Vec3d& wv) { return wv.z > 0.9 ? 5 : 0.1; }), PeakPosition::elsewhere);
+    EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return std::nan(""); }), PeakPosition::unknown);
     EXPECT_PRED3(near_relative, peak_of(brdf_of(lobe(1e4, 0.9, mirrored))).ratio, 10, 0.5);
     EXPECT_EQ(peak_of(brdf_of([](const Vec3d& wl, const Vec3d& wv) { return dot(mirror(wl), wv) > 0.999; })).ratio,
               k_most_peak);
@@ -42,9 +42,9 @@ TEST(Peak, IsWhereTheHighlightIs) {
 TEST(Peak, OfSamplesIsTheSame) {
     std::mt19937_64 random(5);
     std::normal_distribution<double> normal;
-    for (const auto& [f, place] : {std::pair<Function, PeakPlace>{lobe(100, 2, mirrored), PeakPlace::mirror},
-                                   {lobe(100, 2, to_light), PeakPlace::retro},
-                                   {[](const Vec3d&, const Vec3d&) { return 0.2; }, PeakPlace::none}}) {
+    for (const auto& [f, place] : {std::pair<Function, PeakPosition>{lobe(100, 2, mirrored), PeakPosition::mirror},
+                                   {lobe(100, 2, to_light), PeakPosition::retro},
+                                   {[](const Vec3d&, const Vec3d&) { return 0.2; }, PeakPosition::none}}) {
         ScatteredSamples all, scan, steep;
         for (int i = 0; i < 2000; ++i) {
             const Vec3d wl = random_direction(random, 0.1), wv = random_direction(random, 0.1);
@@ -59,9 +59,9 @@ TEST(Peak, OfSamplesIsTheSame) {
                     if (of == &scan || theta_l < 10)
                         of->wl.push_back(to_float(wl)), of->wv.push_back(to_float(wv)), of->colour.push_back({y, y, y});
             }
-        EXPECT_EQ(peak_of(Measured{"f", "CSV", 0, all}).place, place);
-        EXPECT_EQ(peak_of(Measured{"f", "CSV", 0, scan}).place, place);
-        EXPECT_EQ(peak_of(Measured{"f", "CSV", 0, steep}).place, PeakPlace::unknown);
+        EXPECT_EQ(peak_of(Measured{"f", "CSV", 0, all}).position, place);
+        EXPECT_EQ(peak_of(Measured{"f", "CSV", 0, scan}).position, place);
+        EXPECT_EQ(peak_of(Measured{"f", "CSV", 0, steep}).position, PeakPosition::unknown);
     }
 }
 
@@ -82,13 +82,13 @@ TEST(Peak, OfTablesIsTheSame) {
 }
 
 TEST(Peak, TextAsksAboutTheAzimuths) {
-    EXPECT_EQ(peak_text({PeakPlace::mirror, 14}), "highlight at the mirror direction, 14 times f elsewhere");
-    EXPECT_EQ(peak_text({PeakPlace::mirror, k_most_peak}, true),
+    EXPECT_EQ(peak_text({PeakPosition::mirror, 14}), "highlight at the mirror direction, 14 times f elsewhere");
+    EXPECT_EQ(peak_text({PeakPosition::mirror, k_most_peak}, true),
               "highlight straight through, over 1000 times f elsewhere");
     EXPECT_NE(
-        peak_text({PeakPlace::retro, 3}).find("retro direction, 3 times f elsewhere: are the azimuths exchanged?"),
+        peak_text({PeakPosition::retro, 3}).find("retro direction, 3 times f elsewhere: are the azimuths exchanged?"),
         std::string::npos);
-    EXPECT_NE(peak_text({PeakPlace::none, 1.2}).find("no highlight (matte)"), std::string::npos);
+    EXPECT_NE(peak_text({PeakPosition::none, 1.2}).find("no highlight (matte)"), std::string::npos);
 }
 
 }  // namespace

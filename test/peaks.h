@@ -29,13 +29,13 @@ inline Vec3d turned(const Vec3d& wl) { return {-wl.y, wl.x, wl.z}; }
 
 /// The tables that are made of a BRDF have its highlight at the same place, with light and viewer exchanged too.
 inline void expect_peaks_kept(const std::function<std::vector<Measured>(const Evaluate&)>& tables) {
-    for (const auto& [f, place] : {std::pair<Function, PeakPlace>{lobe(40, 2, mirrored), PeakPlace::mirror},
-                                   {lobe(40, 2, to_light), PeakPlace::retro},
-                                   {[](const Vec3d&, const Vec3d&) { return 0.2; }, PeakPlace::none}})
+    for (const auto& [f, place] : {std::pair<Function, PeakPosition>{lobe(40, 2, mirrored), PeakPosition::mirror},
+                                   {lobe(40, 2, to_light), PeakPosition::retro},
+                                   {[](const Vec3d&, const Vec3d&) { return 0.2; }, PeakPosition::none}})
         for (Measured measured : tables(brdf_of(f))) {
-            EXPECT_EQ(peak_of(measured).place, place) << measured.format;
+            EXPECT_EQ(peak_of(measured).position, place) << measured.format;
             exchange(measured);
-            EXPECT_EQ(peak_of(measured).place, place) << measured.format << " exchanged";
+            EXPECT_EQ(peak_of(measured).position, place) << measured.format << " exchanged";
         }
 }
 

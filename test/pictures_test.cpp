@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "errors/picture_errors.h"
 #include "properties.h"
 #include "srbf/metrics.h"
 

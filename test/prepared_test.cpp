@@ -9,9 +9,15 @@
 #include <xmmintrin.h>
 #endif
 
+#include "brdf/channels.h"
+#include "brdf/parts.h"
 #include "corpus.h"
+#include "measured/tables.h"
 #include "models.h"
+#include "models/ggx/ggx_functions.h"
+#include "models/su/su_functions.h"
 #include "one_target.h"
+#include "sampling/mixture.h"
 #include "srbf/fit.h"
 #include "srbf/kernel.h"
 #include "srbf/load.h"
@@ -449,8 +455,8 @@ std::array<double, MixtureProposal::k_numbers> numbers_at(const MixtureProposal&
     const int lower = std::min(int(position), MixtureProposal::k_nodes - 2);
     std::array<double, MixtureProposal::k_numbers> numbers;
     for (std::size_t k = 0; k < numbers.size(); ++k)
-        numbers[k] = (1 - position + lower) * double(proposal.numbers(std::size_t(lower))[k]) +
-                     (position - lower) * double(proposal.numbers(std::size_t(lower + 1))[k]);
+        numbers[k] = (1 - position + lower) * double(numbers_of(proposal, std::size_t(lower))[k]) +
+                     (position - lower) * double(numbers_of(proposal, std::size_t(lower + 1))[k]);
     return numbers;
 }
 

@@ -3,6 +3,8 @@
 
 #include "brdf/colour.h"
 #include "measured/formats/warp.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 #include "measured_files.h"
 
 namespace srbf::rgl_test {

@@ -4,7 +4,9 @@
 #include <map>
 
 #include "brdf/colour.h"
+#include "measured/readers.h"
 #include "measured/samples.h"
+#include "measured/tables.h"
 #include "measured_files.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
@@ -352,6 +354,15 @@ struct WrittenTable {
     }
 };
 
+/// The samples are those of a `WrittenTable`.
+void expect_written(const ScatteredSamples& samples, const std::string& header) {
+    EXPECT_TRUE(samples.isotropic);
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        const double h = double(normalize(samples.wl[i] + samples.wv[i]).z);
+        EXPECT_PRED3(near, samples.colour[i].g, 0.2 + 2 * std::pow(h, 40), 1e-4) << header;
+    }
+}
+
 /// The same function is read from names, units, separators and azimuths as instruments and spreadsheets write them.
 TEST(Csv, ReadsCommonLayouts) {
     const auto full = [](double l, double v, double phi) { return fmt::format("{} 0 {} {}", l, v, phi); };
@@ -402,12 +413,8 @@ TEST(Csv, ReadsCommonLayouts) {
         const auto measured = read_measured(as_bytes(text), "f", {columns, quantity, 0});
         ASSERT_TRUE(measured.ok()) << message(measured.error()) << '\n' << text;
         const auto& s = std::get<ScatteredSamples>(measured->table);
-        EXPECT_TRUE(s.isotropic);
         EXPECT_EQ(s.wl.size(), in_plane ? 30u : 60u) << text;
-        for (std::size_t i = 0; i < s.wl.size(); ++i) {
-            const double h = double(normalize(s.wl[i] + s.wv[i]).z);
-            EXPECT_PRED3(near, s.colour[i].g, 0.2 + 2 * std::pow(h, 40), 1e-4) << table.header;
-        }
+        expect_written(s, table.header);
         std::string notes;
         for (const std::string& line : s.notes) notes += line + "\n";
         EXPECT_EQ(notes.empty(), note.empty()) << notes;

@@ -12,8 +12,12 @@
 #include "statistics.h"
 #include "su_models.h"
 #ifdef SRBF_RASTER
+#include "code/offered_code.h"
 #include "compute.h"
 #include "extras/render/offscreen.h"
+#include "models/ggx/ggx_functions.h"
+#include "models/openpbr/openpbr_functions.h"
+#include "models/su/su_functions.h"
 #include "observe/observations.h"
 #endif
 

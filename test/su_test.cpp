@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/half.h"
+#include "models/su/su_functions.h"
 #include "srbf/kernel.h"
 #include "srbf/model.h"
 #include "su_models.h"

@@ -1,4 +1,6 @@
 // UTIA tables. The tables are synthetic, since no file of the database is available.
+#include "measured/readers.h"
+#include "measured/tables.h"
 #include "measured_files.h"
 
 namespace srbf::utia_test {

@@ -26,17 +26,24 @@ function system_of(memory) {
   } };
 }
 
-// Instantiates the compiled module. `progress(stage, fraction)` may return false to cancel a fit.
-async function new_srbf(module, progress = () => true) {
+// The exports of the compiled module, instantiated with what it imports.
+async function instantiated(module, progress) {
   let c = null;
-  const memory = () => c.memory, bytes_at = (address, size) => new Uint8Array(c.memory.buffer, address, size);
+  const memory = () => c.memory, text_at = (address, size) => decoder.decode(new Uint8Array(c.memory.buffer, address, size).slice());
   const system = system_of(memory), k_no_system = 52; // ENOSYS
   const wasi = new Proxy(system.imports, { get: (functions, name) => functions[name] ?? (() => k_no_system) });
-  const imports = { srbf: { progress: (address, size, fraction) => progress(decoder.decode(bytes_at(address, size).slice()), fraction) === false ? 0 : 1 } };
+  const imports = { srbf: { progress: (address, size, fraction) => progress(text_at(address, size), fraction) === false ? 0 : 1 } };
   for (const { module: from, name } of WebAssembly.Module.imports(module))
     if (from === "wasi_snapshot_preview1") (imports[from] ??= {})[name] = wasi[name];
   c = (await WebAssembly.instantiate(module, imports)).exports;
   c._initialize?.();
+  return c;
+}
+
+// The functions of the compiled module. `progress(stage, fraction)` may return false to cancel a fit.
+async function new_srbf(module, progress = () => true) {
+  const c = await instantiated(module, progress);
+  const bytes_at = (address, size) => new Uint8Array(c.memory.buffer, address, size);
 
   // Calls f with the addresses and sizes of copies of these texts and byte arrays.
   function with_bytes(values, f) {

@@ -12,12 +12,17 @@
 #include <vector>
 
 #include "app/output.h"
+#include "base/files.h"
 #include "base/text.h"
+#include "code/offered_code.h"
+#include "errors/picture_errors.h"
 #include "extras/render/app/page_of.h"
 #include "extras/render/environment.h"
 #include "extras/render/material.h"
 #include "extras/render/slices.h"
 #include "fit/fit_options.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "observe/objectives.h"
 #include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"

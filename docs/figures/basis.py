@@ -15,7 +15,7 @@ import comparison
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 CSV, PAGE, PLOT = (os.path.join(HERE, "..", name) for name in ("basis.csv", "basis.md", "basis.svg"))
-OWN = {"srbf-4": "4 lobes", "srbf": "8 lobes", "srbf-12": "12 lobes", "srbf-16": "16 lobes"}  # fits of their own in comparison.csv
+OWN = {f"as-measured-{lobes}": f"{lobes} lobes" for lobes in (4, 8, 12, 16)}  # fits of their own in comparison.csv, of the form of libraries
 COLOURS = {16: "#b3d1ea", 32: "#6fa8d8", 64: "#2a6fb0", 128: "#123f6b", "own": "#c0392b", "neural": "#5d6d7e"}
 WORST = 8  # materials that a table lists
 WANTED = 1.5  # times the mean error of fits of 8 lobes
@@ -77,7 +77,7 @@ def panel(errors, title, materials, x0, y0, width, height):
     for value in (1.5, 2, 3, 4, 6, 8):
         parts.append(f'<path d="M{x0} {y(value):.1f}h{width}" stroke="#eee"/>'
                      f'<text x="{x0 - 6}" y="{y(value) + 4:.1f}" text-anchor="end">{value:g}</text>')
-    wanted = WANTED * errors.mean("srbf", materials)
+    wanted = WANTED * errors.mean("as-measured-8", materials)
     parts.append(f'<path d="M{x0} {y(wanted):.1f}h{width}" stroke="#555" stroke-dasharray="5 4"/>')
     curves = {lobes: [key for key in errors.libraries if key[0] == lobes] for lobes in sorted({key[0] for key in errors.libraries})}
     curves["own"] = list(OWN)
@@ -123,14 +123,14 @@ def errors_table(errors):
         payload, shared = errors.payload[key]
         mean = errors.mean(key)
         lines.append([name_of(key), f"{payload:.0f}" + (f" + {shared / errors.count:.0f}" if shared else ""), f"{mean:.2f}",
-                      f"{statistics.median(errors.error[key].values()):.2f}", f"{mean / errors.mean('srbf'):.2f}"])
+                      f"{statistics.median(errors.error[key].values()):.2f}", f"{mean / errors.mean('as-measured-8'):.2f}"])
     return comparison.table(["", "bytes a material", "mean ΔE_ITP", "median", "of the mean of 8 own lobes"], lines)
 
 
 def worst_table(errors):
     """The materials that lose most by shared lobes: by the difference to eight lobes of their own."""
-    keys = ["srbf", "srbf-16", (32, 16), (64, 16), (128, 16)]
-    of, own = errors.error[keys[-1]], errors.error["srbf"]
+    keys = ["as-measured-8", "as-measured-16", (32, 16), (64, 16), (128, 16)]
+    of, own = errors.error[keys[-1]], errors.error["as-measured-8"]
     order = sorted(of, key=lambda name: own[name] - of[name])[:WORST]
     return comparison.table(["material"] + [name_of(key) for key in keys], [[name] + [f"{errors.error[key][name]:.3g}" for key in keys] for name in order])
 

@@ -21,7 +21,7 @@ HEAD = 150  # pixels of the names of the rows
 BUNDLED = [("White paper", "paper_white", os.path.join(data, "paper_white_rgb.bsdf")),
            ("Vinyl film", "cc_ibiza_sunset", os.path.join(data, "cc_ibiza_sunset_rgb.bsdf"))]
 GIVEN = [("Brass (stand-in)", "metal"), ("Red plastic (stand-in)", "plastic")]
-ROWS = ["the table", "srbf,<br>208 bytes", "Lambert,<br>two GGX,<br>26 bytes"]
+ROWS = ["the table", "srbf,<br>210 bytes", "Lambert,<br>two GGX,<br>26 bytes"]
 STYLE = f"""body {{ margin: 0; background: #fff; color: #222; font: 24px DejaVu Sans, sans-serif }} div {{ display: flex; align-items: center }}
     b {{ width: {PANEL}px; text-align: center; font-weight: normal; padding: 10px 0 }} p {{ width: {HEAD}px; margin: 0; padding-left: 10px;
     box-sizing: border-box }} i {{ width: {PANEL}px; height: {SHOWN}px }}"""

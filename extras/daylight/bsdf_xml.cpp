@@ -125,9 +125,9 @@ namespace {
 Result<AngleBasis> basis_named(const Element& element, const std::vector<AngleBasis>& defined) {
     const std::string name = name_in(element.text());
     for (const AngleBasis& basis : defined)
-        if (same(basis.name, name)) return basis;
+        if (equal_ignoring_case(basis.name, name)) return basis;
     for (const KnownBasis& known : known_bases())
-        if (same(known.name, name)) return basis_of(known);
+        if (equal_ignoring_case(known.name, name)) return basis_of(known);
     return element.error("angle basis", "one that the file defines, or one of Klems'", srbf::quoted(name));
 }
 
@@ -160,10 +160,12 @@ struct Definition {
 Result<Definition> read_definition(const Element& element) {
     Definition definition;
     const std::string_view structure = element.child("IncidentDataStructure").text();
-    definition.rank = same(structure, "TensorTree3") ? 3 : same(structure, "TensorTree4") ? 4 : 0;
+    definition.rank = equal_ignoring_case(structure, "TensorTree3")   ? 3
+                      : equal_ignoring_case(structure, "TensorTree4") ? 4
+                                                                      : 0;
     if (definition.rank > 0) return definition;
-    definition.is_in_rows = same(structure, "Rows");
-    if (!definition.is_in_rows && !same(structure, "Columns"))
+    definition.is_in_rows = equal_ignoring_case(structure, "Rows");
+    if (!definition.is_in_rows && !equal_ignoring_case(structure, "Columns"))
         return element.error("IncidentDataStructure", "Columns, Rows, TensorTree3 or TensorTree4", quoted(structure));
     for (const Element& basis_element : element.children("AngleBasis")) {
         if (definition.bases.size() == k_most_blocks) return element.error("angle bases", "fewer", "more");
@@ -223,13 +225,13 @@ Result<Done> parse(std::span<const std::byte> bytes, const std::string& file_nam
 
 std::optional<Part> part_named(std::string_view text) {
     for (std::size_t p = 0; p < k_parts; ++p)
-        if (same(text, k_window_names[p])) return Part(p);
+        if (equal_ignoring_case(text, k_window_names[p])) return Part(p);
     return {};
 }
 
 Result<XmlBlock> read_tree(const Element& block, int rank) {
     const std::string_view basis = block.child("AngleBasis").text();
-    if (!same(basis, "LBNL/Shirley-Chiu"))
+    if (!equal_ignoring_case(basis, "LBNL/Shirley-Chiu"))
         return block.error("AngleBasis of a tensor tree", "LBNL/Shirley-Chiu", quoted(basis));
     const Element data = block.child("ScatteringData");
     auto tree = read_tensor_tree(data.node.child_value(), rank);
@@ -291,7 +293,8 @@ BsdfTable::Band band_of(std::string name, XmlBlocks&& blocks, const std::string&
 }
 
 NamedXmlBlocks* band_named(std::vector<NamedXmlBlocks>& bands, std::string_view name) {
-    const auto band = std::ranges::find_if(bands, [&](const NamedXmlBlocks& named) { return same(named.first, name); });
+    const auto band = std::ranges::find_if(
+        bands, [&](const NamedXmlBlocks& named) { return equal_ignoring_case(named.first, name); });
     return band == bands.end() ? nullptr : &*band;
 }
 
@@ -306,8 +309,9 @@ void join_chromaticity(std::vector<NamedXmlBlocks>& bands) {
         tree_y->chromaticity.push_back(std::move(tree_u->y));
         tree_y->chromaticity.push_back(std::move(tree_v->y));
     }
-    std::erase_if(bands,
-                  [](const NamedXmlBlocks& band) { return same(band.first, "CIE-u") || same(band.first, "CIE-v"); });
+    std::erase_if(bands, [](const NamedXmlBlocks& band) {
+        return equal_ignoring_case(band.first, "CIE-u") || equal_ignoring_case(band.first, "CIE-v");
+    });
 }
 
 /// Replaces the matrices in these bands by one band of colours, Σ weight × matrix, if all have the same parts and
@@ -408,7 +412,7 @@ Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::str
     BsdfTable table;
     table.description = name_in(layer.child("Material").child("Name").text(), 200);
     for (auto& [name, blocks] : *bands) {
-        const bool is_first_visible = same(name, k_visible) && !band_named(*bands, k_colours);
+        const bool is_first_visible = equal_ignoring_case(name, k_visible) && !band_named(*bands, k_colours);
         if (is_first_visible || name == k_colours) table.chosen = table.bands.size();
         table.bands.push_back(band_of(name, std::move(blocks), file_name));
     }

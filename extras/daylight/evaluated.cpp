@@ -8,6 +8,8 @@
 #include "extras/daylight/klems.h"
 #include "extras/daylight/tensor_tree.h"
 #include "extras/daylight/tree_beam.h"
+#include "fit/own_fit.h"
+#include "measured/evaluated_table.h"
 
 namespace srbf {
 
@@ -37,22 +39,22 @@ std::vector<TableLine> lines_about(const TreeTable& table) {
 
 EvaluatedTable evaluated(KlemsTable matrix) {
     const auto table = std::make_shared<const KlemsTable>(std::move(matrix));
-    EvaluatedTable evaluated = evaluated_as<PackedXml>("BSDF XML", table);
-    evaluated.own_fit = std::make_shared<const OwnFit>(OwnFit{
+    TableFunctions functions;
+    functions.own_fit = std::make_shared<const OwnFit>(OwnFit{
         "patches",
         [table](const FitRequest& request, const ProgressToken& progress) {
             return fit_patches(*table, request, progress);
         },
         [table](const Evaluate& f) { return sums_of(*table, k_measured_points).error_ratio(f); },
         [table](const Evaluate& f, const Beams& beams, Part part) { return hemispherical(*table, f, beams, part); }});
-    return evaluated;
+    return evaluated_as<PackedXml>("BSDF XML", table, std::move(functions));
 }
 
 EvaluatedTable evaluated(TreeTable tree) {
     const auto table = std::make_shared<const TreeTable>(std::move(tree));
-    EvaluatedTable evaluated = evaluated_as<PackedXml>("BSDF XML", table);
-    evaluated.separated_beam = [table] { return separated_beam(table); };
-    return evaluated;
+    TableFunctions functions;
+    functions.separated_beam = [table] { return separated_beam(table); };
+    return evaluated_as<PackedXml>("BSDF XML", table, std::move(functions));
 }
 
 EvaluatedTable unpack_bsdf_xml(std::string_view bytes) {

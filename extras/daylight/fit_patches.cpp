@@ -4,9 +4,11 @@
 #include <numeric>
 #include <random>
 
+#include "base/errors.h"
 #include "base/floating_point.h"
 #include "base/r_sequence.h"
 #include "brdf/directions.h"
+#include "brdf/values.h"
 #include "extras/daylight/klems.h"
 #include "fit/requests.h"
 #include "measured/isotropy.h"
@@ -122,7 +124,6 @@ class PatchFits {
     /// repeated with other random numbers.
     Result<Done> fit_size(PmFitOptions options, const Size& size, const ProgressToken& progress) {
         options.lobes = size.lobes, options.variates = size.variates;
-        if (options.reciprocal) options.variates += options.variates % 2;
         std::vector<Rgb> values = means_;
         std::optional<PmModel> initial_lobes;
         for (int round = 0; round < k_most_rounds; ++round) {
@@ -267,10 +268,10 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
         if (outcome) outcome->max_theta = k_pi / 2;
         return outcome;
     }
-    std::vector<Size> sizes(std::begin(k_sizes), std::end(k_sizes));
-    if (const auto lobes = lobes_of(*pm)) sizes = {{*lobes, pm->variates}};
     PmFitOptions options =
         quick_options(pm_options(request, pm->axial.value_or(is_isotropic(table))), k_starts, k_perturbations);
+    std::vector<Size> sizes(std::begin(k_sizes), std::end(k_sizes));
+    if (lobes_of(*pm)) sizes = {{options.lobes, options.variates}};
     // The mean over a patch cannot resolve lobes that are narrower than the patch.
     options.finest = k_finest * least_width(table.outgoing);
     const double size_count = double(sizes.size());

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "brdf/directions.h"
+#include "brdf/parts.h"
 #include "extras/daylight/klems.h"
 #include "measured/two_sided.h"
 #include "srbf/elementary.h"

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "measured/evaluated_table.h"
 #include "srbf/daylight.h"
 
 namespace srbf {

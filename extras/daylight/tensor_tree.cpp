@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "brdf/colour.h"
 #include "measured/limits.h"
+#include "measured/tables.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -2,6 +2,7 @@
 #pragma once
 #include <string_view>
 
+#include "measured/evaluated_table.h"
 #include "srbf/daylight.h"
 
 namespace srbf {

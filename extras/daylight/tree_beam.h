@@ -2,6 +2,7 @@
 #pragma once
 #include <optional>
 
+#include "measured/evaluated_table.h"
 #include "srbf/daylight.h"
 
 namespace srbf {

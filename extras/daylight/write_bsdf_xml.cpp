@@ -7,6 +7,8 @@
 #include "base/parallel.h"
 #include "base/printable.h"
 #include "base/r_sequence.h"
+#include "brdf/parts.h"
+#include "brdf/values.h"
 #include "extras/daylight/formats.h"
 #include "extras/daylight/klems.h"
 #include "srbf/elementary.h"

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "base/r_sequence.h"
 #include "brdf/colour.h"
+#include "brdf/frame.h"
 #include "sampling/elevation_nodes.h"
 
 namespace srbf {

@@ -79,7 +79,7 @@ class ActiveLobes {
     void erase_cheapest() {
         const auto free = coefficients(true);
         const auto count = Index(free.size());
-        const MatrixXd inverse = ridged(H_(free, free)).ldlt().solve(MatrixXd::Identity(count, count));
+        const MatrixXd inverse = with_ridge(H_(free, free)).ldlt().solve(MatrixXd::Identity(count, count));
         std::vector<double> cost(active_.size());
         for (std::size_t k = 0; k < active_.size(); ++k) {
             std::vector<Index> rows, coefficient_indices;
@@ -97,7 +97,7 @@ class ActiveLobes {
     Index best_addition() const {
         const auto free = coefficients(true);
         const VectorXd residual = y_ - H_ * b_;
-        const Eigen::LDLT<MatrixXd> factor(ridged(H_(free, free)));
+        const Eigen::LDLT<MatrixXd> factor(with_ridge(H_(free, free)));
         Index best = 0;
         double largest_gain = -1;
         for (Index j = 0; j < lobes_; ++j) {

@@ -9,11 +9,12 @@
 #include "base/half.h"
 #include "base/parallel.h"
 #include "base/reporter.h"
+#include "errors/picture_errors.h"
 #include "extras/maps/material_coefficients.h"
 #include "extras/maps/shared_lobes.h"
+#include "models/library_file.h"
 #include "models/pm/solve/rounding.h"
 #include "srbf/basis.h"
-#include "srbf/pictures.h"
 
 namespace srbf {
 namespace {

@@ -12,6 +12,7 @@
 #include "base/reporter.h"
 #include "extras/maps/material_coefficients.h"
 #include "extras/maps/shared_lobes.h"
+#include "models/library_file.h"
 #include "models/pm/solve/rounding.h"
 #include "observe/bound.h"
 #include "observe/pair_weights.h"

@@ -64,6 +64,8 @@ Result<Done> check_basis_options(const BasisOptions& options) {
           require_range("fit_library", "number of active lobes", options.active, 0, options.lobes),
           require_range("fit_library", "number of threads", options.threads, 0, 1024)})
         if (!result) return result.error();
+    if (is_reciprocal(options.form))
+        return argument_error("fit_library", "form", "one that is not reciprocal", std::string(name(options.form)));
     return Done{};
 }
 

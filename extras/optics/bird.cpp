@@ -137,7 +137,7 @@ Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::
     }
     for (auto& [unit, values] : sax.arrays) std::vector<float>().swap(values);
     weigh(rows);
-    return samples_of_rows(rows, bytes.size(), file_name, std::move(sax.description), lights.are_one());
+    return samples_of_rows(rows, bytes.size(), file_name, std::move(sax.description), lights.are_equal());
 }
 
 }  // namespace srbf

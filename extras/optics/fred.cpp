@@ -83,7 +83,7 @@ Result<ScatteredSamples> read_fred(std::span<const std::byte> bytes, const std::
         const float f = float(numbers[angles] * format.scale);
         builder.add(*light, spherical(side * theta, phi), std::span(&f, 1));
     }
-    return std::move(builder).finish(file_name, "FRED", azimuths.are_one());
+    return std::move(builder).finish(file_name, "FRED", azimuths.are_equal());
 }
 
 }  // namespace srbf

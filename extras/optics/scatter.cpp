@@ -11,7 +11,9 @@
 #include "brdf/colour.h"
 #include "brdf/directions.h"
 #include "measured/angles.h"
+#include "measured/evaluated_table.h"
 #include "measured/limits.h"
+#include "measured/tables.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

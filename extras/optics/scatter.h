@@ -3,6 +3,7 @@
 #include <optional>
 #include <string_view>
 
+#include "measured/evaluated_table.h"
 #include "measured/formats.h"
 #include "measured/samples.h"
 #include "srbf/optics.h"

@@ -31,7 +31,8 @@ void read_zemax_header(ScatterText& text, ZemaxHeader& header) {
         };
         const auto one_of = [&](std::string_view& target, std::initializer_list<std::string_view> names) {
             const std::string_view word = text.word();
-            const auto* match = std::ranges::find_if(names, [&](std::string_view name) { return same(name, word); });
+            const auto* match =
+                std::ranges::find_if(names, [&](std::string_view name) { return equal_ignoring_case(name, word); });
             if (match == names.end())
                 text.fail(key, fmt::format("one of {}", fmt::join(names, ", ")), quoted(word));
             else

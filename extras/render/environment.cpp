@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/files.h"
 #include "base/text.h"
 #include "extras/render/exr.h"
 #include "srbf/file.h"

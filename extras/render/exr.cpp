@@ -15,6 +15,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base/files.h"
 #include "base/text.h"
 #include "srbf/file.h"
 #include "src/base/floating_point.h"

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "models/bsdf/bsdf_functions.h"
+#include "models/su/su_functions.h"
 #include "prepared/table_file.h"
 
 namespace srbf {

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <limits>
 
+#include "base/files.h"
 #include "srbf/file.h"
 
 namespace srbf {

@@ -13,6 +13,8 @@
 #include "extras/render/scene.h"
 #include "extras/render/slices.h"
 #include "extras/render/sphere_picture.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/su/su_functions.h"
 #include "render/page_text.h"
 
 namespace srbf {

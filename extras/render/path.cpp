@@ -6,6 +6,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "brdf/frame.h"
 #include "extras/render/rays.h"
 #include "extras/render/shading.h"
 #include "src/base/parallel.h"

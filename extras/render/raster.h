@@ -7,10 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "brdf/frame.h"
 #include "extras/render/environment.h"
 #include "extras/render/gl_object.h"
 #include "extras/render/scene.h"
 #include "extras/render/tone.h"
+#include "models/su/su_functions.h"
 
 namespace srbf {
 

@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "base/half.h"
+#include "brdf/frame.h"
 #include "extras/render/raster.h"
+#include "models/su/su_functions.h"
 
 namespace srbf {
 namespace {

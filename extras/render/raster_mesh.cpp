@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "brdf/frame.h"
 #include "extras/render/raster.h"
 
 namespace srbf {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "brdf/frame.h"
 #include "extras/render/shading.h"
 
 namespace srbf {

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "brdf/frame.h"
 #include "extras/render/mesh.h"
 #include "srbf/vec.h"
 

@@ -204,69 +204,94 @@ std::string scan_drawing(const Scan& scan, std::span<const SliceCurve> models) {
     return svg + "</svg>\n";
 }
 
+namespace {
+
+/// The drawing of lobes: r is a value, the angle that of the viewer.
+struct LobePlot {
+    static constexpr double radius = 140, x0 = 180, outside = 1.04;
+    bool is_circle, is_linear;                 // front and back; not logarithmic
+    double most = 0, lowest = 0, highest = 0;  // the largest value, and logarithms at the centre and the outermost ring
+
+    LobePlot(const LuminanceSlice& slice, bool both_sides, LobeScale scale)
+        : is_circle(both_sides), is_linear(scale == LobeScale::linear) {
+        constexpr double counted_theta = 85;
+        double least = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < slice.degrees.size(); ++i)
+            if (const double y = slice.luminance[i];
+                std::abs(std::cos(slice.degrees[i] * k_degree)) >= std::cos(counted_theta * k_degree) && y > 0)
+                most = std::max(most, y), least = std::min(least, y);
+        if (most == 0) most = least = 1;
+        highest = std::log10(most);
+        // With front and back, the smallest value is still a visible lobe.
+        lowest = std::max(std::min(std::log10(least), highest - 1) - (is_circle ? 1 : 0), highest - k_lobe_decades);
+    }
+    double y0() const { return is_circle ? 186 : 190; }
+    double height() const { return is_circle ? 366 : 218; }
+    double r_of(double y) const {
+        const double position = is_linear ? y / most : (std::log10(std::max(y, 1e-300)) - lowest) / (highest - lowest);
+        return radius * std::max(position, 0.0);
+    }
+    double x_of(double r, double degrees) const { return x0 + r * std::sin(degrees * k_degree); }
+    double y_of(double r, double degrees) const { return y0() - r * std::cos(degrees * k_degree); }
+
+    std::string ring(double r) const {
+        const auto arc = [&](int sweep) {
+            return fmt::format("<path class='grid' fill='none' d='M{:.1f} {}A{:.1f} {:.1f} 0 0 {} {:.1f} {}'/>", x0 - r,
+                               y0(), r, r, sweep, x0 + r, y0());
+        };
+        return is_circle ? arc(1) + arc(0) : arc(1);
+    }
+    std::string ring_label(double r, const std::string& label) const {
+        return svg_text(x0 + r, y0() + 13, "middle", label);
+    }
+    /// Rings and axes; the labels, which are drawn over the curves, are appended to `labels`.
+    std::string grid(std::string& labels) const {
+        std::string svg;
+        const auto add = [&](double r, const std::string& label) { svg += ring(r), labels += ring_label(r, label); };
+        if (is_linear)
+            add(radius / 2, two_digits(most / 2)), add(radius, two_digits(most));
+        else
+            for (int exponent = int(std::floor(lowest)) + 1; exponent <= highest; ++exponent)
+                add(r_of(std::pow(10.0, exponent)), power_of_ten(exponent));
+        if (is_circle) labels += svg_text(4, y0() - 6, "start", "front") + svg_text(4, y0() + 13, "start", "back");
+        return svg + svg_line("axis", x0 - radius, y0(), x0 + radius, y0()) +
+               svg_line("axis", x0, is_circle ? y0() + radius : y0(), x0, y0() - radius);
+    }
+    std::string curve(const SliceCurve& of, const LuminanceSlice& slice, bool is_first) const {
+        constexpr double least_step = 1.5;
+        Outline outline;
+        for (std::size_t i = 0; i < slice.degrees.size(); ++i) {
+            const double y = slice.luminance[i], angle = slice.degrees[i];
+            const double r = std::isnan(y) ? y : std::min(r_of(y), outside * radius);
+            outline.add(x_of(r, angle), y_of(r, angle), least_step);
+        }
+        return curve_path(of, outline, is_first);
+    }
+};
+
+}  // namespace
+
 std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, LobeScale scale) {
-    constexpr double radius = 140, x0 = 180, outside = 1.04, least_step = 1.5, counted_theta = 85;
-    const bool is_circle = std::ranges::any_of(curves, &SliceCurve::both_sides);
-    const double y0 = is_circle ? 186 : 190, height = is_circle ? 366 : 218;
     const double light = theta_l / k_degree;
     std::vector<LuminanceSlice> slices;
     for (const SliceCurve& curve : curves) slices.push_back(luminance_slice(curve.brdf, theta_l, curve.both_sides));
-    double most = 0, least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < slices[0].degrees.size(); ++i)
-        if (const double y = slices[0].luminance[i];
-            std::abs(std::cos(slices[0].degrees[i] * k_degree)) >= std::cos(counted_theta * k_degree) && y > 0)
-            most = std::max(most, y), least = std::min(least, y);
-    if (most == 0) most = least = 1;
-    // Logarithms from the centre to the outermost ring, which is the largest value.
-    const double highest = std::log10(most),
-                 // With front and back, the smallest value is still a visible lobe.
-        lowest = std::max(std::min(std::log10(least), highest - 1) - (is_circle ? 1 : 0), highest - k_lobe_decades);
-    const bool is_linear = scale == LobeScale::linear;
-    const auto r_of = [&](double y) {
-        const double position = is_linear ? y / most : (std::log10(std::max(y, 1e-300)) - lowest) / (highest - lowest);
-        return radius * std::max(position, 0.0);
-    };
-    const auto x_of = [&](double r, double degrees) { return x0 + r * std::sin(degrees * k_degree); };
-    const auto y_of = [&](double r, double degrees) { return y0 - r * std::cos(degrees * k_degree); };
+    const LobePlot plot(slices[0], std::ranges::any_of(curves, &SliceCurve::both_sides), scale);
 
     std::string svg = fmt::format(
         "<svg class='slice lobes' viewBox='0 0 360 {}' role='img' aria-label='Lobes for light at {:g}° from the "
         "normal{}'>",
-        height, light <= 90 ? light : 180 - light, light <= 90 ? "" : " of the back");
+        plot.height(), light <= 90 ? light : 180 - light, light <= 90 ? "" : " of the back");
     svg += svg_text(
         4, 14, "start",
         fmt::format("<tspan font-weight='bold'>light at {:g}°{}</tspan>, {}", light <= 90 ? light : 180 - light,
-                    light <= 90 ? "" : " behind", is_linear ? "linear" : "every ring ten times the one within"));
-    std::string labels;  // drawn over the curves
-    const auto ring = [&](double r, const std::string& label) {
-        svg += fmt::format("<path class='grid' fill='none' d='M{:.1f} {}A{:.1f} {:.1f} 0 0 1 {:.1f} {}'/>", x0 - r, y0,
-                           r, r, x0 + r, y0);
-        if (is_circle)
-            svg += fmt::format("<path class='grid' fill='none' d='M{:.1f} {}A{:.1f} {:.1f} 0 0 0 {:.1f} {}'/>", x0 - r,
-                               y0, r, r, x0 + r, y0);
-        labels += svg_text(x0 + r, y0 + 13, "middle", label);
-    };
-    if (is_linear)
-        ring(radius / 2, two_digits(most / 2)), ring(radius, two_digits(most));
-    else
-        for (int exponent = int(std::floor(lowest)) + 1; exponent <= highest; ++exponent)
-            ring(r_of(std::pow(10.0, exponent)), power_of_ten(exponent));
-    svg += svg_line("axis", x0 - radius, y0, x0 + radius, y0) +
-           svg_line("axis", x0, is_circle ? y0 + radius : y0, x0, y0 - radius);
-    if (is_circle) labels += svg_text(4, y0 - 6, "start", "front") + svg_text(4, y0 + 13, "start", "back");
-    const double light_radius = 1.1 * radius;
-    svg += svg_line("mark", x0, y0, x_of(light_radius, -light), y_of(light_radius, -light));
-    labels +=
-        svg_text(x_of(light_radius, -light), y_of(light_radius, -light) + (light <= 90 ? -3 : 11), "middle", "light");
-    for (std::size_t c = 0; c < curves.size(); ++c) {
-        Outline outline;
-        for (std::size_t i = 0; i < slices[c].degrees.size(); ++i) {
-            const double y = slices[c].luminance[i], angle = slices[c].degrees[i];
-            const double r = std::isnan(y) ? y : std::min(r_of(y), outside * radius);
-            outline.add(x_of(r, angle), y_of(r, angle), least_step);
-        }
-        svg += curve_path(curves[c], outline, c == 0);
-    }
+                    light <= 90 ? "" : " behind", plot.is_linear ? "linear" : "every ring ten times the one within"));
+    std::string labels;
+    svg += plot.grid(labels);
+    const double light_radius = 1.1 * LobePlot::radius, x = plot.x_of(light_radius, -light),
+                 y = plot.y_of(light_radius, -light);
+    svg += svg_line("mark", LobePlot::x0, plot.y0(), x, y);
+    labels += svg_text(x, y + (light <= 90 ? -3 : 11), "middle", "light");
+    for (std::size_t c = 0; c < curves.size(); ++c) svg += plot.curve(curves[c], slices[c], c == 0);
     return svg + labels + "</svg>\n";
 }
 

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "brdf/frame.h"
 #include "src/base/parallel.h"
 
 namespace srbf {

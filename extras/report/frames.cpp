@@ -10,6 +10,7 @@
 #include "extras/report/study.h"
 #ifdef SRBF_RASTER
 #include "extras/render/frames.h"
+#include "models/su/su_functions.h"
 #endif
 
 namespace srbf {

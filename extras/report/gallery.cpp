@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.h"
+#include "errors/picture_errors.h"
 #include "errors/sphere.h"
 #include "extras/report/page.h"
 #include "extras/report/parts.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/printable.h"
+#include "errors/picture_errors.h"
 #include "extras/render/chart.h"
 #include "extras/report/page.h"
 #include "extras/report/parts.h"

@@ -7,6 +7,7 @@
 
 #include "base/printable.h"
 #include "extras/report/parts.h"
+#include "fit/request_traits.h"
 #include "report/report_text.h"
 
 namespace srbf {

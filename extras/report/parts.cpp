@@ -7,7 +7,9 @@
 
 #include "app/html.h"
 #include "base/printable.h"
+#include "errors/picture_errors.h"
 #include "errors/sphere.h"
+#include "observe/objectives.h"
 #include "render/page_text.h"
 #include "report/report_text.h"
 

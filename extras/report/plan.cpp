@@ -20,10 +20,10 @@ class Plan {
         add(pm, objective, fmt::format("pm-{}-{}x{}-{}", stored_name(form), lobes, variates, name(objective)),
             std::move(role));
     }
-    /// A reciprocal model of two variates for scans, from which few incidences can be left out.
+    /// A reciprocal model for scans, from which few incidences can be left out.
     void reciprocal(int lobes, Objective objective, std::string role = {}) {
         PmRequest pm;
-        pm.variates = 2, pm.reciprocal = true, pm.size = LobeCount{lobes};
+        pm.form = PmForm::reciprocal, pm.variates = 2, pm.size = LobeCount{lobes};
         add(pm, objective, fmt::format("pm-reciprocal-{}x2-{}", lobes, name(objective)), std::move(role));
     }
     void su(int lobes, Objective objective, std::string role = {}, int directions = SuRequest{}.directions) {

@@ -12,6 +12,7 @@
 #include "app/extra_subcommands.h"
 #include "app/jobs.h"
 #include "base/printable.h"
+#include "errors/picture_errors.h"
 #include "extras/render/app/mesh_options.h"
 #include "extras/render/mesh.h"
 #include "extras/report/page.h"

@@ -7,11 +7,14 @@
 #include <filesystem>
 
 #include "app/hash.h"
+#include "base/files.h"
+#include "code/offered_code.h"
 #include "errors/likeness.h"
 #include "extras/render/app/page_of.h"
 #include "extras/render/app/path.h"
 #include "extras/render/page.h"
 #include "extras/render/slices.h"
+#include "measured/readers.h"
 #include "srbf/file.h"
 #include "srbf/shading_code.h"
 

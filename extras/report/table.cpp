@@ -10,7 +10,11 @@
 
 #include "base/printable.h"
 #include "base/text.h"
+#include "errors/measure_names.h"
+#include "errors/measures.h"
+#include "errors/picture_errors.h"
 #include "errors/sphere.h"
+#include "fit/request_traits.h"
 #include "srbf/metrics.h"
 
 namespace srbf {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brdf/frame.h"
 #include "extras/render/environment.h"
+#include "observe/objectives.h"
 
 namespace srbf {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parameters.h"
+#include "models/su/su_functions.h"
 
 namespace srbf {
 namespace {

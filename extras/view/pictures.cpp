@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "brdf/frame.h"
 #include "extras/render/app/raster.h"
 #include "extras/view/ink.h"
 

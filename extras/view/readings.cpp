@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "errors/measure_names.h"
+#include "errors/picture_errors.h"
 #include "extras/render/tone.h"
 #include "extras/view/ink.h"
 #include "extras/view/plots.h"
-#include "srbf/pictures.h"
 
 namespace srbf {
 namespace {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "fit/fit_options.h"
+#include "observe/objectives.h"
 #include "srbf/file.h"
 #include "srbf/fit_bsdf.h"
 

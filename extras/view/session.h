@@ -16,8 +16,8 @@ namespace srbf {
 
 /// The choice of a fit by the sliders.
 struct FitChoice {
-    PmForm form = PmRequest{}.form;
-    int lobes = LobeCount{}.lobes, variates = PmRequest{}.variates;
+    PmForm form = k_default_form;
+    int lobes = row_of(k_default_form).lobes, variates = row_of(k_default_form).variates;
     Objective objective = FitRequest{}.objective;
     FitRequest request() const;  ///< everything else has the defaults of `srbf fit`
     friend bool operator==(const FitChoice&, const FitChoice&) = default;

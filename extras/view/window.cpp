@@ -127,6 +127,35 @@ void write_screenshot(const Screen& screen, Session& session) {
     written ? session.say("Wrote " + name + ".") : session.complain(written.error());
 }
 
+/// The parts of the window.
+struct WindowParts {
+    Controls controls;
+    Pictures pictures;
+    Readings readings;
+    std::optional<Opening> opening;
+};
+
+/// Draws all parts, and does what their buttons ask for.
+void draw_parts(WindowParts& parts, Session& session, DisplayState& display, float scale) {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    const float left = k_controls * scale, message_height = k_messages * scale, right = size.x - left;
+    // A wiped picture takes all of the height.
+    const float picture_height = display.wipe ? size.y - message_height : std::floor((size.y - message_height) * 0.55f);
+    parts.controls.draw(session, display, {0, 0}, {left, size.y});
+    parts.pictures.draw(session, display, {left, 0}, {right, picture_height});
+    if (!display.wipe)
+        parts.readings.draw(session, display, {left, picture_height},
+                            {right, size.y - message_height - picture_height});
+    draw_messages(session, {left, size.y - message_height}, {right, message_height});
+    draw_help(display);
+    if (display.open_recent) open_recent(session, display), display.open_recent = false;
+    const bool is_new = display.open_file;
+    if (display.open_file) parts.opening.emplace().recent = recent_files(), display.open_file = false;
+    if (const auto file = draw_opening(parts.opening, is_new, scale); file && !file->empty())
+        drop(*file, session, display);
+    if (display.save) parts.controls.save(session), display.save = false;
+}
+
 }  // namespace
 
 Result<Done> run_window(Session& session, DisplayState& display, const WindowOptions& options) {
@@ -136,13 +165,11 @@ Result<Done> run_window(Session& session, DisplayState& display, const WindowOpt
     screen.set_paced(options.timed_refits == 0);
     auto panels = Panels::make(Dialect::gl_450);
     if (!panels) return panels.error();
-    Controls controls;
-    Pictures pictures(*std::move(panels));
-    Readings readings;
+    WindowParts parts{{}, Pictures(*std::move(panels)), {}, {}};
+    Pictures& pictures = parts.pictures;
     Refits refits(options.timed_refits);
-    std::optional<Opening> opening;
     screen.on_key = [&](const std::string& name) {
-        if (opening) return press(name, *opening);
+        if (parts.opening) return press(name, *parts.opening);
         if (!ImGui::GetIO().WantTextInput) press(name, display, session), pictures.touch();
     };
     for (const auto& subject : session.subjects()) keep_recent(subject->path);
@@ -158,27 +185,10 @@ Result<Done> run_window(Session& session, DisplayState& display, const WindowOpt
         const bool is_new_fit = session.poll();
         if (options.timed_refits > 0) refits.step(session, display);
         pictures.take(session, display, is_new_fit);
-        readings.take(session, display, is_new_fit);
+        parts.readings.take(session, display, is_new_fit);
 
         screen.begin_frame();
-        const ImVec2 size = ImGui::GetIO().DisplaySize;
-        const float left = k_controls * screen.scale(), message_height = k_messages * screen.scale(),
-                    right = size.x - left;
-        // A wiped picture takes all of the height.
-        const float picture_height =
-            display.wipe ? size.y - message_height : std::floor((size.y - message_height) * 0.55f);
-        controls.draw(session, display, {0, 0}, {left, size.y});
-        pictures.draw(session, display, {left, 0}, {right, picture_height});
-        if (!display.wipe)
-            readings.draw(session, display, {left, picture_height}, {right, size.y - message_height - picture_height});
-        draw_messages(session, {left, size.y - message_height}, {right, message_height});
-        draw_help(display);
-        if (display.open_recent) open_recent(session, display), display.open_recent = false;
-        const bool is_new = display.open_file;
-        if (display.open_file) opening.emplace().recent = recent_files(), display.open_file = false;
-        if (const auto file = draw_opening(opening, is_new, screen.scale()); file && !file->empty())
-            drop(*file, session, display);
-        if (display.save) controls.save(session), display.save = false;
+        draw_parts(parts, session, display, screen.scale());
         screen.end_frame();
 
         // Waits a few frames after everything is displayed, until the layout is final.

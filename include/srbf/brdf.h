@@ -32,19 +32,13 @@ inline Rgb non_negative(Rgb f) {
     for (int c = 0; c < 3; ++c) f[c] = f[c] < 0 ? 0 : f[c];
     return f;
 }
-inline Evaluate non_negative(Evaluate values) {
-    return [values = std::move(values)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-        values(wl, wv, f);
-        for (Rgb& c : f) c = non_negative(c);
-    };
-}
 
 /// Ends the program unless the three lengths are equal.
 inline void require_equal_lengths(std::size_t wl, std::size_t wv, std::size_t f) {
     if (wl != wv || wl != f) misused("arrays of pairs: expected as many wl, wv and values");
 }
 
-/// `brdf` as an `Evaluate`. It keeps a reference to `brdf`, which must outlive it.
+/// `brdf` as an `Evaluate`. It keeps a reference to `brdf`, which must outlive it; a temporary it owns.
 template <Brdf B> Evaluate evaluator(const B& brdf) {
     return [&brdf](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         require_equal_lengths(wl.size(), wv.size(), f.size());
@@ -52,7 +46,6 @@ template <Brdf B> Evaluate evaluator(const B& brdf) {
     };
 }
 
-/// `evaluator` of a temporary, which the returned function owns.
 template <typename B>
 requires(Brdf<B> && !std::is_reference_v<B>) Evaluate evaluator(B&& brdf) {
     auto held = std::make_shared<const B>(std::move(brdf));
@@ -68,21 +61,5 @@ struct Channels {
     std::function<void(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<float> f)> evaluate;
     std::size_t count() const { return wavelengths.empty() ? 3 : wavelengths.size(); }
 };
-
-/// The channels R, G and B of `brdf`.
-inline Channels rgb_channels(Evaluate brdf) {
-    return {{}, [brdf = std::move(brdf)](auto wl, auto wv, auto f) {
-                require_equal_lengths(3 * wl.size(), 3 * wv.size(), f.size());
-                std::vector<Rgb> colour(wl.size());
-                brdf(wl, wv, colour);
-                for (std::size_t i = 0; i < colour.size(); ++i)
-                    f[3 * i] = colour[i].r, f[3 * i + 1] = colour[i].g, f[3 * i + 2] = colour[i].b;
-            }};
-}
-inline std::vector<Channels> rgb_channels(std::span<const Evaluate> brdfs) {
-    std::vector<Channels> channels;
-    for (const Evaluate& brdf : brdfs) channels.push_back(rgb_channels(brdf));
-    return channels;
-}
 
 }  // namespace srbf

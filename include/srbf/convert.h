@@ -46,20 +46,19 @@ MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options = {});
 /// measured.
 ScatteredSamples to_samples(const Evaluate& brdf, bool isotropic, int n, double theta_max);
 
-/// The bytes of a MERL `.binary`. Cells without a measurement are −1. read_merl(write_merl(table)) is `table`.
+/// The bytes of a MERL `.binary`. Cells without a measurement are −1. Reading them gives `table`.
 std::vector<std::byte> write_merl(const MerlTable& table);
 /// The bytes of an RGL `.bsdf` of an isotropic table with `jacobian`. It holds `rgb` and `luminance`, and for renderers
-/// that read only spectra also `spectra` at `wavelengths`, whose colours are these (`reflectance_spectrum`).
-/// read_rgl(write_rgl(table)) is `table` up to rounding.
-/// Without `spectra` it holds the colours alone: renderers that take a file with spectra for spectral refuse it
-/// otherwise where they compute in colours.
+/// that read only spectra also `spectra` at `wavelengths`, whose colours are these (`reflectance_spectrum`). Reading it
+/// gives `table` up to rounding. Without `spectra` it holds the colours alone, for renderers that would take the file
+/// for spectral.
 std::vector<std::byte> write_rgl(const RglTable& table, bool spectra = true);
 /// The bytes of an MBSDF file, version 1, with a block of reflection. Control characters in values of the metadata,
-/// other than line ends, become blanks. read_mbsdf(write_mbsdf(table)) is `table` but for `has_transmission`. With
+/// other than line ends, become blanks. Reading it gives `table` but for `has_transmission`. With
 /// `transmission` a block of it follows, of which the metadata do not matter.
 std::vector<std::byte> write_mbsdf(const MbsdfTable& table, const MbsdfTable* transmission = nullptr);
 /// CSV with a row per sample: wl_x .. wv_z, then r,g,b, or a spectrum in columns such as 450nm.
-/// read_csv(write_csv(samples)) is `samples`. Once cancelled it ends early.
+/// Reading it gives `samples`. Once cancelled it ends early.
 std::string write_csv(const ScatteredSamples& samples, const ProgressToken& token = {});
 
 }  // namespace srbf

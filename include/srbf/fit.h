@@ -1,13 +1,11 @@
 // Fits of measurements with measured errors, in one call.
 #pragma once
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -21,16 +19,13 @@ namespace [[gnu::visibility("default")]] srbf {
 
 /// Minimise the held-out error among models of at most `bytes` bytes.
 struct ByteBudget {
-    std::size_t bytes = 160;  ///< k_least_chosen_bytes..k_most_chosen_bytes
+    std::size_t bytes = 160;  ///< 12..512
 };
-/// Minimise the bytes among models without a visible difference: whose pictures of a sphere have at most this mean ΔE_ITP under
-/// `standard_lightings`. For tables.
+/// Minimise the bytes among models whose pictures of a sphere have at most this mean ΔE_ITP (metrics.h). For tables.
 struct TargetDeltaE {
     double delta_e = 2;  ///< (0, 100]
 };
 using SizeGoal = std::variant<ByteBudget, TargetDeltaE>;
-inline constexpr std::size_t k_least_chosen_bytes = 12, k_most_chosen_bytes = 512;
-inline constexpr double k_finest_delta_e = 0.01, k_most_delta_e = 100;
 
 /// A model that was tried.
 struct Trial {
@@ -44,24 +39,28 @@ struct Trial {
 
 /// J, the number of lobes of a multivariate model, 1..k_most_fitted_lobes.
 struct LobeCount {
-    int lobes = k_default_lobes;
+    int lobes = row_of(k_default_form).lobes;
 };
-/// Chooses J from `k_tried_lobes`: for a table the least product of bytes and held-out error; for samples the fewest
-/// lobes whose cross-validated error is within 3 % of the least, or with gaps filled the most that they determine.
+/// Chooses J from 2, 3, 4, 6, 9 and 12: for a table the least product of bytes and held-out error; for samples the
+/// fewest lobes whose cross-validated error is within 3 % of the least, or with gaps filled the most they determine.
 struct AutomaticLobes {};
-/// A goal is looked for among all forms and sizes; of samples among the J of `k_tried_lobes` in the requested form.
+/// A goal is looked for among all forms and sizes; of samples among the J above in the requested form.
 using PmSize = std::variant<LobeCount, AutomaticLobes, SizeGoal>;
-inline constexpr int k_tried_lobes[] = {2, 3, 4, 6, 9, 12};
 
 /// A parameterized multivariate model (PM).
 struct PmRequest {
     static constexpr std::string_view k_name = "pm";
     static constexpr std::string_view k_about = "parameterized multivariate SRBFs, one sum of lobes for the whole BRDF";
-    PmForm form = PmForm::extended;
-    int variates = k_default_variates;  ///< N, 1..k_most_variates
-    std::optional<PmSize> size = {};    ///< none: 8 lobes for a table, automatic for samples
-    std::optional<bool> axial = {};     ///< none: axial if the measurement is isotropic
-    bool reciprocal = false;
+    /// A reciprocal form is fitted to the reciprocal mean of a table, (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl):
+    /// the mean of what reached the instrument. None: reciprocal for a table, extended for samples, for light that passes
+    /// through a surface, and for patches of directions.
+    std::optional<PmForm> form = {};
+    std::optional<int> variates = {};  ///< N, 1..k_most_variates; none: that of the form
+    std::optional<PmSize> size = {};   ///< none: the number of the form for a table, automatic for samples
+    std::optional<bool> axial = {};    ///< none: axial if the measurement is isotropic
+    /// Limit on the directional albedo of a channel. None: that of a reciprocal form is the largest one measured up to 80°,
+    /// at least 1.
+    std::optional<double> albedo_limit = {};
     /// True: a model of `PmForm::gaussian` stores a log scale a lobe where β leaves the range of 16-bit floats. False: β is bounded.
     bool log_scale = true;
 };
@@ -90,29 +89,6 @@ struct FitRequest {
     double theta() const { return max_theta.value_or(default_max_theta(objective)); }  ///< [rad]
 };
 
-/// The names of the models that a request can ask for, in the order of `AnyRequest`.
-inline constexpr auto k_model_names = []<typename... R>(std::type_identity<std::variant<R...>>) {
-    return std::array{R::k_name...};
-}(std::type_identity<AnyRequest>());
-inline std::string_view model_name(const FitRequest& request) { return k_model_names[request.model.index()]; }
-
-/// True if a fit of this request to scattered samples follows the gap-filled samples: PM in colours, by an objective of
-/// pictures. Fits by `relative` follow microfacets, others interpolated values if cross-validation finds them useful.
-bool fills_gaps(const FitRequest& request);
-
-/// The goal by which the size is chosen; none: it is a number of lobes or automatic, or the model is not multivariate.
-inline std::optional<SizeGoal> goal_of(const FitRequest& request) {
-    const auto* pm = std::get_if<PmRequest>(&request.model);
-    const auto* goal = pm && pm->size ? std::get_if<SizeGoal>(&*pm->size) : nullptr;
-    return goal ? std::optional(*goal) : std::nullopt;
-}
-
-/// True if the size is chosen by the visible error.
-inline bool is_by_pictures(const FitRequest& request) {
-    const auto goal = goal_of(request);
-    return goal && std::holds_alternative<TargetDeltaE>(*goal);
-}
-
 /// Noise of a measurement in the darker half of all pairs of directions.
 struct Noise {
     Rgb deviation{};  ///< standard deviation [1/sr]
@@ -122,14 +98,7 @@ struct Noise {
     /// Standard deviation [1/sr] of a table's samples before its maker set those below 0 to 0; of channels without it 0.
     Rgb clamped{};
     double excess = 0;  ///< share by which the median value is too bright because they were set to 0
-    /// The deviation relative to the value, by means over the channels; 0 where the value is not above 0.
-    double share() const {
-        const auto sum = [](const Rgb& x) { return double(x.r) + double(x.g) + double(x.b); };
-        return sum(level) > 0 ? sum(deviation) / sum(level) : 0;
-    }
 };
-
-inline constexpr std::string_view k_no_highlight = "no highlight";
 
 /// A fitted model with its errors and statistics.
 struct FitOutcome {
@@ -141,13 +110,12 @@ struct FitOutcome {
     std::uint64_t masked = 0;        ///< number of evaluated pairs where nothing was measured
     std::uint64_t clamped = 0;       ///< number of negative channel values among them; set to 0 unless they are noise
     std::optional<Noise> noise;      ///< of a table; above 30 % the fit takes negative values for noise about a mean
-    std::uint64_t raw_bytes =
-        0;  ///< of f in floats at all pairs of 1536 (SU: the sampled) directions, or at the samples
+    std::uint64_t raw_bytes = 0;  ///< of f in floats at all pairs of 1536 (SU: sampled) directions, or at the samples
     std::optional<int> empty_directions;   ///< SU: number of sampled directions without data
     std::optional<std::uint64_t> samples;  ///< for scattered samples: number of samples within θmax
     /// for scattered samples, PM: whether the fit follows values between them: gap-filled or interpolated
     std::optional<bool> filled;
-    /// of gap-filled samples: what continues their highlights, as "neighbours" or "two lobes of GGX"; or `k_no_highlight`
+    /// of gap-filled samples: what continues their highlights, as "neighbours" or "two lobes of GGX"; or "no highlight"
     std::string continued;
     /// For scattered samples: the fits to all folds but one, and if gaps are filled, the cross-validated errors of
     /// Lambert and at most one lobe of GGX.
@@ -163,6 +131,8 @@ struct FitOutcome {
     std::optional<Comparison> errors, unrounded_errors;
     /// Picture error between the measurement and its transpose f(wv, wl). Empty if the measurement is reciprocal.
     std::optional<Appearance> exchanged;
+    std::optional<Appearance>
+        against_mean;  ///< pictures of a reciprocal `model` against the mean that it was fitted to
     std::optional<Appearance> against_smoothed;  ///< pictures of `model` against a noisy measurement smoothed
 };
 
@@ -183,7 +153,7 @@ class Fitter {
     /// measurement; `measure` takes its front reflection.
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress = {});
     /// A fast preview of `fit`, from a few tens of milliseconds to a second. A higher `draft`, 0..k_drafts−1, is more
-    /// accurate. Only for PM with a given number of lobes (default 8).
+    /// accurate. Only for PM; without a number of lobes, with that of the form.
     Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress = {});
     static constexpr int k_drafts = 2;
     /// Measures the errors of `outcome` and adds them to its provenance.
@@ -200,20 +170,8 @@ Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, cons
 /// Fits a BRDF as a function.
 Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress = {});
 
-/// A noisy table smoothed to its noise, as fits see it (docs/notes/noise.md): signed values f − λ clamp(f − f̂, ±3σ), with f̂ of
-/// short fits, σ the noise and λ how much of f − f̂ it is. Keeps a reference to `measured`, which must be isotropic.
-/// Errors: not a table of one BRDF; it is not noisy; cancelled.
+/// A noisy table smoothed to its noise, as fits see it (docs/notes/noise.md). Keeps a reference to `measured`, which
+/// must be isotropic. Errors: not a table of one BRDF; it is not noisy; cancelled.
 Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads = 0, const ProgressToken& progress = {});
-
-/// Picture error between f and its transpose f(wv, wl). A reciprocal fit differs from one of them by at least half of it.
-Appearance compare_exchanged(const Evaluate& f, int threads = 0);
-
-/// Describes the terms that a multivariate fit of a table by this request minimises, and its stages, in several lines; empty
-/// for other models.
-std::string explain(const FitRequest& request);
-
-/// The directions of the matrix on which a model is measured: the sampled directions of a view-by-view model, otherwise
-/// the Fibonacci set of k_matrix_directions within θmax [rad].
-std::vector<Vec3f> matrix_directions(const Model& model, double theta_max);
 
 }  // namespace srbf

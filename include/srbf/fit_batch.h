@@ -1,7 +1,6 @@
 // Fits of many BRDFs that were measured at the same pairs of directions, such as the texels of a material.
 #pragma once
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -41,30 +40,13 @@ struct TexelFit {
     std::optional<Error> failure;
 };
 
-/// Fits T texels: f is T × pairs [1/sr], NaN where nothing was measured. Lobes follow the gap-filled samples
-/// as those of a single fit do, at fewer pairs and without pictures, if the objective is one of
-/// pictures, otherwise the samples; no fold is left out. A texel is a constant if its lobes lower the weighted squares
-/// about that by no more than three times what noise would. A texel's fit depends on its values, the pairs and the options
-/// alone, not on other texels or the number of threads.
-/// Errors: another number of values than whole texels; a request for another kind of model or without a number of
-/// lobes; a wrong option; cancelled.
+/// Fits T texels: f is T × pairs [1/sr], NaN where nothing was measured. Lobes follow the samples, for an objective of
+/// pictures gap-filled as those of a single fit, at fewer pairs and without pictures; no fold is left out. A texel is a
+/// constant if its lobes lower the weighted squares about that by no more than three times what noise would. A texel's
+/// fit depends on its values, the pairs and the options alone, not on other texels or the number of threads. Errors:
+/// another number of values than whole texels; a request for another kind of model or without a number of lobes; a
+/// wrong option; cancelled.
 Result<std::vector<TexelFit>> fit_batch(const SharedPairs& pairs, std::span<const Rgb> f, const BatchOptions& options,
                                         const ProgressToken& progress = {});
-
-/// Texels that are read and fitted in slabs, so that only one slab of them is in memory.
-struct TexelStream {
-    std::size_t begin = 0, end = 0;  ///< the texels to fit
-    std::size_t slab = 1024;         ///< their number in a slab; the last one may have fewer
-    /// Writes the values of texels `first`, `first` + 1, … to f, as many as it has room for.
-    std::function<Result<Done>(std::size_t first, std::span<Rgb> f)> read;
-    /// Receives the fits of a slab.
-    std::function<Result<Done>(std::size_t first, std::span<const TexelFit> fits)> take;
-    /// True for a slab that an earlier run has taken, which is left out; none: no slab was taken.
-    std::function<bool(std::size_t first, std::size_t count)> is_done = {};
-};
-
-/// Fits the texels of a stream, slab after slab. Errors: those of `read` and `take`, which end it, and those above.
-Result<Done> fit_batch(const SharedPairs& pairs, const TexelStream& texels, const BatchOptions& options,
-                       const ProgressToken& progress = {});
 
 }  // namespace srbf

@@ -1,8 +1,7 @@
 // Fits of both sides of a surface, part by part.
 #pragma once
-#include <functional>
+#include <array>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "srbf/fit.h"
@@ -37,28 +36,13 @@ struct BsdfOutcome {
     double most_measured = 0, most_fitted = 0;
 };
 
-/// A part counts as answered by its counterpart if the squared error ratio between the two is at most this.
-inline constexpr double k_same_part = 1e-4;
-
-/// Fits the parts of a two-sided measurement: those that are like their counterparts only once. A part is
-/// fitted like the measurement of a BRDF, unless its table says how (`OwnFit`). Beams are kept as they are.
-/// Errors: those of `fit`; a measurement of one side.
+/// Fits the parts of a two-sided measurement: those that are like their counterparts, with a squared error ratio of at
+/// most 1e-4, only once. A part is fitted like the measurement of a BRDF; patches are fitted to their sums. Beams are
+/// kept as they are. Errors: those of `fit`; a measurement of one side.
 Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
 
 /// Fits a BSDF that is given as functions in the parts' frames, none for those that are 0.
 Result<BsdfOutcome> fit_bsdf(const std::array<Evaluate, k_parts>& parts, const FitRequest& request,
                              const ProgressToken& progress = {});
-
-/// How a table is fitted that is not fitted to its values at pairs of directions.
-struct OwnFit {
-    std::string_view fitted;  ///< in messages, what is fitted: "patches"
-    std::function<Result<FitOutcome>(const FitRequest&, const ProgressToken&)> fit;
-    /// Σ w (f − f̂)² / Σ w f² of a function (`PartFit`).
-    std::function<double(const Evaluate&)> error_ratio;
-    /// Directional-hemispherical sums of the table, and of a function with the part's beam.
-    std::function<std::vector<Hemispherical>(const Evaluate&, const Beams&, Part)> hemispherical;
-};
-/// How a part is fitted; null: to its values, as the measurement of a BRDF.
-const OwnFit* own_fit_of(const Measured& part);
 
 }  // namespace srbf

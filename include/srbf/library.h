@@ -38,19 +38,10 @@ Model material(const Library& library, std::size_t t);
 /// The material that is named so: one of `names`; X,Y in a map; or an index.
 std::optional<std::size_t> find_material(const Library& library, std::string_view name);
 
-/// Bytes of the shared lobes, and of one material: 6 for each coefficient, and 2 for each index.
-std::size_t basis_bytes(const Library& library);
-std::size_t material_bytes(const Library& library);
-
-/// The library with every number rounded to a 16-bit float.
-Library rounded(Library library);
-
 /// The file: the tensors of a model file for the lobes, but `coefficient` [T,K,3]; of a sparse library `index`, U16
 /// [T,K]; and `aux.error`, F16 [T]. Names are the metadata `names`, separated by line breaks, `width` that of a map.
 std::vector<std::byte> write_library(const Library& library);
 /// Errors: as in `read_model`; an index that is not below J; another number of names than of materials.
 Result<Library> read_library(std::span<const std::byte> bytes, const std::string& file_name);
-/// True if these are the bytes of a library.
-bool is_library(std::span<const std::byte> bytes);
 
 }  // namespace srbf

@@ -13,8 +13,7 @@ using AnyBrdf = std::variant<Measured, Model>;
 /// True if it is a BSDF, which answers on the front and the back (bsdf.h).
 bool is_two_sided(const AnyBrdf& brdf);
 /// Reads a measurement or a model, recognised by its content. "FILE#T" is texel T of a stack of models (model.h), unless
-/// there is a file of that name. Errors: those of load_measured and load_model.
-/// `options` are for measurements.
+/// there is a file of that name. `options` are for measurements. Errors: those of load_measured and load_model.
 Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options = {});
 
 /// The measurement or model that `load` and `fit` of srbf.h hold.

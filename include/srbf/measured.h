@@ -68,9 +68,7 @@ struct RglTable {
     /// of a spectral file, in the file's layout: slices × wavelengths × height × width of `colour`
     std::vector<float> spectra;
     std::vector<float> phi_l;  ///< [rad], increasing; there are slices for each. Empty: isotropic
-    /// Symmetry of the measured azimuths: 1 (full circle), 2 (the other half is rotated by π), 4 (mirrored at both
-    /// axes).
-    int symmetry = 1;
+    int symmetry = 1;  ///< of the measured azimuths: 1 none, 2 the other half is rotated by π, 4 mirrored at both axes
     bool jacobian = true;
     std::vector<float> theta_l;  ///< [rad], increasing; a slice for each
     Profile ndf;                 ///< microfacet distribution
@@ -83,9 +81,8 @@ struct RglTable {
 /// at 0, 15, .. 75°, φ_l and φ_v at 0, 7.5, .. 352.5°.
 struct UtiaTable {
     static constexpr std::uint32_t k_polar = 6, k_azimuths = 48, k_directions = k_polar * k_azimuths;
-    std::vector<Rgb>
-        /// f_r [1/sr]; φ_v varies fastest, then θ_v, φ_l, θ_l; negative channels not yet clamped. NaN: not measured
-        cells;
+    /// f_r [1/sr]; φ_v varies fastest, then θ_v, φ_l, θ_l; negative channels not yet clamped. NaN: not measured
+    std::vector<Rgb> cells;
     std::uint64_t masked = 0;  ///< cells without a measurement
 };
 
@@ -118,8 +115,7 @@ class SampleIndex;
 /// At a sample this is the sample's own value (the mean of samples at the same x). It never leaves the range of the
 /// measured f cosθl cosθv, and is continuous except where distances tie. Isotropic samples at azimuths Δφ and −Δφ count
 /// as the same. For anisotropic samples the plane vectors (θ cosφ, θ sinφ) replace θ_l and θ_v. Interpolation is
-/// inaccurate in wide gaps: leaving one sample out, the squared error ratio on Cornell's paints is 0.05 to 0.3, and
-/// 0.01 for the cube root.
+/// inaccurate in wide gaps (docs/formats.md has figures).
 struct ScatteredSamples {
     std::string description;
     bool isotropic = true;           ///< f_r depends only on the difference of the azimuths
@@ -127,49 +123,29 @@ struct ScatteredSamples {
     std::vector<Vec3f> wl, wv;       ///< unit vectors, above the horizon
     std::vector<Rgb> colour;         ///< f_r [1/sr] of each sample, negative channels not yet clamped
     std::vector<float> spectrum;     ///< f_r [1/sr], samples × wavelengths
-    /// what each counts in a fit, by its uncertainty; empty: 1
-    std::vector<float> weight;
-    /// samples of the file that were dropped: not finite, below the horizon, or −999 and its like
-    std::uint64_t masked = 0;
+    std::vector<float> weight;       ///< what each counts in a fit, by its uncertainty; empty: 1
+    std::uint64_t masked = 0;  ///< samples of the file that were dropped: not finite, below the horizon, or −999
     /// search structure for `value`; `make_index` builds it from wl, wv and colour
     std::shared_ptr<const SampleIndex> index;
-    /// what its reader masked or assumed beyond the format, a line each, for people
-    std::vector<std::string> notes;
+    std::vector<std::string> notes;  ///< what its reader masked or assumed beyond the format, a line each
 };
 
 /// Builds the search structure of `value`. Call it again after any change of the samples.
 void make_index(ScatteredSamples& samples);
 
-/// A part of a BSDF without the light that its table keeps as a peak though it is not scattered.
-struct SeparatedBeam {
-    Evaluate rest;  ///< f with the peak cut off at the level about it
-    Beam beam;      ///< the share that is cut off
-};
-/// A line of what `srbf info` says about a table: a text, or the ranges of colours, channel by channel.
-struct TableLine {
-    std::string name, text;
-    std::span<const Rgb> colours = {};
-};
-struct OwnFit;  // fit_bsdf.h
-
-/// A table whose layout the files of its format alone know: its values, and what else is asked of any table.
+struct TableFunctions;
+/// A table whose layout the files of its format alone know: its values, and what else its format knows of it.
 struct EvaluatedTable {
     /// f_r [1/sr] as `signed_value` has it: 0 below the horizon, NaN in every channel where nothing was measured
     Evaluate values;
     bool isotropic = true;
-    std::function<std::vector<TableLine>()> lines;
-    /// The part without its peaks of unscattered light, if it has any; null: it has none.
-    std::function<std::optional<SeparatedBeam>()> separated_beam = {};
-    std::shared_ptr<const OwnFit> own_fit = {};  ///< how a part of a BSDF is fitted; null: to its values
-    std::any own = {};                           ///< a std::shared_ptr<const T> of the format's own table
-    std::string_view format = {};                ///< the name of the format that has `unpack` for `packed`
-    std::function<std::string()> packed = {};    ///< the table as bytes, for copies in other processes
+    std::any own = {};  ///< a std::shared_ptr<const T> of the format's own table, see `own_table`
+    std::shared_ptr<const TableFunctions> functions = {};
 };
 
 struct Measured;
 
-/// A two-sided measurement, in bands of wavelengths. Each part is a measurement of its own, in the frame of
-/// the part.
+/// A two-sided measurement, in bands of wavelengths. Each part is a measurement of its own, in its frame.
 struct BsdfTable {
     struct Band {
         std::string name;  ///< "Visible", "Solar"; empty: colours
@@ -202,34 +178,12 @@ template <typename T> const T* own_table(const Measured& measured) {
 bool is_isotropic(const Measured& measured);
 /// A line for each thing that the reader masked or assumed beyond the format.
 std::vector<std::string> notes(const Measured& measured);
-/// How far samples change with the azimuth, which isotropic ones do not: √(Σ |g_i − g_k|² / Σ |g_i|²) of g = f cosθl cosθv,
-/// over pairs of samples that a turn about the normal by more than 15° takes to each other, as nearly as samples lie
-/// (within 0.1°, or else 10°, of θl, θv and θh). 0 if there are none, up to 14 % (noise), and if smaller turns change them
-/// by more than 0.4 of it: then they differ by noise, or by their distance.
-double change_by_azimuth(const ScatteredSamples& samples);
 
-// f_r [1/sr] of unit vectors, which is not checked: 0 if wl.z ≤ 0 or wv.z ≤ 0, and otherwise finite, or NaN in every channel
-// where each function says so. Negative channels occur where a saturated colour lies outside of the gamut.
-/// f_r by trilinear interpolation over the measured ones of the eight surrounding nodes, not negative; NaN if none was
-/// measured.
-Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv);
-/// f_r at the nearest node.
-Rgb nearest(const MerlTable& table, Vec3f wl, Vec3f wv);
-/// f_r. Never NaN.
-Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv);
-/// f_r, linear in all four angles between the nodes, like the look-up of the database's own code. Between 75 and 90° it
-/// is extrapolated from 60 to 75°. NaN where one of the nodes was not measured.
-Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv);
-/// f_r by linear interpolation; NaN where one of the samples is masked.
-Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
-/// f_r by interpolation. Never NaN: masked samples are left out.
-Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
-/// f_r of its function.
-Rgb signed_value(const EvaluatedTable& table, Vec3f wl, Vec3f wv);
-/// f of the chosen band on either side: `value` of the part, or of its counterpart if the part is missing; 0 without
-/// both.
-Rgb signed_value(const BsdfTable& table, Vec3f wl, Vec3f wv);
-/// `signed_value` of the table, with light and viewer exchanged if `exchanged`.
+/// f [1/sr] of unit vectors, which is not checked, by the look-up of the measurement's table, with light and viewer
+/// exchanged if `exchanged`: 0 if wl.z ≤ 0 or wv.z ≤ 0 (of a BSDF at either side f of the chosen band), NaN in every
+/// channel where nothing was measured, otherwise finite. Channels are negative where a saturated colour lies outside of
+/// the gamut. Tables are interpolated linearly: MERL's over the measured ones of eight nodes, UTIA's (extrapolated
+/// beyond 75°) and MBSDF's unless a node was not measured.
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
 
 /// `signed_value` of a table or a measurement, with negative channels set to 0.
@@ -237,11 +191,6 @@ template <typename Table>
 requires requires(const Table& table, Vec3f w) { signed_value(table, w, w); }
 Rgb value(const Table& table, Vec3f wl, Vec3f wv) { return non_negative(signed_value(table, wl, wv)); }
 
-/// f[i] = signed_value(table, wl[i], wv[i]). The spans have the same length. Isotropic tables use the widest SIMD
-/// instructions of the machine, within 1e-4 relative or 1e-5 of the table's largest colour over cosθv.
-void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
-/// `evaluate_signed` of a MERL table: the bits of `signed_value`.
-void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 /// `signed_value` as an `Evaluate`, the input of a fit. It keeps a reference to `measured`.
 Evaluate signed_evaluator(const Measured& measured);
 Evaluate signed_evaluator(const Measured&&) = delete;
@@ -250,55 +199,13 @@ Evaluate evaluator(const Measured& measured);
 
 /// The wavelengths [nm] of a spectral measurement; otherwise empty.
 std::span<const float> wavelengths(const Measured& measured);
-/// f[c] = f_r at wavelength c of a spectral measurement, with the look-up of the colours: its colour is `signed_value`.
-void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float> f);
-void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::span<float> f);
-/// `signed_spectrum` on arrays of pairs. It keeps a reference to `measured`.
-Channels signed_spectra(const Measured& measured);
-Channels signed_spectra(const Measured&&) = delete;
-/// `signed_spectra`, with negative values clamped to 0.
+/// f_r at these wavelengths, with the look-up of the colours and negative values clamped to 0. It keeps a reference to
+/// `measured`.
 Channels spectra(const Measured& measured);
 Channels spectra(const Measured&&) = delete;
 
-/// Reads the bytes of a MERL `.binary`: int32 dimensions, then three planes (R, G, B) of n_h n_d n_p doubles. The
-/// channels are scaled by 1/1500, 1.15/1500, 1.66/1500. A negative or non-finite value means not measured. `file_name`
-/// appears in errors only.
-Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads the bytes of an RGL `.bsdf` tensor file, RGB or spectral, isotropic or anisotropic. Ignores the field `valid`,
-/// which distinguishes measured nodes from extrapolated ones, as the authors' own loader does.
-Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& file_name);
-
-/// Reads the bytes of a UTIA `.bin`: three planes (R, G, B) of doubles, 288 lights × 288 viewers. A non-finite value
-/// means not measured.
-Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads the bytes of an MBSDF file, version 1: lines key="value", then a block of reflection: type (grey or RGB), n_θ,
-/// n_φ, and n_θ n_θ n_φ samples. A block of transmission may follow; its size is checked, and it is left out. A sample
-/// that is not finite is masked.
-Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads CSV (see `read_csv`) of two-sided samples, for each part its own.
-Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads both blocks of an MBSDF file as reflection and transmission of light from the front, whose frame is that of
-/// the parts. Errors: those of `read_mbsdf`, or it has no block of transmission.
-Result<BsdfTable> read_mbsdf_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name);
 /// Chooses the band with that name, whatever the case of its letters. Errors: it has no such band.
 Result<Done> choose_band(Measured& measured, std::string_view name);
-
-/// Reads a `.brdf` of Cornell's Program of Computer Graphics: the number of wavelengths, the wavelengths [nm], then for
-/// each sample θ_i φ_i θ_s φ_s [rad] of the light and the viewer and the spectrum of f_r. '#' starts a comment.
-Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads an ASTM E1392 file (`.astm`): lines of a key and its text. The last key is VARS, which names the columns of
-/// the following rows: theta_i, phi_i, theta_s, phi_s [rad] and the values, which are R, G, B, or X, Y, Z, or one
-/// column of any name.
-Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads ALTA's text format: `#DIM nX nY`, `#PARAM_IN` with one of sixteen parameterizations (docs/formats.md),
-/// `#PARAM_OUT`, `#VS` (error bars, ignored), then rows of nX + nY numbers.
-Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads rows of numbers below a line that names their columns. Directions: wl_x, wl_y, wl_z, wv_x, wv_y, wv_z, or theta_l,
-/// phi_l, theta_v, phi_v with the unit as the suffix _deg or _rad. Values [1/sr]: r, g, b, or x, y, z, or one column `value`,
-/// or a spectrum in columns named by wavelength (450nm or nm450). Lines that begin with '#' are comments; the comment
-/// `# isotropic` declares the samples isotropic. docs/formats.md lists other names, separators, and what is assumed of
-/// azimuths and units that are missing, which `notes` tells.
-Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name);
 
 /// The quantity of the values of samples.
 enum class Quantity {
@@ -307,11 +214,6 @@ enum class Quantity {
     factor,  ///< the reflectance factor, π f
     cosine,  ///< corrected by the cosine, f cosθ_v [1/sr]
 };
-
-/// The names of all but `stated`, in their order.
-inline constexpr std::array<std::string_view, 3> k_quantities{"bsdf", "factor", "cosine"};
-/// The quantity of that name; `stated` if none has it.
-Quantity quantity_named(std::string_view name);
 
 /// Statements about a file of samples that does not make them.
 struct ReadOptions {
@@ -328,13 +230,6 @@ struct ReadOptions {
 /// fitted model; samples that are stated by `options` and are none.
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,
                                const ReadOptions& options = {});
-/// `read_measured` that frees `bytes` before it indexes samples.
-Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& file_name,
-                               const ReadOptions& options = {});
 Result<Measured> load_measured(const std::string& path, const ReadOptions& options = {});
-
-/// The bytes of a file that may be a measurement or a model; of one that begins as neither does, its beginning alone.
-/// Errors: those of `read_file`.
-Result<std::vector<std::byte>> read_input(const std::string& path, const ReadOptions& options = {});
 
 }  // namespace srbf

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "srbf/brdf.h"
-#include "srbf/models/bsdf.h"
+#include "srbf/bsdf.h"
 #include "srbf/models/ggx.h"
 #include "srbf/models/openpbr.h"
 #include "srbf/models/pm.h"
@@ -21,6 +21,15 @@ namespace [[gnu::visibility("default")]] srbf {
 struct PmRequest;  // fit.h
 struct SuRequest;
 
+struct Model;
+/// A BSDF: a model for each part, in the frame of that part (bsdf.h), none of them a BSDF itself, and its beams.
+struct BsdfModel {
+    Parts<Model> part;
+    Beams beam;
+};
+/// f(wl, wv) on either side, without the beams.
+Rgb value(const BsdfModel& model, Vec3f wl, Vec3f wv);
+
 /// All kinds of models, and the requests for those that are fitted.
 using AnyModel = std::variant<PmModel, SuModel, GgxModel, BsdfModel, OpenPbrModel>;
 using AnyRequest = std::variant<PmRequest, SuRequest, GgxRequest, OpenPbrRequest>;
@@ -30,9 +39,8 @@ struct Model {
     AnyModel model;
     std::map<std::string, std::string> provenance;  ///< source file, options, errors, version
 };
-/// The kind of a model: "pm", "su", "ggx", "bsdf" or "openpbr", as its file has it, and in words.
+/// The kind of a model: "pm", "su", "ggx", "bsdf" or "openpbr", as its file has it.
 std::string_view kind(const Model& model);
-std::string_view kind_words(const Model& model);
 
 /// f(wl, wv); of a BSDF on either side, without the beams.
 Rgb value(const Model& model, Vec3f wl, Vec3f wv);
@@ -46,9 +54,8 @@ Evaluate evaluator(const Model& model);
 /// True if f_r depends only on the difference of the azimuths by construction: not with general lobes.
 bool is_isotropic(const Model& model);
 /// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument. The provenance of a model of
-/// exchanged data has `k_exchanged` as "exchanged".
+/// exchanged data has "exchanged".
 void exchange(Model& model);
-inline constexpr std::string_view k_exchanged = "light and viewer of the source";
 
 /// The wavelengths [nm] of a spectral model; otherwise empty.
 std::span<const float> wavelengths(const Model& model);
@@ -60,19 +67,7 @@ Channels channels(const Model&&) = delete;
 std::size_t payload_bytes(const Model& model);
 std::size_t auxiliary_bytes(const Model& model);
 
-/// The model file: a safetensors container (8-byte little-endian length, JSON header, data) with F16 tensors. A
-/// multivariate model has `coefficient` [J,3], `bandwidth` [J,N], `parameterization` [N,2], where needed `log_scale`
-/// [J] and `exponent` [J,F], and for general lobes `centre` [J,N,2] (θ, φ in radians). Axial lobes have no `centre`:
-/// the sign of the bandwidth chooses +z or −z. A spectral model has `coefficient` [J,C] and the metadata `wavelengths`
-/// [nm], separated by blanks. A view-by-view model has `coefficient` [n,J,3], `bandwidth` [n,J] and `centre` [n,J,2],
-/// the (θ, φ) of a centre minus those of its view's mirror direction. If it has an index texture, it also has
-/// `aux.index`, U16 [6,s,s,8] or [s,s,8], and `aux.directions` [n,4], the sampled directions and a 0. A model of
-/// Lambert and GGX has `diffuse` [3], and for its L lobes `roughness` [L], `facing` [L,3] (F0) and `grazing` [L] (F90).
-/// A surface of renderers' parameters has a tensor for each row of `k_openpbr_parameters`, [1] or [3], those of a thin film
-/// and of anisotropy only if it has them, and the metadata `exchanged_surface`, "true" or "false". A BSDF has the
-/// tensors and the metadata of each part's model after the part's name and a point, as in `transmission_front.bandwidth`,
-/// and for each of its beams, named by `k_beam_names`, `beam.NAME.angle` [rings] and `beam.NAME.share` [rings,3]; if a
-/// ring has several nodes `beam.NAME.azimuths` [rings], their numbers, and `share` [nodes,3], of a grey beam [nodes,1].
+/// The model file: a safetensors container of 16-bit floats, described in docs/formats.md.
 std::vector<std::byte> write_model(const Model& model);
 /// Errors: not a model file; tensors that are missing, of another type or shape, overlapping or with gaps between them;
 /// numbers that are not finite or out of range; `wrong_kind`: a measurement, a stack. `file_name` appears in errors only.

@@ -1,7 +1,5 @@
 // The loss that a fit minimises, and why it stops.
 #pragma once
-#include <optional>
-#include <span>
 #include <string_view>
 
 #include "srbf/metrics.h"
@@ -20,20 +18,16 @@ enum class Objective {
     /// Σ (log f − log f̂)² over what is above 0: an error of a tenth counts alike in the dark and in a peak
     relative,
     /// Errors of pictures: Σ (⁶√(f cosθl + s) − ⁶√(f̂ cosθl + s))² cosθv, s = k_dark_share times the upper
-    /// quartile q of f cosθl; as much of Σ (∛(f cosθl + q) − ∛(f̂ cosθl + q))² cosθv and 0.03 of cosine's sum, each
+    /// quartile q of f cosθl; as much of Σ (∛(f cosθl + q) − ∛(f̂ cosθl + q))² √cosθv and 0.03 of cosine's sum, each
     /// scaled to Σ w |f|² = 1; and for a multivariate model ΔE_ITP of pictures of a sphere. The eye's response to a
     /// display is about the sixth root of its luminance (the exponent 0.159 of the perceptual quantiser, ITU-R BT.2100).
     appearance,
 };
 inline constexpr Objective k_default_objective = Objective::appearance;
 inline constexpr double k_dark_share = 0.07;
-std::span<const Objective> objectives();  ///< all objectives
 std::string_view name(Objective objective);
-std::string_view summary(Objective objective);  ///< what it minimises, a line in ASCII
-std::optional<Objective> objective_named(std::string_view text);
 /// The measure that an objective minimises and by which its fits are judged.
-double Measures::*measure_of(Objective objective);
-inline double error_of(const Measures& measures, Objective objective) { return measures.*measure_of(objective); }
+double error_of(const Measures& measures, Objective objective);
 /// Default θmax of the fit and of its measures [rad]: 80° for raw, cube-root and relative, 89° for the others.
 double default_max_theta(Objective objective);
 

@@ -1,5 +1,4 @@
-// Preparation of BRDFs for evaluation and sampling pair by pair (srbf.h): models, measurements, and BRDFs of your
-// own.
+// Preparation of BRDFs for evaluation and sampling pair by pair (srbf.h): models, measurements, and BRDFs of your own.
 #pragma once
 #include <cstring>
 #include <functional>
@@ -31,11 +30,9 @@ struct BrdfParts {
 };
 PreparedBrdf prepare(BrdfParts parts);
 
-/// Prepares a model, or the front of a BSDF (prepared_bsdf.h prepares its front and back). The first overload
-/// computes a sampling density by `propose` and `refine`, which takes about 75 ms of one processor core
-/// (docs/performance.md). The second samples by the cosine; use it if you only call `value`, `evaluate` or
-/// `albedo`. For anisotropic models too, the default of `options.azimuths` is 1; with `k_anisotropic_azimuths`
-/// their samples have a smaller variance.
+/// Prepares a model, or the front of a BSDF (prepared_bsdf.h prepares its front and back). The first overload computes
+/// a sampling density by `propose` and `refine`, which takes about 75 ms of a core. The second samples by the cosine,
+/// for use without `sample`. Those of anisotropic models have a smaller variance with `k_anisotropic_azimuths`.
 PreparedBrdf prepare(const Model& model, const ProposeOptions& options = {});
 PreparedBrdf prepare(const Model& model, CosineProposal by_cosine);
 /// Prepares a measurement in the same way. Values that were not measured are NaN in `value` and `evaluate`;

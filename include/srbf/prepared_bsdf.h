@@ -35,12 +35,7 @@ class PreparedBsdf {
 
   private:
     /// The probabilities of sampling reflection, transmission and their beams, for a viewer.
-    struct Chances {
-        std::array<Part, 2> part;  ///< for reflection and transmission
-        std::array<float, 2> part_chance;
-        std::array<Rgb, 2> beam;
-        std::array<float, 2> beam_chance;
-    };
+    struct Chances;
     Chances chances(Vec3f wv) const;
 
     PreparedParts parts_;

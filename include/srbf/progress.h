@@ -8,7 +8,6 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// The state of a computation.
 struct Progress {
     std::string_view stage;  ///< "growing lobes"
     double fraction = 0;     ///< completed share of the whole, 0..1; never decreases

@@ -33,11 +33,6 @@ struct Error {
 /// One line: "SOURCE: at OFFSET: WHAT: expected EXPECTED, found FOUND", without the parts that are empty.
 std::string message(const Error& error);
 
-/// The error of a computation that was cancelled.
-Error cancelled_error(std::string source);
-/// The error where memory runs out.
-Error out_of_memory_error(std::string source);
-
 /// Prints `what` to standard error and ends the program: for programming errors that must not pass in any build type.
 [[noreturn]] void misused(std::string_view what);
 

@@ -1,6 +1,5 @@
 // Sampling of the light that a BRDF reflects to the viewer.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <limits>
 #include <span>
@@ -17,8 +16,7 @@ namespace [[gnu::visibility("default")]] srbf {
 //                                       [0,1); z ≤ 0 if the sample has no direction
 //   pdf(proposal, wl, wv)               its density [1/sr]; 0 if wl.z ≤ 0, positive where f cosθl is positive
 // for unit vectors wl and wv with wv.z > 0. They satisfy ∫ pdf dωl + P(no direction) = 1. If wv is not above the
-// horizon
-// (`above_horizon`), the result of `sample` is meaningless and `pdf` is 0.
+// horizon (`above_horizon`), the result of `sample` is meaningless and `pdf` is 0.
 
 /// The cosine, whatever the BRDF. pdf = wl.z / π if both directions are above the horizon, otherwise 0; wl = (√u.x
 /// cos 2πu.y, √u.x sin 2πu.y, √(1 − u.x)).
@@ -50,14 +48,6 @@ class MixtureProposal {
 
     bool has_axis() const { return cosine != 0 || sine != 0; }
 
-    /// The weights, the stretch and the power of a node.
-    std::array<float, k_numbers> numbers(std::size_t node) const {
-        std::array<float, k_numbers> numbers;
-        std::copy(weight_[node].begin(), weight_[node].end(), numbers.begin());
-        numbers[k_lobes] = stretch[node], numbers[k_lobes + 1] = power[node];
-        return numbers;
-    }
-
   private:
     static constexpr std::array<float, k_nodes> ones() {
         std::array<float, k_nodes> values{};
@@ -66,10 +56,6 @@ class MixtureProposal {
     }
     alignas(64) std::array<Row, k_nodes> weight_{}, running_{};
 };
-/// The tangent along which lobes are stretched for a viewer, not normalised.
-inline Vec3f tangent(const MixtureProposal& proposal, const Vec3f& wv) {
-    return proposal.has_axis() ? Vec3f(proposal.cosine, proposal.sine, 0) : wv;
-}
 /// The selector chooses a lobe, and u a direction of it. The domain is that of every proposal, above.
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
 /// Is 0 if wl.z or wv.z is 0, negative or subnormal.
@@ -85,13 +71,6 @@ DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f
 /// A table of cells, for BRDFs whose highlights do not resemble lobes. One sample in twenty is drawn by the cosine
 /// instead. Each node belongs to one elevation of the view. It has densities in cells of the projected hemisphere,
 /// the unit disk of p = (wl.x, wl.y), where dp = cosθl dωl.
-///
-/// The cells are sectors and rings around the mirror direction m, with coordinates `turn` and ρ². `turn` is the
-/// azimuth of p − m, which is that of the half vector. It is measured along the square |x| + |y| = 1, from 0 to 4,
-/// beginning in the direction away from the normal. ρ is the distance |p − m| relative to that of the horizon in
-/// the same direction. There are two rings per octave of ρ², down to 2⁻²⁴.
-///
-/// Nodes are uniform in t = (1 + ∜cosθv − √(1 − cosθv)) / 2, and densities are linear between them.
 struct TableProposal {
     static constexpr int k_nodes = 49, k_sectors = 32, k_rings = 48;
     static constexpr float k_share = 0.95f;  ///< fraction of samples drawn by the table
@@ -115,16 +94,14 @@ inline constexpr int k_anisotropic_azimuths = 8;
 /// The mixture for a BRDF. At each node the weights minimise ∫ (f cosθl)² / pdf dωl, f in luminance, averaged over
 /// the views at the node and a third of the way to its neighbours. They result from 200 steps of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
-/// each of which lowers the integral (Silvey, Titterington & Torgersen 1978). If more than 3/4 % of the samples
+/// each of which lowers the integral (Silvey, Titterington & Torgersen 1978). If more than 2 % of the samples
 /// would be invalid at one elevation, the weights of the lobes that cause this are reduced, in at most seven steps
-/// (three with an axis). The cosine keeps `k_least_cosine`.
+/// (three with an axis). The cosine keeps a weight of 0.02.
 ///
-/// In the plane of incidence, stretches 0.8^i and powers 0.8^(2 − 2j) are tried, i from −6 to 6 and j from 0 to 6;
-/// the chosen shape has the least integral among its neighbours. With an axis, the stretch is one of `k_stretches`
+/// In the plane of incidence, stretches 0.8^i and powers 0.8^(2 − 2j) are tried, i from −13 to 13 and j from 0 to 10;
+/// the chosen shape has the least integral among its neighbours. With an axis, the stretch is one of eight up to 16
 /// along one of 12 azimuths, with the least variance at views of 45°. Values that were not measured count as 0.
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {});
-inline constexpr float k_least_cosine = 0.02f;
-inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};
 
 /// The proposal of a view-by-view model (Tsai 2009). It chooses a sampled view near wv by its interpolation weight,
 /// then one of its lobes in proportion to the integral ∫ ρ_j cosθl dωl (luminance). The direction has the von
@@ -157,10 +134,8 @@ Proposal propose(const Model&&, const ProposeOptions& options = {}) = delete;
 
 /// Replaces a mixture by a table if that has a smaller variance. The mixture is kept if its relative variance is at
 /// most `most_variance` at views every 5° from 2.5° on. Between these views, and for BRDFs that neither represents,
-/// there is no bound; docs/sampling.md has the largest variances found. The table's densities have the least
-/// variance: they are proportional to the root mean square of f over a cell, at the views around a node, times the
-/// cell's projected area. A table suits only BRDFs that depend on the difference of the azimuths; none is made if
-/// `azimuths` is more than 1.
+/// there is no bound; docs/sampling.md has the largest variances found. A table suits only BRDFs that depend on the
+/// difference of the azimuths; none is made if `azimuths` is more than 1.
 Proposal refine(const Evaluate& brdf, const MixtureProposal& mixture, const ProposeOptions& options = {});
 
 /// A direction and its density, for proposals that have no faster way.

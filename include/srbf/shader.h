@@ -80,9 +80,8 @@ struct Proposals {
 };
 /// The mixtures for a BSDF's parts; `bsdf` is asked at the front and the back.
 Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options);
-/// The numbers of mixtures' nodes, of each node in `k_node_vectors` vectors of four, one mixture after the other; and
-/// of each mixture the cosine and sine of the azimuth of its axis, 0 and 0 without one.
-inline constexpr int k_node_vectors = (MixtureProposal::k_numbers + 3) / 4;
+/// The numbers of mixtures' nodes, of each node in whole vectors of four, one mixture after the other; and of each
+/// mixture the cosine and sine of the azimuth of its axis, 0 and 0 without one.
 struct ProposalNumbers {
     std::vector<float> nodes;
     std::vector<std::array<float, 2>> grains;
@@ -99,10 +98,9 @@ struct Uniform {
     std::string name;
     std::vector<Float4> numbers;
 };
-/// The numbers of a model of few: of Lambert and GGX `ggx_numbers`, (kd, F90 of the first lobe), (F0, α) of the first lobe,
-/// (F0, α) of the second, (0, 0, 0, F90 of the second); of a surface `openpbr_numbers`, the 23 numbers of kernel.glsl's
-/// OpenPbrSurface in its order, 1 if light and viewer are exchanged, otherwise 0, those of OpenPbrFilm, 0, those of
-/// OpenPbrAnisotropy, 0; of other kinds `model_numbers`, those of `formula_text` (base/parameters.h).
+/// The numbers of a model of few, in the order in which `brdf_text` reads them: of Lambert and GGX `ggx_numbers`, kd,
+/// then α, F0 and F90 of each lobe; of a surface `openpbr_numbers`, those of kernel.glsl's OpenPbrSurface, of a surface
+/// with a film or anisotropy also those of OpenPbrFilm, and of one with anisotropy also those of OpenPbrAnisotropy.
 Uniform uniform_of(const Material& material);
 
 /// The texels of a view-by-view model's textures, one row per view.

@@ -1,7 +1,6 @@
 // Models as source code that stands alone: for engines, ray tracers and anything else with a compiler.
 // Component `srbf::shader` of the package.
 #pragma once
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,26 +19,11 @@ enum class CodeLanguage {
     c,     ///< a C99 header, also valid C++ and CUDA
 };
 
-/// A language and its name for users.
-struct CodeLanguageRow {
-    CodeLanguage language;
-    std::string_view name;
-};
-inline constexpr CodeLanguageRow k_code_languages[] = {{CodeLanguage::glsl, "glsl"},
-                                                       {CodeLanguage::hlsl, "hlsl"},
-                                                       {CodeLanguage::wgsl, "wgsl"},
-                                                       {CodeLanguage::msl, "msl"},
-                                                       {CodeLanguage::c, "c"}};
-
-/// The language of this name; none if there is no such language. And all names, as "glsl, hlsl, ...".
-std::optional<CodeLanguage> code_language_named(std::string_view name);
-std::string code_language_names();
-
 struct CodeOptions {
     CodeLanguage language = CodeLanguage::glsl;
     bool sampling = false;               ///< also NAME_sample and NAME_pdf
     bool albedo = false;                 ///< also NAME_albedo
-    std::vector<std::string> with = {};  ///< also functions of extras, by their names in `code_features()`
+    std::vector<std::string> with = {};  ///< also functions of extras: "environment"
     int threads = 0;  ///< for weights of sampling, albedos and what extras add; 0: as many as the machine has
 };
 
@@ -87,13 +71,6 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 /// `argument`: a sparse library; sampling.
 Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options = {});
 
-/// The functions of a model as Python for a library of arrays, see src/code/print_python.h: brdf(wl, wv),
-/// chosen_lobe(wv, selector), sample_of_lobe(k, wv, u1, u2) for each of its 16 lobes k, light_pdf(wl, wv). The model's
-/// numbers are tables: `lobes`, a row for each (coefficient, log scale, for each variate centre, unless the model is
-/// axial, and bandwidth, negative if the centre is -z, then the exponents) and `variates`; or `model_numbers`. Errors: a
-/// view-by-view model, a BSDF.
-Result<std::string> python_code(const Model& model, int threads = 0);
-
 /// The models as functions of Radiance's expression language, the text of a `.cal`: of each NAME(ix,iy,iz,ox,oy,oz), the
 /// luminance of f [1/sr] for vectors to the light and to the viewer, and NAME_R, NAME_G, NAME_B, its channels. Positive z is
 /// the front of a BRDF, and the back of a BSDF as in WINDOW's XML, whose x is mirrored. Without beams. Errors: a view-by-view
@@ -102,21 +79,5 @@ Result<std::string> radiance_text(std::span<const NamedModel> models);
 
 /// The numbers that NAME_number of a view-by-view model returns.
 std::vector<float> shading_data(const SuModel& model);
-
-/// Functions that an extra adds to code, as NAME_environment: a name for `CodeOptions::with`, and what they are.
-struct CodeFeature {
-    std::string_view name, summary;
-};
-std::span<const CodeFeature> code_features();
-
-/// A text of whole materials that an extra prints, beside the languages.
-struct CodeModule {
-    std::string_view name, summary;
-    /// The models, of BSDFs the parts. Errors: those of `shading_code`.
-    Result<std::string> (*text)(std::span<const NamedModel> models, std::string_view prefix, int threads);
-    /// A map, whose coefficients are in the KTX 2 file of that name beside the text. Errors: those of `map_code`.
-    Result<std::string> (*map_text)(const Library& map, const std::string& name, std::string_view file, int threads);
-};
-std::span<const CodeModule> code_modules();
 
 }  // namespace srbf

@@ -104,13 +104,11 @@ LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector);
 /// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
 
-/// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths. Of a view-by-view model whose sampled
-/// direction is the view it is interpolated, as the model is, from the integrals of the lobes: within 1 % or 0.002. Of any
-/// other BRDF it is linear in ∜cosθv − √(1 − cosθv) between 129 nodes, sums over 16384 points each: up to 85° within 1 % or
-/// 0.002 for the fits of measured materials and for tables. Errors are larger beyond 85°, for highlights narrower than the points,
-/// and for scattered samples, up to a factor of 2 (docs/sampling.md).
-/// A cosine of 0, below it or NaN gives 0; above 1 counts as 1. The first call makes the nodes on one thread, and other
-/// threads that call it wait: about 0.3 s for a multivariate model or a table (docs/performance.md).
+/// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths. Of a view-by-view model whose
+/// sampled direction is the view it is interpolated, as the model is, from the integrals of the lobes: within 1 % or
+/// 0.002. Of any other BRDF it comes from 129 nodes: up to 85° within 1 % or 0.002 for fits of measured materials and
+/// tables, with larger errors beyond, for narrow highlights and for scattered samples (docs/sampling.md). A cosine of
+/// 0, below it or NaN gives 0; above 1 counts as 1. The first call makes the nodes in about 0.3 s; others wait.
 Rgb albedo(const PreparedBrdf& brdf, float cos_v);
 
 }  // namespace srbf

@@ -56,29 +56,6 @@ template <typename Real> Angles<Real> angles(Vec3<Real> w) {
 /// The mirror direction of ω: ω rotated by 180° about the normal, (−x, −y, z).
 template <typename Real> constexpr Vec3<Real> mirror(Vec3<Real> w) { return {-w.x, -w.y, w.z}; }
 
-/// Three orthonormal axes.
-struct Frame {
-    Vec3d x, y, z;
-    /// The vector with coordinates w in the frame.
-    Vec3d from(Vec3d w) const { return w.x * x + w.y * y + w.z * z; }
-    /// The coordinates of w in the frame.
-    Vec3d to(Vec3d w) const { return {dot(w, x), dot(w, y), dot(w, z)}; }
-};
-/// The frame about the unit vector z with x perpendicular to `up`; with any x if they are parallel.
-inline Frame frame_about(Vec3d z, Vec3d up) {
-    Vec3d x = cross(up, z);
-    if (dot(x, x) < 1e-12) x = cross(Vec3d{1, 0, 0}, z);
-    x = normalize(x);
-    return {x, cross(z, x), z};
-}
-/// The frame about the unit vector z with some x.
-inline Frame frame_about(Vec3d z) { return frame_about(z, std::abs(z.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}); }
-
-/// a + share (b − a).
-constexpr Rgb mixed(const Rgb& a, const Rgb& b, float share) {
-    return {a.r + share * (b.r - a.r), a.g + share * (b.g - a.g), a.b + share * (b.b - a.b)};
-}
-
 /// Rec.709 luminance 0.2126 R + 0.7152 G + 0.0722 B.
 constexpr double luminance(const Rgb& c) { return 0.2126 * double(c.r) + 0.7152 * double(c.g) + 0.0722 * double(c.b); }
 

@@ -366,6 +366,9 @@ def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]],
     `forms()`; `objective` one of `objectives()`; `max_theta` [degrees]; `channels` "rgb" or "spectral"; flags such as `axial` True or
     False; `threads` a number, or 0 for all. None is the default of each. The result depends on `seed` only, not on `threads`.
 
+    A table is fitted by a reciprocal model, to the mean of f(wl, wv) and f(wv, wl) weighted by the cosines, with a limit on its albedo
+    (`albedo_limit`). `as_measured=True` fits it as it is. Samples, light that passes through a surface and patches are fitted as they are.
+
     `progress`: True for a bar of tqdm, or a function of (stage, fraction) that returns False to cancel. Ctrl-C cancels too.
     """
     request = _options.request(options)

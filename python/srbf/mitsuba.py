@@ -108,8 +108,8 @@ def _model_of(props: Any) -> srbf.Model:
     return model
 
 
-def _plugin() -> Any:
-    """The BSDF for the current variant, on which mi.BSDF and all numeric types depend."""
+def _model_bsdf() -> Any:
+    """What the BSDFs of all variants have in common. mi.BSDF and all numeric types depend on the current variant."""
 
     class ModelBSDF(mi.BSDF):
         def __init__(self, props: Any):
@@ -160,7 +160,11 @@ def _plugin() -> Any:
         def to_string(self) -> str:
             return f"ModelBSDF[{self._model!r}]"
 
-    class CompiledBSDF(ModelBSDF):
+    return ModelBSDF
+
+
+def _compiled_bsdf(base: Any) -> Any:
+    class CompiledBSDF(base):
         """Calls the library, with one pair of directions at a time."""
 
         def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> Any:
@@ -178,7 +182,11 @@ def _plugin() -> Any:
         def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
             return self.eval_pdf(ctx, si, wo, active)[1]
 
-    class ArrayBSDF(ModelBSDF):
+    return CompiledBSDF
+
+
+def _array_bsdf(base: Any) -> Any:
+    class ArrayBSDF(base):
         """Uses the printed formulas, on arrays. Samples keep the mixture weights of the loaded model, so that any parameters have the same density."""
 
         def _value(self, si: Any, wo: Any) -> Any:
@@ -205,7 +213,13 @@ def _plugin() -> Any:
         def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
             return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)
 
-    return CompiledBSDF if (mi.variant() or "").startswith("scalar") else ArrayBSDF
+    return ArrayBSDF
+
+
+def _plugin() -> Any:
+    """The BSDF for the current variant."""
+    make = _compiled_bsdf if (mi.variant() or "").startswith("scalar") else _array_bsdf
+    return make(_model_bsdf())
 
 
 def _on_variant(_old: Any = None, _new: Any = None) -> None:

@@ -35,14 +35,14 @@ def facets(paper):
     return srbf.fit(paper, model="ggx", lobes=1, objective="raw").model
 
 
-@pytest.fixture(scope="module", params=["gaussian", "horizon", "extended", "general", "su", "ggx"])
+@pytest.fixture(scope="module", params=["gaussian", "horizon", "extended", "reciprocal", "general", "su", "ggx"])
 def model(request, paper):
     options = {"su": {"model": "su", "lobes": 1}, "ggx": {"model": "ggx", "lobes": 2}, "general": {"axial": False, "lobes": 2, "variates": 2}}
     return srbf.fit(paper, objective="cosine", **options.get(request.param, {"form": request.param, "lobes": 2, "variates": 2})).model
 
 
-def by_formula(model, wl, wv):
-    """Evaluates the formulas of docs/formats.md in NumPy."""
+def by_formula(model, wl, wv, one_side=False):
+    """Evaluates the formulas of docs/formats.md in NumPy. `one_side`: the sum of lobes of a reciprocal model, not the mean of both."""
     p = model.parameters
     if model.kind == "ggx":
         h = wl + wv
@@ -55,6 +55,8 @@ def by_formula(model, wl, wv):
             schlick = (1 - np.sqrt(length2) / 2)[:, None]**5
             value += (a2 / (2 * np.pi * slope**2 * masking))[:, None] * (f0 + (f90 - f0) * schlick)
         return value
+    if p["form"] == "reciprocal" and not one_side:
+        return (by_formula(model, wl, wv, True) + by_formula(model, wv, wl, True)) / 2
     a, b = p["parameterization"].T
     psi = a[:, None] * wl[:, None] + b[:, None] * wv[:, None]
     psi /= np.linalg.norm(psi, axis=-1, keepdims=True)
@@ -253,12 +255,12 @@ class NotRead(srbf.Measurement):
     ("seed", 2**64, {}), ("seed", 1.5, {}), ("threads", -1, {}), ("threads", 1025, {}), ("variates", 0, {}), ("variates", 9, {}),
     ("form", "round", {}), ("objective", "best", {}), ("budget", 5, {}), ("target_delta_e", 101, {}),
     ("surface", "gltf", {}), ("surface", "usd", {"model": "openpbr"}), ("target_delta_e", -1, {}), ("axial", "no", {}),
-    ("reciprocal", 1, {}), ("variates", 3, {"reciprocal": True}), ("lobes", 2, {"model": "openpbr"}),
+    ("as_measured", 1, {}), ("as_measured", True, {"form": "horizon"}), ("lobes", 2, {"model": "openpbr"}),
     *((option, value, {"model": kind}) for kind in ("su", "ggx") for option, value in (
-        ("variates", 2), ("form", "horizon"), ("axial", True), ("reciprocal", True), ("budget", 100), ("target_delta_e", 2.0))),
+        ("variates", 2), ("form", "horizon"), ("axial", True), ("as_measured", True), ("budget", 100), ("target_delta_e", 2.0))),
 ])
 def test_options_are_refused_by_name_at_once(name, value, options):
-    with pytest.raises(ValueError, match=f"^{name}: (expected .*, found|only with model .*, found|spectral only with|an even number)"):
+    with pytest.raises(ValueError, match=f"^{name}: (expected .*, found|only with model .*, found|spectral only with|not together with form)"):
         srbf.fit(NotRead(), **{name: value}, **options)
 
 
@@ -539,7 +541,7 @@ def run(notebook, monkeypatch, folder):
 
 
 def test_the_notebook_runs(monkeypatch, tmp_path):
-    assert run("first_steps.ipynb", monkeypatch, tmp_path)["fit"].model.nbytes == 208
+    assert run("first_steps.ipynb", monkeypatch, tmp_path)["fit"].model.nbytes == 210
 
 
 PAGES = ("docs/using.md", "docs/python.md")  # both begin with the example that writes film.srbf

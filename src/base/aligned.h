@@ -1,4 +1,3 @@
-// Vectors for SIMD.
 #pragma once
 #include <tbb/cache_aligned_allocator.h>
 

@@ -1,12 +1,13 @@
-// The unit of the loops over observations and pixels.
+// Blocks of rows, in which loops process observations and pixels.
 #pragma once
 #include <cstddef>
 
 namespace srbf {
 
-inline constexpr std::size_t k_block = 512;        ///< rows per block
-inline constexpr std::size_t k_row_multiple = 64;  ///< the loops take that many rows of a block, or a multiple of it
-/// How many rows of a block there are, filled up to that multiple: the last one may have fewer than others.
+inline constexpr std::size_t k_block = 512;  ///< rows per block
+/// Loops process a multiple of this number of rows.
+inline constexpr std::size_t k_row_multiple = 64;
+/// The number of rows of a block, rounded up to `k_row_multiple`. The last block may have fewer than `k_block`.
 constexpr std::size_t rows_in_block(std::size_t block, std::size_t rows) {
     const std::size_t left = rows - block * k_block;
     return left < k_block ? (left + k_row_multiple - 1) / k_row_multiple * k_row_multiple : k_block;

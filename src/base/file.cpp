@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "base/file_reader.h"
+#include "base/files.h"
 #include "base/text.h"
 
 namespace srbf {
@@ -28,14 +29,15 @@ class Descriptor {
     ~Descriptor() { (void)close(); }
 
     int number() const { return number_; }
-    /// Closes; returns 0 or errno. A full disk may be reported only here. Interrupted, it is closed all the same.
+    /// Closes the file, also if a signal interrupts the call; returns 0 or errno. A full disk may be reported only
+    /// here.
     int close() { return number_ < 0 || ::close(std::exchange(number_, -1)) == 0 || errno == EINTR ? 0 : errno; }
 
   private:
     int number_;
 };
 
-/// The result of a system call, which is repeated as long as signals interrupt it.
+/// The result of a system call, which is repeated while signals interrupt it.
 template <typename Call> auto uninterrupted(const Call& call) {
     for (;;)
         if (const auto result = call(); result >= 0 || errno != EINTR) return result;
@@ -45,10 +47,8 @@ int open_file(const std::string& path, int flags, mode_t mode = 0) {
     return uninterrupted([&] { return ::open(path.c_str(), flags | O_CLOEXEC, mode); });
 }
 
-std::string reason(int code) { return std::generic_category().message(code); }
-
-/// The words for a result of 0, which are empty, or of errno.
-std::string reason_of(int code) { return code == 0 ? "" : reason(code); }
+/// The system's text for an errno; empty for 0, which is success.
+std::string reason(int code) { return code == 0 ? "" : std::generic_category().message(code); }
 
 Error cannot_read(const std::string& path, std::string found) {
     return {path, {}, "cannot be read", "a readable file", std::move(found), ErrorCode::unreadable};
@@ -57,20 +57,20 @@ Error cannot_write(const std::string& path, std::string found) {
     return {path, {}, "cannot be written", "a writable file", std::move(found), ErrorCode::unreadable};
 }
 
-/// Waits until the disk has what was written; returns 0 or errno. Folders of some file systems cannot be waited for.
+/// Waits until the disk has the file's content; returns 0 or errno. Some file systems do not support this for folders.
 int synchronise(const Descriptor& file) {
     const int failed = uninterrupted([&] { return ::fsync(file.number()); });
     return failed == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
 }
 
-/// Writes all of `bytes`, waits until the disk has them if asked to, and closes; returns 0 or errno.
-int write_all(Descriptor& file, std::span<const std::byte> bytes, bool lasting) {
+/// Writes all bytes and closes the file; returns 0 or errno. If `durable`, waits until the disk has the content.
+int write_all(Descriptor& file, std::span<const std::byte> bytes, bool durable) {
     while (!bytes.empty()) {
         const ssize_t written = uninterrupted([&] { return ::write(file.number(), bytes.data(), bytes.size()); });
         if (written < 0) return errno;
         bytes = bytes.subspan(std::size_t(written));
     }
-    if (const int code = lasting ? synchronise(file) : 0) return code;
+    if (const int code = durable ? synchronise(file) : 0) return code;
     return file.close();
 }
 
@@ -82,15 +82,15 @@ std::string folder_of(const std::string& path) {
 /// Waits until the disk has the names in the folder of `path`; returns 0 or errno.
 int synchronise_folder_of(const std::string& path) {
     const Descriptor folder(open_file(folder_of(path), O_RDONLY | O_DIRECTORY));
-    if (folder.number() < 0) return errno == EACCES ? 0 : errno;  // one that may be written but not listed
+    if (folder.number() < 0) return errno == EACCES ? 0 : errno;  // a folder may be writable but not readable
     return synchronise(folder);
 }
 
-/// While it lives, other programs wait that rename files of the same folder together, so that of several at once one has
-/// all of its files there. Some file systems have no such locks: nobody waits then.
-class RenamingTogether {
+/// Locks the folder of a file for its lifetime: of several programs that rename files there together, only one does so
+/// at a time, and the files of the last one remain. Has no effect on file systems without such locks.
+class FolderLock {
   public:
-    explicit RenamingTogether(const std::string& first) : folder_(open_file(folder_of(first), O_RDONLY | O_DIRECTORY)) {
+    explicit FolderLock(const std::string& path) : folder_(open_file(folder_of(path), O_RDONLY | O_DIRECTORY)) {
         if (folder_.number() >= 0) (void)uninterrupted([&] { return ::flock(folder_.number(), LOCK_EX); });
     }
 
@@ -120,13 +120,13 @@ std::string target_of(const std::string& path) {
     return unresolved || target.empty() ? path : target;
 }
 
-/// A file written beside its target, which it replaces when asked to; deleted if it never is.
+/// A temporary file beside its target, which `publish` replaces by it. The destructor deletes it otherwise.
 class Replacement {
   public:
     static Result<Replacement> write(const std::string& path, std::span<const std::byte> bytes) {
-        Replacement of(path);
-        if (const std::string failed = of.write(bytes); !failed.empty()) return cannot_write(path, failed);
-        return of;
+        Replacement replacement(path);
+        if (const std::string failed = replacement.write(bytes); !failed.empty()) return cannot_write(path, failed);
+        return replacement;
     }
     Replacement(Replacement&& other) noexcept
         : path_(std::move(other.path_)),
@@ -138,13 +138,12 @@ class Replacement {
     }
 
     Result<Done> publish() {
-        if (temporary_.empty()) return Done{};  // a device
+        if (temporary_.empty()) return Done{};  // a device was written directly
         if (std::rename(temporary_.c_str(), target_.c_str()) != 0) return cannot_write(path_, reason(errno));
         temporary_.clear();
         return Done{};
     }
-    /// Waits until the disk has the new name.
-    Result<Done> settle() const {
+    Result<Done> synchronise_name() const {
         if (target_.empty()) return Done{};
         if (const int code = synchronise_folder_of(target_)) return cannot_write(path_, reason(code));
         return Done{};
@@ -153,7 +152,7 @@ class Replacement {
   private:
     explicit Replacement(const std::string& path) : path_(path) {}
 
-    /// Returns why it failed, or an empty string.
+    /// Returns the reason of a failure, or an empty string.
     std::string write(std::span<const std::byte> bytes) {
         struct stat status;
         const bool exists = ::stat(path_.c_str(), &status) == 0;
@@ -161,14 +160,14 @@ class Replacement {
         if (exists && !S_ISREG(status.st_mode)) {  // a device or a pipe is written directly
             Descriptor file(open_file(path_, O_WRONLY));
             if (file.number() < 0) return reason(errno);
-            return reason_of(write_all(file, bytes, false));
+            return reason(write_all(file, bytes, false));
         }
         target_ = target_of(path_);
         std::string name;
         Descriptor file = create_beside(target_, exists ? status.st_mode & 0777 : 0666, name);
         if (file.number() < 0) return reason(errno);
         temporary_ = std::move(name);
-        return reason_of(write_all(file, bytes, true));
+        return reason(write_all(file, bytes, true));
     }
 
     std::string path_, target_, temporary_;
@@ -183,25 +182,24 @@ Result<std::vector<std::byte>> read_open(const Descriptor& file, const std::stri
     const std::uint64_t size = S_ISREG(status.st_mode) ? std::uint64_t(status.st_size) : 0;
     if (size > k_largest_file && !most) return too_large();
 
-    // One byte more than expected, so that the end is detected without growing; a pipe has no size in advance, and the
-    // buffer grows.
+    // One byte more than expected detects the end of the file. The size of a pipe is unknown, and its buffer grows.
     const auto expected = [&](std::uint64_t limit) { return std::size_t(std::min(size, limit) + 1); };
     std::uint64_t limit = most ? k_head_bytes : k_largest_file;
     std::vector<std::byte> bytes(size > 0 ? expected(limit) : 1 << 16);
-    bool all_of_head = !most;
+    bool is_head_complete = !most;
     for (std::size_t filled = 0;;) {
         const ssize_t count =
             uninterrupted([&] { return ::read(file.number(), bytes.data() + filled, bytes.size() - filled); });
         if (count < 0) return cannot_read(path, reason(errno));
         filled += std::size_t(count);
-        if (!all_of_head && filled >= k_head_bytes) {
-            all_of_head = true;
+        if (!is_head_complete && filled >= k_head_bytes) {
+            is_head_complete = true;
             limit = std::min(most(std::span(bytes).first(k_head_bytes)), k_largest_file);
             if (limit == k_largest_file && size > limit) return too_large();
             if (filled <= limit && size > filled) bytes.resize(std::max(filled, expected(limit)));
         }
         if (filled > k_largest_file) return too_large();
-        if (count == 0 || (all_of_head && filled > limit)) {
+        if (count == 0 || (is_head_complete && filled > limit)) {
             bytes.resize(filled);
             return bytes;
         }
@@ -210,6 +208,8 @@ Result<std::vector<std::byte>> read_open(const Descriptor& file, const std::stri
 }
 
 }  // namespace
+
+Result<std::vector<std::byte>> read_file(const std::string& path) { return read_file(path, {}); }
 
 Result<std::vector<std::byte>> read_file(const std::string& path, const MostBytes& most) {
     return within_memory(path, [&]() -> Result<std::vector<std::byte>> {
@@ -269,21 +269,21 @@ Result<std::optional<std::string_view>> FileLines::next() {
 
 Result<Done> FileLines::read_block() {
     constexpr std::size_t k_block = std::size_t(1) << 20;
-    before_ += lines_.number();
+    lines_before_ += lines_.number();
     lines_ = Lines({});
-    std::vector<std::byte> block(block_.begin() + std::ptrdiff_t(whole_), block_.end());  // a line that is not whole
-    const std::size_t begun = block.size();
+    std::vector<std::byte> block(block_.begin() + std::ptrdiff_t(complete_), block_.end());  // begins the next line
+    const std::size_t kept = block.size();
     block.resize(k_block);
-    const auto count = file_.read(std::span(block).subspan(begun));
+    const auto count = file_.read(std::span(block).subspan(kept));
     if (!count) return count.error();
-    block.resize(begun + *count);
+    block.resize(kept + *count);
     at_end_ = block.size() < k_block;
     const auto end = std::find(block.rbegin(), block.rend(), std::byte('\n'));
-    whole_ = at_end_ ? block.size() : std::size_t(block.rend() - end);
-    if (whole_ == 0 && !at_end_)
+    complete_ = at_end_ ? block.size() : std::size_t(block.rend() - end);
+    if (complete_ == 0 && !at_end_)
         return at_line(file_.path(), number() + 1, "length", fmt::format("less than {} bytes", k_block), "more");
     block_ = std::move(block);
-    lines_ = Lines(as_text(std::span(block_).first(whole_)));
+    lines_ = Lines(as_text(std::span(block_).first(complete_)));
     return Done{};
 }
 
@@ -291,25 +291,25 @@ Result<Done> write_file(const std::string& path, std::span<const std::byte> byte
     auto file = Replacement::write(path, bytes);
     if (!file) return file.error();
     if (const auto published = file->publish(); !published) return published;
-    return file->settle();
+    return file->synchronise_name();
 }
 
-Result<Done> write_files(std::span<const NewFile> files, const std::function<Result<Done>()>& before_renaming) {
+Result<Done> write_files(std::span<const NewFile> files, const std::function<Result<Done>()>& lines_before_renaming) {
     std::vector<Replacement> written;
-    for (const NewFile& of : files) {
-        auto file = Replacement::write(of.path, of.bytes);
+    for (const NewFile& new_file : files) {
+        auto file = Replacement::write(new_file.path, new_file.bytes);
         if (!file) return file.error();
         written.push_back(*std::move(file));
     }
-    if (before_renaming)
-        if (const auto done = before_renaming(); !done) return done;
+    if (lines_before_renaming)
+        if (const auto done = lines_before_renaming(); !done) return done;
     {
-        const RenamingTogether alone(files.empty() ? "" : files[0].path);
+        const FolderLock lock(files.empty() ? "" : files[0].path);
         for (Replacement& file : written)
             if (const auto published = file.publish(); !published) return published;
     }
     for (const Replacement& file : written)
-        if (const auto settled = file.settle(); !settled) return settled;
+        if (const auto synchronised = file.synchronise_name(); !synchronised) return synchronised;
     return Done{};
 }
 

@@ -1,4 +1,3 @@
-// Reading of a file piece by piece.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -12,7 +11,6 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// An open file.
 class FileReader {
   public:
     /// Errors: those of `read_file`.
@@ -22,7 +20,7 @@ class FileReader {
     ~FileReader();
 
     const std::string& path() const { return path_; }
-    /// Further bytes of the file: fills `bytes`, or a part of it where the file ends; returns their number.
+    /// Fills `bytes` with the next bytes of the file, fewer at its end; returns their number.
     Result<std::size_t> read(std::span<std::byte> bytes);
 
   private:
@@ -31,23 +29,22 @@ class FileReader {
     int descriptor_;
 };
 
-/// The lines of a file as `Lines` gives them, with a block of the file in memory. A line that is longer than a block is
-/// an error.
+/// The lines of a file, as those of `Lines`. Only a block of the file is in memory; a longer line is an error.
 class FileLines {
   public:
     explicit FileLines(FileReader file) : file_(std::move(file)), lines_({}) {}
-    /// The next line that is not empty, valid until the next call; none at the end.
+    /// The next line that is not empty, valid until the next call; no value at the end.
     Result<std::optional<std::string_view>> next();
     /// Number of the last line that was returned, counted from 1.
-    std::uint64_t number() const { return before_ + lines_.number(); }
+    std::uint64_t number() const { return lines_before_ + lines_.number(); }
 
   private:
     Result<Done> read_block();
 
     FileReader file_;
     std::vector<std::byte> block_;
-    std::size_t whole_ = 0;     ///< bytes of the block's whole lines
-    std::uint64_t before_ = 0;  ///< lines before the block
+    std::size_t complete_ = 0;        ///< bytes of the block's complete lines
+    std::uint64_t lines_before_ = 0;  ///< number of lines before the block
     bool at_end_ = false;
     Lines lines_;
 };

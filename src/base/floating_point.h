@@ -8,14 +8,13 @@
 
 namespace srbf {
 
-/// Sets the floating-point mode of the current thread for its lifetime to what IEEE 754 has by default: round to nearest, no
-/// traps, and subnormal numbers kept. A caller may have set another. The destructor restores the mode and the exception
-/// flags. x86 (SSE's MXCSR) and 64-bit ARM (FPCR, FPSR); no effect elsewhere.
+/// Sets the default floating-point mode of IEEE 754 for the current thread: round to nearest, no traps, and subnormal
+/// numbers kept. The destructor restores the caller's mode and exception flags. Implemented for x86 (SSE's MXCSR) and
+/// 64-bit ARM (FPCR, FPSR); has no effect elsewhere.
 ///
-/// A mode that takes subnormal floats, below 2⁻¹²⁶, for 0 would be faster, but processors have different ones (x86 after
-/// rounding, ARM before, WebAssembly none), and a fit depends on the difference: far from its peak a lobe is as small, and steps are
-/// scaled by what there is. columns.cpp keeps them out of the sums instead. Exponentials may not be cut off earlier: a lobe on
-/// its way may have its peak where nothing is seen.
+/// A mode that flushes subnormal floats (below 2⁻¹²⁶) to 0 would be faster. But x86 detects them after rounding, ARM
+/// before, and WebAssembly has no such mode. Fits would depend on the processor, since lobes are as small far from
+/// their peaks, and steps are scaled by derivatives there. columns.cpp keeps subnormal numbers out of its sums instead.
 class StandardArithmetic {
   public:
     StandardArithmetic() : before_(get()) { set(k_standard); }

@@ -5,14 +5,13 @@
 namespace [[gnu::visibility("default")]] srbf {
 
 inline constexpr float k_half_max = 65504;  ///< the largest finite half
-/// the smallest normal half: the smallest with full precision (11 bits)
+/// the smallest normal half, which has the full precision of 11 bits
 inline constexpr float k_half_min = 6.103515625e-05f;
 
 /// The half nearest to `x`, ties to even; ±infinity from ±65520 on.
 std::uint16_t to_half(float x);
 float from_half(std::uint16_t bits);
 
-/// `x` rounded to a half.
 inline float round_to_half(float x) { return from_half(to_half(x)); }
 
 }  // namespace srbf

@@ -10,20 +10,20 @@ namespace {
 
 using JsonLibrary = nlohmann::json;
 
-/// Makes a value of what the library's parser finds; `false` ends it.
-class JsonMaker : public nlohmann::json_sax<JsonLibrary> {
+/// Builds a value from the events of nlohmann's parser. A function that returns false stops the parser.
+class JsonBuilder : public nlohmann::json_sax<JsonLibrary> {
   public:
-    explicit JsonMaker(int deepest) : deepest_(deepest) {}
+    explicit JsonBuilder(int deepest) : deepest_(deepest) {}
 
     bool null() override { return add({}); }
-    bool boolean(bool of) override { return add({of}); }
-    bool number_integer(number_integer_t of) override { return add({of}); }
-    bool number_unsigned(number_unsigned_t of) override { return add({of}); }
-    bool number_float(number_float_t of, const string_t&) override { return add({of}); }
-    bool string(string_t& of) override { return add({std::move(of)}); }
-    bool binary(binary_t&) override { return false; }  // not in text
+    bool boolean(bool x) override { return add({x}); }
+    bool number_integer(number_integer_t x) override { return add({x}); }
+    bool number_unsigned(number_unsigned_t x) override { return add({x}); }
+    bool number_float(number_float_t x, const string_t&) override { return add({x}); }
+    bool string(string_t& text) override { return add({std::move(text)}); }
+    bool binary(binary_t&) override { return false; }  // does not occur in text
     bool start_object(std::size_t) override { return open({JsonObject()}); }
-    bool key(string_t& of) override { return name_ = std::move(of), true; }
+    bool key(string_t& name) override { return name_ = std::move(name), true; }
     bool end_object() override { return open_.pop_back(), true; }
     bool start_array(std::size_t) override { return open({JsonList()}); }
     bool end_array() override { return open_.pop_back(), true; }
@@ -33,22 +33,22 @@ class JsonMaker : public nlohmann::json_sax<JsonLibrary> {
     bool is_too_deep = false;
 
   private:
-    /// Puts it where it belongs; nothing, if that is too deep.
-    JsonValue* put(JsonValue of) {
+    /// Adds an entry to the innermost open list or object. Returns null if that is too deep.
+    JsonValue* insert(JsonValue entry) {
         is_too_deep = int(open_.size()) > deepest_;
         if (is_too_deep) return nullptr;
-        if (open_.empty()) return &(value = std::move(of));
-        if (auto* list = open_.back()->get<JsonList>()) return &list->emplace_back(std::move(of));
-        return &((*open_.back()->get<JsonObject>())[std::move(name_)] = std::move(of));
+        if (open_.empty()) return &(value = std::move(entry));
+        if (auto* list = open_.back()->get<JsonList>()) return &list->emplace_back(std::move(entry));
+        return &((*open_.back()->get<JsonObject>())[std::move(name_)] = std::move(entry));
     }
-    bool add(JsonValue of) { return put(std::move(of)) != nullptr; }
-    bool open(JsonValue of) {
-        open_.push_back(put(std::move(of)));
+    bool add(JsonValue entry) { return insert(std::move(entry)) != nullptr; }
+    bool open(JsonValue entry) {
+        open_.push_back(insert(std::move(entry)));
         return open_.back() != nullptr;
     }
 
     int deepest_;
-    std::vector<JsonValue*> open_;  ///< the value, an entry of it, an entry of that, ...: only to the last is added
+    std::vector<JsonValue*> open_;  ///< lists and objects that have not ended, from the outermost
     std::string name_;
 };
 
@@ -57,36 +57,36 @@ class JsonMaker : public nlohmann::json_sax<JsonLibrary> {
 const JsonValue* JsonValue::find(std::string_view name) const {
     const auto* object = get<JsonObject>();
     if (!object) return nullptr;
-    const auto at = object->find(name);
-    return at == object->end() ? nullptr : &at->second;
+    const auto entry = object->find(name);
+    return entry == object->end() ? nullptr : &entry->second;
 }
 
 std::optional<JsonValue> parse_json(std::string_view text, int deepest) {
-    JsonMaker maker(deepest);
-    const bool is_whole = JsonLibrary::sax_parse(text.begin(), text.end(), &maker);
-    if (maker.is_too_deep) return std::nullopt;
-    return is_whole ? std::move(maker.value) : JsonValue();
+    JsonBuilder builder(deepest);
+    const bool is_complete = JsonLibrary::sax_parse(text.begin(), text.end(), &builder);
+    if (builder.is_too_deep) return std::nullopt;
+    return is_complete ? std::move(builder.value) : JsonValue();
 }
 
-std::string brief(const JsonValue& json) {
+std::string brief_text(const JsonValue& json) {
     constexpr std::size_t k_longest = 40;
-    const auto shown = [](const auto& of) -> std::string {
-        using T = std::decay_t<decltype(of)>;
+    const auto text_of = [](const auto& content) -> std::string {
+        using T = std::decay_t<decltype(content)>;
         if constexpr (std::is_same_v<T, std::monostate>) return "null";
-        if constexpr (std::is_same_v<T, std::string>) return json_of(of);
-        if constexpr (std::is_arithmetic_v<T>) return fmt::format("{}", of);
+        if constexpr (std::is_same_v<T, std::string>) return json_of(content);
+        if constexpr (std::is_arithmetic_v<T>) return fmt::format("{}", content);
         return "something else";
     };
     if (const auto* list = json.get<JsonList>()) {
-        const bool is_shown = list->size() <= k_most_brief && std::ranges::none_of(*list, [](const JsonValue& entry) {
+        const bool is_shown = list->size() <= k_most_listed && std::ranges::none_of(*list, [](const JsonValue& entry) {
                                   return entry.get<JsonList>() || entry.get<JsonObject>();
                               });
         if (!is_shown) return "something else";
         std::vector<std::string> entries;
-        for (const JsonValue& entry : *list) entries.push_back(brief(entry));
+        for (const JsonValue& entry : *list) entries.push_back(brief_text(entry));
         return fmt::format("[{}]", fmt::join(entries, ", "));
     }
-    return std::visit(shown, json.content).substr(0, k_longest);
+    return std::visit(text_of, json.content).substr(0, k_longest);
 }
 
 std::string json_of(const std::string& text) {

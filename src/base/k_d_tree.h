@@ -1,4 +1,3 @@
-// Nearest-neighbour search among points.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -12,11 +11,11 @@
 
 namespace srbf {
 
-/// Points with `dimensions` coordinates, in the interface that nanoflann requires.
+/// Points with `dimensions` coordinates each, in the interface that nanoflann requires.
 template <typename Real, std::size_t dimensions> struct PointCloud {
-    std::vector<std::array<Real, dimensions>> at;
-    std::size_t kdtree_get_point_count() const { return at.size(); }
-    Real kdtree_get_pt(std::size_t i, std::size_t dimension) const { return at[i][dimension]; }
+    std::vector<std::array<Real, dimensions>> coordinates;
+    std::size_t kdtree_get_point_count() const { return coordinates.size(); }
+    Real kdtree_get_pt(std::size_t i, std::size_t dimension) const { return coordinates[i][dimension]; }
     template <typename Box> bool kdtree_get_bbox(Box&) const { return false; }
 };
 
@@ -25,22 +24,21 @@ template <typename Real, std::size_t dimensions>
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<Real, PointCloud<Real, dimensions>>,
                                                    PointCloud<Real, dimensions>, int(dimensions), std::uint32_t>;
 
-/// For each point the first one that is at exactly the same place. A tree of very many points at one place finds them as
-/// slowly as a list.
+/// The index of the first point with exactly the same coordinates, for each point. Searches in a tree with many
+/// coincident points are as slow as in a list, so they are removed first.
 template <typename Real, std::size_t dimensions>
-std::vector<std::uint32_t> first_at_its_place(const PointCloud<Real, dimensions>& points) {
-    std::vector<std::uint32_t> order(points.at.size()), first(points.at.size());
+std::vector<std::uint32_t> first_coincident_points(const PointCloud<Real, dimensions>& points) {
+    std::vector<std::uint32_t> order(points.coordinates.size()), first(points.coordinates.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::ranges::sort(order, {}, [&](std::uint32_t i) { return std::pair(points.at[i], i); });
+    std::ranges::sort(order, {}, [&](std::uint32_t i) { return std::pair(points.coordinates[i], i); });
     for (std::size_t k = 0; k < order.size(); ++k) {
-        const bool is_first = k == 0 || points.at[order[k]] != points.at[order[k - 1]];
+        const bool is_first = k == 0 || points.coordinates[order[k]] != points.coordinates[order[k - 1]];
         first[order[k]] = is_first ? order[k] : first[order[k - 1]];
     }
     return first;
 }
 
-/// The result of a search within a radius: pairs of an index, `first`, and a squared distance, `second`, whose type
-/// depends on nanoflann's version.
+/// The result of a search within a radius: pairs of an index and a squared distance. Their type depends on nanoflann.
 template <typename Real>
 using FoundPoints = std::remove_reference_t<decltype(nanoflann::RadiusResultSet<Real, std::uint32_t>::m_indices_dists)>;
 

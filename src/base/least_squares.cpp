@@ -6,63 +6,64 @@
 
 namespace srbf {
 
-// Inner products of float columns are accurate to about 1e-7 of the product of the norms; smaller values are noise.
+// Inner products of float columns are accurate to about 1e-7 of the product of the norms; a ridge of 1e-6 exceeds that.
 constexpr double k_ridge = 1e-6;
 
 namespace {
 
-/// The active set of `bounded_least_squares`: which variables are free and which are held at a bound.
+/// The active set of `bounded_least_squares`: each variable is free or fixed at a bound.
 struct ActiveSet {
-    enum Place { at_zero, free, at_upper };
+    enum Status { at_zero, free, at_upper };
     const Eigen::MatrixXd& G;
     const Eigen::VectorXd &g, &upper;
-    std::vector<Place> place = std::vector<Place>(std::size_t(g.size()), at_zero);
+    std::vector<Status> status = std::vector<Status>(std::size_t(g.size()), at_zero);
     Eigen::VectorXd x = Eigen::VectorXd::Zero(g.size());
 
-    /// Moves the free variables to their optimum, without those that reach a bound on the way.
+    /// Moves the free variables to their optimum; those that reach a bound on the way stay there.
     void improve() {
         for (Eigen::Index steps = 0; steps <= g.size() && step(); ++steps) {
         }
     }
 
-    /// Frees the variable whose release decreases the sum fastest, if any does by more than the tolerance.
+    /// Frees the variable whose release decreases the sum fastest. Returns false if no rate exceeds the tolerance.
     bool release(double tolerance) {
         const Eigen::VectorXd descent = g - G * x;
         Eigen::Index best = -1;
         double best_rate = tolerance;
         for (Eigen::Index i = 0; i < g.size(); ++i) {
-            const Place p = place[std::size_t(i)];
-            const double rate = p == at_zero ? descent[i] : p == at_upper ? -descent[i] : 0;
+            const Status now = status[std::size_t(i)];
+            const double rate = now == at_zero ? descent[i] : now == at_upper ? -descent[i] : 0;
             if (rate > best_rate && G(i, i) > k_ridge && upper[i] > 0) best = i, best_rate = rate;
         }
-        if (best >= 0) place[std::size_t(best)] = free;
+        if (best >= 0) status[std::size_t(best)] = free;
         return best >= 0;
     }
 
-    /// Moves the free variables towards their optimum, to the first bound that one of them crosses; false: there is none.
+    /// Moves the free variables towards their optimum, up to the first bound on the way, and fixes that variable there.
+    /// Returns false if there is none.
     bool step() {
         std::vector<Eigen::Index> passive;
         for (Eigen::Index i = 0; i < g.size(); ++i)
-            if (place[std::size_t(i)] == free) passive.push_back(i);
+            if (status[std::size_t(i)] == free) passive.push_back(i);
         if (passive.empty()) return false;
-        Eigen::VectorXd held = x;
-        for (const Eigen::Index i : passive) held[i] = 0;
-        const Eigen::VectorXd target = G(passive, passive).ldlt().solve(Eigen::VectorXd((g - G * held)(passive)));
+        Eigen::VectorXd fixed = x;
+        for (const Eigen::Index i : passive) fixed[i] = 0;
+        const Eigen::VectorXd target = G(passive, passive).ldlt().solve(Eigen::VectorXd((g - G * fixed)(passive)));
         double fraction = 1;
         Eigen::Index crossed = -1;
-        Place bound = at_zero;
+        Status bound = at_zero;
         for (std::size_t k = 0; k < passive.size(); ++k) {
             const Eigen::Index i = passive[k];
-            const double to = target[Eigen::Index(k)];
-            const double limit = to < 0 ? 0.0 : upper[i];
-            if (to >= 0 && to <= upper[i]) continue;
-            const double t = to == x[i] ? 0 : (limit - x[i]) / (to - x[i]);
-            if (t < fraction) fraction = std::max(t, 0.0), crossed = i, bound = to < 0 ? at_zero : at_upper;
+            const double goal = target[Eigen::Index(k)];
+            const double limit = goal < 0 ? 0.0 : upper[i];
+            if (goal >= 0 && goal <= upper[i]) continue;
+            const double t = goal == x[i] ? 0 : (limit - x[i]) / (goal - x[i]);
+            if (t < fraction) fraction = std::max(t, 0.0), crossed = i, bound = goal < 0 ? at_zero : at_upper;
         }
         for (std::size_t k = 0; k < passive.size(); ++k)
             x[passive[k]] += fraction * (target[Eigen::Index(k)] - x[passive[k]]);
         if (crossed < 0) return false;
-        place[std::size_t(crossed)] = bound;
+        status[std::size_t(crossed)] = bound;
         x[crossed] = bound == at_zero ? 0 : upper[crossed];
         return true;
     }
@@ -72,7 +73,7 @@ struct ActiveSet {
 
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::VectorXd& g_in,
                                       const Eigen::VectorXd& upper_in) {
-    // Columns are scaled to unit length, so that the tolerances are relative.
+    // Scales columns to unit length, so that tolerances are relative.
     const Eigen::Index n = g_in.size();
     if (n == 0) return {};
     Eigen::VectorXd length = G_in.diagonal().cwiseMax(0.0).cwiseSqrt();
@@ -84,22 +85,22 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
 
     ActiveSet set{G, g, upper};
     for (int round = 0; round < 6 * int(n) + 6 && set.release(tolerance); ++round) set.improve();
-    // Bounds are met exactly; scaling back and forth would lose a digit.
+    // A variable at its bound takes it exactly; scaling back would lose a digit.
     Eigen::VectorXd x(n);
     for (Eigen::Index i = 0; i < n; ++i) {
-        const ActiveSet::Place p = set.place[std::size_t(i)];
-        x[i] = p == ActiveSet::at_zero    ? 0
-               : p == ActiveSet::at_upper ? upper_in[i]
-                                          : std::clamp(reciprocal[i] * set.x[i], 0.0, upper_in[i]);
+        const ActiveSet::Status status = set.status[std::size_t(i)];
+        x[i] = status == ActiveSet::at_zero    ? 0
+               : status == ActiveSet::at_upper ? upper_in[i]
+                                               : std::clamp(reciprocal[i] * set.x[i], 0.0, upper_in[i]);
     }
     return x;
 }
 
-Eigen::VectorXd solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
+Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
 
-// B = PᵀLDLᵀP, so that A B⁻¹ Aᵀ = (√D⁻¹ L⁻¹ P Aᵀ)ᵀ (√D⁻¹ L⁻¹ P Aᵀ).
 namespace {
-Eigen::LDLT<Eigen::MatrixXd> eliminated(Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) {
+/// H ← H − A B⁻¹ Aᵀ; returns the factors B = PᵀLDLᵀP, with which A B⁻¹ Aᵀ = (√D⁻¹ L⁻¹ P Aᵀ)ᵀ (√D⁻¹ L⁻¹ P Aᵀ).
+Eigen::LDLT<Eigen::MatrixXd> subtract_eliminated(Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) {
     B.diagonal() *= 1 + k_ridge;
     Eigen::LDLT<Eigen::MatrixXd> factor(B);
     Eigen::MatrixXd half = factor.transpositionsP() * A.transpose();
@@ -115,21 +116,21 @@ Eigen::LDLT<Eigen::MatrixXd> eliminated(Eigen::MatrixXd& B, const Eigen::MatrixX
 }
 }  // namespace
 
-void eliminate(Eigen::MatrixXd B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) { eliminated(B, A, H); }
+void eliminate(Eigen::MatrixXd B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) { subtract_eliminated(B, A, H); }
 
 void eliminate(Eigen::MatrixXd B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H, const Eigen::VectorXd& b,
                Eigen::VectorXd& g) {
-    g -= A * eliminated(B, A, H).solve(b);
+    g -= A * subtract_eliminated(B, A, H).solve(b);
 }
 
-Eigen::MatrixXd ridged(Eigen::MatrixXd G) {
+Eigen::MatrixXd with_ridge(Eigen::MatrixXd G) {
     G.diagonal().array() *= 1 + 1e-7;
     G.diagonal().array() += 1e-300;
     return G;
 }
 
 std::vector<double> cost_of_dropping(const Eigen::MatrixXd& G, const Eigen::MatrixXd& x) {
-    const Eigen::MatrixXd inverse = ridged(G).ldlt().solve(Eigen::MatrixXd::Identity(G.rows(), G.cols()));
+    const Eigen::MatrixXd inverse = with_ridge(G).ldlt().solve(Eigen::MatrixXd::Identity(G.rows(), G.cols()));
     std::vector<double> cost;
     for (Eigen::Index j = 0; j < G.rows(); ++j)
         cost.push_back(x.row(j).squaredNorm() / std::max(inverse(j, j), 1e-300));

@@ -1,4 +1,4 @@
-// Levenberg-Marquardt for separable least squares, independent of BRDFs.
+// Levenberg-Marquardt for separable least squares.
 #pragma once
 #include <Eigen/Dense>
 #include <concepts>
@@ -12,41 +12,50 @@ namespace srbf {
 /// A sum of squares whose linear variables have been eliminated: a function of x only.
 template <typename P>
 concept SeparableProblem = requires(P& problem, const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    { problem.loss(x) } -> std::convertible_to<double>;  // at x, with the optimal linear variables
-    {problem.linearise(x, H, g)};                        // JᵀJ and Jᵀr at the x of the last call of `loss`
-    { problem.lower(x) } -> std::convertible_to<Eigen::VectorXd>;  // bounds of a step from x
+    // the loss at x, with the optimal linear variables
+    { problem.loss(x) } -> std::convertible_to<double>;
+    // JᵀJ and Jᵀr at the x of the last call of `loss`
+    {problem.linearise(x, H, g)};
+    // bounds on x after a step, which may depend on x before it
+    { problem.lower(x) } -> std::convertible_to<Eigen::VectorXd>;
     { problem.upper(x) } -> std::convertible_to<Eigen::VectorXd>;
-    {
-        problem.longest_step(x)
-        } -> std::convertible_to<Eigen::VectorXd>;  // bound on the step of each variable; longer steps are shortened
+    // the longest step of each variable; a longer step is scaled
+    { problem.longest_step(x) } -> std::convertible_to<Eigen::VectorXd>;
 };
 
-/// The reason why an optimiser stopped.
 enum class Stop {
     decrease,    ///< predicted decrease ≤ `decrease_tolerance` × loss
     step,        ///< no step with damping up to 1e10 lowers the loss
     iterations,  ///< `max_iterations` linearisations were used
     target,      ///< the remaining steps would not reach `target` even if each lowered the loss as much as the last one
-    cancelled,   ///< by the progress callback
+    cancelled,   ///< the progress callback returned false
 };
 
 struct LevenbergMarquardtOptions {
     int max_iterations = 40;           ///< linearisations
     double decrease_tolerance = 1e-7;  ///< relative
     double damping = 1e-3;             ///< initial μ, times the diagonal of JᵀJ
-    /// A variable that a step would take beyond its bound stops there; true: the others adapt to it.
+    /// If true, the other variables adapt when a step is clamped at bounds (`adapt_to_bounds`).
     bool adapts_to_bounds = false;
-    /// The loss to reach. From the second step on the optimiser stops if the remaining steps would not reach it, were
-    /// each to lower the loss as much as the last one. Since the decrease of the steps usually diminishes, this rarely
-    /// stops too early.
+    /// The loss to reach. From the second step on the optimiser stops if the remaining steps would not reach it even if
+    /// each lowered the loss as much as the last one. Usually later steps lower it less.
     double target = std::numeric_limits<double>::infinity();
 };
 
 struct LevenbergMarquardtSummary {
-    double loss = 0;  ///< at the returned x
+    double loss = 0;  ///< the loss at the returned x
     int iterations = 0;
     Stop stop = Stop::iterations;
 };
+
+/// The step that solves `damped` δ = −g, within bounds and at most as long as `longest` for each variable.
+inline Eigen::VectorXd damped_step(const Eigen::MatrixXd& damped, const Eigen::VectorXd& g,
+                                   const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                                   const Eigen::VectorXd& longest, bool adapts_to_bounds) {
+    Eigen::VectorXd step = -solve_symmetric(damped, g);
+    if (adapts_to_bounds) adapt_to_bounds(step, damped, g, lower, upper);
+    return step * std::min(1.0, 1 / step.cwiseAbs().cwiseQuotient(longest).maxCoeff());
+}
 
 /// Minimises problem.loss from x, with steps (JᵀJ + μ diag JᵀJ) δ = −Jᵀr, each within the bounds at its start. μ adapts
 /// to the ratio of actual to predicted decrease (Nielsen 1999). The last call of problem.loss is at the returned x.
@@ -59,7 +68,7 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
     Eigen::VectorXd g;
     double mu = options.damping, growth = 2;
     summary.loss = problem.loss(x);
-    double decrease = 0;  // by the last step
+    double decrease = 0;  // the decrease of the loss by the last step
     bool at_x = true;     // the last call of problem.loss was at x
     while (summary.iterations < options.max_iterations) {
         problem.linearise(x, H, g);
@@ -72,11 +81,10 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
         while (mu < k_most_damping && !lowered) {
             Eigen::MatrixXd damped = H;
             damped.diagonal() += mu * scale;
-            Eigen::VectorXd step = -solved(damped, g);
-            if (options.adapts_to_bounds) adapt_to_bounds(step, damped, g, lower - x, upper - x);
-            step *= std::min(1.0, 1 / step.cwiseAbs().cwiseQuotient(problem.longest_step(x)).maxCoeff());
+            const Eigen::VectorXd step =
+                damped_step(damped, g, lower - x, upper - x, problem.longest_step(x), options.adapts_to_bounds);
             const double predicted = -2 * step.dot(g) - step.dot(H * step);
-            if (options.adapts_to_bounds && predicted < 0) {  // what ends at bounds costs more than the rest gains
+            if (options.adapts_to_bounds && predicted < 0) {  // clamping costs more than the other variables gain
                 mu *= growth, growth *= 2;
                 continue;
             }

@@ -1,4 +1,3 @@
-// Loops on several threads.
 #pragma once
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
@@ -11,8 +10,7 @@
 
 namespace srbf {
 
-/// Runs body() with `threads` threads; 0 or more than the machine has: as many as it has. (TBB prints a warning if it
-/// is asked for more.)
+/// Runs body() with `threads` threads, at most as many as the machine has; 0 for as many. (TBB warns about more.)
 template <typename Body> void on_threads(int threads, const Body& body) {
     const int most = tbb::info::default_concurrency();
     tbb::task_arena(threads > 0 ? std::min(threads, most) : most).execute([&] {
@@ -29,20 +27,19 @@ template <typename Body> void parallel_for(std::size_t count, const Body& body) 
     });
 }
 
-/// `parallel_for`, or if not `parallel` a loop in order on the caller's thread.
+/// `parallel_for` if `parallel`, otherwise a loop in order on the caller's thread.
 template <typename Body> void for_each(std::size_t count, bool parallel, const Body& body) {
     if (parallel) return parallel_for(count, body);
     for (std::size_t i = 0; i < count; ++i) body(i);
 }
 
-/// `parallel_for` on as many threads as `on_threads` takes.
+/// `parallel_for` on `threads` threads (see `on_threads`).
 template <typename Body> void parallel_for(std::size_t count, int threads, const Body& body) {
     on_threads(threads, [&] { parallel_for(count, body); });
 }
 
 constexpr std::size_t part_count(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
-/// Calls body(begin, end) for each of the parts of 0..count−1 of that size, of which the last may be smaller: part
-/// begin/size of `part_count(count, size)`.
+/// Calls body(begin, end) for parts of 0..count−1 of the given size; the last one may be smaller.
 template <typename Body> void parallel_for_parts(std::size_t count, std::size_t size, const Body& body) {
     parallel_for(part_count(count, size), [&](std::size_t i) { body(i * size, std::min((i + 1) * size, count)); });
 }

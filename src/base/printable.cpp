@@ -9,14 +9,14 @@
 namespace srbf {
 namespace {
 
-/// A character and its bytes; of no valid character one byte.
+/// A character of UTF-8, or one byte that does not belong to a valid character.
 struct Character {
     char32_t code;
     std::string_view bytes;
     bool is_valid;
 };
 
-/// Removes the first character. A character has the shortest form, and is no surrogate.
+/// Removes the first character of `text`. A valid character has the shortest encoding and is no surrogate.
 Character next_character(std::string_view& text) {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
     const std::size_t length = byte(0) < 0x80 ? 1 : byte(0) < 0xe0 ? 2 : byte(0) < 0xf0 ? 3 : 4;
@@ -33,89 +33,80 @@ Character next_character(std::string_view& text) {
     return {code, bytes, is_valid};
 }
 
-/// Ranges of characters that are not shown as themselves.
-constexpr std::array<std::array<char32_t, 2>, 12> k_unshown{{{0, 0x1f},
-                                                             {0x7f, 0x9f},
-                                                             {0x61c, 0x61c},
-                                                             {0x180e, 0x180e},
-                                                             {0x200b, 0x200b},
-                                                             {0x200e, 0x200f},
-                                                             {0x2028, 0x202e},
-                                                             {0x2060, 0x206f},
-                                                             {0xfdd0, 0xfdef},
-                                                             {0xfeff, 0xfeff},
-                                                             {0xfff9, 0xfffb},
-                                                             {0xe0000, 0xe0fff}}};
-bool is_shown(const Character& of) {
-    return of.is_valid && (of.code & 0xfffe) != 0xfffe &&  // U+FFFE, U+1FFFE, ..
-           std::ranges::none_of(k_unshown, [&](auto range) { return range[0] <= of.code && of.code <= range[1]; });
+/// Ranges of characters that terminals do not show as themselves: controls, format characters, noncharacters and tags.
+constexpr std::array<std::array<char32_t, 2>, 12> k_unsafe{{{0, 0x1f},
+                                                            {0x7f, 0x9f},
+                                                            {0x61c, 0x61c},
+                                                            {0x180e, 0x180e},
+                                                            {0x200b, 0x200b},
+                                                            {0x200e, 0x200f},
+                                                            {0x2028, 0x202e},
+                                                            {0x2060, 0x206f},
+                                                            {0xfdd0, 0xfdef},
+                                                            {0xfeff, 0xfeff},
+                                                            {0xfff9, 0xfffb},
+                                                            {0xe0000, 0xe0fff}}};
+bool is_safe(const Character& character) {
+    const char32_t code = character.code;
+    return character.is_valid && (code & 0xfffe) != 0xfffe &&  // U+FFFE, U+1FFFE, ...
+           std::ranges::none_of(k_unsafe, [&](auto range) { return range[0] <= code && code <= range[1]; });
 }
 
-/// `text` with `other(character)` for what is not shown as itself.
-template <typename Other> std::string replaced(std::string_view text, const Other& other) {
-    std::string made;
-    made.reserve(text.size());
+/// Replaces each character that is not safe by `replacement(character)`.
+template <typename Replacement> std::string replace_unsafe(std::string_view text, const Replacement& replacement) {
+    std::string result;
+    result.reserve(text.size());
     while (!text.empty()) {
         const Character next = next_character(text);
-        if (is_shown(next))
-            made += next.bytes;
+        if (is_safe(next))
+            result += next.bytes;
         else
-            made += other(next);
+            result += replacement(next);
     }
-    return made;
+    return result;
 }
 
-/// `text` with `mark` before each of those characters.
-std::string marked(const std::string& text, std::string_view characters, char mark) {
-    std::string made;
+/// Inserts `escape` before each of the given characters.
+std::string escape_characters(const std::string& text, std::string_view characters, char escape) {
+    std::string result;
     for (const char c : text) {
-        if (characters.find(c) != characters.npos) made += mark;
-        made += c;
+        if (characters.find(c) != characters.npos) result += escape;
+        result += c;
     }
-    return made;
+    return result;
 }
 
 }  // namespace
 
 std::string printable(std::string_view text) {
-    return replaced(
-        text, [](const Character& of) { return of.code == '\n' || of.code == '\r' || of.code == '\t' ? ' ' : '?'; });
+    return replace_unsafe(
+        text, [](const Character& c) { return c.code == '\n' || c.code == '\r' || c.code == '\t' ? ' ' : '?'; });
 }
 std::string printable_lines(std::string_view text) {
-    return replaced(text, [](const Character& of) { return of.code == '\n' || of.code == '\t' ? char(of.code) : '?'; });
+    return replace_unsafe(text,
+                          [](const Character& c) { return c.code == '\n' || c.code == '\t' ? char(c.code) : '?'; });
 }
 
 std::string in_comment(std::string_view text) {
     std::string line = printable(text);
     std::ranges::replace(line, '\\', '/');
-    for (std::size_t at = 0; (at = line.find("?\?/", at)) != line.npos; at -= at > 0) line.erase(at, 1);
+    for (std::size_t i = 0; (i = line.find("?\?/", i)) != line.npos; i -= i > 0) line.erase(i, 1);
     return line;
 }
 
-std::string in_string(std::string_view text) { return marked(printable(text), "\"\\", '\\'); }
-std::string in_template_literal(std::string_view text) { return marked(printable_lines(text), "`$\\", '\\'); }
+std::string in_string(std::string_view text) { return escape_characters(printable(text), "\"\\", '\\'); }
+std::string in_template_literal(std::string_view text) {
+    return escape_characters(printable_lines(text), "`$\\", '\\');
+}
 
 std::string html_escaped(std::string_view text) {
+    constexpr std::string_view characters = "&<>\"'";
+    constexpr std::array<std::string_view, 5> entities{"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
     std::string escaped;
-    for (const char c : printable_lines(text)) switch (c) {
-            case '&':
-                escaped += "&amp;";
-                break;
-            case '<':
-                escaped += "&lt;";
-                break;
-            case '>':
-                escaped += "&gt;";
-                break;
-            case '"':
-                escaped += "&quot;";
-                break;
-            case '\'':
-                escaped += "&#39;";
-                break;
-            default:
-                escaped += c;
-        }
+    for (const char c : printable_lines(text)) {
+        const std::size_t i = characters.find(c);
+        escaped += i == characters.npos ? std::string_view(&c, 1) : entities[i];
+    }
     return escaped;
 }
 
@@ -125,32 +116,34 @@ std::string in_xml_comment(std::string_view text) {
     return line;
 }
 
-std::string in_markdown(std::string_view text) { return marked(html_escaped(printable(text)), "\\`*_[]|~", '\\'); }
+std::string in_markdown(std::string_view text) {
+    return escape_characters(html_escaped(printable(text)), "\\`*_[]|~", '\\');
+}
 
 std::string csv_field(std::string_view text) {
     std::string field = printable(text);
     if (!field.empty() && std::string_view("=+-@").find(field[0]) != std::string_view::npos) field.insert(0, 1, '\'');
-    return field.find_first_of(",;\"") == field.npos ? field : '"' + marked(field, "\"", '"') + '"';
+    return field.find_first_of(",;\"") == field.npos ? field : '"' + escape_characters(field, "\"", '"') + '"';
 }
 
 std::string printable_json(std::string_view json) {
-    return replaced(json, [](const Character& of) -> std::string {
-        if (of.code == '\n' || of.code == '\t' || of.code == '\r') return std::string(of.bytes);
-        if (!of.is_valid) return "\\ufffd";
-        if (of.code < 0x10000) return fmt::format("\\u{:04x}", std::uint32_t(of.code));
-        const std::uint32_t beyond = std::uint32_t(of.code) - 0x10000;
+    return replace_unsafe(json, [](const Character& c) -> std::string {
+        if (c.code == '\n' || c.code == '\t' || c.code == '\r') return std::string(c.bytes);
+        if (!c.is_valid) return "\\ufffd";
+        if (c.code < 0x10000) return fmt::format("\\u{:04x}", std::uint32_t(c.code));
+        const std::uint32_t beyond = std::uint32_t(c.code) - 0x10000;
         return fmt::format("\\u{:04x}\\u{:04x}", 0xd800 + (beyond >> 10), 0xdc00 + (beyond & 0x3ff));
     });
 }
 std::string json_in_script(std::string_view json) {
     std::string text = printable_json(json);
-    for (std::size_t at = 0; (at = text.find('<', at)) != text.npos;) text.replace(at, 1, "\\u003c");
+    for (std::size_t i = 0; (i = text.find('<', i)) != text.npos;) text.replace(i, 1, "\\u003c");
     return text;
 }
 
 std::string grouped(std::uint64_t n) {
     std::string digits = std::to_string(n);
-    for (int at = int(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), 1, ',');
+    for (int i = int(digits.size()) - 3; i > 0; i -= 3) digits.insert(std::size_t(i), 1, ',');
     return digits;
 }
 

@@ -1,4 +1,3 @@
-// Low-discrepancy sequences.
 #pragma once
 #include <array>
 #include <cmath>
@@ -14,7 +13,7 @@ namespace srbf {
 /// `start`.
 template <std::size_t D> class RSequence {
   public:
-    explicit RSequence(const std::array<double, D>& start = {}) : at_(start) {
+    explicit RSequence(const std::array<double, D>& start = {}) : current_(start) {
         double g = 1.5;
         for (int i = 0; i < 60; ++i) g = elementary::pow(1 + g, 1.0 / (D + 1));
         for (std::size_t d = 0; d < D; ++d) step_[d] = elementary::pow(1 / g, double(d + 1));
@@ -22,17 +21,17 @@ template <std::size_t D> class RSequence {
     /// Point i after the current one, counted from 0.
     std::array<double, D> at(std::size_t i) const {
         std::array<double, D> point;
-        for (std::size_t d = 0; d < D; ++d) point[d] = fraction(at_[d] + double(i + 1) * step_[d]);
+        for (std::size_t d = 0; d < D; ++d) point[d] = fraction(current_[d] + double(i + 1) * step_[d]);
         return point;
     }
     const std::array<double, D>& next() {
-        for (std::size_t d = 0; d < D; ++d) at_[d] = fraction(at_[d] + step_[d]);
-        return at_;
+        for (std::size_t d = 0; d < D; ++d) current_[d] = fraction(current_[d] + step_[d]);
+        return current_;
     }
 
   private:
-    static double fraction(double x) { return x - double(std::int64_t(x)); }  // of x ≥ 0
-    std::array<double, D> step_{}, at_{};
+    static double fraction(double x) { return x - double(std::int64_t(x)); }  // for x ≥ 0
+    std::array<double, D> step_{}, current_{};
 };
 
 }  // namespace srbf

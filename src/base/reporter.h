@@ -1,4 +1,3 @@
-// Progress of work on several threads.
 #pragma once
 #include <algorithm>
 #include <mutex>

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "base/errors.h"
+#include "base/files.h"
 #include "base/printable.h"
 
 namespace srbf {
@@ -26,21 +28,8 @@ std::string message(const Error& error) {
 }
 
 std::string_view name(ErrorCode code) {
-    switch (code) {
-        case ErrorCode::malformed:
-            return "malformed";
-        case ErrorCode::unreadable:
-            return "unreadable";
-        case ErrorCode::wrong_kind:
-            return "wrong kind";
-        case ErrorCode::argument:
-            return "argument";
-        case ErrorCode::no_data:
-            return "no data";
-        case ErrorCode::cancelled:
-            return "cancelled";
-    }
-    return "";
+    constexpr std::string_view names[] = {"malformed", "unreadable", "wrong kind", "argument", "no data", "cancelled"};
+    return names[std::size_t(code)];
 }
 
 Error cancelled_error(std::string source) { return {std::move(source), {}, "cancelled", {}, {}, ErrorCode::cancelled}; }

@@ -16,9 +16,8 @@ namespace {
 
 constexpr std::uint64_t k_length_bytes = 8;
 constexpr std::size_t k_most_tensors = 64;
-/// The longest header. Data that may be long are a tensor.
 constexpr std::uint64_t k_most_header_bytes = std::uint64_t(1) << 20;
-constexpr int k_deepest = 3;  ///< the numbers of a shape
+constexpr int k_deepest = 3;  ///< levels of JSON in a header: the numbers of a shape are deepest
 
 std::uint64_t little_endian_64(std::span<const std::byte> bytes) {
     std::uint64_t x = 0;
@@ -26,10 +25,10 @@ std::uint64_t little_endian_64(std::span<const std::byte> bytes) {
     return x;
 }
 
-/// The extents of a JSON shape, or nothing if one is not a positive integer or their product exceeds `most`.
+/// Reads the extents of a shape. No value if one is not a positive integer or their product exceeds `most`.
 std::optional<std::vector<std::uint64_t>> shape_within(const JsonValue& json, std::uint64_t most) {
     const auto* entries = json.get<JsonList>();
-    if (!entries || entries->size() > k_most_brief) return std::nullopt;
+    if (!entries || entries->size() > k_most_listed) return std::nullopt;
     std::vector<std::uint64_t> shape;
     std::uint64_t product = 1;
     for (const JsonValue& entry : *entries) {
@@ -43,7 +42,7 @@ std::optional<std::vector<std::uint64_t>> shape_within(const JsonValue& json, st
 
 constexpr const char* name_of(Type16 type) { return type == Type16::half ? "F16" : "U16"; }
 
-Result<JsonObject> parsed_header(std::string_view text, const std::string& file_name) {
+Result<JsonObject> parse_header(std::string_view text, const std::string& file_name) {
     auto header = parse_json(text, k_deepest);
     if (!header)
         return Error{file_name, k_length_bytes, "header", fmt::format("at most {} levels of JSON", k_deepest), "more"};
@@ -74,55 +73,57 @@ struct Range {
     friend auto operator<=>(const Range&, const Range&) = default;
 };
 
-struct Placed {
+struct LocatedTensor {
     Range range;
     Tensor16 tensor;
 };
 
-/// Reads from `data` the tensor `name`, which `entry` of the header describes.
-Result<Placed> read_tensor(const std::string& name, const JsonValue& entry, std::span<const std::byte> data,
-                           const std::string& file_name) {
-    const auto refused = [&](const char* part, std::string expected, std::string found) {
+/// Reads the tensor `name`, which `entry` of the header describes, from `data`.
+Result<LocatedTensor> read_tensor(const std::string& name, const JsonValue& entry, std::span<const std::byte> data,
+                                  const std::string& file_name) {
+    const auto refuse = [&](const char* part, std::string expected, std::string found) {
         return Error{file_name, k_length_bytes, fmt::format("tensor '{:.80}'{}", name, part), std::move(expected),
                      std::move(found)};
     };
     const JsonValue *dtype = entry.find("dtype"), *extents = entry.find("shape"), *offsets = entry.find("data_offsets");
-    if (!dtype || !extents || !offsets) return refused("", "dtype, shape and data_offsets", "one is missing");
+    if (!dtype || !extents || !offsets) return refuse("", "dtype, shape and data_offsets", "one is missing");
     const auto* type = dtype->get<std::string>();
     if (!type || (*type != name_of(Type16::half) && *type != name_of(Type16::count)))
-        return refused(": dtype", "\"F16\" or \"U16\"", brief(*dtype));
+        return refuse(": dtype", "\"F16\" or \"U16\"", brief_text(*dtype));
     const auto shape = shape_within(*extents, data.size() / 2);
-    if (!shape) return refused(": shape", fmt::format("counts, at most {} numbers", data.size() / 2), brief(*extents));
+    if (!shape)
+        return refuse(": shape", fmt::format("counts, at most {} numbers", data.size() / 2), brief_text(*extents));
     const auto* ends = offsets->get<JsonList>();
     const auto* begin = ends && ends->size() == 2 ? (*ends)[0].get<std::uint64_t>() : nullptr;
     const auto* end = begin ? (*ends)[1].get<std::uint64_t>() : nullptr;
-    if (!end) return refused(": data_offsets", "two counts", brief(*offsets));
+    if (!end) return refuse(": data_offsets", "two counts", brief_text(*offsets));
     const Range range{*begin, *end};
     const auto size = std::accumulate(shape->begin(), shape->end(), std::uint64_t(2), std::multiplies());
     if (range.end > data.size() || range.begin > range.end || range.end - range.begin != size)
-        return refused(": data_offsets", fmt::format("{} bytes within {}", size, data.size()),
-                       fmt::format("[{}, {}]", range.begin, range.end));
+        return refuse(": data_offsets", fmt::format("{} bytes within {}", size, data.size()),
+                      fmt::format("[{}, {}]", range.begin, range.end));
     Tensor16 tensor{*type == name_of(Type16::count) ? Type16::count : Type16::half, *shape, {}};
     tensor.data.reserve(std::size_t(size / 2));
-    for (std::uint64_t at = range.begin; at < range.end; at += 2)
-        tensor.data.push_back(std::uint16_t(std::to_integer<unsigned>(data[std::size_t(at)]) |
-                                            std::to_integer<unsigned>(data[std::size_t(at + 1)]) << 8));
-    return Placed{range, std::move(tensor)};
+    for (std::uint64_t i = range.begin; i < range.end; i += 2)
+        tensor.data.push_back(std::uint16_t(std::to_integer<unsigned>(data[std::size_t(i)]) |
+                                            std::to_integer<unsigned>(data[std::size_t(i + 1)]) << 8));
+    return LocatedTensor{range, std::move(tensor)};
 }
 
-/// Returns an error unless the ranges cover `size` bytes of data, which begin at `data_at` of the file.
-Result<Done> check_covered(std::vector<Range> ranges, std::uint64_t size, std::uint64_t data_at,
+/// Returns an error unless the ranges cover all `size` bytes of the data, which begin at `data_offset` in the file.
+Result<Done> check_covered(std::vector<Range> ranges, std::uint64_t size, std::uint64_t data_offset,
                            const std::string& file_name) {
     std::sort(ranges.begin(), ranges.end());
     std::uint64_t covered = 0;
     for (const Range& range : ranges) {
         if (range.begin != covered)
-            return Error{file_name, data_at + covered, "data", "tensors without gap or overlap",
+            return Error{file_name, data_offset + covered, "data", "tensors without gap or overlap",
                          fmt::format("one that begins at {}", range.begin)};
         covered = range.end;
     }
     if (covered == size) return Done{};
-    return Error{file_name, data_at + covered, "data", fmt::format("{} bytes", covered), fmt::format("{} bytes", size)};
+    return Error{file_name, data_offset + covered, "data", fmt::format("{} bytes", covered),
+                 fmt::format("{} bytes", size)};
 }
 
 }  // namespace
@@ -147,9 +148,9 @@ Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
         return Error{file_name, std::nullopt, std::move(what), std::move(wanted), std::move(found)};
     };
     for (const auto& [name, wanted] : expected) {
-        const auto at = tensors.find(name);
-        if (at == tensors.end()) return fail(fmt::format("tensor '{}'", name), "present", "none");
-        const Tensor16& tensor = at->second;
+        const auto entry = tensors.find(name);
+        if (entry == tensors.end()) return fail(fmt::format("tensor '{}'", name), "present", "none");
+        const Tensor16& tensor = entry->second;
         if (tensor.type != wanted.type)
             return fail(fmt::format("tensor '{}': dtype", name), name_of(wanted.type), name_of(tensor.type));
         if (tensor.shape != wanted.shape)
@@ -166,9 +167,9 @@ Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
 
 Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensors, Shape2 least, Shape2 most,
                                    const std::string& expected, const std::string& file_name) {
-    const auto at = tensors.find("bandwidth");
-    if (at == tensors.end()) return Error{file_name, {}, "tensor 'bandwidth'", "present", "none"};
-    const auto& shape = at->second.shape;
+    const auto bandwidth = tensors.find("bandwidth");
+    if (bandwidth == tensors.end()) return Error{file_name, {}, "tensor 'bandwidth'", "present", "none"};
+    const auto& shape = bandwidth->second.shape;
     if (shape.size() == 2 && shape[0] >= least[0] && shape[1] >= least[1] && shape[0] <= most[0] && shape[1] <= most[1])
         return Shape2{shape[0], shape[1]};
     return Error{file_name, {}, "tensor 'bandwidth': shape", expected, shape_text(shape)};
@@ -209,10 +210,10 @@ std::vector<std::byte> write_safetensors(const Safetensors& content) {
 Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std::string& file_name) {
     const auto length = header_length(bytes, file_name);
     if (!length) return length.error();
-    const auto header = parsed_header(as_text(bytes).substr(k_length_bytes, std::size_t(*length)), file_name);
+    const auto header = parse_header(as_text(bytes).substr(k_length_bytes, std::size_t(*length)), file_name);
     if (!header) return header.error();
-    const std::uint64_t data_at = k_length_bytes + *length;
-    const std::span<const std::byte> data = bytes.subspan(std::size_t(data_at));
+    const std::uint64_t data_offset = k_length_bytes + *length;
+    const std::span<const std::byte> data = bytes.subspan(std::size_t(data_offset));
     Safetensors content;
     std::vector<Range> ranges;
     for (const auto& [key, entry] : *header) {
@@ -222,26 +223,26 @@ Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std
             content.metadata = *std::move(metadata);
             continue;
         }
-        auto placed = read_tensor(key, entry, data, file_name);
-        if (!placed) return placed.error();
-        ranges.push_back(placed->range);
-        content.tensors.emplace(key, std::move(placed->tensor));
+        auto located = read_tensor(key, entry, data, file_name);
+        if (!located) return located.error();
+        ranges.push_back(located->range);
+        content.tensors.emplace(key, std::move(located->tensor));
     }
-    if (const auto covered = check_covered(std::move(ranges), data.size(), data_at, file_name); !covered)
+    if (const auto covered = check_covered(std::move(ranges), data.size(), data_offset, file_name); !covered)
         return covered.error();
     return content;
 }
 
 std::string MetadataReader::take(const char* key, const std::vector<std::string_view>& known) {
-    const auto at = metadata.find(key);
-    const std::string found = at == metadata.end() ? "" : at->second;
+    const auto entry = metadata.find(key);
+    const std::string found = entry == metadata.end() ? "" : entry->second;
     if (std::ranges::find(known, found) == known.end()) {
         if (!error)
             error = {file_name, k_length_bytes, fmt::format("metadata '{}'", key),
                      fmt::format("{}", fmt::join(known, " or ")),
-                     at == metadata.end() ? "none" : fmt::format("{:.40}", found)};
+                     entry == metadata.end() ? "none" : fmt::format("{:.40}", found)};
     } else {
-        metadata.erase(at);
+        metadata.erase(entry);
     }
     return found;
 }

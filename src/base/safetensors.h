@@ -15,7 +15,6 @@
 
 namespace srbf {
 
-/// Element type of a tensor.
 enum class Type16 { half, count };  // "F16", "U16"
 
 /// A tensor of 16-bit elements.
@@ -25,7 +24,6 @@ struct Tensor16 {
     std::vector<std::uint16_t> data;  ///< as many elements as the product of the shape
 };
 
-/// Expected element type and shape of a tensor.
 struct TensorShape {
     Type16 type;
     std::vector<std::uint64_t> shape;
@@ -33,36 +31,34 @@ struct TensorShape {
 /// Returns an error unless `tensors` has exactly the tensors of `expected` and every 16-bit float is finite.
 Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
                            const std::map<std::string, TensorShape>& expected, const std::string& file_name);
-/// The shape [A, B] of the tensor 'bandwidth', from which those of a model's other tensors follow. An error, with the
-/// limits in the words of `expected`, unless `least` <= [A, B] <= `most`.
+/// The shape [A, B] of the tensor 'bandwidth', which determines those of a model's other tensors. Returns an error, in
+/// which `expected` states the limits, unless `least` ≤ [A, B] ≤ `most`.
 using Shape2 = std::array<std::uint64_t, 2>;
 Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensors, Shape2 least, Shape2 most,
                                    const std::string& expected, const std::string& file_name);
 /// "[2, 3]".
 std::string shape_text(const std::vector<std::uint64_t>& shape);
 
-/// The content of a file: tensors by name, and the string metadata.
 using Metadata = std::map<std::string, std::string>;
 struct Safetensors {
     std::map<std::string, Tensor16> tensors;
     Metadata metadata;
 };
 
-/// Takes the metadata that determine the meaning of tensors out of all; those that remain are provenance.
+/// Removes the metadata that determine the meaning of tensors; the rest is provenance.
 struct MetadataReader {
     Metadata& metadata;
     const std::string& file_name;
-    std::optional<Error> error = {};  ///< the first
+    std::optional<Error> error = {};  ///< the first error
 
-    /// The value of `key`, which must be one of `known`.
+    /// Removes and returns the value of `key`, which must be one of `known`.
     std::string take(const char* key, const std::vector<std::string_view>& known);
 };
 
-/// The bytes of the container, with tensors in the order of their names. The header is padded so that data begin at a
-/// multiple of 8.
+/// Tensors are written in the order of their names. The header is padded so that data begin at a multiple of 8.
 std::vector<std::byte> write_safetensors(const Safetensors& content);
 
-/// The length of the header, by the first bytes of a file. Errors: it is longer than the file or than 1 MB.
+/// Reads the length of the header. Errors: it is longer than the file or than 1 MB.
 Result<std::uint64_t> header_length(std::span<const std::byte> bytes, const std::string& file_name);
 
 /// Checks every size before it allocates: tensors must be F16 or U16, their offsets must match their shapes and cover

@@ -11,17 +11,17 @@ namespace srbf {
 
 void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
                      const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
-    std::vector<Eigen::Index> free(std::size_t(step.size())), held;
+    std::vector<Eigen::Index> free(std::size_t(step.size())), fixed;
     std::iota(free.begin(), free.end(), 0);
     for (;;) {
         const auto exceeds = [&](Eigen::Index i) { return step[i] < lower[i] || step[i] > upper[i]; };
         const auto first = std::stable_partition(free.begin(), free.end(), std::not_fn(exceeds));
         if (first == free.end()) return;
-        held.insert(held.end(), first, free.end());
+        fixed.insert(fixed.end(), first, free.end());
         free.erase(first, free.end());
-        for (const Eigen::Index i : held) step[i] = std::clamp(step[i], lower[i], upper[i]);
+        for (const Eigen::Index i : fixed) step[i] = std::clamp(step[i], lower[i], upper[i]);
         if (free.empty()) return;
-        step(free) = -solved(A(free, free), g(free) + A(free, held) * step(held));
+        step(free) = -solve_symmetric(A(free, free), g(free) + A(free, fixed) * step(fixed));
     }
 }
 

@@ -25,8 +25,8 @@ inline std::string_view trimmed(std::string_view text) {
     return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
-/// True if two words of ASCII are equal but for upper and lower case.
-inline bool same(std::string_view a, std::string_view b) {
+/// True if two words are equal except for the case of ASCII letters.
+inline bool equal_ignoring_case(std::string_view a, std::string_view b) {
     const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c + ('a' - 'A')) : c; };
     return std::ranges::equal(a, b, {}, lower, lower);
 }
@@ -37,7 +37,6 @@ class Lines {
     explicit Lines(std::string_view text) : rest_(text) {
         if (constexpr std::string_view mark = "\xef\xbb\xbf"; rest_.starts_with(mark)) rest_.remove_prefix(mark.size());
     }
-    /// The next line that is not empty.
     std::optional<std::string_view> next() {
         while (!rest_.empty()) {
             const auto end = std::min(rest_.find('\n'), rest_.size());
@@ -56,8 +55,7 @@ class Lines {
     std::uint64_t number_ = 0;
 };
 
-/// Removes the next word from `line` and returns it. A word ends at a blank or at one of `separators`. Empty at the end
-/// of the line.
+/// Removes the next word, which ends at one of `separators`, from `line` and returns it. Empty at the end of the line.
 inline std::string_view next_word(std::string_view& line, std::string_view separators = " \t") {
     const auto first = std::min(line.find_first_not_of(separators), line.size());
     const auto end = std::min(line.find_first_of(separators, first), line.size());
@@ -66,24 +64,24 @@ inline std::string_view next_word(std::string_view& line, std::string_view separ
     return word;
 }
 
-/// The fields of a line of CSV, without surrounding blanks and quotes. A separator within quotes does not separate fields.
-/// There are more fields in no table: of a longer line, these alone.
+/// Splits a line of CSV into fields without surrounding blanks and quotes. A separator within quotes does not separate
+/// fields. Fields after the first `k_most_fields`, which no table has, are ignored.
 inline constexpr std::size_t k_most_fields = 1 << 16;
 inline void split_fields(std::string_view line, std::vector<std::string_view>& fields, char separator = ',') {
     fields.clear();
     bool quoted = false;
-    for (std::size_t at = 0, begin = 0; at <= line.size() && fields.size() < k_most_fields; ++at) {
-        if (at < line.size() && line[at] == '"') quoted = !quoted;
-        if (at < line.size() && (quoted || line[at] != separator)) continue;
-        std::string_view field = trimmed(line.substr(begin, at - begin));
+    for (std::size_t end = 0, begin = 0; end <= line.size() && fields.size() < k_most_fields; ++end) {
+        if (end < line.size() && line[end] == '"') quoted = !quoted;
+        if (end < line.size() && (quoted || line[end] != separator)) continue;
+        std::string_view field = trimmed(line.substr(begin, end - begin));
         if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
             field = trimmed(field.substr(1, field.size() - 2));
         fields.push_back(field);
-        begin = at + 1;
+        begin = end + 1;
     }
 }
 
-/// The number that `text` consists of, including "nan" and "inf", with an optional sign.
+/// Reads `text` as a number with an optional sign; "nan" and "inf" are numbers. No value if it is anything else.
 template <typename T> std::optional<T> to_number(std::string_view text) {
     if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
     T number{};
@@ -92,7 +90,7 @@ template <typename T> std::optional<T> to_number(std::string_view text) {
     return number;
 }
 
-/// A word of a file in quotes, shortened for error messages.
+/// A word in quotes, shortened for error messages.
 inline std::string quoted(std::string_view text) {
     std::string shown = "'";
     shown += text.substr(0, 40);

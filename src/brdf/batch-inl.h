@@ -1,10 +1,10 @@
-// A SIMD batch of floats with the widest vectors of the target, and the formulas of kernel.glsl on it. Included once
-// per instruction set, within a file that Highway includes repeatedly; hence no ordinary include guard.
+// A SIMD batch of floats, and the formulas of kernel.glsl on it. Included once per instruction set, within a file that
+// Highway includes repeatedly; hence no ordinary include guard.
 //
-// A `Batch` has the same bits on every processor: each operation is rounded once, as IEEE 754 defines it, functions
-// consist of such operations, minima and maxima are those of a comparison, and sums run over sixteen lanes whatever the
-// width of a vector. A `Group` is for renderers: its products are fused with sums and its 1/√ begins with the
-// processor's estimate, where there are such instructions.
+// A `Batch` gives the same bits on every processor: each operation is rounded once, as IEEE 754 defines it, functions
+// consist of such operations, minima and maxima are comparisons, and sums run over sixteen lanes whatever the width of
+// a vector. A `Group` is for renderers: it fuses products with sums, and its 1/√ begins with the processor's estimate,
+// if the processor has such instructions.
 #if defined(SRBF_BATCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SRBF_BATCH_INL_H
 #undef SRBF_BATCH_INL_H
@@ -30,10 +30,8 @@ using Lanes = hn::ScalableTag<float>;
 
 template <typename Real> struct Vec3;
 
-// Products that become fused multiply-adds, always the same ones whatever a compiler prefers, for number types B with
-// product, multiply_add, multiply_subtract and subtract_product, whose a * b is a Product<B>.
-
-// The product a b, not yet evaluated: adding to it gives a fused multiply-add, always the same one.
+// The product a b, not yet evaluated: adding to it gives a fused multiply-add, the same one with every compiler. B has
+// product, multiply_add, multiply_subtract and subtract_product.
 template <typename B> struct Product {
     B a, b;
     HWY_INLINE Product(B a_, B b_) : a(a_), b(b_) {}
@@ -47,7 +45,7 @@ template <typename B> struct Product {
     friend HWY_INLINE B operator-(Product p, Product q) { return subtract_product(product(p.a, p.b), q.a, q.b); }
 };
 
-// s v.
+// The product s v of a number and a vector, with fused multiply-adds as for `Product`.
 template <typename B> struct Scaled {
     B s;
     Vec3<B> v;
@@ -72,7 +70,7 @@ template <typename B, typename... More> HWY_INLINE B polynomial(B x, double c, M
     return B(c) + x * polynomial(x, more...);
 }
 
-// The lanes of a vector with that tag.
+// A vector of floats; Highway's tag D states the number of lanes.
 template <typename D, bool is_fused = false> struct BatchOf {
     using Tag = D;
     using Bits = hn::RebindToSigned<D>;
@@ -105,7 +103,7 @@ template <typename D, bool is_fused = false> struct BatchOf {
     friend HWY_INLINE BatchOf operator/(BatchOf a, BatchOf b) { return hn::Div(a.v, b.v); }
     friend HWY_INLINE BatchOf operator-(BatchOf a) { return hn::Neg(a.v); }
     friend HWY_INLINE Mask operator<(BatchOf a, BatchOf b) { return hn::Lt(a.v, b.v); }
-    // a < b ? a : b and b < a ? a : b, which decides for NaN and zeros of either sign: the instructions of x86.
+    // a < b ? a : b and b < a ? a : b, also for NaN and zeros of either sign, as the instructions of x86.
 #if HWY_ARCH_X86
     friend HWY_INLINE BatchOf min(BatchOf a, BatchOf b) { return hn::Min(a.v, b.v); }
     friend HWY_INLINE BatchOf max(BatchOf a, BatchOf b) { return hn::Max(a.v, b.v); }
@@ -118,24 +116,24 @@ template <typename D, bool is_fused = false> struct BatchOf {
         return hn::IfThenElse(condition, a.v, b.v);
     }
 
-    // 2^a for a < 127.5: 2^n 2^r with n the nearest integer and a minimax polynomial for 2^r. Relative error 2e-7 from
-    // -126 up; falls to 0 at -127 and stays 0 below.
+    // 2^a = 2^n 2^r for a < 127.5, with n the nearest integer and a minimax polynomial for 2^r. The relative error is
+    // 2e-7 for a >= -126. The result falls to 0 at -127 and stays 0 below.
     friend HWY_INLINE BatchOf exp2(BatchOf a) {
         const Bits bits;
-        const BatchOf magic(12582912.0);  // 1.5 * 2^23: adding it rounds to an integer, in the low bits of the sum
+        const BatchOf shift(12582912.0);  // adding 1.5 * 2^23 rounds to an integer, in the low bits of the sum
         const BatchOf x = max(a, BatchOf(-127.0));
-        const BatchOf sum = x + magic;
-        const BatchOf r = x - (sum - magic);
+        const BatchOf sum = x + shift;
+        const BatchOf r = x - (sum - shift);
         const BatchOf power = polynomial(r, 1.0, 0.6931469768716529, 0.24022241112231937, 0.05550734515316676,
                                          0.009671576407961614, 0.0013264645359974006);
         const auto n = hn::ShiftLeft<23>(hn::BitCast(bits, sum.v));
         return hn::BitCast(D(), hn::Add(hn::BitCast(bits, power.v), n));
     }
-    // e^a. Relative error 2e-7 (1 + |a| / 2); the growing part is half an ulp of the exponent.
+    // e^a. The relative error is 2e-7 (1 + |a| / 2), since half an ulp of the exponent grows with it.
     friend HWY_INLINE BatchOf exp(BatchOf a) { return exp2(BatchOf(1.4426950408889634) * a); }
 
     // The natural logarithm of a normal positive number: e log(2) + log(m), m in [sqrt(1/2), sqrt(2)), with a minimax
-    // polynomial. Relative error 4e-7.
+    // polynomial. The relative error is 4e-7.
     friend HWY_INLINE BatchOf log(BatchOf a) {
         const Bits bits;
         const auto x = hn::BitCast(bits, a.v);
@@ -148,14 +146,14 @@ template <typename D, bool is_fused = false> struct BatchOf {
         return log_m + BatchOf(hn::ConvertTo(D(), e)) * BatchOf(0.6931471805599453);
     }
 
-    // log(1 + a) for a > -1: what rounding the sum loses is added. Relative error 5e-7.
+    // log(1 + a) for a > -1; the second term corrects the rounding error of the sum. The relative error is 5e-7.
     friend HWY_INLINE BatchOf log1p(BatchOf a) {
         const BatchOf u = BatchOf(1.0) + a;
         return log(u) + (a - (u - BatchOf(1.0))) / u;
     }
 
     friend HWY_INLINE BatchOf inversesqrt(BatchOf a) requires(!is_fused) { return BatchOf(1.0) / sqrt(a); }
-#if HWY_TARGET <= HWY_SSSE3  // x86, whose estimate has at least 12 bits: one Newton step. Relative error 3e-7.
+#if HWY_TARGET <= HWY_SSSE3  // x86 estimates at least 12 bits; with one Newton step the relative error is 3e-7
     friend HWY_INLINE BatchOf inversesqrt(BatchOf a) requires is_fused {
         const BatchOf x = hn::ApproximateReciprocalSqrt(a.v);
         return x + BatchOf(0.5) * x * (BatchOf(1.0) - a * x * x);
@@ -164,18 +162,18 @@ template <typename D, bool is_fused = false> struct BatchOf {
     friend HWY_INLINE BatchOf inversesqrt(BatchOf a) requires is_fused { return BatchOf(1.0) / sqrt(a); }
 #endif
 
-    // cos(a) and sin(a), |a| <= 2 pi: absolute error 2e-7. The angle is reduced by the nearest multiple of pi / 2. The
-    // multiple selects one of two polynomials, and the sign.
-    friend HWY_INLINE BatchOf cos(BatchOf a) { return turned_by(a, 1); }
-    friend HWY_INLINE BatchOf sin(BatchOf a) { return turned_by(a, 0); }
+    // cos(a) and sin(a), |a| <= 2 pi, with an absolute error of 2e-7. The angle is reduced by the nearest multiple
+    // of pi / 2. The multiple selects one of two polynomials, and the sign.
+    friend HWY_INLINE BatchOf cos(BatchOf a) { return shifted_sine(a, 1); }
+    friend HWY_INLINE BatchOf sin(BatchOf a) { return shifted_sine(a, 0); }
 
   private:
-    static HWY_INLINE BatchOf turned_by(BatchOf a, int quarters) {  // sin(a + quarters pi / 2)
+    static HWY_INLINE BatchOf shifted_sine(BatchOf a, int quarters) {  // sin(a + quarters pi / 2)
         const Bits bits;
-        const BatchOf magic(12582912.0);
-        const BatchOf sum = a * BatchOf(0.6366197723675814) + magic;
-        const BatchOf n = sum - magic;
-        // pi / 2 in three parts, of which the first two have so few bits that their products with n are exact.
+        const BatchOf shift(12582912.0);  // as in exp2
+        const BatchOf sum = a * BatchOf(0.6366197723675814) + shift;
+        const BatchOf n = sum - shift;
+        // pi / 2 is the sum of three numbers; the first two have so few bits that their products with n are exact.
         const BatchOf r =
             a - n * BatchOf(1.5703125) - n * BatchOf(4.837512969970703e-4) - n * BatchOf(7.54978995489188e-8);
         const BatchOf r2 = r * r;
@@ -184,69 +182,70 @@ template <typename D, bool is_fused = false> struct BatchOf {
             polynomial(r2, 1.0, -0.5, 4.166664568298827e-2, -1.388731625493765e-3, 2.443315711809948e-5);
         const auto q = hn::Add(hn::BitCast(bits, sum.v), hn::Set(bits, quarters));
         const auto is_odd = hn::Eq(hn::And(q, hn::Set(bits, 1)), hn::Zero(bits));
-        const BatchOf size = hn::IfThenElse(hn::RebindMask(D(), is_odd), odd.v, even.v);
-        return hn::Xor(size.v, hn::BitCast(D(), hn::ShiftLeft<30>(hn::And(q, hn::Set(bits, 2)))));
+        const BatchOf magnitude = hn::IfThenElse(hn::RebindMask(D(), is_odd), odd.v, even.v);
+        return hn::Xor(magnitude.v, hn::BitCast(D(), hn::ShiftLeft<30>(hn::And(q, hn::Set(bits, 2)))));
     }
 };
 
-// With the widest vectors of the target; and with up to eight lanes, for a single pair of directions.
+// The widest vectors of the target.
 using Batch = BatchOf<Lanes>;
 using BatchMask = Batch::Mask;
+// Up to eight lanes, for the lobes of a single pair of directions.
 using Group = BatchOf<hn::CappedTag<float, 8>, true>;
 
-// A sum of a column has sixteen lanes, of which lane k sums the numbers k, k + 16, k + 32, ... They are vectors of the
-// target, `parts` of them. In the end each half of the lanes is added to the other, again and again.
+// A column is summed in sixteen lanes, which `k_sum_parts` vectors hold: lane k sums the numbers k, k + 16, k + 32, ...
+// Then halves of the lanes are added to each other until one lane is left.
 constexpr std::size_t k_sum_lanes = 16, k_width = hn::MaxLanes(Lanes());
 static_assert(!HWY_HAVE_SCALABLE && k_sum_lanes % k_width == 0);
 constexpr std::size_t k_sum_parts = k_sum_lanes / k_width;
 
-// The halves of `count` parts, one added to the other, until one is left.
-template <std::size_t count = k_sum_parts, std::size_t stride = 1> HWY_INLINE Batch reduced(const Batch* parts) {
+// Adds halves of `count` parts to each other until one part is left.
+template <std::size_t count = k_sum_parts, std::size_t stride = 1> HWY_INLINE Batch reduce_parts(const Batch* parts) {
     if constexpr (count == 1)
         return *parts;
     else
-        return reduced<count / 2, 2 * stride>(parts) + reduced<count / 2, 2 * stride>(parts + stride);
+        return reduce_parts<count / 2, 2 * stride>(parts) + reduce_parts<count / 2, 2 * stride>(parts + stride);
 }
 
 #include "srbf/vec3.inl"
 
-// Adds halves of a vector's lanes until four are left, and until one is.
+// Adds halves of a vector's lanes to each other until one lane is left.
 #if HWY_TARGET == HWY_SCALAR
-HWY_INLINE float reduced_lanes(Batch x) { return hn::GetLane(x.v); }
+HWY_INLINE float reduce_lanes(Batch x) { return hn::GetLane(x.v); }
 #else
-template <typename D> HWY_INLINE auto folded_to_four(D, hn::Vec<D> x) {
+template <typename D> HWY_INLINE auto fold_to_four(D, hn::Vec<D> x) {
     if constexpr (hn::MaxLanes(D()) <= 4) {
         return x;
     } else {
         const hn::Half<D> half;
-        return folded_to_four(half, hn::Add(hn::LowerHalf(half, x), hn::UpperHalf(half, x)));
+        return fold_to_four(half, hn::Add(hn::LowerHalf(half, x), hn::UpperHalf(half, x)));
     }
 }
-HWY_INLINE float reduced_lanes(Batch x) {
+HWY_INLINE float reduce_lanes(Batch x) {
     HWY_ALIGN float four[4];
-    hn::Store(folded_to_four(Lanes(), x.v), hn::CappedTag<float, 4>(), four);
+    hn::Store(fold_to_four(Lanes(), x.v), hn::CappedTag<float, 4>(), four);
     return (four[0] + four[2]) + (four[1] + four[3]);
 }
 #endif
 
-// Σ of `term(i)`, the numbers of a column from i on, of `count` numbers, a multiple of sixteen.
+// The sum of a column of `count` numbers, a multiple of sixteen. `term(i)` gives the batch that begins with number i.
 template <typename Term> HWY_INLINE float summed(std::size_t count, const Term& term) {
     Batch sum[k_sum_parts];
     for (Batch& part : sum) part = Batch(0.0);
     for (std::size_t i = 0; i < count; i += k_sum_lanes)
         for (std::size_t p = 0; p < k_sum_parts; ++p) sum[p] = sum[p] + term(i + p * k_width);
-    return reduced_lanes(reduced(sum));
+    return reduce_lanes(reduce_parts(sum));
 }
 
 template <typename B> HWY_INLINE Vec3<B> select(typename B::Mask where, const Vec3<B>& a, const Vec3<B>& b) {
     return {select(where, a.x, b.x), select(where, a.y, b.y), select(where, a.z, b.z)};
 }
 
-// Calls evaluate(wl, wv, f, n) for all whole multiples of `width` pairs at once, then for the remainder padded with the
-// normal. `width` is at most two batches.
+// Calls evaluate(wl, wv, f, n) for the largest multiple of `width` pairs, then for the remaining pairs, padded with the
+// normal to `width`, which is at most two batches.
 template <typename Pair, typename Value, typename Evaluate>
-HWY_INLINE void in_whole_batches(std::size_t width, const Pair* wl, const Pair* wv, Value* f, std::size_t count,
-                                 const Evaluate& evaluate) {
+HWY_INLINE void evaluate_padded(std::size_t width, const Pair* wl, const Pair* wv, Value* f, std::size_t count,
+                                const Evaluate& evaluate) {
     constexpr std::size_t most = 2 * HWY_MAX_BYTES / sizeof(float);
     const std::size_t rest = count % width, whole = count - rest;
     if (whole > 0) evaluate(wl, wv, f, whole);
@@ -261,8 +260,9 @@ HWY_INLINE void in_whole_batches(std::size_t width, const Pair* wl, const Pair* 
     for (std::size_t k = 0; k < rest; ++k) f[whole + k] = last_f[k];
 }
 
-// Loads and stores batches of x, y, z as x y z x y z ... in memory. Since the number of lanes is no multiple of 3, the
-// lanes of one component in the three vectors never coincide: they are blended into one vector, which is then permuted.
+// Loads and stores batches of x, y, z that are interleaved in memory as x y z x y z ... Since the number of lanes is no
+// multiple of 3, the lanes of one component in three vectors never coincide. They are blended into one vector, which is
+// then permuted.
 struct Interleaved {
     BatchMask third[3];  // the lanes r, r + 3, ...
     decltype(hn::IndicesFromVec(Lanes(), hn::Zero(Batch::Bits()))) gather[3], scatter[3];
@@ -273,26 +273,26 @@ struct Interleaved {
         HWY_ALIGN float phase[most];
         for (std::size_t k = 0; k < N; ++k) phase[k] = float(k % 3);
         for (std::size_t c = 0; c < 3; ++c) {
-            HWY_ALIGN std::int32_t from[most], to[most];
+            HWY_ALIGN std::int32_t sources[most], targets[most];
             for (std::size_t k = 0; k < N; ++k) {
                 const std::size_t lane = (3 * k + c) % N;
-                from[k] = std::int32_t(lane);
-                to[lane] = std::int32_t(k);
+                sources[k] = std::int32_t(lane);
+                targets[lane] = std::int32_t(k);
             }
-            gather[c] = hn::IndicesFromVec(Lanes(), hn::Load(Batch::Bits(), from));
-            scatter[c] = hn::IndicesFromVec(Lanes(), hn::Load(Batch::Bits(), to));
+            gather[c] = hn::IndicesFromVec(Lanes(), hn::Load(Batch::Bits(), sources));
+            scatter[c] = hn::IndicesFromVec(Lanes(), hn::Load(Batch::Bits(), targets));
             third[c] = hn::Eq(hn::Load(Lanes(), phase), hn::Set(Lanes(), float(c)));
         }
     }
     // Selects a in the lanes `first`, first + 3, ..., b in the lanes `second`, second + 3, ..., and c in the others.
-    HWY_INLINE Batch blended(std::size_t first, std::size_t second, Batch a, Batch b, Batch c) const {
+    HWY_INLINE Batch blend(std::size_t first, std::size_t second, Batch a, Batch b, Batch c) const {
         return select(third[first % 3], a, select(third[second % 3], b, c));
     }
     HWY_INLINE Vec3<Batch> load(const float* p) const {
         const std::size_t N = Batch::size();
         const Batch a = hn::LoadU(Lanes(), p), b = hn::LoadU(Lanes(), p + N), c = hn::LoadU(Lanes(), p + 2 * N);
         const auto component = [&](std::size_t k) HWY_ATTR {
-            return Batch(hn::TableLookupLanes(blended(k, k + 2 * N, a, b, c).v, gather[k]));
+            return Batch(hn::TableLookupLanes(blend(k, k + 2 * N, a, b, c).v, gather[k]));
         };
         return {component(0), component(1), component(2)};
     }
@@ -300,31 +300,31 @@ struct Interleaved {
         const std::size_t N = Batch::size();
         const Batch x = hn::TableLookupLanes(w.x.v, scatter[0]), y = hn::TableLookupLanes(w.y.v, scatter[1]),
                     z = hn::TableLookupLanes(w.z.v, scatter[2]);
-        for (std::size_t q = 0; q < 3; ++q)
-            hn::StoreU(blended(2 * q * N, 2 * q * N + 1, x, y, z).v, Lanes(), p + q * N);
+        for (std::size_t q = 0; q < 3; ++q) hn::StoreU(blend(2 * q * N, 2 * q * N + 1, x, y, z).v, Lanes(), p + q * N);
     }
 };
-// above_horizon of brdf.h for each lane.
+
+// `above_horizon` of srbf/brdf.h for each lane.
 HWY_INLINE BatchMask above_horizon(const Vec3<Batch>& wl, const Vec3<Batch>& wv) {
     const Batch sum = (wl.x + wl.y) + (wv.x + wv.y) + (wl.z + wv.z);
     const Batch below = Batch(0x1.fffffcp-127) + Batch(0.0) * sum;  // the largest subnormal number, or NaN
     return hn::And(below < wl.z, below < wv.z);
 }
 
-// f of all pairs by value(wl, wv), of batches; 0 where a direction is not above the horizon.
+// Evaluates value(wl, wv), a function of batches, for all pairs; f is 0 unless both directions are above the horizon.
 template <typename Pair, typename Colour, typename Value>
 HWY_INLINE void evaluate_pairs(const Pair* wl, const Pair* wv, Colour* f, std::size_t count, const Value& value) {
     const Interleaved interleaved;
     const Vec3<Batch> normal(Batch(0.0), Batch(0.0), Batch(1.0)), none(Batch(0.0), Batch(0.0), Batch(0.0));
-    const auto evaluate = [&](const Pair* from_wl, const Pair* from_wv, Colour* to, std::size_t n) HWY_ATTR {
+    const auto evaluate = [&](const Pair* batch_wl, const Pair* batch_wv, Colour* result, std::size_t n) HWY_ATTR {
         for (std::size_t i = 0; i < n; i += Batch::size()) {
-            const Vec3<Batch> l = interleaved.load(&from_wl[i].x), v = interleaved.load(&from_wv[i].x);
+            const Vec3<Batch> l = interleaved.load(&batch_wl[i].x), v = interleaved.load(&batch_wv[i].x);
             const BatchMask above = above_horizon(l, v);
-            const Vec3<Batch> of_pairs = value(select(above, l, normal), select(above, v, normal));
-            interleaved.store(select(above, of_pairs, none), &to[i].r);
+            const Vec3<Batch> values = value(select(above, l, normal), select(above, v, normal));
+            interleaved.store(select(above, values, none), &result[i].r);
         }
     };
-    in_whole_batches(Batch::size(), wl, wv, f, count, evaluate);
+    evaluate_padded(Batch::size(), wl, wv, f, count, evaluate);
 }
 template <typename Real> using Triple = Vec3<Real>;
 #define SRBF_FN static HWY_INLINE

@@ -112,26 +112,26 @@ constexpr std::array<Observer, 95> k_observer{{{0.0001299, 3.917e-06, 0.0006061,
                                                {1.251141e-06, 4.5181e-07, 0, 60.3125}}};
 constexpr int k_last = k_first + k_step * (int(k_observer.size()) - 1);
 
-/// D65 times x̄, ȳ, z̄ at an integer wavelength [nm] of the range, linear between the rows.
-Xyz seen_at(int nm) {
+/// D65 (x̄, ȳ, z̄) at an integer wavelength [nm] of the range, linear between the rows.
+Xyz weighted_observer(int nm) {
     const std::size_t i = std::min(std::size_t((nm - k_first) / k_step), k_observer.size() - 2);
-    const double to = double(nm - k_first) / k_step - double(i);
-    const auto seen = [](const Observer& o) { return Xyz{o.d65 * o.x, o.d65 * o.y, o.d65 * o.z}; };
-    const Xyz a = seen(k_observer[i]), b = seen(k_observer[i + 1]);
-    return {a.x + to * (b.x - a.x), a.y + to * (b.y - a.y), a.z + to * (b.z - a.z)};
+    const double t = double(nm - k_first) / k_step - double(i);
+    const auto weighted = [](const Observer& o) { return Xyz{o.d65 * o.x, o.d65 * o.y, o.d65 * o.z}; };
+    const Xyz a = weighted(k_observer[i]), b = weighted(k_observer[i + 1]);
+    return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), a.z + t * (b.z - a.z)};
 }
 
-/// Σ over the range, in steps of 1 nm, of D65 (x̄, ȳ, z̄) factor(nm), over that of D65 ȳ.
+/// Σ D65 (x̄, ȳ, z̄) factor(nm) / Σ D65 ȳ over the range, in steps of 1 nm.
 template <typename Factor> Xyz tristimulus(Factor factor) {
     Xyz sum;
-    double whole = 0;
+    double total_y = 0;
     for (int nm = k_first; nm <= k_last; ++nm) {
-        const Xyz seen = seen_at(nm);
+        const Xyz weight = weighted_observer(nm);
         const double f = factor(nm);
-        sum = {sum.x + f * seen.x, sum.y + f * seen.y, sum.z + f * seen.z};
-        whole += seen.y;
+        sum = {sum.x + f * weight.x, sum.y + f * weight.y, sum.z + f * weight.z};
+        total_y += weight.y;
     }
-    return {sum.x / whole, sum.y / whole, sum.z / whole};
+    return {sum.x / total_y, sum.y / total_y, sum.z / total_y};
 }
 
 using Matrix = std::array<std::array<double, 3>, 3>;
@@ -155,7 +155,7 @@ std::array<double, 3> operator*(const Matrix& m, const std::array<double, 3>& v)
     return product;
 }
 
-/// XYZ to linear sRGB: the columns of the inverse are the primaries, scaled so that they sum to white.
+/// The matrix from XYZ to linear sRGB. The columns of its inverse are the primaries, scaled so that they sum to white.
 Matrix xyz_to_rgb() {
     constexpr double chromaticity[3][2] = {{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}};
     Matrix primaries{};
@@ -170,7 +170,7 @@ Matrix xyz_to_rgb() {
     return inverse(primaries);
 }
 
-/// R_r, R_g, R_b at k_primary_wavelengths.
+/// R_r, R_g, R_b of `reflectance_spectrum` at k_primary_wavelengths.
 constexpr std::array<Rgb, 18> k_primaries{{{0.05623f, 0.00000f, 0.94377f},
                                            {0.05598f, 0.00000f, 0.94402f},
                                            {0.05240f, 0.00000f, 0.94760f},
@@ -206,14 +206,14 @@ std::vector<Rgb> rgb_weights(std::span<const float> wavelengths) {
     assert(!wavelengths.empty());
     std::vector<Rgb> weights;
     for (std::size_t i = 0; i < wavelengths.size(); ++i) {
-        const double here = double(wavelengths[i]);
+        const double centre = double(wavelengths[i]);
         // The hat function of a sample: 1 at its wavelength, 0 at its neighbours'. The first and the last are constant
         // beyond the range.
         const auto hat = [&](int nm) {
-            const bool before = nm < here;
-            if (before ? i == 0 : i + 1 == wavelengths.size()) return 1.0;
-            const double other = double(wavelengths[before ? i - 1 : i + 1]);
-            return std::max(0.0, 1 - (nm - here) / (other - here));
+            const bool is_below = nm < centre;
+            if (is_below ? i == 0 : i + 1 == wavelengths.size()) return 1.0;
+            const double neighbour = double(wavelengths[is_below ? i - 1 : i + 1]);
+            return std::max(0.0, 1 - (nm - centre) / (neighbour - centre));
         };
         weights.push_back(to_rgb(tristimulus(hat)));
     }

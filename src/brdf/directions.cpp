@@ -24,44 +24,41 @@ std::vector<Vec3f> fibonacci_directions(int n, double theta_max) {
     return directions;
 }
 
-// Searches outwards from the elevation of w, until z alone is farther away than all that were found.
+// Searches outwards from the z of w, until the difference in z alone exceeds the distances of all found directions.
 void find_nearest(std::span<const Vec3f> directions, Vec3f w, std::span<std::uint16_t> nearest) {
     assert(directions.size() >= nearest.size() && directions.size() <= 65536);
     struct Found {
         float squared_distance;
-        std::size_t number;
-        bool operator<(const Found& other) const {
-            return squared_distance != other.squared_distance ? squared_distance < other.squared_distance
-                                                              : number < other.number;
-        }
+        std::size_t index;
+        auto operator<=>(const Found&) const = default;
     };
     constexpr std::size_t k_most = 16;
     assert(nearest.size() <= k_most && !nearest.empty());
     std::array<Found, k_most> found;
     std::size_t count = 0;
-    const auto is_far = [&](std::size_t i) {  // this one and all beyond it
-        const float apart = directions[i].z - w.z;
-        return count == nearest.size() && apart * apart > found[count - 1].squared_distance;
+    const auto ends_search = [&](std::size_t i) {
+        const float dz = directions[i].z - w.z;
+        return count == nearest.size() && dz * dz > found[count - 1].squared_distance;
     };
-    const auto take = [&](std::size_t i) {
-        const Vec3f apart = directions[i] - w;
-        const Found next{dot(apart, apart), i};
+    const auto insert = [&](std::size_t i) {
+        const Vec3f difference = directions[i] - w;
+        const Found next{dot(difference, difference), i};
         if (count == nearest.size() && !(next < found[count - 1])) return;
-        std::size_t at = count < nearest.size() ? count++ : count - 1;
-        for (; at > 0 && next < found[at - 1]; --at) found[at] = found[at - 1];
-        found[at] = next;
+        std::size_t k = count < nearest.size() ? count++ : count - 1;
+        for (; k > 0 && next < found[k - 1]; --k) found[k] = found[k - 1];
+        found[k] = next;
     };
     const auto middle =
         std::size_t(std::partition_point(directions.begin(), directions.end(), [&](Vec3f d) { return d.z < w.z; }) -
                     directions.begin());
-    for (std::size_t i = middle; i < directions.size() && !is_far(i); ++i) take(i);
-    for (std::size_t i = middle; i-- > 0 && !is_far(i);) take(i);
-    for (std::size_t k = 0; k < nearest.size(); ++k) nearest[k] = std::uint16_t(found[k].number);
+    for (std::size_t i = middle; i < directions.size() && !ends_search(i); ++i) insert(i);
+    for (std::size_t i = middle; i-- > 0 && !ends_search(i);) insert(i);
+    for (std::size_t k = 0; k < nearest.size(); ++k) nearest[k] = std::uint16_t(found[k].index);
 }
 
 namespace {
 
-// The axes of s and t on a face of the cube, and its normal.
+/// A face of the cube: the axes of s and t, and the normal.
 struct CubeFace {
     Vec3f s, t, normal;
 };
@@ -89,19 +86,19 @@ Vec3f texel_direction(DirectionMap map, int size, std::size_t texel) {
 
 std::size_t texel_of(DirectionMap map, int size, Vec3f w) {
     const auto side = std::size_t(size);
-    const auto at = [&](float x) {  // column or row of a coordinate in [−1, 1]
+    const auto index = [&](float x) {  // the column or row of a coordinate in [−1, 1]
         return std::size_t(std::clamp(int((0.5f * x + 0.5f) * float(size)), 0, size - 1));
     };
     if (map == DirectionMap::parabolic) {
         const float scale = 1 / std::max(1 + w.z, 1e-6f);
-        return at(std::clamp(scale * w.y, -1.f, 1.f)) * side + at(std::clamp(scale * w.x, -1.f, 1.f));
+        return index(std::clamp(scale * w.y, -1.f, 1.f)) * side + index(std::clamp(scale * w.x, -1.f, 1.f));
     }
     const auto face = std::max_element(k_faces.begin(), k_faces.end(), [&](const CubeFace& a, const CubeFace& b) {
         return dot(a.normal, w) < dot(b.normal, w);
     });
     const float scale = 1 / dot(face->normal, w);
     const auto number = std::size_t(face - k_faces.begin());
-    return (number * side + at(scale * dot(face->t, w))) * side + at(scale * dot(face->s, w));
+    return (number * side + index(scale * dot(face->t, w))) * side + index(scale * dot(face->s, w));
 }
 
 MirrorMixture::MirrorMixture(double theta_max)
@@ -132,7 +129,7 @@ double MirrorMixture::pdf(Vec3d wl, Vec3d wv) const {
     double density = contains(wl) ? k_uniform * cap_pdf() : 0;
     const auto lobe = [](Vec3d w, Vec3d centre, double bandwidth, double scale) {
         const double exponent = Kernel<double>::gaussian_exponent(w, centre, bandwidth);
-        // smaller values are negligible relative to the uniform component
+        // smaller values are negligible compared to the uniform component
         return exponent < -80 ? 0 : scale * elementary::exp(exponent);
     };
     for (std::size_t k = 0; k < mirror_scale_.size(); ++k)
@@ -143,14 +140,14 @@ double MirrorMixture::pdf(Vec3d wl, Vec3d wv) const {
 Quadrature MirrorMixture::quadrature_of_part(int part, Vec3d wv, int count) const {
     const double golden = (std::sqrt(5.0) - 1) / 2;
     Quadrature points;
-    const int of_part = int(share(part) * count);
-    for (int i = 0; i < of_part; ++i) {
+    const int part_count = int(share(part) * count);
+    for (int i = 0; i < part_count; ++i) {
         const double turns = i * golden;
-        const Vec3d wl = sample_part(part, wv, (i + 0.5) / of_part, turns - std::floor(turns));
+        const Vec3d wl = sample_part(part, wv, (i + 0.5) / part_count, turns - std::floor(turns));
         if (!contains(wl)) continue;
         points.w.push_back(to_float(wl));
         points.pdf.push_back(pdf(wl, wv));
-        points.weight.push_back(share(part) / of_part / points.pdf.back());
+        points.weight.push_back(share(part) / part_count / points.pdf.back());
     }
     return points;
 }
@@ -158,18 +155,18 @@ Quadrature MirrorMixture::quadrature_of_part(int part, Vec3d wv, int count) cons
 Quadrature MirrorMixture::quadrature(Vec3d wv, int count) const {
     Quadrature points;
     for (int part = 0; part < k_parts; ++part) {
-        const Quadrature of = quadrature_of_part(part, wv, count);
-        points.w.insert(points.w.end(), of.w.begin(), of.w.end());
-        points.weight.insert(points.weight.end(), of.weight.begin(), of.weight.end());
-        points.pdf.insert(points.pdf.end(), of.pdf.begin(), of.pdf.end());
+        const Quadrature added = quadrature_of_part(part, wv, count);
+        points.w.insert(points.w.end(), added.w.begin(), added.w.end());
+        points.weight.insert(points.weight.end(), added.weight.begin(), added.weight.end());
+        points.pdf.insert(points.pdf.end(), added.pdf.begin(), added.pdf.end());
     }
     return points;
 }
 
 bool is_in_plane(Vec3f wl, Vec3f wv) {
-    constexpr float most = 0.01f;
-    const float s = elementary::hypot(wl.x, wl.y), across = wl.x * wv.y - wl.y * wv.x;
-    return std::abs(across) <= most * s || s <= most;
+    constexpr float k_most = 0.01f;
+    const float sin_l = elementary::hypot(wl.x, wl.y), cross = wl.x * wv.y - wl.y * wv.x;
+    return std::abs(cross) <= k_most * sin_l || sin_l <= k_most;
 }
 
 }  // namespace srbf

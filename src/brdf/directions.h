@@ -17,11 +17,10 @@ inline double uniform(std::mt19937_64& random) { return double(random() >> 11) *
 /// azimuth i times the golden angle π(3−√5). Each direction represents the solid angle 2π(1−cos θmax)/n [sr].
 Vec3d fibonacci_direction(int i, int n, double theta_max);
 
-/// All n directions of the Fibonacci set.
 std::vector<Vec3f> fibonacci_directions(int n, double theta_max);
 
-/// The indices of the directions nearest to `w`, nearest first; equally near ones by increasing index. `directions`
-/// holds at most 65,536 directions with non-decreasing z, and at least as many as `nearest` has elements.
+/// Finds the indices of the directions nearest to `w`, in order of distance, then of index. `directions` holds at most
+/// 65,536 directions with non-decreasing z. `nearest` has at most 16 elements, and no more than there are directions.
 void find_nearest(std::span<const Vec3f> directions, Vec3f w, std::span<std::uint16_t> nearest);
 
 enum class DirectionMap;  // srbf/models/su.h
@@ -29,15 +28,15 @@ enum class DirectionMap;  // srbf/models/su.h
 std::size_t texels(DirectionMap map, int size);
 /// The direction at the centre of a texel. Texels are ordered by face, row t, column s.
 Vec3f texel_direction(DirectionMap map, int size, std::size_t texel);
-/// The texel that contains direction `w`. The parabolic map contains no directions near −z; for these it returns a
+/// The texel that contains direction `w`. The parabolic map contains no directions near −z, for which the result is a
 /// texel at its border.
 std::size_t texel_of(DirectionMap map, int size, Vec3f w);
 
-/// Directions and weights [sr]: Σ weight g(w) approximates ∫ g dω.
+/// Directions w with weights [sr]: Σ weight g(w) approximates ∫ g dω.
 struct Quadrature {
     std::vector<Vec3f> w;
     std::vector<double> weight;
-    std::vector<double> pdf;  ///< density [1/sr] of the distribution that they are drawn from
+    std::vector<double> pdf;  ///< density [1/sr] of the distribution of the directions
 };
 
 /// Distribution of directions that covers the features of a BRDF: uniform over the cap θ ≤ θmax, von Mises-Fisher lobes
@@ -49,7 +48,7 @@ class MirrorMixture {
 
     /// Samples a direction given wv. A direction outside of the cap counts as a sample with value 0.
     Vec3d sample(Vec3d wv, double u0, double u1, double u2) const;
-    /// Samples one component only: 0 is the uniform one, the others are the lobes.
+    /// Samples one component: 0 is the uniform one, the others are the lobes.
     Vec3d sample_part(int part, Vec3d wv, double u1, double u2) const;
     static constexpr double share(int part) { return part == 0 ? k_uniform : part == k_parts - 1 ? k_retro : k_mirror; }
     /// Density [1/sr] of `sample`; inside the cap at least `k_uniform` over the cap's solid angle.
@@ -58,7 +57,7 @@ class MirrorMixture {
     /// About `count` directions over the cap, given wv. Each component has its own Fibonacci lattice, uniform with
     /// respect to its density.
     Quadrature quadrature(Vec3d wv, int count) const;
-    /// The points of one component's lattice; the points of all components are a quadrature.
+    /// The points of one component's lattice.
     Quadrature quadrature_of_part(int part, Vec3d wv, int count) const;
     /// Samples a direction uniformly over the cap; `cap_pdf` is its density [1/sr].
     Vec3d sample_cap(double u1, double u2) const;

@@ -12,6 +12,7 @@
 
 #include "base/printable.h"
 #include "brdf/directions.h"
+#include "brdf/parts.h"
 #include "srbf/bsdf.h"
 
 namespace srbf {
@@ -20,8 +21,7 @@ inline void add_row(std::string& text, std::string_view name, const std::string&
     fmt::format_to(std::back_inserter(text), "  {:<18}{}\n", printable(name), printable(what));
 }
 
-/// The names of the channels to show: NAME R, G and B, or NAME alone where no pixel has a colour, as where there is one
-/// wavelength. NaN is a masked pixel.
+/// The names of the channels to show: NAME R, G and B, or NAME alone if all pixels are grey. NaN is a masked pixel.
 template <typename Pixels> std::vector<std::string> channel_names(const std::string& name, const Pixels& pixels) {
     const bool grey =
         std::ranges::all_of(pixels, [](const Rgb& f) { return !(f.r < f.g || f.r > f.g || f.g < f.b || f.g > f.b); });
@@ -42,7 +42,7 @@ inline std::string wavelengths_text(const std::vector<float>& nm) {
     return fmt::format("{}, {:g} to {:g} nm", nm.size(), nm.front(), nm.back());
 }
 
-/// Light that is not scattered: a row for each beam.
+/// Adds a row for each beam, the light that is not scattered.
 inline void add_beams(std::string& text, const Beams& beams) {
     for (std::size_t b = 0; b < beams.size(); ++b) {
         if (beams[b].empty()) continue;

@@ -9,7 +9,20 @@
 
 namespace srbf {
 
-/// Sets negative channels to 0, not NaN; returns how many.
+/// a + share (b − a).
+constexpr Rgb mixed(const Rgb& a, const Rgb& b, float share) {
+    return {a.r + share * (b.r - a.r), a.g + share * (b.g - a.g), a.b + share * (b.b - a.b)};
+}
+
+/// f with negative channels set to 0; NaN is kept.
+inline Evaluate non_negative(Evaluate values) {
+    return [values = std::move(values)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        values(wl, wv, f);
+        for (Rgb& c : f) c = non_negative(c);
+    };
+}
+
+/// Sets negative channels to 0 and keeps NaN; returns the number of changed channels.
 inline int clamp_negative(std::span<float> f) {
     int clamped = 0;
     for (float& x : f) {
@@ -35,7 +48,7 @@ inline double energy_of(std::span<const Rgb> f, std::span<const double> weight) 
     return energy;
 }
 
-/// f of light from all of these directions towards one viewer.
+/// f of all directions `wl` and one direction to the viewer.
 inline std::vector<Rgb> values_towards(const Evaluate& f, std::span<const Vec3f> wl, Vec3f wv) {
     std::vector<Rgb> values(wl.size());
     f(wl, std::vector<Vec3f>(wl.size(), wv), values);

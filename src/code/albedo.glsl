@@ -1,8 +1,8 @@
-// Directional albedo, to follow mixture.glsl. What precedes:
-//   albedo_node(pm, i)  R, G, B of each of ALBEDO_NODES nodes, which are uniform in
+// Directional albedo. This text follows mixture.glsl, and requires:
+//   albedo_node(pm, i)  R, G, B of node i of ALBEDO_NODES, which are uniform in
 //                       sqrt(sqrt(cos(theta_v))) - sqrt(1 - cos(theta_v)), from the horizon to the normal
 
-// From 0 at the horizon to 1 at the normal.
+// A coordinate of the cosine from 0 at the horizon to 1 at the normal.
 Real elevation_coordinate(Real cosine) {
     Real c = min(max(cosine, Real(0.0)), Real(1.0));
     return Real(0.5) * (Real(1.0) + sqrt(sqrt(c)) - sqrt(Real(1.0) - c));

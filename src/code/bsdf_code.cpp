@@ -2,60 +2,62 @@
 
 #include <fmt/format.h>
 
+#include "brdf/parts.h"
 #include "code/print.h"
 #include "code/syntax.h"
+#include "models/bsdf/bsdf_functions.h"
 
 namespace srbf {
 namespace {
 
 using syntax::Program;
 
-const BsdfModel& bsdf_of(const NamedModel& of) { return std::get<BsdfModel>(of.model->model); }
+const BsdfModel& bsdf_of(const NamedModel& named) { return std::get<BsdfModel>(named.model->model); }
 
-/// A part's function as the kernel's language calls it.
+/// The function that evaluates a part.
 struct Call {
-    std::string function;  ///< empty: the part is 0
+    std::string function;  ///< empty if the part is 0
     bool exchanged = false;
 };
 Call call_of(const BsdfModel& bsdf, Part part, bool sampling) {
-    const Answering<Model> of = answering(bsdf.part, part);
-    if (!of.brdf) return {};
-    const bool is_own = bsdf.part[std::size_t(part)] != nullptr || (sampling && of.exchanged);
-    return {std::string(name(is_own ? part : counterpart(part))), of.exchanged && !is_own};
+    const Answering<Model> answer = answering(bsdf.part, part);
+    if (!answer.brdf) return {};
+    const bool is_own = bsdf.part[std::size_t(part)] != nullptr || (sampling && answer.exchanged);
+    return {std::string(name(is_own ? part : counterpart(part))), answer.exchanged && !is_own};
 }
 
 constexpr const char* k_black = "Vec3(Real(0.0), Real(0.0), Real(0.0))";
 
-/// The rings of a beam and their nodes: the first ring at 0, the last at 90 degrees, where a beam without a ring is 0.
+/// The rings of a beam and their nodes, with rings added at 0 and at 90 degrees, where the beam vanishes.
 struct BeamTables {
     syntax::Table rings, nodes;
 };
 BeamTables tables_of(const Beam& beam, std::string_view name) {
-    BeamTables of{{"Rings of nodes: angle to the normal, index of the first node, number of nodes.",
-                   fmt::format("{}_rings", name),
-                   {},
-                   3},
-                  {"The share of unscattered light at each node: R, G, B.", fmt::format("{}_nodes", name), {}, 3}};
+    BeamTables tables{{"Rings of nodes: angle to the normal, index of the first node, number of nodes.",
+                       fmt::format("{}_rings", name),
+                       {},
+                       3},
+                      {"The share of unscattered light at each node: R, G, B.", fmt::format("{}_nodes", name), {}, 3}};
     const auto add = [](syntax::Table& table, auto... numbers) {
         table.numbers.insert(table.numbers.end(), {float(numbers)...});
     };
     std::size_t first = 0;
-    if (beam.theta.front() > 0) add(of.rings, 0, 0, beam.nodes(0));
+    if (beam.theta.front() > 0) add(tables.rings, 0, 0, beam.nodes(0));
     for (std::size_t ring = 0; ring < beam.theta.size(); ++ring) {
-        add(of.rings, beam.theta[ring], first, beam.nodes(ring));
+        add(tables.rings, beam.theta[ring], first, beam.nodes(ring));
         first += std::size_t(beam.nodes(ring));
     }
-    for (const Rgb& share : beam.share) add(of.nodes, share.r, share.g, share.b);
+    for (const Rgb& share : beam.share) add(tables.nodes, share.r, share.g, share.b);
     if (beam.theta.back() < float(k_pi / 2)) {
-        add(of.rings, k_pi / 2, first, 1);
-        add(of.nodes, 0, 0, 0);
-    } else if (of.rings.numbers.size() == 3) {
-        of.rings.numbers.insert(of.rings.numbers.begin(), {0, 0, float(beam.nodes(0))});
+        add(tables.rings, k_pi / 2, first, 1);
+        add(tables.nodes, 0, 0, 0);
+    } else if (tables.rings.numbers.size() == 3) {
+        tables.rings.numbers.insert(tables.rings.numbers.begin(), {0, 0, float(beam.nodes(0))});
     }
-    return of;
+    return tables;
 }
 
-/// The share of a beam for light from wl, in the frame of its part.
+/// The function of a beam's share for light from wl, in the frame of its part.
 std::string beam_text(const Beam& beam, const std::string& name, Program& program) {
     const BeamTables tables = tables_of(beam, name);
     program.tables.push_back(tables.rings);
@@ -91,38 +93,37 @@ std::string beam_text(const Beam& beam, const std::string& name, Program& progra
         beam.azimuths.empty() ? "    Real turns = Real(0.0);\n" : at_azimuth);
 }
 
-/// The call that answers for a part's beam at the direction from which it comes to the viewer.
-std::string call_of(const Beams& beams, Part part) {
-    const auto of = [](Part which) { return fmt::format("{}_beam", k_beam_names[std::size_t(which)]); };
-    if (!beams[std::size_t(part)].empty()) return of(part) + "(Vec3(-wv.x, -wv.y, wv.z))";
+/// The call of the beam of a part, or of its counterpart by reciprocity, for the light that reaches the viewer at wv.
+std::string beam_call(const Beams& beams, Part part) {
+    const auto function = [](Part beam) { return fmt::format("{}_beam", k_beam_names[std::size_t(beam)]); };
+    if (!beams[std::size_t(part)].empty()) return function(part) + "(Vec3(-wv.x, -wv.y, wv.z))";
     const Part other = counterpart(part);
-    if (is_transmission(part) && !beams[std::size_t(other)].empty()) return of(other) + "(wv)";
+    if (is_transmission(part) && !beams[std::size_t(other)].empty()) return function(other) + "(wv)";
     return k_black;
 }
 
-/// The functions `beam` and `mirror_beam`.
 std::string beams_text(const Beams& beams, Program& program) {
     std::string text;
     for (std::size_t b = 0; b < beams.size(); ++b)
         if (!beams[b].empty()) text += beam_text(beams[b], fmt::format("{}_beam", k_beam_names[b]), program);
-    const auto function = [&](std::string_view name, std::string_view what, Part above, Part below) {
+    const auto add_function = [&](std::string_view name, std::string_view comment, Part above, Part below) {
         if (beams[std::size_t(above)].empty() && beams[std::size_t(below)].empty()) return;
         text += fmt::format(
             "// {0}\nVec3 {1}(Vec3 wv) {{\n    if (!(dot(wv, wv) < Real(1.0e30))) return {4};\n"
             "    if (wv.z > Real(0.0)) return {2};\n    return {3};\n}}\n",
-            what, name, call_of(beams, above), call_of(beams, below), k_black);
+            comment, name, beam_call(beams, above), beam_call(beams, below), k_black);
     };
-    function("beam",
-             "The share for R, G, B of the light from -wv that passes unscattered to the viewer, on either side.",
-             Part::transmission_back, Part::transmission_front);
-    function("mirror_beam",
-             "The share for R, G, B of the light from the mirror direction that is reflected unscattered.",
-             Part::reflection_front, Part::reflection_back);
+    add_function("beam",
+                 "The share for R, G, B of the light from -wv that passes unscattered to the viewer, on either side.",
+                 Part::transmission_back, Part::transmission_front);
+    add_function("mirror_beam",
+                 "The share for R, G, B of the light from the mirror direction that is reflected unscattered.",
+                 Part::reflection_front, Part::reflection_back);
     return text;
 }
 
-/// The functions that those of a BSDF call, to be parsed before them.
-std::string stubs_of(const BsdfModel& bsdf, bool sampling) {
+/// Declarations of the functions that those of a BSDF call, for the parser.
+std::string part_stubs(const BsdfModel& bsdf, bool sampling) {
     std::string text;
     for (std::size_t p = 0; p < k_parts; ++p) {
         const Call call = call_of(bsdf, Part(p), sampling);
@@ -147,33 +148,33 @@ std::string value_text(const BsdfModel& bsdf, bool sampling) {
     for (std::size_t p = 0; p < k_parts; ++p) {
         const Call call = call_of(bsdf, Part(p), sampling);
         if (call.function.empty()) continue;
-        const auto on = [](float side) { return side < 0 ? "<" : ">"; };
+        const auto comparison = [](float side) { return side < 0 ? "<" : ">"; };
         text += fmt::format("    if (wl.z {} Real(0.0) && wv.z {} Real(0.0)) return {}_brdf({});\n",
-                            on(side_of_light(Part(p))), on(side_of_viewer(Part(p))), call.function,
+                            comparison(side_of_light(Part(p))), comparison(side_of_viewer(Part(p))), call.function,
                             call.exchanged ? "v, l" : "l, v");
     }
     return text + fmt::format("    return {};\n}}\n", k_black);
 }
 
-/// `line` with {0} and {1} replaced by the calls of the parts by which a viewer at the front sees light reflected and
-/// transmitted, {2} and {3} by those for a viewer at the back; by `none` where there is no such part.
-std::string for_viewers(const char* line, const BsdfModel& bsdf, const char* call, const char* none) {
-    const auto of = [&](Part part) {
+/// Formats `text` with calls of parts: {0} and {1} reflect and transmit light to a viewer at the front, {2} and {3} to
+/// one at the back. `none` replaces the call of a part that does not exist.
+std::string format_calls(const char* text, const BsdfModel& bsdf, const char* call, const char* none) {
+    const auto part_call = [&](Part part) {
         const std::string function = call_of(bsdf, part, true).function;
         return function.empty() ? std::string(none) : function + call;
     };
-    return fmt::format(fmt::runtime(line), of(Part::reflection_front), of(Part::transmission_back),
-                       of(Part::reflection_back), of(Part::transmission_front));
+    return fmt::format(fmt::runtime(text), part_call(Part::reflection_front), part_call(Part::transmission_back),
+                       part_call(Part::reflection_back), part_call(Part::transmission_front));
 }
 
-/// Reflection or transmission is drawn by the luminance that it sends to the viewer, and at least one in a thousand
-/// times.
+/// Reflection and transmission are chosen with probabilities proportional to the luminance that the viewer receives,
+/// and at least 1/1000.
 std::string chance_text(const BsdfModel& bsdf) {
     return "Real luminance(Vec3 c) { return Real(0.2126) * c.x + Real(0.7152) * c.y + Real(0.0722) * c.z; }\n"
            "// The chance of drawing reflected light, otherwise transmitted light.\n"
            "Real reflected_chance(Vec3 wv) {\n"
            "    Real cosine = abs(wv.z);\n" +
-           for_viewers(
+           format_calls(
                "    Real r = luminance({0});\n    Real t = luminance({1});\n"
                "    if (wv.z < Real(0.0)) {{\n        r = luminance({2});\n        t = luminance({3});\n    }}\n",
                bsdf, "_albedo(cosine)", k_black) +
@@ -184,7 +185,6 @@ std::string chance_text(const BsdfModel& bsdf) {
            "}\n";
 }
 
-/// Directions to the light at the front and the back.
 std::string sampling_text(const BsdfModel& bsdf) {
     return "// A direction to the light on either side for three numbers uniform in [0,1); (0, 0, 0) where the draw\n"
            "// has none. Beams are not drawn.\n"
@@ -199,7 +199,7 @@ std::string sampling_text(const BsdfModel& bsdf) {
            "        side = -side;\n"
            "    }\n"
            "    s = min(s, Real(0.99999994));\n" +
-           for_viewers(
+           format_calls(
                "    if (wv.z > Real(0.0) && selector < chance) {{ l = {0}; }}\n"
                "    if (wv.z > Real(0.0) && selector >= chance) {{ l = {1}; }}\n"
                "    if (wv.z < Real(0.0) && selector < chance) {{ l = {2}; }}\n"
@@ -216,7 +216,7 @@ std::string density_text(const BsdfModel& bsdf) {
            "    Real chance = reflected_chance(wv);\n"
            "    Vec3 l = Vec3(wl.x, wl.y, abs(wl.z));\n"
            "    Vec3 v = Vec3(wv.x, wv.y, abs(wv.z));\n" +
-           for_viewers(
+           format_calls(
                "    if (wv.z > Real(0.0) && wl.z > Real(0.0)) return chance * {0};\n"
                "    if (wv.z > Real(0.0) && wl.z < Real(0.0)) return (Real(1.0) - chance) * {1};\n"
                "    if (wv.z < Real(0.0) && wl.z < Real(0.0)) return chance * {2};\n"
@@ -226,9 +226,9 @@ std::string density_text(const BsdfModel& bsdf) {
            "}\n";
 }
 
-/// The tables and functions of `text`, which may call functions of `stubs`, as NAME_….
-Result<std::string> printed(const std::string& name, Program program, const std::string& stubs, const std::string& text,
-                            CodeLanguage language, DefinedNames& defined) {
+/// Prints the tables and functions of `text`, which may call functions of `stubs`, with names that begin with `name`.
+Result<std::string> print_functions(const std::string& name, Program program, const std::string& stubs,
+                                    const std::string& text, CodeLanguage language, DefinedNames& defined) {
     std::map<std::string, std::string> defines, names;
     syntax::parse(stubs, program, defines);
     const std::size_t known = program.functions.size();
@@ -251,45 +251,46 @@ Result<std::string> printed(const std::string& name, Program program, const std:
 
 }  // namespace
 
-PartModels part_models(const NamedModel& of, bool sampling) {
-    const BsdfModel& bsdf = bsdf_of(of);
+PartModels part_models(const NamedModel& named, bool sampling) {
+    const BsdfModel& bsdf = bsdf_of(named);
     PartModels parts;
     for (std::size_t p = 0; p < k_parts; ++p) {
         if (call_of(bsdf, Part(p), sampling).function != k_part_names[p]) continue;
-        auto own = bsdf.part[p];
-        if (!own) {
+        auto part = bsdf.part[p];
+        if (!part) {
             Model exchanged = *bsdf.part[std::size_t(counterpart(Part(p)))];
             exchange(exchanged);
-            own = std::make_shared<const Model>(std::move(exchanged));
+            part = std::make_shared<const Model>(std::move(exchanged));
         }
-        parts.named.push_back({fmt::format("{}_{}", of.name, k_part_names[p]), own.get()});
-        parts.own.push_back(std::move(own));
+        parts.named.push_back({fmt::format("{}_{}", named.name, k_part_names[p]), part.get()});
+        parts.owned.push_back(std::move(part));
     }
     return parts;
 }
 
-Result<std::string> bsdf_code(const NamedModel& of, const CodeOptions& options, DefinedNames& defined) {
-    const BsdfModel& bsdf = bsdf_of(of);
+Result<std::string> bsdf_code(const NamedModel& named, const CodeOptions& options, DefinedNames& defined) {
+    const BsdfModel& bsdf = bsdf_of(named);
     Program program;
     std::string text = value_text(bsdf, options.sampling) + beams_text(bsdf.beam, program);
     if (options.sampling) text += chance_text(bsdf) + sampling_text(bsdf) + density_text(bsdf);
-    return printed(of.name, std::move(program), stubs_of(bsdf, options.sampling), text, options.language, defined);
+    return print_functions(named.name, std::move(program), part_stubs(bsdf, options.sampling), text, options.language,
+                           defined);
 }
 
 std::string beam_code(const std::string& name, const Beams& beams, CodeLanguage language) {
     Program program;
     const std::string text = beams_text(beams, program);
     DefinedNames defined;
-    return *printed(name, std::move(program), "", text, language, defined);  // names of one
+    return *print_functions(name, std::move(program), "", text, language, defined);
 }
 
-std::vector<std::string> bsdf_functions(const NamedModel& of, bool sampling) {
-    const Beams& beams = bsdf_of(of).beam;
+std::vector<std::string> bsdf_functions(const NamedModel& named, bool sampling) {
+    const Beams& beams = bsdf_of(named).beam;
     std::vector<std::string> names{"bsdf"};
     if (!beams[2].empty() || !beams[3].empty()) names.push_back("beam");
     if (!beams[0].empty() || !beams[1].empty()) names.push_back("mirror_beam");
     if (sampling) names.insert(names.end(), {"sample", "pdf"});
-    for (std::string& name : names) name = of.name + "_" + name;
+    for (std::string& name : names) name = named.name + "_" + name;
     return names;
 }
 

@@ -1,4 +1,4 @@
-// Both sides of a surface in shading code: what chooses among the parts of a BSDF, and beams.
+// Shading code of BSDFs: functions that call those of the parts, and beams.
 #pragma once
 #include <memory>
 #include <string>
@@ -9,21 +9,19 @@
 
 namespace srbf {
 
-/// The models that a BSDF's code consists of, as NAME_transmission_front: its own parts, and with `sampling` also parts
-/// that are answered by exchanging light and viewer, since they are drawn from otherwise.
+/// The models of a BSDF's code, with names such as NAME_transmission_front: its own parts, and for `sampling` also
+/// parts that follow by exchanging light and viewer, which need their own proposals.
 struct PartModels {
     std::vector<NamedModel> named;
-    std::vector<std::shared_ptr<const Model>> own;  ///< what `named` points to
+    std::vector<std::shared_ptr<const Model>> owned;  ///< the models that `named` points to
 };
 PartModels part_models(const NamedModel& bsdf, bool sampling);
 
-/// The functions NAME_bsdf, NAME_beam, NAME_mirror_beam, and with `sampling` NAME_sample and NAME_pdf, to follow those
-/// of the parts, with samples and albedos if `sampling`.
-/// Errors: a name in `defined`, to which theirs are added.
+/// The functions NAME_bsdf, NAME_beam, NAME_mirror_beam, and for sampling NAME_sample and NAME_pdf, which follow those
+/// of the parts. Their names are added to `defined`. Errors: `defined` has one of them.
 Result<std::string> bsdf_code(const NamedModel& bsdf, const CodeOptions& options, DefinedNames& defined);
-/// The code of beams alone, for those that there are.
+/// The functions of beams alone.
 std::string beam_code(const std::string& name, const Beams& beams, CodeLanguage language);
-/// The names of these functions.
 std::vector<std::string> bsdf_functions(const NamedModel& bsdf, bool sampling);
 
 }  // namespace srbf

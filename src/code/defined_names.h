@@ -1,4 +1,3 @@
-// The names that exported code defines.
 #pragma once
 #include <fmt/format.h>
 
@@ -11,11 +10,11 @@ namespace srbf {
 
 class DefinedNames {
   public:
-    /// Adds a name that the code of `owner` defines. Errors, of code `argument`: another has it.
+    /// Adds a name that the code of `owner` defines. Errors: another owner defines it.
     Result<Done> add(const std::string& name, const std::string& owner) {
-        const auto [at, is_new] = owners_.emplace(name, owner);
+        const auto [entry, is_new] = owners_.emplace(name, owner);
         if (is_new) return Done{};
-        return Error{fmt::format("{} and {}", at->second, owner),
+        return Error{fmt::format("{} and {}", entry->second, owner),
                      {},
                      "names in their code",
                      "different ones",

@@ -1,3 +1,4 @@
+#include "code/offered_code.h"
 #include "srbf/load.h"
 #include "srbf/shading_code.h"
 

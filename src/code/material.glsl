@@ -1,5 +1,5 @@
-// The BRDF or BSDF of a material, to follow its macros, host.glsl, kernel.glsl and, of a BSDF, its code.
-bool is_measured = true;  // whether the last value was measured; not to be read in the expression that asks for it
+// The BRDF or BSDF of a material. Its macros, host.glsl, kernel.glsl and the code of a BSDF precede this text.
+bool is_measured = true;  // false if the last value is that of a masked cell; undefined within its expression
 
 // f_r(wl, wv) [1/sr] for R, G, B, of unit vectors in the local frame with wl.z, wv.z > 0.
 #if defined PM_LOBES
@@ -7,17 +7,17 @@ Vec3 brdf(Vec3 wl, Vec3 wv) { return pm_value(Pm(0), wl, wv); }
 
 #elif defined SU_LOBES
 #if SU_ROTATED
-Vec3 su_value(Vec3 of_lobes, Vec3 sampled) { return su_rotated_value(Su(0), of_lobes, sampled); }
+Vec3 su_value(Vec3 evaluated, Vec3 sampled) { return su_rotated_value(Su(0), evaluated, sampled); }
 #elif SU_CUBE
 uniform usamplerCube su_index;
-Vec3 su_value(Vec3 of_lobes, Vec3 sampled) {
-    return su_plain_value(Su(0), SuNearest(texture(su_index, sampled)), of_lobes, sampled, SU_NEIGHBOURS);
+Vec3 su_value(Vec3 evaluated, Vec3 sampled) {
+    return su_plain_value(Su(0), SuNearest(texture(su_index, sampled)), evaluated, sampled, SU_NEIGHBOURS);
 }
 #else
 uniform usampler2D su_index;
-Vec3 su_value(Vec3 of_lobes, Vec3 sampled) {
-    vec2 at = vec2(0.5) + 0.5 * sampled.xy / (1.0 + sampled.z);
-    return su_plain_value(Su(0), SuNearest(texture(su_index, at)), of_lobes, sampled, SU_NEIGHBOURS);
+Vec3 su_value(Vec3 evaluated, Vec3 sampled) {
+    vec2 texel = vec2(0.5) + 0.5 * sampled.xy / (1.0 + sampled.z);
+    return su_plain_value(Su(0), SuNearest(texture(su_index, texel)), evaluated, sampled, SU_NEIGHBOURS);
 }
 #endif
 #if SU_OF_LIGHTS
@@ -28,23 +28,22 @@ Vec3 brdf(Vec3 wl, Vec3 wv) { return su_value(wl, wv); }
 
 #elif defined MERL_SIZE
 // A table in Rusinkiewicz coordinates, with axes phi_d (periodic), theta_d, theta_h. A texel holds colour times weight,
-// and the weight, which is 0 where nothing was measured. With h = wl + wv, d = wl - wv as for the table of
-// srbf/measured.h.
+// and the weight, which is 0 for a masked cell. The coordinates are those of MerlTable (srbf/measured.h).
 uniform sampler3D merl_table;
 Vec3 merl_value(int part, Vec3 wl, Vec3 wv) {
     Vec3 h = wl + wv;
     Vec3 d = wl - wv;
     float planar2 = dot(h.xy, h.xy);
-    float size = sqrt(planar2 + h.z * h.z);
+    float length_h = sqrt(planar2 + h.z * h.z);
     float theta_h = atan(sqrt(planar2), h.z);
-    float theta_d = atan(sqrt(dot(d, d)), size);
-    float across = size * (h.x * d.y - h.y * d.x);
-    float along = h.z * (h.x * d.x + h.y * d.y) - planar2 * d.z;
-    float phi_d = across == 0.0 && along == 0.0 ? 0.0 : atan(across, along);
+    float theta_d = atan(sqrt(dot(d, d)), length_h);
+    float y_d = length_h * (h.x * d.y - h.y * d.x);
+    float x_d = h.z * (h.x * d.x + h.y * d.y) - planar2 * d.z;
+    float phi_d = y_d == 0.0 && x_d == 0.0 ? 0.0 : atan(y_d, x_d);
     vec3 n = MERL_SIZE;
     vec3 node = n * vec3(phi_d / 3.141592653589793, theta_d / 1.5707963267948966, sqrt(theta_h / 1.5707963267948966));
     node.yz = min(node.yz, n.yz - 1.0);
-    node.z += n.z * float(part);  // tables one after the other
+    node.z += n.z * float(part);  // the texture stacks the tables of parts
     vec4 f = texture(merl_table, (node + 0.5) / (n * vec3(1.0, 1.0, SIDES == 2 ? 4.0 : 1.0)));
     is_measured = f.a > 0.0;
     return f.rgb / max(f.a, 1.0e-6);
@@ -58,29 +57,8 @@ Vec3 bsdf(Vec3 wl, Vec3 wv) {
 }
 #endif
 
-#elif defined GGX
-uniform vec4 ggx_numbers[4];
-Vec3 brdf(Vec3 wl, Vec3 wv) {
-    GgxLobe first = GgxLobe(ggx_numbers[1].w, ggx_numbers[1].rgb, ggx_numbers[0].w);
-    GgxLobe second = GgxLobe(ggx_numbers[2].w, ggx_numbers[2].rgb, ggx_numbers[3].w);
-    return ggx_value(ggx_numbers[0].rgb, first, second, wl, wv);
-}
-
-#elif defined PBR
-uniform vec4 openpbr_numbers[8];
-Vec3 brdf(Vec3 wl, Vec3 wv) {
-    vec4 a = openpbr_numbers[0], b = openpbr_numbers[1], c = openpbr_numbers[2], d = openpbr_numbers[3], e = openpbr_numbers[4],
-         f = openpbr_numbers[5], g = openpbr_numbers[6], h = openpbr_numbers[7];
-    OpenPbrSurface of = OpenPbrSurface(a.rgb, a.a, b.x, b.y, Vec3(b.z, b.w, c.x), c.y, c.z, c.w, d.rgb, d.a, e.x, e.y, e.z,
-                               Vec3(e.w, f.x, f.y), f.z);
-    Vec3 to = f.w > 0.5 ? wv : wl, from = f.w > 0.5 ? wl : wv;
-    if (h.x > 0.0)
-        return openpbr_anisotropic_value(of, OpenPbrFilm(g.x, g.y, g.z), OpenPbrAnisotropy(h.x, h.y, h.z), to, from);
-    return g.x > 0.0 ? openpbr_film_value(of, OpenPbrFilm(g.x, g.y, g.z), to, from) : openpbr_value(of, to, from);
-}
-
-#elif defined FLAT
-Vec3 brdf(Vec3 wl, Vec3 wv) { return Vec3(FLAT); }
+#elif defined VALUE
+Vec3 brdf(Vec3 wl, Vec3 wv) { return Vec3(VALUE); }
 
 #else
 Vec3 bsdf(Vec3 wl, Vec3 wv) { return material_bsdf(wl, wv); }

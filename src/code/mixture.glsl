@@ -1,9 +1,9 @@
-// Sampling of a BRDF's mixture of proposal lobes, to follow kernel.glsl. What precedes:
-//   mixture_number(node, i)  number i of each of MIXTURE_NODES nodes, which are uniform in sqrt(cos(theta_v)): the
-//                            weights of SRBF_PROPOSAL_LOBES lobes, then the stretch of half-vector lobes and their power
-//   mixture_tangent(wv)      the tangent along which they are stretched, of any length
+// Samples a mixture of proposal lobes. This text follows kernel.glsl, and requires:
+//   mixture_number(node, i)  number i of a node of MIXTURE_NODES, which are uniform in sqrt(cos(theta_v)): the weights of
+//                            SRBF_PROPOSAL_LOBES lobes, then the stretch of half-vector lobes and their power
+//   mixture_tangent(wv)      the tangent along which these lobes are stretched, of any length
 
-// Between which of `count` nodes a coordinate from 0 to 1 is, and its distance from the lower one, of 1.
+// The position of a coordinate from 0 to 1 between two of `count` nodes.
 struct NodesAbout {
     int below;
     Real beyond;
@@ -31,7 +31,7 @@ int chosen_lobe(Vec3 wv, Real selector) {
         running = running + mixture_between(k, nodes);
         if (running <= selector) chosen = k + 1;
     }
-    // The cosine takes the share that rounding leaves over.
+    // Rounding errors of the shares go to the cosine.
     if (chosen >= SRBF_PROPOSAL_LOBES) chosen = 0;
     return chosen;
 }
@@ -44,17 +44,18 @@ Vec3 sample_of_lobe(int k, Vec3 wv, Real u1, Real u2) {
     return sample_proposal_lobe(k, wv, mixture_stretch(wv, nodes), mixture_power(nodes), u1, u2);
 }
 
-// A direction to the light for u1, u2 and selector uniform in [0,1); z <= 0 where the draw has none.
+// A direction to the light for u1, u2 and selector uniform in [0,1). The sample is lost if z <= 0.
 Vec3 sample_light(Vec3 wv, Real u1, Real u2, Real selector) {
     return sample_of_lobe(chosen_lobe(wv, selector), wv, u1, u2);
 }
 
-// The density of these draws [1/sr]; 0 where wl or wv is not above the horizon, or has a NaN.
+// The density of these samples [1/sr]; 0 if wl or wv is not above the horizon, or has a NaN.
 Real light_pdf(Vec3 wl, Vec3 wv) {
     if (!(Real(0.0) < wl.z && Real(0.0) < wv.z && dot(wl, wl) + dot(wv, wv) < Real(1.0e30))) return Real(0.0);
     NodesAbout nodes = mixture_nodes(wv);
-    ProposalPoint at = proposal_point(wl, wv, mixture_stretch(wv, nodes), mixture_power(nodes));
+    ProposalPoint coordinates = proposal_point(wl, wv, mixture_stretch(wv, nodes), mixture_power(nodes));
     Real sum = Real(0.0);
-    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum = sum + mixture_between(k, nodes) * proposal_lobe_pdf(k, at);
+    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k)
+        sum = sum + mixture_between(k, nodes) * proposal_lobe_pdf(k, coordinates);
     return sum;
 }

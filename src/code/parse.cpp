@@ -20,38 +20,37 @@ struct Token {
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)); }
 
-std::vector<Token> tokens_of(std::string_view text) {
+std::vector<Token> tokenise(std::string_view text) {
     std::vector<Token> tokens;
     int line = 1;
-    for (std::size_t at = 0; at < text.size();) {
-        const auto take = [&](Token::Kind kind, std::size_t end) {
-            tokens.push_back({kind, std::string(text.substr(at, end - at)), line});
-            at = end;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const auto add = [&](Token::Kind kind, std::size_t end) {
+            tokens.push_back({kind, std::string(text.substr(begin, end - begin)), line});
+            begin = end;
         };
-        const auto until = [&](const auto& ends, std::size_t from) {
-            while (from < text.size() && !ends(text[from])) ++from;
-            return from;
+        const auto end_of_run = [&](const auto& continues, std::size_t i) {
+            while (i < text.size() && continues(text[i])) ++i;
+            return i;
         };
-        const char c = text[at];
-        const auto line_end = [](char of) { return of == '\n'; };
-        if (c == '\n') ++line;
-        if (std::isspace(static_cast<unsigned char>(c)))
-            ++at;
-        else if (text.substr(at, 2) == "//")
-            take(Token::Kind::comment, until(line_end, at));
-        else if (c == '#')
-            take(Token::Kind::directive, until(line_end, at));
-        else if (is_digit(c)) {
-            std::size_t end = until([](char of) { return !is_word(of) && of != '.'; }, at);
-            if (text[end - 1] == 'e')
-                end = until([](char of) { return !is_digit(of); }, end + 1);  // an exponent's sign
-            take(Token::Kind::number, end);
-        } else if (is_word(c))
-            take(Token::Kind::word, until([](char of) { return !is_word(of); }, at));
+        const char first = text[begin];
+        const auto in_line = [](char c) { return c != '\n'; };
+        if (first == '\n') ++line;
+        if (std::isspace(static_cast<unsigned char>(first)))
+            ++begin;
+        else if (text.substr(begin, 2) == "//")
+            add(Token::Kind::comment, end_of_run(in_line, begin));
+        else if (first == '#')
+            add(Token::Kind::directive, end_of_run(in_line, begin));
+        else if (is_digit(first)) {
+            std::size_t end = end_of_run([](char c) { return is_word(c) || c == '.'; }, begin);
+            if (text[end - 1] == 'e') end = end_of_run(is_digit, end + 1);  // an exponent with a sign
+            add(Token::Kind::number, end);
+        } else if (is_word(first))
+            add(Token::Kind::word, end_of_run(is_word, begin));
         else {
             constexpr std::array<std::string_view, 7> pairs{"<=", ">=", "==", "!=", "&&", "||", "++"};
-            const bool is_pair = std::ranges::find(pairs, text.substr(at, 2)) != pairs.end();
-            take(Token::Kind::sign, at + (is_pair ? 2 : 1));
+            const bool is_pair = std::ranges::find(pairs, text.substr(begin, 2)) != pairs.end();
+            add(Token::Kind::sign, begin + (is_pair ? 2 : 1));
         }
     }
     tokens.push_back({Token::Kind::end, "", line});
@@ -61,15 +60,15 @@ std::vector<Token> tokens_of(std::string_view text) {
 class Parser {
   public:
     Parser(std::string_view text, Program& program, std::map<std::string, std::string>& defines, bool as_accessors)
-        : tokens_(tokens_of(text)), program_(program), defines_(defines), as_accessors_(as_accessors) {}
+        : tokens_(tokenise(text)), program_(program), defines_(defines), as_accessors_(as_accessors) {}
 
     void parse() {
         for (;;) {
             std::string comment = comments();
-            if (now().kind == Token::Kind::end) return;
-            if (now().kind == Token::Kind::directive)
+            if (next().kind == Token::Kind::end) return;
+            if (next().kind == Token::Kind::directive)
                 directive();
-            else if (now().text == "struct")
+            else if (next().text == "struct")
                 structure(std::move(comment));
             else
                 function(std::move(comment));
@@ -78,39 +77,39 @@ class Parser {
 
   private:
     [[noreturn]] void unexpected(std::string_view expected) const {
-        misused(fmt::format("line {}: expected {}, found '{}'", now().line, expected, now().text));
+        misused(fmt::format("line {}: expected {}, found '{}'", next().line, expected, next().text));
     }
-    const Token& now() const { return tokens_[at_]; }
+    const Token& next() const { return tokens_[next_]; }
     bool accept(std::string_view text) {
-        if (now().text != text || now().kind == Token::Kind::comment) return false;
-        ++at_;
+        if (next().text != text || next().kind == Token::Kind::comment) return false;
+        ++next_;
         return true;
     }
     void expect(std::string_view text) {
         if (!accept(text)) unexpected(text);
     }
     std::string word() {
-        if (now().kind != Token::Kind::word) unexpected("a name");
-        return tokens_[at_++].text;
+        if (next().kind != Token::Kind::word) unexpected("a name");
+        return tokens_[next_++].text;
     }
 
-    /// The lines directly above what follows; comments that are set apart belong to no one.
+    /// Reads the comment directly above the next token; other comments are skipped.
     std::string comments() {
         std::string lines;
         int last = 0;
-        for (; now().kind == Token::Kind::comment; ++at_) {
-            const bool trails = at_ > 0 && tokens_[at_ - 1].line == now().line;
-            if (trails || (last > 0 && now().line > last + 1)) lines.clear();
+        for (; next().kind == Token::Kind::comment; ++next_) {
+            const bool trails = next_ > 0 && tokens_[next_ - 1].line == next().line;
+            if (trails || (last > 0 && next().line > last + 1)) lines.clear();
             if (trails) continue;
-            const std::string& text = now().text;
+            const std::string& text = next().text;
             lines += (lines.empty() ? "" : "\n") + text.substr(std::min<std::size_t>(text.size(), 3));
-            last = now().line;
+            last = next().line;
         }
-        return now().line == last + 1 ? lines : "";
+        return next().line == last + 1 ? lines : "";
     }
 
     void directive() {
-        const std::string text = tokens_[at_++].text;
+        const std::string text = tokens_[next_++].text;
         const std::string_view define = "#define ";
         const std::size_t space = text.find(' ', define.size());
         if (!text.starts_with(define) || space == text.npos) unexpected("#define NAME VALUE");
@@ -123,42 +122,42 @@ class Parser {
         const std::string name = word();
         return {name == "Bool" ? "bool" : name, ""};
     }
-    void array_size(Type& of) {
+    void array_size(Type& type) {
         if (!accept("[")) return;
-        of.size = primary().text;
+        type.size = primary().text;
         expect("]");
     }
 
     void structure(std::string comment) {
         expect("struct");
-        Structure made{std::move(comment), word(), {}};
+        Structure structure{std::move(comment), word(), {}};
         expect("{");
         while (comments(), !accept("}")) {
-            Variable& member = made.members.emplace_back();
+            Variable& member = structure.members.emplace_back();
             member.type = type();
             member.name = word();
             array_size(member.type);
             expect(";");
         }
         expect(";");
-        program_.structures.push_back(std::move(made));
+        program_.structures.push_back(std::move(structure));
     }
 
     void function(std::string comment) {
-        Function made;
-        made.is_accessor = as_accessors_;
-        made.comment = std::move(comment);
-        made.type = type();
-        made.name = word();
+        Function function;
+        function.is_accessor = as_accessors_;
+        function.comment = std::move(comment);
+        function.type = type();
+        function.name = word();
         expect("(");
         while (!accept(")")) {
             accept(",");
-            Type of = type();
-            made.parameters.push_back({of, word()});
+            Type parameter = type();
+            function.parameters.push_back({parameter, word()});
         }
-        scope_ = made.parameters;
-        if (!accept(";")) made.body = block();
-        program_.functions.push_back(std::move(made));
+        scope_ = function.parameters;
+        if (!accept(";")) function.body = block();
+        program_.functions.push_back(std::move(function));
     }
 
     std::vector<Statement> block() {
@@ -175,52 +174,52 @@ class Parser {
     }
 
     Statement statement(std::string comment) {
-        Statement made;
-        made.comment = std::move(comment);
+        Statement result;
+        result.comment = std::move(comment);
         if (accept("return")) {
-            made.kind = Statement::Kind::result;
-            made.values.push_back(expression());
+            result.kind = Statement::Kind::result;
+            result.values.push_back(expression());
         } else if (accept("if")) {
-            made.kind = Statement::Kind::branch;
+            result.kind = Statement::Kind::branch;
             expect("(");
-            made.values.push_back(expression());
+            result.values.push_back(expression());
             expect(")");
-            made.body = block();
+            result.body = block();
             comments();
-            if (accept("else")) made.otherwise = block();
-            return made;
+            if (accept("else")) result.otherwise = block();
+            return result;
         } else if (accept("for")) {
-            made.kind = Statement::Kind::loop;
+            result.kind = Statement::Kind::loop;
             expect("(");
-            made.type = type();
-            made.name = word();
+            result.type = type();
+            result.name = word();
             const std::size_t outside = scope_.size();
-            scope_.push_back({made.type, made.name});
+            scope_.push_back({result.type, result.name});
             expect("=");
-            made.values.push_back(expression());
+            result.values.push_back(expression());
             expect(";");
-            expect(made.name);
+            expect(result.name);
             expect("<");
-            made.values.push_back(expression());
-            for (const char* text : {";", "++", made.name.c_str(), ")"}) expect(text);
-            made.body = block();
+            result.values.push_back(expression());
+            for (const char* text : {";", "++", result.name.c_str(), ")"}) expect(text);
+            result.body = block();
             scope_.resize(outside);
-            return made;
-        } else if (tokens_[at_ + 1].kind == Token::Kind::word) {
-            made.kind = Statement::Kind::declare;
-            made.type = type();
-            made.name = word();
-            array_size(made.type);
-            if (accept("=")) made.values.push_back(expression());
-            scope_.push_back({made.type, made.name});
+            return result;
+        } else if (tokens_[next_ + 1].kind == Token::Kind::word) {
+            result.kind = Statement::Kind::declare;
+            result.type = type();
+            result.name = word();
+            array_size(result.type);
+            if (accept("=")) result.values.push_back(expression());
+            scope_.push_back({result.type, result.name});
         } else {
-            made.kind = Statement::Kind::assign;
-            made.values.push_back(postfix());
+            result.kind = Statement::Kind::assign;
+            result.values.push_back(postfix());
             expect("=");
-            made.values.push_back(expression());
+            result.values.push_back(expression());
         }
         expect(";");
-        return made;
+        return result;
     }
 
     Expression expression() {
@@ -229,8 +228,8 @@ class Parser {
         Expression first = expression();
         expect(":");
         Expression second = expression();
-        Type of = first.type;
-        return {Expression::Kind::conditional, "", {std::move(condition), std::move(first), std::move(second)}, of};
+        Type type = first.type;
+        return {Expression::Kind::conditional, "", {std::move(condition), std::move(first), std::move(second)}, type};
     }
 
     Expression binary(std::size_t level) {
@@ -239,51 +238,51 @@ class Parser {
         if (level == levels.size()) return unary();
         Expression left = binary(level + 1);
         for (;;) {
-            const auto found = std::ranges::find(levels[level], std::string_view(now().text));
+            const auto found = std::ranges::find(levels[level], std::string_view(next().text));
             if (found == levels[level].end()) return left;
-            const std::string sign = tokens_[at_++].text;
+            const std::string sign = tokens_[next_++].text;
             Expression right = binary(level + 1);
-            Type of = left.type.name == "Vec3" ? left.type : right.type;
-            if (level < 4) of = {"bool", ""};
-            left = {Expression::Kind::binary, sign, {std::move(left), std::move(right)}, of};
+            Type type = left.type.name == "Vec3" ? left.type : right.type;
+            if (level < 4) type = {"bool", ""};
+            left = {Expression::Kind::binary, sign, {std::move(left), std::move(right)}, type};
         }
     }
 
     Expression unary() {
         for (const char* sign : {"-", "!"})
             if (accept(sign)) {
-                Expression of = unary();
-                Type type = of.type;
-                return {Expression::Kind::unary, sign, {std::move(of)}, type};
+                Expression operand = unary();
+                Type type = operand.type;
+                return {Expression::Kind::unary, sign, {std::move(operand)}, type};
             }
         return postfix();
     }
 
     Expression postfix() {
-        Expression made = primary();
+        Expression left = primary();
         for (;;) {
             if (accept("[")) {
                 Expression index = expression();
                 expect("]");
-                Type of{made.type.name, ""};
-                made = {Expression::Kind::index, "", {std::move(made), std::move(index)}, of};
+                Type type{left.type.name, ""};
+                left = {Expression::Kind::index, "", {std::move(left), std::move(index)}, type};
             } else if (accept(".")) {
                 const std::string member = word();
-                Type of = member_type(made.type.name, member);
-                made = {Expression::Kind::member, member, {std::move(made)}, of};
+                Type type = member_type(left.type.name, member);
+                left = {Expression::Kind::member, member, {std::move(left)}, type};
             } else {
-                return made;
+                return left;
             }
         }
     }
 
     Expression primary() {
         if (accept("(")) {
-            Expression inside = expression();
+            Expression inner = expression();
             expect(")");
-            return inside;
+            return inner;
         }
-        if (now().kind == Token::Kind::number) return number(tokens_[at_++].text);
+        if (next().kind == Token::Kind::number) return number(tokens_[next_++].text);
         const std::string name = word();
         if (name == "true" || name == "false") return {Expression::Kind::number, name, {}, {"bool", ""}};
         if (const auto define = defines_.find(name); define != defines_.end()) return number(define->second);
@@ -294,13 +293,13 @@ class Parser {
             arguments.push_back(expression());
         }
         if (name == "select") {
-            Type of = arguments[1].type;
-            return {Expression::Kind::conditional, "", std::move(arguments), of};
+            Type type = arguments[1].type;
+            return {Expression::Kind::conditional, "", std::move(arguments), type};
         }
-        // A Real of a Real is itself.
+        // Real(x) of a Real is x.
         if (name == "Real" && arguments[0].type.name == "Real") return std::move(arguments[0]);
-        Type of = call_type(name, arguments);
-        return {Expression::Kind::call, name, std::move(arguments), of};
+        Type type = call_type(name, arguments);
+        return {Expression::Kind::call, name, std::move(arguments), type};
     }
 
     static Expression number(const std::string& text) {
@@ -317,9 +316,9 @@ class Parser {
     }
     Type member_type(const std::string& structure, const std::string& member) const {
         if (structure == "Vec3") return {"Real", ""};
-        for (const Structure& of : program_.structures)
-            if (of.name == structure)
-                for (const Variable& candidate : of.members)
+        for (const Structure& known : program_.structures)
+            if (known.name == structure)
+                for (const Variable& candidate : known.members)
                     if (candidate.name == member) return candidate.type;
         unexpected("a member instead of " + member);
     }
@@ -336,7 +335,7 @@ class Parser {
     }
 
     std::vector<Token> tokens_;
-    std::size_t at_ = 0;
+    std::size_t next_ = 0;
     Program& program_;
     std::map<std::string, std::string>& defines_;
     bool as_accessors_;

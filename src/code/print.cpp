@@ -14,20 +14,20 @@ namespace srbf::syntax {
 
 using Word = std::pair<std::string_view, std::string_view>;
 
-/// A language, where it is not as GLSL.
+/// The properties of a language. The defaults are those of GLSL.
 struct Language {
-    std::string_view usage;          ///< how a text is used
-    std::vector<Word> words;         ///< what the types and built-in functions are called
-    std::string_view function = {};  ///< begins a definition of a function
-    std::string_view table;          ///< a constant array, of {0} name, {1} size, {2} numbers
-    std::string_view suffix = {};    ///< of a number with a decimal point
-    std::string_view opening = {};   ///< what definitions require
-    bool is_guarded = true;          ///< by #ifndef
-    bool types_follow = false;       ///< name: type, let and var, array<type, size>, and select() for ?:
-    bool is_c = false;               ///< typedef struct, casts, and numbers for true and false
-    std::string_view vector = {};    ///< makes a Vec3, if its name does not
-    bool has_operators = true;       ///< on vectors; if not, functions, and a table is one too
-    bool reads_buffers = true;       ///< a function without parameters may read what the host supplies
+    std::string_view usage;          ///< a comment on the usage of a file
+    std::vector<Word> words;         ///< the names of types and built-in functions, if they are not those of GLSL
+    std::string_view function = {};  ///< precedes the definition of a function
+    std::string_view table;  ///< the definition of a constant array: {0} is its name, {1} its size, {2} the numbers
+    std::string_view suffix = {};   ///< the suffix of a number with a decimal point
+    std::string_view opening = {};  ///< the definitions that all files require
+    bool is_guarded = true;         ///< files have an include guard
+    bool types_follow = false;      ///< as in WGSL: name: type, let and var, array<type, size>, select() instead of ?:
+    bool is_c = false;              ///< typedef struct, casts, and numbers for true and false
+    std::string_view vector = {};   ///< the constructor of Vec3, if it is not the type's name
+    bool has_operators = true;      ///< vectors have operators; if not, there are functions, also for tables
+    bool reads_buffers = true;      ///< functions can read what the host supplies without parameters for it
 };
 
 namespace {
@@ -37,7 +37,6 @@ using SKind = Statement::Kind;
 
 constexpr std::size_t k_columns = 120;
 
-/// C has no operators on structures.
 constexpr const char* k_opening_of_c = R"(#include <math.h>
 
 #ifndef SRBF_VEC3
@@ -115,13 +114,13 @@ const Language& row_of(CodeLanguage language) {
     return rows.at(language);
 }
 
-/// Names of the kernel that one of the languages reserves.
+/// Names in the kernel that one of the languages reserves.
 constexpr std::array<std::string_view, 6> k_reserved{"from", "of", "part", "half", "sample", "target"};
 
-int precedence(const Expression& of) {
-    if (of.kind == EKind::conditional) return 1;
-    if (of.kind == EKind::unary) return 8;
-    if (of.kind != EKind::binary) return 9;
+int precedence(const Expression& expression) {
+    if (expression.kind == EKind::conditional) return 1;
+    if (expression.kind == EKind::unary) return 8;
+    if (expression.kind != EKind::binary) return 9;
     using Level = std::pair<std::string_view, int>;
     constexpr std::array<Level, 13> levels{{{"||", 2},
                                             {"&&", 3},
@@ -136,27 +135,29 @@ int precedence(const Expression& of) {
                                             {"*", 7},
                                             {"/", 7},
                                             {"%", 7}}};
-    return std::ranges::find(levels, std::string_view(of.text), &Level::first)->second;
+    return std::ranges::find(levels, std::string_view(expression.text), &Level::first)->second;
 }
 
-/// A line, broken before column `k_columns` at blanks after which `may_break` lets a line begin with `indent`.
+/// Breaks a line before column `k_columns` at blanks whose preceding character `may_break` accepts. The next line
+/// begins with `indent`.
 template <typename MayBreak>
-std::string broken(std::string line, const std::string& indent, const MayBreak& may_break) {
+std::string break_line(std::string line, const std::string& indent, const MayBreak& may_break) {
     std::string text;
     while (line.size() > k_columns) {
-        std::size_t at = line.rfind(' ', k_columns);
-        while (at != line.npos && at > indent.size() && !may_break(line[at - 1])) at = line.rfind(' ', at - 1);
-        if (at == line.npos || at <= indent.size()) break;
-        text += line.substr(0, at) + "\n";
-        line = indent + line.substr(at + 1);
+        std::size_t blank = line.rfind(' ', k_columns);
+        while (blank != line.npos && blank > indent.size() && !may_break(line[blank - 1]))
+            blank = line.rfind(' ', blank - 1);
+        if (blank == line.npos || blank <= indent.size()) break;
+        text += line.substr(0, blank) + "\n";
+        line = indent + line.substr(blank + 1);
     }
     return text + line + "\n";
 }
 
-/// Code is broken after commas and operators.
+/// Breaks code after commas and operators.
 std::string code_line(const std::string& line, int depth) {
-    return broken(line, std::string(std::size_t(4 * (depth + 2)), ' '),
-                  [](char before) { return std::string_view(",+*?:=").find(before) != std::string_view::npos; });
+    return break_line(line, std::string(std::size_t(4 * (depth + 2)), ' '),
+                      [](char before) { return std::string_view(",+*?:=").find(before) != std::string_view::npos; });
 }
 
 }  // namespace
@@ -173,128 +174,129 @@ std::string digits(float number) {
 std::string comment_text(const std::string& lines, int depth) {
     const std::string begin = std::string(std::size_t(4 * depth), ' ') + "// ";
     std::string text;
-    for (std::size_t at = 0; at < lines.size();) {
-        const std::size_t end = std::min(lines.find('\n', at), lines.size());
-        text += broken(begin + in_comment(lines.substr(at, end - at)), begin, [](char) { return true; });
-        at = end + 1;
+    for (std::size_t first = 0; first < lines.size();) {
+        const std::size_t end = std::min(lines.find('\n', first), lines.size());
+        text += break_line(begin + in_comment(lines.substr(first, end - first)), begin, [](char) { return true; });
+        first = end + 1;
     }
     return text;
 }
 
-std::string Printer::named(const std::string& name) const {
+std::string Printer::printed_name(const std::string& name) const {
     if (const auto found = names_.find(name); found != names_.end()) return found->second;
     return std::ranges::find(k_reserved, std::string_view(name)) == k_reserved.end() ? name : name + "_";
 }
 
 std::string Printer::type_text(const Type& type) const {
     const auto found = std::ranges::find(language_.words, std::string_view(type.name), &Word::first);
-    const std::string name = found != language_.words.end() ? std::string(found->second) : named(type.name);
+    const std::string name = found != language_.words.end() ? std::string(found->second) : printed_name(type.name);
     return language_.types_follow && !type.size.empty() ? fmt::format("array<{}, {}>", name, type.size) : name;
 }
 
 std::string Printer::declaration(const Type& type, const std::string& name) const {
-    if (language_.types_follow) return fmt::format("{}: {}", named(name), type_text(type));
+    if (language_.types_follow) return fmt::format("{}: {}", printed_name(name), type_text(type));
     const std::string size = type.size.empty() ? "" : fmt::format("[{}]", type.size);
-    return fmt::format("{} {}{}", type_text(type), named(name), size);
+    return fmt::format("{} {}{}", type_text(type), printed_name(name), size);
 }
 
-std::string Printer::call_text(const Expression& of) {
+std::string Printer::call_text(const Expression& call) {
     std::string arguments;
-    for (const Expression& argument : of.parts)
+    for (const Expression& argument : call.parts)
         arguments += (arguments.empty() ? "" : ", ") + expression_text(argument);
-    const std::string name = type_text({of.text, ""});
-    if (language_.is_c && (of.text == "Real" || of.text == "int")) return fmt::format("({})({})", name, arguments);
-    if (of.text == "Vec3" && !language_.vector.empty()) return fmt::format("{}({})", language_.vector, arguments);
+    const std::string name = type_text({call.text, ""});
+    if (language_.is_c && (call.text == "Real" || call.text == "int")) return fmt::format("({})({})", name, arguments);
+    if (call.text == "Vec3" && !language_.vector.empty()) return fmt::format("{}({})", language_.vector, arguments);
     return fmt::format("{}({})", name, arguments);
 }
 
-std::string Printer::binary_text(const Expression& of, int outside) {
-    const Expression &left = of.parts[0], &right = of.parts[1];
-    if (!language_.has_operators && of.type.name == "Vec3") {
-        const char* name = of.text == "+" ? "add" : of.text == "-" ? "subtract" : "scale";
-        const bool swapped = of.text == "*" && left.type.name == "Vec3";
+std::string Printer::binary_text(const Expression& binary, int outer) {
+    const Expression &left = binary.parts[0], &right = binary.parts[1];
+    if (!language_.has_operators && binary.type.name == "Vec3") {
+        const char* name = binary.text == "+" ? "add" : binary.text == "-" ? "subtract" : "scale";
+        const bool swapped = binary.text == "*" && left.type.name == "Vec3";
         std::string first = expression_text(swapped ? right : left), second = expression_text(swapped ? left : right);
         return fmt::format("srbf_{}({}, {})", name, first, second);
     }
-    const int own = precedence(of);
+    const int own = precedence(binary);
     const std::string text =
-        fmt::format("{} {} {}", expression_text(left, own), of.text, expression_text(right, own + 1));
-    return own < outside ? "(" + text + ")" : text;
+        fmt::format("{} {} {}", expression_text(left, own), binary.text, expression_text(right, own + 1));
+    return own < outer ? "(" + text + ")" : text;
 }
 
-std::string Printer::expression_text(const Expression& of, int outside) {
-    const auto part = [&](std::size_t i, int within = 0) { return expression_text(of.parts[i], within); };
-    switch (of.kind) {
+std::string Printer::expression_text(const Expression& expression, int outer) {
+    const std::vector<Expression>& parts = expression.parts;
+    const auto part = [&](std::size_t i, int within = 0) { return expression_text(parts[i], within); };
+    switch (expression.kind) {
         case EKind::number:
-            if (of.type.name == "bool" && language_.is_c) return of.text == "true" ? "1" : "0";
-            return of.text + std::string(of.type.name == "Real" ? language_.suffix : "");
+            if (expression.type.name == "bool" && language_.is_c) return expression.text == "true" ? "1" : "0";
+            return expression.text + std::string(expression.type.name == "Real" ? language_.suffix : "");
         case EKind::name:
-            return named(of.text);
+            return printed_name(expression.text);
         case EKind::call:
-            return call_text(of);
+            return call_text(expression);
         case EKind::member:
-            return part(0, 9) + "." + named(of.text);
+            return part(0, 9) + "." + printed_name(expression.text);
         case EKind::index: {
-            // In C a table is a function, which a program for a GPU may have where it may not have global arrays. What
-            // the host supplies is one in every language.
-            const bool is_table = of.parts[0].kind == EKind::name && names_.contains(of.parts[0].text);
-            const bool is_supplied = of.parts[0].type.size.empty();
+            // In C a table is a function, since GPU programs may lack global arrays. In every language the host
+            // supplies a function.
+            const bool is_table = parts[0].kind == EKind::name && names_.contains(parts[0].text);
+            const bool is_supplied = parts[0].type.size.empty();
             const char* brackets = is_table && (!language_.has_operators || is_supplied) ? "()" : "[]";
             return part(0, 9) + brackets[0] + part(1) + brackets[1];
         }
         case EKind::unary:
-            if (!language_.has_operators && of.type.name == "Vec3")
+            if (!language_.has_operators && expression.type.name == "Vec3")
                 return fmt::format("srbf_scale(-1.0f, {})", part(0));
-            return of.text + part(0, 8);
+            return expression.text + part(0, 8);
         case EKind::binary:
-            return binary_text(of, outside);
+            return binary_text(expression, outer);
         case EKind::conditional:
             if (language_.types_follow) return fmt::format("select({}, {}, {})", part(2), part(1), part(0));
             {
                 const std::string text = fmt::format("{} ? {} : {}", part(0, 2), part(1, 1), part(2, 1));
-                return outside > 1 ? "(" + text + ")" : text;
+                return outer > 1 ? "(" + text + ")" : text;
             }
     }
     return "";
 }
 
 void Printer::print(const std::vector<Statement>& body, const std::set<std::string>& changed, int depth,
-                    std::string& to) {
+                    std::string& text) {
     const bool types_follow = language_.types_follow;
     const std::string indent(std::size_t(4 * depth), ' ');
-    const auto line = [&](const std::string& text) { to += code_line(indent + text, depth); };
-    const auto value = [&](const Statement& of, std::size_t i = 0) { return expression_text(of.values[i]); };
-    for (const Statement& of : body) {
-        to += comment_text(of.comment, depth);
-        switch (of.kind) {
+    const auto add_line = [&](const std::string& line) { text += code_line(indent + line, depth); };
+    for (const Statement& statement : body) {
+        const auto value = [&](std::size_t i) { return expression_text(statement.values[i]); };
+        text += comment_text(statement.comment, depth);
+        switch (statement.kind) {
             case SKind::declare: {
-                std::string text = declaration(of.type, of.name);
-                if (types_follow) text = (of.values.empty() || changed.contains(of.name) ? "var " : "let ") + text;
-                if (!of.values.empty()) text += " = " + value(of);
-                line(text + ";");
+                const bool is_variable = statement.values.empty() || changed.contains(statement.name);
+                add_line((types_follow ? is_variable ? "var " : "let " : "") +
+                         declaration(statement.type, statement.name) +
+                         (statement.values.empty() ? "" : " = " + value(0)) + ";");
                 break;
             }
             case SKind::assign:
-                line(fmt::format("{} = {};", value(of), value(of, 1)));
+                add_line(fmt::format("{} = {};", value(0), value(1)));
                 break;
             case SKind::result:
-                line(fmt::format("return {};", value(of)));
+                add_line(fmt::format("return {};", value(0)));
                 break;
             case SKind::branch:
-                line(fmt::format("if ({}) {{", value(of)));
-                print(of.body, changed, depth + 1, to);
-                if (!of.otherwise.empty()) {
-                    line("} else {");
-                    print(of.otherwise, changed, depth + 1, to);
+                add_line(fmt::format("if ({}) {{", value(0)));
+                print(statement.body, changed, depth + 1, text);
+                if (!statement.otherwise.empty()) {
+                    add_line("} else {");
+                    print(statement.otherwise, changed, depth + 1, text);
                 }
-                line("}");
+                add_line("}");
                 break;
             case SKind::loop: {
-                const std::string name = named(of.name);
-                line(fmt::format("for ({} {} = {}; {} < {}; {}) {{", types_follow ? "var" : "int", name, value(of),
-                                 name, value(of, 1), types_follow ? name + "++" : "++" + name));
-                print(of.body, changed, depth + 1, to);
-                line("}");
+                const std::string name = printed_name(statement.name);
+                add_line(fmt::format("for ({} {} = {}; {} < {}; {}) {{", types_follow ? "var" : "int", name, value(0),
+                                     name, value(1), types_follow ? name + "++" : "++" + name));
+                print(statement.body, changed, depth + 1, text);
+                add_line("}");
                 break;
             }
         }
@@ -303,16 +305,16 @@ void Printer::print(const std::vector<Statement>& body, const std::set<std::stri
 
 std::string Printer::text(const Structure& structure) {
     std::string text = comment_text(structure.comment, 0);
-    text += fmt::format("{}{{\n", language_.is_c ? "typedef struct " : "struct " + named(structure.name) + " ");
+    text += fmt::format("{}{{\n", language_.is_c ? "typedef struct " : "struct " + printed_name(structure.name) + " ");
     for (const Variable& member : structure.members)
         text += fmt::format("    {}{}\n", declaration(member.type, member.name), language_.types_follow ? "," : ";");
     if (language_.types_follow) return text + "}\n";
-    return text + (language_.is_c ? fmt::format("}} {};\n", named(structure.name)) : "};\n");
+    return text + (language_.is_c ? fmt::format("}} {};\n", printed_name(structure.name)) : "};\n");
 }
 
 std::string Printer::text(const Table& table) {
-    if (table.numbers.empty()) return comment_text(fmt::format("{}(i): {}", named(table.name), table.comment));
-    const std::string name = named(table.name);
+    if (table.numbers.empty()) return comment_text(fmt::format("{}(i): {}", printed_name(table.name), table.comment));
+    const std::string name = printed_name(table.name);
     const std::size_t size = table.numbers.size();
     std::string numbers;
     for (std::size_t i = 0; i < size; ++i) {
@@ -325,17 +327,17 @@ std::string Printer::text(const Table& table) {
 
 std::string Printer::text(const Function& function) {
     std::set<std::string> changed;
-    visit_statements(function.body, [&](const Statement& of) {
-        if (of.kind == SKind::assign) changed.insert(assigned(of.values[0]));
+    visit_statements(function.body, [&](const Statement& statement) {
+        if (statement.kind == SKind::assign) changed.insert(assigned_variable(statement.values[0]));
     });
     std::string parameters;
-    for (const Variable& of : function.parameters)
-        parameters += (parameters.empty() ? "" : ", ") + declaration(of.type, of.name);
-    if (parameters.empty() && language_.is_c) parameters = "void";  // without it C would take any arguments
-    const std::string name = named(function.name), type = type_text(function.type);
+    for (const auto& [parameter_type, parameter] : function.parameters)
+        parameters += (parameters.empty() ? "" : ", ") + declaration(parameter_type, parameter);
+    if (parameters.empty() && language_.is_c) parameters = "void";  // otherwise C accepts any arguments
+    const std::string name = printed_name(function.name), type = type_text(function.type);
     if (function.body.empty()) {
         const std::string comment = comment_text(fmt::format("{}: {}", name, function.comment));
-        if (language_.types_follow) return comment;  // which needs no declaration
+        if (language_.types_follow) return comment;  // WGSL needs no declaration
         const char* modifiers = language_.is_c ? "static " : "";
         return comment + fmt::format("#ifndef {1}\n{3}{0} {1}({2});\n#endif\n", type, name, parameters, modifiers);
     }
@@ -349,12 +351,12 @@ std::string Printer::text(const Function& function) {
 
 std::string whole_text(CodeLanguage language, const std::string& list, std::string guard,
                        const std::string& definitions) {
-    const Language& of = row_of(language);
+    const Language& row = row_of(language);
     const std::string head =
-        fmt::format("// {}: {}.\n// Written by srbf; the text is under the MIT License.\n\n", of.usage, list);
-    if (!of.is_guarded) return fmt::format("{}{}{}", head, of.opening, definitions);
+        fmt::format("// {}: {}.\n// Written by srbf; the text is under the MIT License.\n\n", row.usage, list);
+    if (!row.is_guarded) return fmt::format("{}{}{}", head, row.opening, definitions);
     for (char& c : guard) c = char(std::toupper(static_cast<unsigned char>(c)));
-    return fmt::format("{0}#ifndef {1}\n#define {1}\n\n{2}{3}#endif\n", head, guard, of.opening, definitions);
+    return fmt::format("{0}#ifndef {1}\n#define {1}\n\n{2}{3}#endif\n", head, guard, row.opening, definitions);
 }
 
 bool reads_buffers(CodeLanguage language) { return row_of(language).reads_buffers; }

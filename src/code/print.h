@@ -1,4 +1,4 @@
-// The syntax tree in the languages of renderers.
+// Prints the syntax tree in the languages of renderers.
 #pragma once
 #include <map>
 #include <set>
@@ -11,7 +11,7 @@ namespace srbf::syntax {
 
 struct Language;
 
-/// Prints definitions in one language. Names of functions, structures and tables are printed as `names` has them.
+/// Prints definitions in one language. `names` maps names of functions, structures and tables to printed names.
 class Printer {
   public:
     Printer(CodeLanguage language, std::map<std::string, std::string> names);
@@ -21,27 +21,29 @@ class Printer {
     std::string text(const Function& function);
 
   private:
-    std::string named(const std::string& name) const;
+    std::string printed_name(const std::string& name) const;
     std::string type_text(const Type& type) const;
     std::string declaration(const Type& type, const std::string& name) const;
-    std::string call_text(const Expression& of);
-    std::string binary_text(const Expression& of, int outside);
-    std::string expression_text(const Expression& of, int outside = 0);
-    void print(const std::vector<Statement>& body, const std::set<std::string>& changed, int depth, std::string& to);
+    std::string call_text(const Expression& call);
+    /// `outer` is the precedence of the surrounding expression, which decides about parentheses.
+    std::string binary_text(const Expression& binary, int outer);
+    std::string expression_text(const Expression& expression, int outer = 0);
+    /// `changed` are the variables that are assigned after their declaration.
+    void print(const std::vector<Statement>& body, const std::set<std::string>& changed, int depth, std::string& text);
 
     const Language& language_;
     std::map<std::string, std::string> names_;
 };
 
-/// A file of printed definitions: how it is used, with a `list` of its functions, then what they require in that
-/// language (in C a vector and functions in place of operators on it, the same ones in every file).
+/// A file of printed definitions: a comment with its usage and a `list` of its functions, and definitions that the
+/// language requires. In C these are a vector and functions instead of operators, the same ones in every file.
 std::string whole_text(CodeLanguage language, const std::string& list, std::string guard,
                        const std::string& definitions);
 /// True if a function without parameters may read numbers that the host supplies.
 bool reads_buffers(CodeLanguage language);
-/// The shortest digits that read as the same float, with a decimal point.
+/// The shortest decimal number with a point that reads as the same float.
 std::string digits(float number);
-/// A comment of those lines, which may hold any text.
+/// A comment with the given lines, which may hold any text.
 std::string comment_text(const std::string& lines, int depth = 0);
 
 }  // namespace srbf::syntax

@@ -1,4 +1,4 @@
-// The syntax tree in Python, for libraries of arrays such as Dr.Jit and NumPy.
+// Prints the syntax tree in Python, for array libraries such as Dr.Jit and NumPy.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,54 +14,55 @@ namespace {
 using EKind = Expression::Kind;
 using SKind = Statement::Kind;
 
-/// Names that Python has for something else.
+/// Names that Python uses otherwise.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 6> k_words{{{"min", "minimum"},
                                                                                 {"max", "maximum"},
                                                                                 {"int", "whole"},
                                                                                 {"from", "from_"},
                                                                                 {"true", "True"},
                                                                                 {"false", "False"}}};
-std::string named(const std::string& name) {
-    for (const auto& [of, word] : k_words)
-        if (name == of) return std::string(word);
+std::string python_name(const std::string& name) {
+    for (const auto& [kernel_name, word] : k_words)
+        if (name == kernel_name) return std::string(word);
     return name;
 }
 
-/// Everything but names and numbers is in parentheses, since comparisons of arrays are joined by & and |, which bind
-/// more tightly than comparisons.
-std::string text_of(const Expression& of, const Program& program) {
-    const auto part = [&](std::size_t i) { return text_of(of.parts[i], program); };
-    switch (of.kind) {
+/// Puts everything but names and numbers in parentheses: & and |, which join comparisons of arrays, bind more tightly
+/// than these.
+std::string text_of(const Expression& expression, const Program& program) {
+    const auto part = [&](std::size_t i) { return text_of(expression.parts[i], program); };
+    switch (expression.kind) {
         case EKind::number:
         case EKind::name:
-            return named(of.text);
+            return python_name(expression.text);
         case EKind::member:
-            return part(0) + "." + of.text;
+            return part(0) + "." + expression.text;
         case EKind::index: {
-            const bool is_table =
-                of.parts[0].kind == EKind::name &&
-                std::ranges::find(program.tables, of.parts[0].text, &Table::name) != program.tables.end();
+            const Expression& array = expression.parts[0];
+            const bool is_table = array.kind == EKind::name &&
+                                  std::ranges::find(program.tables, array.text, &Table::name) != program.tables.end();
             return is_table ? fmt::format("at({}, {})", part(0), part(1)) : fmt::format("{}[{}]", part(0), part(1));
         }
         case EKind::unary:
-            return of.text == "!" ? fmt::format("({} == False)", part(0)) : fmt::format("(-{})", part(0));
+            return expression.text == "!" ? fmt::format("({} == False)", part(0)) : fmt::format("(-{})", part(0));
         case EKind::binary: {
-            const char* sign = of.text == "&&" ? "&" : of.text == "||" ? "|" : of.text.c_str();
+            const std::string& text = expression.text;
+            const char* sign = text == "&&" ? "&" : text == "||" ? "|" : text.c_str();
             return fmt::format("({} {} {})", part(0), sign, part(1));
         }
         case EKind::conditional:
             return fmt::format("select({}, {}, {})", part(0), part(1), part(2));
         case EKind::call: {
             std::string arguments;
-            for (const Expression& argument : of.parts)
+            for (const Expression& argument : expression.parts)
                 arguments += (arguments.empty() ? "" : ", ") + text_of(argument, program);
-            return fmt::format("{}({})", named(of.text), arguments);
+            return fmt::format("{}({})", python_name(expression.text), arguments);
         }
     }
     return "";
 }
 
-/// The members of a structure that are arrays, to be filled.
+/// Empty arrays for the members of a structure that are arrays.
 std::string arrays_of(const Type& type, const Program& program) {
     std::string text;
     for (const Structure& structure : program.structures)
@@ -71,42 +72,44 @@ std::string arrays_of(const Type& type, const Program& program) {
     return text;
 }
 
-void print(const std::vector<Statement>& body, int depth, const Program& program, std::string& to) {
+void print(const std::vector<Statement>& body, int depth, const Program& program, std::string& text) {
     const std::string indent(std::size_t(4 * depth), ' ');
-    const auto line = [&](const std::string& text) { to += indent + text + "\n"; };
-    const auto value = [&](const Statement& of, std::size_t i = 0) { return text_of(of.values[i], program); };
-    for (const Statement& of : body) {
-        switch (of.kind) {
+    const auto line = [&](const std::string& content) { text += indent + content + "\n"; };
+    const auto value = [&](const Statement& owner, std::size_t i = 0) { return text_of(owner.values[i], program); };
+    for (const Statement& statement : body) {
+        switch (statement.kind) {
             case SKind::declare:
-                if (!of.values.empty())
-                    line(fmt::format("{} = {}", named(of.name), value(of)));
-                else if (!of.type.size.empty())
-                    line(fmt::format("{} = [None] * {}", named(of.name), of.type.size));
+                if (!statement.values.empty())
+                    line(fmt::format("{} = {}", python_name(statement.name), value(statement)));
+                else if (!statement.type.size.empty())
+                    line(fmt::format("{} = [None] * {}", python_name(statement.name), statement.type.size));
                 else
-                    line(fmt::format("{} = Structure({})", named(of.name), arrays_of(of.type, program)));
+                    line(fmt::format("{} = Structure({})", python_name(statement.name),
+                                     arrays_of(statement.type, program)));
                 break;
             case SKind::assign:
-                line(fmt::format("{} = {}", value(of), value(of, 1)));
+                line(fmt::format("{} = {}", value(statement), value(statement, 1)));
                 break;
             case SKind::result:
-                line("return " + value(of));
+                line("return " + value(statement));
                 break;
             case SKind::loop:
-                line(fmt::format("for {} in range({}, {}):", named(of.name), value(of), value(of, 1)));
-                print(of.body, depth + 1, program, to);
+                line(fmt::format("for {} in range({}, {}):", python_name(statement.name), value(statement),
+                                 value(statement, 1)));
+                print(statement.body, depth + 1, program, text);
                 break;
             case SKind::branch: {
-                const Statement& first = of.body[0];
-                if (of.body.size() == 1 && of.otherwise.empty() && first.kind == SKind::assign) {
+                const Statement& first = statement.body[0];
+                if (statement.body.size() == 1 && statement.otherwise.empty() && first.kind == SKind::assign) {
                     const std::string target = value(first);
-                    line(fmt::format("{} = select({}, {}, {})", target, value(of), value(first, 1), target));
+                    line(fmt::format("{} = select({}, {}, {})", target, value(statement), value(first, 1), target));
                     break;
                 }
-                line(fmt::format("if {}:", value(of)));
-                print(of.body, depth + 1, program, to);
-                if (of.otherwise.empty()) break;
+                line(fmt::format("if {}:", value(statement)));
+                print(statement.body, depth + 1, program, text);
+                if (statement.otherwise.empty()) break;
                 line("else:");
-                print(of.otherwise, depth + 1, program, to);
+                print(statement.otherwise, depth + 1, program, text);
                 break;
             }
         }
@@ -126,7 +129,8 @@ std::string python_text(const Table& table) {
 // A function that begins with `if (condition) return value` returns a selection, for conditions on arrays.
 std::string python_text(const Function& function, const Program& program) {
     std::string parameters, text;
-    for (const Variable& of : function.parameters) parameters += (parameters.empty() ? "" : ", ") + named(of.name);
+    for (const Variable& parameter : function.parameters)
+        parameters += (parameters.empty() ? "" : ", ") + python_name(parameter.name);
     text = fmt::format("def {}({}):\n", function.name, parameters);
     std::vector<Statement> body = function.body;
     if (body.size() > 1 && body[0].kind == SKind::branch && body[0].body.size() == 1 &&

@@ -1,5 +1,5 @@
 // The definitions that mixture.glsl requires, for shaders.
-// The numbers of a node, in MIXTURE_VECTORS vectors, one node after the other.
+// The numbers of all nodes, with MIXTURE_VECTORS vectors for each.
 uniform vec4 mixture_numbers[MIXTURE_PARTS * MIXTURE_NODES * MIXTURE_VECTORS];
 uniform vec2 mixture_grain[MIXTURE_PARTS];  // the cosine and sine of the grain's azimuth, or 0 and 0
 #if MIXTURE_PARTS > 1

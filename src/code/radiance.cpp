@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 
+#include "brdf/parts.h"
 #include "code/defined_names.h"
 #include "models/kinds.h"
 #include "srbf/elementary.h"
@@ -18,70 +19,72 @@ constexpr const char* k_pair = "lx,ly,lz,vx,vy,vz";
 constexpr const char* k_cal_channels = "rgb";
 
 /// A number as a factor or a summand.
-std::string of_cal(double x) { return x < 0 ? fmt::format("({:.9g})", x) : fmt::format("{:.9g}", x); }
+std::string cal_number(double x) { return x < 0 ? fmt::format("({:.9g})", x) : fmt::format("{:.9g}", x); }
 
 /// The exponent of lobe j, in natural logarithm: Σ_n λ (ψ_n·ξ − 1) + log scale + Σ_k κ_k x_k, functions of kernel.glsl.
-std::string exponent_of(const std::string& name, const PmModel& model, int j) {
-    std::string sum = of_cal(double(model.log_scale[std::size_t(j)]));
+std::string cal_exponent(const std::string& name, const PmModel& model, int j) {
+    std::string sum = cal_number(double(model.log_scale[std::size_t(j)]));
     for (int n = 0; n < model.variates; ++n) {
         const auto i = std::size_t(j * model.variates + n);
         const Vec3f xi = model.centre[i];
         const Parameterization p = model.parameterization[std::size_t(n)];
-        const auto along = [&](char w) {
-            return fmt::format("({}*{}x+{}*{}y+{}*{}z)", of_cal(double(xi.x)), w, of_cal(double(xi.y)), w,
-                               of_cal(double(xi.z)), w);
+        const auto dot_centre = [&](char w) {
+            return fmt::format("({}*{}x+{}*{}y+{}*{}z)", cal_number(double(xi.x)), w, cal_number(double(xi.y)), w,
+                               cal_number(double(xi.z)), w);
         };
-        sum += fmt::format("\n    +{}*(({}*{}+{}*{})*{}_n{}(lx*vx+ly*vy+lz*vz)-1)", of_cal(double(model.bandwidth[i])),
-                           of_cal(double(p.a)), along('l'), of_cal(double(p.b)), along('v'), name, n + 1);
+        sum += fmt::format("\n    +{}*(({}*{}+{}*{})*{}_n{}(lx*vx+ly*vy+lz*vz)-1)",
+                           cal_number(double(model.bandwidth[i])), cal_number(double(p.a)), dot_centre('l'),
+                           cal_number(double(p.b)), dot_centre('v'), name, n + 1);
     }
     for (int k = 0; k < features(model.form); ++k)
-        sum +=
-            fmt::format("\n    +{}*{}_x{}({})",
-                        of_cal(double(model.exponent[std::size_t(j * features(model.form) + k)])), name, k + 1, k_pair);
+        sum += fmt::format("\n    +{}*{}_x{}({})",
+                           cal_number(double(model.exponent[std::size_t(j * features(model.form) + k)])), name, k + 1,
+                           k_pair);
     return sum;
 }
 
-/// NAME_r, NAME_g, NAME_b of light and viewer above the horizon.
-std::string cal_of(const std::string& name, const PmModel& model) {
+/// The functions NAME_r, NAME_g, NAME_b of light and viewer above the horizon.
+std::string cal_functions(const std::string& name, const PmModel& model) {
     std::string text;
     for (int n = 0; n < model.variates; ++n) {
         const Parameterization p = model.parameterization[std::size_t(n)];
         const double a = double(p.a), b = double(p.b);
-        text += fmt::format("{}_n{}(c)=1/sqrt(if({}+{}*c-1e-12,{}+{}*c,1e-12));\n", name, n + 1, of_cal(a * a + b * b),
-                            of_cal(2 * a * b), of_cal(a * a + b * b), of_cal(2 * a * b));
+        text +=
+            fmt::format("{}_n{}(c)=1/sqrt(if({}+{}*c-1e-12,{}+{}*c,1e-12));\n", name, n + 1, cal_number(a * a + b * b),
+                        cal_number(2 * a * b), cal_number(a * a + b * b), cal_number(2 * a * b));
     }
-    const std::string features_of[] = {"log(if(lz*vz-1e-12,lz*vz,1e-12))",
-                                       fmt::format("0.5*sqrt({}_s({}))-1", name, k_pair),
-                                       fmt::format("0.05-sqrt((lz-vz)*(lz-vz)+0.0625*{0}_a({1})+0.0025)", name, k_pair),
-                                       fmt::format("0-sqrt({}_a({}))", name, k_pair)};
-    static_assert(std::size(features_of) == std::size(k_terms));
+    const std::string feature_texts[] = {
+        "log(if(lz*vz-1e-12,lz*vz,1e-12))", fmt::format("0.5*sqrt({}_s({}))-1", name, k_pair),
+        fmt::format("0.05-sqrt((lz-vz)*(lz-vz)+0.0625*{0}_a({1})+0.0025)", name, k_pair),
+        fmt::format("0-sqrt({}_a({}))", name, k_pair)};
+    static_assert(std::size(feature_texts) == std::size(k_terms));
     text += fmt::format("{0}_s({1})=if(2+2*(lx*vx+ly*vy+lz*vz)-1e-12,2+2*(lx*vx+ly*vy+lz*vz),1e-12);\n", name, k_pair);
     text += fmt::format("{0}_a({1})=((lx+vx)*(lx+vx)+(ly+vy)*(ly+vy))/{0}_s({1});\n", name, k_pair);
     for (int k = 0; k < features(model.form); ++k)
-        text += fmt::format("{}_x{}({})={};\n", name, k + 1, k_pair, features_of[std::size_t(k)]);
+        text += fmt::format("{}_x{}({})={};\n", name, k + 1, k_pair, feature_texts[std::size_t(k)]);
     std::array<std::string, 3> sums;
     for (int j = 0; j < model.lobes; ++j) {
-        text += fmt::format("{}_lobe{}({})=exp({});\n", name, j + 1, k_pair, exponent_of(name, model, j));
+        text += fmt::format("{}_lobe{}({})=exp({});\n", name, j + 1, k_pair, cal_exponent(name, model, j));
         for (int c = 0; c < 3; ++c)
             sums[std::size_t(c)] +=
                 fmt::format("{}{}*{}_lobe{}({})", j ? "\n    +" : "",
-                            of_cal(double(model.coefficient[std::size_t(j)][c])), name, j + 1, k_pair);
+                            cal_number(double(model.coefficient[std::size_t(j)][c])), name, j + 1, k_pair);
     }
     for (int c = 0; c < 3; ++c)
         text += fmt::format("{}_{}({})={};\n", name, k_cal_channels[c], k_pair, sums[std::size_t(c)]);
     return text;
 }
 
-std::string cal_of(const std::string& name, const GgxModel& model) {
+std::string cal_functions(const std::string& name, const GgxModel& model) {
     std::string text =
         fmt::format("{0}_s({1})=if(2+2*(lx*vx+ly*vy+lz*vz)-1e-12,2+2*(lx*vx+ly*vy+lz*vz),1e-12);\n", name, k_pair);
     text += fmt::format("{0}_w({1})=if(1-0.5*sqrt({0}_s({1})),(1-0.5*sqrt({0}_s({1})))^5,0);\n", name, k_pair);
     std::array<std::string, 3> sums;
-    for (int c = 0; c < 3; ++c) sums[std::size_t(c)] = of_cal(double(model.diffuse[c]) / k_pi);
+    for (int c = 0; c < 3; ++c) sums[std::size_t(c)] = cal_number(double(model.diffuse[c]) / k_pi);
     for (std::size_t i = 0; i < model.lobes.size(); ++i) {
         const GgxModel::Lobe& lobe = model.lobes[i];
-        const std::string a2 = of_cal(double(lobe.roughness) * double(lobe.roughness)),
-                          rest = of_cal(1 - double(lobe.roughness) * double(lobe.roughness));
+        const std::string a2 = cal_number(double(lobe.roughness) * double(lobe.roughness)),
+                          rest = cal_number(1 - double(lobe.roughness) * double(lobe.roughness));
         text += fmt::format("{0}_t{1}({2})=((lx+vx)*(lx+vx)+(ly+vy)*(ly+vy)+{3}*(lz+vz)*(lz+vz))/{0}_s({2});\n", name,
                             i + 1, k_pair, a2);
         text += fmt::format(
@@ -89,16 +92,16 @@ std::string cal_of(const std::string& name, const GgxModel& model) {
             name, i + 1, k_pair, a2, rest);
         for (int c = 0; c < 3; ++c)
             sums[std::size_t(c)] += fmt::format("\n    +{0}_d{1}({2})*({3}*(1-{0}_w({2}))+{4}*{0}_w({2}))", name, i + 1,
-                                                k_pair, of_cal(double(lobe.f0[c])), of_cal(double(lobe.f90)));
+                                                k_pair, cal_number(double(lobe.f0[c])), cal_number(double(lobe.f90)));
     }
     for (int c = 0; c < 3; ++c)
         text += fmt::format("{}_{}({})={};\n", name, k_cal_channels[c], k_pair, sums[std::size_t(c)]);
     return text;
 }
 
-Result<std::string> cal_text(const std::string& name, const PmModel& model) { return cal_of(name, model); }
-Result<std::string> cal_text(const std::string& name, const GgxModel& model) { return cal_of(name, model); }
-/// The kinds that say what they are instead.
+Result<std::string> cal_text(const std::string& name, const PmModel& model) { return cal_functions(name, model); }
+Result<std::string> cal_text(const std::string& name, const GgxModel& model) { return cal_functions(name, model); }
+/// Kinds without a formula.
 template <typename M>
 requires requires { Kind<M>::not_for_radiance; }
 Result<std::string> cal_text(const std::string& name, const M&) {
@@ -109,22 +112,21 @@ Result<std::string> cal_text(const std::string& name, const M&) {
                  Kind<M>::not_for_radiance,
                  ErrorCode::argument};
 }
-Result<std::string> cal_text(const std::string& name, const BsdfModel& model);  // of its parts
+Result<std::string> cal_text(const std::string& name, const BsdfModel& model);
 
-/// The functions of a model.
 Result<std::string> cal_text(const std::string& name, const Model& model) {
-    return std::visit([&](const auto& of) { return cal_text(name, of); }, model.model);
+    return std::visit([&](const auto& kind) { return cal_text(name, kind); }, model.model);
 }
 
-/// The call of a part's channel for Radiance's vectors, whose z is the other way in a BSDF.
+/// The call of a part's channel with Radiance's vectors, whose z has the opposite sign in a BSDF.
 std::string cal_call(const std::string& name, const Parts<Model>& parts, Part part, int c) {
-    const Answering<Model> of = answering(parts, part);
-    if (!of.brdf) return "0";
+    const Answering<Model> answer = answering(parts, part);
+    if (!answer.brdf) return "0";
     const Part own = parts[std::size_t(part)] ? part : counterpart(part);
     // wl = (−ix, iy, |iz|), wv = (−ox, oy, |oz|) in the frame of the part
     const std::string light = "0-ix,iy,if(iz,iz,0-iz)", viewer = "0-ox,oy,if(oz,oz,0-oz)";
     return fmt::format("{}_{}_{}({},{})", name, k_part_names[std::size_t(own)], k_cal_channels[c],
-                       of.exchanged ? viewer : light, of.exchanged ? light : viewer);
+                       answer.exchanged ? viewer : light, answer.exchanged ? light : viewer);
 }
 
 Result<std::string> cal_text(const std::string& name, const BsdfModel& model) {
@@ -150,7 +152,7 @@ constexpr std::string_view k_cal_names[] = {"if",    "select", "rand", "floor", 
                                             "min",   "max",    "PI",   "lx",    "ly",   "lz",   "vx",   "vy",
                                             "vz",    "ix",     "iy",   "iz",    "ox",   "oy",   "oz"};
 
-/// The functions that begin a line of `text`.
+/// Adds the names of the functions that begin lines of `text`.
 Result<Done> add_functions(std::string_view text, const std::string& owner, DefinedNames& defined) {
     while (!text.empty()) {
         const std::string_view line = text.substr(0, text.find('\n'));
@@ -174,23 +176,24 @@ Result<std::string> radiance_text(std::span<const NamedModel> models) {
         "part\n"
         "in it. }\n";
     DefinedNames defined;
-    for (const std::string_view own : k_cal_names)
-        if (const auto of = std::ranges::find(models, own, &NamedModel::name); of != models.end())
-            return Error{of->name, {}, "name for Radiance", "none of its own", of->name, ErrorCode::argument};
-    for (const NamedModel& of : models) {
-        const bool is_bsdf = std::holds_alternative<BsdfModel>(of.model->model);
-        auto part = cal_text(of.name, *of.model);
+    for (const std::string_view reserved : k_cal_names)
+        if (std::ranges::find(models, reserved, &NamedModel::name) != models.end())
+            return Error{std::string(reserved), {}, "name for Radiance", "none of its own", std::string(reserved),
+                         ErrorCode::argument};
+    for (const NamedModel& named : models) {
+        const bool is_bsdf = std::holds_alternative<BsdfModel>(named.model->model);
+        auto part = cal_text(named.name, *named.model);
         if (!part) return part.error();
         const std::size_t begin = text.size();
         text += *part;
         for (int c = 0; c < 3 && !is_bsdf; ++c)
-            text += fmt::format("{0}_{1}(ix,iy,iz,ox,oy,oz)=if(iz,if(oz,{0}_{2}(ix,iy,iz,ox,oy,oz),0),0);\n", of.name,
-                                "RGB"[c], k_cal_channels[c]);
+            text += fmt::format("{0}_{1}(ix,iy,iz,ox,oy,oz)=if(iz,if(oz,{0}_{2}(ix,iy,iz,ox,oy,oz),0),0);\n",
+                                named.name, "RGB"[c], k_cal_channels[c]);
         text += fmt::format(
             "{0}(ix,iy,iz,ox,oy,oz)=0.2126*{0}_R(ix,iy,iz,ox,oy,oz)\n    "
             "+0.7152*{0}_G(ix,iy,iz,ox,oy,oz)+0.0722*{0}_B(ix,iy,iz,ox,oy,oz);\n",
-            of.name);
-        if (const auto distinct = add_functions(std::string_view(text).substr(begin), of.name, defined); !distinct)
+            named.name);
+        if (const auto distinct = add_functions(std::string_view(text).substr(begin), named.name, defined); !distinct)
             return distinct.error();
     }
     return text;

@@ -9,27 +9,32 @@
 
 #include "base/half.h"
 #include "base/parameters.h"
+#include "brdf/parts.h"
 #include "code/bsdf_code.h"
 #include "code/texts.h"
-#include "models/openpbr/openpbr_kernel.h"
+#include "sampling/mixture.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
 namespace {
 
-/// The sizes of a material as macros for host.glsl and material.glsl.
-std::string shape(const Flat&) { return fmt::format("#define FLAT {:.9f}\n", Flat::k_value); }
-std::string shape(const MerlTable& table) {
+/// Vectors of four for the numbers of a node of a mixture.
+constexpr int k_node_vectors = (MixtureProposal::k_numbers + 3) / 4;
+
+/// The macros of a material for host.glsl and material.glsl.
+std::string macros(const Flat&) { return fmt::format("#define VALUE {:.9f}\n", Flat::k_value); }
+std::string macros(const MerlTable& table) {
     const auto [h, d, p] = table.size;
     return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h);
 }
 bool has_open_text(const PmModel& model) { return model.lobes <= k_most_open_lobes; }
 int kernel_texels(const PmModel& model) { return model.axial ? (model.variates + 3) / 4 : model.variates; }
-/// `model` in the form with the most terms, and with four or eight variates: the same function.
-PmModel widened(const PmModel& model) {
+/// Converts to the form of as many sides with the most terms, and to four or eight variates, without changing the
+/// function.
+PmModel widen(const PmModel& model) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
     PmModel wide = model;
-    wide.form = k_forms.back();
+    wide.form = is_reciprocal(model.form) ? PmForm::reciprocal : PmForm::extended;
     wide.variates = model.variates <= 4 ? 4 : 8;
     const auto W = std::size_t(wide.variates), E = std::size_t(features(wide.form));
     wide.parameterization.resize(W);
@@ -43,8 +48,8 @@ PmModel widened(const PmModel& model) {
     }
     return wide;
 }
-/// Padded with lobes that contribute 0, up to the capacity of an open text.
-PmModel filled(PmModel model) {
+/// Adds lobes that contribute 0, up to the capacity of an open text.
+PmModel add_black_lobes(PmModel model) {
     const auto J = std::size_t(k_most_open_lobes), N = std::size_t(model.variates);
     model.lobes = k_most_open_lobes;
     model.coefficient.resize(J);
@@ -55,13 +60,13 @@ PmModel filled(PmModel model) {
     return model;
 }
 
-std::string shape(const PmModel& model, bool open) {
+std::string macros(const PmModel& model, bool open) {
     if (open) {
-        const int variates = widened(model).variates;
+        const int variates = widen(model).variates;
         return fmt::format(
             "#define PM_LOBES {0}\n#define PM_VARIATES {1}\n#define PM_FEATURES {2}\n#define PM_AXIAL {3:d}\n"
-            "#define PM_KERNELS {4}\n#define PM_OPEN 1\n",
-            k_most_open_lobes, variates, k_terms.size(), model.axial,
+            "#define PM_RECIPROCAL {4:d}\n#define PM_KERNELS {5}\n#define PM_OPEN 1\n",
+            k_most_open_lobes, variates, k_terms.size(), model.axial, is_reciprocal(model.form),
             k_most_open_lobes * (model.axial ? variates / 4 : variates));
     }
     std::vector<int> downs(std::size_t(model.lobes));
@@ -69,12 +74,13 @@ std::string shape(const PmModel& model, bool open) {
         for (int n = 0; n < model.variates; ++n) downs[std::size_t(j)] |= int(Kernel<float>::pm_down(model, j, n)) << n;
     std::string text = fmt::format(
         "#define PM_LOBES {}\n#define PM_VARIATES {}\n#define PM_FEATURES {}\n#define PM_AXIAL {:d}\n"
-        "#define PM_KERNELS {}\n#define PM_OPEN 0\n",
-        model.lobes, model.variates, features(model.form), model.axial, model.lobes * kernel_texels(model));
+        "#define PM_RECIPROCAL {:d}\n#define PM_KERNELS {}\n#define PM_OPEN 0\n",
+        model.lobes, model.variates, features(model.form), model.axial, is_reciprocal(model.form),
+        model.lobes * kernel_texels(model));
     if (model.axial) text += fmt::format("#define PM_DOWNS {}\n", fmt::join(downs, ", "));
     return text;
 }
-std::string shape(const SuModel& model) {
+std::string macros(const SuModel& model) {
     const DirectionMap map = model.index ? model.index->map : DirectionMap::cube;
     return fmt::format(
         "#define SU_LOBES {}\n#define SU_VIEWS {}\n#define SU_ROTATED {:d}\n#define SU_NEIGHBOURS {}\n"
@@ -83,43 +89,42 @@ std::string shape(const SuModel& model) {
         map == DirectionMap::cube, model.discretise == Discretise::light);
 }
 
-std::string shape(const GgxModel&) { return "#define GGX 1\n"; }
-
-std::string shape(const OpenPbrModel&) { return "#define PBR 1\n"; }
-
-std::string beams_shape(const Beams& beams) {
+std::string beam_macros(const Beams& beams) {
     return fmt::format("#define HAS_BEAM {:d}\n#define HAS_MIRROR_BEAM {:d}\n", !beams[2].empty() || !beams[3].empty(),
                        !beams[0].empty() || !beams[1].empty());
 }
-std::string shape(const BsdfModel& model) { return beams_shape(model.beam); }
-std::string shape(const BsdfTables& tables) {
+std::string macros(const BsdfModel& model) { return beam_macros(model.beam); }
+std::string macros(const BsdfTables& tables) {
     const auto [h, d, p] = size_of(tables);
-    return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h) + beams_shape(tables.beam);
+    return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h) + beam_macros(tables.beam);
 }
 
-/// A model of another kind: what it calls the constant is its value.
-template <typename M> std::string shape(const M&) { return "#define FLAT model_value(wl, wv)\n"; }
+template <typename M, typename... Types>
+concept NoneOf = !(std::same_as<M, Types> || ...);
+/// A model of few numbers, which are a uniform that its formula reads.
+template <typename M>
+concept OfFewNumbers = NoneOf<M, Flat, MerlTable, BsdfTables, PmModel, SuModel, BsdfModel>;
+template <OfFewNumbers M> std::string macros(const M&) { return "#define VALUE model_value(wl, wv)\n"; }
 
-template <typename M, typename... Of>
-concept OneOf = (std::same_as<M, Of> || ...);
-/// The code that precedes material.glsl. It has these itself.
-template <OneOf<Flat, MerlTable, PmModel, SuModel, GgxModel, OpenPbrModel> M> std::string code_of(const M&) {
-    return {};
-}
-template <typename M> std::string code_of(const M& model) {
+std::string uniform_name(const Model& model) { return fmt::format("{}_numbers", kind(model)); }
+
+/// The code that precedes material.glsl.
+template <typename M> std::string code_of(const M&) { return {}; }
+template <OfFewNumbers M> std::string code_of(const M& formula) {
+    const Model model{formula, {}};
     std::size_t count = 0;
-    const std::string statements = formula_text({model, {}}, [&](float, auto, auto) {
+    const std::string statements = formula_text(model, [&](float, auto, auto) {
         const std::size_t i = count++;
-        return fmt::format("model_numbers[{}].{}", i / 4, "xyzw"[i % 4]);
+        return fmt::format("{}[{}].{}", uniform_name(model), i / 4, "xyzw"[i % 4]);
     });
-    return fmt::format("uniform vec4 model_numbers[{}];\nVec3 model_value(Vec3 wl, Vec3 wv) {{\n{}}}\n",
+    return fmt::format("uniform vec4 {}[{}];\nVec3 model_value(Vec3 wl, Vec3 wv) {{\n{}}}\n", uniform_name(model),
                        (count + 3) / 4, statements);
 }
 std::string code_of(const BsdfTables& tables) { return beam_code("material", tables.beam, CodeLanguage::glsl); }
 std::string code_of(const BsdfModel& bsdf) {
     const Model model{bsdf, {}};
     const auto code = shading_code(std::vector<NamedModel>{{"material", &model}}, "material");
-    assert(code.ok());  // parts are not view by view
+    assert(code.ok());  // only view-by-view models are errors
     return code.ok() ? *code : std::string();
 }
 
@@ -136,17 +141,17 @@ std::string version_text(Dialect dialect) {
 }
 
 std::string brdf_text(const Material& material, bool open) {
-    const std::string of_shape = std::visit(
-        [open](const auto& of) {
-            if constexpr (std::is_same_v<decltype(of), const PmModel&>)
-                return shape(of, open && has_open_text(of));
+    const std::string macro_text = std::visit(
+        [open](const auto& content) {
+            if constexpr (std::is_same_v<decltype(content), const PmModel&>)
+                return macros(content, open && has_open_text(content));
             else
-                return shape(of);
+                return macros(content);
         },
         material);
-    const std::string code = std::visit([](const auto& of) { return code_of(of); }, material);
-    return fmt::format("#define SIDES {}\n", is_two_sided(material) ? 2 : 1) + of_shape + k_host_text + k_kernel_text +
-           code + k_material_text;
+    const std::string code = std::visit([](const auto& content) { return code_of(content); }, material);
+    return fmt::format("#define SIDES {}\n", is_two_sided(material) ? 2 : 1) + macro_text + k_host_text +
+           k_kernel_text + code + k_material_text;
 }
 
 std::string proposal_text(int parts) {
@@ -156,71 +161,49 @@ std::string proposal_text(int parts) {
 }
 
 Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options) {
-    std::vector<MixtureProposal> of_parts;
-    for (std::size_t p = 0; p < k_parts; ++p) of_parts.push_back(propose(part_of(bsdf, Part(p)), options));
-    return Proposals(std::move(of_parts));
+    std::vector<MixtureProposal> proposals;
+    for (std::size_t p = 0; p < k_parts; ++p) proposals.push_back(propose(part_of(bsdf, Part(p)), options));
+    return Proposals(std::move(proposals));
 }
 
 ProposalNumbers proposal_numbers(const Proposals& proposals) {
     ProposalNumbers all;
-    for (const MixtureProposal& of : proposals.of_part) {
+    for (const MixtureProposal& proposal : proposals.of_part) {
         for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
-            const auto numbers = of.numbers(node);
+            const auto numbers = numbers_of(proposal, node);
             all.nodes.insert(all.nodes.end(), numbers.begin(), numbers.end());
             all.nodes.resize(all.nodes.size() + std::size_t(4 * k_node_vectors) - numbers.size());
         }
-        all.grains.push_back({of.cosine, of.sine});
+        all.grains.push_back({proposal.cosine, proposal.sine});
     }
     return all;
 }
 
 namespace {
 
-template <OneOf<Flat, MerlTable, PmModel, SuModel, BsdfModel, BsdfTables> M> Uniform uniform_of(const M&) { return {}; }
-Uniform uniform_of(const GgxModel& model) {
-    Uniform of{"ggx_numbers", {{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
-    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
-        const GgxModel::Lobe& lobe = model.lobes[i];
-        of.numbers[1 + i] = {lobe.f0.r, lobe.f0.g, lobe.f0.b, lobe.roughness};
-        of.numbers[3 * i][3] = lobe.f90;
-    }
-    return of;
-}
-Uniform uniform_of(const OpenPbrModel& model) {
-    const auto of = kernel_surface(model);
-    const auto film = kernel_film(model);
-    const auto anisotropy = kernel_anisotropy(model);
-    return {"openpbr_numbers",
-            {{of.base_color.x, of.base_color.y, of.base_color.z, of.base_metalness},
-             {of.base_diffuse_roughness, of.specular_weight, of.specular_color.x, of.specular_color.y},
-             {of.specular_color.z, of.specular_roughness, of.specular_ior, of.coat_weight},
-             {of.coat_color.x, of.coat_color.y, of.coat_color.z, of.coat_roughness},
-             {of.coat_ior, of.coat_darkening, of.fuzz_weight, of.fuzz_color.x},
-             {of.fuzz_color.y, of.fuzz_color.z, of.fuzz_roughness, model.is_exchanged ? 1.f : 0.f},
-             {film.weight, film.thickness, film.ior, 0},
-             {anisotropy.amount, anisotropy.cosine, anisotropy.sine, 0}}};
-}
-template <typename M> Uniform uniform_of(const M& model) {
-    Uniform of{"model_numbers", {}};
+template <typename M> Uniform uniform_of(const M&) { return {}; }
+template <OfFewNumbers M> Uniform uniform_of(const M& formula) {
+    const Model model{formula, {}};
+    Uniform uniform{uniform_name(model), {}};
     std::size_t count = 0;
-    formula_text({model, {}}, [&](float x, auto, auto) {
-        if (count % 4 == 0) of.numbers.emplace_back();
-        of.numbers.back()[count++ % 4] = x;
+    formula_text(model, [&](float x, auto, auto) {
+        if (count % 4 == 0) uniform.numbers.emplace_back();
+        uniform.numbers.back()[count++ % 4] = x;
         return std::string();
     });
-    return of;
+    return uniform;
 }
 
 }  // namespace
 
 Uniform uniform_of(const Material& material) {
-    return std::visit([](const auto& of) { return uniform_of(of); }, material);
+    return std::visit([](const auto& content) { return uniform_of(content); }, material);
 }
 
-std::vector<Float4> pm_numbers(const PmModel& of, bool open) {
+std::vector<Float4> pm_numbers(const PmModel& original, bool open) {
     using Formulas = Kernel<float>;
-    open = open && has_open_text(of);
-    const PmModel model = open ? filled(widened(of)) : of;
+    open = open && has_open_text(original);
+    const PmModel model = open ? add_black_lobes(widen(original)) : original;
     const int J = model.lobes, N = model.variates, F = features(model.form);
     std::vector<Float4> numbers;
     for (int j = 0; j < J; ++j) {
@@ -244,7 +227,7 @@ std::vector<Float4> pm_numbers(const PmModel& of, bool open) {
             numbers.back()[std::size_t(n % 4)] = open && Formulas::pm_down(model, j, n) ? -log2_falloff : log2_falloff;
         }
     for (const Parameterization& weights : model.parameterization)
-        numbers.push_back({weights.a, weights.b, open ? float(of.lobes) : 0, 0});
+        numbers.push_back({weights.a, weights.b, open ? float(original.lobes) : 0, 0});
     return numbers;
 }
 
@@ -257,9 +240,9 @@ SuTexels su_texels(const SuModel& model) {
         texels.directions.push_back({w.x, w.y, w.z, 0});
         for (std::size_t j = i * J; j < (i + 1) * J; ++j) {
             const Rgb& beta = model.coefficient[j];
-            const Vec3f apart = model.centre[j] - mirror(w);
+            const Vec3f shift = model.centre[j] - mirror(w);
             texels.numbers.push_back({to_half(beta.r), to_half(beta.g), to_half(beta.b), to_half(model.bandwidth[j])});
-            texels.numbers.push_back({to_half(apart.x), to_half(apart.y), to_half(apart.z),
+            texels.numbers.push_back({to_half(shift.x), to_half(shift.y), to_half(shift.z),
                                       model.shape.empty() ? std::uint16_t(0) : to_half(model.shape[j])});
         }
     }
@@ -274,7 +257,7 @@ std::vector<Float4> merl_texels(const BsdfTables& tables) {
     const auto [h, d, p] = size_of(tables);
     std::vector<Float4> texels;
     for (std::size_t part = 0; part < k_parts; ++part) {
-        // Tables take light and viewer to be exchangeable.
+        // Light and viewer need not be exchanged, since tables are reciprocal.
         if (const MerlTable* table = answering(tables.part, Part(part)).brdf) {
             const auto own = merl_texels(*table);
             texels.insert(texels.end(), own.begin(), own.end());

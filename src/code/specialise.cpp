@@ -20,132 +20,136 @@ Function* function_named(Program& program, const std::string& name) {
 
 // ---- Constants ---------------------------------------------------------------------------------------------------
 
-std::optional<int> whole(const Expression& of) {
-    if (of.kind != EKind::number || of.type.name != "int") return {};
+std::optional<int> integer_value(const Expression& expression) {
+    if (expression.kind != EKind::number || expression.type.name != "int") return {};
     int number = 0;
-    std::from_chars(of.text.data(), of.text.data() + of.text.size(), number);
+    std::from_chars(expression.text.data(), expression.text.data() + expression.text.size(), number);
     return number;
 }
-std::optional<bool> truth(const Expression& of) {
-    if (of.kind != EKind::number || of.type.name != "bool") return {};
-    return of.text == "true";
+std::optional<bool> truth_value(const Expression& expression) {
+    if (expression.kind != EKind::number || expression.type.name != "bool") return {};
+    return expression.text == "true";
 }
-Expression whole_number(int number) {
+Expression integer(int number) {
     const Expression digits{EKind::number, std::to_string(std::abs(number)), {}, {"int", ""}};
     return number < 0 ? Expression{EKind::unary, "-", {digits}, digits.type} : digits;
 }
-Expression truth_of(bool holds) { return {EKind::number, holds ? "true" : "false", {}, {"bool", ""}}; }
+Expression truth(bool value) { return {EKind::number, value ? "true" : "false", {}, {"bool", ""}}; }
 
-std::optional<Expression> folded_pair(const Expression& of) {
-    const Expression &left = of.parts[0], &right = of.parts[1];
-    if (of.text == "&&" || of.text == "||") {
-        const bool decides = of.text == "||";  // the truth of one side that decides
+std::optional<Expression> fold_binary(const Expression& binary) {
+    const Expression &left = binary.parts[0], &right = binary.parts[1];
+    const std::string& sign = binary.text;
+    if (sign == "&&" || sign == "||") {
+        const bool deciding = sign == "||";  // the value of one operand that decides the result
         for (const int i : {0, 1})
-            if (const auto known = truth(of.parts[std::size_t(i)]))
-                return *known == decides ? truth_of(decides) : of.parts[std::size_t(1 - i)];
+            if (const auto known = truth_value(binary.parts[std::size_t(i)]))
+                return *known == deciding ? truth(deciding) : binary.parts[std::size_t(1 - i)];
         return {};
     }
-    const auto a = whole(left), b = whole(right);
+    const auto a = integer_value(left), b = integer_value(right);
     if (a && b) {
-        if (of.text == "+") return whole_number(*a + *b);
-        if (of.text == "-") return whole_number(*a - *b);
-        if (of.text == "*") return whole_number(*a * *b);
-        if (of.text == "/" && *b != 0) return whole_number(*a / *b);
-        if (of.text == "<") return truth_of(*a < *b);
-        if (of.text == ">") return truth_of(*a > *b);
-        if (of.text == "<=") return truth_of(*a <= *b);
-        if (of.text == ">=") return truth_of(*a >= *b);
-        if (of.text == "==") return truth_of(*a == *b);
+        if (sign == "+") return integer(*a + *b);
+        if (sign == "-") return integer(*a - *b);
+        if (sign == "*") return integer(*a * *b);
+        if (sign == "/" && *b != 0) return integer(*a / *b);
+        if (sign == "<") return truth(*a < *b);
+        if (sign == ">") return truth(*a > *b);
+        if (sign == "<=") return truth(*a <= *b);
+        if (sign == ">=") return truth(*a >= *b);
+        if (sign == "==") return truth(*a == *b);
     }
-    if (of.text == "+" && b == 0) return left;
-    if (of.text == "*" && b == 1) return left;
-    if (of.text == "*" && a == 1) return right;
+    if (sign == "+" && b == 0) return left;
+    if (sign == "*" && b == 1) return left;
+    if (sign == "*" && a == 1) return right;
     return {};
 }
 
-void fold(Expression& of) {
+/// Replaces an expression by a simpler one, if its parts are known.
+void fold(Expression& expression) {
+    const Expressions& parts = expression.parts;
     std::optional<Expression> simpler;
-    if (of.kind == EKind::binary) simpler = folded_pair(of);
-    if (of.kind == EKind::conditional)
-        if (const auto known = truth(of.parts[0])) simpler = of.parts[*known ? 1 : 2];
-    if (of.kind == EKind::member && of.parts[0].kind == EKind::call && of.parts[0].text == "Vec3")
-        simpler = of.parts[0].parts[of.text == "x" ? 0 : of.text == "y" ? 1 : 2];
-    if (of.kind == EKind::unary && of.text == "!")
-        if (const auto known = truth(of.parts[0])) simpler = truth_of(!*known);
-    if (simpler) of = Expression(*simpler);
+    if (expression.kind == EKind::binary) simpler = fold_binary(expression);
+    if (expression.kind == EKind::conditional)
+        if (const auto known = truth_value(parts[0])) simpler = parts[*known ? 1 : 2];
+    if (expression.kind == EKind::member && parts[0].kind == EKind::call && parts[0].text == "Vec3")
+        simpler = parts[0].parts[expression.text == "x" ? 0 : expression.text == "y" ? 1 : 2];
+    if (expression.kind == EKind::unary && expression.text == "!")
+        if (const auto known = truth_value(parts[0])) simpler = truth(!*known);
+    if (simpler) expression = Expression(*simpler);
 }
 
-void decide(Body& body) {
-    Body decided;
+/// Replaces branches on known conditions by their statements, and removes empty loops.
+void decide_branches(Body& body) {
+    Body result;
     for (Statement& statement : body) {
-        decide(statement.body);
-        decide(statement.otherwise);
+        decide_branches(statement.body);
+        decide_branches(statement.otherwise);
         if (statement.kind == SKind::branch) {
-            if (const auto known = truth(statement.values[0])) {
+            if (const auto known = truth_value(statement.values[0])) {
                 for (Statement& chosen : *known ? statement.body : statement.otherwise)
-                    decided.push_back(std::move(chosen));
+                    result.push_back(std::move(chosen));
                 continue;
             }
         }
         if (statement.kind == SKind::loop) {
-            const auto first = whole(statement.values[0]), end = whole(statement.values[1]);
+            const auto first = integer_value(statement.values[0]), end = integer_value(statement.values[1]);
             if (statement.body.empty() || (first && end && *first >= *end)) continue;
         }
-        decided.push_back(std::move(statement));
+        result.push_back(std::move(statement));
     }
-    body = std::move(decided);
+    body = std::move(result);
 }
 
 // ---- Functions ---------------------------------------------------------------------------------------------------
 
-/// Replaces names by expressions.
-void substitute(Expression& in, const std::vector<Variable>& names, const Expressions& by) {
-    visit_expression(in, [&](Expression& of) {
-        if (of.kind != EKind::name) return;
-        const auto found = std::ranges::find(names, of.text, &Variable::name);
-        if (found != names.end()) of = Expression(by[std::size_t(found - names.begin())]);
+/// Replaces names in an expression by values.
+void substitute(Expression& expression, const std::vector<Variable>& names, const Expressions& values) {
+    visit_expression(expression, [&](Expression& part) {
+        if (part.kind != EKind::name) return;
+        const auto found = std::ranges::find(names, part.text, &Variable::name);
+        if (found != names.end()) part = Expression(values[std::size_t(found - names.begin())]);
     });
 }
 
-/// Replaces calls of accessors by their values; an accessor may call those before it.
+/// Replaces calls of accessors by their values. An accessor may call earlier ones.
 void replace_accessors(Program& program) {
-    const auto replaced = [&](Expression& of) {
-        if (of.kind != EKind::call) return;
-        const Function* accessor = function_named(program, of.text);
+    const auto replace = [&](Expression& call) {
+        if (call.kind != EKind::call) return;
+        const Function* accessor = function_named(program, call.text);
         if (!accessor || !accessor->is_accessor) return;
         Expression value = accessor->body[0].values[0];
-        substitute(value, accessor->parameters, of.parts);
-        of = std::move(value);
+        substitute(value, accessor->parameters, call.parts);
+        call = std::move(value);
     };
-    for (Function& function : program.functions) visit_expressions(function.body, replaced);
+    for (Function& function : program.functions) visit_expressions(function.body, replace);
     std::erase_if(program.functions, [](const Function& function) { return function.is_accessor; });
 }
 
-/// Parameters and arguments of structures that are handles.
+/// Removes handles from parameters and arguments.
 void remove_handles(Program& program) {
     const auto is_handle = [&](const Type& type) {
         const auto found = std::ranges::find(program.structures, type.name, &Structure::name);
         return found != program.structures.end() && found->members.empty();
     };
     for (Function& function : program.functions) {
-        std::erase_if(function.parameters, [&](const Variable& of) { return is_handle(of.type); });
-        visit_expressions(function.body, [&](Expression& of) {
-            if (of.kind != EKind::call) return;
-            std::erase_if(of.parts, [&](const Expression& argument) { return is_handle(argument.type); });
+        std::erase_if(function.parameters, [&](const Variable& parameter) { return is_handle(parameter.type); });
+        visit_expressions(function.body, [&](Expression& call) {
+            if (call.kind != EKind::call) return;
+            std::erase_if(call.parts, [&](const Expression& argument) { return is_handle(argument.type); });
         });
     }
-    std::erase_if(program.structures, [](const Structure& of) { return of.members.empty(); });
+    std::erase_if(program.structures, [](const Structure& structure) { return structure.members.empty(); });
 }
 
 /// Calls visit(call) for every call of the function.
 template <typename Visit> void visit_calls(Program& program, const std::string& name, const Visit& visit) {
     for (Function& caller : program.functions)
-        visit_expressions(caller.body, [&](Expression& of) {
-            if (of.kind == EKind::call && of.text == name) visit(of);
+        visit_expressions(caller.body, [&](Expression& expression) {
+            if (expression.kind == EKind::call && expression.text == name) visit(expression);
         });
 }
 
-/// A parameter for which all calls pass the same number becomes that number.
+/// Replaces parameters for which all calls pass the same number by that number.
 void replace_constant_parameters(Program& program, const std::vector<std::string>& roots) {
     for (Function& function : program.functions) {
         if (std::ranges::find(roots, function.name) != roots.end()) continue;
@@ -157,7 +161,7 @@ void replace_constant_parameters(Program& program, const std::vector<std::string
             if (!std::ranges::all_of(calls, [&](const Expression* call) { return call->parts[i] == argument; }))
                 continue;
             visit_expressions(function.body,
-                              [&](Expression& of) { substitute(of, {function.parameters[i]}, {argument}); });
+                              [&](Expression& part) { substitute(part, {function.parameters[i]}, {argument}); });
             function.parameters.erase(function.parameters.begin() + std::ptrdiff_t(i));
             for (Expression* call : calls) call->parts.erase(call->parts.begin() + std::ptrdiff_t(i));
         }
@@ -168,19 +172,18 @@ void remove_unread_parameters(Program& program, const std::vector<std::string>& 
     for (Function& function : program.functions) {
         if (std::ranges::find(roots, function.name) != roots.end()) continue;
         std::set<std::string> read;
-        visit_expressions(function.body, [&](const Expression& of) {
-            if (of.kind == EKind::name) read.insert(of.text);
+        visit_expressions(function.body, [&](const Expression& part) {
+            if (part.kind == EKind::name) read.insert(part.text);
         });
-        for (std::size_t i = function.parameters.size(); i-- > 0;) {
-            if (read.contains(function.parameters[i].name)) continue;
-            const auto at = std::ptrdiff_t(i);
-            function.parameters.erase(function.parameters.begin() + at);
-            visit_calls(program, function.name, [at](Expression& call) { call.parts.erase(call.parts.begin() + at); });
+        for (auto i = std::ptrdiff_t(function.parameters.size()); i-- > 0;) {
+            if (read.contains(function.parameters[std::size_t(i)].name)) continue;
+            function.parameters.erase(function.parameters.begin() + i);
+            visit_calls(program, function.name, [i](Expression& call) { call.parts.erase(call.parts.begin() + i); });
         }
     }
 }
 
-/// Calls of functions that return their only parameter become the argument, also where a variable is between the two.
+/// Replaces calls of functions that return their only parameter, directly or through a variable, by the argument.
 void remove_identities(Program& program, const std::vector<std::string>& roots) {
     for (Function& function : program.functions) {
         Body& body = function.body;
@@ -198,11 +201,11 @@ void remove_identities(Program& program, const std::vector<std::string>& roots) 
     }
 }
 
-/// Removes variables that are never read, with what is assigned to them.
-void remove_unread(Function& function) {
+/// Removes variables that are never read, and assignments to them.
+void remove_unread_variables(Function& function) {
     std::set<std::string> read;
-    const auto reads = [&](const Expression& of) {
-        if (of.kind == EKind::name) read.insert(of.text);
+    const auto reads = [&](const Expression& part) {
+        if (part.kind == EKind::name) read.insert(part.text);
     };
     visit_statements(function.body, [&](const Statement& statement) {
         for (std::size_t i = statement.kind == SKind::assign ? 1 : 0; i < statement.values.size(); ++i)
@@ -215,7 +218,7 @@ void remove_unread(Function& function) {
     });
     const auto is_unread = [&](const Statement& statement) {
         if (statement.kind == SKind::declare) return !read.contains(statement.name);
-        return statement.kind == SKind::assign && !read.contains(assigned(statement.values[0]));
+        return statement.kind == SKind::assign && !read.contains(assigned_variable(statement.values[0]));
     };
     std::erase_if(function.body, is_unread);
     visit_statements(function.body, [&](Statement& statement) {
@@ -224,24 +227,24 @@ void remove_unread(Function& function) {
     });
 }
 
-/// Removes what no root reaches.
+/// Removes definitions that no root needs.
 void remove_unreachable(Program& program, const std::vector<std::string>& roots) {
     std::set<std::string> reached(roots.begin(), roots.end());
     const auto needs = [&](const Type& type) { reached.insert(type.name); };
-    for (std::size_t i = program.functions.size(); i-- > 0;) {  // what calls comes after what is called
+    for (std::size_t i = program.functions.size(); i-- > 0;) {  // callers follow the functions that they call
         const Function& function = program.functions[i];
         if (!reached.contains(function.name)) continue;
         needs(function.type);
-        for (const Variable& of : function.parameters) needs(of.type);
-        visit_statements(function.body, [&](const Statement& of) { needs(of.type); });
-        visit_expressions(function.body, [&](const Expression& of) {
-            if (of.kind == EKind::call || of.kind == EKind::name) reached.insert(of.text);
+        for (const Variable& parameter : function.parameters) needs(parameter.type);
+        visit_statements(function.body, [&](const Statement& statement) { needs(statement.type); });
+        visit_expressions(function.body, [&](const Expression& part) {
+            if (part.kind == EKind::call || part.kind == EKind::name) reached.insert(part.text);
         });
     }
     for (std::size_t i = program.structures.size(); i-- > 0;)
         if (reached.contains(program.structures[i].name))
             for (const Variable& member : program.structures[i].members) needs(member.type);
-    const auto is_unreached = [&](const auto& of) { return !reached.contains(of.name); };
+    const auto is_unreached = [&](const auto& definition) { return !reached.contains(definition.name); };
     std::erase_if(program.functions, is_unreached);
     std::erase_if(program.structures, is_unreached);
     std::erase_if(program.tables, is_unreached);
@@ -271,8 +274,8 @@ void specialise(Program& program, const std::vector<std::string>& roots) {
         remove_identities(program, roots);
         for (Function& function : program.functions) {
             visit_expressions(function.body, fold);
-            decide(function.body);
-            remove_unread(function);
+            decide_branches(function.body);
+            remove_unread_variables(function);
         }
         remove_unreachable(program, roots);
     }

@@ -8,20 +8,21 @@
 
 namespace srbf::syntax {
 
-/// The language is what kernel.glsl uses of GLSL: numbers, vectors of three and fixed arrays of them, structures,
-/// functions without side effects, declarations, assignments, `if`, loops `for (int i = first; i < end; ++i)` and
-/// `return`.
+// The language is the subset of GLSL that kernel.glsl uses: numbers, vectors of three and fixed arrays of them,
+// structures, functions without side effects, declarations, assignments, `if`, loops
+// `for (int i = first; i < end; ++i)` and `return`.
+
 struct Type {
-    std::string name;  ///< "Real", "Vec3", "int", "bool", "void" or that of a structure
-    std::string size;  ///< of an array: a number; otherwise empty
+    std::string name;  ///< "Real", "Vec3", "int", "bool", "void" or the name of a structure
+    std::string size;  ///< the number of elements of an array; otherwise empty
     friend bool operator==(const Type&, const Type&) = default;
 };
 
 struct Expression {
     enum class Kind {
-        number,       ///< `text` as written; "true" and "false" too
-        name,         ///< of a variable, a parameter or a table
-        call,         ///< of the function `text`, or of a type as constructor
+        number,       ///< `text`; also "true" and "false"
+        name,         ///< the variable, parameter or table `text`
+        call,         ///< a call of the function or the constructor `text`
         member,       ///< parts[0].text
         index,        ///< parts[0][parts[1]]
         unary,        ///< the operator `text`
@@ -37,14 +38,14 @@ struct Expression {
 
 struct Statement {
     enum class Kind {
-        declare,  ///< variable `name` of `type`, with values[0] if there is one
+        declare,  ///< `type` `name` = values[0], if there is a value
         assign,   ///< values[0] = values[1]
         branch,   ///< if (values[0]) body else otherwise
         loop,     ///< for (int `name` = values[0]; `name` < values[1]; ++`name`) body
         result,   ///< return values[0]
     };
     Kind kind = Kind::result;
-    std::string comment;  ///< the lines above it, without slashes
+    std::string comment;  ///< the comment above the statement, without slashes
     Type type;
     std::string name;
     std::vector<Expression> values;
@@ -61,13 +62,13 @@ struct Structure {
     std::vector<Variable> members;
 };
 
-/// Constant numbers; without any, those that the host supplies by a function of that name.
+/// Constant numbers. The host supplies the numbers of an empty table by a function of that name.
 struct Table {
     std::string comment, name;
     std::vector<float> numbers;
-    std::size_t columns = 8;  ///< numbers of a printed line
-    /// Of a model's numbers the parameter (base/parameters.h), after a minus for its negative, and the index; without a name it
-    /// follows from several.
+    std::size_t columns = 8;  ///< numbers in a printed line
+    /// For each of a model's numbers, the name of its parameter (base/parameters.h), which follows a minus if the
+    /// number is negated, and the index. The name is empty if the number depends on several parameters.
     std::vector<std::pair<std::string, std::size_t>> sources = {};
 
     void add(float x, std::string_view parameter, std::size_t index) {
@@ -79,33 +80,33 @@ struct Function {
     std::string comment, name;
     Type type;
     std::vector<Variable> parameters;
-    std::vector<Statement> body;  ///< empty: the host supplies it, and it must be a root
-    bool is_accessor = false;     ///< to be replaced by the value that it returns
+    std::vector<Statement> body;  ///< empty for a root that the host supplies
+    bool is_accessor = false;     ///< calls are replaced by the value that the function returns
 };
 
-/// Everything is defined before its use.
+/// A program, in which everything is defined before its use.
 struct Program {
     std::vector<Structure> structures;
     std::vector<Table> tables;
     std::vector<Function> functions;
 };
 
-/// Adds the definitions of `text` to `program`. A `#define NAME VALUE` has no effect if `defines` has the name, and is
-/// added to it otherwise. A text that is not in the language is an error of the programmer.
+/// Adds the definitions of `text` to `program`. A `#define NAME VALUE` is added to `defines` unless that has the name.
+/// Text that is not in the language is an error of the programmer.
 void parse(std::string_view text, Program& program, std::map<std::string, std::string>& defines,
            bool as_accessors = false);
 
-/// Reduces `program` to what the functions `roots` need: accessors and constant arguments are replaced by their values,
-/// conditions on constants decided, variables that nothing reads and functions that nothing calls removed. Parameters
-/// of the structures without members, handles of a model whose numbers are tables, are removed.
+/// Reduces `program` to what the functions `roots` need. Replaces accessors and constant arguments by their values,
+/// decides conditions on constants, and removes variables that nothing reads, functions that nothing calls, and
+/// handles: structures without members, which stand for a model whose numbers are tables.
 void specialise(Program& program, const std::vector<std::string>& roots);
 
-/// The variable that an assignment to `target` changes.
-inline const std::string& assigned(const Expression& target) {
-    return target.kind == Expression::Kind::name ? target.text : assigned(target.parts[0]);
+/// The name of the variable that an assignment to `target` changes.
+inline const std::string& assigned_variable(const Expression& target) {
+    return target.kind == Expression::Kind::name ? target.text : assigned_variable(target.parts[0]);
 }
 
-/// Calls visit(expression) for every expression, the parts of an expression before itself.
+/// Calls visit(expression) for every expression; for its parts first.
 template <typename E, typename Visit> void visit_expression(E& expression, const Visit& visit) {
     for (auto& part : expression.parts) visit_expression(part, visit);
     visit(expression);

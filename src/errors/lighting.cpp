@@ -1,20 +1,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brdf/values.h"
 #include "errors/sphere.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
 
-/// 0 up to a, 1 from b on, smooth between.
+/// 0 for x ≤ a, 1 for x ≥ b, and smooth between.
 double smooth_step(double a, double b, double x) {
     x = std::clamp((x - a) / (b - a), 0.0, 1.0);
     return x * x * (3 - 2 * x);
 }
 
-constexpr double k_horizon_height = 0.1;  ///< height between sky and ground
-constexpr double k_soft_edge = 0.1;       ///< of a source, relative to the cosine's range over it
+constexpr double k_horizon_height = 0.1;  ///< sky and ground blend within this height above and below the horizon
+constexpr double k_soft_edge = 0.1;       ///< the soft edge of a source, as a share of the cosine's range over it
 
 }  // namespace
 
@@ -24,7 +25,7 @@ Rgb radiance(const Lighting& lighting, Vec3d w) {
     for (const Lighting::Source& source : lighting.sources) {
         if (source.radius == 0) continue;
         const double cosine = dot(w, source.direction), radius = source.radius * k_degree;
-        if (cosine <= 1 - radius * radius / 2) continue;  // below cos(radius), for most directions
+        if (cosine <= 1 - radius * radius / 2) continue;  // a fast bound: 1 − r²/2 < cos r
         const double edge = elementary::cos(radius);
         if (cosine <= edge) continue;
         const double share = smooth_step(edge, edge + k_soft_edge * (1 - edge), cosine);

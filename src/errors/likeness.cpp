@@ -5,72 +5,71 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 
 #include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
 
-/// An image with one number per pixel.
 struct Plane {
     int width, height;
     std::vector<double> x;
     Plane(int w, int h) : width(w), height(h), x(std::size_t(w) * std::size_t(h)) {}
 };
-Plane combined(const Plane& a, const Plane& b, const auto& of) {
-    Plane out(a.width, a.height);
-    for (std::size_t i = 0; i < out.x.size(); ++i) out.x[i] = of(a.x[i], b.x[i]);
-    return out;
+Plane combine(const Plane& a, const Plane& b, const auto& operation) {
+    Plane result(a.width, a.height);
+    for (std::size_t i = 0; i < result.x.size(); ++i) result.x[i] = operation(a.x[i], b.x[i]);
+    return result;
 }
 
 /// Weights at −r..r.
 using Filter = std::vector<double>;
 
-Filter sampled(int radius, const std::function<double(double)>& of) {
+Filter sample_filter(int radius, const std::function<double(double)>& weight) {
     Filter filter;
-    for (int i = -radius; i <= radius; ++i) filter.push_back(of(i));
+    for (int i = -radius; i <= radius; ++i) filter.push_back(weight(i));
     return filter;
 }
-double sum(const Filter& filter) {
-    double total = 0;
-    for (const double w : filter) total += w;
-    return total;
-}
+double sum(const std::vector<double>& numbers) { return std::accumulate(numbers.begin(), numbers.end(), 0.0); }
 Filter gaussian_filter(int radius, double sigma) {
-    Filter filter = sampled(radius, [&](double x) { return elementary::exp(-x * x / (2 * sigma * sigma)); });
+    Filter filter = sample_filter(radius, [&](double x) { return elementary::exp(-x * x / (2 * sigma * sigma)); });
     const double whole = sum(filter);
     for (double& w : filter) w /= whole;
     return filter;
 }
 
-void add_scaled(double* to, const double* from, double factor, int count) {
-    for (int i = 0; i < count; ++i) to[i] += factor * from[i];
+void add_scaled(double* sum, const double* x, double factor, int count) {
+    for (int i = 0; i < count; ++i) sum[i] += factor * x[i];
 }
 
-/// Correlation with `across` along rows and `down` along columns; the border pixels are repeated beyond the border.
-Plane filtered(const Plane& plane, const Filter& across, const Filter& down) {
+/// Correlates rows with `horizontal` and columns with `vertical`; border pixels are repeated beyond the border.
+Plane correlate(const Plane& plane, const Filter& horizontal, const Filter& vertical) {
     const int width = plane.width, height = plane.height;
-    const auto row = [width](auto& of, int y) { return of.x.data() + std::size_t(y) * std::size_t(width); };
-    Plane between(width, height), to(width, height);
-    const auto radius = across.size() / 2;
+    const auto row = [width](auto& image, int y) { return image.x.data() + std::size_t(y) * std::size_t(width); };
+    Plane filtered_rows(width, height), result(width, height);
+    const auto radius = horizontal.size() / 2;
     for (int y = 0; y < height; ++y) {
-        const double* const from = row(plane, y);
-        std::vector<double> line(radius, from[0]);
-        line.insert(line.end(), from, from + width);
-        line.insert(line.end(), radius, from[width - 1]);
-        for (std::size_t i = 0; i < across.size(); ++i) add_scaled(row(between, y), &line[i], across[i], width);
+        const double* const source = row(plane, y);
+        std::vector<double> padded(radius, source[0]);
+        padded.insert(padded.end(), source, source + width);
+        padded.insert(padded.end(), radius, source[width - 1]);
+        for (std::size_t i = 0; i < horizontal.size(); ++i)
+            add_scaled(row(filtered_rows, y), &padded[i], horizontal[i], width);
     }
     for (int y = 0; y < height; ++y)
-        for (std::size_t i = 0; i < down.size(); ++i) {
-            const int v = std::clamp(y + int(i) - int(down.size() / 2), 0, height - 1);
-            add_scaled(row(to, y), row(between, v), down[i], width);
+        for (std::size_t i = 0; i < vertical.size(); ++i) {
+            const int v = std::clamp(y + int(i) - int(vertical.size() / 2), 0, height - 1);
+            add_scaled(row(result, y), row(filtered_rows, v), vertical[i], width);
         }
-    return to;
+    return result;
 }
 
 using Triplet = std::array<double, 3>;
 
-/// CIE XYZ of linear sRGB relative to white.
+// The constants up to `flip_errors` are those of the reference implementation of ꟻLIP (see `flip_map`).
+
+/// Linear sRGB as CIE XYZ, each divided by that of white.
 Triplet to_relative_xyz(const Triplet& rgb) {
     constexpr double m[3][3] = {
         {0.412391, 0.357584, 0.180481}, {0.212639, 0.715169, 0.072192}, {0.019331, 0.119195, 0.950532}};
@@ -79,7 +78,6 @@ Triplet to_relative_xyz(const Triplet& rgb) {
         xyz[i] = (m[i][0] * rgb[0] + m[i][1] * rgb[1] + m[i][2] * rgb[2]) / (m[i][0] + m[i][1] + m[i][2]);
     return xyz;
 }
-/// The inverse.
 Triplet to_linear_rgb(const Triplet& relative) {
     const double x = 0.950456 * relative[0], y = relative[1], z = 1.089058 * relative[2];
     return {3.240970 * x - 1.537383 * y - 0.498611 * z, -0.969244 * x + 1.875968 * y + 0.041555 * z,
@@ -103,8 +101,8 @@ Triplet hunt_lab(const Triplet& rgb) {
 double colour_distance(const Triplet& a, const Triplet& b) {
     return elementary::pow(std::abs(a[0] - b[0]) + elementary::hypot(a[1] - b[1], a[2] - b[2]), 0.7);
 }
-/// That distance mapped to [0, 1]: values up to 0.4 of the largest distance, green to blue, use 0.95 of the range.
-double redistributed(double distance) {
+/// Maps `colour_distance` to [0, 1]: values up to 0.4 of the largest distance, green to blue, use 0.95 of the range.
+double scale_distance(double distance) {
     static const double largest = colour_distance(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1}));
     const double knee = 0.4 * largest;
     return distance < knee ? 0.95 * distance / knee : 0.95 + 0.05 * (distance - knee) / (largest - knee);
@@ -112,8 +110,8 @@ double redistributed(double distance) {
 
 Triplet linear_rgb(const Rgb& colour) { return {double(colour.r), double(colour.g), double(colour.b)}; }
 
-/// The opponent colours Y, Cx, Cz of an image.
-template <typename Pixel> std::array<Plane, 3> opponent(const Picture<Pixel>& image) {
+/// Y, Cx, Cz.
+template <typename Pixel> std::array<Plane, 3> opponent_colours(const Picture<Pixel>& image) {
     const Plane blank(image.width, image.height);
     std::array<Plane, 3> planes{blank, blank, blank};
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
@@ -127,7 +125,7 @@ template <typename Pixel> std::array<Plane, 3> opponent(const Picture<Pixel>& im
 
 /// Filters each channel by the contrast sensitivity of the eye, Σ a √(π/b) e^{−π²x²/b} with x in degrees, and converts
 /// to the colours that `colour_distance` compares.
-std::vector<Triplet> seen(const std::array<Plane, 3>& planes, double pixels_per_degree) {
+std::vector<Triplet> perceived_colours(const std::array<Plane, 3>& planes, double pixels_per_degree) {
     struct Gaussian {
         double a, b;
     };
@@ -136,17 +134,17 @@ std::vector<Triplet> seen(const std::array<Plane, 3>& planes, double pixels_per_
     std::vector<Plane> resolved;
     for (std::size_t c = 0; c < 3; ++c) {
         Plane total(planes[c].width, planes[c].height);
-        double whole = 0;
+        double total_weight = 0;
         for (const auto& [a, b] : sensitivity[c]) {
-            const Filter filter = sampled(radius, [b = b, pixels_per_degree](double x) {
+            const Filter filter = sample_filter(radius, [b = b, pixels_per_degree](double x) {
                 return elementary::exp(-k_pi * k_pi * x * x / (pixels_per_degree * pixels_per_degree * b));
             });
             const double weight = a * std::sqrt(k_pi / b);
-            total = combined(total, filtered(planes[c], filter, filter),
-                             [&](double s, double x) { return s + weight * x; });
-            whole += weight * sum(filter) * sum(filter);
+            total = combine(total, correlate(planes[c], filter, filter),
+                            [&](double s, double x) { return s + weight * x; });
+            total_weight += weight * sum(filter) * sum(filter);
         }
-        for (double& x : total.x) x /= whole;
+        for (double& x : total.x) x /= total_weight;
         resolved.push_back(std::move(total));
     }
     std::vector<Triplet> colours;
@@ -159,28 +157,28 @@ std::vector<Triplet> seen(const std::array<Plane, 3>& planes, double pixels_per_
     return colours;
 }
 
-/// Gradient magnitudes of edges or points: `derivative` along one axis, with its positive and its negative weights each
-/// normalised to 1, and a Gaussian along the other.
-Plane features(const Plane& luma, double sigma, const std::function<double(double)>& derivative) {
+/// Magnitudes of edges or points: `derivative` is the filter along one axis, relative to a Gaussian, with positive and
+/// negative weights normalised to 1 each. The filter along the other axis is a Gaussian.
+Plane feature_map(const Plane& luma, double sigma, const std::function<double(double)>& derivative) {
     const int radius = int(std::ceil(3 * sigma));
     const Filter gaussian = gaussian_filter(radius, sigma);
-    Filter by =
-        sampled(radius, [&](double x) { return derivative(x) * elementary::exp(-x * x / (2 * sigma * sigma)); });
+    Filter edge =
+        sample_filter(radius, [&](double x) { return derivative(x) * elementary::exp(-x * x / (2 * sigma * sigma)); });
     double positive = 0, negative = 0;
-    for (const double w : by) (w > 0 ? positive : negative) += std::abs(w);
-    for (double& w : by) w /= w > 0 ? positive : negative;
-    return combined(filtered(luma, by, gaussian), filtered(luma, gaussian, by),
-                    [](double dx, double dy) { return elementary::hypot(dx, dy); });
+    for (const double w : edge) (w > 0 ? positive : negative) += std::abs(w);
+    for (double& w : edge) w /= w > 0 ? positive : negative;
+    return combine(correlate(luma, edge, gaussian), correlate(luma, gaussian, edge),
+                   [](double dx, double dy) { return elementary::hypot(dx, dy); });
 }
 
 struct Features {
     Plane edges, points;
 };
-Features features_of(Plane y, double pixels_per_degree) {
+Features detect_features(Plane y, double pixels_per_degree) {
     for (double& v : y.x) v = (v + 16) / 116;
     const double sigma = 0.5 * 0.082 * pixels_per_degree;
-    return {features(y, sigma, [](double x) { return -x; }),
-            features(y, sigma, [&](double x) { return x * x / (sigma * sigma) - 1; })};
+    return {feature_map(y, sigma, [](double x) { return -x; }),
+            feature_map(y, sigma, [&](double x) { return x * x / (sigma * sigma) - 1; })};
 }
 
 Plane luma(const Image8& image) {
@@ -192,21 +190,16 @@ Plane luma(const Image8& image) {
     return plane;
 }
 
-double mean(const std::vector<double>& map) {
-    double total = 0;
-    for (const double x : map) total += x;
-    return total / double(map.size());
-}
-
 template <typename Pixel>
-std::vector<double> flip_of(const Picture<Pixel>& reference, const Picture<Pixel>& other, double pixels_per_degree) {
+std::vector<double> flip_errors(const Picture<Pixel>& reference, const Picture<Pixel>& other,
+                                double pixels_per_degree) {
     assert(reference.width == other.width && reference.height == other.height);
-    const auto a = opponent(reference), b = opponent(other);
-    const auto seen_a = seen(a, pixels_per_degree), seen_b = seen(b, pixels_per_degree);
-    const Features fa = features_of(a[0], pixels_per_degree), fb = features_of(b[0], pixels_per_degree);
+    const auto a = opponent_colours(reference), b = opponent_colours(other);
+    const auto colours_a = perceived_colours(a, pixels_per_degree), colours_b = perceived_colours(b, pixels_per_degree);
+    const Features fa = detect_features(a[0], pixels_per_degree), fb = detect_features(b[0], pixels_per_degree);
     std::vector<double> map;
-    for (std::size_t i = 0; i < seen_a.size(); ++i) {
-        const double colour = redistributed(colour_distance(seen_a[i], seen_b[i]));
+    for (std::size_t i = 0; i < colours_a.size(); ++i) {
+        const double colour = scale_distance(colour_distance(colours_a[i], colours_b[i]));
         const double difference =
             std::max(std::abs(fa.edges.x[i] - fb.edges.x[i]), std::abs(fa.points.x[i] - fb.points.x[i]));
         const double feature = std::sqrt(std::min(difference / std::sqrt(2.0), 1.0));
@@ -222,9 +215,9 @@ std::vector<double> ssim_map(const Image8& reference, const Image8& other) {
     const Plane a = luma(reference), b = luma(other);
     const Filter window = gaussian_filter(5, 1.5);
     const auto times = [](double x, double y) { return x * y; };
-    const auto mean_of = [&](const Plane& plane) { return filtered(plane, window, window); };
-    const Plane ma = mean_of(a), mb = mean_of(b), aa = mean_of(combined(a, a, times)),
-                bb = mean_of(combined(b, b, times)), ab = mean_of(combined(a, b, times));
+    const auto mean_of = [&](const Plane& plane) { return correlate(plane, window, window); };
+    const Plane ma = mean_of(a), mb = mean_of(b), aa = mean_of(combine(a, a, times)),
+                bb = mean_of(combine(b, b, times)), ab = mean_of(combine(a, b, times));
     constexpr double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
     std::vector<double> map;
     for (std::size_t i = 0; i < a.x.size(); ++i) {
@@ -236,10 +229,10 @@ std::vector<double> ssim_map(const Image8& reference, const Image8& other) {
 }
 
 std::vector<double> flip_map(const Image8& reference, const Image8& other, double pixels_per_degree) {
-    return flip_of(reference, other, pixels_per_degree);
+    return flip_errors(reference, other, pixels_per_degree);
 }
 std::vector<double> flip_map(const Image& reference, const Image& other, double pixels_per_degree) {
-    return flip_of(reference, other, pixels_per_degree);
+    return flip_errors(reference, other, pixels_per_degree);
 }
 
 Likeness likeness(const Image8& reference, const Image8& other) {
@@ -250,14 +243,15 @@ Likeness likeness(const Image8& reference, const Image8& other) {
             const double error = (reference.pixels[i][c] - other.pixels[i][c]) / 255.0;
             squares += error * error;
         }
-    squares /= 3 * double(reference.pixels.size());
+    const auto count = double(reference.pixels.size());
+    squares /= 3 * count;
     return {squares > 0 ? -10 * elementary::log10(squares) : std::numeric_limits<double>::infinity(),
-            mean(ssim_map(reference, other)), mean(flip_map(reference, other))};
+            sum(ssim_map(reference, other)) / count, sum(flip_map(reference, other)) / count};
 }
 
 Image8 in_false_colours(const std::vector<double>& map, int width, int height) {
     assert(map.size() == std::size_t(width) * std::size_t(height));
-    // Uniform steps of lightness, as in matplotlib's "magma".
+    // Colours of matplotlib's "magma" at uniform steps of lightness.
     constexpr std::array<std::array<double, 3>, 6> stops{{{0.0, 0.0, 0.016},
                                                           {0.232, 0.060, 0.438},
                                                           {0.550, 0.161, 0.506},
@@ -266,10 +260,10 @@ Image8 in_false_colours(const std::vector<double>& map, int width, int height) {
                                                           {0.987, 0.991, 0.750}}};
     Image8 image(width, height);
     for (std::size_t i = 0; i < map.size(); ++i) {
-        const double at = 5 * std::clamp(map[i], 0.0, 1.0);
-        const auto below = std::min(std::size_t(at), std::size_t(4));
+        const double position = 5 * std::clamp(map[i], 0.0, 1.0);
+        const auto below = std::min(std::size_t(position), std::size_t(4));
         for (std::size_t c = 0; c < 3; ++c) {
-            const double x = std::lerp(stops[below][c], stops[below + 1][c], at - double(below));
+            const double x = std::lerp(stops[below][c], stops[below + 1][c], position - double(below));
             image.pixels[i][c] = std::uint8_t(255 * x + 0.5);
         }
     }

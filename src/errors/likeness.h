@@ -1,4 +1,3 @@
-// Perceptual differences between images.
 #pragma once
 #include <vector>
 
@@ -6,9 +5,7 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-// Images are as displayed, unless said otherwise: 8-bit sRGB. Both have the same size, with at least one pixel.
-
-/// Errors of a displayed image against a reference of the same size.
+/// Errors of a displayed image (8-bit sRGB) against a reference of the same size, with at least one pixel.
 struct Likeness {
     double psnr = 0;  ///< 10 log10(1 / mean squared error of the channels) [dB]; infinite for equal images
     double ssim = 0;  ///< mean structural similarity of the luma 0.299 R + 0.587 G + 0.114 B; 1 for equal images
@@ -26,7 +23,7 @@ inline constexpr double k_pixels_per_degree = 3840 * k_degree;
 /// viewing distance of 0.7 m from a display 0.7 m wide with 3840 pixels.
 std::vector<double> flip_map(const Image8& reference, const Image8& other,
                              double pixels_per_degree = k_pixels_per_degree);
-/// The map of ꟻLIP for linear colours in [0,1]³.
+/// ꟻLIP of linear colours in [0,1]³.
 std::vector<double> flip_map(const Image& reference, const Image& other,
                              double pixels_per_degree = k_pixels_per_degree);
 

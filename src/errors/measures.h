@@ -1,30 +1,41 @@
 // Measures over pairs of directions and over samples.
 #pragma once
+#include <array>
+#include <cstdint>
+
 #include "srbf/metrics.h"
 
 namespace srbf {
+
+/// The number of directions of the matrix of Tsai 2009, the Fibonacci set on the cap θ ≤ θmax.
+inline constexpr int k_matrix_directions = 1536;
+/// The number of folds in which scattered samples are held out.
+inline constexpr int k_folds = 5;
+/// The number of pairs of directions of `Comparison::heldout`.
+inline constexpr std::uint64_t k_heldout_pairs = 200000;
+/// The view angles at which albedo is compared [degrees].
+inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};
 
 /// The measures of each of `others` over all pairs of the given directions within θmax.
 std::vector<Measures> measure_matrix(const Channels& reference, std::span<const Channels> others,
                                      const MeasureOptions& options, std::span<const Vec3f> directions);
 
-/// The measures over `count` independent pairs: wv uniform over the cap, wl from a mixture around the mirror direction,
-/// weighted to uniform solid angle. Unlike pairs of the Fibonacci set, these resolve sharp lobes.
+/// The measures over `count` independent pairs: wv uniform over the cap, wl from `MirrorMixture`, weighted to uniform
+/// solid angle. Unlike pairs of the Fibonacci set, these resolve sharp lobes.
 inline constexpr std::uint64_t k_heldout_seed = 0x5eed'0f'4e1d'0047;
 std::vector<Measures> measure_heldout(const Channels& reference, std::span<const Channels> others,
                                       const MeasureOptions& options, std::uint64_t count = k_heldout_pairs,
                                       std::uint64_t seed = k_heldout_seed);
 
-/// The measures over samples: the channels of f[i] measured at (wl[i], wv[i]), of g[i] the values of the other BRDF. Each
-/// sample has weight 1; negative channels of f count as 0. Only samples within `sample_cap` count.
+/// The measures over samples: f has the measured channels of each sample, g those of the other BRDF. Each sample has
+/// weight 1; negative channels of f count as 0. Only samples within `sample_cap` count.
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const float> f,
                          std::span<const float> g, double max_theta);
-/// Colours, and the values of a BRDF.
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                          std::span<const Rgb> g, double max_theta);
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                          const Evaluate& other, double max_theta);
-/// cos(θmax + 0.01°). The tolerance allows for rounded angles in files.
+/// cos(θmax + 0.01°), with a tolerance for rounded angles in files.
 inline float sample_cap(double max_theta) { return float(elementary::cos(max_theta + 0.01 * k_degree)); }
 
 /// `Comparison::albedo_error` of each of `others`. Pairs at which the reference was not measured count in neither.

@@ -7,22 +7,25 @@
 
 #include "base/parallel.h"
 #include "base/reporter.h"
+#include "brdf/channels.h"
 #include "brdf/directions.h"
+#include "errors/measure_names.h"
 #include "errors/metrics_sums.h"
+#include "errors/picture_errors.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
 
-/// Pairs of directions, and what they count.
+/// Pairs of directions with weights; a pair of weight 0 is ignored.
 struct WeightedPairs {
     std::vector<Vec3f> wl, wv;
-    std::vector<double> weight;  ///< where it is 0 a pair is left out
+    std::vector<double> weight;
     explicit WeightedPairs(std::size_t count) : wl(count), wv(count), weight(count) {}
     std::size_t size() const { return wl.size(); }
 };
 
-/// The sums of one BRDF against the reference.
+/// The error sums of one BRDF against the reference.
 struct Sums {
     ErrorSums errors;
     std::uint64_t pairs = 0, masked = 0;
@@ -34,7 +37,7 @@ struct Sums {
     Measures measures() const {
         Measures all;
         for (std::size_t m = 0; m < k_measures.size(); ++m) {
-            const auto [error, reference] = errors.of[m];
+            const auto [error, reference] = errors.measures[m];
             const double ratio = reference > 0 ? error / reference
                                  : error == 0  ? 0
                                                : std::numeric_limits<double>::infinity();
@@ -45,40 +48,40 @@ struct Sums {
     }
 };
 
-/// Adds those of each of `others` to its sums. The channels of a pair are contiguous.
-void add(const WeightedPairs& pairs, std::span<const float> f, std::span<const std::vector<float>> others,
-         std::span<Sums> sums) {
+/// Adds the errors of each of `others` against f to its sums. The channels of a pair are contiguous.
+void add_errors(const WeightedPairs& pairs, std::span<const float> f, std::span<const std::vector<float>> others,
+                std::span<Sums> sums) {
     if (pairs.size() == 0) return;
     const std::size_t C = f.size() / pairs.size();
     PairCosines cosines{};
-    SeenValues seen{}, seen_other{};
+    TransformedValues transformed{}, transformed_other{};
     std::vector<PairColumn> weight(others.size());
     for (std::size_t first = 0; first < pairs.size(); first += k_pair_block) {
         const std::size_t count = std::min(k_pair_block, pairs.size() - first);
-        const auto measured = [&](std::span<const float> values, std::size_t i) {
+        const auto is_measured = [&](std::span<const float> values, std::size_t i) {
             const auto channels = values.subspan((first + i) * C, C);
             return std::ranges::none_of(channels, [](float x) { return std::isnan(x); });
         };
-        for (PairColumn& of : weight) of.fill(0);
+        for (PairColumn& column : weight) column.fill(0);
         for (std::size_t i = 0; i < count; ++i) {
             cosines.light[i] = pairs.wl[first + i].z, cosines.viewer[i] = pairs.wv[first + i].z;
             if (!(pairs.weight[first + i] > 0)) continue;
-            const bool in_reference = measured(f, i);
+            const bool in_reference = is_measured(f, i);
             for (std::size_t k = 0; k < others.size(); ++k) {
-                const bool in_both = in_reference && measured(others[k], i);
+                const bool in_both = in_reference && is_measured(others[k], i);
                 ++(in_both ? sums[k].pairs : sums[k].masked);
                 if (in_both) weight[k][i] = float(pairs.weight[first + i]);
             }
         }
         for (std::size_t c = 0; c < C; ++c) {
-            const auto see_channel = [&](std::span<const float> values, SeenValues& of) {
-                for (std::size_t i = 0; i < count; ++i) of.f[i] = values[(first + i) * C + c];
-                see(cosines, of);
+            const auto transform_channel = [&](std::span<const float> values, TransformedValues& result) {
+                for (std::size_t i = 0; i < count; ++i) result.f[i] = values[(first + i) * C + c];
+                transform(cosines, result);
             };
-            see_channel(f, seen);
+            transform_channel(f, transformed);
             for (std::size_t k = 0; k < others.size(); ++k) {
-                see_channel(others[k], seen_other);
-                sums[k].errors += error_sums(cosines, weight[k], seen, seen_other);
+                transform_channel(others[k], transformed_other);
+                sums[k].errors += error_sums(cosines, weight[k], transformed, transformed_other);
             }
         }
     }
@@ -100,9 +103,9 @@ std::vector<Measures> measure(const Channels& reference, std::span<const Channel
             brdf.evaluate(pairs.wl, pairs.wv, f);
             return f;
         };
-        std::vector<std::vector<float>> of_others;
-        for (const Channels& other : others) of_others.push_back(values(other));
-        add(pairs, values(reference), of_others, parts[block]);
+        std::vector<std::vector<float>> other_values;
+        for (const Channels& other : others) other_values.push_back(values(other));
+        add_errors(pairs, values(reference), other_values, parts[block]);
     });
     std::vector<Measures> measures;
     for (std::size_t k = 0; k < others.size(); ++k) {
@@ -115,7 +118,7 @@ std::vector<Measures> measure(const Channels& reference, std::span<const Channel
 
 constexpr int k_compared_albedo_points = 1 << 16;
 
-/// The albedos at these angles [rad], [angle][BRDF], over the pairs at which the first BRDF was measured.
+/// The albedos [angle][BRDF] at the given angles [rad], over the pairs at which the first BRDF was measured.
 std::vector<std::vector<Rgb>> albedos(std::span<const Evaluate> brdfs, std::span<const double> theta_v,
                                       const MeasureOptions& options) {
     using Sum = std::array<double, 3>;
@@ -202,7 +205,7 @@ Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, s
     for (std::size_t i = 0; i < f.size(); ++i) clamped[i] = std::max(f[i], 0.f);
     const std::vector<float> others[] = {{g.begin(), g.end()}};
     Sums sums[1];
-    add(pairs, clamped, others, sums);
+    add_errors(pairs, clamped, others, sums);
     return sums[0].measures();
 }
 
@@ -238,9 +241,9 @@ std::vector<double> albedo_errors(const Evaluate& reference, std::span<const Eva
     for (const double degrees : k_albedo_theta)
         if (!(degrees * k_degree > options.max_theta)) theta.push_back(degrees * k_degree);
     std::vector<double> errors(others.size());
-    for (const std::vector<Rgb>& of : albedos(brdfs, theta, options))
+    for (const std::vector<Rgb>& albedo : albedos(brdfs, theta, options))
         for (std::size_t k = 0; k < others.size(); ++k) {
-            const double a = luminance(of[0]), b = luminance(of[k + 1]);
+            const double a = luminance(albedo[0]), b = luminance(albedo[k + 1]);
             if (a != b) errors[k] = std::max(errors[k], std::abs(b - a) / a);
         }
     return errors;

@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 
 #include "brdf/batch-inl.h"
+#include "errors/measure_names.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {
@@ -18,17 +19,17 @@ static_assert(k_pair_block % (HWY_MAX_BYTES / sizeof(float)) == 0);
 
 HWY_INLINE BatchMask is_below_infinity(Batch a) { return a < Batch(std::numeric_limits<float>::infinity()); }
 
-// log(1 + x), NaN where x <= -1.
+// log(1 + x); NaN for x <= -1.
 HWY_INLINE Batch log_of_1_plus(Batch x) {
-    const Batch of_all = select(is_below_infinity(x), log1p(x), x);
-    return select(Batch(-1.0) < x, of_all, Batch(std::numeric_limits<double>::quiet_NaN()));
+    const Batch logarithm = select(is_below_infinity(x), log1p(x), x);
+    return select(Batch(-1.0) < x, logarithm, Batch(std::numeric_limits<double>::quiet_NaN()));
 }
 
-// The cube root of x, or x itself where |x| is infinite or below 2^-120: from a third of the exponent by Halley's
-// iteration, twice.
+// The cube root of x; x itself if |x| is infinite or below 2^-120. Two steps of Halley's method, as in
+// elementary::cbrt.
 HWY_INLINE Batch cube_root(Batch x) {
     const Batch::Bits bits;
-    const Batch size = hn::Abs(x.v), quarter = Batch(0.25) * size;  // of all, since size + 2 y^3 may overflow
+    const Batch size = hn::Abs(x.v), quarter = Batch(0.25) * size;  // a quarter, since size + 2 y^3 may overflow
     const Batch third = Batch(hn::ConvertTo(Lanes(), hn::BitCast(bits, size.v))) * Batch(1 / 3.0) + Batch(0x2a508935);
     Batch y = hn::BitCast(Lanes(), hn::ConvertTo(bits, third.v));
     for (int i = 0; i < 2; ++i) {
@@ -39,19 +40,19 @@ HWY_INLINE Batch cube_root(Batch x) {
     return select(Batch(0x1p-120) < size, select(is_below_infinity(size), root, x), x);
 }
 
-// log x; of x below 2^-120 that of 2^-120.
-HWY_INLINE Batch log_of(Batch x) {
+// log x, or log 2^-120 for smaller x.
+HWY_INLINE Batch bounded_log(Batch x) {
     const Batch positive = select(Batch(0x1p-120) < x, x, Batch(0x1p-120));
     return select(is_below_infinity(x), log(positive), x);
 }
 
-void see(const PairCosines& cosines, SeenValues& seen) {
+void transform(const PairCosines& cosines, TransformedValues& values) {
     for (std::size_t i = 0; i < k_pair_block; i += Batch::size()) {
-        const Batch f = Batch::load(&seen.f[i]), lit = f * Batch::load(&cosines.light[i]);
-        log_of_1_plus(lit).store(&seen.logarithm[i]);
-        cube_root(f).store(&seen.root[i]);
-        sqrt(cube_root(lit)).store(&seen.sixth_root[i]);
-        log_of(f).store(&seen.own_logarithm[i]);
+        const Batch f = Batch::load(&values.f[i]), f_cosine = f * Batch::load(&cosines.light[i]);
+        log_of_1_plus(f_cosine).store(&values.log_1_plus[i]);
+        cube_root(f).store(&values.root[i]);
+        sqrt(cube_root(f_cosine)).store(&values.sixth_root[i]);
+        bounded_log(f).store(&values.logarithm[i]);
     }
 }
 
@@ -62,14 +63,14 @@ HWY_INLINE DoubleBatch load(const PairColumn& column, std::size_t i) {
     return hn::PromoteTo(Doubles(), hn::Load(hn::Rebind<float, Doubles>(), &column[i]));
 }
 
-// A sum in eight lanes, of which lane k sums the numbers k, k + 8, k + 16, ..., as many at once as a vector holds.
+// A sum in eight lanes: lane k sums the numbers k, k + 8, k + 16, ..., whatever the width of a vector.
 struct LanesOfSum {
     HWY_ALIGN double lanes[8];
     HWY_INLINE double sum() const {
         return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
     }
 };
-// The sums of a measure: those of the lanes that a vector holds, and all of them.
+// The two sums of a measure, in the lanes of one vector.
 struct SquareBatch {
     DoubleBatch error, reference;
 
@@ -78,6 +79,7 @@ struct SquareBatch {
         reference = hn::Add(reference, hn::Mul(weight, squared_reference));
     }
 };
+// The two sums of a measure, in all eight lanes.
 struct LanesOfSquares {
     LanesOfSum error, reference;
     HWY_INLINE void store(const SquareBatch& sums, std::size_t lane) {
@@ -86,43 +88,43 @@ struct LanesOfSquares {
     }
 };
 
-ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const SeenValues& f,
-                     const SeenValues& other) {
+ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const TransformedValues& f,
+                     const TransformedValues& other) {
     constexpr Doubles d;
     const DoubleBatch one = hn::Set(d, 1.0);
     const double most_apart = -elementary::log(k_least_share);
     std::array<LanesOfSquares, k_measures.size()> lanes;
     for (std::size_t lane = 0; lane < std::size(LanesOfSum().lanes); lane += hn::MaxLanes(d)) {
         SquareBatch sums[k_measures.size()];
-        for (SquareBatch& of : sums) of.error = of.reference = hn::Zero(d);
+        for (SquareBatch& sum : sums) sum.error = sum.reference = hn::Zero(d);
         for (std::size_t i = lane; i < k_pair_block; i += std::size(LanesOfSum().lanes)) {
             const DoubleBatch w = load(weight, i), cos_l = load(cosines.light, i);
             const auto counts = hn::Gt(w, hn::Zero(d));
             const DoubleBatch area = hn::Mul(w, load(cosines.viewer, i));
             const auto square_where_counted = [&](DoubleBatch x)
                                                   HWY_ATTR { return hn::IfThenElseZero(counts, hn::Mul(x, x)); };
-            const auto squared_error = [&](PairColumn SeenValues::*x) HWY_ATTR {
+            const auto squared_error = [&](PairColumn TransformedValues::*x) HWY_ATTR {
                 return square_where_counted(hn::Sub(load(f.*x, i), load(other.*x, i)));
             };
-            const auto ratio = [&](SquareBatch& of, DoubleBatch factor, PairColumn SeenValues::*x)
-                                   HWY_ATTR { of.add(factor, squared_error(x), square_where_counted(load(f.*x, i))); };
-            static_assert(k_measures.size() == 6);  // whose rows these are, in their order
-            ratio(sums[0], w, &SeenValues::f);
-            ratio(sums[1], hn::Mul(area, hn::Mul(cos_l, cos_l)), &SeenValues::f);
-            sums[2].add(area, squared_error(&SeenValues::logarithm), one);
-            ratio(sums[3], w, &SeenValues::root);
-            ratio(sums[4], area, &SeenValues::sixth_root);
-            // of log f where f > 0; f̂ is at least k_least_share of f
-            const DoubleBatch own = load(f.own_logarithm, i);
-            const DoubleBatch least = hn::Sub(own, hn::Set(d, most_apart));
-            const DoubleBatch error = hn::Sub(own, hn::Max(load(other.own_logarithm, i), least));
+            const auto ratio = [&](SquareBatch& sum, DoubleBatch factor, PairColumn TransformedValues::*x)
+                                   HWY_ATTR { sum.add(factor, squared_error(x), square_where_counted(load(f.*x, i))); };
+            static_assert(k_measures.size() == 6);  // one sum for each row, in the same order
+            ratio(sums[0], w, &TransformedValues::f);
+            ratio(sums[1], hn::Mul(area, hn::Mul(cos_l, cos_l)), &TransformedValues::f);
+            sums[2].add(area, squared_error(&TransformedValues::log_1_plus), one);
+            ratio(sums[3], w, &TransformedValues::root);
+            ratio(sums[4], area, &TransformedValues::sixth_root);
+            // log f where f > 0
+            const DoubleBatch logarithm = load(f.logarithm, i);
+            const DoubleBatch least = hn::Sub(logarithm, hn::Set(d, most_apart));
+            const DoubleBatch error = hn::Sub(logarithm, hn::Max(load(other.logarithm, i), least));
             const auto is_above_0 = hn::And(counts, hn::Gt(load(f.f, i), hn::Zero(d)));
             sums[5].add(hn::IfThenElseZero(is_above_0, w), hn::IfThenElseZero(is_above_0, hn::Mul(error, error)), one);
         }
         for (std::size_t m = 0; m < lanes.size(); ++m) lanes[m].store(sums[m], lane);
     }
     ErrorSums all;
-    for (std::size_t m = 0; m < lanes.size(); ++m) all.of[m] = {lanes[m].error.sum(), lanes[m].reference.sum()};
+    for (std::size_t m = 0; m < lanes.size(); ++m) all.measures[m] = {lanes[m].error.sum(), lanes[m].reference.sum()};
     return all;
 }
 
@@ -133,12 +135,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace srbf {
 
-HWY_EXPORT(see);
+HWY_EXPORT(transform);
 HWY_EXPORT(error_sums);
 
-void see(const PairCosines& cosines, SeenValues& seen) { HWY_DYNAMIC_DISPATCH(see)(cosines, seen); }
-ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const SeenValues& f,
-                     const SeenValues& other) {
+void transform(const PairCosines& cosines, TransformedValues& values) {
+    HWY_DYNAMIC_DISPATCH(transform)(cosines, values);
+}
+ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const TransformedValues& f,
+                     const TransformedValues& other) {
     return HWY_DYNAMIC_DISPATCH(error_sums)(cosines, weight, f, other);
 }
 

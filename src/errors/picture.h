@@ -1,4 +1,3 @@
-// Images in memory.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -26,10 +25,9 @@ using Image = Picture<Rgb>;
 using Rgb8 = std::array<std::uint8_t, 3>;
 using Image8 = Picture<Rgb8>;
 
-/// The exposure that maps the `k_exposed` quantile of the pixels' largest channels to `value`, over lit pixels only
-/// (finite, some channel above 0). A highlight that covers less than the rest does not darken the image, however
-/// bright. 1 if no pixel is lit.
+/// The exposure that maps a quantile of the lit pixels' largest channels to `value`; 1 if no pixel is lit (finite, with
+/// a channel above 0). The brightness of the brightest tenth thus does not darken the image.
 float exposure_to(const Image& image, double value);
-inline constexpr double k_exposed = 0.9;
+inline constexpr double k_exposed_quantile = 0.9;
 
 }  // namespace srbf

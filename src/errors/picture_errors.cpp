@@ -7,15 +7,17 @@
 #include "brdf/colour.h"
 #include "errors/itp.h"
 #include "errors/likeness.h"
+#include "errors/picture_errors.h"
 #include "errors/sphere.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
 
-constexpr double k_most_psnr = 100;
+constexpr double k_most_psnr = 100;  ///< [dB]; the PSNR of equal pictures is infinite
 
-Image displayed(const Image& radiance, float exposure) {
+/// The colours of the sphere in [0, 1], on a grey background.
+Image expose(const Image& radiance, float exposure) {
     Image shown = radiance;
     for (int y = 0; y < shown.height; ++y)
         for (int x = 0; x < shown.width; ++x) {
@@ -39,7 +41,7 @@ double delta_e_itp(const Rgb& a, const Rgb& b) {
 PictureErrors picture_errors(const Image& reference, const Image& other) {
     assert(reference.width == other.width && reference.height == other.height && reference.width == reference.height);
     const float exposure = exposure_to(reference, k_exposed_value);
-    const Image a = displayed(reference, exposure), b = displayed(other, exposure);
+    const Image a = expose(reference, exposure), b = expose(other, exposure);
     const std::vector<double> flip = flip_map(a, b);
     const auto square = [](double x) { return x * x; };
     PictureErrors errors;
@@ -76,15 +78,15 @@ std::string_view words(Verdict verdict) {
 namespace {
 
 /// The mean and the worst of the errors under each lighting.
-Appearance summarised(std::vector<PictureErrors> lighting) {
-    Appearance of;
+Appearance summarise(std::vector<PictureErrors> lighting) {
+    Appearance summary;
     const auto n = double(lighting.size());
     for (const PictureErrors& errors : lighting) {
-        for (const PictureErrorName& error : k_picture_errors) of.mean.*error.member += errors.*error.member / n;
-        of.worst_delta_e = std::max(of.worst_delta_e, errors.delta_e);
+        for (const PictureErrorName& error : k_picture_errors) summary.mean.*error.member += errors.*error.member / n;
+        summary.worst_delta_e = std::max(summary.worst_delta_e, errors.delta_e);
     }
-    of.lighting = std::move(lighting);
-    return of;
+    summary.lighting = std::move(lighting);
+    return summary;
 }
 
 }  // namespace
@@ -95,7 +97,7 @@ Appearance mean_of(std::span<const Appearance> all) {
         for (std::size_t k = 0; k < lighting.size(); ++k)
             for (const PictureErrorName& error : k_picture_errors)
                 lighting[k].*error.member += one.lighting[k].*error.member / double(all.size());
-    return summarised(std::move(lighting));
+    return summarise(std::move(lighting));
 }
 
 std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads,
@@ -105,12 +107,12 @@ std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<co
     const auto images =
         sphere_pictures(brdfs, standard_lightings(), size, threads, progress, k_mirror_points, is_isotropic);
     std::vector<Appearance> all(others.size());
-    for (Appearance& of : all) of.lighting.resize(images.size());
+    for (Appearance& appearance : all) appearance.lighting.resize(images.size());
     parallel_for(images.size() * others.size(), threads, [&](std::size_t i) {
         const std::size_t lighting = i / others.size(), other = i % others.size();
         all[other].lighting[lighting] = picture_errors(images[lighting].front(), images[lighting][other + 1]);
     });
-    for (Appearance& of : all) of = summarised(std::move(of.lighting));
+    for (Appearance& appearance : all) appearance = summarise(std::move(appearance.lighting));
     return all;
 }
 

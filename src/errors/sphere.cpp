@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "base/reporter.h"
 #include "brdf/directions.h"
+#include "brdf/frame.h"
 #include "brdf/values.h"
 #include "errors/sphere.h"
 #include "srbf/elementary.h"
@@ -14,19 +15,21 @@
 namespace srbf {
 namespace {
 
-constexpr int k_source_points = 32, k_most_shared = 256;
+constexpr int k_source_points = 32;
+constexpr int k_most_shared = 256;  ///< the largest picture whose pixels of equal θv share points; a point set has 8 KB
 
-/// Squared distance from the sphere's centre, in units of (radius / size)²: an integer, on which θv depends alone.
+/// Squared distance of a pixel from the sphere's centre, in units of (radius / size)². θv is a function of this
+/// integer.
 int squared_distance(int size, int x, int y) {
     const int dx = 2 * x + 1 - size, dy = 2 * y + 1 - size;
     return dx * dx + dy * dy;
 }
 
-/// A source with extent: points that are uniform over it.
+/// A source of nonzero size, with points that are uniform over it.
 struct Disc {
     std::vector<Vec3d> points;
     Vec3d direction;
-    double edge, density;  ///< cosine of its radius; points per solid angle inside
+    double edge, density;  ///< cosine of its radius; points per solid angle
 };
 Disc disc(const Lighting::Source& source) {
     const double radius = source.radius * k_degree;
@@ -38,18 +41,17 @@ Disc disc(const Lighting::Source& source) {
     return disc;
 }
 
-/// The sources with extent of a lighting.
 struct Discs {
     explicit Discs(const Lighting& lighting) {
         for (const Lighting::Source& source : lighting.sources)
-            if (source.radius > 0) all.push_back(disc(source));
-        for (const Disc& of : all)
-            for (const Vec3d& w : of.points) points.push_back({w, density_at(w), radiance(lighting, w)});
+            if (source.radius > 0) discs.push_back(disc(source));
+        for (const Disc& disc : discs)
+            for (const Vec3d& w : disc.points) points.push_back({w, density_at(w), radiance(lighting, w)});
     }
-    /// The density of their points [1/sr].
+    /// The density of points of all discs [1/sr].
     double density_at(Vec3d w) const {
         double density = 0;
-        for (const Disc& of : all) density += dot(w, of.direction) >= of.edge ? of.density : 0;
+        for (const Disc& disc : discs) density += dot(w, disc.direction) >= disc.edge ? disc.density : 0;
         return density;
     }
     struct Point {
@@ -57,7 +59,7 @@ struct Discs {
         double density;
         Rgb light;
     };
-    std::vector<Disc> all;
+    std::vector<Disc> discs;
     std::vector<Point> points;
 };
 
@@ -70,43 +72,43 @@ Rgb operator*(double factor, const Rgb& light) {
     return {float(factor * double(light.r)), float(factor * double(light.g)), float(factor * double(light.b))};
 }
 
-/// Shares of zenith, horizon and ground in what comes from a direction of any sky: the colour of one in which they are
-/// red, green and blue.
+/// Shares of zenith, horizon and ground in the radiance of any sky from direction w: the colour of a sky in which these
+/// are red, green and blue.
 Vec3d sky_shares(Vec3d w) {
     static const Lighting separate{{}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}};
     const Rgb shares = radiance(separate, w);
     return {double(shares.r), double(shares.g), double(shares.b)};
 }
-/// A channel of that sky.
+/// A channel of the sky's radiance, from `sky_shares`.
 double sky(const Lighting& lighting, Vec3d shares, int channel) {
     return dot(shares, Vec3d{double(lighting.zenith[channel]), double(lighting.horizon[channel]),
                              double(lighting.ground[channel])});
 }
 
-/// The pairs of directions whose f a pixel consists of, and how.
+/// A pixel's radiance as sums over pairs of directions.
 struct Pixel {
     Vec3f wv;
     std::vector<Vec3f> wl;
-    std::vector<Vec3d> shares;  ///< of the first pairs, times cosθl dωl: by these any sky is seen
-    std::vector<Term> terms;    ///< by these the sources
+    std::vector<Vec3d> shares;  ///< for the first pairs: `sky_shares` times cosθl dωl, the terms of any sky
+    std::vector<Term> terms;    ///< the terms of the sources
 };
-/// The pixel whose normal is the frame's; `mirrored` are points of the mixture for its viewer, at azimuth 0.
-Pixel pixel_of(const Frame& frame, const Quadrature& mirrored, const MirrorMixture& mixture,
-               std::span<const Lighting> lightings, std::span<const Discs> discs) {
+/// The pixel with the frame's normal. `mirrored` are points of the mixture for a viewer with its θv at azimuth 0.
+Pixel make_pixel(const Frame& frame, const Quadrature& mirrored, const MirrorMixture& mixture,
+                 std::span<const Lighting> lightings, std::span<const Discs> discs) {
     const Vec3d v = frame.to({0, 0, 1});
     Pixel pixel{to_float(v), {}, {}, {}};
-    // Points of all sets count by their common density. Few of the mixture's are within a source: all count as if none
-    // was, and these by their differences from that.
+    // Points of all sets are weighted by their common density (balance heuristic). Few points of the mixture lie within
+    // a source: all are weighted as if none did, and `terms` corrects those few.
     const auto count = double(mirrored.w.size());
-    const double across = elementary::hypot(v.x, v.y), cosine = across > 0 ? v.x / across : 1,
-                 sine = across > 0 ? v.y / across : 0;
+    const double sin_v = elementary::hypot(v.x, v.y), cosine = sin_v > 0 ? v.x / sin_v : 1,
+                 sine = sin_v > 0 ? v.y / sin_v : 0;
     for (std::size_t i = 0; i < mirrored.w.size(); ++i) {
         const Vec3d l = Kernel<double>::turned(to_double(mirrored.w[i]), cosine, sine), w = frame.from(l);
         const double density = count * mirrored.pdf[i], measure = l.z / density;
         const Vec3d share = sky_shares(w);
         for (std::size_t k = 0; k < lightings.size(); ++k)
-            if (const double of_discs = discs[k].density_at(w); of_discs > 0) {
-                Rgb weight = l.z / (density + of_discs) * radiance(lightings[k], w);
+            if (const double disc_density = discs[k].density_at(w); disc_density > 0) {
+                Rgb weight = l.z / (density + disc_density) * radiance(lightings[k], w);
                 for (int c = 0; c < 3; ++c) weight[c] -= float(measure * sky(lightings[k], share, c));
                 pixel.terms.push_back({k, i, weight});
             }
@@ -127,9 +129,8 @@ Pixel pixel_of(const Frame& frame, const Quadrature& mirrored, const MirrorMixtu
     return pixel;
 }
 
-/// The radiance of the pixel under each lighting.
 std::vector<Rgb> radiances(const Pixel& pixel, std::span<const Rgb> f, std::span<const Lighting> lightings) {
-    std::array<Vec3d, 3> sums{};  // of each channel
+    std::array<Vec3d, 3> sums{};  // the shares of the sky in each channel
     for (std::size_t i = 0; i < pixel.shares.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) sums[c] = sums[c] + double(f[i][int(c)]) * pixel.shares[i];
     std::vector<Rgb> all(lightings.size());
@@ -140,8 +141,10 @@ std::vector<Rgb> radiances(const Pixel& pixel, std::span<const Rgb> f, std::span
     return all;
 }
 
-/// f of each BRDF at the pairs of a pixel, 0 where one of them was not measured. `first` begins those of the first BRDF.
-std::vector<std::vector<Rgb>> values_of(std::span<const Evaluate> brdfs, const Pixel& pixel, std::vector<Rgb> first) {
+/// f of each BRDF at the pairs of a pixel, 0 where one of them was not measured. `first` are the values of the first
+/// BRDF at the first pairs, if they are known.
+std::vector<std::vector<Rgb>> pixel_values(std::span<const Evaluate> brdfs, const Pixel& pixel,
+                                           std::vector<Rgb> first) {
     const std::vector<Vec3f> wv(pixel.wl.size(), pixel.wv);
     std::vector<std::vector<Rgb>> f(brdfs.size());
     f[0] = std::move(first);
@@ -152,9 +155,9 @@ std::vector<std::vector<Rgb>> values_of(std::span<const Evaluate> brdfs, const P
         brdfs[b](std::span(pixel.wl).subspan(known), std::span(wv).subspan(known), std::span(f[b]).subspan(known));
         for (std::size_t i = 0; i < wv.size(); ++i) measured[i] = measured[i] && is_finite(f[b][i]);
     }
-    for (std::vector<Rgb>& of : f)
+    for (std::vector<Rgb>& values : f)
         for (std::size_t i = 0; i < wv.size(); ++i)
-            for (int c = 0; c < 3; ++c) of[i][c] = measured[i] ? std::max(of[i][c], 0.f) : 0;
+            for (int c = 0; c < 3; ++c) values[i][c] = measured[i] ? std::max(values[i][c], 0.f) : 0;
     return f;
 }
 
@@ -176,9 +179,9 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
     const auto points_of = [&](int squares) { return mixture.quadrature(viewer(squares), mirror_points); };
     struct Shared {
         Quadrature points;
-        std::vector<Rgb> f;  // of an isotropic BRDF
+        std::vector<Rgb> f;  // the values of an isotropic first BRDF
     };
-    std::map<int, Shared> mirrored;  // of a small picture: about eight pixels share points, which take 8 KB
+    std::map<int, Shared> mirrored;  // by squared distance; about eight pixels of a small picture share points
     std::vector<std::pair<const int, Shared>*> each;
     if (size <= k_most_shared)
         for (int y = 0; y < size; ++y)
@@ -204,13 +207,13 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
             const int squares = squared_distance(size, x, y);
             const Vec3d normal{(2 * x + 1 - size) / double(size), (size - 2 * y - 1) / double(size), cos_view(squares)};
             const auto shared = mirrored.find(squares);
-            const Pixel pixel = pixel_of(frame_about(normal, {0, 1, 0}),
-                                         shared != mirrored.end() ? shared->second.points : points_of(squares), mixture,
-                                         lightings, discs);
-            const auto f = values_of(brdfs, pixel, shared != mirrored.end() ? shared->second.f : std::vector<Rgb>());
+            const Pixel pixel = make_pixel(frame_about(normal, {0, 1, 0}),
+                                           shared != mirrored.end() ? shared->second.points : points_of(squares),
+                                           mixture, lightings, discs);
+            const auto f = pixel_values(brdfs, pixel, shared != mirrored.end() ? shared->second.f : std::vector<Rgb>());
             for (std::size_t b = 0; b < brdfs.size(); ++b) {
-                const std::vector<Rgb> seen = radiances(pixel, f[b], lightings);
-                for (std::size_t k = 0; k < lightings.size(); ++k) images[k][b].at(x, y) = seen[k];
+                const std::vector<Rgb> radiance = radiances(pixel, f[b], lightings);
+                for (std::size_t k = 0; k < lightings.size(); ++k) images[k][b].at(x, y) = radiance[k];
             }
         }
     });

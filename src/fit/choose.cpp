@@ -6,7 +6,9 @@
 #include "base/errors.h"
 #include "base/parallel.h"
 #include "fit/choose.h"
+#include "fit/request_traits.h"
 #include "fit/requests.h"
+#include "models/pm/pm_functions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -52,7 +54,7 @@ std::vector<Trial> kinds(const PmFitOptions& options) {
     for (const PmForm form : k_forms)
         for (const bool axial : {true, false})
             for (int n = 1; n <= k_most_chosen_variates; ++n)
-                if ((axial || !options.axial) && !(options.reciprocal && n % 2 == 1) &&
+                if ((axial || !options.axial) && is_reciprocal(form) == is_reciprocal(options.form) &&
                     (options.log_scale || form == PmForm::gaussian))
                     all.push_back({.form = form, .axial = axial, .variates = n});
     return all;
@@ -154,9 +156,15 @@ Result<Chosen> chosen(const Search& search, std::optional<Tried>& best, bool rea
 
 /// The least error within the bytes; each kind has the largest number of lobes that fits.
 Result<Chosen> within_bytes(Search& search, std::size_t bytes) {
-    auto trials = search.fit_largest(kinds(search.options()), bytes);
+    const std::vector<Trial> all = kinds(search.options());
+    auto trials = search.fit_largest(all, bytes);
     if (!trials) return trials.error();
-    if (trials->empty()) return argument_error("fit", "bytes", "enough for one lobe, 12", fmt::format("{}", bytes));
+    if (trials->empty()) {
+        std::size_t least = k_most_chosen_bytes;
+        for (const Trial& kind : all) least = std::min(least, bytes_of(kind, 1, search.options().log_scale));
+        return argument_error("fit", "budget", fmt::format("at least {} bytes, for one lobe", least),
+                              fmt::format("{}", bytes));
+    }
     if (search.report(k_done_by_shortest)) {
         trials = search.fit_in_short(first_of(*trials, k_short_fits), k_short_fit);
         if (!trials) return trials.error();

@@ -18,9 +18,10 @@ struct Chosen {
     std::vector<Trial> path;  ///< all models that were tried, by bytes
     bool reached = true;  ///< false: no model of up to k_most_chosen_bytes reaches the goal, or none was expected to
 };
-/// Searches for a model that meets `goal` among all forms, up to k_most_chosen_variates variates and, where
-/// `options.axial` is false, both axial and general lobes. Models of each kind get short fits to a subset of the
-/// observations. The most promising ones get full fits. All other settings come from `options`.
+/// Searches for a model that meets `goal` among the forms that are reciprocal if and only if `options.form` is, up to
+/// k_most_chosen_variates variates and, where `options.axial` is false, both axial and general lobes. Models of each
+/// kind get short fits to a subset of the observations. The most promising ones get full fits. All other settings come
+/// from `options`.
 /// Errors: those of `fit_pm`; a goal out of range; fewer bytes than one lobe takes; cancelled.
 Result<Chosen> choose_pm(const Observations& observations, const PmFitOptions& options, const SizeGoal& goal,
                          const JudgeModel& judge, const ProgressToken& progress = {});

@@ -4,9 +4,15 @@
 #include <atomic>
 #include <cmath>
 
+#include "base/errors.h"
 #include "base/parallel.h"
+#include "brdf/channels.h"
 #include "errors/measures.h"
+#include "errors/picture_errors.h"
+#include "fit/request_traits.h"
 #include "fit/requests.h"
+#include "measured/tables.h"
+#include "models/pm/pm_functions.h"
 #include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"

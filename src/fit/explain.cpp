@@ -3,8 +3,10 @@
 
 #include "fit/requests.h"
 #include "models/pm/search/schedule.h"
+#include "observe/albedo_bound.h"
 #include "observe/bound.h"
 #include "observe/costs.h"
+#include "observe/objectives.h"
 #include "observe/pair_weights.h"
 
 namespace srbf {
@@ -67,13 +69,20 @@ std::string rows_of(const Stage& stage, bool bounds) {
 
 std::string explain(const FitRequest& request) {
     if (!std::holds_alternative<PmRequest>(request.model)) return "";
-    const PmFitOptions options = pm_options(request, true);
-    std::string text =
-        fmt::format("objective {} to {:g} degrees, {} lobes of {} variates, {} starts\n\n", name(request.objective),
-                    request.theta() / k_degree, options.lobes, options.variates, starts_of(options));
+    const PmFitOptions options = pm_options(request, true, k_default_form);
+    std::string text = fmt::format("objective {} to {:g} degrees, form {}, {} lobes of {} variates, {} starts\n",
+                                   name(request.objective), request.theta() / k_degree, name(options.form),
+                                   options.lobes, options.variates, starts_of(options));
+    if (is_reciprocal(options.form))
+        text +=
+            "fitted to the mean with light and viewer exchanged, each value weighted by the cosine it was divided by\n";
+    text += '\n';
     text += fmt::format("{:<13} {:<66} {}\n", "term", "error of", "cost");
-    for (const Term& term : terms_of(request.objective))
-        text += fmt::format("{:<13} {:<66} {}\n", term.name, term.of, term.weight);
+    std::vector<Term> terms = terms_of(request.objective);
+    if (is_reciprocal(options.form))
+        terms.push_back({"albedo limit", "directional albedo above the largest one measured to 80 degrees, or above 1",
+                         fmt::format("{} times all albedos', rising; what remains is scaled", k_albedo_bound_cost)});
+    for (const Term& term : terms) text += fmt::format("{:<13} {:<66} {}\n", term.name, term.of, term.weight);
     text += fmt::format("\n{:<13} {:<64} {:>10}  {}\n", "stage", "rows and terms", "candidates", "work");
     bool bounds = false;
     for (const Stage& stage : schedule(traits(request.objective).of_pictures)) {

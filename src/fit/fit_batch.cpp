@@ -9,6 +9,7 @@
 #include "base/reporter.h"
 #include "errors/measures.h"
 #include "fit/requests.h"
+#include "fit/texel_stream.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"

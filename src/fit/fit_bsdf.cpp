@@ -6,10 +6,16 @@
 #include <new>
 
 #include "base/errors.h"
+#include "base/files.h"
 #include "base/floating_point.h"
 #include "brdf/directions.h"
+#include "brdf/parts.h"
+#include "fit/own_fit.h"
 #include "fit/requests.h"
+#include "measured/evaluated_table.h"
 #include "measured/two_sided.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/ggx/ggx_functions.h"
 #include "srbf/elementary.h"
 #include "srbf/fit_bsdf.h"
 
@@ -77,7 +83,9 @@ std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fit
     return all;
 }
 
-Result<FitOutcome> fit_part(const Input& input, Part part, const FitRequest& request, const ProgressToken& progress) {
+Result<FitOutcome> fit_part(const Input& input, Part part, FitRequest request, const ProgressToken& progress) {
+    auto* pm = std::get_if<PmRequest>(&request.model);
+    if (pm && is_transmission(part) && !pm->form) pm->form = PmForm::extended;
     auto fitted = input.own_fit()  ? input.own_fit()->fit(request, progress)
                   : input.measured ? srbf::fit(*input.measured, request, progress)
                                    : srbf::fit(input.f, request, progress);
@@ -182,7 +190,7 @@ Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const F
 
 const OwnFit* own_fit_of(const Measured& part) {
     const auto* table = std::get_if<EvaluatedTable>(&part.table);
-    return table ? table->own_fit.get() : nullptr;
+    return table && table->functions ? table->functions->own_fit.get() : nullptr;
 }
 
 Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
@@ -195,7 +203,8 @@ Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request
         if (!part) continue;
         inputs[p] = {evaluator(*part), part};
         const auto* own = std::get_if<EvaluatedTable>(&part->table);
-        if (auto separated = own && own->separated_beam ? own->separated_beam() : std::nullopt)
+        const bool is_asked = own && own->functions && own->functions->separated_beam;
+        if (auto separated = is_asked ? own->functions->separated_beam() : std::nullopt)
             inputs[p] = {std::move(separated->rest), nullptr}, beams[p] = std::move(separated->beam);
     }
     unite_transmissions(beams);

@@ -9,12 +9,17 @@
 
 #include "base/text.h"
 #include "brdf/directions.h"
+#include "fit/request_traits.h"
+#include "models/openpbr/openpbr_parameters.h"
+#include "models/su/su_functions.h"
+#include "observe/objectives.h"
 
 namespace srbf {
 namespace {
 
 using Text = std::string_view;
 using Models = std::vector<Text>;
+constexpr double k_least_albedo_limit = 1e-3, k_most_albedo_limit = 1000;
 const Models k_all, k_of_pm{"pm"}, k_of_su{"su"}, k_of_ggx{"ggx"}, k_of_openpbr{"openpbr"};
 
 PmRequest& pm(FitRequest& request) { return std::get<PmRequest>(request.model); }
@@ -59,7 +64,6 @@ FitOptionRow flag(FitOptionRow option, void (*set)(FitRequest&, bool)) {
 
 template <typename T> std::string preset(const T& value) { return fmt::format("{}", value); }
 const FitRequest k_request{};
-const PmRequest k_pm{};
 const SuRequest k_su{};
 
 FitOptionRow model() {
@@ -90,11 +94,29 @@ void add_lobes(std::vector<FitOptionRow>& to) {
         forms.push_back(row.name);
         summaries.push_back(fmt::format("{}: {}", row.name, row.summary));
     }
-    to.push_back(word({"form", k_of_pm, "NAME", fmt::format("{}", fmt::join(summaries, "; ")), preset(name(k_pm.form))},
+    to.push_back(word({"form", k_of_pm, "NAME",
+                       fmt::format("{}.\nDefault: {}; for samples {}", fmt::join(summaries, "; "), name(k_default_form),
+                                   name(PmForm::extended))},
                       forms, [](FitRequest& r, Text text) { return store(form_named(text), pm(r).form); }));
+    to.push_back(
+        flag({.name = "as_measured",
+              .models = k_of_pm,
+              .about = fmt::format("Fit the table as it is, which is not reciprocal, by the form {}; not the mean "
+                                   "with light\nand viewer exchanged, weighted by the cosines",
+                                   name(PmForm::extended))},
+             [](FitRequest& r, bool is) {
+                 if (is) pm(r).form = PmForm::extended;
+             }));
+    to.push_back(number<double>(
+        {"albedo_limit", k_of_pm, "A",
+         "Limit on the directional albedo of every view and channel. Default in reciprocal forms:\n"
+         "the largest one measured up to 80 degrees, at least 1"},
+        k_least_albedo_limit, k_most_albedo_limit, [](FitRequest& r, double albedo) { pm(r).albedo_limit = albedo; }));
     to.push_back(number<int>(
-        {"variates", k_of_pm, "N", fmt::format("Number of variates, the factors of a lobe, 1 to {}", k_most_variates),
-         preset(k_pm.variates)},
+        {"variates", k_of_pm, "N",
+         fmt::format("Number of variates, the factors of a lobe, 1 to {}. Default: {}; {} in forms that are not "
+                     "reciprocal",
+                     k_most_variates, row_of(k_default_form).variates, row_of(PmForm::extended).variates)},
         1, k_most_variates, [](FitRequest& r, int n) { pm(r).variates = n; }));
     to.push_back(flag({.name = "axial",
                        .models = k_of_pm,
@@ -102,11 +124,6 @@ void add_lobes(std::vector<FitOptionRow>& to) {
                                 "Default: general for anisotropic measurements",
                        .negation = "no_axial"},
                       [](FitRequest& r, bool is) { pm(r).axial = is; }));
-    to.push_back(
-        flag({.name = "reciprocal",
-              .models = k_of_pm,
-              .about = "f(wl, wv) = f(wv, wl): pairs of variates share bandwidths; N must be even. Larger errors"},
-             [](FitRequest& r, bool is) { pm(r).reciprocal = is; }));
     to.push_back(flag({.name = "no_scale",
                        .models = k_of_pm,
                        .about = "Store no log scales: bounds the coefficients in the fit.\n"
@@ -121,8 +138,8 @@ void add_counts(std::vector<FitOptionRow>& to) {
                      fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
                                  "auto: for a table the best\n"
                                  "compromise between bytes and error; for samples by cross-validation, or the most. "
-                                 "Default: {}; for samples auto; for ggx 1",
-                                 k_most_fitted_lobes, LobeCount{}.lobes)},
+                                 "Default: {}, or {} in forms that\nare not reciprocal; for samples auto; for ggx 1",
+                                 k_most_fitted_lobes, LobeCount{}.lobes, row_of(PmForm::extended).lobes)},
                     1, k_most_fitted_lobes, [](FitRequest& r, int n) { pm(r).size = LobeCount{n}; });
     lobes.expected += " or auto";
     lobes.set = [set = lobes.set](FitRequest& r, Text text) {
@@ -244,12 +261,9 @@ const Rule k_rules[] = {
     {{"no_scale"},
      "only with {form} gaussian; other forms always store log scales",
      [](const FitRequest& r, const FitTexts&) { return std::get<PmRequest>(r.model).form == PmForm::gaussian; }},
-    {{"variates"},
-     "an even number with {reciprocal}",
-     [](const FitRequest& r, const FitTexts&) {
-         const auto& of = std::get<PmRequest>(r.model);
-         return !of.reciprocal || of.variates % 2 == 0;
-     }},
+    {{"as_measured"},
+     "not together with {form}; forms that are not reciprocal imply it",
+     [](const FitRequest&, const FitTexts& texts) { return !texts.contains("form"); }},
 };
 
 Error wrong(std::string what, std::string expected = {}, std::string found = {}) {
@@ -301,7 +315,7 @@ std::span<const FitOptionRow> fit_options() {
 const FitOptionRow& fit_option(std::string_view name) {
     const auto all = fit_options();
     const auto at = std::ranges::find(all, name, &FitOptionRow::name);
-    if (at == all.end()) misused("an option of fits that there is not");
+    if (at == all.end()) misused("an unknown option of fits");
     return *at;
 }
 

@@ -7,17 +7,25 @@
 #include <tuple>
 
 #include "base/errors.h"
+#include "base/files.h"
 #include "base/floating_point.h"
+#include "brdf/channels.h"
 #include "brdf/directions.h"
 #include "errors/measures.h"
+#include "errors/picture_errors.h"
 #include "fit/choose.h"
 #include "fit/cross_validated_fits.h"
 #include "fit/noise.h"
+#include "fit/request_traits.h"
 #include "fit/requests.h"
 #include "measured/isotropy.h"
+#include "measured/tables.h"
 #include "models/kinds.h"
+#include "models/pm/pm_functions.h"
 #include "models/range.h"
+#include "models/su/su_functions.h"
 #include "observe/pair_weights.h"
+#include "observe/reciprocal_mean.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/observe_samples.h"
 #include "srbf/fit.h"
@@ -181,9 +189,12 @@ struct Fitter::State {
         outcome.unrounded_errors->albedo_error = albedo[1], outcome.unrounded_errors->appearance = appearance[1];
         if (!outcome.without_fold.empty())
             outcome.errors->heldout_appearance = mean_of(std::span(appearance).subspan(models));
-        if (!samples() && appearance[models].mean.delta_e > 0) outcome.exchanged = appearance[2];
+        if (!samples() && appearance[models].mean.delta_e > 0) outcome.exchanged = appearance[models];
         if (smoothed_ && !request.spectral)
             outcome.against_smoothed = compare_pictures(smoothed_, std::span(others).first(1), request.threads)[0];
+        if (!samples() && is_reciprocal(request))
+            outcome.against_mean =
+                compare_pictures(reciprocal_mean(reference), std::span(others).first(1), request.threads)[0];
     }
     /// The channels that are fitted, and that errors are measured against.
     Channels channels_of(const FitRequest& request) const {
@@ -207,25 +218,31 @@ struct Fitter::State {
         return outcome;
     }
 
-    // Observations, by everything that they depend on: the objective, θmax, the seed, whether they are spectral, and
-    // whether they are of gap-filled samples.
-    using Key = std::tuple<Objective, double, std::uint64_t, bool, bool>;
+    // Observations, by everything that they depend on: the objective, θmax, the seed, whether they are spectral,
+    // whether they are of gap-filled samples, and whether they are of the reciprocal mean.
+    using Key = std::tuple<Objective, double, std::uint64_t, bool, bool, bool>;
     Key key(const FitRequest& request) const {
-        return {request.objective, request.theta(), request.seed, request.spectral, samples() && fills_gaps(request)};
+        return {
+            request.objective,     request.theta(), request.seed, request.spectral, samples() && fills_gaps(request),
+            is_reciprocal(request)};
     }
 
     Result<const Observations*> observed(const FitRequest& request, const ProgressToken& progress) {
         if (const auto at = observations_.find(key(request)); at != observations_.end()) return &at->second;
-        auto made = observe(unbiased_ && !request.spectral ? unbiased_ : signed_,
+        const auto fitted = [&](const Evaluate& f) { return f && is_reciprocal(request) ? reciprocal_mean(f) : f; };
+        auto made = observe(fitted(unbiased_ && !request.spectral ? unbiased_ : signed_),
                             {.objective = request.objective,
                              .max_theta = request.theta(),
                              .seed = request.seed,
                              .threads = request.threads,
-                             .smoothed = request.spectral ? nullptr : smoothed_,
+                             .smoothed = request.spectral ? nullptr : fitted(smoothed_),
                              .noise = noise_ ? largest_share(*noise_) : 0},
                             progress);
         if (!made) return made.error();
-        if (request.spectral) observe_spectra(*made, signed_spectra(*measured_));
+        if (request.spectral) {
+            Channels spectra = signed_spectra(*measured_);
+            observe_spectra(*made, is_reciprocal(request) ? reciprocal_mean(std::move(spectra)) : spectra);
+        }
         return &observations_.emplace(key(request), *std::move(made)).first->second;
     }
     Result<const SampleObservations*> observed_samples(const FitRequest& request, const ProgressToken& progress) {
@@ -248,6 +265,11 @@ struct Fitter::State {
         const auto [at, is_new] = isotropic_.try_emplace(request.theta());
         if (is_new) at->second = is_isotropic(clamped_, request.theta());
         return at->second;
+    }
+    /// True if a reciprocal model is fitted, to the mean of a table.
+    bool is_reciprocal(const FitRequest& request) const {
+        const auto* pm = std::get_if<PmRequest>(&request.model);
+        return pm && srbf::is_reciprocal(pm->form.value_or(samples() ? PmForm::extended : k_default_form));
     }
     bool axial(const FitRequest& request) {
         const PmRequest& pm = std::get<PmRequest>(request.model);
@@ -292,7 +314,7 @@ struct Fitter::State {
     }
     Result<FitOutcome> fit_observed(const PmRequest& pm, const Observations& observations, const FitRequest& request,
                                     const ProgressToken& progress) {
-        const PmFitOptions options = pm_options(request, axial(request));
+        const PmFitOptions options = pm_options(request, axial(request), k_default_form);
         if (pm.size && std::holds_alternative<AutomaticLobes>(*pm.size))
             return fit_best_size(observations, options, request, progress);
         const auto goal = goal_of(request);
@@ -357,7 +379,7 @@ struct Fitter::State {
         if (!quiet) return quiet.error();
         const auto observations = observed(request, quiet->part(0, k_drafts_observed));
         if (!observations) return observations.error();
-        PmFitOptions options = pm_options(request, axial(request));
+        PmFitOptions options = pm_options(request, axial(request), k_default_form);
         options.starts = draft.starts, options.perturbations = draft.perturbations;
         auto fitted = fit_pm(beginning(**observations, draft.pairs), options, quiet->part(k_drafts_observed, 1));
         if (!fitted) return fitted.error();

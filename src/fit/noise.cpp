@@ -8,6 +8,7 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
+#include "brdf/frame.h"
 #include "fit/clamped_noise.h"
 #include "models/pm/search/fit_pm.h"
 #include "observe/observations.h"
@@ -192,7 +193,7 @@ Noise noise_of(const Measured& measured) {
 }
 
 bool is_noisy(const Noise& noise) {
-    return noise.share() > k_noisy || noise.negative > k_negative || is_clamped(noise.clamped);
+    return share_of(noise) > k_noisy || noise.negative > k_negative || is_clamped(noise.clamped);
 }
 
 double largest_share(const Noise& noise) {
@@ -236,7 +237,7 @@ Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads, const 
         return refused("a table of reflection", "reflection and transmission");
     const Noise noise = noise_of(measured);
     if (!is_noisy(noise))
-        return refused("a noisy table", fmt::format("noise of {:.0f} % of dark values", 100 * noise.share()));
+        return refused("a noisy table", fmt::format("noise of {:.0f} % of dark values", 100 * share_of(noise)));
     auto made = smoothed(signed_evaluator(measured), noise, true, threads, progress);
     if (!made) return made.error();
     return std::move(made->smooth);

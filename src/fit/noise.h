@@ -8,15 +8,20 @@ namespace srbf {
 /// hardly any, independent noise of variance σ² has 3/2 σ². f may be negative or NaN.
 Noise noise_of(const Evaluate& f);
 
-/// Adds what is known of values that the maker of a table set to 0.
+/// Estimates the noise of values that the file clamped at 0, and adds it to `noise`.
 void add_clamped(Noise& noise, const Measured& measured);
-/// Both, of a table.
+/// The noise of a table, with that of its clamped values.
 Noise noise_of(const Measured& measured);
 
 /// True if noise biases a fit that takes each value for what it is: much of it, values below 0 by it, or values that were
 /// set to 0 because they were below.
 bool is_noisy(const Noise& noise);
 
+/// The deviation relative to the value, by means over the channels; 0 where the value is not above 0.
+inline double share_of(const Noise& noise) {
+    const auto sum = [](const Rgb& x) { return double(x.r) + double(x.g) + double(x.b); };
+    return sum(noise.level) > 0 ? sum(noise.deviation) / sum(noise.level) : 0;
+}
 /// The deviation relative to the value, of the channel where that is largest; infinite where there is noise about a value that is
 /// not above 0.
 double largest_share(const Noise& noise);

@@ -2,6 +2,7 @@
 #pragma once
 #include <chrono>
 
+#include "base/parameters.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/pm/search/search.h"
 #include "models/su/fit_su.h"
@@ -24,14 +25,15 @@ inline std::optional<int> lobes_of(const PmRequest& pm) {
     return count ? std::optional(count->lobes) : std::nullopt;
 }
 
-inline PmFitOptions pm_options(const FitRequest& request, bool axial) {
+/// `form`: that of a request without one.
+inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm form = PmForm::extended) {
     const PmRequest& pm = std::get<PmRequest>(request.model);
     PmFitOptions options;
-    options.form = pm.form;
+    options.form = pm.form.value_or(form);
     options.axial = axial;
-    options.reciprocal = pm.reciprocal;
-    options.lobes = lobes_of(pm).value_or(LobeCount{}.lobes);
-    options.variates = pm.variates;
+    options.lobes = lobes_of(pm).value_or(row_of(options.form).lobes);
+    options.variates = pm.variates.value_or(row_of(options.form).variates);
+    options.albedo_limit = pm.albedo_limit;
     options.log_scale = pm.log_scale;
     options.seed = request.seed;
     options.threads = request.threads;

@@ -1,5 +1,4 @@
-// Angles of vectors without the C library's arc functions, which would take half the time of a look-up. Private to the
-// tables.
+// Angles of vectors by polynomials: the C library's arc functions would take half the time of a look-up in a table.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -9,7 +8,7 @@
 
 namespace srbf {
 
-/// Lower bound on the squared length of a vector with an angle.
+/// Bounds denominators, so that the zero vector has the angle 0.
 inline constexpr double k_least_length = 1e-37;
 
 namespace of_numbers {
@@ -19,9 +18,9 @@ inline float select(bool condition, float a, float b) { return condition ? a : b
 }  // namespace of_numbers
 using of_numbers::azimuth, of_numbers::polar_angle;
 
-/// The angle from the normal of a vector of any length in the upper half space.
+/// The angle between the normal and a vector of any length in the upper half space.
 inline float polar_angle(Vec3f w) { return polar_angle(w.x * w.x + w.y * w.y, w.z); }
-/// θ in any half space, in double precision.
+/// The angle between the normal and any vector, in double precision.
 inline double polar_angle(const Vec3d& w) { return elementary::atan2(elementary::hypot(w.x, w.y), w.z); }
 
 }  // namespace srbf

@@ -1,8 +1,8 @@
-// The formulas of angles.h, without include guard: SIMD code includes them again for each instruction set.
+// No include guard: angles.h includes this file for plain numbers, SIMD code once per instruction set.
 
-/// θ = atan2(s, c) [rad] for s = √sine2 ≥ 0 and c ≥ 0, not normalised; 0 for the zero vector. Relative error ≤ 4e-7,
-/// also at the ends, where an arc cosine loses half the digits. With t = sin²(θ/2): θ² = 4 t (arcsin(√t) / √t)², with
-/// the factor approximated on [0, ½] by Chebyshev interpolation.
+/// θ = atan2(√sine2, c) [rad] for sine2, c ≥ 0 of any scale; 0 for the zero vector. The relative error is at most 4e-7,
+/// also near 0 and π/2, where an arc cosine or arc sine loses half the digits. With t = sin²(θ/2), the polynomial
+/// interpolates (arcsin(√t) / √t)² at Chebyshev nodes on [0, ½].
 template <typename Real> Real polar_angle(Real sine2, Real c) {
     const Real length = sqrt(sine2 + c * c);
     const Real t = Real(0.5) * sine2 / max(length * (length + c), Real(k_least_length));
@@ -17,8 +17,8 @@ template <typename Real> Real polar_angle(Real sine2, Real c) {
     return Real(2.0) * sqrt(t * p);
 }
 
-/// φ = atan2(y, x) [rad], in [−π, π]; 0 for the zero vector. Absolute error ≤ 4e-7.
-/// With q = min(|x|,|y|)/max(|x|,|y|): arctan q = q P(q²), P by Chebyshev interpolation on [0, 1].
+/// φ = atan2(y, x) [rad], in [−π, π]; 0 for the zero vector. The absolute error is at most 4e-7. With
+/// q = min(|x|,|y|) / max(|x|,|y|), arctan q = q P(q²), where P interpolates at Chebyshev nodes on [0, 1].
 template <typename Real> Real azimuth(Real y, Real x) {
     const Real a = abs(x), b = abs(y), q = min(a, b) / max(max(a, b), Real(k_least_length)), t = q * q;
     Real p = Real(0.0027662835);

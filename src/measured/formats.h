@@ -1,4 +1,4 @@
-// The formats of measurements: how files of each are recognised, read and written.
+// The formats of measurements: recognition, readers and writers.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -16,52 +16,51 @@ namespace [[gnu::visibility("default")]] srbf {
 
 /// The source of a table: a BRDF or BSDF, with its properties.
 struct TableSource {
-    Evaluate values;  ///< `signed_value` of a measurement, `value` of a model; keeps a reference to it
+    Evaluate values;  ///< `signed_value` of a measurement or `value` of a model, to which it keeps a reference
     bool isotropic = true, two_sided = false;
-    /// Parts that are known, or answered by their counterparts; of a BRDF the front's reflection alone.
+    /// The parts that are known, also by reciprocity from their counterparts. A BRDF has the front's reflection alone.
     std::array<bool, k_parts> has{true};
     Beams beams = {};
-    const Measured* measured = nullptr;  ///< null: a model
+    const Measured* measured = nullptr;  ///< null for a model
 };
 TableSource table_source(const Measured& measured);
 TableSource table_source(const Measured&&) = delete;
 
-/// An option that one writer reads: its name on the command line, and its values, of which the first is the default.
+/// An option of one writer: its name on the command line, and its values. The first value is the default.
 struct WriterOption {
     std::string_view name, help;
     std::span<const std::string_view> values;
 };
 
 struct TableOptions {
-    std::string description;           ///< of the material
-    int directions = 64;               ///< CSV of tables and models: all pairs of this many directions
-    double max_theta = 89 * k_degree;  ///< [rad], of these directions
-    std::string choice = {};           ///< a value of the format's `WriterOption`; empty: the first
-    bool spectra = true;               ///< RGL: spectra beside the colours, see `write_rgl`
-    int threads = 0;                   ///< 0: as many as the machine has; the result does not depend on it
+    std::string description;           ///< describes the material
+    int directions = 64;               ///< CSV of a table or a model holds all pairs of this many directions
+    double max_theta = 89 * k_degree;  ///< bound on θ of these directions [rad]
+    std::string choice = {};           ///< a value of the format's `WriterOption`; empty for the default
+    bool spectra = true;               ///< RGL files hold spectra beside colours, see `write_rgl`
+    int threads = 0;                   ///< 0 for as many as the machine has; the result does not depend on it
     ProgressToken progress = {};       ///< for cancellation
 };
 
 struct Format {
     std::string_view name;
-    bool is_text = false;  ///< its first kilobytes are text
-    /// True if a file, or its first bytes, is of the format.
+    bool is_text = false;
+    /// True if a file is of the format, by its first bytes.
     bool (*recognise)(std::span<const std::byte> head) = nullptr;
-    /// A measurement without the index of samples; `read_as` adds it, the name and the size. `options`: how columns are
-    /// read.
+    /// Reads a measurement without the index of samples, the name and the size, which `read_as` adds.
     Result<Measured> (*read)(std::span<const std::byte> bytes, const std::string& file_name,
                              const ReadOptions& options) = nullptr;
-    /// For a format without a mark: the size of a file that begins so, by which it is recognised; 0: it is of another
-    /// format. Null for formats with a mark.
+    /// The size of a file that begins with `head`, by which a format without a magic number is recognised; 0 if it is
+    /// of another format. Null for formats with a magic number.
     std::uint64_t (*size)(std::span<const std::byte> head) = nullptr;
 
-    std::string_view extension = {};  ///< of files that are written; empty: none are
-    std::string_view used_by = {};    ///< whose files these are, where `extension` does not tell
-    bool anisotropic = false;         ///< files hold anisotropic BRDFs too
-    bool one_sided = false;           ///< files hold no BSDF
+    std::string_view extension = {};  ///< the extension of written files; empty for a format without a writer
+    std::string_view used_by = {};    ///< names the format where `extension` is ambiguous
+    bool anisotropic = false;         ///< written files may hold anisotropic BRDFs
+    bool one_sided = false;           ///< written files hold no BSDF
     Result<std::vector<std::byte>> (*write)(const TableSource& source, const TableOptions& options) = nullptr;
     const WriterOption* option = nullptr;
-    /// The table that an `EvaluatedTable` of the format has `packed`.
+    /// The inverse of `EvaluatedTable::packed`.
     EvaluatedTable (*unpack)(std::string_view bytes) = nullptr;
 };
 
@@ -69,16 +68,16 @@ struct Format {
 std::span<const Format> formats();
 /// The first format that recognises the bytes; otherwise null.
 const Format* format_of(std::span<const std::byte> bytes);
-/// The format whose files have the longest extension that the name of a file ends in; null if none is written so.
+/// The format with a writer whose extension the path ends in, the longest one of several; null if there is none.
 const Format* format_written_to(std::string_view path);
-/// Reads a file of a format, whatever it begins with. Errors: those of the format.
+/// Reads a file of a known format. Errors: those of the format.
 Result<Measured> read_as(const Format& format, std::span<const std::byte> bytes, const std::string& file_name,
                          const ReadOptions& options = {});
-/// The bytes that a file may have that begins with `head`, by all formats.
+/// The largest size of a file that begins with `head` in any format.
 std::uint64_t most_bytes(std::span<const std::byte> head);
-/// "RGL, MBSDF, .. or UTIA".
+/// "RGL, MBSDF, ... or UTIA".
 std::string names_of_formats();
-/// ".bsdf, .mbsdf, .. or .csv" of those that are written.
+/// ".bsdf, .mbsdf, ... or .csv": the extensions of formats with a writer.
 std::string extensions_of_formats();
 
 }  // namespace srbf

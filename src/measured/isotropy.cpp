@@ -10,6 +10,7 @@
 #include "brdf/directions.h"
 #include "brdf/values.h"
 #include "measured/angles.h"
+#include "measured/tables.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 #include "srbf/measured.h"
@@ -18,19 +19,18 @@ namespace srbf {
 namespace {
 
 constexpr std::size_t k_pairs = 16384;
-constexpr double k_small_turn = 15 * k_degree;
-/// Relative mean squares of f(Rωl, Rωv) − f(ωl, ωv): tolerance for rounding alone, and for noise.
+constexpr double k_small_rotation = 15 * k_degree;
+/// Tolerances of relative mean squares of f(Rωl, Rωv) − f(ωl, ωv), for rounding alone and for noise.
 constexpr double k_rounding = 1e-6, k_noise = 0.02;
-/// Noise changes as much under a small rotation as under any; a brushed surface changes far less.
+/// Noise changes as much under a small rotation as under any other; a brushed surface changes far less.
 constexpr double k_most_growth = 2.5;
 
-/// Pairs, and f there.
 struct ValuesAtPairs {
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f;
 
     void add(Vec3f l, Vec3f v) { wl.push_back(l), wv.push_back(v); }
-    void add_turned(Vec3f l, Vec3f v, double angle) {
+    void add_rotated(Vec3f l, Vec3f v, double angle) {
         const float c = float(elementary::cos(angle)), s = float(elementary::sin(angle));
         add(Kernel<float>::turned(l, c, s), Kernel<float>::turned(v, c, s));
     }
@@ -43,7 +43,7 @@ bool is_isotropic(const Evaluate& f, double max_theta) {
     const StandardArithmetic mode;
     std::mt19937_64 random(0);
     const MirrorMixture mixture(max_theta);
-    ValuesAtPairs at, slightly_turned, turned;
+    ValuesAtPairs original, slightly_rotated, rotated;
     std::vector<double> weight;
     while (weight.size() < k_pairs) {
         const double u1 = uniform(random), u2 = uniform(random), u3 = uniform(random), u4 = uniform(random),
@@ -51,26 +51,43 @@ bool is_isotropic(const Evaluate& f, double max_theta) {
         const Vec3d v = mixture.sample_cap(u1, u2), l = mixture.sample(v, u3, u4, u5);
         if (!mixture.contains(l)) continue;
         const Vec3f wl = to_float(l), wv = to_float(v);
-        at.add(wl, wv), slightly_turned.add_turned(wl, wv, k_small_turn), turned.add_turned(wl, wv, angle);
+        original.add(wl, wv);
+        slightly_rotated.add_rotated(wl, wv, k_small_rotation);
+        rotated.add_rotated(wl, wv, angle);
         weight.push_back(1 / mixture.pdf(l, v));
     }
-    for (ValuesAtPairs* pairs : {&at, &slightly_turned, &turned}) pairs->evaluate(f);
-    // For f cosθl cosθv: towards the horizon f grows, and so does its noise.
-    double whole = 0, by_small = 0, by_any = 0;
+    for (ValuesAtPairs* pairs : {&original, &slightly_rotated, &rotated}) pairs->evaluate(f);
+    // The cosines compensate for the growth of f, and of its noise, towards the horizon.
+    double squares = 0, small_change = 0, change = 0;
     for (std::size_t i = 0; i < k_pairs; ++i) {
-        const Rgb &value = at.f[i], &small = slightly_turned.f[i], &any = turned.f[i];
+        const Rgb &value = original.f[i], &small = slightly_rotated.f[i], &any = rotated.f[i];
         if (!is_finite(value) || !is_finite(small) || !is_finite(any)) continue;
-        const double w = weight[i] * elementary::square(cosines(at.wl[i], at.wv[i]));
-        whole += w * square_of(value);
-        by_small += w * squared_distance(small, value);
-        by_any += w * squared_distance(any, value);
+        const double w = weight[i] * elementary::square(cosines(original.wl[i], original.wv[i]));
+        squares += w * square_of(value);
+        small_change += w * squared_distance(small, value);
+        change += w * squared_distance(any, value);
     }
-    return by_any <= k_rounding * whole || (by_any <= k_noise * whole && by_any <= k_most_growth * by_small);
+    return change <= k_rounding * squares || (change <= k_noise * squares && change <= k_most_growth * small_change);
 }
 
+namespace {
+
+/// The smaller cosine of the rotations about the normal that take wl and wv of one sample to those of another. A
+/// direction near the normal does not count.
+double cos_rotation(const ScatteredSamples& samples, std::size_t i, std::size_t k) {
+    const auto cosine = [](const Vec3f& a, const Vec3f& b) {
+        const double product = double(a.x) * double(b.x) + double(a.y) * double(b.y),
+                     lengths = std::sqrt(double(a.x * a.x + a.y * a.y) * double(b.x * b.x + b.y * b.y));
+        return lengths > 1e-4 ? product / lengths : 1;
+    };
+    return std::min(cosine(samples.wl[i], samples.wl[k]), cosine(samples.wv[i], samples.wv[k]));
+}
+
+}  // namespace
+
 double change_by_azimuth(const ScatteredSamples& samples) {
-    // Only a part of very many samples is used: a search among points that are all alike looks at each.
-    constexpr std::size_t k_most = 65536, k_asked = 1024, k_near = 9, k_least_pairs = 32;
+    // At most `k_most` samples are indexed, since a search among coincident points visits all of them.
+    constexpr std::size_t k_most = 65536, k_searches = 1024, k_near = 9, k_least_pairs = 32;
     const StandardArithmetic mode;
     const std::size_t step = 1 + samples.wl.size() / k_most;
     using Points = PointCloud<float, 3>;
@@ -78,49 +95,42 @@ double change_by_azimuth(const ScatteredSamples& samples) {
     std::vector<std::size_t> sample;
     for (std::size_t i = 0; i < samples.wl.size(); i += step) {
         const Vec3f &l = samples.wl[i], &v = samples.wv[i];
-        points.at.push_back({polar_angle(l + v), polar_angle(l), polar_angle(v)});
+        points.coordinates.push_back({polar_angle(l + v), polar_angle(l), polar_angle(v)});
         sample.push_back(i);
     }
     const std::size_t count = sample.size();
     if (count == 0) return 0;
     const KdTree<float, 3> tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(16));
     struct Change {
-        double whole = 0, squares = 0;
+        double squares = 0, squared_changes = 0;
         std::size_t pairs = 0;
-        double ratio() const { return whole > 0 ? squares / whole : 0; }
+        double ratio() const { return squares > 0 ? squared_changes / squares : 0; }
     };
-    const auto seen = [&](std::size_t i, int c) {
+    const auto value = [&](std::size_t i, int c) {
         return cosines(samples.wl[i], samples.wv[i]) * double(samples.colour[i][c]);
     };
     for (const double reach : {0.1 * k_degree, 10 * k_degree}) {
         Change small, any;
-        for (std::size_t point = 0; point < count; point += 1 + count / k_asked) {
+        for (std::size_t point = 0; point < count; point += 1 + count / k_searches) {
             const std::size_t i = sample[point];
             std::array<std::uint32_t, k_near> near;
             std::array<float, k_near> distance2;
-            const std::size_t found = tree.knnSearch(points.at[point].data(), k_near, near.data(), distance2.data());
+            const std::size_t found =
+                tree.knnSearch(points.coordinates[point].data(), k_near, near.data(), distance2.data());
             for (std::size_t n = 0; n < found; ++n) {
                 if (near[n] == point || double(distance2[n]) > reach * reach) continue;
                 const std::size_t k = sample[near[n]];
-                // The larger of the turns of both directions, of which that near the normal has no meaning.
-                const auto cos_turn = [](const Vec3f& a, const Vec3f& b) {
-                    const double along = double(a.x) * double(b.x) + double(a.y) * double(b.y),
-                                 lengths = std::sqrt(double(a.x * a.x + a.y * a.y) * double(b.x * b.x + b.y * b.y));
-                    return lengths > 1e-4 ? along / lengths : 1;
-                };
-                const double cosine =
-                    std::min(cos_turn(samples.wl[i], samples.wl[k]), cos_turn(samples.wv[i], samples.wv[k]));
-                Change& of = cosine >= elementary::cos(k_small_turn) ? small : any;
-                ++of.pairs;
+                Change& change = cos_rotation(samples, i, k) >= elementary::cos(k_small_rotation) ? small : any;
+                ++change.pairs;
                 for (int c = 0; c < 3; ++c) {
-                    of.whole += elementary::square(seen(i, c));
-                    of.squares += elementary::square(seen(i, c) - seen(k, c));
+                    change.squares += elementary::square(value(i, c));
+                    change.squared_changes += elementary::square(value(i, c) - value(k, c));
                 }
             }
         }
         if (any.pairs < k_least_pairs) continue;
-        const bool is_near = reach > k_degree;  // neighbours differ by their distance too
-        if (is_near && small.pairs < k_least_pairs) return 0;
+        // Within 10° values also change with the distance, so that pairs without rotation are needed for comparison.
+        if (reach > k_degree && small.pairs < k_least_pairs) return 0;
         const bool is_noise = small.pairs >= k_least_pairs && any.ratio() <= k_most_growth * small.ratio();
         return any.ratio() > k_noise && !is_noise ? std::sqrt(any.ratio()) : 0;
     }

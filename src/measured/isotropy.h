@@ -1,12 +1,11 @@
-// A test for isotropy.
 #pragma once
 #include "srbf/brdf.h"
 
 namespace srbf {
 
-/// True if f(Rωl, Rωv) = f(ωl, ωv) for rotations R about the normal, up to rounding or noise, over θ ≤ max_theta [rad].
-/// The criterion: the mean squared change of f cosθl cosθv under any rotation is at most 1e-6 of the mean square of f
-/// cosθl cosθv; or at most 2 % of it and at most 2.5 times the change under rotation by 15°.
+/// True if f(Rωl, Rωv) = f(ωl, ωv) for rotations R about the normal, up to rounding or noise, over θ ≤ max_theta [rad]:
+/// the mean squared change of f cosθl cosθv under random rotations is at most 1e-6 of the mean square of f cosθl cosθv,
+/// or at most 2 % of it and at most 2.5 times the change under rotation by 15°.
 bool is_isotropic(const Evaluate& f, double max_theta);
 
 }  // namespace srbf

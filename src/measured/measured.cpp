@@ -4,6 +4,10 @@
 #include <cassert>
 
 #include "base/floating_point.h"
+#include "brdf/parts.h"
+#include "brdf/values.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 
 namespace srbf {
 
@@ -33,7 +37,7 @@ std::vector<std::string> notes(const Measured& measured) {
 }
 
 void exchange(Measured& measured) {
-    if (auto* samples = std::get_if<ScatteredSamples>(&measured.table)) {  // a fit uses the samples themselves
+    if (auto* samples = std::get_if<ScatteredSamples>(&measured.table)) {  // fits use the samples directly
         std::swap(samples->wl, samples->wv);
         make_index(*samples);
     } else {
@@ -57,7 +61,7 @@ Evaluate signed_evaluator(const Measured& measured) {
         const StandardArithmetic mode;
         require_equal_lengths(wl.size(), wv.size(), f.size());
         if (measured.exchanged) std::swap(wl, wv);
-        const auto each = [&](const auto& table) {
+        const auto evaluate = [&](const auto& table) {
             if constexpr (std::is_same_v<decltype(table), const EvaluatedTable&>)
                 table.values(wl, wv, f);
             else if constexpr (requires { evaluate_signed(table, wl, wv, f); })
@@ -65,7 +69,7 @@ Evaluate signed_evaluator(const Measured& measured) {
             else
                 for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
         };
-        std::visit(each, measured.table);
+        std::visit(evaluate, measured.table);
     };
 }
 
@@ -93,19 +97,19 @@ Channels signed_spectra(const Measured& measured) {
                 const StandardArithmetic mode;
                 require_equal_lengths(C * wl.size(), C * wv.size(), f.size());
                 if (measured.exchanged) std::swap(wl, wv);
-                const auto each = [&](const auto& table) {
+                const auto evaluate = [&](const auto& table) {
                     for (std::size_t i = 0; i < wl.size(); ++i)
                         signed_spectrum(table, wl[i], wv[i], f.subspan(i * C, C));
                 };
-                if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return each(*rgl);
-                each(std::get<ScatteredSamples>(measured.table));
+                if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return evaluate(*rgl);
+                evaluate(std::get<ScatteredSamples>(measured.table));
             }};
 }
 
 Channels spectra(const Measured& measured) {
     Channels channels = signed_spectra(measured);
-    channels.evaluate = [of = std::move(channels.evaluate)](auto wl, auto wv, auto f) {
-        of(wl, wv, f);
+    channels.evaluate = [evaluate = std::move(channels.evaluate)](auto wl, auto wv, auto f) {
+        evaluate(wl, wv, f);
         for (float& x : f) x = std::max(x, 0.0f);
     };
     return channels;

@@ -7,17 +7,20 @@
 #include <cmath>
 
 #include "base/floating_point.h"
+#include "brdf/frame.h"
 #include "measured/angles.h"
+#include "measured/tables.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
 
 namespace {
 
-constexpr std::size_t k_places = 4;        // mirror, retro, beside, elsewhere, as in PeakPlace
-constexpr double k_about = 10 * k_degree;  // of a direction
+// The numbers below are described at `peak_of`.
+constexpr std::size_t k_positions = 4;  // mirror, retro, beside, elsewhere, as in PeakPosition
+constexpr double k_around = 10 * k_degree;
 constexpr double k_least_ratio = 2;
-/// Bounds of the intervals of θ_l, and the largest θ_v.
+/// Bounds of the intervals of θ_l.
 constexpr std::array<double, 5> k_light{10 * k_degree, 25 * k_degree, 40 * k_degree, 55 * k_degree, 70 * k_degree};
 constexpr double k_most_view = 75 * k_degree;
 constexpr std::array<double, 3> k_shells{0.25 * k_degree, 1 * k_degree, 4 * k_degree};
@@ -27,10 +30,11 @@ double angle_between(const Vec3d& a, const Vec3d& b) {
     return 2 * elementary::asin(std::min(1.0, std::sqrt(dot(d, d)) / 2));
 }
 
+/// The level of a position in an interval, from means over shells.
 struct Level {
     std::array<double, k_shells.size() + 1> sum{}, count{};
     void add(std::size_t shell, double y) { sum[shell] += y, count[shell] += 1; }
-    /// Negative where there is none.
+    /// Negative if there are no pairs.
     double value() const {
         double most = -1;
         for (std::size_t s = 0; s < sum.size(); ++s)
@@ -38,7 +42,7 @@ struct Level {
         return most;
     }
 };
-using Levels = std::array<std::array<Level, k_places>, k_light.size() - 1>;
+using Levels = std::array<std::array<Level, k_positions>, k_light.size() - 1>;
 
 void add(Levels& levels, const Vec3d& wl, const Vec3d& wv, double y) {
     const double theta_l = polar_angle(wl);
@@ -48,48 +52,48 @@ void add(Levels& levels, const Vec3d& wl, const Vec3d& wv, double y) {
     const std::array<double, 3> angle{angle_between(wv, mirror(wl)), angle_between(wv, wl),
                                       std::min(angle_between(wv, side), angle_between(wv, mirror(side)))};
     const std::size_t nearest = std::size_t(std::ranges::min_element(angle) - angle.begin());
-    const bool is_near = angle[nearest] <= k_about;
+    const bool is_near = angle[nearest] <= k_around;
     const auto shell = std::size_t(std::ranges::upper_bound(k_shells, angle[nearest]) - k_shells.begin());
-    levels[interval][is_near ? nearest : k_places - 1].add(is_near ? shell : 0, y);
+    levels[interval][is_near ? nearest : k_positions - 1].add(is_near ? shell : 0, y);
 }
 
 Peak peak_of(const Levels& levels) {
-    std::array<double, k_places> score{}, ratio{}, count{};
+    std::array<double, k_positions> score{}, ratio{}, count{};
     for (const auto& interval : levels) {
-        std::array<double, k_places> level{};
+        std::array<double, k_positions> level{};
         double least = -1, most = 0;
-        std::size_t places = 0;
-        for (std::size_t p = 0; p < k_places; ++p) {
+        std::size_t measured = 0;
+        for (std::size_t p = 0; p < k_positions; ++p) {
             level[p] = interval[p].value();
             if (level[p] < 0) continue;
-            ++places;
+            ++measured;
             least = least < 0 ? level[p] : std::min(least, level[p]);
             most = std::max(most, level[p]);
         }
-        if (places < 2 || (level[0] < 0 && level[1] < 0)) continue;
-        for (std::size_t p = 0; p < k_places; ++p) {
+        if (measured < 2 || (level[0] < 0 && level[1] < 0)) continue;
+        for (std::size_t p = 0; p < k_positions; ++p) {
             if (level[p] < 0) continue;
-            const double of =
+            const double quotient =
                 most > 0 ? std::max(level[p], most / k_most_peak) / std::max(least, most / k_most_peak) : 1;
-            score[p] += elementary::log(of), count[p] += 1, ratio[p] = std::max(ratio[p], of);
+            score[p] += elementary::log(quotient), count[p] += 1, ratio[p] = std::max(ratio[p], quotient);
         }
     }
     Peak peak;
     double most = -1;
-    for (std::size_t p = 0; p < k_places; ++p) {
+    for (std::size_t p = 0; p < k_positions; ++p) {
         if (!(count[p] > 0) || score[p] / count[p] <= most) continue;
         most = score[p] / count[p];
-        peak = {PeakPlace(p), ratio[p]};
+        peak = {PeakPosition(p), ratio[p]};
     }
-    if (peak.place != PeakPlace::unknown && peak.ratio < k_least_ratio) peak.place = PeakPlace::none;
+    if (peak.position != PeakPosition::unknown && peak.ratio < k_least_ratio) peak.position = PeakPosition::none;
     return peak;
 }
 
 }  // namespace
 
-const char* name(PeakPlace place) {
+const char* name(PeakPosition position) {
     constexpr std::array names{"mirror", "retro", "beside", "elsewhere", "none", "unknown"};
-    return names[std::size_t(place)];
+    return names[std::size_t(position)];
 }
 
 Peak peak_of(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f) {
@@ -130,8 +134,9 @@ Peak peak_of(const Measured& measured) {
     if (const auto* samples = std::get_if<ScatteredSamples>(&measured.table))
         return peak_of(samples->wl, samples->wv, samples->colour);
     if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table)) {
-        const auto part = std::ranges::find_if(bsdf->band().part, [](const auto& of) { return of != nullptr; });
-        return part == bsdf->band().part.end() ? Peak{} : peak_of(**part);
+        const auto& parts = bsdf->band().part;
+        const auto first = std::ranges::find_if(parts, [](const auto& part) { return part != nullptr; });
+        return first == parts.end() ? Peak{} : peak_of(**first);
     }
     return peak_of(signed_evaluator(measured));
 }
@@ -139,21 +144,21 @@ Peak peak_of(const Measured& measured) {
 std::string peak_text(const Peak& peak, bool is_transmission) {
     const std::string times =
         fmt::format("{}{:.0f} times f elsewhere", peak.ratio >= k_most_peak ? "over " : "", peak.ratio);
-    switch (peak.place) {
-        case PeakPlace::mirror:
+    switch (peak.position) {
+        case PeakPosition::mirror:
             return fmt::format("highlight {}, {}", is_transmission ? "straight through" : "at the mirror direction",
                                times);
-        case PeakPlace::retro:
+        case PeakPosition::retro:
             return fmt::format("highlight at the {}, {}: are the azimuths exchanged?",
                                is_transmission ? "azimuth of the light" : "retro direction", times);
-        case PeakPlace::beside:
+        case PeakPosition::beside:
             return fmt::format("highlight beside the plane of incidence, {}: are the azimuths off by 90°?", times);
-        case PeakPlace::elsewhere:
+        case PeakPosition::elsewhere:
             return fmt::format(
                 "highlight away from the mirror and the retro direction, {}: are angles from the normal?", times);
-        case PeakPlace::none:
+        case PeakPosition::none:
             return "no highlight (matte): no direction at the angle of the light has twice f of others";
-        case PeakPlace::unknown:
+        case PeakPosition::unknown:
             break;
     }
     return "unknown: too little was measured about the mirror and the retro direction";

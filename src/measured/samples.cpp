@@ -1,4 +1,3 @@
-// Collection of scattered samples, and what of a file's numbers is none.
 #include "measured/samples.h"
 
 #include <fmt/format.h>
@@ -19,12 +18,12 @@ SampleBuilder::SampleBuilder(Values values, std::vector<float> wavelengths, std:
     : values_(values), bytes_(bytes) {
     if (values == Values::spectrum) {
         weights_ = rgb_weights(wavelengths);
-        // Lines of lasers are no colours: their pictures are grey.
+        // Wavelengths of lasers determine no colour, and are shown in grey.
         if (!has_colours(wavelengths))
             for (Rgb& weight : weights_) weight.r = weight.g = weight.b = float(luminance(weight));
     }
     samples_.wavelengths = std::move(wavelengths);
-    // Memory holds the text and the samples together, then the samples and their index.
+    // Memory holds the text and the samples at first, later the samples and their index.
     constexpr std::size_t slack = 32 << 20, index = 36;
     const std::size_t sample = 2 * sizeof(Vec3f) + sizeof(Rgb) + sizeof(float) * (weights_.size() + 1);
     most_ = std::min((3 * bytes + slack) / sample, (4 * bytes + slack) / (sample + index));
@@ -68,31 +67,32 @@ void SampleBuilder::add(Vec3d wl, Vec3d wv, std::span<const float> f, float weig
 
 namespace {
 
-/// A value below 0 that stands for none, as −999: the least one, if it is a whole number or repeats itself, exceeds twice
-/// the median of the values above 0, and is ten times as far below 0 as all other samples, so that it is no noise.
-/// `rows`: the values of samples, `width` for each. Another channel of a sample that is as large shows a saturated colour.
+/// Finds a negative number that marks missing values, such as −999: the smallest value, if it is an integer or occurs
+/// more than once, its magnitude exceeds twice the median of positive values, and it is ten times as far below 0 as the
+/// values of all other samples. A sample with another channel as large is a saturated colour instead. `rows` holds
+/// `width` values for each sample.
 std::optional<float> missing_value(std::span<const float> rows, std::size_t width) {
     const float least = std::ranges::min(rows);
     if (!(least < 0)) return {};
-    std::vector<float> above;
-    std::size_t times = 0;
+    std::vector<float> positive;
+    std::size_t occurrences = 0;
     float next = 0;
-    for (std::size_t at = 0; at < rows.size(); at += width) {
-        const auto row = rows.subspan(at, width);
+    for (std::size_t begin = 0; begin < rows.size(); begin += width) {
+        const auto row = rows.subspan(begin, width);
         const bool has = std::ranges::find(row, least) != row.end();
         if (has && std::ranges::any_of(row, [&](float f) { return f >= -least; })) return {};
-        times += has;
+        occurrences += has;
         for (const float f : row) {
-            if (f > 0) above.push_back(f);
+            if (f > 0) positive.push_back(f);
             if (!has) next = std::min(next, f);
         }
     }
-    if (times < 2 && least != std::round(least)) return {};
+    if (occurrences < 2 && least != std::round(least)) return {};
     if (next < least / 10) return {};
-    if (above.empty()) return least;
-    const auto middle = above.begin() + std::ptrdiff_t(above.size() / 2);
-    std::ranges::nth_element(above, middle);
-    return -least > 2 * *middle ? std::optional(least) : std::nullopt;
+    if (positive.empty()) return least;
+    const auto median = positive.begin() + std::ptrdiff_t(positive.size() / 2);
+    std::ranges::nth_element(positive, median);
+    return -least > 2 * *median ? std::optional(least) : std::nullopt;
 }
 
 }  // namespace
@@ -139,7 +139,7 @@ std::string expected_angle(AngleKind kind, double number, AngleUnit unit) {
 }
 
 void SampleBuilder::mask_missing() {
-    // Several values may stand for none: −9999 not measured, −999 saturated.
+    // A file may have several such numbers: −9999 for not measured, −999 for saturated.
     constexpr int k_most_kinds = 4;
     for (int kind = 0; kind < k_most_kinds && !samples_.wl.empty(); ++kind) {
         const std::size_t width = values_ == Values::spectrum ? weights_.size() : 3;

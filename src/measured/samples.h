@@ -1,4 +1,4 @@
-// Collection of scattered samples: private to the readers.
+// Functions that readers of scattered samples share.
 #pragma once
 #include <fmt/format.h>
 
@@ -11,25 +11,24 @@
 
 #include "base/text.h"
 #include "brdf/colour.h"
+#include "measured/tables.h"
 #include "srbf/elementary.h"
 #include "srbf/measured.h"
 
 namespace srbf {
 
-/// The kind of values of a sample.
 enum class Values { grey, rgb, xyz, spectrum };
 
 /// Limit on the columns of a file, far above those of any measurement.
 inline constexpr std::size_t k_most_columns = 4096;
-inline constexpr std::size_t k_absent = k_most_columns;  ///< the position of a column that a file has not
+inline constexpr std::size_t k_absent = k_most_columns;  ///< the position of a column that a file lacks
 
-/// Collects samples, and drops invalid ones.
+/// Collects the valid samples of a file.
 class SampleBuilder {
   public:
-    /// For a file with `bytes` bytes and at most `rows` rows. The number of samples is limited such that they fit, with
-    /// their index, into 4 × the file and 32 MB.
+    /// For a file with `bytes` bytes and at most `rows` rows. Samples and their index may take at most four times the
+    /// size of the file and 32 MB, which limits their number.
     SampleBuilder(Values values, std::vector<float> wavelengths, std::size_t bytes, std::size_t rows);
-    /// Number of values of a sample.
     std::size_t width() const {
         return values_ == Values::grey ? 1 : values_ == Values::spectrum ? weights_.size() : 3;
     }
@@ -37,8 +36,8 @@ class SampleBuilder {
     /// horizon.
     void add(Vec3d wl, Vec3d wv, std::span<const float> f, float weight = 1);
     bool empty() const { return samples_.wl.empty(); }
-    /// The samples, without an index. What stands for a missing value (`missing_value`) is masked, and noted. Errors: no
-    /// samples are left; there were too many.
+    /// Returns the samples, without an index. Masks numbers that mark missing values (`missing_value`), with a note.
+    /// Errors: no samples are left; there were too many.
     Result<ScatteredSamples> finish(const std::string& file_name, std::string description, bool isotropic) &&;
 
   private:
@@ -54,7 +53,7 @@ class SampleBuilder {
 /// Keeps the samples whose numbers `keep` accepts, and counts the others as masked.
 void keep_samples(ScatteredSamples& samples, const std::function<bool(std::size_t)>& keep);
 
-/// Divides values by what they are times f. Those that become too large are masked.
+/// Converts values to f, and masks those that become too large.
 void to_bsdf(ScatteredSamples& samples, Quantity quantity);
 
 enum class AngleKind { polar, azimuth };
@@ -65,51 +64,52 @@ struct AngleUnit {
     std::string_view name;
 };
 inline constexpr AngleUnit k_in_degrees{k_degree, "degrees"}, k_in_radians{1, "radians"};
-/// The expectation of an error message where `number` cannot be one in that unit; empty: it can. A polar angle is within half a
-/// turn on either side of the normal, an azimuth within two turns. Not a number passes, for its sample is masked.
+/// Checks an angle: a polar angle lies within 180° on either side of the normal, an azimuth within two turns; NaN
+/// passes, since its sample is masked. Returns the expectation for an error message, empty for a valid angle.
 std::string expected_angle(AngleKind kind, double number, AngleUnit unit);
 
-/// The readers without `make_index`, which can wait until the text is freed.
+/// Readers without `make_index`, which can wait until the text is freed.
 Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, const std::string& file_name);
 Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, const std::string& file_name);
 Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, const std::string& file_name);
-/// Rows of numbers with the names of columns, in the text or in `options`.
+/// Reads rows of numbers in named columns; `options` names them if the text does not.
 Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name,
                                           const ReadOptions& options);
 Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
 
-/// Azimuths [rad] within this are equal: files state them with four digits or more. Components of directions too.
+/// Tolerance of azimuths [rad] and of components of directions, which files state with four digits or more.
 inline constexpr double k_azimuth_rounding = 1e-4;
-/// The azimuths of the lights of a file. Where all have one, whichever it is, the file holds an isotropic measurement.
+/// Compares the azimuths of a file's lights. If all are equal, the measurement is isotropic.
 class LightAzimuths {
   public:
-    /// A light along the normal has no azimuth.
+    /// Ignores a light along the normal, which has no azimuth.
     void add(const Vec3d& wl) {
         const double sine = elementary::hypot(wl.x, wl.y);
         if (sine <= k_azimuth_rounding) return;
         if (!first_) first_ = {wl.x / sine, wl.y / sine};
         const auto [x, y] = *first_;
-        one_ &= std::abs(x * wl.y - y * wl.x) <= k_azimuth_rounding && x * wl.x + y * wl.y > 0;
+        are_equal_ &= std::abs(x * wl.y - y * wl.x) <= k_azimuth_rounding && x * wl.x + y * wl.y > 0;
     }
-    bool are_one() const { return one_; }
+    bool are_equal() const { return are_equal_; }
 
   private:
     std::optional<std::array<double, 2>> first_;
-    bool one_ = true;
+    bool are_equal_ = true;
 };
 
-/// Stands for a separator that is no single character: blanks, tabs or commas.
+/// Stands for any number of blanks, tabs or commas between fields.
 inline constexpr char k_any_separator = 0;
-/// The fields of a row; for ' ' and for `k_any_separator`, its words.
+/// Splits a row into fields; for ' ' and `k_any_separator`, into words.
 inline void split_row(std::string_view line, char separator, std::vector<std::string_view>& fields) {
     if (separator != k_any_separator && separator != ' ') return split_fields(line, fields, separator);
-    const std::string_view at = separator == ' ' ? " \t" : " \t,";
+    const std::string_view separators = separator == ' ' ? " \t" : " \t,";
     fields.clear();
-    for (auto word = next_word(line, at); !word.empty() && fields.size() < k_most_fields; word = next_word(line, at))
+    for (auto word = next_word(line, separators); !word.empty() && fields.size() < k_most_fields;
+         word = next_word(line, separators))
         fields.push_back(word);
 }
 
-/// The number in a field, which may have a decimal comma.
+/// Reads the number in a field, which may have a decimal comma.
 template <typename T> std::optional<T> number_in(std::string_view field) {
     if (const auto number = to_number<T>(field)) return number;
     const auto comma = field.find(',');
@@ -120,19 +120,19 @@ template <typename T> std::optional<T> number_in(std::string_view field) {
     return to_number<T>(text);
 }
 
-/// A row of numbers. After its first error, which is kept, its numbers are 0.
+/// Reads a row of numbers. It keeps the first error, after which numbers are 0.
 class NumberRow {
   public:
     NumberRow(std::size_t columns, const std::string& file_name) : columns_(columns), file_name_(file_name) {}
-    /// Takes the fields of a line, as `split_row` has them; an error if there are not as many as columns.
+    /// Splits a line into fields (`split_row`). Error: their number is not that of the columns.
     void read(std::string_view text, std::uint64_t line, char separator = ',') {
         line_ = line;
         split_row(text, separator, fields_);
-        if (separator == '\t' && fields_.size() < columns_) fields_.resize(columns_);  // the ends of lines are trimmed
+        if (separator == '\t' && fields_.size() < columns_) fields_.resize(columns_);  // `Lines` trims empty fields
         if (fields_.size() != columns_)
             fail("sample", std::to_string(columns_) + " numbers", std::to_string(fields_.size()));
     }
-    /// The number in a column, which an error calls `what`, or by its position.
+    /// The number in a column. An error names it `what`, or by its position.
     template <typename T> T number(std::size_t column, std::string_view what = {}) {
         if (error_) return 0;
         const std::string_view field = fields_[column];
@@ -152,7 +152,7 @@ class NumberRow {
                  fmt::format("{:g}", angle));
         return angle * unit.radians;
     }
-    /// The value in a column; an empty field is not a number.
+    /// The value in a column; NaN if the field is empty.
     double value(std::size_t column) {
         return !error_ && fields_[column].empty() ? std::nan("") : number<double>(column);
     }
@@ -171,22 +171,22 @@ class NumberRow {
     bool has_decimal_commas_ = false;
 };
 
-/// Upper bound on the rows of a text: its number of lines.
+/// The number of lines of a text, an upper bound on its rows.
 inline std::size_t lines_of(std::span<const std::byte> bytes) {
     return std::size_t(std::ranges::count(bytes, std::byte('\n'))) + 1;
 }
 
-/// True if a colour can be computed from wavelengths [nm]: at least three, from blue to red.
+/// True if wavelengths [nm] determine a colour: at least three, from blue to red.
 bool has_colours(std::span<const float> wavelengths);
 
 /// True if the first kilobytes of `bytes` are text.
 bool is_text(std::span<const std::byte> bytes);
-/// Recognition of the formats by their first lines.
+/// Recognise formats by their first lines.
 bool is_cornell(std::string_view text);
 bool is_astm(std::string_view text);
 bool is_alta(std::string_view text);
 bool is_csv(std::string_view text);
-/// True if one of the comments before the header of a CSV is "both sides".
+/// True if a comment before the header of a CSV is "both sides".
 bool is_csv_of_both_sides(std::string_view text);
 
 }  // namespace srbf

@@ -10,6 +10,7 @@
 #include "measured/angles.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
+#include "measured/tables.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -20,8 +21,8 @@ constexpr std::uint32_t k_neighbours = 8;
 
 using Point = std::array<float, 5>;
 
-/// Coordinates of a pair for the neighbour search, as documented for `ScatteredSamples`.
-Point place_of(Vec3f wl, Vec3f wv, bool isotropic) {
+/// Coordinates of a pair for the neighbour search, see `ScatteredSamples`.
+Point coordinates_of(Vec3f wl, Vec3f wv, bool isotropic) {
     constexpr float sharpness = 20, right_angle = float(k_pi / 2);
     const float scale = right_angle / elementary::log1p(sharpness * right_angle);
     const float half = scale * elementary::log1p(sharpness * polar_angle(wl + wv));
@@ -34,9 +35,9 @@ Point place_of(Vec3f wl, Vec3f wv, bool isotropic) {
 
 using Points = PointCloud<float, 5>;
 
-/// The nearest points, in the interface that nanoflann requires; of those at one distance the first samples, whichever
-/// way a version of it searches. If millions of samples are at one distance, any of them are valid: the search ends after
-/// this many candidates that were not nearer.
+/// Collects the nearest points, in the interface that nanoflann requires. Of samples at equal distances it keeps the
+/// first, so that the result does not depend on nanoflann's version. If very many samples are at one distance, any of
+/// them are valid: the search ends after `k_patience` candidates that were not nearer.
 class Nearest {
   public:
     using DistanceType = float;
@@ -49,16 +50,16 @@ class Nearest {
     bool addPoint(float distance2, std::uint32_t sample) {
         const std::pair found(distance2, sample);
         if (full() && !(found < found_[count_ - 1])) return true;
-        asked_ = 0;
-        std::size_t at = full() ? count_ - 1 : count_++;
-        for (; at > 0 && found < found_[at - 1]; --at) found_[at] = found_[at - 1];
-        found_[at] = found;
+        candidates_ = 0;
+        std::size_t k = full() ? count_ - 1 : count_++;
+        for (; k > 0 && found < found_[k - 1]; --k) found_[k] = found_[k - 1];
+        found_[k] = found;
         return true;
     }
-    /// A little more than the largest distance, so that points at the same distance are offered too.
+    /// A little more than the largest distance, so that nanoflann also adds points at the same distance.
     float worstDist() const {
         if (!full()) return std::numeric_limits<float>::max();
-        return ++asked_ > k_patience ? -1 : found_[count_ - 1].first * 1.000001f;
+        return ++candidates_ > k_patience ? -1 : found_[count_ - 1].first * 1.000001f;
     }
     const std::pair<float, std::uint32_t>& operator[](std::size_t i) const { return found_[i]; }
 
@@ -66,13 +67,12 @@ class Nearest {
     static constexpr int k_patience = 2000;  // at most 108 are needed for known measurements
     std::size_t most_, count_ = 0;
     std::array<std::pair<float, std::uint32_t>, k_neighbours + 1> found_;
-    mutable int asked_ = 0;
+    mutable int candidates_ = 0;
 };
 
 }  // namespace
 
-/// A search among the coordinates of samples, of as many at one place as are ever looked for. It keeps no reference to
-/// them: copies of a measurement may share it.
+/// An index of samples by their coordinates. It keeps no reference to the samples; copies of a measurement share it.
 class SampleIndex {
   public:
     virtual ~SampleIndex() = default;
@@ -82,8 +82,8 @@ class SampleIndex {
         std::array<std::uint32_t, k_neighbours + 1> sample;
         std::array<float, k_neighbours + 1> distance2;
     };
-    /// The samples nearest to `place`, nearest first, as many as there are.
-    virtual Neighbours nearest(const Point& place) const = 0;
+    /// The nearest samples, in order of distance.
+    virtual Neighbours nearest(const Point& point) const = 0;
 };
 
 namespace {
@@ -93,13 +93,14 @@ template <std::size_t dimensions> class TreeOfSamples : public SampleIndex {
   public:
     TreeOfSamples(const Points& points, std::vector<std::uint32_t> sample)
         : sample_(std::move(sample)), tree_(dimensions, points_, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
-        for (const Point& point : points.at) std::copy_n(point.begin(), dimensions, points_.at.emplace_back().begin());
+        for (const Point& point : points.coordinates)
+            std::copy_n(point.begin(), dimensions, points_.coordinates.emplace_back().begin());
         tree_.buildIndex();
     }
-    Neighbours nearest(const Point& place) const override {
+    Neighbours nearest(const Point& point) const override {
         Neighbours found;
-        Nearest result(std::min<std::size_t>(k_neighbours + 1, points_.at.size()));
-        tree_.findNeighbors(result, place.data(), {});
+        Nearest result(std::min<std::size_t>(k_neighbours + 1, points_.coordinates.size()));
+        tree_.findNeighbors(result, point.data(), {});
         found.count = std::uint32_t(result.size());
         for (std::size_t i = 0; i < result.size(); ++i)
             found.distance2[i] = result[i].first, found.sample[i] = sample_[result[i].second];
@@ -108,27 +109,23 @@ template <std::size_t dimensions> class TreeOfSamples : public SampleIndex {
 
   private:
     PointCloud<float, dimensions> points_;
-    std::vector<std::uint32_t> sample_;  ///< of each point, in ascending order
+    std::vector<std::uint32_t> sample_;  ///< the index of each point's sample, in ascending order
     KdTree<float, dimensions> tree_;
 };
 
-}  // namespace
-
-namespace {
-
-/// Drops the points of a place beyond as many as are ever looked for; returns which are left, in ascending order.
-std::vector<std::uint32_t> keep_few_at_a_place(Points& points) {
-    const std::vector<std::uint32_t> first = first_at_its_place(points);
-    std::vector<std::uint8_t> count(first.size());  // at the place of each first point
+/// Removes coincident points beyond the number that a search returns. Returns the indices of the others.
+std::vector<std::uint32_t> keep_few_coincident(Points& points) {
+    const std::vector<std::uint32_t> first = first_coincident_points(points);
+    std::vector<std::uint8_t> count(first.size());  // the number of points that coincide with each first point
     std::vector<std::uint32_t> kept;
     kept.reserve(first.size());
     for (std::size_t i = 0; i < first.size(); ++i) {
         if (count[first[i]] > k_neighbours) continue;
         ++count[first[i]];
-        points.at[kept.size()] = points.at[i];
+        points.coordinates[kept.size()] = points.coordinates[i];
         kept.push_back(std::uint32_t(i));
     }
-    points.at.resize(kept.size());
+    points.coordinates.resize(kept.size());
     return kept;
 }
 
@@ -137,10 +134,10 @@ std::vector<std::uint32_t> keep_few_at_a_place(Points& points) {
 void make_index(ScatteredSamples& samples) {
     const StandardArithmetic mode;
     Points points;
-    points.at.reserve(samples.wl.size());
+    points.coordinates.reserve(samples.wl.size());
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
-        points.at.push_back(place_of(samples.wl[i], samples.wv[i], samples.isotropic));
-    std::vector<std::uint32_t> kept = keep_few_at_a_place(points);
+        points.coordinates.push_back(coordinates_of(samples.wl[i], samples.wv[i], samples.isotropic));
+    std::vector<std::uint32_t> kept = keep_few_coincident(points);
     if (samples.isotropic)
         samples.index = std::make_shared<const TreeOfSamples<3>>(points, std::move(kept));
     else
@@ -149,43 +146,44 @@ void make_index(ScatteredSamples& samples) {
 
 namespace {
 
-/// f_r between samples: scale Σ_k weight_k f of sample_k.
+/// Interpolation between samples: f = scale Σ_k weight_k f(sample_k).
 struct Blend {
     std::uint32_t count = 0;
     std::array<std::size_t, k_neighbours> sample;
     std::array<double, k_neighbours> weight;
     double scale = 0;
 
-    /// Σ of these numbers, clamped to the range of float: at the horizon the quotient may exceed it.
-    template <typename Of> float of(const Of& number) const {
-        constexpr double most = k_most_float;
+    /// Interpolates `number(sample)`. At the horizon the result may exceed the range of float, and is clamped.
+    template <typename Number> float interpolate(const Number& number) const {
+        constexpr double k_most = k_most_float;
         double sum = 0;
         for (std::uint32_t k = 0; k < count; ++k) sum += weight[k] * double(number(sample[k]));
-        return float(std::clamp(sum * scale, -most, most));
+        return float(std::clamp(sum * scale, -k_most, k_most));
     }
 };
 
 Blend blend(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
     assert(samples.index);
-    const auto near = samples.index->nearest(place_of(wl, wv, samples.isotropic));
-    // Distances below rounding count as 0: the value of the sample itself.
-    const double own = 1e-6, reach = std::sqrt(double(near.distance2[near.count - 1]));
-    const bool is_sample = double(near.distance2[0]) <= own * own;
+    const auto near = samples.index->nearest(coordinates_of(wl, wv, samples.isotropic));
+    // Modified Shepard weights ((R − d) / (R d))², R being the distance of the ninth neighbour. Distances below
+    // rounding count as 0 and give the value of the sample itself.
+    const double rounding = 1e-6, R = std::sqrt(double(near.distance2[near.count - 1]));
+    const bool is_sample = double(near.distance2[0]) <= rounding * rounding;
     Blend blend;
     blend.count = near.count > k_neighbours ? k_neighbours : near.count;
     double weights = 0;
     for (std::uint32_t k = 0; k < blend.count; ++k) {
         const double d = std::sqrt(double(near.distance2[k]));
-        double w = 1 / std::max(d, own);
+        double w = 1 / std::max(d, rounding);
         if (is_sample)
-            w = d <= own;
+            w = d <= rounding;
         else if (near.count > k_neighbours)
-            w = w - 1 / reach;  // (R − d) / (R d)
+            w = w - 1 / R;
         blend.sample[k] = near.sample[k];
         blend.weight[k] = w * w;
         weights += w * w;
     }
-    if (!(weights > 0)) {  // all of them are at one distance
+    if (!(weights > 0)) {  // all neighbours are at the same distance
         blend.weight.fill(1);
         weights = blend.count;
     }
@@ -199,17 +197,19 @@ Blend blend(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
 
 Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return {};
-    const Blend between = blend(samples, wl, wv);
-    const auto channel = [&](int c) { return between.of([&](std::size_t i) { return samples.colour[i][c]; }); };
+    const Blend neighbours = blend(samples, wl, wv);
+    const auto channel = [&](int c) {
+        return neighbours.interpolate([&](std::size_t i) { return samples.colour[i][c]; });
+    };
     return {channel(0), channel(1), channel(2)};
 }
 
 void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::span<float> f) {
     std::ranges::fill(f, 0.0f);
     if (!above_horizon(wl, wv)) return;
-    const Blend between = blend(samples, wl, wv);
+    const Blend neighbours = blend(samples, wl, wv);
     for (std::size_t c = 0; c < f.size(); ++c)
-        f[c] = between.of([&](std::size_t i) { return samples.spectrum[i * f.size() + c]; });
+        f[c] = neighbours.interpolate([&](std::size_t i) { return samples.spectrum[i * f.size() + c]; });
 }
 
 }  // namespace srbf

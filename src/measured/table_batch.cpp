@@ -1,6 +1,6 @@
-// Isotropic RGL measurements and MERL tables on arrays of pairs in SIMD batches: the steps of rgl.cpp and warp.h, and of
+// Evaluates isotropic RGL measurements and MERL tables in SIMD batches, by the steps of rgl.cpp and warp.h, and of
 // merl.cpp.
-#include "srbf/measured.h"
+#include "measured/tables.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "measured/table_batch.cpp"
@@ -19,35 +19,32 @@ using Indices = hn::Vec<hn::RebindToSigned<Lanes>>;
 
 HWY_INLINE Batch abs(Batch a) { return hn::Abs(a.v); }
 HWY_INLINE Batch copysign(Batch magnitude, Batch sign) { return hn::CopySign(magnitude.v, sign.v); }
-HWY_INLINE Batch mix(Batch a, Batch b, Batch to) { return a + to * (b - a); }
+HWY_INLINE Batch mix(Batch a, Batch b, Batch t) { return a + t * (b - a); }
 HWY_INLINE Indices index(Batch whole) { return hn::ConvertTo(hn::RebindToSigned<Lanes>(), whole.v); }
-HWY_INLINE Batch rounded_down(Batch a) { return hn::Floor(a.v); }
-HWY_INLINE Batch gather(const float* numbers, Indices at) { return hn::GatherIndex(Lanes(), numbers, at); }
-HWY_INLINE Indices offset(Indices at, std::size_t by) {
-    return hn::Add(at, hn::Set(hn::RebindToSigned<Lanes>(), std::int32_t(by)));
-}
-HWY_INLINE Indices scaled(Indices at, std::size_t by) {
-    return hn::Mul(at, hn::Set(hn::RebindToSigned<Lanes>(), std::int32_t(by)));
+HWY_INLINE Batch floor(Batch a) { return hn::Floor(a.v); }
+HWY_INLINE Batch gather(const float* numbers, Indices i) { return hn::GatherIndex(Lanes(), numbers, i); }
+HWY_INLINE Indices scale(Indices i, std::size_t factor) {
+    return hn::Mul(i, hn::Set(hn::RebindToSigned<Lanes>(), std::int32_t(factor)));
 }
 
 #include "measured/angles.inl"
 
-/// Like `between_nodes` of warp.h.
-struct Between {
+/// As in warp.h.
+struct GridPosition {
     Indices first;
-    Batch to;
+    Batch fraction;
 };
-HWY_INLINE Between between_nodes(Batch u, std::size_t size) {
+HWY_INLINE GridPosition grid_position(Batch u, std::size_t size) {
     const Batch x = min(max(Batch(0.0), u), Batch(1.0)) * Batch(double(size - 1));
-    const Batch first = min(rounded_down(x), Batch(double(size - 2)));
+    const Batch first = min(floor(x), Batch(double(size - 2)));
     return {index(first), x - first};
 }
 
 HWY_INLINE Batch to_unit(Batch theta) { return sqrt(theta * Batch(2 / k_pi)); }
 
-HWY_INLINE Batch at(const std::vector<float>& profile, Batch u) {
-    const Between node = between_nodes(u, profile.size());
-    return mix(gather(profile.data(), node.first), gather(profile.data() + 1, node.first), node.to);
+HWY_INLINE Batch interpolate(const std::vector<float>& profile, Batch u) {
+    const GridPosition node = grid_position(u, profile.size());
+    return mix(gather(profile.data(), node.first), gather(profile.data() + 1, node.first), node.fraction);
 }
 
 /// f_r without clamping, for isotropic tables whose indices fit in 32 bits.
@@ -62,52 +59,55 @@ HWY_INLINE Vec3<Batch> rgl_value(const RglTable& table, Vec3<Batch> wl, Vec3<Bat
     const Indices slice = index(max(after, Batch(1.0)) - Batch(1.0));
     const Indices next = index(min(after, Batch(double(table.theta_l.size() - 1))));
     const Batch t0 = gather(table.theta_l.data(), slice), t1 = gather(table.theta_l.data(), next);
-    const Batch to = select(t0 < t1, (theta_l - t0) / max(t1 - t0, Batch(1e-30)), Batch(0.0));
+    const Batch fraction = select(t0 < t1, (theta_l - t0) / max(t1 - t0, Batch(1e-30)), Batch(0.0));
 
-    // The warp.
+    // The warp, see `unwarp`.
     const RglTable::VisibleNormals& visible = table.visible;
     const std::size_t width = visible.width, height = visible.height;
-    const Between column = between_nodes(u_h, width);
-    const Between row = between_nodes((phi + Batch(k_pi)) * Batch(0.5 / k_pi), height);
-    const Batch x = column.to, y = row.to;
-    const Indices row0 = hn::Add(scaled(slice, height), row.first), row1 = hn::Add(scaled(next, height), row.first);
+    const GridPosition column = grid_position(u_h, width);
+    const GridPosition row = grid_position((phi + Batch(k_pi)) * Batch(0.5 / k_pi), height);
+    const Batch x = column.fraction, y = row.fraction;
+    const Indices row0 = hn::Add(scale(slice, height), row.first), row1 = hn::Add(scale(next, height), row.first);
     const float* const nodes = &visible.nodes[0].density;
-    const Indices node0 = scaled(hn::Add(scaled(row0, width), column.first), 2);
-    const Indices node1 = scaled(hn::Add(scaled(row1, width), column.first), 2);
-    const auto node = [&](std::size_t k) { return mix(gather(nodes + k, node0), gather(nodes + k, node1), to); };
+    const Indices node0 = scale(hn::Add(scale(row0, width), column.first), 2);
+    const Indices node1 = scale(hn::Add(scale(row1, width), column.first), 2);
+    const auto node = [&](std::size_t k) { return mix(gather(nodes + k, node0), gather(nodes + k, node1), fraction); };
     const Batch p0 = mix(node(0), node(2 * width), y), p1 = mix(node(2), node(2 * width + 2), y);
-    const Batch to_left = mix(node(1), node(2 * width + 1), y) + x * (p0 + Batch(0.5) * x * (p1 - p0));
+    const Batch left = mix(node(1), node(2 * width + 1), y) + x * (p0 + Batch(0.5) * x * (p1 - p0));
     const float* const rows = &visible.rows[0].whole;
-    const Indices at0 = scaled(row0, 2), at1 = scaled(row1, 2);
-    const auto of_row = [&](std::size_t k) { return mix(gather(rows + k, at0), gather(rows + k, at1), to); };
-    const Batch w0 = of_row(0), w1 = of_row(2), total = mix(w0, w1, y);
-    const Batch below = of_row(1) + y * (w0 + Batch(0.5) * y * (w1 - w0));
-    const Batch w_x = select(Batch(0.0) < total, min(to_left / max(total, Batch(1e-37)), Batch(1.0)), u_h);
+    const Indices i0 = scale(row0, 2), i1 = scale(row1, 2);
+    const auto row_number = [&](std::size_t k) { return mix(gather(rows + k, i0), gather(rows + k, i1), fraction); };
+    const Batch w0 = row_number(0), w1 = row_number(2), total = mix(w0, w1, y);
+    const Batch below = row_number(1) + y * (w0 + Batch(0.5) * y * (w1 - w0));
+    const Batch w_x = select(Batch(0.0) < total, min(left / max(total, Batch(1e-37)), Batch(1.0)), u_h);
 
     // The colour.
     const std::size_t wide = table.colour.width, high = table.colour.height;
-    const Between c = between_nodes(w_x, wide), r = between_nodes(min(below, Batch(1.0)), high);
+    const GridPosition c = grid_position(w_x, wide), r = grid_position(min(below, Batch(1.0)), high);
     const float* const colours = &table.colour.nodes[0].r;
-    const auto place = [&](Indices s) {
-        return scaled(hn::Add(scaled(hn::Add(scaled(s, high), r.first), wide), c.first), 3);
+    const auto first_node = [&](Indices s) {
+        return scale(hn::Add(scale(hn::Add(scale(s, high), r.first), wide), c.first), 3);
     };
-    const Indices colour0 = place(slice), colour1 = place(next);
+    const Indices colour0 = first_node(slice), colour1 = first_node(next);
     const auto channel = [&](std::size_t k) {
-        const auto of = [&](Indices i) {
-            return mix(mix(gather(colours + k, i), gather(colours + k + 3, i), c.to),
-                       mix(gather(colours + k + 3 * wide, i), gather(colours + k + 3 * wide + 3, i), c.to), r.to);
+        const auto in_slice = [&](Indices i) {
+            return mix(mix(gather(colours + k, i), gather(colours + k + 3, i), c.fraction),
+                       mix(gather(colours + k + 3 * wide, i), gather(colours + k + 3 * wide + 3, i), c.fraction),
+                       r.fraction);
         };
-        return mix(of(colour0), of(colour1), to);
+        return mix(in_slice(colour0), in_slice(colour1), fraction);
     };
     const Batch largest(3.4028234e38);
     const Batch factor =
-        table.jacobian ? min(at(table.ndf.nodes, u_h) / (Batch(4.0) * at(table.sigma.nodes, to_unit(theta_l))), largest)
-                       : Batch(1.0);
+        table.jacobian
+            ? min(interpolate(table.ndf.nodes, u_h) / (Batch(4.0) * interpolate(table.sigma.nodes, to_unit(theta_l))),
+                  largest)
+            : Batch(1.0);
     const auto finite = [&](Batch f) { return max(min(f * factor / wv.z, largest), -largest); };
     return {finite(channel(0)), finite(channel(1)), finite(channel(2))};
 }
 
-/// `signed_value` of merl.cpp, bit by bit, for tables whose indices fit in 32 bits.
+/// Gives the same bits as `signed_value` of merl.cpp, for tables whose indices fit in 32 bits.
 HWY_INLINE Vec3<Batch> merl_value(const MerlTable& table, Vec3<Batch> wl, Vec3<Batch> wv) {
     const Batch none(0.0), one(1.0);
     const std::size_t n_h = table.size[0], n_d = table.size[1], n_p = table.size[2];
@@ -115,18 +115,18 @@ HWY_INLINE Vec3<Batch> merl_value(const MerlTable& table, Vec3<Batch> wl, Vec3<B
     const Vec3<Batch> h = wl + wv, d = wl - wv;
     const Batch planar2 = h.x * h.x + h.y * h.y, length = sqrt(planar2 + h.z * h.z);
     const Batch theta_h = polar_angle(planar2, h.z), theta_d = polar_angle(dot(d, d), length);
-    const Batch across = length * (h.x * d.y - h.y * d.x);
-    const Batch along = h.z * (h.x * d.x + h.y * d.y) - planar2 * d.z;
-    const BatchMask turn = hn::Or(across < none, hn::And(hn::Eq(across.v, none.v), along < none));
-    const Batch phi_d = azimuth(abs(across), select(turn, -along, along)), right_angle(k_pi / 2);
-    const Batch at_h = min(Batch(double(n_h)) * sqrt(theta_h / right_angle), Batch(double(n_h - 1)));
-    const Batch at_d = min(Batch(double(n_d)) * (theta_d / right_angle), Batch(double(n_d - 1)));
-    const Batch at_p = min(Batch(double(n_p)) * (phi_d / Batch(k_pi)), Batch(double(n_p)));
+    const Batch y_d = length * (h.x * d.y - h.y * d.x);
+    const Batch x_d = h.z * (h.x * d.x + h.y * d.y) - planar2 * d.z;
+    const BatchMask is_negative = hn::Or(y_d < none, hn::And(hn::Eq(y_d.v, none.v), x_d < none));
+    const Batch phi_d = azimuth(abs(y_d), select(is_negative, -x_d, x_d)), right_angle(k_pi / 2);
+    const Batch position_h = min(Batch(double(n_h)) * sqrt(theta_h / right_angle), Batch(double(n_h - 1)));
+    const Batch position_d = min(Batch(double(n_d)) * (theta_d / right_angle), Batch(double(n_d - 1)));
+    const Batch position_p = min(Batch(double(n_p)) * (phi_d / Batch(k_pi)), Batch(double(n_p)));
 
     // The nodes around them.
-    const Batch first_h = rounded_down(at_h), first_d = rounded_down(at_d);
-    const Batch first_p = min(rounded_down(at_p), Batch(double(n_p - 1)));
-    const Batch to_h = at_h - first_h, to_d = at_d - first_d, to_p = at_p - first_p;
+    const Batch first_h = floor(position_h), first_d = floor(position_d);
+    const Batch first_p = min(floor(position_p), Batch(double(n_p - 1)));
+    const Batch t_h = position_h - first_h, t_d = position_d - first_d, t_p = position_p - first_p;
     const Batch next_h = min(first_h + one, Batch(double(n_h - 1))),
                 next_d = min(first_d + one, Batch(double(n_d - 1)));
     const Batch next_p = select(first_p < Batch(double(n_p - 1)), first_p + one, none);
@@ -135,23 +135,23 @@ HWY_INLINE Vec3<Batch> merl_value(const MerlTable& table, Vec3<Batch> wl, Vec3<B
     Batch weight = none;
     const float* const cells = &table.cells[0].r;
     const auto add = [&](Indices cell, Batch w) HWY_ATTR {
-        const Indices at = scaled(cell, 3);
-        const Batch r = gather(cells, at);
+        const Indices i = scale(cell, 3);
+        const Batch r = gather(cells, i);
         const BatchMask valid = hn::Eq(r.v, r.v);
         weight = weight + select(valid, w, none);
         sum.x = sum.x + select(valid, w * r, none);
-        sum.y = sum.y + select(valid, w * gather(cells + 1, at), none);
-        sum.z = sum.z + select(valid, w * gather(cells + 2, at), none);
+        sum.y = sum.y + select(valid, w * gather(cells + 1, i), none);
+        sum.z = sum.z + select(valid, w * gather(cells + 2, i), none);
     };
     const auto add_line = [&](Batch i, Batch j, Batch w) HWY_ATTR {
-        const Indices line = scaled(hn::Add(index(j), scaled(index(i), n_d)), n_p);
-        add(hn::Add(line, index(first_p)), w * (one - to_p));
-        add(hn::Add(line, index(next_p)), w * to_p);
+        const Indices line = scale(hn::Add(index(j), scale(index(i), n_d)), n_p);
+        add(hn::Add(line, index(first_p)), w * (one - t_p));
+        add(hn::Add(line, index(next_p)), w * t_p);
     };
-    add_line(first_h, first_d, (one - to_h) * (one - to_d));
-    add_line(first_h, next_d, (one - to_h) * to_d);
-    add_line(next_h, first_d, to_h * (one - to_d));
-    add_line(next_h, next_d, to_h * to_d);
+    add_line(first_h, first_d, (one - t_h) * (one - t_d));
+    add_line(first_h, next_d, (one - t_h) * t_d);
+    add_line(next_h, first_d, t_h * (one - t_d));
+    add_line(next_h, next_d, t_h * t_d);
     const Batch most(3.4028234663852886e38), nan(k_nan);
     const BatchMask is_measured = none < weight;
     const auto mean = [&](Batch x) HWY_ATTR { return select(is_measured, min(x / weight, most), nan); };
@@ -177,7 +177,7 @@ HWY_EXPORT(evaluate_rgl);
 HWY_EXPORT(evaluate_merl);
 
 namespace {
-constexpr std::size_t k_most_numbers = std::size_t(1) << 29;  // so that their indices fit in 32 bits
+constexpr std::size_t k_most_numbers = std::size_t(1) << 29;  // indices of bytes fit in 32 bits
 }
 
 void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {

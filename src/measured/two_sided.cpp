@@ -1,26 +1,29 @@
-// Measurements of reflection and transmission.
 #include "measured/two_sided.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 
+#include "base/text.h"
 #include "brdf/directions.h"
+#include "brdf/parts.h"
+#include "measured/tables.h"
 
 namespace srbf {
 
 namespace {
 
-/// Shares of a ring, and of the front and the back, are one if they differ by no more than this or by so much of their mean: as
-/// near as a fit is to a sum.
-constexpr float k_same_share = 0.01f, k_same_beam = 0.001f;
-bool alike(float a, float b) { return std::abs(a - b) <= std::max(k_same_share * 0.5f * (a + b), k_same_beam); }
+bool is_same_share(float a, float b) {
+    constexpr float k_relative = 0.01f, k_absolute = 0.001f;
+    return std::abs(a - b) <= std::max(k_relative * 0.5f * (a + b), k_absolute);
+}
 
 }  // namespace
 
-bool are_same_share(const Rgb& a, const Rgb& b) { return alike(a.r, b.r) && alike(a.g, b.g) && alike(a.b, b.b); }
+bool are_same_share(const Rgb& a, const Rgb& b) {
+    return is_same_share(a.r, b.r) && is_same_share(a.g, b.g) && is_same_share(a.b, b.b);
+}
 
 Rgb mean_share(std::span<const Rgb> values) {
     std::array<double, 3> sum{};
@@ -46,23 +49,19 @@ void unite_transmissions(Beams& beams) {
 }
 
 Rgb signed_value(const BsdfTable& table, Vec3f wl, Vec3f wv) {
-    const auto at = to_part_frame(wl, wv);
-    if (!at) return {};
-    const Answering<Measured> of = answering(table.band().part, at->part);
-    if (!of.brdf) return {};
-    return of.exchanged ? signed_value(*of.brdf, at->wv, at->wl) : signed_value(*of.brdf, at->wl, at->wv);
+    const auto pair = to_part_frame(wl, wv);
+    if (!pair) return {};
+    const Answering<Measured> answer = answering(table.band().part, pair->part);
+    if (!answer.brdf) return {};
+    return answer.exchanged ? signed_value(*answer.brdf, pair->wv, pair->wl)
+                            : signed_value(*answer.brdf, pair->wl, pair->wv);
 }
 
 Result<Done> choose_band(Measured& measured, std::string_view name) {
-    const auto lower = [](std::string_view text) {
-        std::string copy(text);
-        for (char& c : copy) c = char(std::tolower(static_cast<unsigned char>(c)));
-        return copy;
-    };
     std::vector<std::string> names;
     if (auto* table = std::get_if<BsdfTable>(&measured.table))
         for (std::size_t b = 0; b < table->bands.size(); ++b) {
-            if (lower(table->bands[b].name) == lower(name)) {
+            if (equal_ignoring_case(table->bands[b].name, name)) {
                 table->chosen = b;
                 return Done{};
             }

@@ -1,4 +1,4 @@
-// Beams of two-sided measurements: private to readers and fits.
+// Beams of two-sided measurements, for readers and fits.
 #pragma once
 #include <span>
 
@@ -6,10 +6,10 @@
 
 namespace srbf {
 
-/// True if two shares of a beam count as one: they differ by no more than a fit differs from a sum.
+/// True if two shares of a beam are equal within the accuracy of a fit: 1 % of their mean, or 0.001.
 bool are_same_share(const Rgb& a, const Rgb& b);
 Rgb mean_share(std::span<const Rgb> shares);
-/// If the beams of both transmissions are one by reciprocity, their mean is that of the front, and the back's is empty.
+/// If the beams of both transmissions are reciprocal, sets the front's to their mean, and the back's to none.
 void unite_transmissions(Beams& beams);
 
 }  // namespace srbf

@@ -8,6 +8,7 @@
 #include "base/half.h"
 #include "base/safetensors.h"
 #include "base/text.h"
+#include "models/library_file.h"
 #include "models/lobes_file.h"
 #include "models/pm/pm_kind.h"
 

@@ -5,12 +5,17 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "base/files.h"
 #include "base/floating_point.h"
 #include "base/half.h"
 #include "base/parameters.h"
 #include "base/safetensors.h"
+#include "brdf/channels.h"
+#include "models/bsdf/bsdf_functions.h"
 #include "models/kinds.h"
 #include "models/lobes_file.h"
+#include "models/openpbr/openpbr_functions.h"
+#include "models/pm/pm_functions.h"
 #include "models/range.h"
 #include "srbf/file.h"
 

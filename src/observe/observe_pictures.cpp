@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "brdf/frame.h"
+#include "brdf/values.h"
 #include "errors/sphere.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"

@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/weighted_quantile.h"
 #include "observe/costs.h"
+#include "observe/objectives.h"
 #include "observe/observations.h"
 #include "srbf/elementary.h"
 
@@ -115,6 +116,7 @@ std::span<const Objective> objectives() { return k_objectives; }
 std::string_view name(Objective objective) { return traits(objective).name; }
 std::string_view summary(Objective objective) { return traits(objective).summary; }
 double Measures::*measure_of(Objective objective) { return traits(objective).measure; }
+double error_of(const Measures& measures, Objective objective) { return measures.*measure_of(objective); }
 double default_max_theta(Objective objective) { return traits(objective).max_theta * k_degree; }
 
 std::optional<Objective> objective_named(std::string_view text) {

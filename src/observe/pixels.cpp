@@ -61,11 +61,11 @@ void errors(const float* reference, const Pixels::Colours& colours, std::size_t 
                    const Batch square = squared(difference), smooth = sqrt(square + k * k), root = sqrt(k / smooth);
                    // 2 k (smooth − k) without cancellation.
                    Batch(Batch(2.0) * k * square / (smooth + k)).store(error + i);
-                   const std::array<Triplet, 3> by_colour = itp.by_colour();
+                   const std::array<Triplet, 3> derivatives = itp.jacobian();
                    for (std::size_t component = 0; component < 3; ++component) {
                        Batch(root * difference[component]).store(r + component * k_block + i);
                        for (std::size_t c = 0; c < 3; ++c)
-                           select(colour[c] < limit[c], Batch(root * by_colour[component][c]), zero)
+                           select(colour[c] < limit[c], Batch(root * derivatives[component][c]), zero)
                                .store(jacobian + (3 * component + c) * k_block + i);
                    }
                });

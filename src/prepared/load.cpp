@@ -4,8 +4,11 @@
 
 #include <filesystem>
 
+#include "base/files.h"
 #include "base/text.h"
 #include "measured/bytes.h"
+#include "measured/readers.h"
+#include "models/library_file.h"
 #include "models/texel.h"
 #include "srbf/file.h"
 #include "srbf/library.h"

@@ -2,6 +2,7 @@
 #include <atomic>
 
 #include "base/errors.h"
+#include "errors/picture_errors.h"
 #include "srbf/fit.h"
 #include "srbf/load.h"
 #include "srbf/prepared.h"

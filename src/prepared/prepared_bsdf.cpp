@@ -1,5 +1,8 @@
 #include "srbf/prepared_bsdf.h"
 
+#include "brdf/parts.h"
+#include "models/bsdf/bsdf_functions.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -43,6 +46,13 @@ Rgb value(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {
     const auto& part = bsdf.parts_[std::size_t(pair->part)];
     return part ? value(*part, pair->wl, pair->wv) : Rgb{};
 }
+
+struct PreparedBsdf::Chances {
+    std::array<Part, 2> part;  ///< for reflection and transmission
+    std::array<float, 2> part_chance;
+    std::array<Rgb, 2> beam;
+    std::array<float, 2> beam_chance;
+};
 
 PreparedBsdf::Chances PreparedBsdf::chances(Vec3f wv) const {
     const bool is_back = wv.z < 0;

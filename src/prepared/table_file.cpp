@@ -1,5 +1,8 @@
 #include "prepared/table_file.h"
 
+#include "base/errors.h"
+#include "brdf/parts.h"
+
 namespace srbf {
 
 namespace {

@@ -10,6 +10,7 @@
 #include "base/errors.h"
 #include "base/parallel.h"
 #include "errors/measures.h"
+#include "measured/tables.h"
 #include "models/ggx/ggx_kind.h"
 #include "observe/bound.h"
 #include "observe/pair_weights.h"

@@ -3,6 +3,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "srbf/measured.h"
@@ -44,6 +45,7 @@ struct GapFilledSamples {
     double prior_limit = 0;  ///< 1.8 times the largest f A of the samples; with a single g 1.6 times, as for fits
     Continuation continuation = {};
 };
+inline constexpr std::string_view k_no_highlight = "no highlight";
 /// Description of the continuation: `words(Continuation)`, or `k_no_highlight` if all g_i are Lambert alone.
 std::string words(const GapFilledSamples& samples);
 /// `is_single`: use the first g alone, in a third of the time.

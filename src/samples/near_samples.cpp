@@ -48,12 +48,12 @@ double squared_distance(const std::array<double, 6>& a, const std::array<double,
 NearSamples::NearSamples(const ScatteredSamples& samples) {
     PointCloud<double, 6> points;
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
-        points.at.push_back(point_of(samples.wl[i], samples.wv[i], samples.isotropic));
-    first_ = first_at_its_place(points);
+        points.coordinates.push_back(point_of(samples.wl[i], samples.wv[i], samples.isotropic));
+    first_ = first_coincident_points(points);
     for (std::size_t i = 0; i < first_.size(); ++i) {
         if (first_[i] != i) continue;
         sample_.push_back(std::uint32_t(i));
-        point_.push_back(points.at[i]);
+        point_.push_back(points.coordinates[i]);
         point_.push_back(point_of(samples.wv[i], samples.wl[i], samples.isotropic));
     }
     order_.resize(point_.size()), place_.resize(point_.size());

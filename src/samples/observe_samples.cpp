@@ -8,6 +8,7 @@
 #include "base/errors.h"
 #include "base/floating_point.h"
 #include "errors/measures.h"
+#include "measured/tables.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
 #include "samples/facets.h"

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "base/parallel.h"
+#include "sampling/mixture.h"
 #include "sampling/sampling_points.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
@@ -23,7 +24,7 @@ constexpr double k_lowest_view = .001;  // cosθv of the last node: nothing is r
 constexpr float k_least_weight = 1e-3f;
 /// The fraction of samples that may be lost at any elevation of a node, and the costs of losing all samples,
 /// relative to the second moment. They are tried one after the other until no more is lost.
-constexpr double k_most_lost = 0.0075;
+constexpr double k_most_lost = 0.02;
 constexpr double k_costs_of_loss[] = {0, 10, 20, 40, 80, 160, 320, 640};
 /// Anisotropic BRDFs use only the first costs: larger ones double the variance at 75°.
 constexpr std::size_t k_costs_with_axis = 4;
@@ -161,9 +162,10 @@ double least_moment(const SamplingPoints& points) {
     return set_slopes(points, best_weights(points, slope.size(), steps), slope);
 }
 
-/// The candidate shapes: stretches 0.8^i and powers 0.8^(2 - 2 j), for i from -k_most_step and j from 0 to
-/// k_most_step.
-constexpr int k_most_step = 6;
+/// The candidate shapes: stretches 0.8^i and powers 0.8^(2 - 2 j), for i from -k_most_stretch_step to
+/// k_most_stretch_step and j from 0 to k_most_power_step. Towards the horizon, highlights are up to 18 times as long
+/// in the plane of incidence as they are wide.
+constexpr int k_most_stretch_step = 13, k_most_power_step = 10;
 
 /// The shape with the least moment at these views among its neighbours, found by descent. With an anisotropy axis
 /// the stretch is kept.
@@ -177,20 +179,20 @@ ProposalShape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, con
     };
     // All shapes use the same points, sampled from a wide shape and a narrow one.
     SamplingPoints points = make_points(brdf, views, count, {shape_at(0, 1), shape_at(4, 3)});
-    std::array<std::array<double, k_most_step + 1>, 2 * k_most_step + 1> known{};
+    std::array<std::array<double, k_most_power_step + 1>, 2 * k_most_stretch_step + 1> known{};
     const auto moment = [&](int i, int j) {
-        double& value = known[std::size_t(i + k_most_step)][std::size_t(j)];
+        double& value = known[std::size_t(i + k_most_stretch_step)][std::size_t(j)];
         if (value > 0) return value;
         set_densities(points, shape_at(i, j));
         return value = least_moment(points);
     };
-    const int max_i = start.has_axis() ? 0 : k_most_step;
+    const int max_i = start.has_axis() ? 0 : k_most_stretch_step;
     int best_i = std::min(1, max_i), best_j = 2;
     for (bool better = true; better;) {
         better = false;
         const int centre_i = best_i, centre_j = best_j;
         for (int i = std::max(centre_i - 1, -max_i); i <= std::min(centre_i + 1, max_i); ++i)
-            for (int j = std::max(centre_j - 1, 0); j <= std::min(centre_j + 1, k_most_step); ++j)
+            for (int j = std::max(centre_j - 1, 0); j <= std::min(centre_j + 1, k_most_power_step); ++j)
                 if (moment(i, j) < (1 - k_least_change) * moment(best_i, best_j)) best_i = i, best_j = j, better = true;
     }
     return shape_at(best_i, best_j);

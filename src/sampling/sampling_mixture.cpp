@@ -14,6 +14,7 @@
 #include <hwy/foreach_target.h>
 
 #include "brdf/batch-inl.h"
+#include "sampling/mixture.h"
 
 #ifndef SRBF_SAMPLING_MIXTURE
 #define SRBF_SAMPLING_MIXTURE
@@ -37,7 +38,7 @@ struct MixtureView {
     Vec3f wv;
     NodePosition nodes;
     Kernel<float>::Stretch map;
-    float sharpness;
+    float power;
 };
 
 }  // namespace srbf
@@ -84,7 +85,7 @@ HWY_INLINE MixtureView view_of(const MixtureProposal& proposal, const Vec3f& wv)
         return row[nodes.below] + nodes.fraction * (row[nodes.below + 1] - row[nodes.below]);
     };
     return {wv, nodes, Kernel<float>::stretch_along(tangent(proposal, wv), interpolate(proposal.stretch)),
-            Kernel<float>::visibility_sharpness(wv, interpolate(proposal.power))};
+            interpolate(proposal.power)};
 }
 
 HWY_INLINE LobeLanes interpolate(const MixtureProposal::Row& low, const MixtureProposal::Row& high, float part,
@@ -112,8 +113,8 @@ struct MixtureAtView {
         const Vec3<LobeLanes> stretched = broadcast<LobeLanes>(Kernel<float>::stretched(view.wv, view.map));
         for (int i = 0; i < k_vectors; ++i) {
             const int k = i * int(LobeLanes::size());
-            const LobeLanes sharpness = broadcast_lobes(view.sharpness) * load_row(table.weighted, k);
-            half[i] = F::half_vector_lobe(stretched, map.inverse, load_row(table.half_bandwidth, k), sharpness);
+            const LobeLanes power = broadcast_lobes(view.power) * load_row(table.weighted, k);
+            half[i] = F::half_vector_lobe(stretched, map.inverse, load_row(table.half_bandwidth, k), power);
         }
     }
     HWY_INLINE F::ProposalLobe direction_lobe(int k) const {
@@ -303,7 +304,7 @@ const LobeTable& lobe_table() {
             table.scale[i] = lobe.scale, table.rest[i] = lobe.rest;
             table.constant[i] = k > 1, table.linear[i] = k == 0, table.square[i] = k == 1;
             table.half_bandwidth[i] = K::proposal_bandwidth(LobeTable::k_per_kind + k);
-            table.weighted[i] = K::proposal_sharpness(LobeTable::k_per_kind + k, 1);
+            table.weighted[i] = K::proposal_power(LobeTable::k_per_kind + k, 1);
         }
         return table;
     }();

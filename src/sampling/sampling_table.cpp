@@ -16,6 +16,12 @@
 namespace srbf {
 namespace {
 
+// The cells are sectors and rings around the mirror direction m, with coordinates `turn` and ρ². `turn` is the
+// azimuth of p − m, which is that of the half vector. It is measured along the square |x| + |y| = 1, from 0 to 4,
+// beginning in the direction away from the normal. ρ is the distance |p − m| relative to that of the horizon in
+// the same direction. There are two rings per octave of ρ², down to 2⁻²⁴.
+//
+// Nodes are uniform in t = (1 + ∜cosθv − √(1 − cosθv)) / 2, and densities are linear between them.
 constexpr int k_table_nodes = TableProposal::k_nodes, k_sectors = TableProposal::k_sectors,
               k_rings = TableProposal::k_rings, k_cells = k_sectors * k_rings;
 

@@ -2,6 +2,8 @@
 #include "base/text.h"
 #include "command.h"
 #include "extras/daylight/test/bsdf_files.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/su/su_functions.h"
 #include "prepared/table_file.h"
 #include "srbf/load.h"
 

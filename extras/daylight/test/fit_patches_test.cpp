@@ -1,7 +1,9 @@
 // Fits to averages over patches, a real roller shade, and the light behind it.
 #include "brdf/directions.h"
+#include "brdf/parts.h"
 #include "extras/daylight/test/bsdf_files.h"
 #include "furnace.h"
+#include "models/bsdf/bsdf_functions.h"
 #include "srbf/fit_bsdf.h"
 
 namespace srbf::fit_patches_test {

@@ -1,8 +1,10 @@
 // Tensor trees: parsing, look-up, real files, refused files, and writing BSDF XML.
 #include "extras/daylight/tensor_tree.h"
 #include "brdf/directions.h"
+#include "brdf/parts.h"
 #include "extras/daylight/test/bsdf_files.h"
 #include "extras/daylight/tree_beam.h"
+#include "measured/evaluated_table.h"
 #include "properties.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
@@ -229,7 +231,7 @@ TEST(TensorTree, ItsBeamIsSeparated) {
     constexpr double share = 0.05, level = 0.01, leaf = k_pi / (64 * 64);
     const TreeTable tree =
         tree_about_mirror([](int i, int j) { return level + (i == 0 && j == 0 ? share / (2 * leaf) : 0); });
-    const auto separated = evaluated(tree).separated_beam();
+    const auto separated = evaluated(tree).functions->separated_beam();
     ASSERT_TRUE(separated);
     for (const double degrees : {0.0, 10.0, 25.0, 40.0, 60.0}) {
         const Vec3f wl = to_float(spherical(degrees * k_degree, 0.3)), wv = mirror(wl);
@@ -241,8 +243,8 @@ TEST(TensorTree, ItsBeamIsSeparated) {
     // A lobe several leaves wide is not a beam, nor is a constant level.
     EXPECT_FALSE(evaluated(tree_about_mirror([](int i, int j) {
                      return level + std::exp(-(i * i + j * j) / 50.);
-                 })).separated_beam());
-    EXPECT_FALSE(evaluated(tree_about_mirror([](int, int) { return level; })).separated_beam());
+                 })).functions->separated_beam());
+    EXPECT_FALSE(evaluated(tree_about_mirror([](int, int) { return level; })).functions->separated_beam());
 }
 
 }  // namespace

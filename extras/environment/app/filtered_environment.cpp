@@ -10,6 +10,8 @@
 #include <span>
 
 #include "base/half.h"
+#include "brdf/frame.h"
+#include "brdf/values.h"
 #include "src/base/parallel.h"
 
 namespace srbf {

@@ -6,6 +6,8 @@
 #include "base/printable.h"
 #include "code/defined_names.h"
 #include "extras/environment/texts.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/su/su_functions.h"
 #include "srbf/environment_code.h"
 
 namespace srbf {

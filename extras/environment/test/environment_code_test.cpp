@@ -4,6 +4,7 @@
 #include "brdf/directions.h"
 #include "compiled_code.h"
 #include "models.h"
+#include "models/ggx/ggx_functions.h"
 #include "srbf/prepared.h"
 #include "statistics.h"
 
@@ -105,6 +106,46 @@ double ggx_kernel(double roughness, double cosine) {
     return cosine > 0 ? cosine / (2 * k_pi * integral * std::pow(1 + a - b * cosine, 2)) : 0;
 }
 
+/// A parallelogram, by its middle and halves of its sides.
+struct Quadrilateral {
+    Vec3d middle, x, y;
+    std::array<Vec3f, 4> corners(double scale = 1) const {
+        return {to_float(scale * (middle - x - y)), to_float(scale * (middle + x - y)),
+                to_float(scale * (middle + x + y)), to_float(scale * (middle - x + y))};
+    }
+};
+Quadrilateral random_quadrilateral(std::mt19937_64& random, double size) {
+    const Vec3d middle = random_direction(random, -0.2), x = size * random_direction(random, -1);
+    return {middle, x, cross(middle, x)};
+}
+
+/// The integral of lobes over the directions of a quadrilateral, of the green channel.
+struct LobeIntegral {
+    double resolved = 0;               ///< of those that are not sharp
+    double whole = 0, unresolved = 0;  ///< the weights of all lobes, and of the sharp ones
+};
+LobeIntegral lobe_integral(std::span<const ExtendedLight::Lobe> lobes, const Vec3f& wv, const Quadrilateral& over) {
+    constexpr int steps = 60;
+    constexpr float resolved = 0.16f;  // by these steps; sharper lobes, which hardly weigh here, are in or out
+    LobeIntegral integral;
+    for (int s = 0; s < steps; ++s)
+        for (int t = 0; t < steps; ++t) {
+            const Vec3d p = over.middle + ((2 * s + 1.0) / steps - 1) * over.x + ((2 * t + 1.0) / steps - 1) * over.y;
+            const double far = std::sqrt(dot(p, p)),
+                         solid = 4.0 / (steps * steps) * std::abs(dot(cross(over.x, over.y), p)) / (far * far * far);
+            for (const ExtendedLight::Lobe& lobe : lobes) {
+                const float cosine = dot(axis_of(lobe, wv), to_float((1 / far) * p));
+                if (lobe.roughness < resolved) continue;
+                integral.resolved += double(lobe.weight.g) * ggx_kernel(double(lobe.roughness), double(cosine)) * solid;
+            }
+        }
+    for (const ExtendedLight::Lobe& lobe : lobes) {
+        integral.whole += double(lobe.weight.g);
+        if (lobe.roughness < resolved) integral.unresolved += std::abs(double(lobe.weight.g));
+    }
+    return integral;
+}
+
 /// The code's area light against its lobes, integrated over the directions of quadrilaterals near and far, some of them
 /// across the horizon; small ones against the BRDF; all directions together are the albedo.
 TEST_F(EnvironmentCodes, AreaLightsAreIntegralsOfTheLobes) {
@@ -119,59 +160,35 @@ TEST_F(EnvironmentCodes, AreaLightsAreIntegralsOfTheLobes) {
                      "    srbf_vec3 f = glossy_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
                      "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
     ASSERT_TRUE(library);
-    const auto answer = function<void(const float*, const Vec3f*, float*)>(library, "answer");
+    const auto called = function<void(const float*, const Vec3f*, float*)>(library, "answer");
+    const auto green = [&](const Vec3f& wv, const std::array<Vec3f, 4>& corners) {
+        Rgb found;
+        called(&wv.x, corners.data(), &found.r);
+        return double(found.g);
+    };
     const ExtendedLight& light = light_of_glossy();
     const PreparedBrdf brdf = prepare(model);
     std::mt19937_64 random(3);
     for (int i = 0; i < 40; ++i) {
         const Vec3f wv = to_float(random_direction(random, 0.1));
-        const auto lobes = lobes_at(light, wv.z);
-        const Vec3d middle = random_direction(random, -0.2), x = 0.7 * random_direction(random, -1),
-                    y = cross(middle, x);
-        constexpr int steps = 60;
-        constexpr float resolved = 0.16f;  // by these steps; sharper lobes, which hardly weigh here, are in or out
-        double expected = 0, whole = 0, unresolved = 0;
-        for (int s = 0; s < steps; ++s)
-            for (int t = 0; t < steps; ++t) {
-                const Vec3d p = middle + ((2 * s + 1.0) / steps - 1) * x + ((2 * t + 1.0) / steps - 1) * y;
-                const double far = std::sqrt(dot(p, p)),
-                             solid = 4.0 / (steps * steps) * std::abs(dot(cross(x, y), p)) / (far * far * far);
-                for (const ExtendedLight::Lobe& lobe : lobes) {
-                    const float cosine = dot(axis_of(lobe, wv), to_float((1 / far) * p));
-                    if (lobe.roughness < resolved) continue;
-                    expected += double(lobe.weight.g) * ggx_kernel(double(lobe.roughness), double(cosine)) * solid;
-                }
-            }
-        for (const ExtendedLight::Lobe& lobe : lobes) {
-            whole += double(lobe.weight.g);
-            if (lobe.roughness < resolved) unresolved += std::abs(double(lobe.weight.g));
-        }
-        ASSERT_LT(unresolved, 0.1 * whole);
-        const std::array<Vec3f, 4> corners{to_float(middle - x - y), to_float(middle + x - y), to_float(middle + x + y),
-                                           to_float(middle - x + y)};
-        Rgb found;
-        answer(&wv.x, corners.data(), &found.r);
-        EXPECT_NEAR(double(found.g), std::max(expected, 0.0), 0.04 * whole + unresolved) << i;
+        const Quadrilateral area = random_quadrilateral(random, 0.7);
+        const LobeIntegral expected = lobe_integral(lobes_at(light, wv.z), wv, area);
+        ASSERT_LT(expected.unresolved, 0.1 * expected.whole);
+        EXPECT_NEAR(green(wv, area.corners()), std::max(expected.resolved, 0.0),
+                    0.04 * expected.whole + expected.unresolved)
+            << i;
     }
     for (int i = 0; i < 20; ++i) {  // small ones show the BRDF itself
         const Vec3f wv = to_float(random_direction(random, 0.1));
-        const Vec3d middle = random_direction(random, -0.2), x = 0.02 * random_direction(random, -1),
-                    y = cross(middle, x);
-        const std::array<Vec3f, 4> corners{to_float(2.0 * (middle - x - y)), to_float(2.0 * (middle + x - y)),
-                                           to_float(2.0 * (middle + x + y)), to_float(2.0 * (middle - x + y))};
-        const double solid = 4 * std::abs(dot(cross(x, y), middle));
-        const double expected = double(value(brdf, to_float(middle), wv).g) * std::max(middle.z, 0.0) * solid;
-        Rgb found;
-        answer(&wv.x, corners.data(), &found.r);
-        EXPECT_NEAR(double(found.g), expected, 0.01 * expected + 1e-6) << i;
+        const Quadrilateral area = random_quadrilateral(random, 0.02);
+        const double solid = 4 * std::abs(dot(cross(area.x, area.y), area.middle));
+        const double expected = double(value(brdf, to_float(area.middle), wv).g) * std::max(area.middle.z, 0.0) * solid;
+        EXPECT_NEAR(green(wv, area.corners(2)), expected, 0.01 * expected + 1e-6) << i;
     }
     constexpr float wide = 1e4f;
     const std::array<Vec3f, 4> sky{Vec3f(-wide, -wide, 0.01f), Vec3f(wide, -wide, 0.01f), Vec3f(wide, wide, 0.01f),
                                    Vec3f(-wide, wide, 0.01f)};
-    Rgb found;
-    const Vec3f normal(0, 0, 1);
-    answer(&normal.x, sky.data(), &found.r);
-    EXPECT_NEAR(found.g, albedo(brdf, 1).g, 0.01f);
+    EXPECT_NEAR(green({0, 0, 1}, sky), double(albedo(brdf, 1).g), 0.01);
 }
 
 Library map_of(std::size_t width) {

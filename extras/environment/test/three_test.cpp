@@ -15,6 +15,8 @@
 #include "extras/render/scene.h"
 #include "extras/render/sphere_picture.h"
 #include "models.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "models/ggx/ggx_functions.h"
 #include "models/pm/search/fit_pm.h"
 #include "srbf/convert.h"
 #include "srbf/environment_code.h"
@@ -100,38 +102,31 @@ Said run_script(const char* name, const TemporaryFolder& folder) {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(folder / "said")};
 }
 
-TEST(Three, ShowsWhatTheDesktopShows) {
-    const fs::path three = shared_data().parent_path() / "peers" / "three";
-    if (!fs::exists(three)) GTEST_SKIP() << "no three.js at " << three;
-    auto context = OffscreenContext::make();
-    if (!context) GTEST_SKIP() << message(context.error());
-
+/// Models of three classes of material, and one that is only in the module.
+std::vector<Model> drawn_models() {
     std::mt19937_64 random(1);
     const Measured film = *load_measured(bundled_data() / "cc_ibiza_sunset_rgb.bsdf");
-    const std::vector<Model> models{
+    return {
         {rounded(fit_pm(*observe(signed_evaluator(film), {}), {.lobes = 4, .variates = 3, .starts = 2})->model), {}},
         {rounded(random_model(random, {.axial = false, .lobes = 4, .most_bandwidth = 60})), {{"note", "`${a}\\"}}},
         {rounded(GgxModel{{0.1f, 0.2f, 0.4f}, {{0.1f, {0.1f, 0.05f, 0.02f}, 0.9f}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}}),
          {}},
         {rounded(GgxModel{{0.5f, 0.25f, 0.125f}, {{0.5f, {0, 0, 0}, 0}}}), {}}};
-    const std::vector<NamedModel> named{
-        {"film", &models[0]}, {"brushed_x", &models[1]}, {"ggx", &models[2]}, {"lambert", &models[3]}};
-    const std::array<const char*, 3> classes{"FilmMaterial", "BrushedXMaterial", "GgxMaterial"},
-        meshes{"ball", "knot", "sphere"};
+}
+constexpr std::array<const char*, 3> k_classes{"FilmMaterial", "BrushedXMaterial", "GgxMaterial"},
+    k_meshes{"ball", "knot", "sphere"};
 
-    const TemporaryFolder folder;
-    const auto module = three_module(named, "materials"), one = three_module(std::span(named).first(1), "film");
-    ASSERT_TRUE(module && one);
-    write(folder / "materials.js", *module);
-    write(folder / "film.js", *one);
-    for (const char* name : {"three.module.js", "three.core.js"}) fs::copy_file(three / name, folder / name);
-    fs::copy_file(fs::path(SRBF_SOURCE_DIR) / "examples" / "three.html", folder / "three.html");
-
+/// Scenes for three.js, and what the desktop shows of them where there is something.
+struct Expected {
     Json scenes;
-    std::vector<Image8> expected;
+    std::vector<Image8> pictures;
     std::vector<std::vector<float>> covered;
-    for (std::size_t i = 0; i < classes.size(); ++i) {
-        const Scene scene = scene_of(page_mesh(meshes[i]), {}, double(k_width) / k_height);
+};
+
+/// Under directional lights, by the rasterizer.
+void add_rasterized(Expected& to, const std::vector<Model>& models, Dialect dialect) {
+    for (std::size_t i = 0; i < k_classes.size(); ++i) {
+        const Scene scene = scene_of(page_mesh(k_meshes[i]), {}, double(k_width) / k_height);
         const float exposure = automatic_exposure(render_sphere(evaluator(models[i]), {.size = 80, .samples = 1}));
         const RasterView view{scene.camera, double(k_width) / k_height, scene.lights, exposure};
         const RasterMesh mesh(scene.mesh);
@@ -143,19 +138,23 @@ TEST(Three, ShowsWhatTheDesktopShows) {
                     return Material(of);
             },
             models[i].model);
-        const auto material = RasterMaterial::make(content, {.dialect = context->dialect()});
+        const auto material = RasterMaterial::make(content, {.dialect = dialect});
         const auto target = RasterTarget::make(k_width, k_height, 1, RasterTarget::Format::bytes);
-        const auto surface = RasterSurface::make(context->dialect(), k_width, k_height);
+        const auto surface = RasterSurface::make(dialect, k_width, k_height);
         ASSERT_TRUE(material && target && surface);
         surface->draw(mesh, view);
         target->begin();
         material->draw(mesh, view);
-        expected.push_back(target->read_bytes());
-        covered.emplace_back();
-        for (const Float4& position : surface->read_positions()) covered.back().push_back(position[3] > 0 ? 1.f : 0.f);
-        scenes.push_back(json_of(scene, classes[i], exposure, i == 1));
+        to.pictures.push_back(target->read_bytes());
+        to.covered.emplace_back();
+        for (const Float4& position : surface->read_positions())
+            to.covered.back().push_back(position[3] > 0 ? 1.f : 0.f);
+        to.scenes.push_back(json_of(scene, k_classes[i], exposure, i == 1));
     }
-    // Under an environment, and by a soft box.
+}
+
+/// The first model under an environment, and the third by a soft box, by paths.
+void add_traced(Expected& to, const std::vector<Model>& models) {
     Image map = load_environment("studio")->texels();
     while (map.width > 128) map = halved(map);
     const Environment environment(map);
@@ -184,13 +183,34 @@ TEST(Three, ShowsWhatTheDesktopShows) {
         for (std::size_t k = 0; k < lit.pixels.size(); ++k)
             if (rendering.coverage[k] < 1) lit.pixels[k] = {};
         const float exposure = automatic_exposure(lit);
-        expected.push_back(shown(rendering, exposure));
-        covered.push_back(rendering.coverage);
-        Json& json = scenes.emplace_back(json_of(scene, classes[i], exposure, false, k_small, k_small));
+        to.pictures.push_back(shown(rendering, exposure));
+        to.covered.push_back(rendering.coverage);
+        Json& json = to.scenes.emplace_back(json_of(scene, k_classes[i], exposure, false, k_small, k_small));
         json["lights"] = Json::array();
         json[is_area ? "area" : "environment"] = is_area ? light : json_of(environment);
     }
-    write(folder / "scenes.json", scenes.dump());
+}
+
+TEST(Three, ShowsWhatTheDesktopShows) {
+    const fs::path three = shared_data().parent_path() / "peers" / "three";
+    if (!fs::exists(three)) GTEST_SKIP() << "no three.js at " << three;
+    auto context = OffscreenContext::make();
+    if (!context) GTEST_SKIP() << message(context.error());
+    const std::vector<Model> models = drawn_models();
+    const std::vector<NamedModel> named{
+        {"film", &models[0]}, {"brushed_x", &models[1]}, {"ggx", &models[2]}, {"lambert", &models[3]}};
+
+    const TemporaryFolder folder;
+    const auto module = three_module(named, "materials"), one = three_module(std::span(named).first(1), "film");
+    ASSERT_TRUE(module && one);
+    write(folder / "materials.js", *module);
+    write(folder / "film.js", *one);
+    for (const char* name : {"three.module.js", "three.core.js"}) fs::copy_file(three / name, folder / name);
+    fs::copy_file(fs::path(SRBF_SOURCE_DIR) / "examples" / "three.html", folder / "three.html");
+    Expected expected;
+    add_rasterized(expected, models, context->dialect());
+    add_traced(expected, models);
+    write(folder / "scenes.json", expected.scenes.dump());
 
     const Said said = run_script("three.py", folder);
     if (said.status == 77) GTEST_SKIP() << said.text;
@@ -201,8 +221,11 @@ TEST(Three, ShowsWhatTheDesktopShows) {
     EXPECT_GE(result["psnr"], 45);
     // Of the crude fit of a film, and of a model by the terminator of an area light; without these lights 10 to 15.
     const std::array<double, 5> least{45, 45, 45, 24, 30};
+    ASSERT_EQ(expected.pictures.size(), least.size());
     for (std::size_t i = 0; i < least.size(); ++i)
-        EXPECT_GE(psnr(contents(folder / fmt::format("{}.rgba", i)), expected[i], covered[i]), least[i]) << i;
+        EXPECT_GE(psnr(contents(folder / fmt::format("{}.rgba", i)), expected.pictures[i], expected.covered[i]),
+                  least[i])
+            << i;
 }
 
 // A plane of 2 × 2 of a map under a directional light.
@@ -291,20 +314,71 @@ Differences differences(const std::vector<Float4>& pixels, const MapScene& of, c
     return found;
 }
 
-TEST(Three, ShowsAMapAsItsTexels) {
-    const fs::path three = shared_data().parent_path() / "peers" / "three";
-    if (!fs::exists(three)) GTEST_SKIP() << "no three.js at " << three;
-    std::mt19937_64 random(1);
-    const RandomModelOptions lobes{.axial = false, .lobes = 5, .variates = 3, .most_bandwidth = 60};
-    const Library map = random_map(random, lobes, 8, 4), fine = random_map(random, lobes, 32, 32);
+/// A map of one texel, no channel of which reflects more than half of the light.
+Library dark_constant(std::mt19937_64& random, const RandomModelOptions& lobes) {
     Library constant = random_map(random, lobes, 1, 1);
-    // Environments show no more of a material alone than all the light; of maps, whose sum is linear, they do.
     const PreparedBrdf bright = prepare(material(constant, 0), CosineProposal{});
     float most = 0;
     for (const float cosine : {0.01f, 0.1f, 0.2f, 0.4f, 0.6f, 0.8f, 1.f})
         for (int c = 0; c < 3; ++c) most = std::max(most, albedo(bright, cosine)[c]);
     for (Rgb& f : constant.coefficient)
         for (int c = 0; c < 3; ++c) f[c] *= std::exp2(-std::ceil(std::log2(most)) - 1);  // still 16-bit floats
+    return constant;
+}
+
+MapScene map_scene(const char* module, const char* class_, int size, double lod) {
+    return {{{"module", module},
+             {"class", class_},
+             {"is_map", true},
+             {"size", size},
+             {"towards", {k_towards.x, k_towards.y, k_towards.z}},
+             {"eye", {0, 0, 3}}},
+            size,
+            lod,
+            {1, 1},
+            {0, 0},
+            0};
+}
+
+constexpr std::size_t k_first_constant = 4;
+/// Scenes of the maps, then pairs of the constant map and its material alone.
+std::vector<MapScene> map_scenes() {
+    std::vector<MapScene> scenes{map_scene("map", "MapMaterial", 96, 0), map_scene("map", "MapMaterial", 96, 0),
+                                 map_scene("fine", "FineMaterial", 8, 2),
+                                 map_scene("fine", "FineMaterial", 12, std::log2(32. / 12))};
+    const Json oblique{{"eye", {k_eye.x, k_eye.y, k_eye.z}}, {"fov", k_fov / k_degree}};
+    for (const std::size_t i : {0, 1}) scenes[i].json.update(oblique);
+    scenes[1].repeat = {2, 3}, scenes[1].offset = {0.1, 0.2}, scenes[1].rotation = 0.5;
+    scenes[1].json.update({{"repeat", {2, 3}}, {"offset", {0.1, 0.2}}, {"rotation", 0.5}});
+    for (const char* more : {"more_lights", "environment"})
+        for (const bool is_map : {true, false}) {
+            scenes.push_back(is_map ? map_scene("constant", "ConstantMaterial", 32, 0)
+                                    : map_scene("alone", "AloneMaterial", 32, 0));
+            scenes.back().json.update({{"is_map", is_map}, {more, true}});
+            scenes.back().json.update(oblique);
+        }
+    return scenes;
+}
+
+/// The picture of a scene is that of the filtered map.
+void expect_filtered(const std::vector<Float4>& pixels, const MapScene& of, const FilteredMap& filtered) {
+    ASSERT_EQ(pixels.size(), std::size_t(of.size * of.size));
+    // Between two levels renderers take the logarithm only subsampled_integrals: Mesa 1.389 instead of 1.415.
+    Differences found = differences(pixels, of, filtered, of.lod);
+    for (double apart = -0.04; apart < 0.04 && of.lod != std::floor(of.lod); apart += 0.004)
+        found.most = std::min(found.most, differences(pixels, of, filtered, of.lod + apart).most);
+    EXPECT_GT(found.largest, 0.01);
+    EXPECT_LT(found.most, found.largest / 256);  // what textures' filters keep of their weights
+}
+
+TEST(Three, ShowsAMapAsItsTexels) {
+    const fs::path three = shared_data().parent_path() / "peers" / "three";
+    if (!fs::exists(three)) GTEST_SKIP() << "no three.js at " << three;
+    std::mt19937_64 random(1);
+    const RandomModelOptions lobes{.axial = false, .lobes = 5, .variates = 3, .most_bandwidth = 60};
+    const Library map = random_map(random, lobes, 8, 4), fine = random_map(random, lobes, 32, 32);
+    // Environments show no more of a material alone than all the light; of maps, whose sum is linear, they do.
+    const Library constant = dark_constant(random, lobes);
     const Model alone = material(constant, 0);
     const NamedModel named{"alone", &alone};
 
@@ -316,34 +390,7 @@ TEST(Three, ShowsAMapAsItsTexels) {
         write(folder / fmt::format("{}.js", name), *three_map_module(*of, name, file));
         ASSERT_TRUE(write_file((folder / file).string(), map_ktx2(*of)));
     }
-    const auto scene = [&](const char* module, const char* class_, int size, double lod) {
-        return MapScene{{{"module", module},
-                         {"class", class_},
-                         {"is_map", true},
-                         {"size", size},
-                         {"towards", {k_towards.x, k_towards.y, k_towards.z}},
-                         {"eye", {0, 0, 3}}},
-                        size,
-                        lod,
-                        {1, 1},
-                        {0, 0},
-                        0};
-    };
-    std::vector<MapScene> scenes{scene("map", "MapMaterial", 96, 0), scene("map", "MapMaterial", 96, 0),
-                                 scene("fine", "FineMaterial", 8, 2),
-                                 scene("fine", "FineMaterial", 12, std::log2(32. / 12))};
-    const Json oblique{{"eye", {k_eye.x, k_eye.y, k_eye.z}}, {"fov", k_fov / k_degree}};
-    for (const std::size_t i : {0, 1}) scenes[i].json.update(oblique);
-    scenes[1].repeat = {2, 3}, scenes[1].offset = {0.1, 0.2}, scenes[1].rotation = 0.5;
-    scenes[1].json.update({{"repeat", {2, 3}}, {"offset", {0.1, 0.2}}, {"rotation", 0.5}});
-    const std::size_t first_constant = scenes.size();
-    for (const char* more : {"more_lights", "environment"})
-        for (const bool is_map : {true, false}) {
-            scenes.push_back(is_map ? scene("constant", "ConstantMaterial", 32, 0)
-                                    : scene("alone", "AloneMaterial", 32, 0));
-            scenes.back().json.update({{"is_map", is_map}, {more, true}});
-            scenes.back().json.update(oblique);
-        }
+    const std::vector<MapScene> scenes = map_scenes();
     Json all;
     for (const MapScene& of : scenes) all.push_back(of.json);
     write(folder / "scenes.json", all.dump());
@@ -355,27 +402,19 @@ TEST(Three, ShowsAMapAsItsTexels) {
     EXPECT_EQ(checks["said"].size(), 1u);
     EXPECT_EQ(checks["share_a_program"], false);
 
-    for (std::size_t i = 0; i < first_constant; ++i) {
-        const MapScene& of = scenes[i];
-        const FilteredMap filtered(of.json["module"] == "map" ? map : fine);
-        const std::vector<Float4> pixels = floats(contents(folder / fmt::format("{}.rgba", i)));
-        ASSERT_EQ(pixels.size(), std::size_t(of.size * of.size));
-        // Between two levels renderers take the logarithm only subsampled_integrals: Mesa 1.389 instead of 1.415.
-        Differences found = differences(pixels, of, filtered, of.lod);
-        for (double apart = -0.04; apart < 0.04 && of.lod != std::floor(of.lod); apart += 0.004)
-            found.most = std::min(found.most, differences(pixels, of, filtered, of.lod + apart).most);
-        EXPECT_GT(found.largest, 0.01);
-        EXPECT_LT(found.most, found.largest / 256) << i;  // what textures' filters keep of their weights
+    const auto drawn = [&](std::size_t i) { return floats(contents(folder / fmt::format("{}.rgba", i))); };
+    for (std::size_t i = 0; i < k_first_constant; ++i) {
+        SCOPED_TRACE(i);
+        expect_filtered(drawn(i), scenes[i], FilteredMap(scenes[i].json["module"] == "map" ? map : fine));
     }
-    for (std::size_t i = first_constant; i < scenes.size(); i += 2) {
-        const auto of_map = floats(contents(folder / fmt::format("{}.rgba", i))),
-                   single = floats(contents(folder / fmt::format("{}.rgba", i + 1)));
+    for (std::size_t i = k_first_constant; i < scenes.size(); i += 2) {
+        const auto of_map = drawn(i), single = drawn(i + 1);
         double sum = 0, apart = 0;
         for (std::size_t k = 0; k < single.size(); ++k)
             for (std::size_t c = 0; c < 3; ++c)
                 sum += double(single[k][c]), apart += std::abs(double(of_map[k][c]) - double(single[k][c]));
         EXPECT_GT(sum, 0);
-        EXPECT_LT(apart, (i == first_constant ? 1e-4 : 0.15) * sum) << i;  // lobes of environments are not the same
+        EXPECT_LT(apart, (i == k_first_constant ? 1e-4 : 0.15) * sum) << i;  // lobes of environments are not the same
     }
 }
 

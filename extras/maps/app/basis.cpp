@@ -10,9 +10,12 @@
 #include "app/extra_subcommands.h"
 #include "app/fit_options.h"
 #include "app/output.h"
+#include "base/files.h"
 #include "base/printable.h"
 #include "base/text.h"
 #include "brdf/directions.h"
+#include "fit/request_traits.h"
+#include "models/library_file.h"
 #include "srbf/basis.h"
 #include "srbf/file.h"
 #include "srbf/npy.h"
@@ -33,10 +36,10 @@ struct BasisCommand {
     std::optional<int> count() const { return to_number<int>(lobes); }
     BasisOptions options() const {
         const auto& lobe = std::get<PmRequest>(request.model);
-        return {.form = lobe.form,
+        return {.form = lobe.form.value_or(BasisOptions{}.form),
                 .axial = lobe.axial.value_or(true),
                 .lobes = count().value_or(BasisOptions{}.lobes),
-                .variates = lobe.variates,
+                .variates = lobe.variates.value_or(BasisOptions{}.variates),
                 .active = active,
                 .max_theta = request.max_theta.value_or(0),
                 .seed = request.seed,

@@ -82,8 +82,7 @@ void add_shared_lobes(const Subcommand& sub, MapCommand& command, MapOptions& op
 
 std::vector<Reading> map_readings(const MapOptions& options, const MapCommand& fit) {
     return {
-        {{options.lobes, options.fit.at("reciprocal"), options.fit.at("no_scale"), options.fit.at("objective"),
-          options.range, options.slab},
+        {{options.lobes, options.fit.at("no_scale"), options.fit.at("objective"), options.range, options.slab},
          "not with --basis",
          [&] { return fit.basis == 0; }},
         {{options.width}, "only with --basis", [&] { return fit.basis > 0; }},
@@ -106,8 +105,7 @@ void add_map(CommandLine& app, int& status) {
         app.add_subcommand("map", "Fit the texels of a surface: of their own lobes, or of lobes that they share");
     for (const auto add : {add_texel_files, add_own_lobes, add_shared_lobes}) add(sub, fit, options);
     options.fit = add_fit_options(
-        sub, fit.texts,
-        {"form", "variates", "axial", "reciprocal", "no_scale", "objective", "max_theta", "seed", "threads"});
+        sub, fit.texts, {"form", "variates", "axial", "no_scale", "objective", "max_theta", "seed", "threads"});
     sub.footer(
         "Examples:\n  srbf map texels.npy --pairs pairs.csv -o slabs --resume\n"
         "  srbf map texels.npy --pairs pairs.csv --basis 16 --width 512 -o map.srbf --resume");

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "app/fit_options.h"
+#include "fit/texel_stream.h"
 #include "srbf/fit_batch.h"
 
 namespace srbf {

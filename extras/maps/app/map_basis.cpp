@@ -16,6 +16,7 @@
 #include "extras/maps/app/journal.h"
 #include "extras/maps/app/map.h"
 #include "extras/maps/app/texels.h"
+#include "measured/tables.h"
 #include "srbf/basis.h"
 #include "srbf/file.h"
 
@@ -96,10 +97,10 @@ Result<Library> texel_basis(const BasisOptions& options, const SharedPairs& pair
 }
 
 BasisOptions map_options(const MapCommand& fit) {
-    return {.form = fit.lobe().form,
+    return {.form = fit.lobe().form.value_or(BasisOptions{}.form),
             .axial = fit.lobe().axial.value_or(true),
             .lobes = fit.basis,
-            .variates = fit.lobe().variates,
+            .variates = fit.lobe().variates.value_or(BasisOptions{}.variates),
             .active = 0,
             .max_theta = fit.request.max_theta.value_or(0),
             .seed = fit.request.seed,

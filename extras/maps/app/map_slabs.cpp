@@ -13,6 +13,7 @@
 #include "brdf/directions.h"
 #include "extras/maps/app/map.h"
 #include "extras/maps/app/texels.h"
+#include "fit/texel_stream.h"
 #include "srbf/file.h"
 
 namespace srbf {

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "base/files.h"
 #include "srbf/file.h"
 #include "srbf/npy.h"
 

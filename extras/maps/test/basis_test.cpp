@@ -7,6 +7,7 @@
 
 #include "base/half.h"
 #include "brdf/directions.h"
+#include "models/library_file.h"
 #include "properties.h"
 #include "srbf/convert.h"
 #include "srbf/library.h"

@@ -5,6 +5,8 @@
 
 #include "brdf/colour.h"
 #include "brdf/directions.h"
+#include "brdf/parts.h"
+#include "measured/evaluated_table.h"
 #include "peaks.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
@@ -572,10 +574,10 @@ TEST(Scatter, RealFiles) {
 /// A table unpacked from its bytes is the same table.
 TEST(Scatter, IsUnpacked) {
     const EvaluatedTable table = evaluated(to_scatter(lobe_brdf(), true, true, 1));
-    const std::string packed = table.packed();
+    const std::string packed = table.functions->packed();
     for (const char* name : {"x.zemax.bsdf", "x.anisotropicbsdf"})
-        EXPECT_EQ(format_written_to(name)->unpack(packed).packed(), packed);
-    EXPECT_EQ(table.format, format_written_to("x.zemax.bsdf")->name);
+        EXPECT_EQ(format_written_to(name)->unpack(packed).functions->packed(), packed);
+    EXPECT_EQ(table.functions->format, format_written_to("x.zemax.bsdf")->name);
     EXPECT_THROW((void)format_written_to("x.zemax.bsdf")->unpack("short"), std::invalid_argument);
 }
 

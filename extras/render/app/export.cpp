@@ -9,6 +9,7 @@
 #include "app/extra_exports.h"
 #include "app/map_layers.h"
 #include "app/output.h"
+#include "base/files.h"
 #include "base/half.h"
 #include "extras/render/app/mesh_options.h"
 #include "extras/render/app/page_of.h"

@@ -7,10 +7,12 @@
 
 #include "app/output.h"
 #include "base/half.h"
+#include "base/parameters.h"
 #include "base/printable.h"
+#include "errors/picture_errors.h"
 #include "extras/render/material.h"
+#include "measured/tables.h"
 #include "srbf/convert.h"
-#include "srbf/pictures.h"
 
 namespace srbf {
 

@@ -2,6 +2,7 @@
 
 #include "app/output.h"
 #include "base/printable.h"
+#include "brdf/frame.h"
 #include "extras/render/room.h"
 
 namespace srbf {

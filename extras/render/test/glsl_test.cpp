@@ -24,7 +24,7 @@ const std::string k_host = R"(
 #define SRBF_FN
 struct Pm { int first; };
 uniform int lobes, variates, features;
-uniform bool axial;
+uniform bool axial, reciprocal;
 uniform vec4 exponent_of_lobe[16];
 uniform vec2 weight[8];
 uniform vec4 variate_of_lobe[128];   // centre, log2_falloff
@@ -38,6 +38,7 @@ Vec3 pm_centre(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 
 Real pm_log2_falloff(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].w; }
 Vec3 pm_coefficient(Pm pm, int j) { return coefficient_of_lobe[pm.first + j].rgb; }
 bool pm_axial(Pm pm) { return axial; }
+bool pm_reciprocal(Pm pm) { return reciprocal; }
 bool pm_down(Pm pm, int j, int n) { return pm_centre(pm, j, n).z < 0.0; }
 int pm_features(Pm pm) { return features; }
 Real pm_exponent(Pm pm, int j, int k) { return exponent_of_lobe[pm.first + j][k]; }
@@ -97,10 +98,10 @@ void main() {
     f *= fuzz_albedo(u.x, u.y) + fuzz_value(wl, wv, u.y);
     Stretch map = stretch_along(wv, 0.5);
     f += sample_cosine(u.x, u.y) * cosine_pdf(wl) * power_cosine_pdf(wl, 2.0) * below_power_cosine(0.5, u.x);
-    f += visible_lobe(stretched(wv, map), map.inverse, 8.0, visibility_sharpness(wv, 2.0)).centre;
+    f += visible_lobe(stretched(wv, map), map.inverse, 8.0, 2.0).centre;
     f += half_vector_pdf(wl, wv, 8.0, map, 2.0) * grown_along(wl, u.x, u.y, sample_below(0.1, 0.0, u.x));
     f += sample_half_vector(wv, 8.0, map, 2.0, u.x, u.y) *
-         proposal_lobe_pdf(5, proposal_point(wl, wv, map, 2.0)) * proposal_bandwidth(1) * proposal_sharpness(2, 1.0);
+         proposal_lobe_pdf(5, proposal_point(wl, wv, map, 2.0)) * proposal_bandwidth(1) * proposal_power(2, 1.0);
     f += sample_proposal_lobe(2, wv, map, 2.0, u.x, u.y) * half_vector(wl, wv, map).factor;
     f += reflected_pdf(mirror_lobe(wl, 4.0), itself(wl), half_vector(wl, wv, map)) *
          half_vector_lobe(wv, 1.0, 8.0, 1.0).centre;

@@ -20,8 +20,11 @@
 #include "su_models.h"
 #include "temporary_folder.h"
 #ifdef SRBF_RASTER
+#include "brdf/parts.h"
 #include "extras/render/offscreen.h"
 #include "extras/render/raster.h"
+#include "models/ggx/ggx_functions.h"
+#include "models/su/su_functions.h"
 #endif
 
 namespace srbf::page_test {
@@ -397,23 +400,18 @@ double middle_of_highlights(const std::string& rgba, int width) {
     return sum / weight;
 }
 
-TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
-    auto context = OffscreenContext::make();
-    if (!context) GTEST_SKIP() << message(context.error());
-    const Page page = all_kinds();
-    const TemporaryFolder folder;
-    write(folder / "page.html", page_html(page));
+/// The status of the script that opens the page, and what it says; it writes result.json and pictures to the folder.
+std::pair<int, std::string> opened_in_browser(const TemporaryFolder& folder) {
     const std::string script = (std::filesystem::path(SRBF_SOURCE_DIR) / "extras/render/test/page.py").string();
     const int status =
         std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='{}/test' python3 '{}' '{}' '{}' > '{}' 2>&1",
                                 SRBF_SOURCE_DIR, script, (folder / "page.html").string(), folder.path.string(),
                                 (folder / "said").string())
                         .c_str());
-    const std::string said = contents(folder / "said");
-    if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << said;
-    ASSERT_EQ(status, 0) << said;
-    const Json result = Json::parse(contents(folder / "result.json"));
-    const Json &with = result["with"], &without = result["without"];
+    return {status, contents(folder / "said")};
+}
+
+void expect_loaded(const Json& with) {
     EXPECT_EQ(with["problems"], Json::array());
     for (const std::string request : with["requests"])  // a blob is the page's own worker
         EXPECT_TRUE(request.starts_with("file:") || request.starts_with("blob:") || request == "about:blank")
@@ -425,37 +423,45 @@ TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
     }
     // While a file is read, pictures are under the other environment; afterwards nothing is said.
     EXPECT_EQ(with["read"], Json({"Reading flat.hdr ..", "studio", "file", ""}));
+}
 
-    std::vector<RasterMaterial> materials;
-    for (const PageMaterial& of : page.materials) {
-        auto made = RasterMaterial::make(*of.material, {.dialect = context->dialect()});
-        ASSERT_TRUE(made) << message(made.error());
-        materials.push_back(*std::move(made));
-    }
-    std::map<std::string, Json> of_first;  // of each step the first picture
+/// The pictures of the browser by their steps.
+struct StepPictures {
+    std::map<std::string, Json> first;  // of each step the first picture
     std::map<std::string, std::string> pixels;
     std::map<std::string, int> count;
-    for (const Json& of : with["pictures"]) {
+};
+/// Compares each picture with the desktop's.
+StepPictures compared_pictures(const Page& page, const Json& pictures, const TemporaryFolder& folder, Dialect dialect) {
+    std::vector<RasterMaterial> materials;
+    for (const PageMaterial& of : page.materials) {
+        auto made = RasterMaterial::make(*of.material, {.dialect = dialect});
+        if (!made) return ADD_FAILURE() << message(made.error()), StepPictures();
+        materials.push_back(*std::move(made));
+    }
+    StepPictures steps;
+    for (const Json& of : pictures) {
         const std::string step = of["step"], rgba = contents(folder / std::string(of["file"]));
         const std::size_t material = of["material"];
         const bool lit_around = step.starts_with("studio");
-        const double alike =
-            psnr(rgba, lit_around ? environment_picture(of, page.materials[material], context->dialect())
-                                  : desktop_picture(of, materials[material]));
+        const double alike = psnr(rgba, lit_around ? environment_picture(of, page.materials[material], dialect)
+                                                   : desktop_picture(of, materials[material]));
         EXPECT_GE(alike, 40) << step << ", material " << material;
-        if (of_first.emplace(step, of).second) pixels[step] = rgba;
+        if (steps.first.emplace(step, of).second) steps.pixels[step] = rgba;
         std::unordered_set<std::uint32_t> colours;  // there is something to see
         for (std::size_t i = 0; i < rgba.size(); i += 4)
             colours.insert(std::uint32_t(std::uint8_t(rgba[i])) << 16 | std::uint32_t(std::uint8_t(rgba[i + 1])) << 8 |
                            std::uint8_t(rgba[i + 2]));
         EXPECT_GT(colours.size(), 500u) << step << ", material " << material;
         EXPECT_GE(int(of["scene"]["samples"]), lit_around ? 12 : 0);
-        ++count[step];
+        ++steps.count[step];
     }
-    EXPECT_EQ(count["opened"], int(page.materials.size()));
-    for (const char* step : {"one", "turned", "lit", "other", "knot"}) EXPECT_EQ(count[step], 1) << step;
+    return steps;
+}
 
-    // What a step changes, and what it does not.
+/// What a step changes, and what it does not.
+void expect_changes(StepPictures& steps) {
+    auto& [of_first, pixels, count] = steps;
     EXPECT_EQ(of_first["one"]["material"], 1);
     EXPECT_EQ(of_first["other"]["material"], 0);
     EXPECT_EQ(of_first["lit"]["scene"], of_first["other"]["scene"]);
@@ -470,29 +476,51 @@ TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
     EXPECT_EQ(of_first["knot"]["scene"]["mesh"], "knot");
     EXPECT_EQ(of_first["knot"]["scene"]["irradiances"], Json({3, 3, 3, 0, 0, 0, 0, 0, 0}));
     EXPECT_TRUE(pixels["again"] == pixels["opened"]);
-    // The light behind the object is beyond the plane through its middle, and is seen through it.
-    EXPECT_EQ(count["behind"], 1);
-    const Json behind = of_first["behind"]["scene"];
+    EXPECT_EQ(count["phone"], 2);  // one over the other
+    EXPECT_NE(of_first["phone one"]["scene"]["eye"], of_first["swiped"]["scene"]["eye"]);
+}
+
+/// The light behind the object is beyond the plane through its middle, and is seen through it.
+void expect_light_behind(const Json& behind) {
     double facing = 0;
     for (std::size_t k = 0; k < 3; ++k)
         facing += double(behind["directions"][k]) * (double(behind["eye"][k]) - double(behind["target"][k]));
     EXPECT_LT(facing, 0);
     EXPECT_EQ(behind["irradiances"], Json({3, 3, 3, 0, 0, 0, 0, 0, 0}));
-    EXPECT_EQ(count["phone"], 2);  // one over the other
-    EXPECT_NE(of_first["phone one"]["scene"]["eye"], of_first["swiped"]["scene"]["eye"]);
+}
 
-    // Under an environment.
-    EXPECT_EQ(count["studio"], 3);
-    EXPECT_EQ(of_first["studio"]["scene"]["irradiances"], Json(std::vector<int>(9, 0)));
-    EXPECT_EQ(of_first["studio turned"]["scene"]["eye"], of_first["studio"]["scene"]["eye"]);
-    EXPECT_GT(double(of_first["studio turned"]["scene"]["turned"]), 0.1);
-    EXPECT_EQ(of_first["studio and lights"]["scene"]["irradiances"][0], 3);
-    const Json& refused = with["refused"];
+void expect_environment(StepPictures& steps, const Json& refused) {
+    EXPECT_EQ(steps.count["studio"], 3);
+    EXPECT_EQ(steps.first["studio"]["scene"]["irradiances"], Json(std::vector<int>(9, 0)));
+    EXPECT_EQ(steps.first["studio turned"]["scene"]["eye"], steps.first["studio"]["scene"]["eye"]);
+    EXPECT_GT(double(steps.first["studio turned"]["scene"]["turned"]), 0.1);
+    EXPECT_EQ(steps.first["studio and lights"]["scene"]["irradiances"][0], 3);
     for (const char* file : {"text.hdr", "cut.hdr", "cut.exr", "huge.hdr"})
         EXPECT_TRUE(std::string(refused[file]).starts_with(file)) << refused[file];
     EXPECT_NE(std::string(refused["huge.hdr"]).find("4096 MB"), std::string::npos) << refused["huge.hdr"];
     EXPECT_NE(std::string(refused["lost"]).find("graphics"), std::string::npos) << refused["lost"];
     EXPECT_EQ(refused["restored"], "");
+}
+
+TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
+    auto context = OffscreenContext::make();
+    if (!context) GTEST_SKIP() << message(context.error());
+    const Page page = all_kinds();
+    const TemporaryFolder folder;
+    write(folder / "page.html", page_html(page));
+    const auto [status, said] = opened_in_browser(folder);
+    if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << said;
+    ASSERT_EQ(status, 0) << said;
+    const Json result = Json::parse(contents(folder / "result.json"));
+    const Json &with = result["with"], &without = result["without"];
+    expect_loaded(with);
+    StepPictures steps = compared_pictures(page, with["pictures"], folder, context->dialect());
+    EXPECT_EQ(steps.count["opened"], int(page.materials.size()));
+    for (const char* step : {"one", "turned", "lit", "other", "knot", "behind"})
+        EXPECT_EQ(steps.count[step], 1) << step;
+    expect_changes(steps);
+    expect_light_behind(steps.first["behind"]["scene"]);
+    expect_environment(steps, with["refused"]);
 
     // Where a browser cannot draw.
     EXPECT_EQ(without["said"], 1);

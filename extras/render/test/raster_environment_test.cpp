@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <map>
 
+#include "brdf/frame.h"
 #include "dialects.h"
 #include "errors/likeness.h"
 #include "extras/render/path.h"
 #include "extras/render/raster.h"
+#include "measured/tables.h"
 #include "models.h"
 #include "models/pm/search/fit_pm.h"
 #include "program.h"

@@ -95,7 +95,7 @@ Image greys(const std::vector<float>& values) {
 TEST(AutomaticExposure, TakesTheQuantileOfLitPixelsToTheKnee) {
     std::vector<float> values;
     for (int i = 1; i <= 101; ++i) values.push_back(float(i));
-    const double expected = double(k_knee) / (1 + 100 * k_exposed);
+    const double expected = double(k_knee) / (1 + 100 * k_exposed_quantile);
     EXPECT_TRUE(near_relative(automatic_exposure(greys(values)), expected, 1e-6));
 
     std::mt19937_64 random(2);
@@ -113,7 +113,7 @@ TEST(AutomaticExposure, TakesTheQuantileOfLitPixelsToTheKnee) {
         const Rgb shown = tone_map(x, exposure);
         as_they_are += x.r > 0 && shown == Rgb{exposure * x.r, exposure * x.g, exposure * x.b};
     }
-    EXPECT_GE(as_they_are, int(101 * k_exposed));
+    EXPECT_GE(as_they_are, int(101 * k_exposed_quantile));
 }
 
 TEST(AutomaticExposure, IsOneInTheDarkAndFiniteAlways) {

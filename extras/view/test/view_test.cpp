@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "base/parameters.h"
+#include "brdf/channels.h"
 #include "errors/measures.h"
 #include "extras/view/display_state.h"
 #include "extras/view/ink.h"
@@ -18,6 +19,7 @@
 #include "extras/view/readings.h"
 #include "extras/view/session.h"
 #include "models.h"
+#include "observe/objectives.h"
 #include "program.h"
 #include "properties.h"
 #include "srbf/metrics.h"

@@ -19,6 +19,12 @@ template <typename Real_, typename Model, typename ByView = SuModel> struct Form
     static int pm_variates(Pm pm) { return pm.variates; }
     static int pm_features(Pm pm) { return features(pm.form); }
     static bool pm_axial(Pm pm) { return pm.axial; }
+    static constexpr bool pm_reciprocal(Pm pm) {
+        if constexpr (requires { Model::is_reciprocal; })
+            return Model::is_reciprocal;
+        else
+            return is_reciprocal(pm.form);
+    }
     static auto pm_weight_l(Pm pm, int n) {
         if constexpr (is_plain)
             return pm.parameterization[std::size_t(n)].a;

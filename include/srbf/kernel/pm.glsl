@@ -4,6 +4,7 @@
 //     pm_weight_l(pm, n), pm_weight_v(pm, n) a_n, b_n of variate n
 //     pm_centre(pm, j, n), pm_log2_falloff(pm, j, n)  xi_jn (unit vector), lambda_jn log2(e) / 2 >= 0
 //     pm_axial(pm), pm_down(pm, j, n)        true if every centre is +z or -z; true if this one is -z  [bool]
+//     pm_reciprocal(pm)                      true if light and viewer may be exchanged  [bool]
 //     pm_coefficient(pm, j), pm_log2_scale(pm, j)  beta_j (R, G, B), s_j log2(e)
 //     pm_features(pm), pm_exponent(pm, j, k)       F [int, <= SRBF_TERMS], kappa_jk log2(e)
 
@@ -102,13 +103,18 @@ SRBF_FN Real pm_with_features(Pm pm, int j, Real exponent, PmFeatures features) 
 }
 SRBF_FN Real pm_power(Real exponent) { return exp2(max(min(exponent, Real(100.0)), Real(-100.0))); }
 
-// rho(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) prod_k e^(kappa_jk x_k(wl, wv)) [1/sr],
-// for R, G, B. Here psi_n = normalize(a_n wl + b_n wv), and x_k are the further features. A negative sum counts as
-// 0.
+// g(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) prod_k e^(kappa_jk x_k(wl, wv)) [1/sr], for
+// R, G, B. Here psi_n = normalize(a_n wl + b_n wv), and x_k are the further features, which are symmetric.
+// rho(wl, wv) = g(wl, wv), or the mean of g(wl, wv) and g(wv, wl) in a reciprocal model. A negative sum counts as 0:
+// the colour of a spectral model's lobe may have a negative channel.
 SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
+    // For axial lobes, the squared distances of psi_n from +z and -z suffice. The second three are of (wv, wl).
     Vec3 variate[SRBF_MAX_VARIATES];
-    Real up[SRBF_MAX_VARIATES];  // squared distances from +z and -z, sufficient for axial lobes
+    Real up[SRBF_MAX_VARIATES];
     Real down[SRBF_MAX_VARIATES];
+    Vec3 exchanged_variate[SRBF_MAX_VARIATES];
+    Real exchanged_up[SRBF_MAX_VARIATES];
+    Real exchanged_down[SRBF_MAX_VARIATES];
     for (int n = 0; n < pm_variates(pm); ++n) {
         Real a = Real(pm_weight_l(pm, n));
         Real b = Real(pm_weight_v(pm, n));
@@ -116,22 +122,37 @@ SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
             AxialPsi psi_ = axial_psi(wl, wv, a, b);
             up[n] = squared_distance_from_pole(psi_, Real(1.0));
             down[n] = squared_distance_from_pole(psi_, Real(-1.0));
+            if (pm_reciprocal(pm)) {
+                AxialPsi exchanged = axial_psi(wv, wl, a, b);
+                exchanged_up[n] = squared_distance_from_pole(exchanged, Real(1.0));
+                exchanged_down[n] = squared_distance_from_pole(exchanged, Real(-1.0));
+            }
         } else {
             variate[n] = psi(wl, wv, a, b);
+            if (pm_reciprocal(pm)) exchanged_variate[n] = psi(wv, wl, a, b);
         }
     }
     PmFeatures features = pm_further_features(pm_features(pm), wl, wv);
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     for (int j = 0; j < pm_lobes(pm); ++j) {
         Real exponent = pm_with_features(pm, j, Real(pm_log2_scale(pm, j)), features);
+        Real exchanged_exponent = exponent;
         for (int n = 0; n < pm_variates(pm); ++n) {
-            if (pm_axial(pm))
+            if (pm_axial(pm)) {
                 exponent = pm_with_variate(pm, j, n, exponent, pm_down(pm, j, n) ? down[n] : up[n]);
-            else
+                if (pm_reciprocal(pm))
+                    exchanged_exponent = pm_with_variate(pm, j, n, exchanged_exponent,
+                                                         pm_down(pm, j, n) ? exchanged_down[n] : exchanged_up[n]);
+            } else {
                 exponent = pm_with_variate(pm, j, n, exponent, squared_distance(variate[n], pm_centre(pm, j, n)));
+                if (pm_reciprocal(pm))
+                    exchanged_exponent = pm_with_variate(pm, j, n, exchanged_exponent,
+                                                         squared_distance(exchanged_variate[n], pm_centre(pm, j, n)));
+            }
         }
-        sum = sum + pm_power(exponent) * pm_coefficient(pm, j);
+        Real power = pm_power(exponent);
+        if (pm_reciprocal(pm)) power = Real(0.5) * (power + pm_power(exchanged_exponent));
+        sum = sum + power * pm_coefficient(pm, j);
     }
-    // The colour of a spectral model's lobe may have a negative channel.
     return Vec3(max(sum.x, Real(0.0)), max(sum.y, Real(0.0)), max(sum.z, Real(0.0)));
 }

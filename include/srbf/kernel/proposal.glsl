@@ -46,13 +46,14 @@ SRBF_FN Vec3 stretched(Vec3 w, Stretch map) { return grown_along(w, map.x, map.y
 
 // A lobe G(g . z | lambda) of directions g, which a map M takes to half vectors h along M g. It is weighted by a
 // power of their visibility: G(g . z | lambda) (M g . wv)^power. With viewer = M wv, M g . wv is g . viewer. If its
-// logarithm is linearised about the normal this is again a lobe, along lambda z + sharpness viewer with sharpness =
-// power / (n . wv). For a view direction close to the horizon, the centre is at most halfway between the normal and
-// the viewer.
-SRBF_FN Real visibility_sharpness(Vec3 wv, Real power) { return power / max(wv.z, Real(1.0e-6)); }
-SRBF_FN GaussianProduct visible_lobe(Vec3 viewer, Real inverse, Real bandwidth, Real sharpness) {
-    return gaussian_product(Vec3(Real(0.0), Real(0.0), Real(1.0)), bandwidth, viewer,
-                            min(sharpness, inverse * bandwidth));
+// logarithm is linearised about the direction where the product is largest, this is again a lobe, along lambda z +
+// sharpness viewer. For small angles, that direction is tilted from the normal by t with
+// lambda t = power stretch / (wv.z + stretch t).
+SRBF_FN GaussianProduct visible_lobe(Vec3 viewer, Real inverse, Real bandwidth, Real power) {
+    Real z = max(viewer.z, Real(0.0));
+    Real sharpness = Real(2.0) * power /
+                     max(z + sqrt(z * z + Real(4.0) * power / (inverse * inverse * bandwidth)), Real(1.0e-6));
+    return gaussian_product(Vec3(Real(0.0), Real(0.0), Real(1.0)), bandwidth, viewer, sharpness);
 }
 
 // For half vectors h from a stretched lobe: the unstretched direction g = M^-1 h / |M^-1 h|, and the factor that
@@ -77,7 +78,7 @@ SRBF_FN HalfVector half_vector(Vec3 wl, Vec3 wv, Stretch map) {
 // The density of wl = 2 (h . wv) h - wv [1/sr], with h from the stretched lobe weighted by visibility from wv.
 SRBF_FN Real half_vector_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Stretch map, Real power) {
     HalfVector h = half_vector(wl, wv, map);
-    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, visibility_sharpness(wv, power));
+    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, power);
     return vmf_pdf(h.direction, lobe.centre, lobe.bandwidth) * h.factor;
 }
 
@@ -91,7 +92,7 @@ SRBF_FN Vec3 light_of(Vec3 h, Vec3 wv) {
 
 // Samples half_vector_pdf. The result is the zero vector if there is no direction.
 SRBF_FN Vec3 sample_half_vector(Vec3 wv, Real bandwidth, Stretch map, Real power, Real u1, Real u2) {
-    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, visibility_sharpness(wv, power));
+    GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, power);
     return light_of(stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), map), wv);
 }
 
@@ -110,7 +111,7 @@ SRBF_FN Real proposal_bandwidth(int k) {
     if (k == 15) bandwidth = Real(128.0);
     return bandwidth;
 }
-SRBF_FN Real proposal_sharpness(int k, Real sharpness) { return k == 15 ? Real(0.0) : sharpness; }
+SRBF_FN Real proposal_power(int k, Real power) { return k == 15 ? Real(0.0) : power; }
 // Common subexpressions of the components' densities at (wl, wv): wl above the horizon and mirrored at it, with
 // their half vectors.
 struct ProposalPoint {
@@ -119,7 +120,7 @@ struct ProposalPoint {
     Vec3 specular;
     Vec3 viewer;
     Real inverse;
-    Real sharpness;
+    Real power;
     HalfVector above;
     HalfVector below;
 };
@@ -130,7 +131,7 @@ SRBF_FN ProposalPoint proposal_point(Vec3 wl, Vec3 wv, Stretch map, Real power) 
     terms.specular = Vec3(-wv.x, -wv.y, wv.z);
     terms.viewer = stretched(wv, map);
     terms.inverse = map.inverse;
-    terms.sharpness = visibility_sharpness(wv, power);
+    terms.power = power;
     terms.above = half_vector(wl, wv, map);
     terms.below = half_vector(terms.mirrored, wv, map);
     return terms;
@@ -154,8 +155,8 @@ SRBF_FN ProposalLobe mirror_lobe(Vec3 specular, Real bandwidth) {
 }
 // A lobe as visible from the viewer is at least as narrow as the lobe itself. With lambda >= 8, e^(-2 lambda) is at
 // most 1.2e-7 and is replaced by 0.
-SRBF_FN ProposalLobe half_vector_lobe(Vec3 viewer, Real inverse, Real bandwidth, Real sharpness) {
-    GaussianProduct product = visible_lobe(viewer, inverse, bandwidth, sharpness);
+SRBF_FN ProposalLobe half_vector_lobe(Vec3 viewer, Real inverse, Real bandwidth, Real power) {
+    GaussianProduct product = visible_lobe(viewer, inverse, bandwidth, power);
     ProposalLobe lobe;
     lobe.centre = product.centre;
     lobe.bandwidth = product.bandwidth;
@@ -180,9 +181,8 @@ SRBF_FN HalfVector itself(Vec3 direction) {
 SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint terms) {
     Real bandwidth = proposal_bandwidth(k);
     if (k >= SRBF_FIRST_HALF_VECTOR_LOBE)
-        return reflected_pdf(
-            half_vector_lobe(terms.viewer, terms.inverse, bandwidth, proposal_sharpness(k, terms.sharpness)),
-            terms.above, terms.below);
+        return reflected_pdf(half_vector_lobe(terms.viewer, terms.inverse, bandwidth, proposal_power(k, terms.power)),
+                             terms.above, terms.below);
     if (k > 1) return reflected_pdf(mirror_lobe(terms.specular, bandwidth), itself(terms.wl), itself(terms.mirrored));
     return power_cosine_pdf(terms.wl, k == 0 ? Real(1.0) : Real(2.0));
 }
@@ -192,8 +192,8 @@ SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Stretch map, Real power, Real 
     Real below = below_power_cosine(k == 0 ? Real(0.5) : Real(1.0 / 3.0), u1);
     Vec3 wl = off_centre(Vec3(Real(0.0), Real(0.0), Real(1.0)), below, u2);
     if (k >= SRBF_FIRST_HALF_VECTOR_LOBE) {
-        Real sharpness = proposal_sharpness(k, visibility_sharpness(wv, power));
-        ProposalLobe lobe = half_vector_lobe(stretched(wv, map), map.inverse, proposal_bandwidth(k), sharpness);
+        ProposalLobe lobe =
+            half_vector_lobe(stretched(wv, map), map.inverse, proposal_bandwidth(k), proposal_power(k, power));
         wl = light_of(stretched(sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2), map), wv);
     } else if (k > 1) {
         ProposalLobe lobe = mirror_lobe(Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k));

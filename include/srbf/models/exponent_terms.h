@@ -26,9 +26,10 @@ inline constexpr std::array<ExponentTerm, 4> k_terms{{
 
 /// The factors of a lobe. The sizes are in 16-bit numbers, for J lobes of N variates.
 enum class PmForm {
-    gaussian,  ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
-    horizon,   ///< also (cosθl cosθv)^κ, κ ≥ 0, always with a log scale: axial J(3+N+2)+2N
-    extended,  ///< also e^{μ(l·h−1) − γδ − σ sinθh}, δ as in `k_terms`: axial J(3+N+5)+2N
+    gaussian,    ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
+    horizon,     ///< also (cosθl cosθv)^κ, κ ≥ 0, always with a log scale: axial J(3+N+2)+2N
+    extended,    ///< also e^{μ(l·h−1) − γδ − σ sinθh}, δ as in `k_terms`: axial J(3+N+5)+2N
+    reciprocal,  ///< the mean of an extended sum and of the same with light and viewer exchanged: the same size
 };
 /// A form has the first `terms` terms of `k_terms`.
 struct FormRow {
@@ -36,13 +37,18 @@ struct FormRow {
     std::string_view name;
     std::string_view stored;  ///< the name in model files and reports
     std::size_t terms;
+    bool is_reciprocal;        ///< f(ωl, ωv) = f(ωv, ωl)
+    int lobes, variates;       ///< J and N of a fit by default
     std::string_view summary;  ///< what it adds to the previous form, in ASCII
 };
-inline constexpr std::array<FormRow, 3> k_form_rows{{
-    {PmForm::gaussian, "gaussian", "source", 0, "as Tsai 2009 defines them"},
-    {PmForm::horizon, "horizon", "horizon", 1, "also a power of cos(theta_l) cos(theta_v)"},
-    {PmForm::extended, "extended", "extended", 4, "also three further factors"},
+inline constexpr std::array<FormRow, 4> k_form_rows{{
+    {PmForm::gaussian, "gaussian", "source", 0, false, 8, 4, "as Tsai 2009 defines them"},
+    {PmForm::horizon, "horizon", "horizon", 1, false, 8, 4, "also a power of cos(theta_l) cos(theta_v)"},
+    {PmForm::extended, "extended", "extended", 4, false, 8, 4, "also three further factors"},
+    {PmForm::reciprocal, "reciprocal", "reciprocal", 4, true, 9, 3, "also the mean with light and viewer exchanged"},
 }};
+/// The form of a fit by default, of a table.
+inline constexpr PmForm k_default_form = PmForm::reciprocal;
 inline constexpr auto k_forms = [] {
     std::array<PmForm, k_form_rows.size()> forms{};
     for (std::size_t i = 0; i < forms.size(); ++i) forms[i] = k_form_rows[i].form;
@@ -57,6 +63,8 @@ static_assert([] {
 
 /// F: the number of exponents of a lobe of that form besides its bandwidths.
 constexpr int features(PmForm form) { return int(row_of(form).terms); }
+/// True if light and viewer may be exchanged in models of that form: f(ωl, ωv) = f(ωv, ωl).
+constexpr bool is_reciprocal(PmForm form) { return row_of(form).is_reciprocal; }
 constexpr std::string_view name(PmForm form) { return row_of(form).name; }
 constexpr std::string_view stored_name(PmForm form) { return row_of(form).stored; }
 /// Accepts either name.

@@ -12,7 +12,7 @@ namespace [[gnu::visibility("default")]] srbf {
 /// A diffuse term and one or two microfacet lobes, isotropic and reciprocal:
 ///   ρ(wl,wv) = kd/π + Σ_i D_i G_i (F0_i + (F90_i − F0_i)(1 − l·h)⁵) / (4 cosθl cosθv) [1/sr],
 /// with the GGX distribution D and the height-correlated masking-shadowing function G of roughness α_i (Walter et al.
-/// 2007, Heitz 2014), and Schlick's Fresnel term. Evaluated by `ggx_value` of kernel.glsl. `write_model` describes the
+/// 2007, Heitz 2014), and Schlick's Fresnel term. See `ggx_value` of kernel.glsl. docs/formats.md describes the
 /// file encoding.
 struct GgxModel {
     struct Lobe {
@@ -37,19 +37,7 @@ struct GgxRequest {
 
 /// ρ(wl, wv) in single precision; 0 below the horizon.
 Rgb value(const GgxModel& model, Vec3f wl, Vec3f wv);
-/// f[i] = value(model, wl[i], wv[i]). The spans have the same length.
-void evaluate(const GgxModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const GgxModel& model);
-
-/// Isotropy, and the exchange of light and viewer, as of a `Model` (model.h).
-inline bool is_isotropic(const GgxModel&) { return true; }
-inline void exchange(GgxModel&) {}  // reciprocal
-
-/// Size of the stored numbers: 3 + 5 per lobe, two bytes each.
-inline std::size_t payload_bytes(const GgxModel& model) { return 2 * (3 + 5 * model.lobes.size()); }
-constexpr std::size_t auxiliary_bytes(const GgxModel&) { return 0; }
-/// `model` with every number rounded to its stored precision.
-GgxModel rounded(const GgxModel& model);
 
 }  // namespace srbf

@@ -1,8 +1,6 @@
 // Surfaces by the parameters that renderers share.
 #pragma once
-#include <array>
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <string_view>
 
@@ -15,7 +13,7 @@ namespace [[gnu::visibility("default")]] srbf {
 /// diffuse reflection. Evaluated by `openpbr_value` of kernel.glsl. Where the specification leaves a choice, layers
 /// scale what lies below by their directional albedo at the viewer, so that the surface is not reciprocal. Of the
 /// parameters of a base under a coat, the base's index of refraction is relative to the coat's. Colours are linear, in
-/// Rec.709 primaries. `write_model` describes the file encoding.
+/// Rec.709 primaries. docs/formats.md describes the file encoding.
 struct OpenPbrModel {
     float base_weight = 1;
     Rgb base_color{0.8f, 0.8f, 0.8f};  ///< albedo of the diffuse part, F0 of the metal
@@ -42,66 +40,12 @@ struct OpenPbrModel {
     friend bool operator==(const OpenPbrModel&, const OpenPbrModel&) = default;
 };
 
-/// A parameter of `OpenPbrModel`: its name, its range, and which member it is.
-struct OpenPbrParameter {
-    std::string_view name;
-    float least, most;
-    float OpenPbrModel::*number = nullptr;  ///< or
-    Rgb OpenPbrModel::*colour = nullptr;
-    constexpr int count() const { return colour ? 3 : 1; }
-};
-inline constexpr std::array<OpenPbrParameter, 21> k_openpbr_parameters{{
-    {"base_weight", 0, 1, &OpenPbrModel::base_weight},
-    {"base_color", 0, 1, nullptr, &OpenPbrModel::base_color},
-    {"base_metalness", 0, 1, &OpenPbrModel::base_metalness},
-    {"base_diffuse_roughness", 0, 1, &OpenPbrModel::base_diffuse_roughness},
-    {"specular_weight", 0, 1, &OpenPbrModel::specular_weight},
-    {"specular_color", 0, 1, nullptr, &OpenPbrModel::specular_color},
-    {"specular_roughness", 0, 1, &OpenPbrModel::specular_roughness},
-    {"specular_ior", 1, 3, &OpenPbrModel::specular_ior},
-    {"coat_weight", 0, 1, &OpenPbrModel::coat_weight},
-    {"coat_color", 0, 1, nullptr, &OpenPbrModel::coat_color},
-    {"coat_roughness", 0, 1, &OpenPbrModel::coat_roughness},
-    {"coat_ior", 1, 3, &OpenPbrModel::coat_ior},
-    {"coat_darkening", 0, 1, &OpenPbrModel::coat_darkening},
-    {"fuzz_weight", 0, 1, &OpenPbrModel::fuzz_weight},
-    {"fuzz_color", 0, 1, nullptr, &OpenPbrModel::fuzz_color},
-    {"fuzz_roughness", 0, 1, &OpenPbrModel::fuzz_roughness},
-    {"thin_film_weight", 0, 1, &OpenPbrModel::thin_film_weight},
-    {"thin_film_thickness", 0, 1, &OpenPbrModel::thin_film_thickness},
-    {"thin_film_ior", 1, 3, &OpenPbrModel::thin_film_ior},
-    {"specular_roughness_anisotropy", 0, 1, &OpenPbrModel::specular_roughness_anisotropy},
-    {"specular_rotation", 0, 1, &OpenPbrModel::specular_rotation},
-}};
-/// Number c of a parameter, 0 ≤ c < count.
-inline float& number(OpenPbrModel& model, const OpenPbrParameter& of, int c) {
-    return of.colour ? (model.*of.colour)[c] : model.*of.number;
-}
-inline float number(const OpenPbrModel& model, const OpenPbrParameter& of, int c) {
-    return of.colour ? (model.*of.colour)[c] : model.*of.number;
-}
-/// True if a parameter is stored: those of a film and of anisotropy only if there is one.
-constexpr bool is_stored(const OpenPbrModel& model, const OpenPbrParameter& of) {
-    if (of.name.starts_with("thin_film_")) return model.thin_film_weight > 0;
-    const bool is_of_anisotropy = of.name == "specular_roughness_anisotropy" || of.name == "specular_rotation";
-    return !is_of_anisotropy || model.specular_roughness_anisotropy > 0;
-}
-/// How many numbers a model has.
-constexpr std::size_t openpbr_number_count(const OpenPbrModel& model) {
-    std::size_t count = 0;
-    for (const OpenPbrParameter& of : k_openpbr_parameters) count += is_stored(model, of) ? std::size_t(of.count()) : 0;
-    return count;
-}
-
 /// The surface models that a fit may be restricted to: the parameters that each has, at their other defaults.
 enum class OpenPbrSurfaceKind {
     openpbr,     ///< all of them
     gltf,        ///< glTF 2.0 with its extensions for specular, ior, clearcoat, sheen, iridescence and anisotropy
     principled,  ///< Blender's Principled BSDF
 };
-inline constexpr std::array<std::string_view, 3> k_openpbr_surfaces{"openpbr", "gltf", "principled"};
-constexpr std::string_view name(OpenPbrSurfaceKind kind) { return k_openpbr_surfaces[std::size_t(kind)]; }
-std::optional<OpenPbrSurfaceKind> openpbr_surface_named(std::string_view name);
 
 /// A request for its fit.
 struct OpenPbrRequest {
@@ -113,19 +57,7 @@ struct OpenPbrRequest {
 
 /// ρ(wl, wv) in single precision; 0 below the horizon.
 Rgb value(const OpenPbrModel& model, Vec3f wl, Vec3f wv);
-/// f[i] = value(model, wl[i], wv[i]). The spans have the same length.
-void evaluate(const OpenPbrModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const OpenPbrModel& model);
-
-/// Isotropy, and the exchange of light and viewer, as of a `Model` (model.h).
-inline bool is_isotropic(const OpenPbrModel& model) { return model.specular_roughness_anisotropy == 0; }
-inline void exchange(OpenPbrModel& model) { model.is_exchanged = !model.is_exchanged; }
-
-/// Size of the stored numbers, two bytes each.
-constexpr std::size_t payload_bytes(const OpenPbrModel& model) { return 2 * openpbr_number_count(model); }
-constexpr std::size_t auxiliary_bytes(const OpenPbrModel&) { return 0; }
-/// `model` with every number rounded to its stored precision.
-OpenPbrModel rounded(const OpenPbrModel& model);
 
 }  // namespace srbf

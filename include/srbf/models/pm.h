@@ -16,7 +16,8 @@ struct Parameterization {
 };
 
 /// Parameterized multivariate SRBFs (Tsai 2009, section 7.2), with the further terms κ_jk x_k of exponent_terms.h:
-///   ρ(wl,wv) = Σ_j β_j e^{s_j} Π_n G(ψ_n(wl,wv)·ξ_jn | λ_jn) Π_k e^{κ_jk x_k(wl,wv)} [1/sr],
+///   g(wl,wv) = Σ_j β_j e^{s_j} Π_n G(ψ_n(wl,wv)·ξ_jn | λ_jn) Π_k e^{κ_jk x_k(wl,wv)} [1/sr],
+///   ρ(wl,wv) = g(wl,wv), or (g(wl,wv) + g(wv,wl)) / 2 in the form reciprocal.
 /// Evaluated by `pm_value` of kernel.glsl. The members hold the symbols of the formula; `write_model` describes the
 /// file encoding. A spectral model has β_j at C wavelengths; its R, G, B follow from these (brdf/colour.h). One of them may
 /// be negative; ρ is 0 where the sum is.
@@ -25,7 +26,7 @@ struct PmModel {
     bool axial = true;              ///< every centre is +z or −z, for isotropic data
     int lobes = 0;                  ///< J, 1..k_most_lobes
     int variates = 0;               ///< N, 1..k_most_variates
-    std::vector<Rgb> coefficient;   ///< J: β_j ≥ 0; of a spectral model the `colours` of its spectra
+    std::vector<Rgb> coefficient;   ///< J: β_j ≥ 0; of a spectral model the colours of all its spectra
     std::vector<float> wavelength;  ///< C [nm], increasing, of a spectral model; otherwise empty
     std::vector<float> spectrum;    ///< J × C: β_j ≥ 0 at the wavelengths
     std::vector<float> log_scale;   ///< J: s_j; stored only if one of them is not 0
@@ -37,11 +38,8 @@ struct PmModel {
 };
 inline constexpr int k_most_lobes = 1024;
 inline constexpr int k_most_variates = 8;
-/// The most lobes of a fit, and the default numbers of lobes and variates.
-inline constexpr int k_most_fitted_lobes = 64, k_default_lobes = 8, k_default_variates = 4;
+inline constexpr int k_most_fitted_lobes = 64;
 inline constexpr std::size_t k_most_wavelengths = 4096;
-/// The colour (`to_rgb`) of each of the spectra, which are stored contiguously.
-std::vector<Rgb> colours(std::span<const float> spectra, std::span<const float> wavelengths);
 
 /// ρ(wl, wv) in single precision; 0 below the horizon.
 Rgb value(const PmModel& model, Vec3f wl, Vec3f wv);
@@ -50,27 +48,12 @@ Rgb value(const PmModel& model, Vec3f wl, Vec3f wv);
 void evaluate(const PmModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const PmModel& model);
-/// ρ at the wavelengths of a spectral model, evaluated three at a time like R, G, B in `evaluate`. It keeps a reference
-/// to `model`.
-Channels spectra(const PmModel& model);
-Channels spectra(const PmModel&&) = delete;
 
-/// Isotropy, and the exchange of light and viewer, as of a `Model` (model.h).
 inline bool is_isotropic(const PmModel& model) { return model.axial; }
 void exchange(PmModel& model);
 
-/// True if f(ωl, ωv) = f(ωv, ωl) by construction, up to rounding: each variate (a, b) with a ≠ b has a partner (b, a)
-/// with the same centres and bandwidths in all lobes.
-bool is_reciprocal(const PmModel& model);
-/// True if a log scale is stored: the form has further features, or some s_j does not round to 0 in half precision.
-bool has_log_scale(const PmModel& model);
-/// Size of a model's stored numbers, two bytes each: of a given model, and of any model of that kind.
+/// Size of the stored numbers, two bytes each.
 std::size_t payload_bytes(const PmModel& model);
-constexpr std::size_t payload_bytes(PmForm form, bool axial, bool log_scale, int lobes, int variates,
-                                    int channels = 3) {
-    const int of_lobe = channels + (axial ? 1 : 3) * variates + int(log_scale) + features(form);
-    return 2 * std::size_t(lobes * of_lobe + 2 * variates);
-}
 constexpr std::size_t auxiliary_bytes(const PmModel&) { return 0; }
 /// `model` with every number rounded to its stored precision: read_model(write_model(model)).
 PmModel rounded(const PmModel& model);

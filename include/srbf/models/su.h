@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "srbf/brdf.h"
@@ -14,8 +13,6 @@ namespace [[gnu::visibility("default")]] srbf {
 
 /// Which of the two directions is sampled; the lobes are functions of the other one.
 enum class Discretise { view, light };
-std::string_view name(Discretise discretise);
-std::optional<Discretise> discretise_named(std::string_view text);
 
 /// How the function at a view direction between the sampled ones is interpolated.
 enum class SuInterpolation {
@@ -23,8 +20,6 @@ enum class SuInterpolation {
     rotated,
     plain,  ///< from the K nearest views, not rotated (Tsai 2009)
 };
-std::string_view name(SuInterpolation interpolation);
-std::optional<SuInterpolation> interpolation_named(std::string_view text);
 
 /// The eight sampled views nearest to a direction, the nearest first.
 using NearestViews = std::array<std::uint16_t, 8>;
@@ -42,16 +37,11 @@ struct IndexTexture {
     std::vector<NearestViews> texels;  ///< of the directions at the texels' centres
     friend bool operator==(const IndexTexture&, const IndexTexture&) = default;
 };
-/// The sizes in Tsai 2009: 6 × 128 × 128 and 256 × 256.
-constexpr int default_size(DirectionMap map) { return map == DirectionMap::cube ? 128 : 256; }
-inline constexpr int k_largest_texture = 1024;
-std::string_view name(DirectionMap map);
-std::optional<DirectionMap> map_named(std::string_view text);
 
 /// Scattered univariate SRBFs (Tsai 2009, section 7.2): for each sampled view direction wv_i
 ///   ρ(wl, wv_i) = Σ_j β_ij G(wl·ξ_ij | λ_ij) e^{−τ_ij (1/cosθl − 1)} e^{−α_ij λ_ij ((wl − ξ_ij)·t_i)²/2} [1/sr],
 /// t_i the tangent across the plane of incidence, and between them interpolation. At least one of τ_ij, α_ij is 0.
-/// Evaluated by the su_ functions of kernel.glsl. With `discretise` light, wl and wv are exchanged. `write_model`
+/// Evaluated by the su_ functions of kernel.glsl. With `discretise` light, wl and wv are exchanged. docs/formats.md
 /// describes the file encoding.
 struct SuModel {
     Discretise discretise = Discretise::view;
@@ -74,36 +64,7 @@ inline constexpr int k_least_views = 8, k_most_views = 8192;
 /// ρ(wl, wv) in single precision; 0 below the horizon. Continuous in both directions, except for plain interpolation
 /// where the K+1 nearest views are equally near.
 Rgb value(const SuModel& model, Vec3f wl, Vec3f wv);
-/// f_r by plain interpolation, from the nearest of the eight views that the texture holds for the direction.
-Rgb value(const SuModel& model, const IndexTexture& index, Vec3f wl, Vec3f wv);
-
-/// f[i] = value(model, wl[i], wv[i]), in SIMD over consecutive pairs that share the sampled direction. The spans have
-/// the same length. Within 1e-4 of `value` or 1e-6 of the model's peak.
-void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const SuModel& model);
-
-/// The integral ∫ ρ(w, wv_i) cosθ dω of each sampled direction, over the directions w of which the lobes are functions: the
-/// sum of the lobes' integrals, each from 512 points of a Gaussian about its maximum.
-std::vector<Rgb> view_integrals(const SuModel& model);
-/// A number of each sampled direction, interpolated as ρ is: of `view_integrals` the integral for a view wv between them.
-Rgb between_views(const SuModel& model, std::span<const Rgb> of_views, Vec3f wv);
-
-/// The eight sampled views nearest to `w`.
-NearestViews nearest_views(const SuModel& model, Vec3f w);
-/// The texture of nearest views; `size` 0: `default_size`.
-IndexTexture index_texture(const SuModel& model, DirectionMap map, int size = 0);
-
-/// Isotropy, and the exchange of light and viewer, as of a `Model` (model.h).
-inline bool is_isotropic(const SuModel&) { return true; }
-void exchange(SuModel& model);
-
-/// Size of the stored numbers: n·J·(3 coefficients + 2 angles + 1 bandwidth, and a shape if there is any) halves.
-std::size_t payload_bytes(const SuModel& model);
-/// Size of the tables that plain interpolation needs at run time, whether or not the file contains them: the index
-/// texture (a cube map unless the model has another) and the table of directions, four halves per view.
-std::size_t auxiliary_bytes(const SuModel& model);
-/// `model` with every number rounded to its stored precision.
-SuModel rounded(const SuModel& model);
 
 }  // namespace srbf

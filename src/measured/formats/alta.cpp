@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/floating_point.h"
+#include "measured/readers.h"
 #include "measured/samples.h"
 #include "srbf/elementary.h"
 
@@ -10,15 +11,15 @@ namespace srbf {
 
 namespace {
 
-/// In vector form ALTA stores the viewer first.
+/// A pair of directions in ALTA's order.
 struct ViewAndLight {
     Vec3d view, light;
 };
 
-/// The direction whose θ and φ are given as the plane vector (θ cosφ, θ sinφ).
-Vec3d unrolled(double x, double y) { return spherical(elementary::hypot(x, y), elementary::atan2(y, x)); }
+/// The direction (θ, φ) from the plane vector (θ cosφ, θ sinφ).
+Vec3d from_plane(double x, double y) { return spherical(elementary::hypot(x, y), elementary::atan2(y, x)); }
 
-/// From θ_h, φ_h, θ_d, φ_d: the viewer at (θ_d, φ_d) relative to the half vector, the light its mirror direction.
+/// The viewer is at (θ_d, φ_d) relative to the half vector (θ_h, φ_h), and the light at the viewer's mirror direction.
 ViewAndLight from_half_vector(double theta_h, double phi_h, double theta_d, double phi_d) {
     const Vec3d d = spherical(theta_d, phi_d), h = spherical(theta_h, phi_h);
     const double c = elementary::cos(theta_h), s = elementary::sin(theta_h), x = c * d.x + s * d.z,
@@ -28,8 +29,8 @@ ViewAndLight from_half_vector(double theta_h, double phi_h, double theta_d, doub
     return {view, 2 * dot(view, h) * h - view};
 }
 
-/// The direction above the plane point (x, y); below the horizon if there is none.
-Vec3d lifted(double x, double y) {
+/// The direction with these x and y above the horizon; −z if there is none.
+Vec3d from_projection(double x, double y) {
     const double z2 = 1 - x * x - y * y;
     return z2 > 0 ? Vec3d{x, y, std::sqrt(z2)} : Vec3d{0, 0, -1};
 }
@@ -41,14 +42,14 @@ Vec3d from_stereographic(double x, double y) {
 
 struct AltaParameterization {
     std::string_view name;
-    /// of each number: t a polar angle, or the projection of one; p an azimuth; . something else
+    /// The kind of each number: 't' is a polar angle or its projection, 'p' an azimuth, '.' anything else.
     std::string_view kinds;
     bool isotropic;
     ViewAndLight (*directions)(const double*);
 };
 
-/// As defined by ALTA's params.h. Where its own conversion loses a hemisphere or is not the inverse of the opposite
-/// conversion (RETRO, STEREOGRAPHIC), this is the inverse of the opposite conversion.
+/// The parameterizations of ALTA's params.h. Where its conversion to vectors loses a hemisphere or is not the inverse
+/// of its conversion from vectors (RETRO, STEREOGRAPHIC), this is the inverse of the latter.
 constexpr AltaParameterization k_parameterizations[] = {
     {"CARTESIAN", "......", false,
      [](const double* x) {
@@ -64,11 +65,11 @@ constexpr AltaParameterization k_parameterizations[] = {
      }},
     {"ISOTROPIC_TL_TV_PROJ_DPHI", "ttt", true,
      [](const double* x) {
-         return ViewAndLight{unrolled(x[1], x[2]), spherical(x[0], 0.0)};
+         return ViewAndLight{from_plane(x[1], x[2]), spherical(x[0], 0.0)};
      }},
     {"ISOTROPIC_TV_PROJ_DPHI", "tt", true,
      [](const double* x) {
-         return ViewAndLight{unrolled(x[0], x[1]), {0, 0, 1}};
+         return ViewAndLight{from_plane(x[0], x[1]), {0, 0, 1}};
      }},
     {"RUSIN_TH_PH_TD_PD", "tptp", false, [](const double* x) { return from_half_vector(x[0], x[1], x[2], x[3]); }},
     {"RUSIN_TH_TD_PD", "ttp", true, [](const double* x) { return from_half_vector(x[0], 0, x[1], x[2]); }},
@@ -77,19 +78,19 @@ constexpr AltaParameterization k_parameterizations[] = {
      [](const double* x) { return from_half_vector(elementary::acos(x[0]), 0, elementary::acos(x[1]), 0); }},
     {"SCHLICK_TL_TK_PROJ_DPHI", "ttt", true,
      [](const double* x) {
-         const Vec3d light = spherical(x[0], 0.0), back = unrolled(x[1], x[2]), reflected = mirror(light);
-         return ViewAndLight{2 * dot(back, reflected) * back - reflected, light};
+         const Vec3d light = spherical(x[0], 0.0), k = from_plane(x[1], x[2]), reflected = mirror(light);
+         return ViewAndLight{2 * dot(k, reflected) * k - reflected, light};
      }},
     {"RETRO_TL_TVL_PROJ_DPHI", "ttt", true,
      [](const double* x) {
-         const Vec3d light = spherical(x[0], 0.0), towards_n{-light.z, 0, light.x}, across{0, 1, 0};
-         const Vec3d v = unrolled(x[1], x[2]);
-         return ViewAndLight{v.x * towards_n + v.y * across + v.z * light, light};
+         const Vec3d light = spherical(x[0], 0.0), x_axis{-light.z, 0, light.x}, y_axis{0, 1, 0};
+         const Vec3d v = from_plane(x[1], x[2]);
+         return ViewAndLight{v.x * x_axis + v.y * y_axis + v.z * light, light};
      }},
     {"STARK_3D", "..p", true,
      [](const double* x) {
          const Vec3d h{x[0], 0, std::sqrt(1 - x[0] * x[0] - x[1] * x[1])};
-         // Along azimuth φ of the plane, and orthogonal to h.
+         // b is orthogonal to h, at azimuth φ in the plane.
          const Vec3d b = x[1] * normalize(Vec3d{h.z * elementary::cos(x[2]), h.z * elementary::sin(x[2]),
                                                 -h.x * elementary::cos(x[2])});
          return ViewAndLight{h - b, h + b};
@@ -101,12 +102,12 @@ constexpr AltaParameterization k_parameterizations[] = {
      }},
     {"NEUMANN_3D", "..p", true,
      [](const double* x) {
-         const double across = x[1] * elementary::cos(x[2]), along = x[1] * elementary::sin(x[2]);
-         return ViewAndLight{lifted(x[0] + across, along), lifted(x[0] - across, -along)};
+         const double dx = x[1] * elementary::cos(x[2]), dy = x[1] * elementary::sin(x[2]);
+         return ViewAndLight{from_projection(x[0] + dx, dy), from_projection(x[0] - dx, -dy)};
      }},
     {"NEUMANN_2D", "..", true,
      [](const double* x) {
-         return ViewAndLight{lifted(x[0], x[1]), lifted(x[0], -x[1])};
+         return ViewAndLight{from_projection(x[0], x[1]), from_projection(x[0], -x[1])};
      }},
     {"STEREOGRAPHIC", "....", false,
      [](const double* x) {
@@ -114,7 +115,7 @@ constexpr AltaParameterization k_parameterizations[] = {
      }},
 };
 
-/// The header, from the lines that begin with '#'.
+/// The header: the first lines, which begin with '#'.
 struct Header {
     std::optional<std::size_t> inputs, outputs;
     const AltaParameterization* parameterization = nullptr;
@@ -137,7 +138,8 @@ std::optional<Error> read_header_line(std::string_view line, Header& header, con
         const auto known = std::ranges::find(k_parameterizations, rest, &AltaParameterization::name);
         if (known == std::end(k_parameterizations)) {
             std::string names;
-            for (const auto& one : k_parameterizations) names += (names.empty() ? "" : ", ") + std::string(one.name);
+            for (const auto& other : k_parameterizations)
+                names += (names.empty() ? "" : ", ") + std::string(other.name);
             return wrong("one of " + names);
         }
         header.parameterization = known;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/floating_point.h"
+#include "measured/readers.h"
 #include "measured/samples.h"
 
 namespace srbf {
@@ -11,9 +12,9 @@ namespace {
 
 constexpr std::array<std::string_view, 4> k_names_of_angles{"theta_i", "phi_i", "theta_s", "phi_s"};
 
-/// Cornell's files say "RGB for Trinitron phosphors". The conversion to linear sRGB is the least-squares map from
-/// krylon_blue_RGB.astm to the colours of the spectra of the same samples (krylon_blue.brdf); its squared error ratio
-/// is 2e-8. Its rows sum to 2.8: the scale of those files is lower than white = 1 by this factor.
+/// The comment of Cornell's files with RGB values. Their conversion to linear sRGB is the least-squares map from
+/// krylon_blue_RGB.astm to the colours of the spectra of the same samples (krylon_blue.brdf), with a squared error
+/// ratio of 2e-8. Its rows sum to 2.8, by which the scale of those files is lower than white = 1.
 constexpr std::string_view k_trinitron = "RGB for Trinitron phosphors";
 constexpr double k_from_trinitron[3][3] = {
     {3.10689, -0.26651, -0.04211}, {0.08512, 2.62439, 0.07920}, {0.04650, 0.06312, 2.68701}};
@@ -33,7 +34,7 @@ struct Vars {
     std::size_t count = 0;
 };
 
-Result<Vars> vars_of(std::string_view vars, const std::string& file_name, std::uint64_t line) {
+Result<Vars> parse_vars(std::string_view vars, const std::string& file_name, std::uint64_t line) {
     Vars columns;
     std::vector<std::string_view> names, values;
     split_fields(vars, names);
@@ -48,11 +49,12 @@ Result<Vars> vars_of(std::string_view vars, const std::string& file_name, std::u
             values.push_back(names[i]);
             continue;
         }
-        std::size_t& at = columns.angle[std::size_t(angle - k_names_of_angles.begin())];
-        if (at != k_absent) return at_line(file_name, line, "VARS", "each column once", quoted(names[i]) + " again");
-        at = i;
+        std::size_t& column = columns.angle[std::size_t(angle - k_names_of_angles.begin())];
+        if (column != k_absent)
+            return at_line(file_name, line, "VARS", "each column once", quoted(names[i]) + " again");
+        column = i;
     }
-    // The azimuth of the light is optional; it is then 0.
+    // The azimuth of the light is optional and 0 by default.
     for (const std::size_t a : {std::size_t(0), std::size_t(2), std::size_t(3)})
         if (columns.angle[a] == k_absent)
             return at_line(file_name, line, "VARS", fmt::format("a column {}", k_names_of_angles[a]), "none");
@@ -66,7 +68,6 @@ Result<Vars> vars_of(std::string_view vars, const std::string& file_name, std::u
 
 bool opens_row(std::string_view line) { return line.find_first_of("0123456789+-.") == 0; }
 
-/// The statements of the lines before the samples.
 struct AstmHeader {
     Vars columns;
     std::optional<std::uint64_t> points;
@@ -86,7 +87,7 @@ Result<AstmHeader> read_astm_header(Lines& lines, const std::string& file_name) 
             header.points = to_number<std::uint64_t>(rest);
             if (!header.points) return at_line(file_name, lines.number(), "NUM_POINTS", "a number", quoted(rest));
         } else if (key == "VARS") {
-            auto columns = vars_of(rest, file_name, lines.number());
+            auto columns = parse_vars(rest, file_name, lines.number());
             if (!columns) return columns.error();
             header.columns = *std::move(columns);
             return header;
@@ -138,7 +139,7 @@ Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, con
     if (header->points && *header->points != rows)
         return Error{
             file_name, {}, "samples", fmt::format("{} (NUM_POINTS)", *header->points), fmt::format("{}", rows)};
-    auto samples = std::move(builder).finish(file_name, std::move(header->description), azimuths.are_one());
+    auto samples = std::move(builder).finish(file_name, std::move(header->description), azimuths.are_equal());
     if (samples && is_trinitron) std::ranges::transform(samples->colour, samples->colour.begin(), from_trinitron);
     return samples;
 }

@@ -16,6 +16,7 @@
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"
 #include "measured/limits.h"
+#include "measured/samples.h"
 #include "srbf/elementary.h"
 #include "srbf/file.h"
 
@@ -23,10 +24,9 @@ namespace srbf {
 
 namespace {
 
-/// f_r may grow without bound towards the horizon; it is not evaluated below this cosine (89.7°).
+/// f_r is not evaluated at smaller cosines (89.7°), since it may grow without bound towards the horizon.
 constexpr float k_horizon = 5e-3f;
 
-/// f for arrays of pairs.
 std::vector<Rgb> values_at(const Evaluate& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
     std::vector<Rgb> f(wl.size());
     brdf(wl, wv, f);
@@ -80,21 +80,22 @@ namespace {
 
 constexpr std::size_t k_profile = 256;    // nodes of D and σ
 constexpr std::uint32_t k_normals = 128;  // nodes of the visible normals, as in the database
-constexpr int k_around = 64;              // azimuths of φ_d
-constexpr double k_least_cosine = 0.1;    // of the directions that determine D
-// The share of D that is uniform. Without it a narrow highlight leaves a handful of nodes to all directions off it,
-// which are dark, yet most of the picture.
+constexpr int k_azimuths = 64;            // number of azimuths φ_d
+constexpr double k_least_cosine = 0.1;    // directions with smaller cosines do not determine D
+// The uniform share of D. Without it a narrow highlight leaves only a few nodes to the directions around it, which are
+// dark, but fill most of a picture.
 constexpr double k_uniform = 0.1;
 
-/// D at the nodes u = i/(n−1), not yet normalised. It determines the positions of the warp's nodes. With the mean over
-/// directions, highlights that are visible only close to the horizon would fall between nodes.
+/// D at the nodes u = i/(n−1), not normalised: the largest f (cosθl cosθv)^¾ of the directions with this half vector. D
+/// determines the positions of the warp's nodes. With means instead, highlights that are visible only near the horizon
+/// would fall between nodes.
 std::vector<float> half_vector_profile(const Evaluate& brdf, int threads) {
     std::vector<double> most(k_profile);
     parallel_for(k_profile, threads, [&](std::size_t i) {
         std::vector<Vec3f> wl, wv;
         for (int d = 0; d <= 85; d += 5)
-            for (int p = 0; p < k_around; ++p) {
-                const auto pair = merl_pair(theta_of(u_of(i, k_profile)), d * k_degree, (p + 0.5) / k_around * k_pi);
+            for (int p = 0; p < k_azimuths; ++p) {
+                const auto pair = merl_pair(theta_of(u_of(i, k_profile)), d * k_degree, (p + 0.5) / k_azimuths * k_pi);
                 if (std::min(pair.wl.z, pair.wv.z) < k_least_cosine) continue;
                 wl.push_back(to_float(pair.wl)), wv.push_back(to_float(pair.wv));
             }
@@ -104,7 +105,7 @@ std::vector<float> half_vector_profile(const Evaluate& brdf, int threads) {
             if (is_finite(f[k]))
                 most[i] = std::max(most[i], luminance(f[k]) * elementary::pow(double(wl[k].z) * double(wv[k].z), 0.75));
     });
-    // Towards the horizon there are no pairs; the last value is repeated.
+    // Near the horizon there are no pairs, and the last value is repeated.
     const double largest = *std::ranges::max_element(most);
     double last = 1;
     std::vector<float> profile;
@@ -130,34 +131,34 @@ double projected_area(const RglTable::Profile& ndf, double theta) {
     return sum;
 }
 
-/// The mirror direction of `seen` about the microfacet normal m.
-Vec3d reflected(Vec3d seen, Vec3d m) { return 2 * dot(seen, m) * m - seen; }
+/// The mirror direction of w about the microfacet normal m.
+Vec3d reflect(Vec3d w, Vec3d m) { return 2 * dot(w, m) * m - w; }
 
-/// Sets nodes without a value to the mean of their neighbours with a value, layer by layer. A row has `width` nodes.
-void fill(std::span<Rgb> nodes, std::vector<char> known, std::size_t width) {
+/// Sets unknown nodes to the mean of their known neighbours, layer by layer. A row has `width` nodes.
+void fill_unknown(std::span<Rgb> nodes, std::vector<char> known, std::size_t width) {
     const std::size_t height = nodes.size() / width;
-    const auto neighbours = [&](std::size_t at, const auto& visit) {
-        const std::size_t x = at % width, y = at / width;
+    const auto neighbours = [&](std::size_t node, const auto& visit) {
+        const std::size_t x = node % width, y = node / width;
         for (std::size_t j = y > 0 ? y - 1 : 0; j <= std::min(y + 1, height - 1); ++j)
             for (std::size_t i = x > 0 ? x - 1 : 0; i <= std::min(x + 1, width - 1); ++i) visit(j * width + i);
     };
-    for (bool is_whole = false; !is_whole;) {
-        is_whole = true;
+    for (bool is_complete = false; !is_complete;) {
+        is_complete = true;
         bool grew = false;
         auto next = known;
-        for (std::size_t at = 0; at < nodes.size(); ++at) {
-            if (known[at]) continue;
+        for (std::size_t node = 0; node < nodes.size(); ++node) {
+            if (known[node]) continue;
             int count = 0;
             Rgb sum;
-            neighbours(at, [&](std::size_t other) {
+            neighbours(node, [&](std::size_t other) {
                 if (!known[other]) return;
                 ++count;
                 for (int c = 0; c < 3; ++c) sum[c] += nodes[other][c];
             });
-            is_whole = is_whole && count > 0;
+            is_complete = is_complete && count > 0;
             if (count == 0) continue;
-            for (int c = 0; c < 3; ++c) nodes[at][c] = sum[c] / float(count);
-            next[at] = 1;
+            for (int c = 0; c < 3; ++c) nodes[node][c] = sum[c] / float(count);
+            next[node] = 1;
             grew = true;
         }
         known = std::move(next);
@@ -173,8 +174,8 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
     table.description = options.description;
     for (std::uint32_t k = 0; k < options.polar; ++k) table.theta_l.push_back(float(k_pi / 2 * u_of(k, options.polar)));
     table.ndf = {std::uint32_t(k_profile), 1, half_vector_profile(brdf, options.threads)};
-    const double whole = projected_area(table.ndf, 0);
-    for (float& d : table.ndf.nodes) d = float((1 - k_uniform) * double(d) / whole + k_uniform / k_pi);
+    const double area = projected_area(table.ndf, 0);
+    for (float& d : table.ndf.nodes) d = float((1 - k_uniform) * double(d) / area + k_uniform / k_pi);
     table.sigma = {std::uint32_t(k_profile), 1, std::vector<float>(k_profile)};
     parallel_for(k_profile, options.threads, [&](std::size_t i) {
         table.sigma.nodes[i] = float(projected_area(table.ndf, theta_of(u_of(i, k_profile))));
@@ -206,7 +207,7 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
         for (std::size_t i = 0; i < size; ++i) {
             const Warped u = warp(visible, slice, float(u_of(i % side, side)), float(u_of(i / side, side)));
             const Vec3d m = spherical(theta_of(double(u.x)), (2 * double(u.y) - 1) * k_pi);
-            wv.push_back(to_float(reflected(light, m)));
+            wv.push_back(to_float(reflect(light, m)));
             scale.push_back(4 * double(at(table.sigma, to_unit(float(theta_l)))) / double(at(table.ndf, u.x)));
         }
         const auto f = values_at(brdf, wl, wv);
@@ -216,7 +217,7 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
             known[i] = wv[i].z > k_horizon && is_finite(f[i]);
             for (int c = 0; c < 3 && known[i]; ++c) nodes[i][c] = float(double(f[i][c]) * double(wv[i].z) * scale[i]);
         }
-        fill(nodes, std::move(known), side);
+        fill_unknown(nodes, std::move(known), side);
         std::ranges::copy(nodes, table.colour.nodes.begin() + std::ptrdiff_t(slice * size));
     });
     return table;
@@ -224,7 +225,6 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
 
 namespace {
 
-/// Collects the fields of a tensor file and writes them.
 class TensorWriter {
   public:
     template <typename T> void add(std::string name, std::vector<std::uint64_t> shape, std::span<const T> numbers) {
@@ -266,23 +266,23 @@ class TensorWriter {
     std::vector<Field> fields_;
 };
 
-/// True for nodes that the warp maps, with their surroundings, to below the horizon, so that samples there are useless.
-std::vector<char> lies_in_vain(const RglTable& table, std::size_t slice) {
+/// True for nodes that the warp maps, together with their neighbours, below the horizon, where samples are useless.
+std::vector<char> useless_nodes(const RglTable& table, std::size_t slice) {
     const std::size_t side = table.colour.width, rows = table.colour.height;
     const Vec3d light = spherical(double(table.theta_l[slice]), 0.0);
-    std::vector<char> below(side * rows), vain(side * rows, 1);
+    std::vector<char> below(side * rows), useless(side * rows, 1);
     for (std::size_t i = 0; i < below.size(); ++i) {
         const Warped u = warp(table.visible, slice, float(u_of(i % side, side)), float(u_of(i / side, rows)));
-        below[i] = reflected(light, spherical(theta_of(double(u.x)), (2 * double(u.y) - 1) * k_pi)).z <= 0;
+        below[i] = reflect(light, spherical(theta_of(double(u.x)), (2 * double(u.y) - 1) * k_pi)).z <= 0;
     }
-    for (std::size_t i = 0; i < vain.size(); ++i)
+    for (std::size_t i = 0; i < useless.size(); ++i)
         for (int j = -1; j <= 1; ++j)
             for (int k = -1; k <= 1; ++k) {
                 const auto x = std::ptrdiff_t(i % side) + k, y = std::ptrdiff_t(i / side) + j;
                 if (x < 0 || y < 0 || x >= std::ptrdiff_t(side) || y >= std::ptrdiff_t(rows)) continue;
-                vain[i] = vain[i] && below[std::size_t(y) * side + std::size_t(x)];
+                useless[i] = useless[i] && below[std::size_t(y) * side + std::size_t(x)];
             }
-    return vain;
+    return useless;
 }
 
 }  // namespace
@@ -292,10 +292,10 @@ std::vector<std::byte> write_rgl(const RglTable& table, bool with_spectra) {
     std::vector<float> luminances, rgb, spectra;
     for (std::size_t slice = 0; slice < T; ++slice) {
         const std::span<const Rgb> nodes(&table.colour.nodes[slice * size], size);
-        const auto vain = lies_in_vain(table, slice);
+        const auto useless = useless_nodes(table, slice);
         for (std::size_t i = 0; i < size; ++i)
-            luminances.push_back(vain[i] ? 0 : float(std::max(0.0, luminance(nodes[i]))));
-        // A slice that cannot be importance sampled at all is sampled uniformly.
+            luminances.push_back(useless[i] ? 0 : float(std::max(0.0, luminance(nodes[i]))));
+        // A black slice cannot be importance sampled, and is sampled uniformly.
         if (std::all_of(luminances.end() - std::ptrdiff_t(size), luminances.end(), [](float x) { return x == 0; }))
             std::fill(luminances.end() - std::ptrdiff_t(size), luminances.end(), 1.0f);
         for (int c = 0; c < 3; ++c)
@@ -310,8 +310,8 @@ std::vector<std::byte> write_rgl(const RglTable& table, bool with_spectra) {
     }
     std::vector<float> vndf;
     for (const auto& node : table.visible.nodes) vndf.push_back(node.density);
-    // Two equal rows, since the loaders interpolate between azimuths.
-    const auto twice = [](const RglTable::Profile& profile) {
+    // Loaders interpolate between azimuths, and need two equal rows.
+    const auto two_rows = [](const RglTable::Profile& profile) {
         std::vector<float> rows = profile.nodes;
         rows.insert(rows.end(), profile.nodes.begin(), profile.nodes.end());
         return rows;
@@ -329,8 +329,8 @@ std::vector<std::byte> write_rgl(const RglTable& table, bool with_spectra) {
              std::span(reinterpret_cast<const std::uint8_t*>(table.description.data()), table.description.size()));
     floats("phi_i", {1}, phi);
     floats("theta_i", {T}, table.theta_l);
-    floats("sigma", {2, table.sigma.width}, twice(table.sigma));
-    floats("ndf", {2, table.ndf.width}, twice(table.ndf));
+    floats("sigma", {2, table.sigma.width}, two_rows(table.sigma));
+    floats("ndf", {2, table.ndf.width}, two_rows(table.ndf));
     floats("vndf", {1, T, table.visible.height, table.visible.width}, vndf);
     floats("luminance", {1, T, H, W}, luminances);
     floats("rgb", {1, T, 3, H, W}, rgb);
@@ -362,7 +362,7 @@ MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options) {
         std::vector<char> known(slice);
         for (std::size_t i = 0; i < slice; ++i)
             if (!(known[i] = is_finite(f[i]))) f[i] = {};
-        fill(f, std::move(known), table.azimuths);
+        fill_unknown(f, std::move(known), table.azimuths);
     });
     table.grey = std::ranges::all_of(table.cells, [](const Rgb& f) { return f.r == f.g && f.g == f.b; });
     return table;
@@ -412,14 +412,7 @@ ScatteredSamples to_samples(const Evaluate& brdf, bool isotropic, int n, double 
     for (const Vec3f& wv : directions)
         for (const Vec3f& wl : directions) samples.wl.push_back(wl), samples.wv.push_back(wv);
     samples.colour = values_at(brdf, samples.wl, samples.wv);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
-        if (!is_finite(samples.colour[i])) continue;
-        samples.wl[kept] = samples.wl[i], samples.wv[kept] = samples.wv[i], samples.colour[kept] = samples.colour[i];
-        ++kept;
-    }
-    samples.masked = samples.wl.size() - kept;
-    samples.wl.resize(kept), samples.wv.resize(kept), samples.colour.resize(kept);
+    keep_samples(samples, [&](std::size_t i) { return is_finite(samples.colour[i]); });
     make_index(samples);
     return samples;
 }

@@ -1,13 +1,14 @@
 #include <fmt/format.h>
 
 #include "base/floating_point.h"
+#include "measured/readers.h"
 #include "measured/samples.h"
 
 namespace srbf {
 
 namespace {
 
-/// The words of a text without its comments, across line ends.
+/// Iterates over the words of a text without its comments.
 class Words {
   public:
     explicit Words(std::string_view text) : lines_(text) {}
@@ -27,7 +28,7 @@ class Words {
     std::string_view line_;
 };
 
-/// The first comment line: a description of the measurement.
+/// The comments at the beginning, which describe the measurement.
 std::string description_of(std::string_view text) {
     std::string description;
     for (Lines lines(text); auto line = lines.next();) {
@@ -80,7 +81,7 @@ Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, 
         for (std::size_t i = 0; i < row.size(); ++i) {
             word = words.next();
             if (word.empty() && i == 0)
-                return std::move(builder).finish(file_name, description_of(text), azimuths.are_one());
+                return std::move(builder).finish(file_name, description_of(text), azimuths.are_equal());
             const auto number = to_number<float>(word);
             if (!number)
                 return at_line(file_name, words.line(), fmt::format("number {} of a sample of {}", i + 1, row.size()),

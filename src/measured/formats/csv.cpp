@@ -1,23 +1,25 @@
-// Rows of numbers whose columns have names: CSV, what spreadsheets and instruments write, and the option --columns.
+// Reads rows of numbers in named columns: CSV, text of spreadsheets and instruments, and the option --columns.
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "base/floating_point.h"
+#include "brdf/parts.h"
 #include "measured/formats/columns.h"
+#include "measured/readers.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
 
 namespace {
 
-constexpr std::string_view k_both_sides = "# both sides",
-                           k_isotropic = "isotropic";  ///< comments; the second without #
+/// Comments that `srbf` writes and reads; the second one without "# ".
+constexpr std::string_view k_both_sides = "# both sides", k_isotropic = "isotropic";
 
-/// In the order in which they are tried.
+/// Separators, in the order in which they are tried.
 constexpr char k_separators[] = {';', '\t', ',', ' ', k_any_separator};
 
-/// The separator with which a line has names of columns.
+/// Finds the separator that splits a line into names of columns.
 std::optional<char> header_separator(std::string_view line) {
     constexpr std::size_t longest = 100000;
     std::vector<std::string_view> fields;
@@ -36,74 +38,74 @@ bool is_row(std::string_view line) {
     return true;
 }
 
-/// The text of a comment; none of a line that is no comment.
+/// The text of a comment; no value for any other line.
 std::optional<std::string_view> comment_in(std::string_view line) {
     if (!line.starts_with('#')) return {};
     line.remove_prefix(std::min(line.find_first_not_of('#'), line.size()));
     return trimmed(line);
 }
 
-/// A text up to its first row.
-struct Opening {
-    std::string_view header;           ///< names of columns; empty: none
-    char separator = k_any_separator;  ///< in the header
-    std::uint64_t line = 0;            ///< of the header
+/// The lines before the first row.
+struct Preamble {
+    std::string_view header;           ///< names of columns; empty if there are none
+    char separator = k_any_separator;  ///< the separator of the header
+    std::uint64_t line = 0;            ///< the line of the header
     Lines rows;
-    std::string description;  ///< comments, and what else stands before the header
+    std::string description;  ///< comments and other text before the header
     bool both_sides = false, isotropic = false;
 };
 
-/// True if a row may belong to a header in a comment.
-bool has_as_many_fields(std::string_view row, const Opening& opening) {
+/// True if a row has as many fields as a header in a comment has names.
+bool has_as_many_fields(std::string_view row, const Preamble& preamble) {
     std::vector<std::string_view> names, fields;
-    split_row(opening.header, opening.separator, names);
+    split_row(preamble.header, preamble.separator, names);
     return std::ranges::any_of(k_separators, [&](char separator) {
         split_row(row, separator, fields);
         return fields.size() == names.size();
     });
 }
 
-/// `has_names`: names are given elsewhere, and no line is a header.
-Opening opening_of(std::string_view text, bool has_names) {
+/// If `has_names`, the option --columns names columns, and no line is a header.
+Preamble read_preamble(std::string_view text, bool has_names) {
     constexpr int most_metadata = 200;
     constexpr std::size_t longest_description = 300;
     Lines lines(text);
-    Opening opening{{}, k_any_separator, 0, lines, {}};
-    const auto take = [&](std::string_view header, char separator) {
-        opening.header = header, opening.separator = separator, opening.line = lines.number();
+    Preamble preamble{{}, k_any_separator, 0, lines, {}};
+    const auto set_header = [&](std::string_view header, char separator) {
+        preamble.header = header, preamble.separator = separator, preamble.line = lines.number();
     };
     int metadata = 0;
-    for (auto line = lines.next(); line; opening.rows = lines, line = lines.next()) {
+    for (auto line = lines.next(); line; preamble.rows = lines, line = lines.next()) {
         const auto comment = comment_in(*line);
         const std::string_view content = comment.value_or(*line);
-        const bool both_sides = comment && same(content, k_both_sides.substr(2)),
-                   isotropic = comment && same(content, k_isotropic);
-        opening.both_sides |= both_sides, opening.isotropic |= isotropic;
+        const bool both_sides = comment && equal_ignoring_case(content, k_both_sides.substr(2)),
+                   isotropic = comment && equal_ignoring_case(content, k_isotropic);
+        preamble.both_sides |= both_sides, preamble.isotropic |= isotropic;
         if (both_sides || isotropic) continue;
-        if (!comment && (has_names || !opening.header.empty()) && is_row(*line)) {
-            if (!has_names && !has_as_many_fields(*line, opening)) opening.header = {};
+        if (!comment && (has_names || !preamble.header.empty()) && is_row(*line)) {
+            if (!has_names && !has_as_many_fields(*line, preamble)) preamble.header = {};
             break;
         }
         if (const auto separator = has_names ? std::nullopt : header_separator(content)) {
-            take(content, *separator);
+            set_header(content, *separator);
             if (comment) continue;
-            opening.rows = lines;
+            preamble.rows = lines;
             break;
         }
         if (!comment && (is_row(*line) || ++metadata > most_metadata)) break;
-        if (!content.empty() && opening.description.size() < longest_description)
-            opening.description += fmt::format("{}{}", opening.description.empty() ? "" : " ", content);
+        if (!content.empty() && preamble.description.size() < longest_description)
+            preamble.description += fmt::format("{}{}", preamble.description.empty() ? "" : " ", content);
     }
-    opening.description.resize(std::min(opening.description.size(), longest_description));
-    return opening;
+    preamble.description.resize(std::min(preamble.description.size(), longest_description));
+    return preamble;
 }
 
-/// The separator with which the first row has as many fields as columns, numbers in those that are read.
-char row_separator(Lines rows, const Columns& columns, char of_header) {
+/// Finds the separator that splits the first row into as many fields as columns, with numbers in those that are read.
+char row_separator(Lines rows, const Columns& columns, char preferred) {
     auto line = rows.next();
     while (line && comment_in(*line)) line = rows.next();
     std::vector<std::string_view> fields;
-    std::vector<char> separators{of_header};
+    std::vector<char> separators{preferred};
     separators.insert(separators.end(), std::begin(k_separators), std::end(k_separators));
     for (const char separator : separators) {
         split_row(line.value_or(std::string_view()), separator, fields);
@@ -116,10 +118,9 @@ char row_separator(Lines rows, const Columns& columns, char of_header) {
                                  : std::ranges::all_of(columns.angle, is_number, &AngleColumn::column)))
             return separator;
     }
-    return of_header;
+    return preferred;
 }
 
-/// Rows and what their columns are.
 struct Table {
     Columns columns;
     Lines rows;
@@ -128,9 +129,12 @@ struct Table {
     bool isotropic;
 };
 
-/// The ranges of the angles of rows, as they are written: those of θ_l, |θ_l|, |φ_l| and all |θ|.
+/// Bounds of the angles of all rows, in the unit of the file.
 struct PolarAngles {
-    double least_light = 0, most_light = 0, nearest_light = 1e300, largest_phi = 0, largest = 0;
+    double least_light = 0, most_light = 0;  ///< bounds of θ_l
+    double nearest_light = 1e300;            ///< the smallest |θ_l|
+    double largest_phi = 0;                  ///< the largest |φ_l|
+    double largest = 0;                      ///< the largest |θ_l| or |θ_v|
 };
 PolarAngles polar_angles(const Table& table, const std::string& file_name) {
     PolarAngles all;
@@ -153,18 +157,17 @@ PolarAngles polar_angles(const Table& table, const std::string& file_name) {
     return all;
 }
 
-/// Decides what names leave open by what the rows hold: the unit of angles, and azimuths of a scan in the plane of
-/// incidence.
-std::optional<Error> settle(Table& table, const std::string& file_name, std::uint64_t line) {
+/// Infers from the rows what names do not state: the unit of angles, and azimuths of a scan in the plane of incidence.
+std::optional<Error> infer_angles(Table& table, const std::string& file_name, std::uint64_t line) {
     Columns& columns = table.columns;
     auto& angle = columns.angle;
-    const auto lacks_unit = [](const AngleColumn& of) { return of.given() && !of.unit; };
-    columns.in_plane = !columns.has_vectors && !angle[1].given() && !angle[3].given();
+    const auto lacks_unit = [](const AngleColumn& column) { return column.exists() && !column.unit; };
+    columns.in_plane = !columns.has_vectors && !angle[1].exists() && !angle[3].exists();
     const bool guesses_unit = !columns.has_vectors && std::ranges::any_of(angle, lacks_unit);
     if (!guesses_unit && !columns.in_plane) return {};
     const PolarAngles polar = polar_angles(table, file_name);
     if (guesses_unit) {
-        const auto stated = std::ranges::find_if(angle, [](const auto& of) { return of.unit.has_value(); });
+        const auto stated = std::ranges::find_if(angle, [](const auto& column) { return column.unit.has_value(); });
         constexpr double least_radians = 0.5, rounding = 1e-3;
         std::optional<AngleUnit> unit;
         if (stated != angle.end())
@@ -178,12 +181,12 @@ std::optional<Error> settle(Table& table, const std::string& file_name, std::uin
                            "angles with their unit, as theta_l_deg or theta_l_rad, here or in --columns",
                            fmt::format("{} without one, and polar angles up to {:g}",
                                        srbf::quoted(std::ranges::find_if(angle, lacks_unit)->name), polar.largest));
-        for (AngleColumn& of : angle)
-            if (lacks_unit(of)) of.unit = unit;
+        for (AngleColumn& column : angle)
+            if (lacks_unit(column)) column.unit = unit;
         columns.notes.push_back(fmt::format("angles are in {}, which their names do not state", unit->name));
-        // Where theta is the azimuth no light is above the horizon.
+        // If no light is above the horizon, theta and phi are exchanged.
         const double horizon = k_pi / 2 / unit->radians;
-        if (angle[1].given() && polar.nearest_light > horizon && polar.largest_phi <= horizon) {
+        if (angle[1].exists() && polar.nearest_light > horizon && polar.largest_phi <= horizon) {
             std::swap(angle[0], angle[1]), std::swap(angle[2], angle[3]);
             columns.notes.push_back(fmt::format("{} and {} are polar angles, {} and {} azimuths", angle[0].name,
                                                 angle[2].name, angle[1].name, angle[3].name));
@@ -202,46 +205,47 @@ std::optional<Error> settle(Table& table, const std::string& file_name, std::uin
     return {};
 }
 
-/// Errors: those of `columns_of` and of `settle`.
+/// Errors: those of `assign_columns` and of `infer_angles`.
 Result<Table> open_table(std::string_view text, const std::string& file_name, const std::string& option) {
     std::vector<std::string_view> names, constants;
     for (std::string_view rest = option, name = next_word(rest, " ,"); !name.empty(); name = next_word(rest, " ,"))
         (name.find('=') == name.npos ? names : constants).push_back(name);
     const bool has_names = !names.empty();
-    Opening opening = opening_of(text, has_names);
-    if (!has_names && opening.header.empty()) {
-        const auto found = opening.rows.next();
-        return at_line(file_name, std::max<std::uint64_t>(opening.rows.number(), 1), "header", "names of columns",
+    Preamble preamble = read_preamble(text, has_names);
+    if (!has_names && preamble.header.empty()) {
+        const auto found = preamble.rows.next();
+        return at_line(file_name, std::max<std::uint64_t>(preamble.rows.number(), 1), "header", "names of columns",
                        found ? quoted(*found) : "an empty file");
     }
-    if (!has_names) split_row(opening.header, opening.separator, names);
-    auto columns = columns_of(names, constants, file_name, opening.line);
+    if (!has_names) split_row(preamble.header, preamble.separator, names);
+    auto columns = assign_columns(names, constants, file_name, preamble.line);
     if (!columns) {
         Error error = columns.error();
         if (!option.empty()) error.what = "--columns", error.code = ErrorCode::argument;
         return error;
     }
-    Table table{*std::move(columns), opening.rows, k_any_separator, std::move(opening.description), opening.isotropic};
-    table.separator = row_separator(table.rows, table.columns, opening.separator);
-    if (auto error = settle(table, file_name, opening.line)) return *std::move(error);
+    Table table{*std::move(columns), preamble.rows, k_any_separator, std::move(preamble.description),
+                preamble.isotropic};
+    table.separator = row_separator(table.rows, table.columns, preamble.separator);
+    if (auto error = infer_angles(table, file_name, preamble.line)) return *std::move(error);
     return table;
 }
 
-/// The directions of a sample.
 struct Directions {
     Vec3d wl, wv;
 };
 
-/// Tolerance of the length of a direction: it may be printed with two digits.
+/// Tolerance of the length of a direction, which may be printed with two digits.
 constexpr double k_length_rounding = 0.01;
 
 Directions directions_in(NumberRow& row, const Columns& columns) {
     if (!columns.has_vectors) {
         std::array<double, 4> angle{};
         for (std::size_t a = 0; a < angle.size(); ++a) {
-            const AngleColumn& of = columns.angle[a];
-            angle[a] = of.column == k_absent ? of.constant * of.in().radians
-                                             : row.angle(of.column, of.name, k_angle_kinds[a], of.in());
+            const AngleColumn& column = columns.angle[a];
+            const AngleUnit unit = column.unit_or_degrees();
+            angle[a] = column.column == k_absent ? column.constant * unit.radians
+                                                 : row.angle(column.column, column.name, k_angle_kinds[a], unit);
         }
         if (columns.in_plane) angle[0] = std::abs(angle[0]), angle[1] = k_pi;
         return {spherical(angle[0], angle[1]), spherical(angle[2], angle[3])};
@@ -257,21 +261,21 @@ Directions directions_in(NumberRow& row, const Columns& columns) {
     return {wl, wv};
 }
 
-/// Samples as they are read; two-sided ones for each part, in its frame.
-struct Collected {
+/// The samples of a file: those of each part, in its frame, of a two-sided file, otherwise those of the first part.
+struct CollectedSamples {
     std::array<std::optional<SampleBuilder>, k_parts> part;
     bool isotropic = false;
     Quantity quantity = Quantity::bsdf;
     std::string description, note;
 };
 
-Result<Collected> collect(std::span<const std::byte> bytes, const std::string& file_name, const std::string& option,
-                          bool both_sides) {
+Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::string& file_name,
+                                 const std::string& option, bool both_sides) {
     auto table = open_table(as_text(bytes), file_name, option);
     if (!table) return table.error();
     const Columns& columns = table->columns;
     NumberRow row(columns.count, file_name);
-    Collected collected;
+    CollectedSamples collected;
     for (auto& builder : std::span(collected.part).first(both_sides ? k_parts : 1))
         builder.emplace(columns.values, columns.wavelengths, bytes.size(), lines_of(bytes));
     std::vector<float> f(collected.part[0]->width());
@@ -280,7 +284,7 @@ Result<Collected> collect(std::span<const std::byte> bytes, const std::string& f
     collected.isotropic = table->isotropic;
     for (Lines& lines = table->rows; const auto line = lines.next();) {
         if (const auto comment = comment_in(*line)) {
-            collected.isotropic |= same(*comment, k_isotropic);
+            collected.isotropic |= equal_ignoring_case(*comment, k_isotropic);
             continue;
         }
         row.read(*line, lines.number(), table->separator);
@@ -299,9 +303,9 @@ Result<Collected> collect(std::span<const std::byte> bytes, const std::string& f
         if (part)
             collected.part[std::size_t(part->part)]->add({wl.x, wl.y, std::abs(wl.z)}, {wv.x, wv.y, std::abs(wv.z)}, f);
         else
-            collected.part[0]->add(wl, wv, f);  // where it is masked, if it is not above the horizon
+            collected.part[0]->add(wl, wv, f);
     }
-    collected.isotropic |= azimuths.are_one();
+    collected.isotropic |= azimuths.are_equal();
     collected.quantity = columns.quantity;
     collected.description = std::move(table->description);
     if (row.has_decimal_commas()) table->columns.notes.push_back("numbers have a decimal comma");
@@ -309,29 +313,29 @@ Result<Collected> collect(std::span<const std::byte> bytes, const std::string& f
     return collected;
 }
 
-/// `stated`: what the values are, where it is not what names say.
-Result<ScatteredSamples> finished(SampleBuilder&& builder, const Collected& of, const std::string& file_name,
-                                  Quantity stated) {
-    auto samples = std::move(builder).finish(file_name, of.description, of.isotropic);
+/// If `quantity` is `stated`, converts the values from the quantity that the names state.
+Result<ScatteredSamples> finish(SampleBuilder&& builder, const CollectedSamples& collected,
+                                const std::string& file_name, Quantity quantity) {
+    auto samples = std::move(builder).finish(file_name, collected.description, collected.isotropic);
     if (!samples) return samples;
-    if (stated == Quantity::stated) to_bsdf(*samples, of.quantity);
-    if (!of.note.empty()) samples->notes.insert(samples->notes.begin(), of.note);
+    if (quantity == Quantity::stated) to_bsdf(*samples, collected.quantity);
+    if (!collected.note.empty()) samples->notes.insert(samples->notes.begin(), collected.note);
     return samples;
 }
 
 }  // namespace
 
 bool is_csv(std::string_view text) {
-    return !text.starts_with('{') && !text.starts_with('<') && !opening_of(text, false).header.empty();
+    return !text.starts_with('{') && !text.starts_with('<') && !read_preamble(text, false).header.empty();
 }
 
-bool is_csv_of_both_sides(std::string_view text) { return opening_of(text, false).both_sides; }
+bool is_csv_of_both_sides(std::string_view text) { return read_preamble(text, false).both_sides; }
 
 Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name,
                                           const ReadOptions& options) {
     auto collected = collect(bytes, file_name, options.columns, false);
     if (!collected) return collected.error();
-    return finished(*std::move(collected->part[0]), *collected, file_name, options.quantity);
+    return finish(*std::move(collected->part[0]), *collected, file_name, options.quantity);
 }
 
 Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name) {
@@ -343,7 +347,7 @@ Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const
     for (std::size_t p = 0; p < k_parts; ++p) any = any || !collected->part[p]->empty();
     for (std::size_t p = 0; p < k_parts; ++p) {
         if (any && collected->part[p]->empty()) continue;
-        auto samples = indexed(finished(*std::move(collected->part[p]), *collected, file_name, {}));
+        auto samples = indexed(finish(*std::move(collected->part[p]), *collected, file_name, {}));
         if (!samples) return samples.error();
         Measured part{file_name, "CSV", 0, *std::move(samples)};
         table.bands[0].part[p] = std::make_shared<const Measured>(std::move(part));

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 
+#include "base/files.h"
 #include "measured/bytes.h"
 #include "measured/extra_formats.h"
 #include "measured/formats/mbsdf.h"
 #include "measured/formats/rows.h"
 #include "measured/formats/write.h"
+#include "measured/readers.h"
 #include "measured/samples.h"
 #include "srbf/file.h"
 
@@ -32,8 +34,8 @@ Result<Measured> read_any_csv(Bytes bytes, const std::string& file_name, const R
 
 std::uint64_t utia_size(Bytes) { return utia_bytes(); }
 
-/// Formats that begin with a mark of their own, before formats of extras; and formats that are recognised by words or size.
-constexpr Format k_marked[] = {
+/// Formats with a magic number, or with dimensions at the head. They are tried before those of extras.
+constexpr Format k_with_heads[] = {
     {.name = "RGL",
      .recognise = is_rgl,
      .read = read_by<read_rgl>,
@@ -56,6 +58,7 @@ constexpr Format k_marked[] = {
      .one_sided = true,
      .write = write_as_merl},
 };
+/// Formats that are recognised by words or by size.
 constexpr Format k_others[] = {
     {.name = "ALTA", .is_text = true, .recognise = in_text<is_alta>, .read = read_by<read_alta_samples>},
     {.name = "ASTM E1392", .is_text = true, .recognise = in_text<is_astm>, .read = read_by<read_astm_samples>},
@@ -71,17 +74,19 @@ constexpr Format k_others[] = {
 };
 
 /// "A, B or C".
-std::string in_words(const std::vector<std::string_view>& words) {
+std::string join_words(const std::vector<std::string_view>& words) {
     return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
 }
 
-bool begins(const Format& format, Bytes head) { return (!format.is_text || is_text(head)) && format.recognise(head); }
+bool recognises(const Format& format, Bytes head) {
+    return (!format.is_text || is_text(head)) && format.recognise(head);
+}
 
 }  // namespace
 
 std::span<const Format> formats() {
     static const std::vector<Format> all = [] {
-        std::vector<Format> joined(std::begin(k_marked), std::end(k_marked));
+        std::vector<Format> joined(std::begin(k_with_heads), std::end(k_with_heads));
         for (const std::span<const Format> extra : k_extra_formats)
             joined.insert(joined.end(), extra.begin(), extra.end());
         joined.insert(joined.end(), std::begin(k_others), std::end(k_others));
@@ -91,7 +96,7 @@ std::span<const Format> formats() {
 }
 
 const Format* format_of(Bytes bytes) {
-    const auto found = std::ranges::find_if(formats(), [&](const Format& format) { return begins(format, bytes); });
+    const auto found = std::ranges::find_if(formats(), [&](const Format& format) { return recognises(format, bytes); });
     return found == formats().end() ? nullptr : &*found;
 }
 
@@ -107,21 +112,21 @@ const Format* format_written_to(std::string_view path) {
 std::uint64_t most_bytes(Bytes head) {
     std::uint64_t most = 0;
     for (const Format& format : formats())
-        most = std::max(most, format.size ? format.size(head) : begins(format, head) ? k_largest_file : 0);
+        most = std::max(most, format.size ? format.size(head) : recognises(format, head) ? k_largest_file : 0);
     return most;
 }
 
 std::string names_of_formats() {
     std::vector<std::string_view> names;
     for (const Format& format : formats()) names.push_back(format.name);
-    return in_words(names);
+    return join_words(names);
 }
 
 std::string extensions_of_formats() {
     std::vector<std::string_view> extensions;
     for (const Format& format : formats())
         if (format.write) extensions.push_back(format.extension);
-    return in_words(extensions);
+    return join_words(extensions);
 }
 
 }  // namespace srbf

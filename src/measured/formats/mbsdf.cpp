@@ -10,37 +10,37 @@
 #include "measured/bytes.h"
 #include "measured/formats/mbsdf.h"
 #include "measured/limits.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 #include "srbf/measured.h"
 
 namespace srbf {
 
 namespace {
 
-constexpr std::string_view k_family = "NVIDIA ARC MBSDF V";  // of any version
+constexpr std::string_view k_any_version = "NVIDIA ARC MBSDF V";
+constexpr std::size_t k_most_entries = 1024;  ///< bound on the lines of the header
 
-constexpr std::size_t k_most_entries = 1024;  // of the header
-
-/// A position in a file.
 struct Cursor {
     std::string_view text;
     std::string file_name;
-    std::size_t at = 0;
+    std::size_t position = 0;
 
-    bool at_end() const { return at == text.size(); }
+    bool is_at_end() const { return position == text.size(); }
     Error error(std::size_t offset, std::string what, std::string expected, std::string found) const {
         return {file_name, offset, std::move(what), std::move(expected), std::move(found)};
     }
-    /// The line from here on, without its end; none if the file ends first.
-    std::optional<std::string_view> line() {
-        const std::size_t end = text.find('\n', at);
+    /// Reads a line, without its end; no value if the file ends first.
+    std::optional<std::string_view> next_line() {
+        const std::size_t end = text.find('\n', position);
         if (end == text.npos) return {};
-        const std::string_view line = text.substr(at, end - at);
-        at = end + 1;
+        const std::string_view line = text.substr(position, end - position);
+        position = end + 1;
         return line;
     }
 };
 
-/// A line key="value" that begins at `begin`.
+/// Parses a line key="value" that begins at `begin`.
 Result<MbsdfTable::Entry> parse_entry(const Cursor& file, std::string_view line, std::size_t begin) {
     constexpr const char *what = "MBSDF header", *form = "a line key=\"value\" or the head of a block";
     const std::size_t sign = line.find('=');
@@ -76,7 +76,7 @@ struct Block {
 
 /// Reads the description that follows a block's head, and skips its numbers.
 Result<Block> parse_block(Cursor& file) {
-    const std::size_t begin = file.at, left = file.text.size() - begin;
+    const std::size_t begin = file.position, left = file.text.size() - begin;
     constexpr std::size_t size = 3 * sizeof(std::uint32_t);
     if (left < size)
         return file.error(begin, "MBSDF block", "type and numbers of angles in 12 bytes",
@@ -95,28 +95,27 @@ Result<Block> parse_block(Cursor& file) {
     if (needed > left - size)
         return file.error(block.offset, fmt::format("MBSDF block of {} x {} numbers", dimensions, block.channels),
                           fmt::format("{} bytes", needed), fmt::format("{} bytes", left - size));
-    file.at = block.offset + needed;
+    file.position = block.offset + needed;
     return block;
 }
 
-/// The nodes about a position in units of nodes, which is constant beyond the last.
-struct BetweenAngles {
+/// The nodes on either side of a position in units of nodes. Positions beyond the last node count as that node.
+struct AngleNodes {
     std::size_t first, second;
-    float to;
+    float fraction;
 };
-BetweenAngles between(float at, std::uint32_t n) {
-    const float within = std::min(at, float(n - 1));
-    const auto i = std::uint32_t(within);
-    return {i, std::min(i + 1, n - 1), within - float(i)};
+AngleNodes angle_nodes(float position, std::uint32_t n) {
+    const float clamped = std::min(position, float(n - 1));
+    const auto i = std::uint32_t(clamped);
+    return {i, std::min(i + 1, n - 1), clamped - float(i)};
 }
 
 }  // namespace
 
-bool is_mbsdf(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_family); }
+bool is_mbsdf(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_any_version); }
 
 namespace {
 
-/// The blocks of a file: reflection, and transmission if it has any.
 struct Blocks {
     MbsdfTable reflection;
     std::optional<MbsdfTable> transmission;
@@ -143,15 +142,15 @@ Result<Done> read_samples(const Cursor& file, const Block& block, MbsdfTable& ta
 
 Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& file_name, bool with_transmission) {
     Cursor file{as_text(bytes), file_name};
-    const auto magic = file.line();
+    const auto magic = file.next_line();
     if (!magic || *magic != k_mbsdf_magic)
         return file.error(0, "MBSDF file", fmt::format("the line '{}'", k_mbsdf_magic),
                           quoted(magic.value_or(file.text)));
     Blocks blocks;
     MbsdfTable& table = blocks.reflection;
     for (;;) {
-        const std::size_t begin = file.at;
-        const auto line = file.line();
+        const std::size_t begin = file.position;
+        const auto line = file.next_line();
         if (!line)
             return file.error(begin, "MBSDF header", fmt::format("a block, headed {}", k_mbsdf_reflection),
                               "the end of the file");
@@ -167,16 +166,16 @@ Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& 
     }
     const auto block = parse_block(file);
     if (!block) return block.error();
-    if (const std::size_t begin = file.at; !file.at_end()) {
-        if (file.line() != k_mbsdf_transmission)
+    if (const std::size_t begin = file.position; !file.is_at_end()) {
+        if (file.next_line() != k_mbsdf_transmission)
             return file.error(begin, "after the MBSDF block of reflection",
                               fmt::format("the end of the file, or {}", k_mbsdf_transmission),
                               fmt::format("{} bytes", file.text.size() - begin));
         const auto transmission = parse_block(file);
         if (!transmission) return transmission.error();
-        if (!file.at_end())
-            return file.error(file.at, "after the MBSDF block of transmission", "the end of the file",
-                              fmt::format("{} bytes", file.text.size() - file.at));
+        if (!file.is_at_end())
+            return file.error(file.position, "after the MBSDF block of transmission", "the end of the file",
+                              fmt::format("{} bytes", file.text.size() - file.position));
         table.has_transmission = true;
         if (with_transmission) {
             blocks.transmission.emplace();
@@ -203,8 +202,8 @@ Result<BsdfTable> read_mbsdf_of_both_sides(std::span<const std::byte> bytes, con
     if (!blocks->transmission)
         return Error{file_name, {}, "MBSDF file", "a block of transmission", "none", ErrorCode::argument};
     BsdfTable table{{{}}, 0, {}};
-    const auto part = [&](MbsdfTable&& of) {
-        return std::make_shared<const Measured>(Measured{file_name, "MBSDF", 0, std::move(of)});
+    const auto part = [&](MbsdfTable&& block) {
+        return std::make_shared<const Measured>(Measured{file_name, "MBSDF", 0, std::move(block)});
     };
     table.bands[0].part[std::size_t(Part::reflection_front)] = part(std::move(blocks->reflection));
     table.bands[0].part[std::size_t(Part::transmission_front)] = part(*std::move(blocks->transmission));
@@ -215,18 +214,19 @@ Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return {};
     const auto step = float(k_pi / 2 / table.polar), turn = float(k_pi / std::max(table.azimuths - 1, 1u));
     const float phi = azimuth(std::abs(wl.x * wv.y - wl.y * wv.x), wl.x * wv.x + wl.y * wv.y);
-    const BetweenAngles l = between(polar_angle(wl) / step, table.polar),
-                        v = between(polar_angle(wv) / step, table.polar), p = between(phi / turn, table.azimuths);
+    const AngleNodes l = angle_nodes(polar_angle(wl) / step, table.polar),
+                     v = angle_nodes(polar_angle(wv) / step, table.polar), p = angle_nodes(phi / turn, table.azimuths);
     Rgb sum;
     const auto add_row = [&](std::size_t i, std::size_t j, float weight) {
         const Rgb* const row = &table.cells[(i * table.polar + j) * table.azimuths];
-        for (int c = 0; c < 3; ++c) sum[c] += weight * ((1 - p.to) * row[p.first][c] + p.to * row[p.second][c]);
+        for (int c = 0; c < 3; ++c)
+            sum[c] += weight * ((1 - p.fraction) * row[p.first][c] + p.fraction * row[p.second][c]);
     };
-    add_row(l.first, v.first, (1 - l.to) * (1 - v.to));
-    add_row(l.first, v.second, (1 - l.to) * v.to);
-    add_row(l.second, v.first, l.to * (1 - v.to));
-    add_row(l.second, v.second, l.to * v.to);
-    // Rounding may take the mean of samples beyond the largest float. A NaN is kept.
+    add_row(l.first, v.first, (1 - l.fraction) * (1 - v.fraction));
+    add_row(l.first, v.second, (1 - l.fraction) * v.fraction);
+    add_row(l.second, v.first, l.fraction * (1 - v.fraction));
+    add_row(l.second, v.second, l.fraction * v.fraction);
+    // The mean may be rounded beyond the largest float. NaN remains.
     for (int c = 0; c < 3; ++c) sum[c] = std::clamp(sum[c], -k_most_float, k_most_float);
     return sum;
 }

@@ -1,10 +1,10 @@
-// The words and characters of MBSDF files: private to their reader and writer.
+// Constants of MBSDF files.
 #pragma once
 #include <string_view>
 
 namespace srbf {
 
-/// The first line, and the lines that head a block; the second is another one for reflection.
+/// The first line, and the lines at the head of a block. Reflection has two alternatives.
 inline constexpr std::string_view k_mbsdf_magic = "NVIDIA ARC MBSDF V1", k_mbsdf_reflection = "MBSDF_DATA_REFLECTION=",
                                   k_mbsdf_data = "MBSDF_DATA=", k_mbsdf_transmission = "MBSDF_DATA_TRANSMISSION=";
 

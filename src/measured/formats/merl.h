@@ -1,4 +1,3 @@
-// The layout of MERL tables: private to their reader and writer.
 #pragma once
 #include <array>
 
@@ -7,7 +6,7 @@
 
 namespace srbf {
 
-/// f_r [1/sr] from a number of the file, by channel.
+/// The factors from numbers of the file to f_r [1/sr].
 inline constexpr std::array<double, 3> k_merl_channel_scale{1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
 
 struct MerlPair {
@@ -17,9 +16,9 @@ struct MerlPair {
 /// The directions at θ_h, θ_d, φ_d [rad], with the half vector at azimuth 0 and the light at (θ_d, φ_d) relative to it.
 inline MerlPair merl_pair(double theta_h, double theta_d, double phi_d) {
     const double c = elementary::cos(theta_h), s = elementary::sin(theta_h);
-    const auto place = [&](Vec3d w) { return Vec3d{c * w.x + s * w.z, w.y, c * w.z - s * w.x}; };
+    const auto rotate = [&](Vec3d w) { return Vec3d{c * w.x + s * w.z, w.y, c * w.z - s * w.x}; };
     const Vec3d difference = spherical(theta_d, phi_d);
-    return {place(difference), place(mirror(difference))};
+    return {rotate(difference), rotate(mirror(difference))};
 }
 
 }  // namespace srbf

@@ -1,20 +1,21 @@
-// Reading a measurement of any format.
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "base/files.h"
 #include "base/floating_point.h"
 #include "measured/formats.h"
+#include "measured/readers.h"
 #include "measured/samples.h"
 #include "srbf/file.h"
 
 namespace srbf {
 namespace {
 
-/// The first bytes as "01 02 0a ..", for readers of the error who know the format.
-std::string opening(std::span<const std::byte> bytes) {
+/// The first bytes in hexadecimal, by which a reader of the error may know the format.
+std::string first_bytes(std::span<const std::byte> bytes) {
     if (bytes.empty()) return "an empty file";
-    std::string text = "bytes that begin with";  // there may be more than were read
+    std::string text = "bytes that begin with";
     for (const std::byte b : bytes.first(std::min<std::size_t>(bytes.size(), 12)))
         text += fmt::format(" {:02x}", std::to_integer<unsigned>(b));
     return text;
@@ -45,7 +46,7 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
                  {},
                  "unknown format",
                  names_of_formats() + (may_be_rows ? ", or --columns for rows of numbers" : ""),
-                 opening(bytes)};
+                 first_bytes(bytes)};
 }
 
 Result<Measured> indexed(Result<Measured> measured) {
@@ -54,7 +55,7 @@ Result<Measured> indexed(Result<Measured> measured) {
     return measured;
 }
 
-/// Masks what the options say is a bound, and divides by what values are times f.
+/// Masks values up to the floor, and converts values to f.
 Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples) {
     const std::size_t channels = samples.wavelengths.size();
     if (options.floor > 0)
@@ -70,9 +71,9 @@ Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples) {
     return Done{};
 }
 
-/// `read_unindexed`, with the statements of the options about a file that does not make them.
-Result<Measured> read_stated(std::span<const std::byte> bytes, const std::string& file_name,
-                             const ReadOptions& options) {
+/// `read_unindexed`, with the quantity and the floor of the options.
+Result<Measured> read_with_options(std::span<const std::byte> bytes, const std::string& file_name,
+                                   const ReadOptions& options) {
     auto measured = read_unindexed(bytes, file_name, options);
     if (!options.any() || !measured) return measured;
     auto* samples = std::get_if<ScatteredSamples>(&measured->table);
@@ -104,13 +105,13 @@ Result<Measured> read_as(const Format& format, std::span<const std::byte> bytes,
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,
                                const ReadOptions& options) {
     const StandardArithmetic mode;
-    return indexed(read_stated(bytes, file_name, options));
+    return indexed(read_with_options(bytes, file_name, options));
 }
 
 Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& file_name,
                                const ReadOptions& options) {
     const StandardArithmetic mode;
-    auto measured = read_stated(bytes, file_name, options);
+    auto measured = read_with_options(bytes, file_name, options);
     std::vector<std::byte>().swap(bytes);
     return indexed(std::move(measured));
 }

@@ -9,15 +9,16 @@
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"
 #include "measured/limits.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 
 namespace srbf {
 
 namespace {
 
 constexpr std::uint64_t k_largest_extent = 65536;
-/// Larger than any quantity of a measurement, and small enough that sums and differences stay finite.
 
-/// Requirements on a field; extent 0 stands for any extent from `least_extent` up.
+/// Requirements on a field. An extent of 0 stands for any extent of at least `least_extent`.
 struct Expected {
     const char* name;
     TensorType type;
@@ -47,7 +48,6 @@ Result<TensorField> find(const TensorFile& file, const std::string& file_name, c
     return field;
 }
 
-/// A field of floats, all of them between `least` and `k_largest_value`.
 struct Floats {
     TensorField field;
     std::vector<float> values;
@@ -66,8 +66,8 @@ Result<Floats> find_floats(const TensorFile& file, const std::string& file_name,
     return Floats{*field, std::move(values)};
 }
 
-/// Keeps the first of `copies` equal parts, since the file of an isotropic material may repeat the data for each
-/// azimuth. Returns false if the others differ from it by more than rounding.
+/// Keeps the first of `copies` equal parts: the file of an isotropic material may repeat data for each azimuth. Returns
+/// false if the others differ by more than rounding.
 bool keep_first(std::vector<float>& values, std::uint64_t copies) {
     const std::size_t part = values.size() / copies;
     for (std::size_t i = part; i < values.size(); ++i)
@@ -78,15 +78,14 @@ bool keep_first(std::vector<float>& values, std::uint64_t copies) {
 
 constexpr const char* k_one_azimuth = "the same values at every azimuth (isotropic)";
 
-/// Azimuths of the light in a file. The file of an isotropic material may repeat its slices.
 struct Azimuths {
-    std::vector<float> phi;  ///< empty: isotropic
-    std::uint64_t in_file = 1;
+    std::vector<float> phi;     ///< empty for an isotropic material
+    std::uint64_t in_file = 1;  ///< number of azimuths in the file, also for an isotropic material
     bool isotropic() const { return phi.empty(); }
     std::uint64_t kept() const { return isotropic() ? 1 : in_file; }
 };
 
-/// A function of the polar angle and the azimuth; an isotropic one is stored for two or more equal azimuths.
+/// Reads a function of polar angle and azimuth. An isotropic one is stored for two or more equal azimuths.
 Result<RglTable::Profile> read_profile(const TensorFile& file, const std::string& file_name, const char* name,
                                        const Azimuths& azimuths, float least) {
     auto table = find_floats(file, file_name, {name, TensorType::f32, {0, 0}}, least);
@@ -100,7 +99,7 @@ Result<RglTable::Profile> read_profile(const TensorFile& file, const std::string
     return RglTable::Profile{std::uint32_t(field.shape[1]), std::uint32_t(rows), std::move(table->values)};
 }
 
-/// A field of slices φ_l × θ_l (× channels) × rows × columns, without the repetitions of an isotropic file.
+/// Reads a field of slices φ_l × θ_l (× channels) × rows × columns, without the repetitions of an isotropic file.
 Result<Floats> read_slices(const TensorFile& file, const std::string& file_name, const Expected& expected,
                            const Azimuths& azimuths, float least = -k_largest_value) {
     auto floats = find_floats(file, file_name, expected, least);
@@ -130,18 +129,18 @@ Result<RglTable::VisibleNormals> read_visible(const TensorFile& file, const std:
     return visible;
 }
 
-/// Colours from a field with any number of channels: Σ_c weight_c channel_c.
-RglTable::Colours coloured(const Floats& floats, std::span<const Rgb> weights) {
+/// Computes colours Σ_c weight_c channel_c from a field with any number of channels.
+RglTable::Colours to_colours(const Floats& floats, std::span<const Rgb> weights) {
     const auto& shape = floats.field.shape;
     RglTable::Colours colour{std::uint32_t(shape[4]), std::uint32_t(shape[3]), {}};
     const std::size_t size = std::size_t(colour.width) * colour.height, slice = weights.size() * size;
     colour.nodes.resize(floats.values.size() / weights.size());
-    for (std::size_t at = 0; at < colour.nodes.size(); ++at) {
-        const float* const channel = &floats.values[at / size * slice + at % size];
+    for (std::size_t node = 0; node < colour.nodes.size(); ++node) {
+        const float* const channel = &floats.values[node / size * slice + node % size];
         double sum[3] = {0, 0, 0};
         for (std::size_t k = 0; k < weights.size(); ++k)
             for (int c = 0; c < 3; ++c) sum[c] += double(weights[k][c]) * double(channel[k * size]);
-        colour.nodes[at] = {float(sum[0]), float(sum[1]), float(sum[2])};
+        colour.nodes[node] = {float(sum[0]), float(sum[1]), float(sum[2])};
     }
     return colour;
 }
@@ -162,7 +161,7 @@ Result<RglTable::Colours> read_rgb(const TensorFile& file, const std::string& fi
         read_slices(file, file_name, {"rgb", TensorType::f32, {azimuths.in_file, polar, 3, 0, 0}}, azimuths);
     if (!rgb) return rgb.error();
     const std::array<Rgb, 3> unit{Rgb{1, 0, 0}, Rgb{0, 1, 0}, Rgb{0, 0, 1}};
-    return coloured(*rgb, unit);
+    return to_colours(*rgb, unit);
 }
 
 Result<RglTable::Colours> read_spectra(const TensorFile& file, const std::string& file_name, const Azimuths& azimuths,
@@ -171,12 +170,12 @@ Result<RglTable::Colours> read_spectra(const TensorFile& file, const std::string
         read_slices(file, file_name,
                     {"spectra", TensorType::f32, {azimuths.in_file, polar, table.wavelengths.size(), 0, 0}}, azimuths);
     if (!spectra) return spectra.error();
-    RglTable::Colours colour = coloured(*spectra, rgb_weights(table.wavelengths));
+    RglTable::Colours colour = to_colours(*spectra, rgb_weights(table.wavelengths));
     table.spectra = std::move(spectra->values);
     return colour;
 }
 
-/// The azimuths of the light; one or two mean an isotropic material.
+/// Reads the azimuths of the light. A file of an isotropic material has one or two.
 Result<Azimuths> read_azimuths(const TensorFile& file, const std::string& file_name, int& symmetry) {
     auto phi = find_floats(file, file_name, {"phi_i", TensorType::f32, {0}});
     if (!phi) return phi.error();
@@ -192,15 +191,15 @@ Result<Azimuths> read_azimuths(const TensorFile& file, const std::string& file_n
 }
 
 float at(const RglTable::Profile& profile, float u_x, float u_y) {
-    const auto [column, x] = between_nodes(u_x, profile.width);
-    const auto [row, y] = between_nodes(u_y, profile.height);
+    const auto [column, x] = grid_position(u_x, profile.width);
+    const auto [row, y] = grid_position(u_y, profile.height);
     const float* const node = &profile.nodes[row * profile.width + column];
     return mix(mix(node[0], node[1], x), mix(node[profile.width], node[profile.width + 1], x), y);
 }
 
 template <typename AnySlices> Rgb at(const RglTable::Colours& colour, const AnySlices& slices, const Warped& w) {
-    const auto [column, x] = between_nodes(w.x, colour.width);
-    const auto [row, y] = between_nodes(w.y, colour.height);
+    const auto [column, x] = grid_position(w.x, colour.width);
+    const auto [row, y] = grid_position(w.y, colour.height);
     const Four f = slices.blend([&, column = column, row = row, x = x, y = y](std::size_t slice) {
         const Rgb* const c = &colour.nodes[(slice * colour.height + row) * colour.width + column];
         const auto node = [](const Rgb& rgb) { return Four{rgb.r, rgb.g, rgb.b, 0}; };
@@ -209,12 +208,11 @@ template <typename AnySlices> Rgb at(const RglTable::Colours& colour, const AnyS
     return {f[0], f[1], f[2]};
 }
 
-/// The spectrum there, at the wavelengths of the table.
 template <typename AnySlices>
 void spectrum_at(const RglTable& table, const AnySlices& slices, const Warped& w, std::span<float> f) {
     const std::size_t width = table.colour.width, height = table.colour.height;
-    const auto [column, x] = between_nodes(w.x, width);
-    const auto [row, y] = between_nodes(w.y, height);
+    const auto [column, x] = grid_position(w.x, width);
+    const auto [row, y] = grid_position(w.y, height);
     for (std::size_t c = 0; c < f.size(); ++c)
         f[c] = slices.blend([&, column = column, row = row, x = x, y = y](std::size_t slice) {
             const float* const node = &table.spectra[((slice * f.size() + c) * height + row) * width + column];
@@ -225,21 +223,20 @@ void spectrum_at(const RglTable& table, const AnySlices& slices, const Warped& w
 /// Maps an azimuth in [−π, π] to [0, 1].
 float turn(float phi) { return (phi + float(k_pi)) * float(0.5 / k_pi); }
 
-/// Looks up a pair of directions: calls `look(slices, w)` with the position of the colour, and returns the factor from
-/// the colour to f_r cosθ_v, ndf / 4 sigma.
-template <typename Look> double look_up_isotropic(const RglTable& table, Vec3f wl, Vec3f wv, const Look& look) {
+/// Looks up a pair of directions: calls `visit(slices, w)` with the position of the colour, and returns the factor from
+/// the colour to f_r cosθ_v, ndf / (4 sigma).
+template <typename Visit> double look_up_isotropic(const RglTable& table, Vec3f wl, Vec3f wv, const Visit& visit) {
     const Vec3f h = wl + wv;
     const float u_h = to_unit(polar_angle(h)), theta_l = polar_angle(wl);
-    // For nearly opposite azimuths h.x and h.y are exact, so that this form of the azimuth of h relative to ωl is
-    // accurate.
+    // For nearly opposite azimuths h.x and h.y are exact, and so is this azimuth of h relative to ωl.
     const float phi = azimuth(wl.x * h.y - wl.y * h.x, wl.x * h.x + wl.y * h.y);
     const Slices slices = slices_at(table.theta_l, theta_l);
-    look(slices, unwarp(table.visible, slices, u_h, turn(phi)));
+    visit(slices, unwarp(table.visible, slices, u_h, turn(phi)));
     return table.jacobian ? double(at(table.ndf, u_h)) / (4 * double(at(table.sigma, to_unit(theta_l)))) : 1;
 }
 
-template <typename Look> double look_up_anisotropic(const RglTable& table, Vec3f wl, Vec3f wv, const Look& look) {
-    // Maps to the measured azimuths, −π to 0 or to −π/2: rotated by π, or mirrored at both axes.
+template <typename Visit> double look_up_anisotropic(const RglTable& table, Vec3f wl, Vec3f wv, const Visit& visit) {
+    // Maps the light to the measured azimuths, −π to 0 or −π/2, by rotation by π, or by mirroring at both axes.
     const bool above = wl.y > 0, right = wl.x > 0;
     const float flip_y = table.symmetry > 1 && above ? -1.0f : 1.0f;
     const float flip_x = table.symmetry == 2 ? flip_y : table.symmetry == 4 && right ? -1.0f : 1.0f;
@@ -248,17 +245,18 @@ template <typename Look> double look_up_anisotropic(const RglTable& table, Vec3f
     const Vec3f h = wl + wv;
     const float theta_l = polar_angle(wl), phi_l = azimuth(wl.y, wl.x);
     const float u_h = to_unit(polar_angle(h)), turn_h = turn(azimuth(h.y, h.x));
-    const TurnedSlices slices{slices_at(table.phi_l, phi_l), slices_at(table.theta_l, theta_l), table.theta_l.size()};
-    look(slices, unwarp(table.visible, slices, u_h, turn_h));
+    const AnisotropicSlices slices{slices_at(table.phi_l, phi_l), slices_at(table.theta_l, theta_l),
+                                   table.theta_l.size()};
+    visit(slices, unwarp(table.visible, slices, u_h, turn_h));
     if (!table.jacobian) return 1;
     return double(at(table.ndf, u_h, turn_h)) / (4 * double(at(table.sigma, to_unit(theta_l), turn(phi_l))));
 }
 
-template <typename Look> double look_up(const RglTable& table, Vec3f wl, Vec3f wv, const Look& look) {
-    return table.phi_l.empty() ? look_up_isotropic(table, wl, wv, look) : look_up_anisotropic(table, wl, wv, look);
+template <typename Visit> double look_up(const RglTable& table, Vec3f wl, Vec3f wv, const Visit& visit) {
+    return table.phi_l.empty() ? look_up_isotropic(table, wl, wv, visit) : look_up_anisotropic(table, wl, wv, visit);
 }
 
-/// At the horizon the quotient may exceed the range of float; values are kept finite.
+/// Clamps a value, which may exceed the range of float at the horizon.
 float finite(double x) { return float(std::clamp<double>(x, -k_most_float, k_most_float)); }
 
 }  // namespace

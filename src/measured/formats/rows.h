@@ -1,10 +1,12 @@
-// The parts of rows of the table of formats: private to it and to the rows of extras.
+// Functions for rows of the table of formats, here and in extras.
 #pragma once
 #include <memory>
 
 #include "base/archive.h"
 #include "base/text.h"
+#include "measured/evaluated_table.h"
 #include "measured/formats.h"
+#include "measured/tables.h"
 
 namespace srbf {
 
@@ -25,21 +27,25 @@ inline std::vector<std::byte> bytes_of(std::string_view text) {
     return {bytes.begin(), bytes.end()};
 }
 
-/// A table of a format as what others ask of it, by its `signed_value`, `is_isotropic` and `lines_about`. It is packed as a
-/// `Packed`.
+/// Makes an `EvaluatedTable` of a format's own table by its `signed_value`, `is_isotropic` and `lines_about`. `Packed` is
+/// the type that is archived for copies in other processes.
+/// `functions`: those that few formats have.
 template <typename Packed, typename Table>
-EvaluatedTable evaluated_as(std::string_view format, const std::shared_ptr<const Table>& table) {
+EvaluatedTable evaluated_as(std::string_view format, const std::shared_ptr<const Table>& table,
+                            TableFunctions functions = {}) {
+    functions.lines = [table] { return lines_about(*table); };
+    functions.format = format;
+    functions.packed = [table] { return to_archive(Packed(*table)); };
     EvaluatedTable evaluated;
     evaluated.values = [table](auto wl, auto wv, auto f) {
         for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(*table, wl[i], wv[i]);
     };
     evaluated.isotropic = is_isotropic(*table);
-    evaluated.lines = [table] { return lines_about(*table); };
     evaluated.own = table;
-    evaluated.format = format;
-    evaluated.packed = [table] { return archived(Packed(*table)); };
+    evaluated.functions = std::make_shared<const TableFunctions>(std::move(functions));
     return evaluated;
 }
+
 template <typename Table> EvaluatedTable unpack_as(std::string_view bytes) {
     return evaluated(ArchiveReader{bytes}.next<Table>());
 }

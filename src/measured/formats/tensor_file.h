@@ -1,8 +1,8 @@
-// The container of RGL measurements: named arrays of numbers. Private to the readers.
+// The container of RGL measurements: named arrays of numbers.
 //
-//   "tensor_file\0", version 1.0 in two bytes, the number of fields (u32), for each field: length of the name
-//   (u16), name, rank (u16), type (u8), offset of its numbers in the file (u64), extents (u64 each); then the
-//   numbers, the last index fastest, little-endian throughout.
+//   "tensor_file\0", version 1.0 in two bytes, the number of fields (u32); for each field: length of the name (u16),
+//   name, rank (u16), type (u8), offset of its numbers in the file (u64), extents (u64 each); then the numbers, with the
+//   last index fastest. All numbers are little-endian.
 #pragma once
 #include <fmt/ranges.h>
 
@@ -19,7 +19,7 @@
 namespace srbf {
 
 inline constexpr std::string_view k_tensor_magic("tensor_file\0", 12);
-/// Limits far above those of any measurement: what may be long are a field's numbers.
+/// Limits far above those of any measurement.
 inline constexpr std::uint32_t k_most_tensor_fields = 1024;
 inline constexpr std::uint16_t k_most_tensor_extents = 8;
 
@@ -32,9 +32,9 @@ inline constexpr std::array<std::string_view, 12> k_tensor_type_names{"",    "u8
 /// A field; its numbers remain in the file's bytes.
 struct TensorField {
     TensorType type{};
-    std::uint64_t offset = 0;  ///< of the numbers in the file
+    std::uint64_t offset = 0;  ///< position of the numbers in the file
     std::vector<std::uint64_t> shape;
-    std::span<const std::byte> bytes;  ///< the bytes of the numbers
+    std::span<const std::byte> bytes;  ///< the numbers
 };
 
 using TensorFile = std::map<std::string, TensorField, std::less<>>;
@@ -44,7 +44,7 @@ inline std::string describe(TensorType type, std::span<const std::uint64_t> shap
     return fmt::format("{} of {}", fmt::join(shape, " x "), k_tensor_type_names[std::size_t(type)]);
 }
 
-/// Reads consecutive numbers; none past the end.
+/// Reads consecutive numbers; no value past the end.
 class ByteReader {
   public:
     explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -66,7 +66,7 @@ class ByteReader {
     std::size_t offset_ = 0;
 };
 
-/// Size in bytes of numbers of this type and shape; none if it does not fit in 64 bits.
+/// The size of numbers of this type and shape in bytes; no value if it does not fit in 64 bits.
 inline std::optional<std::uint64_t> tensor_bytes(TensorType type, std::span<const std::uint64_t> shape) {
     std::uint64_t size = k_tensor_type_bytes[std::size_t(type)];
     for (const std::uint64_t extent : shape)
@@ -74,7 +74,6 @@ inline std::optional<std::uint64_t> tensor_bytes(TensorType type, std::span<cons
     return size;
 }
 
-/// Reads the next entry of the table of fields.
 inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader& reader,
                                                                       std::span<const std::byte> bytes,
                                                                       const std::string& file_name) {

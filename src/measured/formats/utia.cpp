@@ -2,10 +2,13 @@
 
 #include <cmath>
 
+#include "base/files.h"
 #include "base/floating_point.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
 #include "measured/limits.h"
+#include "measured/readers.h"
+#include "measured/tables.h"
 #include "srbf/file.h"
 #include "srbf/measured.h"
 
@@ -16,7 +19,7 @@ namespace {
 constexpr std::size_t k_cells = std::size_t(UtiaTable::k_directions) * UtiaTable::k_directions;
 constexpr std::size_t k_bytes = 3 * k_cells * sizeof(double);
 
-/// The four nodes about a direction and their weights, which sum to 1; some are negative beyond the last polar angle.
+/// The four nodes around a direction and their weights, which sum to 1. Beyond the last polar angle some are negative.
 struct Corners {
     std::array<std::uint32_t, 4> node;
     std::array<float, 4> weight;
@@ -29,9 +32,9 @@ Corners corners(Vec3f w) {
     const float p = (phi < 0 ? phi + float(2 * k_pi) : phi) / azimuth_step;
     const std::uint32_t i = std::min(std::uint32_t(t), UtiaTable::k_polar - 2);
     const std::uint32_t j = std::min(std::uint32_t(p), azimuths - 1), next = j + 1 == azimuths ? 0 : j + 1;
-    const float to_i = t - float(i), to_j = std::min(p - float(j), 1.0f);
+    const float t_i = t - float(i), t_j = std::min(p - float(j), 1.0f);
     return {{i * azimuths + j, i * azimuths + next, (i + 1) * azimuths + j, (i + 1) * azimuths + next},
-            {(1 - to_i) * (1 - to_j), (1 - to_i) * to_j, to_i * (1 - to_j), to_i * to_j}};
+            {(1 - t_i) * (1 - t_j), (1 - t_i) * t_j, t_i * (1 - t_j), t_i * t_j}};
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
-// Tables of any BRDF or BSDF in the core's formats.
 #include "measured/formats/write.h"
 
+#include "brdf/parts.h"
+#include "brdf/values.h"
 #include "measured/formats/rows.h"
 #include "srbf/convert.h"
 
@@ -39,10 +40,10 @@ Result<std::vector<std::byte>> write_as_rgl(const TableSource& source, const Tab
 }
 
 Result<std::vector<std::byte>> write_as_mbsdf(const TableSource& source, const TableOptions& options) {
-    const MbsdfOptions of{.metadata = {{"description", options.description}}, .threads = options.threads};
-    if (!source.has[std::size_t(Part::transmission_front)]) return write_mbsdf(to_mbsdf(source.values, of));
-    const MbsdfTable transmission = to_mbsdf(part_of(source.values, Part::transmission_front), of);
-    return write_mbsdf(to_mbsdf(source.values, of), &transmission);
+    const MbsdfOptions mbsdf{.metadata = {{"description", options.description}}, .threads = options.threads};
+    if (!source.has[std::size_t(Part::transmission_front)]) return write_mbsdf(to_mbsdf(source.values, mbsdf));
+    const MbsdfTable transmission = to_mbsdf(part_of(source.values, Part::transmission_front), mbsdf);
+    return write_mbsdf(to_mbsdf(source.values, mbsdf), &transmission);
 }
 
 Result<std::vector<std::byte>> write_as_csv(const TableSource& source, const TableOptions& options) {

@@ -1,4 +1,3 @@
-// The writers of the core's formats: private to the table of formats.
 #pragma once
 #include "measured/formats.h"
 

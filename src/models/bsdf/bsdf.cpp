@@ -1,10 +1,13 @@
-// BSDFs as models: their parts and beams.
+// BSDFs: models of the parts, and beams.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/half.h"
+#include "brdf/parts.h"
+#include "brdf/values.h"
+#include "models/bsdf/bsdf_functions.h"
 #include "models/bsdf/bsdf_kind.h"
 #include "srbf/elementary.h"
 #include "srbf/model.h"
@@ -14,7 +17,8 @@ namespace srbf {
 Rgb value(const BsdfModel& model, Vec3f wl, Vec3f wv) { return value(model.part, wl, wv); }
 
 void evaluate(const BsdfModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    evaluate(model.part, wl, wv, f, [](const Model& part, auto l, auto v, auto to) { evaluate(part, l, v, to); });
+    evaluate(model.part, wl, wv, f,
+             [](const Model& part, auto l, auto v, auto result) { evaluate(part, l, v, result); });
 }
 
 std::size_t payload_bytes(const BsdfModel& model) {
@@ -52,20 +56,20 @@ void exchange(BsdfModel& model) {
 
 namespace {
 std::string prefix_of(Part part) { return fmt::format("{}.", name(part)); }
-/// τ on a ring whose nodes begin at that index, for an azimuth in turns, 0..1.
+/// The share τ on a ring whose nodes begin at index `first`, for an azimuth in turns, 0..1.
 Rgb share_on_ring(const Beam& beam, std::size_t ring, std::size_t first, float turns) {
     const auto n = std::size_t(beam.nodes(ring));
-    const float at = turns * float(n);
-    const std::size_t k = std::min(std::size_t(at), n - 1);
-    return mixed(beam.share[first + k], beam.share[first + (k + 1) % n], at - float(k));
+    const float position = turns * float(n);
+    const std::size_t k = std::min(std::size_t(position), n - 1);
+    return mixed(beam.share[first + k], beam.share[first + (k + 1) % n], position - float(k));
 }
 
-/// The tensors of a beam, after its name.
-std::string angle_of(std::string_view beam) { return fmt::format("beam.{}.angle", beam); }
-std::string azimuths_of(std::string_view beam) { return fmt::format("beam.{}.azimuths", beam); }
-std::string share_of(std::string_view beam) { return fmt::format("beam.{}.share", beam); }
+// The names of a beam's tensors.
+std::string angle_name(std::string_view beam) { return fmt::format("beam.{}.angle", beam); }
+std::string azimuths_name(std::string_view beam) { return fmt::format("beam.{}.azimuths", beam); }
+std::string share_name(std::string_view beam) { return fmt::format("beam.{}.share", beam); }
 
-Tensor16 halves(std::vector<std::uint64_t> shape, const auto& numbers) {
+Tensor16 to_halves(std::vector<std::uint64_t> shape, const auto& numbers) {
     Tensor16 tensor{Type16::half, std::move(shape), {}};
     for (const auto x : numbers) tensor.data.push_back(to_half(float(x)));
     return tensor;
@@ -80,35 +84,55 @@ Rgb share_at(const Beam& beam, Vec3f wl) {
         turns = elementary::atan2(wl.y, wl.x) / float(2 * k_pi);
         turns = std::fmin(turns < 0 ? turns + 1 : turns, 1.f);
     }
-    // The rings about θ; below the first one and beyond the last there is none.
+    // Interpolates between the rings next to θ. The share is constant below the first ring, and falls to 0 at 90°.
     std::size_t next = 0, first = 0, before = 0;
     for (; next < beam.theta.size() && beam.theta[next] <= theta; ++next)
         before = first, first += std::size_t(beam.nodes(next));
     if (next == 0) return share_on_ring(beam, 0, 0, turns);
     const bool is_last = next == beam.theta.size();
-    const float from = beam.theta[next - 1], to = is_last ? float(k_pi / 2) : beam.theta[next];
-    const float part = to > from ? std::fmin((theta - from) / (to - from), 1.f) : 0.f;
+    const float theta0 = beam.theta[next - 1], theta1 = is_last ? float(k_pi / 2) : beam.theta[next];
+    const float t = theta1 > theta0 ? std::fmin((theta - theta0) / (theta1 - theta0), 1.f) : 0.f;
     return mixed(share_on_ring(beam, next - 1, before, turns),
-                 is_last ? Rgb{} : share_on_ring(beam, next, first, turns), part);
+                 is_last ? Rgb{} : share_on_ring(beam, next, first, turns), t);
 }
 
-void add_part(const Safetensors& part, Part of, Safetensors& content) {
-    for (const auto& [key, tensor] : part.tensors) content.tensors[prefix_of(of) + key] = tensor;
-    for (const auto& [key, text] : part.metadata) content.metadata[prefix_of(of) + key] = text;
+Rgb share_at(const Beams& beams, Part part, Vec3f wl) {
+    const Beam& own = beams[std::size_t(part)];
+    if (own.empty() && is_transmission(part)) return share_at(beams[std::size_t(counterpart(part))], mirror(wl));
+    return share_at(own, wl);
 }
 
-Safetensors take_part(Safetensors& content, Part of) {
-    const std::string prefix = prefix_of(of);
-    Safetensors part;
-    const auto take = [&](auto& from, auto& to) {
-        for (auto at = from.lower_bound(prefix); at != from.end() && at->first.starts_with(prefix);) {
-            to[at->first.substr(prefix.size())] = std::move(at->second);
-            at = from.erase(at);
+Evaluate part_of(Evaluate bsdf, Part part) {
+    return [bsdf = std::move(bsdf), part](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        require_equal_lengths(wl.size(), wv.size(), f.size());
+        std::vector<Vec3f> lights, views;
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            lights.push_back(to_side(wl[i], side_of_light(part)));
+            views.push_back(to_side(wv[i], side_of_viewer(part)));
+        }
+        bsdf(lights, views, f);
+        for (std::size_t i = 0; i < f.size(); ++i)
+            if (!above_horizon(wl[i], wv[i])) f[i] = {};
+    };
+}
+
+void add_part(const Safetensors& tensors, Part part, Safetensors& content) {
+    for (const auto& [key, tensor] : tensors.tensors) content.tensors[prefix_of(part) + key] = tensor;
+    for (const auto& [key, text] : tensors.metadata) content.metadata[prefix_of(part) + key] = text;
+}
+
+Safetensors take_part(Safetensors& content, Part part) {
+    const std::string prefix = prefix_of(part);
+    Safetensors taken;
+    const auto take = [&](auto& source, auto& target) {
+        for (auto entry = source.lower_bound(prefix); entry != source.end() && entry->first.starts_with(prefix);) {
+            target[entry->first.substr(prefix.size())] = std::move(entry->second);
+            entry = source.erase(entry);
         }
     };
-    take(content.tensors, part.tensors);
-    take(content.metadata, part.metadata);
-    return part;
+    take(content.tensors, taken.tensors);
+    take(content.metadata, taken.metadata);
+    return taken;
 }
 
 std::map<std::string, Tensor16> encode_beams(const Beams& beams) {
@@ -122,16 +146,16 @@ std::map<std::string, Tensor16> encode_beams(const Beams& beams) {
         for (const Rgb& tau : beam.share)
             for (int c = 0; c < (is_grey ? 1 : 3); ++c) share.push_back(tau[c]);
         const auto rings = std::uint64_t(beam.theta.size()), nodes = std::uint64_t(beam.share.size());
-        tensors[angle_of(k_beam_names[b])] = halves({rings}, beam.theta);
-        if (!beam.azimuths.empty()) tensors[azimuths_of(k_beam_names[b])] = halves({rings}, beam.azimuths);
-        tensors[share_of(k_beam_names[b])] = halves({nodes, std::uint64_t(is_grey ? 1 : 3)}, share);
+        tensors[angle_name(k_beam_names[b])] = to_halves({rings}, beam.theta);
+        if (!beam.azimuths.empty()) tensors[azimuths_name(k_beam_names[b])] = to_halves({rings}, beam.azimuths);
+        tensors[share_name(k_beam_names[b])] = to_halves({nodes, std::uint64_t(is_grey ? 1 : 3)}, share);
     }
     return tensors;
 }
 
 namespace {
 
-/// Reads the tensors of beams, of which every error names the file.
+/// Reads the tensors of beams.
 struct BeamReader {
     const std::map<std::string, Tensor16>& tensors;
     const std::string& file_name;
@@ -140,23 +164,23 @@ struct BeamReader {
         return Error{file_name, {}, fmt::format("tensor '{}'", tensor), std::move(expected), std::move(found)};
     }
     const Tensor16* find(const std::string& name) const {
-        const auto at = tensors.find(name);
-        return at == tensors.end() ? nullptr : &at->second;
+        const auto entry = tensors.find(name);
+        return entry == tensors.end() ? nullptr : &entry->second;
     }
 
-    /// The angles and numbers of azimuths of the rings.
+    /// Reads the angles of the rings, and their numbers of nodes.
     Result<Beam> rings(std::string_view name) const {
         Beam beam;
-        const std::string angle = angle_of(name), azimuths = azimuths_of(name);
+        const std::string angle = angle_name(name), azimuths = azimuths_name(name);
         for (const std::uint16_t half : find(angle)->data) {
             const float theta = from_half(half);
             if (!(theta >= 0 && theta <= 1.5713f && (beam.theta.empty() || theta > beam.theta.back())))
                 return error(angle, "rising angles from 0 to 90 degrees", fmt::format("{}", theta));
             beam.theta.push_back(theta);
         }
-        const Tensor16* of = find(azimuths);
-        for (std::size_t i = 0; of && i < of->data.size(); ++i) {
-            const float n = from_half(of->data[i]);
+        const Tensor16* tensor = find(azimuths);
+        for (std::size_t i = 0; tensor && i < tensor->data.size(); ++i) {
+            const float n = from_half(tensor->data[i]);
             if (!(n >= 1 && n <= float(k_most_beam_nodes) && n == std::floor(n)))
                 return error(azimuths, fmt::format("whole numbers from 1 to {}", k_most_beam_nodes),
                              fmt::format("{}", n));
@@ -164,9 +188,9 @@ struct BeamReader {
         }
         return beam;
     }
-    /// The shapes that the tensors of a beam must have: with azimuths a grey one has one channel.
+    /// The shapes that the tensors of a beam must have. A grey beam with azimuths has one channel.
     Result<std::map<std::string, TensorShape>> shapes(std::string_view name) const {
-        const std::string angle = angle_of(name), azimuths = azimuths_of(name), share = share_of(name);
+        const std::string angle = angle_name(name), azimuths = azimuths_name(name), share = share_name(name);
         const auto& shape = find(angle)->shape;
         if (shape.size() != 1 || shape[0] < 1 || shape[0] > k_most_beam_rings)
             return Error{file_name,
@@ -176,25 +200,25 @@ struct BeamReader {
                          shape_text(shape)};
         std::map<std::string, TensorShape> expected{{angle, {Type16::half, {shape[0]}}}};
         std::uint64_t nodes = shape[0];
-        if (const Tensor16* of = find(azimuths)) {
+        if (const Tensor16* tensor = find(azimuths)) {
             expected[azimuths] = {Type16::half, {shape[0]}};
             nodes = 0;
-            for (const std::uint16_t half : of->data)
+            for (const std::uint16_t half : tensor->data)
                 if (const float n = from_half(half); n >= 1 && n <= float(k_most_beam_nodes)) nodes += std::uint64_t(n);
         }
-        const Tensor16* of_share = find(share);
-        const bool is_grey = find(azimuths) && of_share && of_share->shape.size() == 2 && of_share->shape[1] == 1;
+        const Tensor16* shares = find(share);
+        const bool is_grey = find(azimuths) && shares && shares->shape.size() == 2 && shares->shape[1] == 1;
         expected[share] = {Type16::half, {nodes, std::uint64_t(is_grey ? 1 : 3)}};
         return expected;
     }
     Result<Beam> beam(std::string_view name) const {
         auto beam = rings(name);
         if (!beam) return beam;
-        const std::string share = share_of(name);
-        const Tensor16& of = *find(share);
-        const std::size_t channels = of.shape[1];
-        for (std::size_t i = 0; i < of.data.size(); ++i) {
-            const float tau = from_half(of.data[i]);
+        const std::string share = share_name(name);
+        const Tensor16& tensor = *find(share);
+        const std::size_t channels = tensor.shape[1];
+        for (std::size_t i = 0; i < tensor.data.size(); ++i) {
+            const float tau = from_half(tensor.data[i]);
             if (!(tau >= 0 && tau <= 1)) return error(share, "numbers from 0 to 1", fmt::format("{}", tau));
             if (i % channels == 0) beam->share.push_back({tau, tau, tau});
             beam->share.back()[int(i % channels)] = tau;
@@ -209,7 +233,7 @@ Result<Beams> decode_beams(const std::map<std::string, Tensor16>& tensors, const
     const BeamReader reader{tensors, file_name};
     std::map<std::string, TensorShape> expected;
     for (const std::string_view name : k_beam_names) {
-        if (!reader.find(angle_of(name))) continue;
+        if (!reader.find(angle_name(name))) continue;
         auto shapes = reader.shapes(name);
         if (!shapes) return shapes.error();
         expected.merge(*shapes);
@@ -217,7 +241,7 @@ Result<Beams> decode_beams(const std::map<std::string, Tensor16>& tensors, const
     if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
     Beams beams;
     for (std::size_t b = 0; b < beams.size(); ++b) {
-        if (!reader.find(angle_of(k_beam_names[b]))) continue;
+        if (!reader.find(angle_name(k_beam_names[b]))) continue;
         auto beam = reader.beam(k_beam_names[b]);
         if (!beam) return beam.error();
         beams[b] = *std::move(beam);

@@ -1,18 +1,19 @@
-// `Kind` of BSDFs; their parts and beams as tensors of a model file.
+// `Kind` of BSDFs, and the tensors of their parts and beams in a model file.
 #pragma once
 #include "base/kind.h"
-#include "srbf/models/bsdf.h"
+#include "models/bsdf/bsdf_functions.h"
+#include "srbf/model.h"
 
 namespace srbf {
 
-/// Adds a part's tensors and metadata under its name.
-void add_part(const Safetensors& part, Part of, Safetensors& content);
-/// The inverse, which removes them.
-Safetensors take_part(Safetensors& content, Part of);
+/// Adds a part's tensors and metadata to `content`, with the part's name as prefix.
+void add_part(const Safetensors& tensors, Part part, Safetensors& content);
+/// Removes a part's tensors and metadata from `content`, and returns them without prefix.
+Safetensors take_part(Safetensors& content, Part part);
 
 /// The tensors of the beams, rounded to 16-bit floats.
 std::map<std::string, Tensor16> encode_beams(const Beams& beams);
-/// The beams of the tensors that are left; errors: there are others.
+/// The inverse. Errors: other tensors, invalid numbers.
 Result<Beams> decode_beams(const std::map<std::string, Tensor16>& tensors, const std::string& file_name);
 
 // A BSDF holds models; model.cpp writes and reads them.
@@ -27,10 +28,11 @@ template <> struct Kind<BsdfModel> {
     static Parameters parameters(const BsdfModel& model);
     static std::vector<Model> terms(const BsdfModel& model, std::size_t most);
     static std::string formula_text(const BsdfModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& of);
-    static BsdfModel made_of(ParameterReader& of);
-    /// Calls each(member) for all members.
-    template <typename Each> static void for_members(BsdfModel& of, const Each& each) { each(of.part), each(of.beam); }
+    static bool is_of(const ParameterReader& reader);
+    static BsdfModel made_of(ParameterReader& reader);
+    template <typename Each> static void for_members(BsdfModel& model, const Each& each) {
+        each(model.part), each(model.beam);
+    }
 };
 
 }  // namespace srbf

@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include "base/parameters.h"
+#include "brdf/parts.h"
 #include "brdf/rows.h"
+#include "models/bsdf/bsdf_functions.h"
 #include "models/bsdf/bsdf_kind.h"
 #include "srbf/model.h"
 
@@ -16,14 +18,14 @@ void Kind<BsdfModel>::add_rows(std::string& text, const BsdfModel& model) {
     add_row(text, "model", fmt::format("bsdf: models of reflection and transmission, {} bytes", payload_bytes(model)));
     add_beams(text, model.beam);
     for (std::size_t p = 0; p < k_parts; ++p) {
-        const Answering<Model> of = answering(model.part, Part(p));
+        const Answering<Model> answer = answering(model.part, Part(p));
         if (model.part[p])
             text += fmt::format("\n  {}\n{}", k_part_names[p], rows_text(*model.part[p]));
         else
             text += fmt::format("\n  {}: {}\n", k_part_names[p],
-                                !of.brdf       ? "0"
-                                : of.exchanged ? "by reciprocity"
-                                               : "that of the other side");
+                                !answer.brdf       ? "0"
+                                : answer.exchanged ? "by reciprocity"
+                                                   : "that of the other side");
     }
 }
 
@@ -45,31 +47,30 @@ Parameters Kind<BsdfModel>::parameters(const BsdfModel& model) {
     return all;
 }
 
-bool Kind<BsdfModel>::is_of(const ParameterReader& of) {
-    return std::ranges::any_of(k_part_names, [&](std::string_view name) { return of.has(name); });
+bool Kind<BsdfModel>::is_of(const ParameterReader& reader) {
+    return std::ranges::any_of(k_part_names, [&](std::string_view name) { return reader.has(name); });
 }
 
-BsdfModel Kind<BsdfModel>::made_of(ParameterReader& of) {
+BsdfModel Kind<BsdfModel>::made_of(ParameterReader& reader) {
     BsdfModel model;
     for (std::size_t p = 0; p < k_parts; ++p) {
-        const Parameters* of_part = of.part(k_part_names[p]);
-        if (!of_part) continue;
-        auto part = model_from(*of_part);
-        if (!part) of.refuse(part.error());
+        const Parameters* parameters = reader.part(k_part_names[p]);
+        if (!parameters) continue;
+        auto part = model_from(*parameters);
+        if (!part) reader.refuse(part.error());
         if (part) model.part[p] = std::make_shared<const Model>(*std::move(part));
     }
     for (std::size_t b = 0; b < model.beam.size(); ++b) {
         const std::string name = fmt::format("beam_{}_", k_beam_names[b]);
         const std::string angle = name + "angle", share = name + "share", azimuths = name + "azimuths";
-        if (!of.has(angle) && !of.has(share) && !of.has(azimuths)) continue;
-        const char ring = char('a' + 2 * b),
-                   node = char(ring + 1);  // letters of shapes, which each beam has of its own
+        if (!reader.has(angle) && !reader.has(share) && !reader.has(azimuths)) continue;
+        const char ring = char('a' + 2 * b), node = char(ring + 1);  // each beam has its own letters of shapes
         Beam& beam = model.beam[b];
-        beam.theta = of.numbers(angle, {&ring, 1});
-        beam.share = of.vectors<Rgb>(share, std::string{of.has(azimuths) ? node : ring, '3'});
-        if (!of.has(azimuths)) continue;
-        for (const float n :
-             of.numbers(azimuths, {&ring, 1}))  // what is not a number of nodes becomes 0, which is refused
+        beam.theta = reader.numbers(angle, {&ring, 1});
+        beam.share = reader.vectors<Rgb>(share, std::string{reader.has(azimuths) ? node : ring, '3'});
+        if (!reader.has(azimuths)) continue;
+        // An invalid number of nodes becomes 0, which is refused later.
+        for (const float n : reader.numbers(azimuths, {&ring, 1}))
             beam.azimuths.push_back(n >= 1 && n <= float(k_most_beam_nodes) ? int(n) : 0);
     }
     return model;
@@ -80,6 +81,6 @@ std::vector<Model> Kind<BsdfModel>::terms(const BsdfModel& model, std::size_t mo
     return front.brdf ? terms_of(*front.brdf, most) : std::vector<Model>{};
 }
 
-std::string Kind<BsdfModel>::formula_text(const BsdfModel&, const NumberText&) { return {}; }  // its parts have theirs
+std::string Kind<BsdfModel>::formula_text(const BsdfModel&, const NumberText&) { return {}; }
 
 }  // namespace srbf

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <limits>
 
+#include "base/errors.h"
 #include "base/half.h"
 #include "base/least_squares.h"
 #include "base/parallel.h"
+#include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "observe/large_errors.h"
 #include "observe/pair_weights.h"
@@ -19,10 +21,11 @@ namespace {
 // observation their factors are
 //   1/π,  D G / (4 cosθl cosθv) (1 − s),  D G / (4 cosθl cosθv) s,  s = (1 − l·h)⁵,
 // the same for every channel, so that one small matrix of moments is sufficient.
-constexpr std::size_t k_rows_at_once = 4096, k_scanned_rows = 16384;
+constexpr std::size_t k_block_rows = 4096;     ///< rows that a thread processes together
+constexpr std::size_t k_scanned_rows = 16384;  ///< rows on which the grid of roughness is scanned
 
 /// log2 of the roughness of each lobe.
-using Roughness = std::vector<double>;
+using LogRoughness = std::vector<double>;
 
 class GgxProblem {
   public:
@@ -31,26 +34,25 @@ class GgxProblem {
         grazing_ = column([](Vec3f wl, Vec3f wv) { return Kernel<float>::schlick_weight(wl, wv); });
     }
 
-    double loss(const Roughness& log_alpha) { return solve(log_alpha).loss; }
+    double loss(const LogRoughness& log_alpha) { return solve(log_alpha).loss; }
 
     struct Solution {
         GgxModel model;
-        double loss = 0;  // Σ w |f−f̂|²
+        double loss = 0;  ///< Σ w |f−f̂|²
     };
-    /// The best model with that roughness.
-    Solution solve(const Roughness& log_alpha) {
+    Solution solve(const LogRoughness& log_alpha) {
         const Eigen::MatrixXd sums = moments(log_alpha);
         const auto L = log_alpha.size();
         const auto terms = Eigen::Index(1 + 2 * L);
         const auto n = Eigen::Index(3 + 4 * L);
         // Unknowns: kd of R, G, B; then for each lobe F0 of R, G, B and F90.
-        const auto of_facing = [](std::size_t i, int c) { return Eigen::Index(3 + 4 * i) + c; };
-        const auto of_grazing = [](std::size_t i) { return Eigen::Index(6 + 4 * i); };
+        const auto f0_index = [](std::size_t i, int c) { return Eigen::Index(3 + 4 * i) + c; };
+        const auto f90_index = [](std::size_t i) { return Eigen::Index(6 + 4 * i); };
         Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n, n);
         Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
         for (int c = 0; c < 3; ++c) {
             std::vector<Eigen::Index> unknown{c};
-            for (std::size_t i = 0; i < L; ++i) unknown.push_back(of_facing(i, c)), unknown.push_back(of_grazing(i));
+            for (std::size_t i = 0; i < L; ++i) unknown.push_back(f0_index(i, c)), unknown.push_back(f90_index(i));
             g(unknown) += sums.block(0, terms + c, terms, 1);
             G(unknown, unknown) += sums.topLeftCorner(terms, terms);
         }
@@ -61,15 +63,15 @@ class GgxProblem {
         for (std::size_t i = 0; i < L; ++i)
             solution.model.lobes.push_back(
                 {float(elementary::exp2(log_alpha[i])),
-                 {float(x[of_facing(i, 0)]), float(x[of_facing(i, 1)]), float(x[of_facing(i, 2)])},
-                 float(x[of_grazing(i)])});
+                 {float(x[f0_index(i, 0)]), float(x[f0_index(i, 1)]), float(x[f0_index(i, 2)])},
+                 float(x[f90_index(i)])});
         return solution;
     }
 
   private:
     template <typename Value> std::vector<float> column(const Value& value) const {
         std::vector<float> values(rows_);
-        parallel_for_parts(rows_, k_rows_at_once, threads_, [&](std::size_t begin, std::size_t end) {
+        parallel_for_parts(rows_, k_block_rows, threads_, [&](std::size_t begin, std::size_t end) {
             for (std::size_t row = begin; row < end; ++row)
                 values[row] = value(observations_.wl[row], observations_.wv[row]);
         });
@@ -77,36 +79,36 @@ class GgxProblem {
     }
     /// D G / (4 cosθl cosθv) of each row.
     const std::vector<float>& facets(double log_alpha) {
-        const auto at = std::ranges::find(facets_, log_alpha, &Facets::log_alpha);
-        std::rotate(facets_.begin(), std::min(at, facets_.end() - 1), std::min(at, facets_.end() - 1) + 1);
+        const auto entry = std::min(std::ranges::find(facets_, log_alpha, &Facets::log_alpha), facets_.end() - 1);
+        std::rotate(facets_.begin(), entry, entry + 1);
         if (facets_[0].log_alpha != log_alpha) {
             const auto alpha = float(elementary::exp2(log_alpha));
             facets_[0] = {log_alpha,
                           column([=](Vec3f wl, Vec3f wv) { return Kernel<float>::ggx_facets(wl, wv, alpha); })};
         }
-        return facets_[0].of_rows;
+        return facets_[0].values;
     }
 
-    /// Products with each other of the terms of lobes and of R, G, B, times √w of each row.
-    Eigen::MatrixXd moments(const Roughness& log_alpha) {
+    /// The inner products of the model's terms and of f's channels R, G, B, weighted by w.
+    Eigen::MatrixXd moments(const LogRoughness& log_alpha) {
         const Eigen::Index terms = 1 + 2 * Eigen::Index(log_alpha.size());
-        std::array<const float*, k_most_ggx_lobes> of_lobes{};
-        for (std::size_t i = 0; i < log_alpha.size(); ++i) of_lobes[i] = facets(log_alpha[i]).data();
-        std::vector<Eigen::MatrixXd> parts(part_count(rows_, k_rows_at_once));
-        parallel_for_parts(rows_, k_rows_at_once, threads_, [&](std::size_t begin, std::size_t end) {
+        std::array<const float*, k_most_ggx_lobes> lobe_facets{};
+        for (std::size_t i = 0; i < log_alpha.size(); ++i) lobe_facets[i] = facets(log_alpha[i]).data();
+        std::vector<Eigen::MatrixXd> parts(part_count(rows_, k_block_rows));
+        parallel_for_parts(rows_, k_block_rows, threads_, [&](std::size_t begin, std::size_t end) {
             Eigen::MatrixXd columns(terms + 3, Eigen::Index(end - begin));
             for (std::size_t row = begin; row < end; ++row) {
                 auto t = columns.col(Eigen::Index(row - begin));
                 t[0] = 1 / k_pi;
                 for (std::size_t i = 0; i < log_alpha.size(); ++i) {
-                    const auto facets = double(of_lobes[i][row]), s = double(grazing_[row]);
-                    t.segment(Eigen::Index(1 + 2 * i), 2) << facets * (1 - s), facets * s;
+                    const auto factor = double(lobe_facets[i][row]), s = double(grazing_[row]);
+                    t.segment(Eigen::Index(1 + 2 * i), 2) << factor * (1 - s), factor * s;
                 }
                 const Rgb& f = observations_.f[row];
                 t.tail(3) << double(f.r), double(f.g), double(f.b);
                 t *= std::sqrt(observations_.weight[row]);
             }
-            parts[begin / k_rows_at_once] = columns * columns.transpose();
+            parts[begin / k_block_rows] = columns * columns.transpose();
         });
         Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(terms + 3, terms + 3);
         for (const Eigen::MatrixXd& part : parts) sums += part;
@@ -118,20 +120,21 @@ class GgxProblem {
     int threads_;
     std::vector<float> grazing_;  ///< s of each row
     struct Facets {
-        double log_alpha = 1;  // of no lobe
-        std::vector<float> of_rows;
+        double log_alpha = 1;  ///< 1 for an unused entry, since roughness is at most 1
+        std::vector<float> values;
     };
-    std::array<Facets, 4> facets_;  ///< of the roughnesses that were tried last: a search changes one at a time
+    std::array<Facets, 4>
+        facets_;  ///< a cache of the last values of roughness, of which a search changes one at a time
 };
 
-constexpr double k_least_log = -10;  // of k_least_roughness
+constexpr double k_least_log = -10;  ///< log2 of k_least_roughness
 
-/// The best roughness of `least_log` and of a grid of half octaves above it; the first of two lobes is the narrower one. None
-/// without a finite loss.
-Roughness scanned(GgxProblem& problem, int lobes, double least_log) {
-    Roughness best;
+/// The best roughness on a grid of half octaves from `least_log` on. The first of two lobes is the narrower one. Empty
+/// if no loss is finite.
+LogRoughness scan(GgxProblem& problem, int lobes, double least_log) {
+    LogRoughness best;
     double least = std::numeric_limits<double>::infinity();
-    const auto attempt = [&](const Roughness& log_alpha) {
+    const auto attempt = [&](const LogRoughness& log_alpha) {
         if (const double loss = problem.loss(log_alpha); loss < least) least = loss, best = log_alpha;
     };
     std::vector<double> grid{least_log};
@@ -145,20 +148,20 @@ Roughness scanned(GgxProblem& problem, int lobes, double least_log) {
 }
 
 /// Moves to the neighbour that lowers the loss, or else halves the step (Hooke & Jeeves 1961).
-void refine(GgxProblem& problem, Roughness& log_alpha, double least_log) {
+void refine(GgxProblem& problem, LogRoughness& log_alpha, double least_log) {
     double least = problem.loss(log_alpha);
     for (double step = 0.25; step > 1e-4; step /= 2)
         for (bool lowered = true; lowered;) {
             lowered = false;
             for (double& x : log_alpha)
-                for (const double to : {x - step, x + step}) {
-                    const double from = x;
-                    x = std::clamp(to, least_log, 0.0);
+                for (const double next : {x - step, x + step}) {
+                    const double previous = x;
+                    x = std::clamp(next, least_log, 0.0);
                     const double loss = problem.loss(log_alpha);
                     if (loss < least)
                         least = loss, lowered = true;
                     else
-                        x = from;
+                        x = previous;
                 }
         }
 }
@@ -166,18 +169,18 @@ void refine(GgxProblem& problem, Roughness& log_alpha, double least_log) {
 }  // namespace
 
 Result<Fitted<GgxModel>> Kind<GgxModel>::fit(const Observations& observations, const GgxRequest& request,
-                                             const FitConditions& of, const ProgressToken& progress) {
+                                             const FitConditions& conditions, const ProgressToken& progress) {
     const StandardArithmetic mode;
     if (const auto valid = validate(observations, std::size_t(3 + 5 * request.lobes)); !valid) return valid.error();
     if (request.lobes < 1 || request.lobes > k_most_ggx_lobes)
         return Error{"fit", {}, "number of lobes", "1 or 2", std::to_string(request.lobes), ErrorCode::argument};
     Observations weighed = observations;
-    GgxProblem sample(weighed, k_scanned_rows, of.threads), all(weighed, weighed.f.size(), of.threads);
-    // Two lobes need two places on the grid.
+    GgxProblem sample(weighed, k_scanned_rows, conditions.threads), all(weighed, weighed.f.size(), conditions.threads);
+    // Below α = 1/2, so that the grid has values for two lobes.
     const double least_log =
         std::clamp(elementary::log2(std::max(observations.least_roughness, 1e-9)), k_least_log, -1.0);
     if (!progress.report("scanning roughness", 0)) return cancelled_error("fit");
-    Roughness log_alpha = scanned(sample, request.lobes, least_log);
+    LogRoughness log_alpha = scan(sample, request.lobes, least_log);
     if (!progress.report("refining roughness", 0.2)) return cancelled_error("fit");
     refine(all, log_alpha, least_log);
     for (int round = 0; round < k_facet_rounds && traits(observations.objective).response; ++round) {
@@ -185,7 +188,7 @@ Result<Fitted<GgxModel>> Kind<GgxModel>::fit(const Observations& observations, c
         weighed.weight = observations.weight;
         weigh_large_errors(weighed, evaluator(model), k_most_facet_change);
         if (!progress.report("refining roughness", 0.3 + 0.7 * round / k_facet_rounds)) return cancelled_error("fit");
-        if (round == 0) log_alpha = scanned(sample, request.lobes, least_log);
+        if (round == 0) log_alpha = scan(sample, request.lobes, least_log);
         refine(all, log_alpha, least_log);
     }
     if (log_alpha.empty()) return Error{"fit", {}, "loss of every roughness", "a finite number", "none"};
@@ -193,7 +196,7 @@ Result<Fitted<GgxModel>> Kind<GgxModel>::fit(const Observations& observations, c
     auto [unrounded, unrounded_loss] = all.solve(log_alpha);
     fit.unrounded = std::move(unrounded);
     fit.unrounded_loss = unrounded_loss;
-    // Roughness is rounded, then the other parameters are solved again.
+    // Rounds roughness, then solves for the other parameters again.
     for (double& x : log_alpha) x = elementary::log2(double(round_to_half(float(elementary::exp2(x)))));
     auto [model, loss] = all.solve(log_alpha);
     fit.model = rounded(model);

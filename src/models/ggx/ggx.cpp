@@ -7,6 +7,7 @@
 #include "base/floating_point.h"
 #include "base/half.h"
 #include "brdf/values.h"
+#include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "srbf/kernel.h"
 
@@ -65,9 +66,9 @@ Result<GgxModel> Kind<GgxModel>::read(Safetensors& content, const std::string& f
     const auto fail = [&](std::string what, std::string expected, std::string found) {
         return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
-    const auto roughness_at = tensors.find("roughness");
-    if (roughness_at == tensors.end()) return fail("tensor 'roughness'", "present", "none");
-    const auto& extent = roughness_at->second.shape;
+    const auto tensor = tensors.find("roughness");
+    if (tensor == tensors.end()) return fail("tensor 'roughness'", "present", "none");
+    const auto& extent = tensor->second.shape;
     if (extent.size() != 1 || extent[0] < 1 || extent[0] > k_most_ggx_lobes)
         return fail("tensor 'roughness': shape", fmt::format("[1] or [{}]", k_most_ggx_lobes), shape_text(extent));
     const std::uint64_t L = extent[0];

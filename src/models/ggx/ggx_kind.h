@@ -1,9 +1,9 @@
-// `Kind` of Lambert and GGX, with its fit.
 #pragma once
 #include <string>
 #include <string_view>
 
 #include "base/kind.h"
+#include "models/ggx/ggx_functions.h"
 #include "observe/observations.h"
 #include "srbf/models/ggx.h"
 #include "srbf/progress.h"
@@ -21,18 +21,17 @@ template <> struct Kind<GgxModel> {
     static Parameters parameters(const GgxModel& model);
     static std::vector<Model> terms(const GgxModel& model, std::size_t most);
     static std::string formula_text(const GgxModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& of);
-    static GgxModel made_of(ParameterReader& of);
-    /// With no roughness below the observations' least. For given roughness all other parameters solve a non-negative linear
-    /// problem. Roughness is optimised by pattern search, from the best value on a grid of half octaves, evaluated on a
-    /// subset. The loss is Σ w |f−f̂|² over the observations, of `model` before the linear parameters are rounded. Albedos and
-    /// bound pairs are not used.
+    static bool is_of(const ParameterReader& reader);
+    static GgxModel made_of(ParameterReader& reader);
+    /// Minimises Σ w |f−f̂|² over the observations. For given roughness all other parameters solve a non-negative
+    /// linear problem. Roughness is optimised by pattern search from the best values on a grid of half octaves, which
+    /// is evaluated on a subset; no roughness is below the observations' least. The loss of `model` is that before the
+    /// linear parameters are rounded. Albedos and bound pairs are not used.
     /// Errors: options out of range, fewer observations than parameters, values that are not finite; cancelled.
     static Result<Fitted<GgxModel>> fit(const Observations& observations, const GgxRequest& request = {},
-                                        const FitConditions& of = {}, const ProgressToken& progress = {});
-    /// Calls each(member) for all members.
-    template <typename Each> static void for_members(GgxModel& of, const Each& each) {
-        each(of.diffuse), each(of.lobes);
+                                        const FitConditions& conditions = {}, const ProgressToken& progress = {});
+    template <typename Each> static void for_members(GgxModel& model, const Each& each) {
+        each(model.diffuse), each(model.lobes);
     }
 };
 

@@ -3,6 +3,7 @@
 
 #include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "srbf/model.h"
 
@@ -45,13 +46,13 @@ Parameters Kind<GgxModel>::parameters(const GgxModel& model) {
             {"f90", array_of({L}, f90)}};
 }
 
-bool Kind<GgxModel>::is_of(const ParameterReader& of) { return of.has("f0"); }
+bool Kind<GgxModel>::is_of(const ParameterReader& reader) { return reader.has("f0"); }
 
-GgxModel Kind<GgxModel>::made_of(ParameterReader& of) {
-    const auto roughness = of.numbers("roughness", "L"), f90 = of.numbers("f90", "L");
-    const auto diffuse = of.vectors<Rgb>("diffuse", "3"), f0 = of.vectors<Rgb>("f0", "L3");
+GgxModel Kind<GgxModel>::made_of(ParameterReader& reader) {
+    const auto roughness = reader.numbers("roughness", "L"), f90 = reader.numbers("f90", "L");
+    const auto diffuse = reader.vectors<Rgb>("diffuse", "3"), f0 = reader.vectors<Rgb>("f0", "L3");
     GgxModel model;
-    if (of.error()) return model;
+    if (reader.error()) return model;
     model.diffuse = diffuse[0];
     for (std::size_t i = 0; i < roughness.size(); ++i) model.lobes.push_back({roughness[i], f0[i], f90[i]});
     return model;
@@ -66,17 +67,17 @@ std::vector<Model> Kind<GgxModel>::terms(const GgxModel& model, std::size_t) {
     diffuse.diffuse = model.diffuse;
     all.push_back({diffuse, {}});
     for (std::size_t i = 0; i < model.lobes.size(); ++i) {
-        GgxModel one = black;
-        one.lobes[i] = model.lobes[i];
-        all.push_back({one, {}});
+        GgxModel lobe = black;
+        lobe.lobes[i] = model.lobes[i];
+        all.push_back({lobe, {}});
     }
     return all;
 }
 
 std::string Kind<GgxModel>::formula_text(const GgxModel& model, const NumberText& number) {
-    const auto colour = [&](const Rgb& of, const char* parameter, std::size_t i) {
-        const std::string r = number(of.r, parameter, 3 * i), g = number(of.g, parameter, 3 * i + 1),
-                          b = number(of.b, parameter, 3 * i + 2);
+    const auto colour = [&](const Rgb& rgb, const char* parameter, std::size_t i) {
+        const std::string r = number(rgb.r, parameter, 3 * i), g = number(rgb.g, parameter, 3 * i + 1),
+                          b = number(rgb.b, parameter, 3 * i + 2);
         return fmt::format("Vec3({}, {}, {})", r, g, b);
     };
     constexpr std::array<const char*, k_most_ggx_lobes> names{"first", "second"};

@@ -1,4 +1,3 @@
-// Evaluation of surfaces of renderers' parameters on arrays of pairs, in SIMD batches.
 #include <cstdint>
 #include <utility>
 
@@ -10,6 +9,7 @@
 
 #include "base/floating_point.h"
 #include "brdf/batch-inl.h"
+#include "models/openpbr/openpbr_functions.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {
@@ -18,18 +18,18 @@ namespace HWY_NAMESPACE {
 using Formula = Formulas<Batch, PmModel>;
 HWY_INLINE Batch spread(float x) { return Batch(double(x)); }
 HWY_INLINE Vec3<Batch> spread(const Vec3f& c) { return {spread(c.x), spread(c.y), spread(c.z)}; }
-HWY_INLINE Formula::OpenPbrSurface spread(const Kernel<float>::OpenPbrSurface& of) {
-    return {spread(of.base_color),      spread(of.base_metalness), spread(of.base_diffuse_roughness),
-            spread(of.specular_weight), spread(of.specular_color), spread(of.specular_roughness),
-            spread(of.specular_ior),    spread(of.coat_weight),    spread(of.coat_color),
-            spread(of.coat_roughness),  spread(of.coat_ior),       spread(of.coat_darkening),
-            spread(of.fuzz_weight),     spread(of.fuzz_color),     spread(of.fuzz_roughness)};
+HWY_INLINE Formula::OpenPbrSurface spread(const Kernel<float>::OpenPbrSurface& surface) {
+    return {spread(surface.base_color),      spread(surface.base_metalness), spread(surface.base_diffuse_roughness),
+            spread(surface.specular_weight), spread(surface.specular_color), spread(surface.specular_roughness),
+            spread(surface.specular_ior),    spread(surface.coat_weight),    spread(surface.coat_color),
+            spread(surface.coat_roughness),  spread(surface.coat_ior),       spread(surface.coat_darkening),
+            spread(surface.fuzz_weight),     spread(surface.fuzz_color),     spread(surface.fuzz_roughness)};
 }
-HWY_INLINE Formula::OpenPbrFilm spread(const Kernel<float>::OpenPbrFilm& of) {
-    return {spread(of.weight), spread(of.thickness), spread(of.ior)};
+HWY_INLINE Formula::OpenPbrFilm spread(const Kernel<float>::OpenPbrFilm& film) {
+    return {spread(film.weight), spread(film.thickness), spread(film.ior)};
 }
-HWY_INLINE Formula::OpenPbrAnisotropy spread(const Kernel<float>::OpenPbrAnisotropy& of) {
-    return {spread(of.amount), spread(of.cosine), spread(of.sine)};
+HWY_INLINE Formula::OpenPbrAnisotropy spread(const Kernel<float>::OpenPbrAnisotropy& anisotropy) {
+    return {spread(anisotropy.amount), spread(anisotropy.cosine), spread(anisotropy.sine)};
 }
 
 void evaluate_surface(const OpenPbrModel& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {

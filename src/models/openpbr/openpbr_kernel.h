@@ -1,4 +1,4 @@
-// A surface as kernel.glsl has it.
+// Surfaces in the form of kernel.glsl.
 #pragma once
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"

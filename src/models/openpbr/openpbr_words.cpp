@@ -1,18 +1,20 @@
 // Describes a surface to programs and people.
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kernel.h"
 #include "models/openpbr/openpbr_kind.h"
+#include "models/openpbr/openpbr_parameters.h"
 #include "srbf/model.h"
 
 namespace srbf {
 namespace {
 
-std::vector<float> numbers_of(const OpenPbrModel& model, const OpenPbrParameter& of) {
+std::vector<float> numbers_of(const OpenPbrModel& model, const OpenPbrParameter& parameter) {
     std::vector<float> numbers;
-    for (int c = 0; c < of.count(); ++c) numbers.push_back(number(model, of, c));
+    for (int c = 0; c < parameter.count(); ++c) numbers.push_back(number(model, parameter, c));
     return numbers;
 }
 
@@ -23,19 +25,16 @@ std::string Kind<OpenPbrModel>::summary(const OpenPbrModel&) { return "openpbr, 
 void Kind<OpenPbrModel>::add_rows(std::string& text, const OpenPbrModel& model) {
     add_row(text, "model", "openpbr: a surface by parameters of OpenPBR 1.1");
     add_row(text, "size", fmt::format("{} numbers, {} bytes", openpbr_number_count(model), payload_bytes(model)));
-    for (const OpenPbrParameter& of : k_openpbr_parameters) {
-        std::string numbers;
-        for (int c = 0; c < of.count(); ++c) numbers += fmt::format("{}{:.4g}", c ? "  " : "", number(model, of, c));
-        text += fmt::format("  {:<30}{}\n", of.name, numbers);
-    }
+    for (const OpenPbrParameter& parameter : k_openpbr_parameters)
+        text += fmt::format("  {:<30}{:.4g}\n", parameter.name, fmt::join(numbers_of(model, parameter), "  "));
     if (model.is_exchanged) add_row(text, "exchanged", "light and viewer");
 }
 
 Parameters Kind<OpenPbrModel>::members(const OpenPbrModel& model) {
     Parameters numbers;
-    for (const OpenPbrParameter& of : k_openpbr_parameters) {
-        const std::vector<std::size_t> shape(of.colour ? 1 : 0, 3);
-        numbers.push_back({std::string(of.name), NumberArray{shape, numbers_of(model, of)}});
+    for (const OpenPbrParameter& parameter : k_openpbr_parameters) {
+        const std::vector<std::size_t> shape(parameter.colour ? 1 : 0, 3);
+        numbers.push_back({std::string(parameter.name), NumberArray{shape, numbers_of(model, parameter)}});
     }
     return {{"form", std::string("openpbr")},
             {"lobes", 1},
@@ -46,21 +45,22 @@ Parameters Kind<OpenPbrModel>::members(const OpenPbrModel& model) {
 
 Parameters Kind<OpenPbrModel>::parameters(const OpenPbrModel& model) {
     Parameters all;
-    for (const OpenPbrParameter& of : k_openpbr_parameters)
-        all.push_back({std::string(of.name), array_of({std::size_t(of.count())}, numbers_of(model, of))});
+    for (const OpenPbrParameter& parameter : k_openpbr_parameters)
+        all.push_back(
+            {std::string(parameter.name), array_of({std::size_t(parameter.count())}, numbers_of(model, parameter))});
     all.push_back({"is_exchanged", model.is_exchanged});
     return all;
 }
 
-bool Kind<OpenPbrModel>::is_of(const ParameterReader& of) { return of.has("base_color"); }
+bool Kind<OpenPbrModel>::is_of(const ParameterReader& reader) { return reader.has("base_color"); }
 
-OpenPbrModel Kind<OpenPbrModel>::made_of(ParameterReader& of) {
+OpenPbrModel Kind<OpenPbrModel>::made_of(ParameterReader& reader) {
     OpenPbrModel model;
     for (const OpenPbrParameter& parameter : k_openpbr_parameters) {
-        const auto numbers = of.numbers(parameter.name, std::to_string(parameter.count()));
+        const auto numbers = reader.numbers(parameter.name, std::to_string(parameter.count()));
         for (std::size_t c = 0; c < numbers.size(); ++c) number(model, parameter, int(c)) = numbers[c];
     }
-    model.is_exchanged = of.flag("is_exchanged", false);
+    model.is_exchanged = reader.flag("is_exchanged", false);
     return model;
 }
 
@@ -85,7 +85,7 @@ std::string Kind<OpenPbrModel>::formula_text(const OpenPbrModel& model, const Nu
         const std::string r = number(x.x, parameter, 0), g = number(x.y, parameter, 1), b = number(x.z, parameter, 2);
         text += fmt::format("    of.{} = Vec3({}, {}, {});\n", member, r, g, b);
     };
-    set_colour("base_color", surface.base_color, "");  // times its weight
+    set_colour("base_color", surface.base_color, "");  // product of base_color and base_weight
     set("base_metalness", surface.base_metalness);
     set("base_diffuse_roughness", surface.base_diffuse_roughness);
     set("specular_weight", surface.specular_weight);
@@ -111,11 +111,11 @@ std::string Kind<OpenPbrModel>::formula_text(const OpenPbrModel& model, const Nu
     text += fmt::format("    film.thickness = {};\n", number(film.thickness, "thin_film_thickness", 0));
     text += fmt::format("    film.ior = {};\n", number(film.ior, "thin_film_ior", 0));
     if (!is_anisotropic) return text + fmt::format("    return openpbr_film_value(of, film, {});\n", directions);
-    const auto facets = kernel_anisotropy(model);
+    const auto anisotropy = kernel_anisotropy(model);
     text += "    OpenPbrAnisotropy anisotropy;\n";
-    text += fmt::format("    anisotropy.amount = {};\n", number(facets.amount, "specular_roughness_anisotropy", 0));
-    text += fmt::format("    anisotropy.cosine = {};\n", number(facets.cosine, "", 0));
-    text += fmt::format("    anisotropy.sine = {};\n", number(facets.sine, "", 0));
+    text += fmt::format("    anisotropy.amount = {};\n", number(anisotropy.amount, "specular_roughness_anisotropy", 0));
+    text += fmt::format("    anisotropy.cosine = {};\n", number(anisotropy.cosine, "", 0));
+    text += fmt::format("    anisotropy.sine = {};\n", number(anisotropy.sine, "", 0));
     return text + fmt::format("    return openpbr_anisotropic_value(of, film, anisotropy, {});\n", directions);
 }
 

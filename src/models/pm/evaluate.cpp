@@ -16,6 +16,7 @@
 
 #include "base/floating_point.h"
 #include "brdf/batch-inl.h"
+#include "models/pm/pm_functions.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {
@@ -48,10 +49,10 @@ HWY_INLINE TwoBatches select(TwoMasks where, TwoBatches x, TwoBatches y) {
     return {select(where.a, x.a, y.a), select(where.b, x.b, y.b)};
 }
 
-// A model for pm_value whose number of variates and kind are known at compile time, so that loops are unrolled.
-template <int N, bool is_axial> struct Sized {
+// A model for pm_value whose number of variates, kind and sides are known at compile time, so that loops are unrolled.
+template <int N, bool is_axial, bool reciprocal> struct Sized {
     static constexpr int variates = N;
-    static constexpr bool axial = is_axial;
+    static constexpr bool axial = is_axial, is_reciprocal = reciprocal;
     const PmLanes& numbers;
     PmForm form = numbers.form();
     int lobes = numbers.lobes();
@@ -74,9 +75,10 @@ template <int N, bool is_axial> struct Sized {
 static_assert(sizeof(Vec3f) == 3 * sizeof(float) && sizeof(Rgb) == 3 * sizeof(float));
 
 // `count` must be a multiple of two batches.
-template <int N, bool axial>
+template <int N, bool axial, bool reciprocal>
 void evaluate_sized(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
-    const Sized<N, axial> sized{model};
+    using Model = Sized<N, axial, reciprocal>;
+    const Model sized{model};
     const Interleaved interleaved;
     const std::size_t width = Batch::size();
     const TwoBatches zero(0.0);
@@ -85,7 +87,7 @@ void evaluate_sized(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb*
                           va = interleaved.load(&wv[i].x), vb = interleaved.load(&wv[i + width].x);
         const Vec3<TwoBatches> l({la.x, lb.x}, {la.y, lb.y}, {la.z, lb.z}), v({va.x, vb.x}, {va.y, vb.y}, {va.z, vb.z});
         const TwoMasks above{above_horizon(la, va), above_horizon(lb, vb)};
-        const Vec3<TwoBatches> value = Formulas<TwoBatches, Sized<N, axial>>::pm_value(sized, l, v);
+        const Vec3<TwoBatches> value = Formulas<TwoBatches, Model>::pm_value(sized, l, v);
         const TwoBatches r = select(above, value.x, zero), g = select(above, value.y, zero),
                          b = select(above, value.z, zero);
         interleaved.store({r.a, g.a, b.a}, &f[i].r);
@@ -104,14 +106,16 @@ template <int N = 1, typename Choose> auto for_size_of(const PmLanes& model, con
 
 using Evaluator = void (*)(const PmLanes&, const Vec3f*, const Vec3f*, Rgb*, std::size_t);
 Evaluator evaluator_of(const PmLanes& model) {
-    return for_size_of(model, []<int N, bool axial>() -> Evaluator { return evaluate_sized<N, axial>; });
+    return for_size_of(model, [&]<int N, bool axial>() -> Evaluator {
+        return is_reciprocal(model.form()) ? evaluate_sized<N, axial, true> : evaluate_sized<N, axial, false>;
+    });
 }
 
 void evaluate(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     const Evaluator evaluator = evaluator_of(model);
-    in_whole_batches(2 * Batch::size(), wl, wv, f, count,
-                     [&](const Vec3f* batch_wl, const Vec3f* batch_wv, Rgb* batch_f, std::size_t n)
-                         HWY_ATTR { evaluator(model, batch_wl, batch_wv, batch_f, n); });
+    evaluate_padded(2 * Batch::size(), wl, wv, f, count,
+                    [&](const Vec3f* batch_wl, const Vec3f* batch_wv, Rgb* batch_f, std::size_t n)
+                        HWY_ATTR { evaluator(model, batch_wl, batch_wv, batch_f, n); });
 }
 
 // A model whose lobe j is a group of lobes, one in each lane of a vector.
@@ -164,6 +168,10 @@ HWY_INLINE void store_colour(const Vec3<Group>& sum, float* colour) {
 }
 #endif
 
+// The variates of the second side of a model that has one.
+struct NoVariates {
+    HWY_INLINE NoVariates(const PmLanes&, const Vec3<Group>&, const Vec3<Group>&) {}
+};
 // The variates of a pair, computed in lanes, and their squared distances from the centres of lobes in lanes.
 template <typename Formula, int N, bool axial> struct LaneVariates {
     HWY_ALIGN float x[PmLanes::k_lanes], y[PmLanes::k_lanes], z[PmLanes::k_lanes];
@@ -222,15 +230,24 @@ void value_sized(const void* model, const Vec3f& l, const Vec3f& v, float* f) {
     const PmLanes& numbers = *static_cast<const PmLanes*>(model);
     const Grouped<N, axial, form> pm{numbers};
     const Vec3<Group> wl = broadcast(l), wv = broadcast(v);
-    const LaneVariates<Formula, N, axial> variates(numbers, wl, wv);
+    using Variates = LaneVariates<Formula, N, axial>;
+    constexpr int sides = is_reciprocal(form) ? 2 : 1;
+    const Variates variates(numbers, wl, wv);
+    const std::conditional_t<sides == 2, Variates, NoVariates> exchanged(numbers, wv, wl);
     const auto further = Formula::pm_further_features(features(form), wl, wv);
     Vec3<Group> sum(Group(0.0), Group(0.0), Group(0.0));
     for (int j = 0; j * pm.lanes < numbers.lobes(); ++j) {
-        Group exponent = pm.log2_scale(j);
-        for (int n = 0; n < N; ++n)
-            exponent = Formula::pm_with_variate(pm, j, n, exponent, variates.squared_distance(pm, j, n));
-        exponent = Formula::pm_with_features(pm, j, exponent, further);  // features take longer than the variates
-        sum = sum + Formula::pm_power(exponent) * pm.coefficient(j);
+        // The features take longer than the variates.
+        const Group of_features = Formula::pm_with_features(pm, j, Group(0.0), further);
+        const auto power_of = [&](const auto& side) HWY_ATTR {
+            Group exponent = pm.log2_scale(j);
+            for (int n = 0; n < N; ++n)
+                exponent = Formula::pm_with_variate(pm, j, n, exponent, side.squared_distance(pm, j, n));
+            return Formula::pm_power(exponent + of_features);
+        };
+        Group power = power_of(variates);
+        if constexpr (sides == 2) power = Group(0.5) * (power + power_of(exchanged));
+        sum = sum + power * pm.coefficient(j);
     }
     store_colour(sum, f);
 }

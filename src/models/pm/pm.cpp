@@ -4,6 +4,7 @@
 
 #include "base/half.h"
 #include "brdf/colour.h"
+#include "models/pm/pm_functions.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
@@ -17,6 +18,7 @@ Rgb value(const PmModel& model, Vec3f wl, Vec3f wv) {
 }
 
 bool is_reciprocal(const PmModel& model) {
+    if (is_reciprocal(model.form)) return true;
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates);
     std::vector<bool> matched(N, false);
     const auto are_swapped = [&](std::size_t n, std::size_t m) {

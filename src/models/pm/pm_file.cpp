@@ -11,6 +11,7 @@
 #include "brdf/colour.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"
+#include "models/pm/pm_functions.h"
 #include "models/pm/pm_kind.h"
 
 namespace srbf {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/kind.h"
+#include "models/pm/pm_functions.h"
 #include "srbf/models/pm.h"
 
 namespace srbf {

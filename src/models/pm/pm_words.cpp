@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 #include <span>
 
 #include "base/half.h"
 #include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/pm/pm_functions.h"
 #include "models/pm/pm_kind.h"
 #include "srbf/elementary.h"
 #include "srbf/model.h"
@@ -77,6 +79,7 @@ void Kind<PmModel>::add_rows(std::string& text, const PmModel& model) {
         add_row(text, fmt::format("ψ{}", n + 1), fmt::format("normalize({:.5g} wl + {:.5g} wv)", p.a, p.b));
     }
     add_table(text, model);
+    if (is_reciprocal(model.form)) text += "  f is the mean of this sum and of the same with wl and wv exchanged.\n";
 }
 
 Parameters Kind<PmModel>::members(const PmModel& model) {
@@ -104,13 +107,16 @@ Parameters Kind<PmModel>::parameters(const PmModel& model) {
 
 namespace {
 
-/// The form whose number of terms is that of the exponents; refuses `exponent` if there is no such form.
+/// The form that is named, or the first one with as many terms as there are exponents. Refuses `exponent` if there is
+/// no such form.
 PmForm form_of(ParameterReader& reader) {
-    std::vector<std::string> known;
+    std::set<std::size_t> known;
+    std::vector<std::string_view> names;  // of the forms with so many terms
     for (const FormRow& row : k_form_rows) {
-        if (row.terms == reader.length('F')) return row.form;
-        known.push_back(std::to_string(row.terms));
+        known.insert(row.terms);
+        if (row.terms == reader.length('F')) names.push_back(row.name);
     }
+    if (!names.empty()) return *form_named(reader.word("form", names, names[0]));
     reader.refuse("exponent", fmt::format("shape [J, F], F one of {}", fmt::join(known, ", ")),
                   fmt::format("F = {}", reader.length('F')));
     return {};
@@ -144,7 +150,6 @@ PmModel Kind<PmModel>::made_of(ParameterReader& reader) {
     if (is_spectral)
         model.wavelength = reader.numbers("wavelength", "C"), coefficient = reader.numbers("spectrum", "JC");
     model.form = form_of(reader);
-    reader.word("form", {srbf::name(model.form)}, srbf::name(model.form));
     const bool is_along_z = std::ranges::all_of(model.centre, [](const Vec3f& xi) { return std::abs(xi.z) == 1; });
     model.axial = reader.flag("axial", is_along_z);
     if (model.axial && !is_along_z) reader.refuse("centre", "(0, 0, 1) or (0, 0, -1) of an axial model", "others");

@@ -1,5 +1,5 @@
-// Evaluation of a view-by-view model on arrays of pairs. The sampled views and weights are computed once for
-// consecutive pairs that share the sampled direction; their values are evaluated in SIMD batches.
+// Evaluates a view-by-view model on arrays of pairs. Sampled views and weights are computed once for consecutive pairs
+// that share the sampled direction; values are evaluated in SIMD batches.
 #include "srbf/models/su.h"
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include "base/floating_point.h"
 #include "brdf/batch-inl.h"
 #include "models/su/neighbours.h"
+#include "models/su/su_functions.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {
@@ -22,18 +23,18 @@ void evaluate_run(const SuModel& model, const ViewNeighbours& neighbours, const 
     using Formula = Formulas<Batch, PmModel>;
     HWY_ALIGN float x[most] = {}, y[most] = {}, z[most] = {};
     for (std::size_t i = 0; i < count; i += Batch::size()) {
-        const std::size_t here = count - i < Batch::size() ? count - i : Batch::size();
-        for (std::size_t k = 0; k < here; ++k) x[k] = w[i + k].x, y[k] = w[i + k].y, z[k] = w[i + k].z;
-        const Vec3<Batch> at(Batch::load(x), Batch::load(y), Batch::load(z));
+        const std::size_t size = count - i < Batch::size() ? count - i : Batch::size();
+        for (std::size_t k = 0; k < size; ++k) x[k] = w[i + k].x, y[k] = w[i + k].y, z[k] = w[i + k].z;
+        const Vec3<Batch> direction(Batch::load(x), Batch::load(y), Batch::load(z));
         Vec3<Batch> sum(Batch(0.0), Batch(0.0), Batch(0.0));
         for (int k = 0; k < neighbours.count; ++k) {
-            const auto& neighbour = neighbours.of[std::size_t(k)];
+            const auto& neighbour = neighbours.view[std::size_t(k)];
             const Batch cosine(double(neighbour.cosine)), sine(double(neighbour.sine));
             sum = sum + Batch(double(neighbour.weight)) *
-                            Formula::su_view_value(model, neighbour.view, Formula::turned(at, cosine, sine));
+                            Formula::su_view_value(model, neighbour.view, Formula::turned(direction, cosine, sine));
         }
         sum.x.store(x), sum.y.store(y), sum.z.store(z);
-        for (std::size_t k = 0; k < here; ++k) f[i + k] = {x[k], y[k], z[k]};
+        for (std::size_t k = 0; k < size; ++k) f[i + k] = {x[k], y[k], z[k]};
     }
 }
 
@@ -49,10 +50,10 @@ HWY_EXPORT(evaluate_run);
 
 }  // namespace
 
-ViewNeighbours neighbours_at(const SuModel& model, Vec3f w) {
+ViewNeighbours find_neighbours(const SuModel& model, Vec3f w) {
     ViewNeighbours neighbours;
     const auto add = [&](const Kernel<float>::SuNeighbour& neighbour) {
-        if (neighbour.weight > 0) neighbours.of[std::size_t(neighbours.count++)] = neighbour;
+        if (neighbour.weight > 0) neighbours.view[std::size_t(neighbours.count++)] = neighbour;
     };
     if (model.interpolation == SuInterpolation::rotated) {
         for (int k = 0; k < SU_ROTATED_NEIGHBOURS; ++k) add(Kernel<float>::su_rotated_neighbour(model, w, k));
@@ -65,7 +66,7 @@ ViewNeighbours neighbours_at(const SuModel& model, Vec3f w) {
         add({nearest[std::size_t(k)], weight, 1, 0});
         sum += weight;
     }
-    for (int k = 0; k < neighbours.count; ++k) neighbours.of[std::size_t(k)].weight /= sum;
+    for (int k = 0; k < neighbours.count; ++k) neighbours.view[std::size_t(k)].weight /= sum;
     return neighbours;
 }
 
@@ -73,11 +74,11 @@ void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const V
     const StandardArithmetic mode;
     require_equal_lengths(wl.size(), wv.size(), f.size());
     const auto &sampled = model.discretise == Discretise::view ? wv : wl,
-               &of_lobes = model.discretise == Discretise::view ? wl : wv;
+               &evaluated = model.discretise == Discretise::view ? wl : wv;
     for (std::size_t begin = 0, end = 0; begin < f.size(); begin = end) {
         for (end = begin + 1; end < f.size() && sampled[end] == sampled[begin];) ++end;
         if (above_horizon(sampled[begin], sampled[begin])) HWY_DYNAMIC_DISPATCH(evaluate_run)
-        (model, neighbours_at(model, sampled[begin]), &of_lobes[begin], &f[begin], end - begin);
+        (model, find_neighbours(model, sampled[begin]), &evaluated[begin], &f[begin], end - begin);
         for (std::size_t i = begin; i < end; ++i)
             if (!above_horizon(wl[i], wv[i])) f[i] = {};
     }
@@ -85,18 +86,18 @@ void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const V
 
 namespace {
 
-/// The lobe that a lobe with an optical depth is like about its maximum above the horizon.
-struct DrawnLobe {
+/// Approximates a lobe with an optical depth by a lobe around its maximum above the horizon, as a proposal for samples.
+struct ProposalLobe {
     Vec3f centre;
     float bandwidth;
 };
-DrawnLobe drawn_about(Vec3f xi, float bandwidth, float depth) {
-    const float level = std::sqrt(xi.x * xi.x + xi.y * xi.y);
-    if (level < 1e-6f) return {{0, 0, 1}, xi.z > 0 ? bandwidth : 0};
-    // In the plane of centre and normal, at the sine s of the polar angle, of the largest exponent.
+ProposalLobe proposal_lobe(Vec3f xi, float bandwidth, float depth) {
+    const float sin_xi = std::sqrt(xi.x * xi.x + xi.y * xi.y);
+    if (sin_xi < 1e-6f) return {{0, 0, 1}, xi.z > 0 ? bandwidth : 0};
+    // The maximum lies in the plane of centre and normal. Ternary search by the sine s of its polar angle.
     const auto exponent = [&](float s) {
         const float c = std::sqrt(std::max(1 - s * s, 0.f));
-        return bandwidth * (level * s + xi.z * c) - depth / std::max(c, 1e-6f);
+        return bandwidth * (sin_xi * s + xi.z * c) - depth / std::max(c, 1e-6f);
     };
     float below = 0, above = 1;
     for (int step = 0; step < 40; ++step) {
@@ -104,8 +105,9 @@ DrawnLobe drawn_about(Vec3f xi, float bandwidth, float depth) {
         (exponent(a) < exponent(b) ? below : above) = exponent(a) < exponent(b) ? a : b;
     }
     const float s = (below + above) / 2, c = std::sqrt(std::max(1 - s * s, 0.f));
-    const float in_plane = level * s + xi.z * c, across = s > level ? level / s : 1;
-    return {{s * xi.x / level, s * xi.y / level, c}, bandwidth * std::clamp(std::min(in_plane, across), 0.05f, 1.f)};
+    // The curvatures of the exponent in the plane and across it, relative to the bandwidth.
+    const float in_plane = sin_xi * s + xi.z * c, across = s > sin_xi ? sin_xi / s : 1;
+    return {{s * xi.x / sin_xi, s * xi.y / sin_xi, c}, bandwidth * std::clamp(std::min(in_plane, across), 0.05f, 1.f)};
 }
 
 }  // namespace
@@ -119,40 +121,40 @@ std::vector<float> lobe_integrals(const SuModel& model) {
         const Vec3f xi = model.centre[lobe],
                     tangent = K::tangent_across(model.direction[lobe / std::size_t(model.lobes)]);
         const float bandwidth = model.bandwidth[lobe], shape = model.shape.empty() ? 0 : model.shape[lobe];
-        const DrawnLobe drawn = drawn_about(xi, bandwidth, std::max(shape, 0.f));
-        double of_cosine = 0;
+        const ProposalLobe proposal = proposal_lobe(xi, bandwidth, std::max(shape, 0.f));
+        double sum = 0;
         for (int i = 0; i < k_points; ++i) {
             constexpr double golden = 0.6180339887498949;
             const double turns = i * golden;
             const float u1 = (float(i) + 0.5f) / k_points, u2 = float(turns - std::floor(turns));
-            const Vec3f w = K::sample_vmf(drawn.centre, drawn.bandwidth, u1, u2);
+            const Vec3f w = K::sample_vmf(proposal.centre, proposal.bandwidth, u1, u2);
             if (!(w.z > 0)) continue;
-            const Vec3f apart = w - xi;
-            const float ratio = K::shaped_exponent(apart, dot(apart, tangent), K::slant(w.z), bandwidth, shape) -
-                                K::gaussian_exponent(w, drawn.centre, drawn.bandwidth);
-            of_cosine += double(w.z * K::exp_of_lobe(ratio));
+            const Vec3f d = w - xi;
+            const float ratio = K::shaped_exponent(d, dot(d, tangent), K::slant(w.z), bandwidth, shape) -
+                                K::gaussian_exponent(w, proposal.centre, proposal.bandwidth);
+            sum += double(w.z * K::exp_of_lobe(ratio));
         }
-        integrals[lobe] = float(double(K::gaussian_integral(drawn.bandwidth)) * of_cosine / k_points);
+        integrals[lobe] = float(double(K::gaussian_integral(proposal.bandwidth)) * sum / k_points);
     }
     return integrals;
 }
 
 std::vector<Rgb> view_integrals(const SuModel& model) {
-    const std::vector<float> of_lobe = lobe_integrals(model);
+    const std::vector<float> lobe_integral = lobe_integrals(model);
     std::vector<Rgb> integrals(model.direction.size());
-    for (std::size_t lobe = 0; lobe < of_lobe.size(); ++lobe)
+    for (std::size_t lobe = 0; lobe < lobe_integral.size(); ++lobe)
         for (int c = 0; c < 3; ++c)
-            integrals[lobe / std::size_t(model.lobes)][c] += of_lobe[lobe] * model.coefficient[lobe][c];
+            integrals[lobe / std::size_t(model.lobes)][c] += lobe_integral[lobe] * model.coefficient[lobe][c];
     return integrals;
 }
 
-Rgb between_views(const SuModel& model, std::span<const Rgb> of_views, Vec3f wv) {
+Rgb between_views(const SuModel& model, std::span<const Rgb> values, Vec3f wv) {
     const StandardArithmetic mode;
-    const ViewNeighbours neighbours = neighbours_at(model, wv);
+    const ViewNeighbours neighbours = find_neighbours(model, wv);
     Rgb sum;
     for (int k = 0; k < neighbours.count; ++k) {
-        const auto& neighbour = neighbours.of[std::size_t(k)];
-        for (int c = 0; c < 3; ++c) sum[c] += neighbour.weight * of_views[std::size_t(neighbour.view)][c];
+        const auto& neighbour = neighbours.view[std::size_t(k)];
+        for (int c = 0; c < 3; ++c) sum[c] += neighbour.weight * values[std::size_t(neighbour.view)][c];
     }
     return sum;
 }

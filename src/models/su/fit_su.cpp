@@ -11,14 +11,15 @@
 #include "models/su/fit_su.h"
 #include "models/su/fit_view.h"
 #include "models/su/sampled_views.h"
+#include "models/su/su_functions.h"
 #include "observe/pair_weights.h"
 
 namespace srbf {
 namespace {
 
-/// Number of consecutive views that are fitted one from the other; the first of them starts from nothing.
+/// Number of consecutive views in a chain: each view is fitted from the previous one, the first from scratch.
 constexpr std::size_t k_chain = 32;
-/// A view starts from nothing if its loss exceeds its predecessor's by far, and what exact fits have, too.
+/// A view is also fitted from scratch if its loss exceeds k_much_worse times its predecessor's plus k_exact_loss.
 constexpr double k_much_worse = 4, k_exact_loss = 1e-9;
 
 Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
@@ -35,21 +36,21 @@ Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, doub
     return Done{};
 }
 
-/// Consecutive views, from `begin` to before `end`.
+/// Consecutive views, without `end`.
 struct Chain {
     std::size_t begin, end;
 };
 
-/// The fit of all views, on the threads of the caller's `on_threads`: its stages, in the order in which they follow.
-struct ViewByView {
+/// The stages of the fit of all views, on the threads of the caller's `on_threads`.
+struct ViewByViewFit {
     const SampledViews& views;
     const SuFitOptions& options;
     Reporter& reporter;
     std::size_t lobes = std::size_t(options.lobes);
     std::vector<ViewFit> fits = std::vector<ViewFit>(views.count());
 
-    /// Calls body(problem, chain) for each chain of views, with working memory.
-    template <typename Body> void each_chain(std::string_view stage, const Body& body) {
+    /// Calls body(problem, chain) for each chain of views.
+    template <typename Body> void for_each_chain(std::string_view stage, const Body& body) {
         parallel_for_parts(views.count(), k_chain, [&](std::size_t begin, std::size_t end) {
             if (reporter.cancelled()) return;
             ViewProblem problem(options.lobes);
@@ -58,23 +59,19 @@ struct ViewByView {
         });
     }
 
-    /// The fit of view i from the lobes of another view.
-    ViewFit from_view(ViewProblem& problem, std::size_t i, std::size_t from,
-                      const std::vector<ViewLobe>& its_lobes) const {
-        return fit_view(problem, views.rows(i), rotated(its_lobes, views.direction(from), views.direction(i)));
-    }
-
-    /// Each view from the previous one of its chain, and from scratch where there is none or that leads nowhere.
+    /// Fits each view from the previous one of its chain, or from scratch if there is none or the result is poor.
     void fit_views() {
-        each_chain("fitting views", [&](ViewProblem& problem, Chain chain) {
+        for_each_chain("fitting views", [&](ViewProblem& problem, Chain chain) {
             std::seed_seq seeds{std::uint32_t(options.seed), std::uint32_t(options.seed >> 32),
                                 std::uint32_t(chain.begin)};
             std::mt19937_64 random(seeds);
-            std::optional<std::size_t> last;  // view with data
+            std::optional<std::size_t> last;  // the previous view with data
             for (std::size_t i = chain.begin; i < chain.end; ++i) {
                 const ViewRows& rows = views.rows(i);
                 if (!(rows.scale > 0)) continue;
-                if (last) fits[i] = from_view(problem, i, *last, fits[*last].lobes);
+                if (last)
+                    fits[i] = fit_view(problem, rows,
+                                       rotate_lobes(fits[*last].lobes, views.direction(*last), views.direction(i)));
                 if (!last || fits[i].loss > k_much_worse * fits[*last].loss + k_exact_loss) {
                     ViewFit fit = fit_view_from_scratch(problem, rows, lobes, random);
                     if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
@@ -88,7 +85,7 @@ struct ViewByView {
         for (std::size_t i = 0; i < fits.size(); ++i) store(model, i, fits[i]);
     }
     void store(SuModel& model, std::size_t i, const ViewFit& fit) const {
-        for (std::size_t j = 0; j < fit.coefficient.size(); ++j) {  // none if cancelled
+        for (std::size_t j = 0; j < fit.coefficient.size(); ++j) {  // there are none if the fit was cancelled
             const std::size_t k = i * lobes + j;
             store_coefficient(model, k, fit.coefficient[j]);
             model.centre[k] = to_float(fit.lobes[j].centre);
@@ -98,16 +95,16 @@ struct ViewByView {
     static void store_coefficient(SuModel& model, std::size_t k, const std::array<double, 3>& beta) {
         for (int c = 0; c < 3; ++c) model.coefficient[k][c] = float(beta[std::size_t(c)]);
     }
-    /// The coefficients again, for the lobes of the model, which were rounded.
-    void solve_again(SuModel& model) {
-        each_chain("rounding", [&](ViewProblem& problem, Chain chain) {
+    /// Solves for the coefficients again, with the model's rounded lobes.
+    void refit_coefficients(SuModel& model) {
+        for_each_chain("rounding", [&](ViewProblem& problem, Chain chain) {
             for (std::size_t i = chain.begin; i < chain.end; ++i) {
                 if (fits[i].is_empty()) continue;
                 std::vector<ViewLobe> stored;
                 for (std::size_t k = i * lobes; k < (i + 1) * lobes; ++k)
                     stored.push_back({to_double(model.centre[k]), double(model.bandwidth[k])});
-                const auto again = fit_coefficients(problem, views.rows(i), stored).coefficient;
-                for (std::size_t j = 0; j < lobes; ++j) store_coefficient(model, i * lobes + j, again[j]);
+                const auto beta = fit_coefficients(problem, views.rows(i), stored).coefficient;
+                for (std::size_t j = 0; j < lobes; ++j) store_coefficient(model, i * lobes + j, beta[j]);
             }
         });
     }
@@ -128,7 +125,7 @@ SuModel black_views(const RawMatrix& matrix, const SuFitOptions& options) {
     return model;
 }
 
-/// True if each view has no data, or enough for the lobes.
+/// Returns an error unless each view has no data or enough for the lobes.
 Result<Done> check_data(const SampledViews& views, Discretise discretise, int lobes) {
     for (std::size_t i = 0; i < views.count(); ++i)
         if (const std::size_t valid = views.valid(i); valid > 0 && valid < std::size_t(lobes))
@@ -154,17 +151,16 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
             result = enough.error();
             return;
         }
-        ViewByView all{views, options, reporter};
+        ViewByViewFit fit{views, options, reporter};
         result->unrounded = black_views(matrix, options);
-        all.fit_views();
-        all.store(result->unrounded);
-        // The nonlinear parameters are rounded, then the coefficients are solved again.
+        fit.fit_views();
+        fit.store(result->unrounded);
         result->model = rounded(result->unrounded);
-        all.solve_again(result->model);
+        fit.refit_coefficients(result->model);
         result->model = rounded(result->model);
-        for (const ViewFit& fit : all.fits) {
-            result->empty += fit.is_empty();
-            if (fit.stop == Stop::iterations) result->stop = StopReason::iterations;
+        for (const ViewFit& view : fit.fits) {
+            result->empty += view.is_empty();
+            if (view.stop == Stop::iterations) result->stop = StopReason::iterations;
         }
     });
     if (result && reporter.cancelled()) result->stop = StopReason::cancelled;

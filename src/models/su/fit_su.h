@@ -1,4 +1,3 @@
-// The fit of a view-by-view model to a measurement as a matrix.
 #pragma once
 #include <cstdint>
 
@@ -13,24 +12,23 @@ namespace srbf {
 struct SuFitOptions {
     int lobes = 8;  ///< J, 1..k_most_view_lobes
     Objective objective = k_default_objective;
-    double max_theta = 0;  ///< [rad], 1 to 89.9°; 0: the objective's default. Pairs beyond it have small weights
+    double max_theta = 0;  ///< 1° to 89.9° [rad]; 0 for the objective's default. Pairs beyond it have small weights
     SuInterpolation interpolation = SuInterpolation::rotated;  ///< stored in the model; the fit does not depend on it
     int neighbours = 3;                                        ///< K of plain interpolation, 1..k_most_neighbours
-    std::uint64_t seed = 0;                                    ///< of the random numbers
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    std::uint64_t seed = 0;                                    ///< seed of the random numbers
+    int threads = 0;  ///< 0 for as many as the machine has; the result does not depend on it
 };
 
 struct SuFit {
     SuModel model;      ///< every number rounded to its stored precision
     SuModel unrounded;  ///< before rounding
-    int empty = 0;      ///< number of sampled views without data, or black within θmax: their coefficients are 0
-    StopReason stop = StopReason::converged;  ///< iterations: some view's last search reached its limit
+    int empty = 0;      ///< number of views without data or black within θmax, whose coefficients are 0
+    StopReason stop = StopReason::converged;  ///< `iterations` if some view's last search reached its limit
 };
 
 /// Fits scattered univariate SRBFs: for each sampled direction of `matrix`, including those beyond θmax, a sum of J
 /// lobes with general centres, by separable least squares as in `fit_pm`. The initial lobes of a view are those of the
-/// view before it; the first of every 32 starts from nothing.
-/// Details: docs/fitting.md.
+/// previous view; the first of every 32 views is fitted from scratch (docs/fitting.md).
 /// Errors: options out of range; a matrix of another size; a view with data at fewer than J directions within θmax.
 Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressToken& progress = {});
 

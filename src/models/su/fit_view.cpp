@@ -10,22 +10,21 @@
 namespace srbf {
 namespace {
 
-/// Steps of Levenberg-Marquardt, at most: from a neighbour's lobes, which are nearly right; from a beginning, which is
-/// not; and after a lobe was replaced, which shows by then whether that pays.
+/// Bounds on the steps of Levenberg-Marquardt: from a neighbour's lobes, from scratch, and after a lobe was replaced.
 constexpr int k_steps = 15, k_steps_from_scratch = 40, k_steps_after_perturbation = 12;
-/// A fit ends when a step is predicted to lower the loss by no more than this share: seeds change it by more.
+/// A fit ends when a step is predicted to lower the loss by no more than this share; other seeds change it by more.
 constexpr double k_decrease_tolerance = 1e-4;
-/// How many times a fit from scratch replaces its least useful lobe.
+/// The number of times that a fit from scratch replaces its least useful lobe.
 constexpr int k_view_perturbations = 8;
-/// Bandwidth of a random lobe: from the first on, uniform in the logarithm over the second, a factor.
+/// The bandwidth of a random lobe is log-uniform from 0.3 to 3e4.
 constexpr double k_least_random_bandwidth = 0.3, k_random_bandwidths = 1e5;
-/// Beginnings at the brightest direction: lobes of bandwidths 0.5, 0.5 k, 0.5 k², … for each factor k, of at most the
-/// largest. Five lobes reach down to widths of 19°, 3.6° and 0.3°.
+/// Bandwidths of initial lobes at the brightest direction: 0.5, 0.5 k, 0.5 k², …, up to 5e4, for each factor k. The
+/// narrowest of five lobes have widths of 19°, 3.6° and 0.3°.
 constexpr double k_bandwidth_factors[] = {3, 6, 30}, k_widest = 0.5, k_narrowest = 5e4;
-/// Bandwidth of lobes that begin far apart from each other: a width of 13°.
+/// Bandwidth of initial lobes that are far apart: a width of 13°.
 constexpr double k_bandwidth_apart = 20;
 
-ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, int steps) {
+ViewFit optimise(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, int steps) {
     Eigen::VectorXd x = problem.start(rows, start);
     const auto summary =
         levenberg_marquardt(problem, x, {.max_iterations = steps, .decrease_tolerance = k_decrease_tolerance});
@@ -33,13 +32,13 @@ ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<
 }
 
 /// The rows of a view with positive weight.
-struct Weighted {
+struct WeightedDirections {
     std::vector<Vec3f> direction;
     std::vector<double> weight;  ///< w f, summed over the channels
     Vec3d brightest;
 };
-Weighted weighted(const ViewRows& rows) {
-    Weighted points;
+WeightedDirections weighted_directions(const ViewRows& rows) {
+    WeightedDirections points;
     double most = -1;
     for (std::size_t i = 0; i < rows.root_weight.size(); ++i) {
         const double root = double(rows.root_weight[i]);
@@ -53,9 +52,8 @@ Weighted weighted(const ViewRows& rows) {
     return points;
 }
 
-/// Initial positions of J lobes: of all sizes about the brightest direction, and at bright directions far apart from
-/// each other.
-std::vector<std::vector<ViewLobe>> beginnings(const Weighted& points, std::size_t J) {
+/// Sets of J initial lobes: of all sizes at the brightest direction, and at bright directions that are far apart.
+std::vector<std::vector<ViewLobe>> initial_lobes(const WeightedDirections& points, std::size_t J) {
     std::vector<std::vector<ViewLobe>> starts;
     for (const double factor : k_bandwidth_factors) {
         std::vector<ViewLobe> lobes;
@@ -82,14 +80,14 @@ std::vector<std::vector<ViewLobe>> beginnings(const Weighted& points, std::size_
 }  // namespace
 
 ViewFit fit_view(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start) {
-    return optimised(problem, rows, start, k_steps);
+    return optimise(problem, rows, start, k_steps);
 }
 
 ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::size_t lobes, std::mt19937_64& random) {
-    const Weighted points = weighted(rows);
+    const WeightedDirections points = weighted_directions(rows);
     ViewFit best;
-    for (const auto& start : beginnings(points, lobes)) {
-        ViewFit fit = optimised(problem, rows, start, k_steps_from_scratch);
+    for (const auto& start : initial_lobes(points, lobes)) {
+        ViewFit fit = optimise(problem, rows, start, k_steps_from_scratch);
         if (fit.loss < best.loss) best = std::move(fit);
     }
     for (int perturbation = 0; perturbation < k_view_perturbations; ++perturbation) {
@@ -97,18 +95,18 @@ ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::s
         const std::vector<double> cost = problem.cost_of_dropping();
         std::vector<ViewLobe> next = best.lobes;
         ViewLobe& least = next[std::size_t(std::min_element(cost.begin(), cost.end()) - cost.begin())];
-        const double pick = uniform(random), size = uniform(random);
-        least = {to_double(points.direction[std::size_t(pick * double(points.direction.size()))]),
-                 k_least_random_bandwidth * elementary::pow(k_random_bandwidths, size)};
-        ViewFit fit = optimised(problem, rows, next, k_steps_after_perturbation);
+        const double u1 = uniform(random), u2 = uniform(random);
+        least = {to_double(points.direction[std::size_t(u1 * double(points.direction.size()))]),
+                 k_least_random_bandwidth * elementary::pow(k_random_bandwidths, u2)};
+        ViewFit fit = optimise(problem, rows, next, k_steps_after_perturbation);
         if (fit.loss < best.loss) best = std::move(fit);
     }
     return best;
 }
 
-std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
+std::vector<ViewLobe> rotate_lobes(std::vector<ViewLobe> lobes, Vec3f view, Vec3f other) {
     const double angle =
-        elementary::atan2(double(to.y), double(to.x)) - elementary::atan2(double(from.y), double(from.x));
+        elementary::atan2(double(other.y), double(other.x)) - elementary::atan2(double(view.y), double(view.x));
     const double cosine = elementary::cos(angle), sine = elementary::sin(angle);
     for (ViewLobe& lobe : lobes) lobe.centre = Kernel<double>::turned(lobe.centre, cosine, sine);
     return lobes;

@@ -1,4 +1,4 @@
-// The sampled views that a view-by-view model interpolates from, and what their lobes reflect.
+// The sampled views between which a view-by-view model interpolates, and the integrals of their lobes.
 #pragma once
 #include "srbf/kernel.h"
 #include "srbf/models/su.h"
@@ -7,12 +7,12 @@ namespace srbf {
 
 /// Sampled views with weights that sum to 1.
 struct ViewNeighbours {
-    std::array<Kernel<float>::SuNeighbour, k_most_neighbours> of{};
+    std::array<Kernel<float>::SuNeighbour, k_most_neighbours> view{};
     int count = 0;
 };
-ViewNeighbours neighbours_at(const SuModel& model, Vec3f w);
+ViewNeighbours find_neighbours(const SuModel& model, Vec3f w);
 
-/// ∫ G_ij cosθ dω of each lobe, of coefficient 1, n × J.
+/// ∫ G_ij cosθ dω of each lobe, n × J, with coefficients 1.
 std::vector<float> lobe_integrals(const SuModel& model);
 
 }  // namespace srbf

@@ -13,22 +13,21 @@
 namespace srbf {
 namespace {
 
-/// Upper bound on the maximum of a lobe over the hemisphere times the cosine there, relative to the largest measured
-/// such product of neighbouring views, so that a lobe between the samples cannot diverge. The bound is lower beyond
-/// θmax, where no peak is needed.
+/// Bounds a lobe's maximum over the hemisphere times the cosine there, relative to the largest such product that was
+/// measured in neighbouring views, so that a lobe between samples cannot diverge. The bound is lower beyond θmax.
 constexpr double k_most_peak = 2, k_most_peak_beyond = 1;
-/// Number of views on either side that count as neighbouring: their cosines differ by less than 1/64 of 1536 views'.
+/// Number of neighbouring views on either side: of 1536 views, their cosines differ by less than 1/64.
 constexpr std::size_t k_peak_views = 24;
-/// A cosine counts as no less, relative to that of θmax, where a bound is divided by it.
+/// Lower bound on the cosine by which a bound is divided, relative to the cosine of θmax.
 constexpr double k_least_view_cosine = 0.5;
-/// The typical value is that of every eighth view, whose cosines are a 192nd apart.
+/// The typical value is that of every eighth view; of 1536 views, their cosines are 1/192 apart.
 constexpr std::size_t k_typical_views = 8;
-/// The height of the light beside the view, relative to its horizontal distance: 27° above the horizon of the normal.
+/// The slope of the light beside the view, 27° above the horizon.
 constexpr double k_elevation = 0.5;
-/// Broad lights are e^{κ (w·centre − 1)}: about the mirror direction, and those beside and about the view.
+/// κ of the broad lights e^{κ (w·centre − 1)} around the mirror direction, and of those beside and around the view.
 constexpr double k_mirror_light = 2, k_view_light = 4;
 
-void take_largest(Rgb& largest, const Rgb& value, float factor = 1) {
+void raise_to(Rgb& largest, const Rgb& value, float factor = 1) {
     for (int c = 0; c < 3; ++c) largest[c] = std::max(largest[c], value[c] * factor);
 }
 
@@ -44,31 +43,31 @@ SampledViews::SampledViews(const RawMatrix& matrix, Objective objective, double 
 
 void SampledViews::find_typical() {
     std::vector<Vec3f> wl, wv;
-    std::vector<Rgb> some;
+    std::vector<Rgb> values;
     for (std::size_t view = 0; view < count(); view += k_typical_views)
         for (std::size_t i = 0; i < count(); ++i) {
             if (!within(direction(view)) || !within(direction(i)) || !is_finite(f(view, i))) continue;
             const auto [l, v] = pair(view, direction(i));
-            wl.push_back(l), wv.push_back(v), some.push_back(f(view, i));
+            wl.push_back(l), wv.push_back(v), values.push_back(f(view, i));
         }
-    typical_ = typical_value(objective_, wl, wv, some, std::vector<double>(some.size(), 1.0));
-    if (!(typical_ > 0)) typical_ = 1;  // black in those views
+    typical_ = typical_value(objective_, wl, wv, values, std::vector<double>(values.size(), 1.0));
+    if (!(typical_ > 0)) typical_ = 1;  // those views are black
 }
 
 void SampledViews::find_largest() {
     const std::size_t n = count();
-    std::vector<Rgb> of_view(n);
+    std::vector<Rgb> own(n);  // the largest product of each view
     parallel_for(n, [&](std::size_t view) {
-        const auto take = [&](Vec3f w, const Rgb& value) {
-            if (within(w) && is_finite(value)) take_largest(of_view[view], value, w.z);
+        const auto add = [&](Vec3f w, const Rgb& value) {
+            if (within(w) && is_finite(value)) raise_to(own[view], value, w.z);
         };
-        for (std::size_t i = 0; i < n; ++i) take(direction(i), f(view, i));
-        for (const RawMatrix::Between& between : between_of(view)) take(between.direction, between.f);
+        for (std::size_t i = 0; i < n; ++i) add(direction(i), f(view, i));
+        for (const RawMatrix::Between& between : between_of(view)) add(between.direction, between.f);
     });
     largest_.resize(n);
     for (std::size_t view = 0; view < n; ++view)
         for (std::size_t i = view - std::min(view, k_peak_views); i < std::min(n, view + k_peak_views + 1); ++i)
-            take_largest(largest_[view], of_view[i]);
+            raise_to(largest_[view], own[i]);
 }
 
 std::size_t SampledViews::valid(std::size_t view) const {
@@ -120,15 +119,15 @@ SampledViews::Weights SampledViews::weights_of(const Table& table) const {
         if (i < n) horizon_pairs += !within(w);
         if (!within(w)) continue;
         f[i] = value;
-        weights.of_row[i] = i < n ? 1 : k_between_views_directions * density(0) / density(table.pdf_between[i - n]);
+        weights.row[i] = i < n ? 1 : k_between_views_directions * density(0) / density(table.pdf_between[i - n]);
     }
-    weigh(objective_, typical_, wl, wv, f, weights.of_row, 1);
-    for (std::size_t i = 0; i < n; ++i) weights.energy += weights.of_row[i] * square_of(f[i]);
+    weigh(objective_, typical_, wl, wv, f, weights.row, 1);
+    for (std::size_t i = 0; i < n; ++i) weights.energy += weights.row[i] * square_of(f[i]);
     for (std::size_t i = 0; i < n; ++i) {
         const double cosine = double(table.direction[i].z);
         if (is_finite(table.f[i]) && !within(table.direction[i]))
-            weights.of_row[i] = k_horizon_importance * weights.energy * cosine * cosine / (horizon_pairs * peak);
-        weights.whole += weights.of_row[i];
+            weights.row[i] = k_horizon_importance * weights.energy * cosine * cosine / (horizon_pairs * peak);
+        weights.total += weights.row[i];
     }
     return weights;
 }
@@ -139,12 +138,12 @@ ViewRows SampledViews::rows_of(std::size_t view) const {
     ViewRows rows;
     if (!(weights.energy > 0)) return rows;
     rows.directions = DirectionRows(table.direction);
-    rows.scale = std::sqrt(weights.energy / weights.whole);
+    rows.scale = std::sqrt(weights.energy / weights.total);
     rows.root_weight.assign(rows.directions.blocks * k_block, 0.f);
     for (auto& y : rows.y) y.assign(rows.root_weight.size(), 0.f);
     for (std::size_t i = 0; i < table.f.size(); ++i) {
-        if (!(weights.of_row[i] > 0)) continue;
-        const double root = std::sqrt(weights.of_row[i] / weights.whole);
+        if (!(weights.row[i] > 0)) continue;
+        const double root = std::sqrt(weights.row[i] / weights.total);
         rows.root_weight[i] = float(root);
         for (int c = 0; c < 3; ++c) rows.y[std::size_t(c)][i] = float(root / rows.scale * double(table.f[i][c]));
     }
@@ -156,23 +155,23 @@ ViewRows SampledViews::rows_of(std::size_t view) const {
 }
 
 void SampledViews::add_radiances(ViewRows& rows, const Table& table) const {
-    const Vec3d about = to_double(direction(table.view));
-    const Vec3d beside = normalize(Vec3d{-about.y, about.x, k_elevation});
+    const Vec3d view = to_double(direction(table.view));
+    const Vec3d beside = normalize(Vec3d{-view.y, view.x, k_elevation});
     const std::pair<Vec3d, double> lights[] = {
-        {about, 0}, {mirror(about), k_mirror_light}, {beside, k_view_light}, {about, k_view_light}};
+        {view, 0}, {mirror(view), k_mirror_light}, {beside, k_view_light}, {view, k_view_light}};
     for (const auto& [centre, kappa] : lights) {
         Aligned<float> light(rows.root_weight.size(), 0.f);
-        double luminous = 0;
+        double radiance = 0;
         for (std::size_t i = 0; i < table.f.size(); ++i) {
             const Vec3f w = table.direction[i];
             if (!(rows.root_weight[i] > 0) || !within(w)) continue;
-            const double of_light = elementary::exp(kappa * (dot(to_double(w), centre) - 1)),
-                         measure = table.solid_angle[i] * double(w.z) * of_light;
+            const double intensity = elementary::exp(kappa * (dot(to_double(w), centre) - 1)),
+                         measure = table.solid_angle[i] * double(w.z) * intensity;
             light[i] = float(measure / double(rows.root_weight[i]));
-            luminous += measure * double(luminance(table.f[i]));
+            radiance += measure * double(luminance(table.f[i]));
         }
-        if (!(luminous > 0)) continue;
-        const auto factor = float(rows.scale / luminous * std::sqrt(k_lights_of_view / std::size(lights)));
+        if (!(radiance > 0)) continue;
+        const auto factor = float(rows.scale / radiance * std::sqrt(k_lights_of_view / std::size(lights)));
         for (float& x : light) x *= factor;
         rows.lights.push_back(std::move(light));
     }

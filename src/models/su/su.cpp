@@ -4,22 +4,23 @@
 
 #include "base/parallel.h"
 #include "brdf/directions.h"
+#include "models/su/su_functions.h"
 #include "models/su/su_kind.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
 namespace {
 
-/// The direction of which the lobes are functions, and the sampled one.
-struct Roles {
-    Vec3f of_lobes, sampled;
+/// The direction at which lobes are evaluated, and the one that was sampled.
+struct SampledPair {
+    Vec3f evaluated, sampled;
 };
-Roles roles(const SuModel& model, Vec3f wl, Vec3f wv) {
-    return model.discretise == Discretise::view ? Roles{wl, wv} : Roles{wv, wl};
+SampledPair sampled_pair(const SuModel& model, Vec3f wl, Vec3f wv) {
+    return model.discretise == Discretise::view ? SampledPair{wl, wv} : SampledPair{wv, wl};
 }
 
-Rgb plain_value(const SuModel& model, const NearestViews& nearest, const Roles& at) {
-    const Vec3f f = Kernel<float>::su_plain_value(model, nearest, at.of_lobes, at.sampled, model.neighbours);
+Rgb plain_value(const SuModel& model, const NearestViews& nearest, const SampledPair& pair) {
+    const Vec3f f = Kernel<float>::su_plain_value(model, nearest, pair.evaluated, pair.sampled, model.neighbours);
     return {f.x, f.y, f.z};
 }
 
@@ -50,23 +51,24 @@ std::optional<DirectionMap> map_named(std::string_view text) {
 
 Rgb value(const SuModel& model, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return {};
-    const Roles at = roles(model, wl, wv);
-    if (model.interpolation == SuInterpolation::plain) return plain_value(model, nearest_views(model, at.sampled), at);
-    const Vec3f f = Kernel<float>::su_rotated_value(model, at.of_lobes, at.sampled);
+    const SampledPair pair = sampled_pair(model, wl, wv);
+    if (model.interpolation == SuInterpolation::plain)
+        return plain_value(model, nearest_views(model, pair.sampled), pair);
+    const Vec3f f = Kernel<float>::su_rotated_value(model, pair.evaluated, pair.sampled);
     return {f.x, f.y, f.z};
 }
 
 Rgb value(const SuModel& model, const IndexTexture& index, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return {};
-    const Roles at = roles(model, wl, wv);
-    NearestViews nearest = index.texels[texel_of(index.map, index.size, at.sampled)];
+    const SampledPair pair = sampled_pair(model, wl, wv);
+    NearestViews nearest = index.texels[texel_of(index.map, index.size, pair.sampled)];
     const auto squared_distance = [&](std::uint16_t view) {
-        const Vec3f apart = model.direction[view] - at.sampled;
-        return dot(apart, apart);
+        const Vec3f difference = model.direction[view] - pair.sampled;
+        return dot(difference, difference);
     };
     std::stable_sort(nearest.begin(), nearest.end(),
                      [&](std::uint16_t a, std::uint16_t b) { return squared_distance(a) < squared_distance(b); });
-    return plain_value(model, nearest, at);
+    return plain_value(model, nearest, pair);
 }
 
 NearestViews nearest_views(const SuModel& model, Vec3f w) {

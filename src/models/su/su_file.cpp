@@ -8,19 +8,20 @@
 #include "base/half.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"
+#include "models/su/su_functions.h"
 
 namespace srbf {
 namespace {
 
-// A centre is stored as its angles relative to the mirror direction of its view: small numbers have small rounding
-// errors, where highlights are.
-Angles<float> relative(Vec3f centre, Vec3f view) {
+// A centre is stored by its angles relative to the mirror direction of its view. Near the highlight these are small,
+// and so are their rounding errors.
+Angles<float> to_relative(Vec3f centre, Vec3f view) {
     const Angles<float> a = angles(centre), origin = angles(mirror(view));
     return {a.theta - origin.theta, std::remainder(a.phi - origin.phi, float(2 * k_pi))};
 }
-Vec3f absolute(Angles<float> from_mirror, Vec3f view) {
+Vec3f to_absolute(Angles<float> relative, Vec3f view) {
     const Angles<float> origin = angles(mirror(view));
-    return spherical(from_mirror.theta + origin.theta, from_mirror.phi + origin.phi);
+    return spherical(relative.theta + origin.theta, relative.phi + origin.phi);
 }
 
 using Shape = std::vector<std::uint64_t>;
@@ -32,7 +33,7 @@ Tensor16 direction_table(const std::vector<Vec3f>& directions) {
     return table;
 }
 
-/// A texture of nearest views without its texels, from the shape of its tensor; nothing if that is none.
+/// A texture of nearest views without texels, by the shape of its tensor; no value if the shape is invalid.
 std::optional<IndexTexture> texture_of(const Shape& shape) {
     const bool is_cube = shape.size() == 4;
     const std::uint64_t size = shape.size() >= 3 ? shape[shape.size() - 2] : 0;
@@ -58,7 +59,7 @@ Result<Done> decode_lobes(const std::map<std::string, Tensor16>& tensors, SuMode
             if (x < 0) return Error{file_name, {}, what, "numbers of at least 0", fmt::format("{}", x)};
         model.coefficient.push_back(beta);
         model.bandwidth.push_back(bandwidth(i));
-        model.centre.push_back(absolute({centre(2 * i), centre(2 * i + 1)}, model.direction[i / J]));
+        model.centre.push_back(to_absolute({centre(2 * i), centre(2 * i + 1)}, model.direction[i / J]));
     }
     return Done{};
 }
@@ -79,13 +80,13 @@ Safetensors Kind<SuModel>::content(const SuModel& model) {
     for (const float lambda : model.bandwidth) bandwidth.data.push_back(to_half(std::min(lambda, k_half_max)));
     if (!model.shape.empty()) {
         Tensor16& shape = tensors["shape"] = {Type16::half, {n, J}, {}};
-        for (const float of : model.shape) shape.data.push_back(to_half(std::clamp(of, -k_half_max, k_half_max)));
+        for (const float x : model.shape) shape.data.push_back(to_half(std::clamp(x, -k_half_max, k_half_max)));
     }
     Tensor16& centre = tensors["centre"] = {Type16::half, {n, J, 2}, {}};
     for (std::size_t i = 0; i < model.centre.size(); ++i) {
-        const Angles<float> from_mirror = relative(model.centre[i], model.direction[i / J]);
-        centre.data.push_back(to_half(from_mirror.theta));
-        centre.data.push_back(to_half(from_mirror.phi));
+        const Angles<float> relative = to_relative(model.centre[i], model.direction[i / J]);
+        centre.data.push_back(to_half(relative.theta));
+        centre.data.push_back(to_half(relative.phi));
     }
     if (model.index) {
         const auto size = std::uint64_t(model.index->size);
@@ -120,10 +121,10 @@ Result<SuModel> Kind<SuModel>::read(Safetensors& content, const std::string& fil
                                                 {"centre", {Type16::half, {n, J, 2}}}};
     if (tensors.contains("shape")) expected["shape"] = {Type16::half, {n, J}};
     SuModel model;
-    const auto index_at = tensors.find("aux.index");
-    const bool has_index = index_at != tensors.end();
+    const auto index = tensors.find("aux.index");
+    const bool has_index = index != tensors.end();
     if (has_index) {
-        const Shape& shape = index_at->second.shape;
+        const Shape& shape = index->second.shape;
         model.index = texture_of(shape);
         if (!model.index)
             return fail("tensor 'aux.index': shape",
@@ -143,7 +144,7 @@ Result<SuModel> Kind<SuModel>::read(Safetensors& content, const std::string& fil
         tensors.at("aux.directions").data != direction_table(model.direction).data)
         return fail("tensor 'aux.directions'", fmt::format("the Fibonacci set of {}", n), "other directions");
     if (has_index) {
-        const auto& data = index_at->second.data;
+        const auto& data = index->second.data;
         const auto out_of_range = std::find_if(data.begin(), data.end(), [&](std::uint16_t view) { return view >= n; });
         if (out_of_range != data.end())
             return fail("tensor 'aux.index'", fmt::format("numbers below {}", n), fmt::format("{}", *out_of_range));

@@ -1,9 +1,9 @@
-// `Kind` of the view-by-view model.
 #pragma once
 #include <string>
 #include <string_view>
 
 #include "base/kind.h"
+#include "models/su/su_functions.h"
 #include "srbf/models/su.h"
 
 namespace srbf {
@@ -20,18 +20,18 @@ template <> struct Kind<SuModel> {
     static Parameters parameters(const SuModel& model);
     static std::vector<Model> terms(const SuModel& model, std::size_t most);
     static std::string formula_text(const SuModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& of);
-    static SuModel made_of(ParameterReader& of);
-    /// Calls each(member) for all members.
-    template <typename Each> static void for_members(SuModel& of, const Each& each) {
-        each(of.discretise), each(of.interpolation), each(of.neighbours), each(of.lobes), each(of.direction);
-        each(of.coefficient), each(of.centre), each(of.bandwidth), each(of.shape), each(of.index);
+    static bool is_of(const ParameterReader& reader);
+    static SuModel made_of(ParameterReader& reader);
+    template <typename Each> static void for_members(SuModel& model, const Each& each) {
+        each(model.discretise), each(model.interpolation), each(model.neighbours), each(model.lobes),
+            each(model.direction);
+        each(model.coefficient), each(model.centre), each(model.bandwidth), each(model.shape), each(model.index);
     }
 };
 
 template <> struct Kind<IndexTexture> {
-    template <typename Each> static void for_members(IndexTexture& of, const Each& each) {
-        each(of.map), each(of.size), each(of.texels);
+    template <typename Each> static void for_members(IndexTexture& index, const Each& each) {
+        each(index.map), each(index.size), each(index.texels);
     }
 };
 

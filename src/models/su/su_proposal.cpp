@@ -1,4 +1,4 @@
-// Draws of a view-by-view model: a sampled view, a lobe, a direction.
+// Samples directions by a view-by-view model: chooses a sampled view, a lobe, and a direction.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -15,11 +15,11 @@ namespace {
 
 using SuKernel = Kernel<float>;
 
-/// The share of a view's samples by the cosine: bounds, and the relative variance of it alone for which it
-/// is half.
-constexpr float k_least_by_cosine = 0.1f, k_most_by_cosine = 0.99f, k_variance_of_half = 0.2f;
-constexpr int k_draws = 128;  // of a view, which find that variance
-/// A lobe that reflects nothing is drawn as this one.
+/// The share s of a view's samples that follow the cosine is v₀ / (v₀ + v), within bounds. v is the relative variance
+/// of samples by the cosine alone; for v = v₀ the share is half.
+constexpr float k_least_cosine_share = 0.1f, k_most_cosine_share = 0.99f, k_half_share_variance = 0.2f;
+constexpr int k_variance_samples = 128;  ///< samples that estimate this variance
+/// Lower bound on the reflectance of a lobe, so that the shares of black lobes are defined.
 constexpr float k_least_integral = 1e-20f;
 
 /// Chooses an index by probabilities that sum to 1, with u uniform in [0,1).
@@ -32,11 +32,11 @@ template <typename Share> Choice choose(int count, float u, const Share& share) 
         u -= part;
         last = k;
     }
-    return {last, k_below_one};  // what rounding left over
+    return {last, k_below_one};  // shares were rounded to a sum below u
 }
 
-/// A lobe times the cosine, as a lobe: the cosine is like a lobe of this bandwidth about the normal (Wang et al. 2009).
-auto lobe_of(const SuModel& model, std::size_t k) {
+/// A lobe times the cosine, which is like a lobe of bandwidth 2.133 about the normal (Wang et al. 2009).
+auto lobe_times_cosine(const SuModel& model, std::size_t k) {
     return SuKernel::gaussian_product(model.centre[k], model.bandwidth[k], {0, 0, 1}, 2.133f);
 }
 
@@ -46,7 +46,7 @@ Vec3f sample_view(const ViewProposal& proposal, std::size_t view, Vec2f u, float
     const float* const share = &proposal.share[view * (J + 1)];
     const Choice part = choose(model.lobes + 1, selector, [&](int k) { return share[k]; });
     if (part.index == 0) return SuKernel::sample_cosine(u.x, u.y);
-    const auto lobe = lobe_of(model, view * J + std::size_t(part.index) - 1);
+    const auto lobe = lobe_times_cosine(model, view * J + std::size_t(part.index) - 1);
     return SuKernel::reflected_up(SuKernel::sample_vmf(lobe.centre, lobe.bandwidth, u.x, u.y));
 }
 float view_pdf(const ViewProposal& proposal, std::size_t view, Vec3f wl) {
@@ -54,17 +54,17 @@ float view_pdf(const ViewProposal& proposal, std::size_t view, Vec3f wl) {
     const float* const share = &proposal.share[view * (J + 1)];
     float pdf = share[0] * SuKernel::cosine_pdf(wl);
     for (std::size_t j = 0; j < J; ++j) {
-        const auto lobe = lobe_of(*proposal.model, view * J + j);
+        const auto lobe = lobe_times_cosine(*proposal.model, view * J + j);
         pdf += share[j + 1] * (SuKernel::vmf_pdf(wl, lobe.centre, lobe.bandwidth) +
                                SuKernel::vmf_pdf({wl.x, wl.y, -wl.z}, lobe.centre, lobe.bandwidth));
     }
     return pdf;
 }
 
-/// The relative variance of f cosθl / pdf by the cosine alone, in this view.
-float variance_by_cosine(const ViewProposal& proposal, std::size_t view) {
+/// The relative variance of f cosθl / pdf in a view if samples follow the cosine alone.
+float cosine_variance(const ViewProposal& proposal, std::size_t view) {
     double sum = 0, squares = 0;
-    for (int i = 0; i < k_draws; ++i) {
+    for (int i = 0; i < k_variance_samples; ++i) {
         const auto turns = [i](double step) { return float(i * step - std::floor(i * step)); };
         const Vec3f wl = sample_view(proposal, view, {turns(0.8191725134), turns(0.6710436067)}, turns(0.5497004779));
         const Vec3f f = SuKernel::su_view_value(*proposal.model, int(view), wl);
@@ -74,7 +74,7 @@ float variance_by_cosine(const ViewProposal& proposal, std::size_t view) {
         sum += reflected / pdf;
         squares += reflected * reflected / (double(SuKernel::cosine_pdf(wl)) * pdf);
     }
-    return sum > 0 ? float(std::max(squares * k_draws / (sum * sum) - 1, 0.0)) : 0;
+    return sum > 0 ? float(std::max(squares * k_variance_samples / (sum * sum) - 1, 0.0)) : 0;
 }
 
 }  // namespace
@@ -90,34 +90,35 @@ ViewProposal propose(const SuModel& model) {
         for (std::size_t j = 0; j < J; ++j)
             share[j + 1] =
                 std::max(integral[view * J + j] * float(luminance(model.coefficient[view * J + j])), k_least_integral);
-        const auto set_cosine = [&](float by_cosine) {
+        const auto set_cosine_share = [&](float cosine_share) {
             share[0] = 0;
             const float sum = std::accumulate(share.begin(), share.end(), 0.f);
-            for (float& of_lobe : share) of_lobe *= (1 - by_cosine) / sum;
-            share[0] = by_cosine;
+            for (float& lobe_share : share) lobe_share *= (1 - cosine_share) / sum;
+            share[0] = cosine_share;
         };
-        set_cosine(k_least_by_cosine);
-        const float variance = variance_by_cosine(proposal, view);
-        set_cosine(
-            std::clamp(k_variance_of_half / (k_variance_of_half + variance), k_least_by_cosine, k_most_by_cosine));
+        set_cosine_share(k_least_cosine_share);
+        const float variance = cosine_variance(proposal, view);
+        set_cosine_share(std::clamp(k_half_share_variance / (k_half_share_variance + variance), k_least_cosine_share,
+                                    k_most_cosine_share));
     }
     return proposal;
 }
 
 Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector) {
-    const ViewNeighbours neighbours = neighbours_at(*proposal.model, wv);
-    const Choice view = choose(neighbours.count, selector, [&](int k) { return neighbours.of[std::size_t(k)].weight; });
-    const auto& neighbour = neighbours.of[std::size_t(view.index)];
+    const ViewNeighbours neighbours = find_neighbours(*proposal.model, wv);
+    const Choice view =
+        choose(neighbours.count, selector, [&](int k) { return neighbours.view[std::size_t(k)].weight; });
+    const auto& neighbour = neighbours.view[std::size_t(view.index)];
     return SuKernel::turned(sample_view(proposal, std::size_t(neighbour.view), u, view.u), neighbour.cosine,
                             -neighbour.sine);
 }
 
 float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return 0;
-    const ViewNeighbours neighbours = neighbours_at(*proposal.model, wv);
+    const ViewNeighbours neighbours = find_neighbours(*proposal.model, wv);
     float sum = 0;
     for (int k = 0; k < neighbours.count; ++k) {
-        const auto& neighbour = neighbours.of[std::size_t(k)];
+        const auto& neighbour = neighbours.view[std::size_t(k)];
         const Vec3f turned = SuKernel::turned(wl, neighbour.cosine, neighbour.sine);
         sum += neighbour.weight * view_pdf(proposal, std::size_t(neighbour.view), turned);
     }

@@ -5,6 +5,7 @@
 
 #include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/su/su_functions.h"
 #include "models/su/su_kind.h"
 #include "srbf/model.h"
 
@@ -77,27 +78,28 @@ Parameters Kind<SuModel>::parameters(const SuModel& model) {
     return all;
 }
 
-bool Kind<SuModel>::is_of(const ParameterReader& of) { return of.has("bandwidth"); }
+bool Kind<SuModel>::is_of(const ParameterReader& reader) { return reader.has("bandwidth"); }
 
-SuModel Kind<SuModel>::made_of(ParameterReader& of) {
+SuModel Kind<SuModel>::made_of(ParameterReader& reader) {
     SuModel model;
-    model.bandwidth = of.numbers("bandwidth", "nJ");
-    model.coefficient = of.vectors<Rgb>("coefficient", "nJ3");
-    model.centre = of.units("centre", "nJ3");
-    if (of.has("shape")) model.shape = of.numbers("shape", "nJ");
-    const int n = int(of.length('n'));
-    model.lobes = int(of.length('J'));
+    model.bandwidth = reader.numbers("bandwidth", "nJ");
+    model.coefficient = reader.vectors<Rgb>("coefficient", "nJ3");
+    model.centre = reader.units("centre", "nJ3");
+    if (reader.has("shape")) model.shape = reader.numbers("shape", "nJ");
+    const int n = int(reader.length('n'));
+    model.lobes = int(reader.length('J'));
     if (n > 0) model.direction = fibonacci_directions(n, k_pi / 2);
     const auto is_near = [](const Vec3f& a, const Vec3f& b) { return dot(a - b, a - b) <= 1e-10f; };
-    if (of.has("direction") && !std::ranges::equal(of.vectors<Vec3f>("direction", "n3"), model.direction, is_near))
-        of.refuse("direction", "the Fibonacci set of the hemisphere", "others");
-    model.interpolation = *interpolation_named(of.word("interpolation", {"rotated", "plain"}, "rotated"));
-    model.discretise = *discretise_named(of.word("discretise", {"view", "light"}, "view"));
-    model.neighbours = of.whole("neighbours", 1, k_most_neighbours, 3);
-    if (!of.has("index")) return model;
-    const auto map = map_named(of.word("index", {"cube", "parabolic"}, "cube"));
-    const int size = of.whole("index_size", 0, k_largest_texture, 0);
-    if (!of.error() && n >= k_least_views) model.index = index_texture(model, *map, size);
+    if (reader.has("direction") &&
+        !std::ranges::equal(reader.vectors<Vec3f>("direction", "n3"), model.direction, is_near))
+        reader.refuse("direction", "the Fibonacci set of the hemisphere", "others");
+    model.interpolation = *interpolation_named(reader.word("interpolation", {"rotated", "plain"}, "rotated"));
+    model.discretise = *discretise_named(reader.word("discretise", {"view", "light"}, "view"));
+    model.neighbours = reader.whole("neighbours", 1, k_most_neighbours, 3);
+    if (!reader.has("index")) return model;
+    const auto map = map_named(reader.word("index", {"cube", "parabolic"}, "cube"));
+    const int size = reader.whole("index_size", 0, k_largest_texture, 0);
+    if (!reader.error() && n >= k_least_views) model.index = index_texture(model, *map, size);
     return model;
 }
 

@@ -13,8 +13,8 @@ HWY_BEFORE_NAMESPACE();
 namespace srbf {
 namespace HWY_NAMESPACE {
 
-Vec3<Batch> load(const DirectionRows& rows, std::size_t at) {
-    return {Batch::load(&rows.w[0][at]), Batch::load(&rows.w[1][at]), Batch::load(&rows.w[2][at])};
+Vec3<Batch> load(const DirectionRows& rows, std::size_t i) {
+    return {Batch::load(&rows.w[0][i]), Batch::load(&rows.w[1][i]), Batch::load(&rows.w[2][i])};
 }
 Vec3<Batch> spread(Vec3f w) { return {Batch(double(w.x)), Batch(double(w.y)), Batch(double(w.z))}; }
 
@@ -37,11 +37,11 @@ void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe
     const Vec3<Batch> first = spread(lobe.bandwidth * lobe.along[0]), second = spread(lobe.bandwidth * lobe.along[1]),
                       centre = spread(lobe.centre);
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-        // The tangents are orthogonal to the centre, which may therefore be subtracted: differences keep precision.
-        const Vec3<Batch> apart = load(rows, block * k_block + i) - centre;
+        // Since the tangents are orthogonal to the centre, it may be subtracted, which keeps precision.
+        const Vec3<Batch> difference = load(rows, block * k_block + i) - centre;
         const Batch value = Batch::load(e + i);
-        (value * dot(apart, first)).store(by_first + i);
-        (value * dot(apart, second)).store(by_second + i);
+        (value * dot(difference, first)).store(by_first + i);
+        (value * dot(difference, second)).store(by_second + i);
         (value * Batch::load(x + i)).store(by_log_bandwidth + i);
     }
 }
@@ -66,7 +66,7 @@ void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe
 }
 
 DirectionRows::DirectionRows(std::span<const Vec3f> directions) : blocks(blocks_for(directions.size())) {
-    // Padding rows: any direction is fine, the weight is 0.
+    // Padding has weight 0 and may have any direction.
     for (std::size_t k = 0; k < 3; ++k) w[k].assign(blocks * k_block, k == 2 ? 1.f : 0.f);
     for (std::size_t i = 0; i < directions.size(); ++i)
         w[0][i] = directions[i].x, w[1][i] = directions[i].y, w[2][i] = directions[i].z;

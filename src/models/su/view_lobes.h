@@ -9,7 +9,7 @@
 
 namespace srbf {
 
-/// A set of directions as the loops take it: an array a component, filled up to whole blocks.
+/// Directions as an array for each component, padded to whole blocks.
 struct DirectionRows {
     DirectionRows() = default;
     explicit DirectionRows(std::span<const Vec3f> directions);
@@ -17,19 +17,19 @@ struct DirectionRows {
     std::array<Aligned<float>, 3> w;
 };
 
-/// A lobe to be differentiated: its centre and what that changes by when it moves along two tangents.
+/// A lobe, and the derivatives of its centre by shifts along two tangents.
 struct MovingLobe {
     Vec3f centre, along[2];
     float bandwidth;
 };
 
-// Every array below holds k_block numbers and is aligned for vectors.
+// Every array below holds k_block numbers and is aligned for SIMD.
 
-/// x = `gaussian_exponent`; returns the largest of the rows with a positive weight, the lowest float where there is none.
+/// x = `gaussian_exponent`. Returns the largest of the rows with positive weight, or the lowest float if there are
+/// none.
 float exponents(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* root_weight,
                 float* x);
-/// The derivatives of √w G by the shifts along the tangents and by log λ, `e` and `x` as of `exponents` and
-/// `exponentiate`: λ ((w − ξ)·along_k) e and x e.
+/// The derivatives of e = √w G by the shifts along the tangents, λ ((w − ξ)·along_k) e, and by log λ, x e.
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
             float* by_first, float* by_second, float* by_log_bandwidth);
 

@@ -5,31 +5,31 @@
 #include <limits>
 
 #include "base/half.h"
+#include "brdf/frame.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
 namespace {
 
-/// A lobe may lie between the rows: if less than a quarter of its peak is visible on them, it is bounded by the visible
-/// part.
+/// A lobe may peak between the rows. If less than a quarter of its peak is on them, its bound is lowered accordingly.
 constexpr double k_hidden = 4;
-/// The shift of a centre along a tangent by which it turns 45°. A larger shift needs a new start.
+/// Bound on the shift of a centre along a tangent, which corresponds to 45°.
 constexpr double k_most_shift = 1;
-/// Bounds of a step: of a centre at most this [rad], and at most so many widths 1/√λ.
+/// Bounds on the step of a centre, in radians and in widths 1/√λ.
 constexpr double k_longest_shift = 0.5, k_widths = 1.5;
 /// Exponents up to this have a finite exponential in double.
 constexpr double k_most_double_exponent = 700;
 
 }  // namespace
 
-ViewProblem::ViewProblem(int lobes) : lobes_(lobes), frame_(std::size_t(lobes)), offset_(std::size_t(lobes)) {}
+ViewProblem::ViewProblem(int lobes) : lobes_(lobes), frame_(std::size_t(lobes)), log_scale_(std::size_t(lobes)) {}
 
 Eigen::VectorXd ViewProblem::start(const ViewRows& view, std::span<const ViewLobe> lobes) {
     view_ = &view;
-    const std::size_t column = blocks() * k_block, of_lobes = column * std::size_t(lobes_);
-    exponent_.resize(of_lobes), value_.resize(of_lobes), derivative_.resize(of_lobes * k_variables);
-    rest_.resize(column * 3);
+    const std::size_t column = blocks() * k_block, lobe_columns = column * std::size_t(lobes_);
+    exponent_.resize(lobe_columns), value_.resize(lobe_columns), derivative_.resize(lobe_columns * k_variables);
+    residual_.resize(column * 3);
     coefficients_ = {Eigen::MatrixXd(lobes_, 3), {}, {}};
     Eigen::VectorXd x = Eigen::VectorXd::Zero(k_variables * lobes_);
     for (int j = 0; j < lobes_; ++j) {
@@ -42,13 +42,13 @@ Eigen::VectorXd ViewProblem::start(const ViewRows& view, std::span<const ViewLob
     return x;
 }
 
-MovingLobe ViewProblem::moving(const Eigen::VectorXd& x, int j) const {
+MovingLobe ViewProblem::moving_lobe(const Eigen::VectorXd& x, int j) const {
     const Frame& frame = frame_[std::size_t(j)];
-    const double* const of = &x[k_variables * j];
-    const Vec3d towards = frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1];
-    const double length = std::sqrt(dot(towards, towards));
-    const Vec3d centre = (1 / length) * towards;
-    MovingLobe lobe{to_float(centre), {}, float(elementary::exp(of[2]))};
+    const double* const variables = &x[k_variables * j];
+    const Vec3d shifted = frame.centre + variables[0] * frame.along[0] + variables[1] * frame.along[1];
+    const double length = std::sqrt(dot(shifted, shifted));
+    const Vec3d centre = (1 / length) * shifted;
+    MovingLobe lobe{to_float(centre), {}, float(elementary::exp(variables[2]))};
     for (int k = 0; k < 2; ++k)
         lobe.along[k] = to_float((1 / length) * (frame.along[k] - dot(frame.along[k], centre) * centre));
     return lobe;
@@ -58,9 +58,9 @@ std::vector<ViewLobe> ViewProblem::lobes(const Eigen::VectorXd& x) const {
     std::vector<ViewLobe> lobes;
     for (int j = 0; j < lobes_; ++j) {
         const Frame& frame = frame_[std::size_t(j)];
-        const double* const of = &x[k_variables * j];
-        lobes.push_back(
-            {normalize(frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1]), elementary::exp(of[2])});
+        const double* const variables = &x[k_variables * j];
+        lobes.push_back({normalize(frame.centre + variables[0] * frame.along[0] + variables[1] * frame.along[1]),
+                         elementary::exp(variables[2])});
     }
     return lobes;
 }
@@ -82,18 +82,18 @@ Eigen::VectorXd ViewProblem::longest_step(const Eigen::VectorXd& x) const {
     return longest;
 }
 
-template <typename OfBlock> Eigen::MatrixXd ViewProblem::gram(std::size_t count, const OfBlock& of_block) {
+template <typename AddColumns> Eigen::MatrixXd ViewProblem::gram(std::size_t count, const AddColumns& add_columns) {
     const std::size_t K = view_->lights.size();
     std::vector<double> products(count * count, 0.0), lit(K * count, 0.0);
     std::vector<const float*> columns, lights(K);
     for (std::size_t block = 0; block < blocks(); ++block) {
         columns.clear();
-        of_block(block, columns);
+        add_columns(block, columns);
         add_gram(columns, products.data());
         for (std::size_t k = 0; k < K; ++k) lights[k] = &view_->lights[k][block * k_block];
         if (K > 0) add_products(lights, columns, lit.data());
     }
-    // Row-major lower triangles are column-major upper ones.
+    // The row-major lower triangle is a column-major upper one.
     const Eigen::Map<const Eigen::MatrixXd> triangle(products.data(), Eigen::Index(count), Eigen::Index(count));
     Eigen::MatrixXd G = triangle.selfadjointView<Eigen::Upper>();
     lit_ = Eigen::Map<const Eigen::MatrixXd>(lit.data(), Eigen::Index(count), Eigen::Index(K));
@@ -103,13 +103,13 @@ template <typename OfBlock> Eigen::MatrixXd ViewProblem::gram(std::size_t count,
 
 double ViewProblem::loss(const Eigen::VectorXd& x) {
     for (int j = 0; j < lobes_; ++j) {
-        const MovingLobe lobe = moving(x, j);
+        const MovingLobe lobe = moving_lobe(x, j);
         float most = -std::numeric_limits<float>::max();
         for (std::size_t block = 0; block < blocks(); ++block)
             most = std::max(most, exponents(view_->directions, block, lobe, &view_->root_weight[block * k_block],
                                             exponent(block, j)));
-        offset_[std::size_t(j)] = double(most);
-        coefficients_.limit.row(j) = limit_of(lobe, double(most));
+        log_scale_[std::size_t(j)] = double(most);
+        coefficients_.limit.row(j) = coefficient_limits(lobe, double(most));
         for (std::size_t block = 0; block < blocks(); ++block)
             exponentiate(exponent(block, j), &view_->root_weight[block * k_block], most, value(block, j));
     }
@@ -121,18 +121,17 @@ double ViewProblem::loss(const Eigen::VectorXd& x) {
     return loss_with_residuals();
 }
 
-Eigen::RowVector3d ViewProblem::limit_of(const MovingLobe& lobe, double most) const {
-    // The maximum of the lobe over the hemisphere relative to that of its Gaussian: the value at the horizon if the
-    // centre is below it.
+Eigen::RowVector3d ViewProblem::coefficient_limits(const MovingLobe& lobe, double most) const {
+    // The maximum of the lobe over the hemisphere; it is at the horizon if the centre is below.
     const double z = double(lobe.centre.z), lambda = double(lobe.bandwidth);
-    const double log_visible = z < 0 ? lambda * (std::sqrt(std::max(0.0, 1 - z * z)) - 1) : 0;
-    const double visible = elementary::exp(most - log_visible);  // the fraction of it that is on the rows
+    const double log_peak = z < 0 ? lambda * (std::sqrt(std::max(0.0, 1 - z * z)) - 1) : 0;
+    const double share = elementary::exp(most - log_peak);  // the largest value on the rows, relative to that maximum
     Eigen::RowVector3d limit;
     for (int c = 0; c < 3; ++c) {
-        const double of_hemisphere = view_->largest[std::size_t(c)] / std::max(z, view_->least_cosine) * visible *
-                                     std::min(1.0, k_hidden * visible);
-        const double of_halves = double(k_half_max) / view_->scale * elementary::exp(most);
-        limit[c] = std::min(of_hemisphere, of_halves);
+        const double peak_limit =
+            view_->largest[std::size_t(c)] / std::max(z, view_->least_cosine) * share * std::min(1.0, k_hidden * share);
+        const double half_limit = double(k_half_max) / view_->scale * elementary::exp(most);
+        limit[c] = std::min(peak_limit, half_limit);
     }
     return limit;
 }
@@ -142,11 +141,11 @@ double ViewProblem::loss_with_residuals() {
     double sum = (lit_.bottomRows(3) - beta.transpose() * lit_.topRows(lobes_)).squaredNorm();
     std::vector<const float*> columns(static_cast<std::size_t>(lobes_));
     for (Eigen::Index c = 0; c < 3; ++c) {
-        const Eigen::VectorXf of_channel = beta.col(c).cast<float>();
+        const Eigen::VectorXf factors = beta.col(c).cast<float>();
         for (std::size_t block = 0; block < blocks(); ++block) {
             for (int j = 0; j < lobes_; ++j) columns[std::size_t(j)] = value(block, j);
-            sum += residual(&view_->y[std::size_t(c)][block * k_block], {of_channel.data(), columns.size()}, columns,
-                            rest(block, c));
+            sum += residual(&view_->y[std::size_t(c)][block * k_block], {factors.data(), columns.size()}, columns,
+                            residual_of(block, c));
         }
     }
     return sum;
@@ -156,7 +155,7 @@ double ViewProblem::loss_with_residuals() {
 void ViewProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
     const Eigen::Index J = lobes_, X = k_variables * J;
     for (int j = 0; j < lobes_; ++j) {
-        const MovingLobe lobe = moving(x, j);
+        const MovingLobe lobe = moving_lobe(x, j);
         const Eigen::Index i = k_variables * j;
         for (std::size_t block = 0; block < blocks(); ++block)
             derive(view_->directions, block, lobe, value(block, j), exponent(block, j), derivative(block, i),
@@ -165,9 +164,9 @@ void ViewProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
     const Eigen::MatrixXd G = gram(std::size_t(X + J + 3), [&](std::size_t block, std::vector<const float*>& columns) {
         for (Eigen::Index i = 0; i < X; ++i) columns.push_back(derivative(block, i));
         for (Eigen::Index j = 0; j < J; ++j) columns.push_back(value(block, j));
-        for (Eigen::Index c = 0; c < 3; ++c) columns.push_back(rest(block, c));
+        for (Eigen::Index c = 0; c < 3; ++c) columns.push_back(residual_of(block, c));
     });
-    Eigen::MatrixXd beta(X, 3);  // of the lobe of each variable
+    Eigen::MatrixXd beta(X, 3);  // the coefficients of each variable's lobe
     for (Eigen::Index i = 0; i < X; ++i) beta.row(i) = coefficients_.beta.row(i / k_variables);
     H = G.topLeftCorner(X, X).cwiseProduct(beta * beta.transpose());
     g = -G.block(0, X + J, X, 3).cwiseProduct(beta).rowwise().sum();
@@ -183,9 +182,9 @@ std::vector<double> ViewProblem::cost_of_dropping() const {
 }
 
 std::vector<std::array<double, 3>> ViewProblem::coefficients() const {
-    std::vector<std::array<double, 3>> all(offset_.size());
+    std::vector<std::array<double, 3>> all(log_scale_.size());
     for (std::size_t j = 0; j < all.size(); ++j) {
-        const double at_peak = elementary::exp(std::min(-offset_[j], k_most_double_exponent));
+        const double at_peak = elementary::exp(std::min(-log_scale_[j], k_most_double_exponent));
         for (std::size_t c = 0; c < 3; ++c)
             all[j][c] = std::min(coefficients_.beta(Eigen::Index(j), Eigen::Index(c)) * at_peak * view_->scale,
                                  double(k_half_max));

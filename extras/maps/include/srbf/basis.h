@@ -15,12 +15,12 @@
 namespace [[gnu::visibility("default")]] srbf {
 
 struct BasisOptions {
-    PmForm form = PmForm::extended;
-    bool axial = true;                  ///< only centres at +z or −z, sufficient for isotropic materials
-    int lobes = 16;                     ///< J, 1..k_most_basis_lobes
-    int variates = k_default_variates;  ///< N, 1..8
-    int active = 0;                     ///< K: number of lobes of which a material is the sum; 0: all, a dense library
-    double max_theta = 0;               ///< [rad]; 0: the default of objective appearance
+    PmForm form = PmForm::extended;  ///< not reciprocal
+    bool axial = true;               ///< only centres at +z or −z, sufficient for isotropic materials
+    int lobes = 16;                  ///< J, 1..k_most_basis_lobes
+    int variates = 4;                ///< N, 1..8
+    int active = 0;                  ///< K: number of lobes of which a material is the sum; 0: all, a dense library
+    double max_theta = 0;            ///< [rad]; 0: the default of objective appearance
     std::uint64_t seed = 0;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "base/levenberg_marquardt.h"
+#include "models/pm/pm_functions.h"
 #include "models/pm/solve/rounding.h"
+#include "observe/albedo_bound.h"
 #include "observe/bound.h"
 #include "observe/pair_weights.h"
 #include "srbf/elementary.h"
@@ -69,38 +71,71 @@ Lobes without_features(Lobes lobes, std::span<const int> which) {
     return lobes;
 }
 
+/// The limit on the albedo of a fit; none: there is none.
+std::optional<AlbedoBound> albedo_bound(const Observations& observations, const PmFitOptions& options) {
+    constexpr int k_azimuths = 5;  // of lobes that need not be isotropic
+    if (!options.albedo_limit && !is_reciprocal(options.form)) return {};
+    return AlbedoBound(options.albedo_limit.value_or(most_measured_albedo(observations)),
+                       options.axial ? 1 : k_azimuths);
+}
+
+/// `model` with an albedo within the limit: bounds lower what exceeds it, this the rest.
+PmModel scaled_to(const AlbedoBound& bound, PmModel model) {
+    constexpr double k_margin = 1.002;  // of rounding, and between the views of the bound
+    const double excess = bound.excess(evaluator(model));
+    if (excess <= 1) return model;
+    const auto factor = float(1 / (k_margin * excess));
+    for (Rgb& beta : model.coefficient) beta = {factor * beta.r, factor * beta.g, factor * beta.b};
+    for (float& beta : model.spectrum) beta *= factor;
+    return model;
+}
+
+/// A round: steps, then rounding. `lobes` become those of the steps; `is_new`: no round has improved them yet.
+PmFit fit_round(const Observations& observations, Lobes& lobes, bool is_new, const TermFactors& factors,
+                const PmFitOptions& options, double log_peak_limit, const Reporter& reporter) {
+    const Rows rows(observations, {.integral_importance = factors.integrals,
+                                   .spectra = !observations.wavelengths.empty(),
+                                   .picture_importance = factors.pictures});
+    LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
+    Eigen::VectorXd x = pack(lobes);
+    const bool is_sampled = rows.views > 0 && !factors.has_directional_lights;
+    const double least_gain = is_sampled ? k_least_gain_of_samples : k_least_gain;
+    const auto summary = is_sampled && !is_new ? take_steps(problem, x, k_bound_steps_of_samples, reporter)
+                                               : take_last_steps(problem, x, least_gain, reporter);
+    lobes = unpack(x, lobes.shape);
+    PmFit fit;
+    fit.unrounded_loss = summary.loss;
+    fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
+    fit.unrounded = to_model(problem, lobes, options.log_scale, observations.wavelengths);
+
+    // The nonlinear parameters are rounded, then the coefficients are solved again.
+    const Lobes halves = round_lobes(problem, lobes, fit.unrounded_loss);
+    fit.loss = problem.loss(pack(halves));
+    fit.model = to_halves(to_model(problem, halves, options.log_scale, observations.wavelengths), halves);
+    return fit;
+}
+
 }  // namespace
 
 PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const PmFitOptions& options,
              double log_peak_limit, const Reporter& reporter) {
-    PmFit fit;
-    const bool spectral = !observations.wavelengths.empty();
-    if (spectral) weigh_for_spectra(observations);
+    if (!observations.wavelengths.empty()) weigh_for_spectra(observations);
     const std::size_t first_bound = observations.fitted_count();
+    std::optional<AlbedoBound> bound = albedo_bound(observations, options);
+    const auto within_limits = [&](PmFit unscaled) {
+        if (!bound) return unscaled;
+        unscaled.model = rounded(scaled_to(*bound, std::move(unscaled.model)));
+        unscaled.unrounded = scaled_to(*bound, std::move(unscaled.unrounded));
+        return unscaled;
+    };
     Lobes first_lobes;
     std::optional<std::vector<int>> without_features_before;  // lobes that began again without features
     double first_loss = 0;
-    bool is_new = true;  // lobes are new: no round has improved them yet
+    bool is_new = true;
     for (int round = 0;; ++round) {
-        const Rows rows(
-            observations,
-            {.integral_importance = factors.integrals, .spectra = spectral, .picture_importance = factors.pictures});
-        LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
-        Eigen::VectorXd x = pack(lobes);
-        const bool is_sampled = rows.views > 0 && !factors.has_directional_lights;
-        const double least_gain = is_sampled ? k_least_gain_of_samples : k_least_gain;
-        const auto summary = is_sampled && !is_new ? take_steps(problem, x, k_bound_steps_of_samples, reporter)
-                                                   : take_last_steps(problem, x, least_gain, reporter);
-        lobes = unpack(x, lobes.shape), is_new = false;
-        fit.unrounded_loss = summary.loss;
-        fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
-        fit.unrounded = to_model(problem, lobes, options.log_scale, observations.wavelengths);
-
-        // The nonlinear parameters are rounded, then the coefficients are solved again.
-        const Lobes halves = round_lobes(problem, lobes, fit.unrounded_loss);
-        fit.loss = problem.loss(pack(halves));
-        fit.model = to_halves(to_model(problem, halves, options.log_scale, observations.wavelengths), halves);
-        if (round == k_bound_rounds || reporter.cancelled()) return fit;
+        PmFit fit = fit_round(observations, lobes, is_new, factors, options, log_peak_limit, reporter);
+        is_new = false;
+        if (round == k_bound_rounds || reporter.cancelled()) return within_limits(std::move(fit));
         if (round == 0) first_lobes = lobes, first_loss = fit.loss;
         const bool costs_much = fit.unrounded_loss > k_costly_bounds * first_loss;
         const auto rising = costs_much ? exceeding_lobes(observations, first_bound, fit.model) : std::vector<int>{};
@@ -110,9 +145,12 @@ PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors,
             lobes = without_features(first_lobes, rising), without_features_before = rising;
             reset_bound_weights(observations, first_bound, first_loss);
             is_new = true;
-        } else if (add_exceeded_pairs(observations, first_bound, fit.model, fit.loss) == 0) {
-            return fit;
+            continue;
         }
+        const std::size_t exceeded_pairs = add_exceeded_pairs(observations, first_bound, fit.model, fit.loss);
+        const std::size_t exceeded_albedos =
+            bound ? bound->add_exceeded(observations, evaluator(fit.model), spectra(fit.model)) : 0;
+        if (exceeded_pairs + exceeded_albedos == 0) return within_limits(std::move(fit));
     }
 }
 

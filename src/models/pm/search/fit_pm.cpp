@@ -49,9 +49,6 @@ Result<Done> validate(const Observations& observations, const PmFitOptions& opti
         return argument_error("fit", "finest width", "0 to 1 radian", fmt::format("{}", options.finest));
     if (!options.log_scale && options.form != PmForm::gaussian)
         return argument_error("fit", "log scale", "one, in all forms but gaussian", "none");
-    if (options.reciprocal && options.variates % 2 == 1)
-        return argument_error("fit", "number of variates", "an even one, for a reciprocal model",
-                              fmt::format("{}", options.variates));
     return validate(observations, parameter_count(options));
 }
 

@@ -15,10 +15,8 @@ namespace srbf {
 struct PmFitOptions {
     PmForm form = PmForm::extended;
     bool axial = true;  ///< only centres at +z or −z, sufficient for isotropic data
-    /// f(ωl,ωv) = f(ωv,ωl) up to rounding: variates form pairs (a, b), (b, a) with the same centre and bandwidth
-    bool reciprocal = false;
-    int lobes = k_default_lobes;        ///< J, 1..k_most_fitted_lobes
-    int variates = k_default_variates;  ///< N, 1..8, even for a reciprocal model
+    int lobes = 8;      ///< J, 1..k_most_fitted_lobes
+    int variates = 4;   ///< N, 1..8
     /// Upper bound 1/finest² on bandwidths, and 1/finest [1/rad] on the other weights; 0: the range of 16-bit
     /// floats.
     double finest = 0;
@@ -34,6 +32,9 @@ struct PmFitOptions {
     /// another three tenths, and the best quarter the remaining half. For appearance, all starts get 0.28 of them.
     /// Default: 45 for up to 5 lobes, falling to 25 for 8 and more.
     std::optional<int> perturbations = {};
+    /// Limit on the directional albedo in every channel, to cosθv = 0.001. None: in a reciprocal form the largest one
+    /// measured up to 80°, at least 1; in other forms there is no limit.
+    std::optional<double> albedo_limit = {};
     std::uint64_t seed = 0;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };

@@ -9,8 +9,7 @@
 namespace srbf {
 
 inline LobeShape shape_of(const PmFitOptions& options) {
-    return {options.form, options.variates / (options.reciprocal ? 2 : 1), options.axial, options.reciprocal,
-            options.finest};
+    return {options.form, options.variates, options.axial, options.finest};
 }
 
 /// Default numbers of starts and perturbations. Fits with more lobes use fewer, because each takes longer and

@@ -67,9 +67,20 @@ void combine_and_multiply(std::span<const float> weight, std::span<const float* 
     });
 }
 
+void add(const float* a, const float* b, float* out, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += Batch::size()) (Batch::load(a + i) + Batch::load(b + i)).store(out + i);
+}
+
 void multiply(const float* a, const float* b, float* out, std::size_t count) {
     for (std::size_t i = 0; i < count; i += Batch::size())
         without_subnormals(Batch::load(a + i) * Batch::load(b + i)).store(out + i);
+}
+
+void add_two_products(const float* a, const float* b, const float* c, const float* d, float* out, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += Batch::size())
+        (without_subnormals(Batch::load(a + i) * Batch::load(b + i)) +
+         without_subnormals(Batch::load(c + i) * Batch::load(d + i)))
+            .store(out + i);
 }
 
 void add_product(const float* a, const float* b, float* out, std::size_t count) {
@@ -97,17 +108,17 @@ double residual(const float* y, std::span<const float> beta, std::span<const flo
     return sum_of_squares(r, count);
 }
 
-// to[k] = Σ over the lanes of x[k], k < 4.
+// sums[k] = Σ over the lanes of x[k], k < 4.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE void sum_lanes(const Batch (&x)[4], float* sums) {
-    for (std::size_t k = 0; k < 4; ++k) sums[k] = reduced_lanes(x[k]);
+    for (std::size_t k = 0; k < 4; ++k) sums[k] = reduce_lanes(x[k]);
 }
 #else
 // Transposes the matrix of four vectors of four lanes while adding lanes.
 HWY_INLINE void sum_lanes(const Batch (&x)[4], float* sums) {
     const hn::CappedTag<float, 4> d;
     const hn::RepartitionToWide<decltype(d)> pairs;
-    const auto four = [&](Batch x) HWY_ATTR { return folded_to_four(Lanes(), x.v); };
+    const auto four = [&](Batch x) HWY_ATTR { return fold_to_four(Lanes(), x.v); };
     const auto halves = [&](Batch a, Batch b) HWY_ATTR {  // a b a b
         const auto x4 = four(a), y4 = four(b);
         return hn::BitCast(pairs, hn::Add(hn::InterleaveLower(d, x4, y4), hn::InterleaveUpper(d, x4, y4)));
@@ -131,7 +142,40 @@ constexpr std::size_t k_tile = 3;
 // Columns are multiplied by this factor and sums divided by it. Both are exact, and keep products of the tails of
 // two lobes out of the subnormal range.
 constexpr double k_lift = 0x1p60;
-// Only the first `columns_of(i)` columns of row i are computed.
+// The sums of a tile's products, by part of a sum, row and column.
+using TileSums = Batch[k_sum_parts][k_tile][4];
+HWY_INLINE void sum_tile(const float* const (&a)[k_tile], const float* const (&b)[4], std::size_t count,
+                         TileSums& sums) {
+    for (std::size_t p = 0; p < k_sum_parts; ++p) {  // one part at a time, since its sums fill the registers
+        Batch sum[k_tile][4];
+        for (auto& row_sums : sum)
+            for (Batch& x : row_sums) x = Batch(0.0);
+        for (std::size_t i = p * k_width; i < count; i += k_sum_lanes)
+            for (std::size_t u = 0; u < 4; ++u) {
+                const Batch column_values = Batch::load(b[u] + i) * Batch(k_lift);
+                for (std::size_t t = 0; t < k_tile; ++t) sum[t][u] = sum[t][u] + Batch::load(a[t] + i) * column_values;
+            }
+        for (std::size_t t = 0; t < k_tile; ++t)
+            for (std::size_t u = 0; u < 4; ++u) sums[p][t][u] = sum[t][u];
+    }
+}
+// Adds the first `needed` sums of a tile's row t to `target`.
+HWY_INLINE void add_tile_row(const TileSums& sums, std::size_t t, std::size_t needed, double* target) {
+    Batch total[4];
+    for (std::size_t u = 0; u < 4; ++u) {
+        Batch parts[k_sum_parts];
+        for (std::size_t p = 0; p < k_sum_parts; ++p) parts[p] = sums[p][t][u];
+        total[u] = reduce_parts(parts);
+    }
+    HWY_ALIGN float sum[4];
+    sum_lanes(total, sum);
+    if (needed >= 4)
+        for (std::size_t u = 0; u < 4; ++u) target[u] += double(sum[u]) / k_lift;
+    else
+        for (std::size_t u = 0; u < needed; ++u) target[u] += double(sum[u]) / k_lift;
+}
+// G += the inner products of rows and columns. Computes only the first columns_of(i) columns of row i, a number that
+// does not decrease with i.
 template <typename ColumnsOf>
 HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
                           std::size_t count, const ColumnsOf& columns_of) {
@@ -142,36 +186,11 @@ HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const fl
         for (std::size_t column = 0; column < columns_of(std::min(row + k_tile, m) - 1); column += 4) {
             const float* b[4];
             for (std::size_t u = 0; u < 4; ++u) b[u] = columns[std::min(column + u, n - 1)];
-            // One pass for each part of the sums, which fill the registers.
-            Batch sums[k_sum_parts][k_tile][4];
-            for (std::size_t p = 0; p < k_sum_parts; ++p) {
-                Batch sum[k_tile][4];
-                for (auto& row_sums : sum)
-                    for (Batch& x : row_sums) x = Batch(0.0);
-                for (std::size_t i = p * k_width; i < count; i += k_sum_lanes)
-                    for (std::size_t u = 0; u < 4; ++u) {
-                        const Batch column_values = Batch::load(b[u] + i) * Batch(k_lift);
-                        for (std::size_t t = 0; t < k_tile; ++t)
-                            sum[t][u] = sum[t][u] + Batch::load(a[t] + i) * column_values;
-                    }
-                for (std::size_t t = 0; t < k_tile; ++t)
-                    for (std::size_t u = 0; u < 4; ++u) sums[p][t][u] = sum[t][u];
-            }
+            TileSums sums;
+            sum_tile(a, b, count, sums);
             for (std::size_t t = 0; t < k_tile && row + t < m; ++t) {
-                Batch total[4];
-                for (std::size_t u = 0; u < 4; ++u) {
-                    Batch parts[k_sum_parts];
-                    for (std::size_t p = 0; p < k_sum_parts; ++p) parts[p] = sums[p][t][u];
-                    total[u] = reduced(parts);
-                }
-                HWY_ALIGN float sum[4];
-                sum_lanes(total, sum);
-                double* const target = G + (row + t) * n + column;
-                const std::size_t needed = columns_of(row + t);
-                if (column + 4 <= needed)
-                    for (std::size_t u = 0; u < 4; ++u) target[u] += double(sum[u]) / k_lift;
-                else
-                    for (std::size_t u = 0; column + u < needed; ++u) target[u] += double(sum[u]) / k_lift;
+                const std::size_t end = columns_of(row + t);
+                add_tile_row(sums, t, end > column ? end - column : 0, G + (row + t) * n + column);
             }
         }
     }
@@ -197,7 +216,9 @@ HWY_EXPORT(exponent);
 HWY_EXPORT(exponentiate);
 HWY_EXPORT(combine);
 HWY_EXPORT(combine_and_multiply);
+HWY_EXPORT(add);
 HWY_EXPORT(multiply);
+HWY_EXPORT(add_two_products);
 HWY_EXPORT(add_product);
 HWY_EXPORT(residual);
 HWY_EXPORT(sum);
@@ -219,8 +240,12 @@ void combine(std::span<const float> weight, std::span<const float* const> s, con
              std::size_t count) {
     HWY_DYNAMIC_DISPATCH(combine_and_multiply)(weight, s, factor, x, count);
 }
+void add(const float* a, const float* b, float* out, std::size_t count) { HWY_DYNAMIC_DISPATCH(add)(a, b, out, count); }
 void multiply(const float* a, const float* b, float* out, std::size_t count) {
     HWY_DYNAMIC_DISPATCH(multiply)(a, b, out, count);
+}
+void add_two_products(const float* a, const float* b, const float* c, const float* d, float* out, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(add_two_products)(a, b, c, d, out, count);
 }
 void add_product(const float* a, const float* b, float* out, std::size_t count) {
     HWY_DYNAMIC_DISPATCH(add_product)(a, b, out, count);

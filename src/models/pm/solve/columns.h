@@ -24,8 +24,13 @@ void combine(std::span<const float> weight, std::span<const float* const> s, flo
 /// x = factor Σ_n weight[n] s[n].
 void combine(std::span<const float> weight, std::span<const float* const> s, const float* factor, float* x,
              std::size_t count = k_block);
+/// out = a + b.
+void add(const float* a, const float* b, float* out, std::size_t count = k_block);
 /// out = a b.
 void multiply(const float* a, const float* b, float* out, std::size_t count = k_block);
+/// out = a b + c d.
+void add_two_products(const float* a, const float* b, const float* c, const float* d, float* out,
+                      std::size_t count = k_block);
 /// out += a b.
 void add_product(const float* a, const float* b, float* out, std::size_t count = k_block);
 /// r = y − Σ_j beta[j] columns[j]; returns Σ r².

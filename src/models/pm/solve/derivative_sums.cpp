@@ -14,6 +14,15 @@ constexpr Eigen::Index k_pairs_together = 48;
 
 }  // namespace
 
+AngleColumns::AngleColumns(const Eigen::MatrixXd& coefficients) {
+    const double largest = coefficients.size() > 0 ? coefficients.maxCoeff() : 0;
+    unit = largest > 0 ? largest : 1;
+    beta = coefficients / unit;
+    channels = beta.transpose(), lobes = channels;
+    const Eigen::Index columns = std::min(beta.rows(), beta.cols());
+    (beta.cols() < beta.rows() ? channels : lobes).setIdentity(columns, columns);
+}
+
 class DerivativeSums::Scratch {
   public:
     explicit Scratch(Eigen::Index columns) {
@@ -32,14 +41,10 @@ DerivativeSums::DerivativeSums(LobeBasis& basis, const Eigen::VectorXd& x, const
     : basis_(basis), x_(x), residuals_(residuals) {
     const LobeShape& shape = basis.shape();
     J_ = basis.count(), N_ = shape.variates, C_ = shape.components(), W_ = shape.width();
-    channels_ = beta.cols(), S_ = std::min(channels_, J_);
-    // The coefficients are scaled by their maximum: floats can then hold products of two of them, whatever the unit
-    // of the data.
-    const double largest = beta.size() > 0 ? beta.maxCoeff() : 0;
-    unit_ = largest > 0 ? largest : 1;
-    beta_ = beta / unit_;
-    channel_matrix_ = beta_.transpose(), lobe_matrix_ = channel_matrix_;
-    (channels_ < J_ ? channel_matrix_ : lobe_matrix_).setIdentity(S_, S_);
+    const AngleColumns columns_of_angles(beta);
+    unit_ = columns_of_angles.unit, beta_ = columns_of_angles.beta;
+    channel_matrix_ = columns_of_angles.channels, lobe_matrix_ = columns_of_angles.lobes;
+    channels_ = beta.cols(), S_ = lobe_matrix_.rows();
     across_channels_ = channel_matrix_.transpose() * channel_matrix_;
     lobes_to_angles_ = lobe_matrix_.transpose() * across_channels_;  // U of A: J × S
     // Row s W + k: contribution of weight k to column s of A, for each lobe. Row j: combinations of A and of the

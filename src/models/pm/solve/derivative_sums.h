@@ -8,6 +8,15 @@
 
 namespace srbf {
 
+/// The coefficients β of lobes, in multiples of `unit`, and the columns from which the derivatives by an angle are
+/// combined: one for each channel, or one for each lobe if there are fewer lobes than channels.
+struct AngleColumns {
+    explicit AngleColumns(const Eigen::MatrixXd& coefficients);  ///< J × channels
+    double unit;                      ///< the largest coefficient, so that floats can hold products of two of them
+    Eigen::MatrixXd beta;             ///< J × channels
+    Eigen::MatrixXd channels, lobes;  ///< channels × lobes = βᵀ; S rows of `lobes`
+};
+
 /// Sums over rows that make up the Hessian and the gradient: for pairs sums of the products of derivatives and
 /// residuals, for integrals products of their sums.
 ///
@@ -16,6 +25,8 @@ namespace srbf {
 /// are needed only as sums over channels: (E_j U_nj) · s_i and (E_j R_j) · s_i with A_nc = Σ_j β_jc E_j
 /// p_jn·∂ψ_n/∂angle, U_nj = Σ_c β_jc A_nc and R_j = Σ_c β_jc r_c. If there are more channels than lobes, the A_nc
 /// are combinations of S < C columns: A = channel_matrix × columns, where channel_matrix × lobe_matrix = βᵀ.
+///
+/// The form reciprocal, whose derivatives do not factor so, uses `DerivativeGram`.
 class DerivativeSums {
   public:
     /// Computes the sums for the lobes that `basis` has evaluated at x. `beta` holds their coefficients, J ×

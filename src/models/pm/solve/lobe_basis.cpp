@@ -10,27 +10,23 @@
 namespace srbf {
 
 LobeBasis::LobeBasis(const Rows& rows, const LobeShape& shape, bool parallel)
-    : rows_(rows), shape_(shape), parallel_(parallel), factor_(rows.total_blocks() * std::size_t(factors()) * k_block) {
+    : rows_(rows),
+      shape_(shape),
+      parallel_(parallel),
+      factor_(rows.total_blocks() * std::size_t(shape.sides() * factors()) * k_block) {
     if (features(shape.form) == 0) return;
     for (std::size_t block = 0; block < rows_.total_blocks(); ++block)
-        further_features(rows_, block, features(shape.form), factor(block, shape.directional()));
+        for (int side = 0; side < shape.sides(); ++side)
+            further_features(rows_, block, features(shape.form), factor(block, shape.directional(), side));
 }
 
 void LobeBasis::evaluate_factors(const Eigen::VectorXd& x, std::size_t block) {
-    const auto C = std::size_t(shape_.components());
-    thread_local Aligned<float> swapped, swapped_by_angle;
-    swapped.resize(C * k_block), swapped_by_angle.resize(C * k_block);
     for (int n = 0; n < shape_.variates; ++n) {
         const auto a = float(elementary::cos(x[n])), b = float(elementary::sin(x[n]));
-        float *const values = factor(block, n * shape_.components()), *const derivatives =
-                                                                          by_angle(block, n * shape_.components());
-        variate_features(rows_, block, a, b, shape_.axial, values, derivatives);
-        if (!shape_.reciprocal) continue;
-        variate_features(rows_, block, b, a, shape_.axial, swapped.data(), swapped_by_angle.data());
-        for (std::size_t i = 0; i < swapped.size(); ++i) {
-            values[i] += swapped[i];
-            derivatives[i] -= swapped_by_angle[i];  // the angle of (b, a) is π/2 minus that of (a, b)
-        }
+        const int first = n * shape_.components();
+        for (int side = 0; side < shape_.sides(); ++side)
+            variate_features(rows_, block, side, a, b, shape_.axial, factor(block, first, side),
+                             by_angle(block, first, side));
     }
 }
 
@@ -40,7 +36,8 @@ void LobeBasis::evaluate(const Eigen::VectorXd& x) {
     const auto W = std::size_t(shape_.width());
     count_ = (int(x.size()) - shape_.variates) / shape_.width();
     const auto J = std::size_t(count_);
-    lobe_.resize(rows_.total_blocks() * J * k_block);
+    const std::size_t columns = rows_.total_blocks() * J * k_block;
+    lobe_.resize(columns), part_.resize(shape_.sides() == 1 ? 0 : 2 * columns);
     const Eigen::VectorXf weight = x.tail(Eigen::Index(J * W)).cast<float>();
 
     std::vector<std::vector<float>> largest(rows_.total_chunks(), std::vector<float>(J, k_lowest));
@@ -48,11 +45,13 @@ void LobeBasis::evaluate(const Eigen::VectorXd& x) {
         std::vector<const float*> s(W);
         for (std::size_t block = begin; block < end; ++block) {
             evaluate_factors(x, block);
-            for (std::size_t n = 0; n < W; ++n) s[n] = factor(block, int(n));
-            for (std::size_t j = 0; j < J; ++j)
-                largest[chunk][j] = std::max(
-                    largest[chunk][j], exponent({weight.data() + j * W, W}, s, &rows_.root_weight[block * k_block],
-                                                lobe(block, int(j)), rows_.rows_in(block)));
+            for (int side = 0; side < shape_.sides(); ++side) {
+                for (std::size_t n = 0; n < W; ++n) s[n] = factor(block, int(n), side);
+                for (std::size_t j = 0; j < J; ++j)
+                    largest[chunk][j] = std::max(
+                        largest[chunk][j], exponent({weight.data() + j * W, W}, s, &rows_.root_weight[block * k_block],
+                                                    part(block, int(j), side), rows_.rows_in(block)));
+            }
         }
     });
     offset_.assign(J, 0.0);
@@ -63,10 +62,18 @@ void LobeBasis::evaluate(const Eigen::VectorXd& x) {
     }
     rows_.for_chunks(rows_.total_chunks(), parallel_, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t block = begin; block < end; ++block)
-            for (std::size_t j = 0; j < J; ++j)
-                exponentiate(lobe(block, int(j)), &rows_.root_weight[block * k_block], float(offset_[j]),
-                             lobe(block, int(j)), rows_.rows_in(block));
+            for (std::size_t j = 0; j < J; ++j) exponentiate_lobe(block, int(j));
     });
+}
+
+void LobeBasis::exponentiate_lobe(std::size_t block, int j) {
+    const std::size_t count = rows_.rows_in(block);
+    const auto offset = float(offset_[std::size_t(j)]);
+    for (int side = 0; side < shape_.sides(); ++side) {
+        float* const values = part(block, j, side);
+        exponentiate(values, &rows_.root_weight[block * k_block], offset, values, count);
+    }
+    if (shape_.sides() == 2) add(part(block, j, 0), part(block, j, 1), lobe(block, j), count);
 }
 
 }  // namespace srbf

@@ -9,7 +9,7 @@
 namespace srbf {
 
 /// The values √w E_j of lobes on all rows, and the factors of their derivatives: E_j s_i with respect to weight i
-/// of lobe j, and Σ_j E_j p_jn·∂ψ_n/∂angle with respect to angle n.
+/// of lobe j, and Σ_j E_j p_jn·∂ψ_n/∂angle with respect to angle n. Each is a sum over the sides of the shape.
 class LobeBasis {
   public:
     /// `parallel`: loops over rows use several threads; the result does not depend on it.
@@ -20,10 +20,16 @@ class LobeBasis {
     // Results of the last call of `evaluate`, for a block of rows:
     int count() const { return count_; }  ///< J
     float* lobe(std::size_t block, int j) { return column(lobe_, block, count_, j); }
+    /// The part of a lobe that one side contributes.
+    float* part(std::size_t block, int j, int side) {
+        return shape_.sides() == 1 ? lobe(block, j) : column(part_, block, 2 * count_, side * count_ + j);
+    }
     /// s_i of weight i.
-    float* factor(std::size_t block, int i) { return column(factor_, block, factors(), i); }
+    float* factor(std::size_t block, int i, int side = 0) {
+        return column(factor_, block, shape_.sides() * factors(), side * factors() + i);
+    }
     /// ∂(ψ−ẑ)/∂angle, in the order of the weights of variates.
-    float* by_angle(std::size_t block, int k) { return factor(block, shape_.width() + k); }
+    float* by_angle(std::size_t block, int k, int side = 0) { return factor(block, shape_.width() + k, side); }
     /// Factors of weights and angles: W + N C.
     int factors() const { return shape_.width() + shape_.directional(); }
     const std::vector<double>& offset() const { return offset_; }  ///< o_j
@@ -38,12 +44,14 @@ class LobeBasis {
     }
     /// The factors of the variates, for angles x.
     void evaluate_factors(const Eigen::VectorXd& x, std::size_t block);
+    /// Replaces the exponents of lobe j by its values.
+    void exponentiate_lobe(std::size_t block, int j);
 
     const Rows& rows_;
     LobeShape shape_;
     bool parallel_;
     int count_ = 0;
-    Aligned<float> lobe_, factor_;  ///< blocks × (J, W + N C) × k_block
+    Aligned<float> lobe_, part_, factor_;  ///< blocks × (J, 2 J or none, sides × (W + N C)) × k_block
     std::vector<double> offset_;
 };
 

@@ -6,6 +6,8 @@
 
 #include "base/least_squares.h"
 #include "models/pm/solve/columns.h"
+#include "models/pm/solve/derivative_gram.h"
+#include "models/pm/solve/derivative_sums.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -111,7 +113,14 @@ double LobeProblem::loss_with_residuals() {
 // counts (Kaufman's approximation). A coefficient at its upper bound follows the bound: β_j E_j is then a lobe of
 // given peak, and the peak of exp(p·(ψ − ẑ)) is exp(|p| − p_z).
 void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    const DerivativeSums sums(basis_, x, beta(), residuals_);
+    if (shape_.sides() == 1)
+        linearise(DerivativeSums(basis_, x, beta(), residuals_), x, H, g);
+    else
+        linearise(DerivativeGram(basis_, x, beta(), residuals_), x, H, g);
+}
+
+template <typename Sums>
+void LobeProblem::linearise(const Sums& sums, const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
     H = Eigen::MatrixXd::Zero(x.size(), x.size());
     g = Eigen::VectorXd::Zero(x.size());
     fill_derivatives(sums, H, g);
@@ -124,7 +133,8 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
     coefficients_.adapt(rows_.views > 0, with_lobes, residual_products, add_pixels, H, g);
 }
 
-void LobeProblem::fill_derivatives(const DerivativeSums& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
+template <typename Sums>
+void LobeProblem::fill_derivatives(const Sums& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
     const Eigen::Index J = basis_.count(), N = shape_.variates, W = shape_.width();
     const auto weight = [&](Eigen::Index j, Eigen::Index i) { return N + j * W + i; };
     const Eigen::MatrixXd beta_products = beta() * beta().transpose();
@@ -145,8 +155,9 @@ void LobeProblem::fill_derivatives(const DerivativeSums& sums, Eigen::MatrixXd& 
     }
 }
 
-Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const Eigen::VectorXd& x, const DerivativeSums& sums,
-                                                    Eigen::Index c, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
+template <typename Sums>
+Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const Eigen::VectorXd& x, const Sums& sums, Eigen::Index c,
+                                                    Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
     const Eigen::Index J = basis_.count(), N = shape_.variates, W = shape_.width();
     Eigen::MatrixXd with_lobes(x.size(), J);
     for (Eigen::Index k = 0; k < J; ++k) {
@@ -181,7 +192,7 @@ CoefficientTerms LobeProblem::coefficient_terms() {
 Eigen::VectorXd LobeProblem::gains(const std::vector<std::vector<double>>& candidates) {
     constexpr std::size_t k_group = 16;  // the values of this many candidates on all blocks fit in the cache
     constexpr double k_nothing = 1e-60, k_least_orthogonal = 1e-4;  // of |e|²: smaller fractions are float noise
-    const Eigen::LDLT<Eigen::MatrixXd> factor(ridged(gram()));
+    const Eigen::LDLT<Eigen::MatrixXd> factor(with_ridge(gram()));
     Eigen::VectorXd gains = Eigen::VectorXd::Constant(Eigen::Index(candidates.size()), -1);
     for (std::size_t first = 0; first < candidates.size(); first += k_group) {
         const auto group = std::span(candidates).subspan(first, std::min(k_group, candidates.size() - first));
@@ -208,23 +219,30 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
 Eigen::MatrixXd LobeProblem::products_with_candidates(std::span<const std::vector<double>> candidates,
                                                       Eigen::VectorXd& squares) {
     const std::size_t blocks = rows_.blocks;
-    thread_local Aligned<float> values;
+    thread_local Aligned<float> values, other_side;
     values.resize(std::max(values.size(), candidates.size() * blocks * k_block));
+    other_side.resize(std::max(other_side.size(), std::size_t(shape_.sides() - 1) * blocks * k_block));
     const auto candidate = [&](std::size_t k, std::size_t block) { return &values[(k * blocks + block) * k_block]; };
     std::vector<const float*> factors, rows, columns;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
         const std::vector<float> weight(candidates[k].begin(), candidates[k].end());
+        const auto part = [&](std::size_t block, int side) {
+            return side == 0 ? candidate(k, block) : &other_side[block * k_block];
+        };
         float offset = -std::numeric_limits<float>::infinity();
-        for (std::size_t block = 0; block < blocks; ++block) {
-            factors.clear();
-            for (int n = 0; n < shape_.width(); ++n) factors.push_back(basis_.factor(block, n));
-            offset = std::max(offset, exponent(weight, factors, &rows_.root_weight[block * k_block],
-                                               candidate(k, block), rows_.rows_in(block)));
-        }
+        for (std::size_t block = 0; block < blocks; ++block)
+            for (int side = 0; side < shape_.sides(); ++side) {
+                factors.clear();
+                for (int n = 0; n < shape_.width(); ++n) factors.push_back(basis_.factor(block, n, side));
+                offset = std::max(offset, exponent(weight, factors, &rows_.root_weight[block * k_block],
+                                                   part(block, side), rows_.rows_in(block)));
+            }
         double sum = 0;
         for (std::size_t block = 0; block < blocks; ++block) {
-            exponentiate(candidate(k, block), &rows_.root_weight[block * k_block], offset, candidate(k, block),
-                         rows_.rows_in(block));
+            for (int side = 0; side < shape_.sides(); ++side)
+                exponentiate(part(block, side), &rows_.root_weight[block * k_block], offset, part(block, side),
+                             rows_.rows_in(block));
+            if (shape_.sides() == 2) add(part(block, 0), part(block, 1), part(block, 0), rows_.rows_in(block));
             sum += sum_of_squares(candidate(k, block), rows_.rows_in(block));
         }
         squares[Eigen::Index(k)] = sum;

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "models/pm/solve/coefficients.h"
-#include "models/pm/solve/derivative_sums.h"
 #include "models/pm/solve/lobe_basis.h"
 
 namespace srbf {
@@ -57,11 +56,15 @@ class LobeProblem {
     void bound_coefficients(const Eigen::VectorXd& x);
     /// Computes the residuals and returns the loss.
     double loss_with_residuals();
+    /// `linearise` with the sums of these products.
+    template <typename Sums>
+    void linearise(const Sums& sums, const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
     /// Fills the derivatives with respect to the variables for constant coefficients.
-    void fill_derivatives(const DerivativeSums& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
+    template <typename Sums> void fill_derivatives(const Sums& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
     /// Products of the derivatives of channel c with the lobes, variables × J. Adds to H and g the contributions of
     /// coefficients at their bounds.
-    Eigen::MatrixXd derivatives_with_lobes(const Eigen::VectorXd& x, const DerivativeSums& sums, Eigen::Index c,
+    template <typename Sums>
+    Eigen::MatrixXd derivatives_with_lobes(const Eigen::VectorXd& x, const Sums& sums, Eigen::Index c,
                                            Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
     /// Products of candidate lobes with the lobes and the residuals of pairs, (J + C) × candidates. `squares`
     /// receives the candidates' squared norms.

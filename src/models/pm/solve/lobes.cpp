@@ -35,10 +35,10 @@ Interval weight_range(int n, const LobeShape& shape) {
 }
 
 double log_peak_factor(std::span<const double> weights, const LobeShape& shape, double offset) {
-    double log_factor = -offset;
+    double log_factor = elementary::log(double(shape.sides())) - offset;
     for (int n = 0; n < shape.variates; ++n) {
         const Vec3d p = vector_of(weights, shape, n);
-        log_factor += (shape.reciprocal ? 2 : 1) * (elementary::hypot(p.x, p.y, p.z) - p.z);
+        log_factor += elementary::hypot(p.x, p.y, p.z) - p.z;
     }
     return log_factor;
 }
@@ -52,17 +52,16 @@ Vec3d vector_of(std::span<const double> weights, const LobeShape& shape, int n) 
 std::vector<std::pair<Eigen::Index, double>> limit_derivatives(const Eigen::VectorXd& x, const LobeShape& shape,
                                                                Eigen::Index j) {
     const int N = shape.variates, W = shape.width(), C = shape.components();
-    const double factor = shape.reciprocal ? 2 : 1;
     std::vector<std::pair<Eigen::Index, double>> slopes;
     for (int n = 0; n < N; ++n) {
         const Vec3d p = vector_of({&x[N + j * W], std::size_t(W)}, shape, n);
         const double bandwidth = elementary::hypot(p.x, p.y, p.z);
         if (bandwidth == 0) continue;
         const Eigen::Index last = N + j * W + (n + 1) * C - 1;  // index of p_z
-        slopes.emplace_back(last, factor * (1 - p.z / bandwidth));
+        slopes.emplace_back(last, 1 - p.z / bandwidth);
         if (shape.axial) continue;
-        slopes.emplace_back(last - 2, -factor * p.x / bandwidth);
-        slopes.emplace_back(last - 1, -factor * p.y / bandwidth);
+        slopes.emplace_back(last - 2, -p.x / bandwidth);
+        slopes.emplace_back(last - 1, -p.y / bandwidth);
     }
     return slopes;
 }

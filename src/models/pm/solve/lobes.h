@@ -13,20 +13,21 @@ namespace srbf {
 /// Structure of the lobes of a fit.
 struct LobeShape {
     PmForm form = PmForm::gaussian;
-    int variates = 0;         ///< N
-    bool axial = true;        ///< only centres at +z or −z
-    bool reciprocal = false;  ///< a variate is a pair, ψ of (a, b) and of (b, a), with one centre and one bandwidth
-    double finest = 0;        ///< least width of any factor of a lobe [rad]; 0: the limit of 16-bit floats
+    int variates = 0;   ///< N
+    bool axial = true;  ///< only centres at +z or −z
+    double finest = 0;  ///< least width of any factor of a lobe [rad]; 0: the limit of 16-bit floats
 
     int components() const { return axial ? 1 : 3; }             ///< C: weights per variate
     int directional() const { return variates * components(); }  ///< weights of all variates of a lobe
     int width() const { return directional() + features(form); }
+    /// The sides on which a lobe is evaluated: (ωl, ωv), and (ωv, ωl) if the form is reciprocal.
+    int sides() const { return is_reciprocal(form) ? 2 : 1; }
 };
 
 /// The nonlinear parameters of J lobes of N variates. Lobe j is E_j = exp(Σ_n p_jn·(ψ_n − ẑ) + Σ_k κ_jk x_k − o_j).
 /// Up to a factor this is a product of Gaussian SRBFs, with bandwidths |p_jn| and centres p_jn / |p_jn|, and of the
 /// exponentials of the form's further features. o_j normalises its maximum over the rows to 1. An axial lobe has
-/// only the third component of p_jn. In a reciprocal lobe, ψ_n − ẑ is the sum over the pair.
+/// only the third component of p_jn. A reciprocal lobe is the sum of two such lobes, at (ωl, ωv) and at (ωv, ωl).
 struct Lobes {
     LobeShape shape;
     std::vector<double> angle;   ///< N: (a_n, b_n) = (cos, sin)

@@ -106,13 +106,13 @@ void PixelMoments::evaluate(bool with_derivatives) {
     for_each((rows.views + views_per_block - 1) / views_per_block, basis_.parallel(), [&](std::size_t group) {
         for (std::size_t view = group * views_per_block; view < std::min(rows.views, (group + 1) * views_per_block);
              ++view)
-            evaluate_view(view, with_derivatives);
+            for (int side = 0; side < basis_.shape().sides(); ++side) evaluate_view(view, side, with_derivatives);
     });
 }
 
 // Under a directional light a pixel is one row, under an extended light the product of the light with the rows of
-// its view.
-void PixelMoments::evaluate_view(std::size_t view, bool with_derivatives) {
+// its view. The second side adds to the first.
+void PixelMoments::evaluate_view(std::size_t view, int side, bool with_derivatives) {
     const Rows& rows = basis_.rows();
     const std::size_t J = std::size_t(basis_.count()), F = with_derivatives ? std::size_t(basis_.factors()) : 0,
                       count = rows.view_rows, row = rows.first_view_block() * k_block + view * count,
@@ -123,14 +123,15 @@ void PixelMoments::evaluate_view(std::size_t view, bool with_derivatives) {
     lit.resize(std::max(lit.size(), pixels.size() * J * count));
     const Aligned<float> ones(count, 1.f);
     std::vector<const float*> lit_lobes, columns{ones.data()};
-    for (std::size_t i = 0; i < F; ++i) columns.push_back(basis_.factor(block, int(i)) + offset);
+    for (std::size_t i = 0; i < F; ++i) columns.push_back(basis_.factor(block, int(i), side) + offset);
     const auto store = [&](std::size_t p, std::size_t j, std::size_t i, double value) {
         p += rows.first_pixel[view];
-        moment(p / k_block, Eigen::Index(i == 0 ? j : J + j * F + i - 1))[p % k_block] = float(value);
+        float& stored = moment(p / k_block, Eigen::Index(i == 0 ? j : J + j * F + i - 1))[p % k_block];
+        stored = side == 0 ? float(value) : stored + float(value);
     };
     for (std::size_t p = 0; p < pixels.size(); ++p)
         for (std::size_t j = 0; j < J; ++j) {
-            const float* const e = basis_.lobe(block, int(j)) + offset;
+            const float* const e = basis_.part(block, int(j), side) + offset;
             if (!pixels[p].is_directional) {
                 float* const product = &lit[lit_lobes.size() * count];
                 multiply(&rows.light[pixels[p].light], e, product, count);

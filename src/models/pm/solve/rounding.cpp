@@ -5,6 +5,7 @@
 
 #include "base/half.h"
 #include "base/levenberg_marquardt.h"
+#include "models/pm/pm_functions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -28,8 +29,6 @@ Parameterization rounded_direction(double angle) {
 
 namespace {
 
-Parameterization swapped(Parameterization p) { return {p.b, p.a}; }
-
 /// The model of these lobes, with coefficients 0.
 PmModel without_coefficients(const Lobes& lobes) {
     PmModel model;
@@ -37,17 +36,14 @@ PmModel without_coefficients(const Lobes& lobes) {
     model.form = shape.form;
     model.axial = shape.axial;
     model.lobes = lobes.count();
-    model.variates = (shape.reciprocal ? 2 : 1) * shape.variates;
-    for (int n = 0; n < model.variates; ++n) {
-        const double angle = lobes.angle[std::size_t(n % shape.variates)];
-        const Parameterization p{float(elementary::cos(angle)), float(elementary::sin(angle))};
-        model.parameterization.push_back(n < shape.variates ? p : swapped(p));
-    }
+    model.variates = shape.variates;
+    for (const double angle : lobes.angle)
+        model.parameterization.push_back({float(elementary::cos(angle)), float(elementary::sin(angle))});
     for (int j = 0; j < model.lobes; ++j) {
         for (const double kappa : lobes.weights_of(j).subspan(std::size_t(shape.directional())))
             model.exponent.push_back(float(kappa));
         for (int n = 0; n < model.variates; ++n) {
-            const Vec3d p = vector_of(lobes.weights_of(j), shape, n % shape.variates);
+            const Vec3d p = vector_of(lobes.weights_of(j), shape, n);
             const double bandwidth = elementary::hypot(p.x, p.y, p.z);
             model.centre.push_back(bandwidth > 0 ? to_float((1 / bandwidth) * p) : Vec3f(0, 0, 1));
             model.bandwidth.push_back(float(bandwidth));
@@ -93,11 +89,8 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale,
 }
 
 PmModel to_halves(PmModel model, const Lobes& lobes) {
-    const std::size_t variates = lobes.angle.size();
-    for (std::size_t n = 0; n < model.parameterization.size(); ++n) {
-        const Parameterization p = rounded_direction(lobes.angle[n % variates]);
-        model.parameterization[n] = n < variates ? p : swapped(p);
-    }
+    for (std::size_t n = 0; n < model.parameterization.size(); ++n)
+        model.parameterization[n] = rounded_direction(lobes.angle[n]);
     return rounded(model);
 }
 
@@ -107,10 +100,9 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
         const Parameterization p = model.parameterization[std::size_t(n)];
         lobes.angle.push_back(elementary::atan2(double(p.b), double(p.a)));
     }
-    const auto N = std::size_t(model.variates), kept = std::size_t(shape.variates),
-               F = std::size_t(features(model.form));
+    const auto N = std::size_t(model.variates), F = std::size_t(features(model.form));
     for (std::size_t j = 0; j < std::size_t(model.lobes); ++j) {
-        for (std::size_t i = j * N; i < j * N + kept; ++i) {
+        for (std::size_t i = j * N; i < (j + 1) * N; ++i) {
             const Vec3f xi = model.centre[i];
             const double bandwidth = double(model.bandwidth[i]);
             if (!model.axial)

@@ -32,7 +32,7 @@ Rows::Rows(const Observations& observations, const RowOptions& options) {
     double costs = 0;
     for (const ObservedIntegral* integral : used) {
         integral_blocks = std::max(integral_blocks, blocks_for((integral->wl.size() + step - 1) / step));
-        costs += integral->cost;
+        costs += integral->is_bound ? 0 : integral->cost;
     }
     const auto has_pixels = [](const ObservedView& view) { return !view.pixels.empty(); };
     if (options.picture_importance > 0 && !options.spectra && std::ranges::any_of(observations.views, has_pixels)) {
@@ -68,7 +68,7 @@ Rows::Rows(const Observations& observations, const RowOptions& options) {
             unit += integral.weight[i] * double(luminance(integral.f[i]));
         unit = std::max({unit, integral.least_unit / double(step), integral.noise_unit / std::sqrt(double(step))});
         if (!(unit > 0)) continue;
-        const double factor = std::sqrt(options.integral_importance * integral.cost / costs) / unit;
+        const double factor = std::sqrt(options.integral_importance * integral.cost / (costs > 0 ? costs : 1)) / unit;
         std::size_t row = (blocks + k * integral_blocks) * k_block;
         for (std::size_t i = 0; i < integral.wl.size(); i += step)
             set(row++, integral.wl[i], integral.wv[i], factor * integral.weight[i], value_of(integral, i));

@@ -1,25 +1,16 @@
-// How different pictures of a sphere look.
+// Errors of pictures of a sphere: their names and their verdicts.
 #pragma once
 #include <array>
+#include <cstddef>
 #include <span>
 #include <string_view>
 #include <vector>
 
-#include "srbf/brdf.h"
-#include "srbf/progress.h"
+#include "srbf/metrics.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 
 inline constexpr int k_sphere_pixels = 64;  ///< of a picture along a side
-
-/// Differences between pictures of a sphere as a display shows them: with the reference's exposure, clipped at white.
-/// Means over the sphere's pixels.
-struct PictureErrors {
-    double delta_e = 0;  ///< ΔE_ITP (ITU-R BT.2124) for a display of 100 cd/m²; 1 is just noticeable
-    double flip = 0;     ///< ꟻLIP, 0 to 1; see `flip_map`
-    double psnr = 0;     ///< of the sRGB encoded picture [dB], at most 100
-    double rms = 0;      ///< √(Σ(L−L̂)² / ΣL²) of linear radiance, before exposure
-};
 
 /// The verdict on an error of pictures: the worse of those by ΔE_ITP and by ꟻLIP.
 enum class Verdict { alike, close, differs, other };
@@ -46,12 +37,10 @@ inline constexpr std::array<PictureErrorName, 4> k_picture_errors{{
     {"rms", "RMS of radiance", &PictureErrors::rms},
 }};
 
-/// The errors under `standard_lightings`.
-struct Appearance {
-    PictureErrors mean;
-    double worst_delta_e = 0;
-    std::vector<PictureErrors> lighting;  ///< of each
-};
+/// The pictures by which a fit is judged: for fits to scattered samples those in cross-validation.
+inline const Appearance& judged(const Comparison& of) {
+    return of.heldout_appearance ? *of.heldout_appearance : of.appearance;
+}
 /// The mean of at least one.
 Appearance mean_of(std::span<const Appearance> all);
 /// `is_isotropic`: the reference is, which saves time.

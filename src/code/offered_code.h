@@ -1,0 +1,50 @@
+// Languages of code by name, functions and texts that extras add, and models as Python.
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "srbf/shading_code.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// A language and its name for users.
+struct CodeLanguageRow {
+    CodeLanguage language;
+    std::string_view name;
+};
+inline constexpr CodeLanguageRow k_code_languages[] = {{CodeLanguage::glsl, "glsl"},
+                                                       {CodeLanguage::hlsl, "hlsl"},
+                                                       {CodeLanguage::wgsl, "wgsl"},
+                                                       {CodeLanguage::msl, "msl"},
+                                                       {CodeLanguage::c, "c"}};
+
+/// The language of this name; none if there is no such language. And all names, as "glsl, hlsl, ...".
+std::optional<CodeLanguage> code_language_named(std::string_view name);
+std::string code_language_names();
+
+/// The functions of a model as Python for a library of arrays, see src/code/print_python.h: brdf(wl, wv),
+/// chosen_lobe(wv, selector), sample_of_lobe(k, wv, u1, u2) for each of its 16 lobes k, light_pdf(wl, wv). The model's
+/// numbers are tables: `lobes`, a row for each (coefficient, log scale, for each variate centre, unless the model is
+/// axial, and bandwidth, negative if the centre is -z, then the exponents) and `variates`; or `model_numbers`. Errors: a
+/// view-by-view model, a BSDF.
+Result<std::string> python_code(const Model& model, int threads = 0);
+
+/// Functions that an extra adds to code, as NAME_environment: a name for `CodeOptions::with`, and what they are.
+struct CodeFeature {
+    std::string_view name, summary;
+};
+std::span<const CodeFeature> code_features();
+
+/// A text of whole materials that an extra prints, beside the languages.
+struct CodeModule {
+    std::string_view name, summary;
+    /// The models, of BSDFs the parts. Errors: those of `shading_code`.
+    Result<std::string> (*text)(std::span<const NamedModel> models, std::string_view prefix, int threads);
+    /// A map, whose coefficients are in the KTX 2 file of that name beside the text. Errors: those of `map_code`.
+    Result<std::string> (*map_text)(const Library& map, const std::string& name, std::string_view file, int threads);
+};
+std::span<const CodeModule> code_modules();
+
+}  // namespace srbf

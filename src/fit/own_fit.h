@@ -1,0 +1,26 @@
+// Fits of tables whose entries are averages over patches.
+#pragma once
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "srbf/fit_bsdf.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// A part counts as answered by its counterpart if the squared error ratio between the two is at most this.
+inline constexpr double k_same_part = 1e-4;
+
+/// How a table is fitted that is not fitted to its values at pairs of directions.
+struct OwnFit {
+    std::string_view fitted;  ///< in messages, what is fitted: "patches"
+    std::function<Result<FitOutcome>(const FitRequest&, const ProgressToken&)> fit;
+    /// Σ w (f − f̂)² / Σ w f² of a function (`PartFit`).
+    std::function<double(const Evaluate&)> error_ratio;
+    /// Directional-hemispherical sums of the table, and of a function with the part's beam.
+    std::function<std::vector<Hemispherical>(const Evaluate&, const Beams&, Part)> hemispherical;
+};
+/// How a part is fitted; null: to its values, as the measurement of a BRDF.
+const OwnFit* own_fit_of(const Measured& part);
+
+}  // namespace srbf

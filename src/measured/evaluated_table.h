@@ -1,0 +1,38 @@
+// The functions of a table that its format alone knows.
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "srbf/measured.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// A part of a BSDF without the light that its table keeps as a peak though it is not scattered.
+struct SeparatedBeam {
+    Evaluate rest;  ///< f with the peak cut off at the level about it
+    Beam beam;      ///< the share that is cut off
+};
+/// A line of what `srbf info` says about a table: a text, or the ranges of colours, channel by channel.
+struct TableLine {
+    std::string name, text;
+    std::span<const Rgb> colours = {};
+};
+
+struct OwnFit;  // fit/own_fit.h
+
+/// The functions that any table has, by its format.
+struct TableFunctions {
+    std::function<std::vector<TableLine>()> lines;
+    /// The part without its peaks of unscattered light, if it has any; null: it has none.
+    std::function<std::optional<SeparatedBeam>()> separated_beam = {};
+    std::shared_ptr<const OwnFit> own_fit = {};  ///< how a part of a BSDF is fitted; null: to its values
+    std::string_view format = {};                ///< the name of the format that has `unpack` for `packed`
+    std::function<std::string()> packed = {};    ///< the table as bytes, for copies in other processes
+};
+
+}  // namespace srbf

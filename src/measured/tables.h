@@ -1,0 +1,51 @@
+// Values of the tables of each format.
+#pragma once
+#include <span>
+
+#include "srbf/measured.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+// f_r [1/sr] of unit vectors, which is not checked: 0 if wl.z ≤ 0 or wv.z ≤ 0, and otherwise finite, or NaN in every channel
+// where each function says so. Negative channels occur where a saturated colour lies outside of the gamut.
+/// f_r by trilinear interpolation over the measured ones of the eight surrounding nodes, not negative; NaN if none was
+/// measured.
+Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv);
+/// f_r at the nearest node.
+Rgb nearest(const MerlTable& table, Vec3f wl, Vec3f wv);
+/// f_r. Never NaN.
+Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv);
+/// f_r, linear in all four angles between the nodes, like the look-up of the database's own code. Between 75 and 90° it
+/// is extrapolated from 60 to 75°. NaN where one of the nodes was not measured.
+Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv);
+/// f_r by linear interpolation; NaN where one of the samples is masked.
+Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
+/// f_r by interpolation. Never NaN: masked samples are left out.
+Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
+/// f_r of its function.
+Rgb signed_value(const EvaluatedTable& table, Vec3f wl, Vec3f wv);
+/// f of the chosen band on either side: `value` of the part, or of its counterpart if the part is missing; 0 without
+/// both.
+Rgb signed_value(const BsdfTable& table, Vec3f wl, Vec3f wv);
+
+/// f[i] = signed_value(table, wl[i], wv[i]). The spans have the same length. Isotropic tables use the widest SIMD
+/// instructions of the machine, within 1e-4 relative or 1e-5 of the table's largest colour over cosθv.
+void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
+/// `evaluate_signed` of a MERL table: the bits of `signed_value`.
+void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
+
+/// f[c] = f_r at wavelength c of a spectral measurement, with the look-up of the colours: its colour is `signed_value`.
+void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float> f);
+void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::span<float> f);
+
+/// How far samples change with the azimuth, which isotropic ones do not: √(Σ |g_i − g_k|² / Σ |g_i|²) of g = f cosθl cosθv,
+/// over pairs of samples that a turn about the normal by more than 15° takes to each other, as nearly as samples lie
+/// (within 0.1°, or else 10°, of θl, θv and θh). 0 if there are none, up to 14 % (noise), and if smaller turns change them
+/// by more than 0.4 of it: then they differ by noise, or by their distance.
+double change_by_azimuth(const ScatteredSamples& samples);
+
+/// `signed_spectrum` on arrays of pairs. It keeps a reference to `measured`.
+Channels signed_spectra(const Measured& measured);
+Channels signed_spectra(const Measured&&) = delete;
+
+}  // namespace srbf

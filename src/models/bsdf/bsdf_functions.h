@@ -1,0 +1,17 @@
+// BSDFs as any kind of model: the functions of a `Model` (model.h), on either side, without the beams.
+#pragma once
+#include <cstddef>
+#include <span>
+
+#include "srbf/model.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+void evaluate(const BsdfModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
+bool is_isotropic(const BsdfModel& model);
+void exchange(BsdfModel& model);
+std::size_t payload_bytes(const BsdfModel& model);
+std::size_t payload_bytes(const Beam& beam);
+std::size_t auxiliary_bytes(const BsdfModel& model);
+
+}  // namespace srbf

@@ -1,0 +1,67 @@
+// The parameters of surfaces: names, ranges, and which are stored.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+#include "srbf/models/openpbr.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// A parameter of `OpenPbrModel`: its name, its range, and which member it is.
+struct OpenPbrParameter {
+    std::string_view name;
+    float least, most;
+    float OpenPbrModel::*number = nullptr;  ///< or
+    Rgb OpenPbrModel::*colour = nullptr;
+    constexpr int count() const { return colour ? 3 : 1; }
+};
+inline constexpr std::array<OpenPbrParameter, 21> k_openpbr_parameters{{
+    {"base_weight", 0, 1, &OpenPbrModel::base_weight},
+    {"base_color", 0, 1, nullptr, &OpenPbrModel::base_color},
+    {"base_metalness", 0, 1, &OpenPbrModel::base_metalness},
+    {"base_diffuse_roughness", 0, 1, &OpenPbrModel::base_diffuse_roughness},
+    {"specular_weight", 0, 1, &OpenPbrModel::specular_weight},
+    {"specular_color", 0, 1, nullptr, &OpenPbrModel::specular_color},
+    {"specular_roughness", 0, 1, &OpenPbrModel::specular_roughness},
+    {"specular_ior", 1, 3, &OpenPbrModel::specular_ior},
+    {"coat_weight", 0, 1, &OpenPbrModel::coat_weight},
+    {"coat_color", 0, 1, nullptr, &OpenPbrModel::coat_color},
+    {"coat_roughness", 0, 1, &OpenPbrModel::coat_roughness},
+    {"coat_ior", 1, 3, &OpenPbrModel::coat_ior},
+    {"coat_darkening", 0, 1, &OpenPbrModel::coat_darkening},
+    {"fuzz_weight", 0, 1, &OpenPbrModel::fuzz_weight},
+    {"fuzz_color", 0, 1, nullptr, &OpenPbrModel::fuzz_color},
+    {"fuzz_roughness", 0, 1, &OpenPbrModel::fuzz_roughness},
+    {"thin_film_weight", 0, 1, &OpenPbrModel::thin_film_weight},
+    {"thin_film_thickness", 0, 1, &OpenPbrModel::thin_film_thickness},
+    {"thin_film_ior", 1, 3, &OpenPbrModel::thin_film_ior},
+    {"specular_roughness_anisotropy", 0, 1, &OpenPbrModel::specular_roughness_anisotropy},
+    {"specular_rotation", 0, 1, &OpenPbrModel::specular_rotation},
+}};
+/// Number c of a parameter, 0 ≤ c < count.
+inline float& number(OpenPbrModel& model, const OpenPbrParameter& of, int c) {
+    return of.colour ? (model.*of.colour)[c] : model.*of.number;
+}
+inline float number(const OpenPbrModel& model, const OpenPbrParameter& of, int c) {
+    return of.colour ? (model.*of.colour)[c] : model.*of.number;
+}
+/// True if a parameter is stored: those of a film and of anisotropy only if there is one.
+constexpr bool is_stored(const OpenPbrModel& model, const OpenPbrParameter& of) {
+    if (of.name.starts_with("thin_film_")) return model.thin_film_weight > 0;
+    const bool is_of_anisotropy = of.name == "specular_roughness_anisotropy" || of.name == "specular_rotation";
+    return !is_of_anisotropy || model.specular_roughness_anisotropy > 0;
+}
+/// How many numbers a model has.
+constexpr std::size_t openpbr_number_count(const OpenPbrModel& model) {
+    std::size_t count = 0;
+    for (const OpenPbrParameter& of : k_openpbr_parameters) count += is_stored(model, of) ? std::size_t(of.count()) : 0;
+    return count;
+}
+
+inline constexpr std::array<std::string_view, 3> k_openpbr_surfaces{"openpbr", "gltf", "principled"};
+constexpr std::string_view name(OpenPbrSurfaceKind kind) { return k_openpbr_surfaces[std::size_t(kind)]; }
+std::optional<OpenPbrSurfaceKind> openpbr_surface_named(std::string_view name);
+
+}  // namespace srbf

@@ -1,0 +1,118 @@
+#include "models/pm/solve/derivative_gram.h"
+
+#include <array>
+
+#include "models/pm/solve/columns.h"
+
+namespace srbf {
+
+DerivativeGram::DerivativeGram(LobeBasis& basis, const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
+                               const Aligned<float>& residuals)
+    : basis_(basis),
+      x_(x),
+      residuals_(residuals),
+      columns_(beta),
+      J_(basis.count()),
+      N_(basis.shape().variates),
+      W_(basis.shape().width()),
+      channels_(beta.cols()),
+      S_(columns_.lobes.rows()) {
+    const Rows& rows = basis.rows();
+    const auto count = std::size_t(size());
+    std::vector<std::vector<double>> parts(rows.chunks());
+    rows.for_chunks(parts.size(), basis.parallel(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        thread_local Aligned<float> memory;
+        const bool is_integral = rows.is_integral(begin);
+        parts[chunk].assign(is_integral ? count : count * count, 0.0);
+        for (std::size_t block = begin; block < end; ++block) {
+            const std::vector<const float*> all = columns(block, memory);
+            if (!is_integral) add_gram(all, parts[chunk].data(), rows.rows_in(block));
+            for (std::size_t i = 0; is_integral && i < count; ++i) parts[chunk][i] += sum(all[i]);
+        }
+    });
+    // Row-major lower triangles are column-major upper ones.
+    G_ = Eigen::MatrixXd::Zero(size(), size());
+    for (std::size_t chunk = 0; chunk < rows.chunks_of_pairs(); ++chunk)
+        G_ += Eigen::Map<const Eigen::MatrixXd>(parts[chunk].data(), size(), size());
+    for (std::size_t chunk = rows.chunks_of_pairs(); chunk < rows.chunks(); ++chunk)
+        G_.selfadjointView<Eigen::Upper>().rankUpdate(Eigen::Map<const Eigen::VectorXd>(parts[chunk].data(), size()));
+    G_ = Eigen::MatrixXd(G_.selfadjointView<Eigen::Upper>());
+}
+
+double DerivativeGram::angles(Eigen::Index n, Eigen::Index m) const {
+    double sum = 0;
+    for (Eigen::Index s = 0; s < S_; ++s)
+        for (Eigen::Index t = 0; t < S_; ++t)
+            sum += columns_.channels.col(s).dot(columns_.channels.col(t)) * G_(angle(s, n), angle(t, m));
+    return columns_.unit * columns_.unit * sum;
+}
+
+double DerivativeGram::angle_and_weight(Eigen::Index n, Eigen::Index j, Eigen::Index i) const {
+    double sum = 0;
+    for (Eigen::Index s = 0; s < S_; ++s)
+        sum += columns_.beta.row(j).dot(columns_.channels.col(s)) * G_(angle(s, n), lobe(j, 1 + i));
+    return columns_.unit * columns_.unit * sum;
+}
+
+double DerivativeGram::residual_and_angle(Eigen::Index n) const {
+    double sum = 0;
+    for (Eigen::Index c = 0; c < channels_; ++c)
+        for (Eigen::Index s = 0; s < S_; ++s) sum += columns_.channels(c, s) * G_(residual(c), angle(s, n));
+    return columns_.unit * sum;
+}
+
+double DerivativeGram::residual_and_weight(Eigen::Index j, Eigen::Index i) const {
+    double sum = 0;
+    for (Eigen::Index c = 0; c < channels_; ++c) sum += columns_.beta(j, c) * G_(residual(c), lobe(j, 1 + i));
+    return columns_.unit * sum;
+}
+
+double DerivativeGram::angle_and_lobe(Eigen::Index n, Eigen::Index c, Eigen::Index k) const {
+    double sum = 0;
+    for (Eigen::Index s = 0; s < S_; ++s) sum += columns_.channels(c, s) * G_(angle(s, n), lobe(k, 0));
+    return columns_.unit * sum;
+}
+
+Eigen::VectorXd DerivativeGram::residual_and_lobes(Eigen::Index c) const {
+    return Eigen::VectorXd::NullaryExpr(J_, [&](Eigen::Index j) { return residual_and_lobe(c, j); });
+}
+
+std::vector<const float*> DerivativeGram::columns(std::size_t block, Aligned<float>& memory) const {
+    const std::size_t count = basis_.rows().rows_in(block);
+    memory.resize(std::max(memory.size(), std::size_t(size() + 1) * k_block));  // one more, which is temporary
+    std::vector<const float*> all;
+    for (Eigen::Index i = 0; i < size(); ++i) all.push_back(&memory[std::size_t(i) * k_block]);
+    for (Eigen::Index j = 0; j < J_; ++j) {
+        all[std::size_t(lobe(j, 0))] = basis_.lobe(block, int(j));
+        for (int i = 0; i < int(W_); ++i)
+            add_two_products(basis_.part(block, int(j), 0), basis_.factor(block, i, 0), basis_.part(block, int(j), 1),
+                             basis_.factor(block, i, 1), &memory[std::size_t(lobe(j, 1 + i)) * k_block], count);
+    }
+    for (Eigen::Index n = 0; n < N_; ++n) fill_angle(block, n, memory);
+    for (Eigen::Index c = 0; c < channels_; ++c)
+        all[std::size_t(residual(c))] = &residuals_[(block * std::size_t(channels_) + std::size_t(c)) * k_block];
+    return all;
+}
+
+void DerivativeGram::fill_angle(std::size_t block, Eigen::Index n, Aligned<float>& memory) const {
+    const std::size_t count = basis_.rows().rows_in(block);
+    float* const product = &memory[std::size_t(size()) * k_block];
+    const int C = basis_.shape().components();
+    std::vector<float> weights(static_cast<std::size_t>(J_));
+    std::vector<const float*> parts(weights.size());
+    for (Eigen::Index s = 0; s < S_; ++s) {
+        float* const column = &memory[std::size_t(angle(s, n)) * k_block];
+        std::fill_n(column, count, 0.f);
+        for (int side = 0; side < basis_.shape().sides(); ++side)
+            for (Eigen::Index k = n * C; k < (n + 1) * C; ++k) {
+                for (Eigen::Index j = 0; j < J_; ++j) {
+                    weights[std::size_t(j)] = float(columns_.lobes(s, j) * x_[N_ + j * W_ + k]);
+                    parts[std::size_t(j)] = basis_.part(block, int(j), side);
+                }
+                combine(weights, parts, basis_.by_angle(block, int(k), side), product, count);
+                add(column, product, column, count);
+            }
+    }
+}
+
+}  // namespace srbf

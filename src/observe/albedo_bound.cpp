@@ -1,0 +1,93 @@
+#include "observe/albedo_bound.h"
+
+#include <algorithm>
+#include <array>
+
+#include "brdf/values.h"
+#include "observe/pairs.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+namespace {
+
+/// The views have cosθv in steps of a constant factor, from 1 to this. Each has so many directions of the light.
+constexpr double k_least_view_cosine = 1e-3;
+constexpr int k_views = 36, k_light_directions = 4096;
+constexpr double k_steepest_trusted = 80 * k_degree;
+/// Albedos are brought below this fraction of the limit, so that rounding to 16 bits does not exceed it.
+constexpr double k_aim = 0.995;
+/// The cost grows by this factor where a round still exceeds the bound.
+constexpr double k_bound_cost_growth = 4;
+
+/// The largest albedo of a channel, of these values.
+double most_albedo(std::span<const Rgb> f, std::span<const double> weight) {
+    std::array<double, 3> sum{};
+    for (std::size_t i = 0; i < f.size(); ++i)
+        for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += weight[i] * double(f[i][c]);
+    return *std::ranges::max_element(sum);
+}
+
+}  // namespace
+
+double most_measured_albedo(const Observations& observations) {
+    double most = 1;
+    for (const ObservedIntegral& integral : observations.integrals) {
+        if (integral.wv.empty() || elementary::acos(double(integral.wv[0].z)) > k_steepest_trusted) continue;
+        most = std::max(most, most_albedo(integral.f, integral.weight));
+    }
+    return most;
+}
+
+AlbedoBound::AlbedoBound(double limit, int azimuths) : limit_(limit) {
+    const MirrorMixture mixture(k_horizon_theta);
+    for (int i = 0; i < k_views * azimuths; ++i) {
+        const double cosine = elementary::pow(k_least_view_cosine, double(i % k_views) / (k_views - 1));
+        const Vec3d wv = spherical(elementary::acos(cosine), k_golden_angle * double(i));
+        View& view = views_.emplace_back(View{to_float(wv), mixture.quadrature(wv, k_light_directions), {}});
+        for (std::size_t k = 0; k < view.light.w.size(); ++k) view.light.weight[k] *= double(view.light.w[k].z);
+    }
+}
+
+double AlbedoBound::excess(const Evaluate& model) const {
+    double most = 0;
+    for (const View& view : views_)
+        most = std::max(most, most_albedo(values_towards(model, view.light.w, view.wv), view.light.weight));
+    return most / limit_;
+}
+
+ObservedIntegral AlbedoBound::bound_of(const View& view, const Channels& spectra, std::vector<Rgb> values,
+                                       double albedo) const {
+    const auto factor = float(k_aim * limit_ / albedo);
+    ObservedIntegral bound;
+    bound.wl = view.light.w, bound.wv.assign(bound.wl.size(), view.wv), bound.weight = view.light.weight;
+    for (const Rgb& f : values) bound.f.push_back({factor * f.r, factor * f.g, factor * f.b});
+    if (!spectra.wavelengths.empty()) {
+        bound.spectrum.resize(spectra.wavelengths.size() * bound.wl.size());
+        spectra.evaluate(bound.wl, bound.wv, bound.spectrum);
+        for (float& f : bound.spectrum) f *= factor;
+    }
+    bound.least_unit = 1, bound.is_bound = true;
+    return bound;
+}
+
+std::size_t AlbedoBound::add_exceeded(Observations& observations, const Evaluate& model, const Channels& spectra) {
+    double costs = 0;
+    for (const ObservedIntegral& integral : observations.integrals) costs += integral.is_bound ? 0 : integral.cost;
+    std::size_t count = 0;
+    for (View& view : views_) {
+        std::vector<Rgb> values = values_towards(model, view.light.w, view.wv);
+        const double albedo = most_albedo(values, view.light.weight);
+        if (albedo <= limit_) continue;
+        ++count;
+        if (view.integral) {
+            observations.integrals[*view.integral].cost *= k_bound_cost_growth;
+        } else {
+            view.integral = observations.integrals.size();
+            observations.integrals.push_back(bound_of(view, spectra, std::move(values), albedo));
+            observations.integrals.back().cost = k_albedo_bound_cost * std::max(costs, 1.0);
+        }
+    }
+    return count;
+}
+
+}  // namespace srbf

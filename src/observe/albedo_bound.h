@@ -1,0 +1,44 @@
+// The limit on the directional albedo of a fit.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "brdf/directions.h"
+#include "observe/observations.h"
+
+namespace srbf {
+
+/// The cost of a bound relative to that of all observed albedos together.
+inline constexpr double k_albedo_bound_cost = 8;
+
+/// The largest directional albedo of a channel that was measured at views up to 80°, or 1 if that is larger. What a
+/// table has beyond is a quotient by a small cosine.
+double most_measured_albedo(const Observations& observations);
+
+/// Limits the directional albedo of a fit at views from the normal to cosθv = 0.001, in every channel.
+class AlbedoBound {
+  public:
+    /// `azimuths`: number of azimuths of the views; one is enough for isotropic models.
+    AlbedoBound(double limit, int azimuths);
+
+    /// The largest albedo of a channel, as a fraction of the limit.
+    double excess(const Evaluate& model) const;
+    /// Adds to the observations, as integrals with the limit as their value, the albedos that `model` exceeds, and
+    /// raises the costs of earlier ones that it still exceeds. `spectra`: the same model at the wavelengths of spectral
+    /// observations. Returns their number.
+    std::size_t add_exceeded(Observations& observations, const Evaluate& model, const Channels& spectra);
+
+  private:
+    struct View {
+        Vec3f wv;
+        Quadrature light;                     ///< its weights include cosθl
+        std::optional<std::size_t> integral;  ///< its index in the observations
+    };
+    /// The albedo of `view` as an integral within the limit, for values of the model there.
+    ObservedIntegral bound_of(const View& view, const Channels& spectra, std::vector<Rgb> values, double albedo) const;
+
+    double limit_;
+    std::vector<View> views_;
+};
+
+}  // namespace srbf

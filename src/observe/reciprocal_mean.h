@@ -1,0 +1,13 @@
+// The mean of a measurement and of its transpose, which a reciprocal model is fitted to.
+#pragma once
+#include "srbf/brdf.h"
+
+namespace srbf {
+
+/// (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl) [1/sr]. A table has f as a quotient of what an instrument
+/// received by a cosine; this is the mean of what it received, so that the value with the larger cosine counts most.
+/// Where only one of the two was measured, the mean is that one.
+Evaluate reciprocal_mean(Evaluate f);
+Channels reciprocal_mean(Channels f);
+
+}  // namespace srbf

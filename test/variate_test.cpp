@@ -51,8 +51,8 @@ bool all_near(Vec3d a, Vec3d b, double relative, double absolute) {
     return one(a.x, b.x) && one(a.y, b.y) && one(a.z, b.z);
 }
 
-/// The formula of PmModel's docstring, written out in long double.
-Vec3d written_value(const PmModel& model, Vec3d wl, Vec3d wv) {
+/// g of PmModel's docstring, written out in long double.
+Vec3d written_sum(const PmModel& model, Vec3d wl, Vec3d wv) {
     const long double l[3] = {wl.x, wl.y, wl.z}, v[3] = {wv.x, wv.y, wv.z};
     long double sum[3] = {0, 0, 0};
     for (int j = 0; j < model.lobes; ++j) {
@@ -88,6 +88,12 @@ Vec3d written_value(const PmModel& model, Vec3d wl, Vec3d wv) {
         for (int c = 0; c < 3; ++c) sum[c] += product * (long double)(model.coefficient[std::size_t(j)][c]);
     }
     return {double(sum[0]), double(sum[1]), double(sum[2])};
+}
+
+/// The formula of PmModel's docstring.
+Vec3d written_value(const PmModel& model, Vec3d wl, Vec3d wv) {
+    const Vec3d sum = written_sum(model, wl, wv);
+    return is_reciprocal(model.form) ? 0.5 * (sum + written_sum(model, wv, wl)) : sum;
 }
 
 TEST(Variate, PsiIsTheNormalisedSum) {

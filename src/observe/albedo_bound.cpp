@@ -11,8 +11,8 @@ namespace srbf {
 namespace {
 
 /// The views have cosθv in steps of a constant factor, from 1 to this. Each has so many directions of the light.
-constexpr double k_least_view_cosine = 1e-3;
-constexpr int k_views = 36, k_light_directions = 4096;
+constexpr double k_least_bounded_cosine = 1e-3;
+constexpr int k_bounded_views = 36, k_light_directions = 4096;
 constexpr double k_steepest_trusted = 80 * k_degree;
 /// Albedos are brought below this fraction of the limit, so that rounding to 16 bits does not exceed it.
 constexpr double k_aim = 0.995;
@@ -40,8 +40,9 @@ double most_measured_albedo(const Observations& observations) {
 
 AlbedoBound::AlbedoBound(double limit, int azimuths) : limit_(limit) {
     const MirrorMixture mixture(k_horizon_theta);
-    for (int i = 0; i < k_views * azimuths; ++i) {
-        const double cosine = elementary::pow(k_least_view_cosine, double(i % k_views) / (k_views - 1));
+    for (int i = 0; i < k_bounded_views * azimuths; ++i) {
+        const double cosine =
+            elementary::pow(k_least_bounded_cosine, double(i % k_bounded_views) / (k_bounded_views - 1));
         const Vec3d wv = spherical(elementary::acos(cosine), k_golden_angle * double(i));
         View& view = views_.emplace_back(View{to_float(wv), mixture.quadrature(wv, k_light_directions), {}});
         for (std::size_t k = 0; k < view.light.w.size(); ++k) view.light.weight[k] *= double(view.light.w[k].z);

@@ -78,10 +78,10 @@ std::vector<std::byte> write_merl(const MerlTable& table) {
 
 namespace {
 
-constexpr std::size_t k_profile = 256;    // nodes of D and σ
-constexpr std::uint32_t k_normals = 128;  // nodes of the visible normals, as in the database
-constexpr int k_azimuths = 64;            // number of azimuths φ_d
-constexpr double k_least_cosine = 0.1;    // directions with smaller cosines do not determine D
+constexpr std::size_t k_profile = 256;              // nodes of D and σ
+constexpr std::uint32_t k_normals = 128;            // nodes of the visible normals, as in the database
+constexpr int k_azimuths = 64;                      // number of azimuths φ_d
+constexpr double k_least_determining_cosine = 0.1;  // directions with smaller cosines do not determine D
 // The uniform share of D. Without it a narrow highlight leaves only a few nodes to the directions around it, which are
 // dark, but fill most of a picture.
 constexpr double k_uniform = 0.1;
@@ -96,7 +96,7 @@ std::vector<float> half_vector_profile(const Evaluate& brdf, int threads) {
         for (int d = 0; d <= 85; d += 5)
             for (int p = 0; p < k_azimuths; ++p) {
                 const auto pair = merl_pair(theta_of(u_of(i, k_profile)), d * k_degree, (p + 0.5) / k_azimuths * k_pi);
-                if (std::min(pair.wl.z, pair.wv.z) < k_least_cosine) continue;
+                if (std::min(pair.wl.z, pair.wv.z) < k_least_determining_cosine) continue;
                 wl.push_back(to_float(pair.wl)), wv.push_back(to_float(pair.wv));
             }
         const auto f = values_at(brdf, wl, wv);

@@ -135,8 +135,9 @@ TEST_P(DefaultFit, LooksMoreAlikeThanTheLeastSquares) {
     request.objective = Objective::cosine;
     const auto numbers = fit(bundled(GetParam().name), request);
     ASSERT_TRUE(numbers);
-    EXPECT_LT(outcome().errors->appearance.mean.delta_e, 0.85 * numbers->errors->appearance.mean.delta_e);
-    EXPECT_LT(outcome().errors->appearance.worst_delta_e, numbers->errors->appearance.worst_delta_e);
+    const Appearance &by_pictures = *outcome().against_mean, &by_numbers = *numbers->against_mean;
+    EXPECT_LT(by_pictures.mean.delta_e, 0.85 * by_numbers.mean.delta_e);
+    EXPECT_LT(by_pictures.worst_delta_e, by_numbers.worst_delta_e);
 }
 
 /// The film with more lobes, and view by view.

@@ -1,6 +1,6 @@
 #include "models/pm/solve/derivative_gram.h"
 
-#include <array>
+#include <algorithm>
 
 #include "models/pm/solve/columns.h"
 
@@ -17,26 +17,11 @@ DerivativeGram::DerivativeGram(LobeBasis& basis, const Eigen::VectorXd& x, const
       W_(basis.shape().width()),
       channels_(beta.cols()),
       S_(columns_.lobes.rows()) {
-    const Rows& rows = basis.rows();
-    const auto count = std::size_t(size());
-    std::vector<std::vector<double>> parts(rows.chunks());
-    rows.for_chunks(parts.size(), basis.parallel(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        thread_local Aligned<float> memory;
-        const bool is_integral = rows.is_integral(begin);
-        parts[chunk].assign(is_integral ? count : count * count, 0.0);
-        for (std::size_t block = begin; block < end; ++block) {
-            const std::vector<const float*> all = columns(block, memory);
-            if (!is_integral) add_gram(all, parts[chunk].data(), rows.rows_in(block));
-            for (std::size_t i = 0; is_integral && i < count; ++i) parts[chunk][i] += sum(all[i]);
-        }
-    });
-    // Row-major lower triangles are column-major upper ones.
-    G_ = Eigen::MatrixXd::Zero(size(), size());
-    for (std::size_t chunk = 0; chunk < rows.chunks_of_pairs(); ++chunk)
-        G_ += Eigen::Map<const Eigen::MatrixXd>(parts[chunk].data(), size(), size());
-    for (std::size_t chunk = rows.chunks_of_pairs(); chunk < rows.chunks(); ++chunk)
-        G_.selfadjointView<Eigen::Upper>().rankUpdate(Eigen::Map<const Eigen::VectorXd>(parts[chunk].data(), size()));
-    G_ = Eigen::MatrixXd(G_.selfadjointView<Eigen::Upper>());
+    G_ = products_of_columns(basis.rows(), std::size_t(size()), basis.parallel(),
+                             [&](std::size_t block, std::vector<const float*>& columns) {
+                                 thread_local Aligned<float> memory;
+                                 fill_columns(block, memory, columns);
+                             });
 }
 
 double DerivativeGram::angles(Eigen::Index n, Eigen::Index m) const {
@@ -77,11 +62,10 @@ Eigen::VectorXd DerivativeGram::residual_and_lobes(Eigen::Index c) const {
     return Eigen::VectorXd::NullaryExpr(J_, [&](Eigen::Index j) { return residual_and_lobe(c, j); });
 }
 
-std::vector<const float*> DerivativeGram::columns(std::size_t block, Aligned<float>& memory) const {
+void DerivativeGram::fill_columns(std::size_t block, Aligned<float>& memory, std::vector<const float*>& all) const {
     const std::size_t count = basis_.rows().rows_in(block);
     memory.resize(std::max(memory.size(), std::size_t(size() + 1) * k_block));  // one more, which is temporary
-    std::vector<const float*> all;
-    for (Eigen::Index i = 0; i < size(); ++i) all.push_back(&memory[std::size_t(i) * k_block]);
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = &memory[i * k_block];
     for (Eigen::Index j = 0; j < J_; ++j) {
         all[std::size_t(lobe(j, 0))] = basis_.lobe(block, int(j));
         for (int i = 0; i < int(W_); ++i)
@@ -91,7 +75,6 @@ std::vector<const float*> DerivativeGram::columns(std::size_t block, Aligned<flo
     for (Eigen::Index n = 0; n < N_; ++n) fill_angle(block, n, memory);
     for (Eigen::Index c = 0; c < channels_; ++c)
         all[std::size_t(residual(c))] = &residuals_[(block * std::size_t(channels_) + std::size_t(c)) * k_block];
-    return all;
 }
 
 void DerivativeGram::fill_angle(std::size_t block, Eigen::Index n, Aligned<float>& memory) const {

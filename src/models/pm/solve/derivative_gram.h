@@ -35,7 +35,7 @@ class DerivativeGram {
     Eigen::Index size() const { return residual(channels_); }
 
     /// The columns of a block. They point into the basis, the residuals and `memory`.
-    std::vector<const float*> columns(std::size_t block, Aligned<float>& memory) const;
+    void fill_columns(std::size_t block, Aligned<float>& memory, std::vector<const float*>& all) const;
     /// Fills the columns of angle n.
     void fill_angle(std::size_t block, Eigen::Index n, Aligned<float>& memory) const;
 

@@ -38,23 +38,20 @@ class DerivativeSums::Scratch {
 
 DerivativeSums::DerivativeSums(LobeBasis& basis, const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
                                const Aligned<float>& residuals)
-    : basis_(basis), x_(x), residuals_(residuals) {
+    : basis_(basis), x_(x), residuals_(residuals), columns_(beta) {
     const LobeShape& shape = basis.shape();
     J_ = basis.count(), N_ = shape.variates, C_ = shape.components(), W_ = shape.width();
-    const AngleColumns columns_of_angles(beta);
-    unit_ = columns_of_angles.unit, beta_ = columns_of_angles.beta;
-    channel_matrix_ = columns_of_angles.channels, lobe_matrix_ = columns_of_angles.lobes;
-    channels_ = beta.cols(), S_ = lobe_matrix_.rows();
-    across_channels_ = channel_matrix_.transpose() * channel_matrix_;
-    lobes_to_angles_ = lobe_matrix_.transpose() * across_channels_;  // U of A: J × S
+    channels_ = beta.cols(), S_ = columns_.lobes.rows();
+    across_channels_ = columns_.channels.transpose() * columns_.channels;
+    lobes_to_angles_ = columns_.lobes.transpose() * across_channels_;  // U of A: J × S
     // Row s W + k: contribution of weight k to column s of A, for each lobe. Row j: combinations of A and of the
     // residuals for lobe j.
     lobes_in_angles_.resize(S_ * W_, J_);
     for (Eigen::Index s = 0; s < S_; ++s)
         for (Eigen::Index k = 0; k < W_; ++k)
             for (Eigen::Index j = 0; j < J_; ++j)
-                lobes_in_angles_(s * W_ + k, j) = float(lobe_matrix_(s, j) * x[N_ + j * W_ + k]);
-    angles_in_lobes_ = lobes_to_angles_.cast<float>(), residuals_in_lobes_ = beta_.cast<float>();
+                lobes_in_angles_(s * W_ + k, j) = float(columns_.lobes(s, j) * x[N_ + j * W_ + k]);
+    angles_in_lobes_ = lobes_to_angles_.cast<float>(), residuals_in_lobes_ = columns_.beta.cast<float>();
 
     const Rows& rows = basis.rows();
     const Eigen::Index others = S_ * N_ + channels_, columns = J_ + S_ * N_,
@@ -85,20 +82,21 @@ double DerivativeSums::angles(Eigen::Index n, Eigen::Index m) const {
     double sum = 0;
     for (Eigen::Index s = 0; s < S_; ++s)
         for (Eigen::Index t = 0; t < S_; ++t)
-            sum += unit_ * unit_ * across_channels_(s, t) * angle_sums_(s * N_ + n, J_ + t * N_ + m);
+            sum += columns_.unit * columns_.unit * across_channels_(s, t) * angle_sums_(s * N_ + n, J_ + t * N_ + m);
     return sum;
 }
 
 double DerivativeSums::residual_and_angle(Eigen::Index n) const {
     double sum = 0;
     for (Eigen::Index c = 0; c < channels_; ++c)
-        for (Eigen::Index s = 0; s < S_; ++s) sum += unit_ * channel_matrix_(c, s) * residual_sums_(c, J_ + s * N_ + n);
+        for (Eigen::Index s = 0; s < S_; ++s)
+            sum += columns_.unit * columns_.channels(c, s) * residual_sums_(c, J_ + s * N_ + n);
     return sum;
 }
 
 double DerivativeSums::angle_and_lobe(Eigen::Index n, Eigen::Index c, Eigen::Index k) const {
     double sum = 0;
-    for (Eigen::Index s = 0; s < S_; ++s) sum += unit_ * channel_matrix_(c, s) * angle_sums_(s * N_ + n, k);
+    for (Eigen::Index s = 0; s < S_; ++s) sum += columns_.unit * columns_.channels(c, s) * angle_sums_(s * N_ + n, k);
     return sum;
 }
 
@@ -215,7 +213,7 @@ std::vector<double> DerivativeSums::sums_of_integral(std::size_t begin, std::siz
         std::copy_n(lobe_products, W_ + 1, &sums[std::size_t(j * (W_ + 1))]);
         for (Eigen::Index s = 0; s < S_; ++s)
             for (Eigen::Index k = 0; k < D; ++k)
-                angle_sums[s * N_ + k / C_] += lobe_matrix_(s, j) * x_[N_ + j * W_ + k] * lobe_products[1 + W_ + k];
+                angle_sums[s * N_ + k / C_] += columns_.lobes(s, j) * x_[N_ + j * W_ + k] * lobe_products[1 + W_ + k];
     }
     return sums;
 }
@@ -243,7 +241,8 @@ void DerivativeSums::add_integrals(std::span<const std::vector<double>> sums) {
                 for (Eigen::Index s = 0; s < S_; ++s)
                     factor_sums_.row(j * (N_ + 1) + n) +=
                         lobes_to_angles_(j, s) * angles[s * N_ + n] * factors.transpose();
-            factor_sums_.row(j * (N_ + 1) + N_) += beta_.row(j).dot(residuals.transpose()) * factors.transpose();
+            factor_sums_.row(j * (N_ + 1) + N_) +=
+                columns_.beta.row(j).dot(residuals.transpose()) * factors.transpose();
         }
     }
 }

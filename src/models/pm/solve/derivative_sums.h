@@ -24,7 +24,7 @@ struct AngleColumns {
 /// once, whichever lobe belongs to which factor. Products with the derivatives by angles and with the residuals r_c
 /// are needed only as sums over channels: (E_j U_nj) · s_i and (E_j R_j) · s_i with A_nc = Σ_j β_jc E_j
 /// p_jn·∂ψ_n/∂angle, U_nj = Σ_c β_jc A_nc and R_j = Σ_c β_jc r_c. If there are more channels than lobes, the A_nc
-/// are combinations of S < C columns: A = channel_matrix × columns, where channel_matrix × lobe_matrix = βᵀ.
+/// are combinations of S < C columns: A = channels × columns, see `AngleColumns`.
 ///
 /// The form reciprocal, whose derivatives do not factor so, uses `DerivativeGram`.
 class DerivativeSums {
@@ -44,11 +44,11 @@ class DerivativeSums {
     /// gradient's.
     double angles(Eigen::Index n, Eigen::Index m) const;
     double angle_and_weight(Eigen::Index n, Eigen::Index j, Eigen::Index i) const {
-        return unit_ * unit_ * factor_sums_(j * (N_ + 1) + n, i);
+        return columns_.unit * columns_.unit * factor_sums_(j * (N_ + 1) + n, i);
     }
     double residual_and_angle(Eigen::Index n) const;
     double residual_and_weight(Eigen::Index j, Eigen::Index i) const {
-        return unit_ * factor_sums_(j * (N_ + 1) + N_, i);
+        return columns_.unit * factor_sums_(j * (N_ + 1) + N_, i);
     }
     /// A_nc · E_k, and r_c · E_j.
     double angle_and_lobe(Eigen::Index n, Eigen::Index c, Eigen::Index k) const;
@@ -86,8 +86,8 @@ class DerivativeSums {
     const Eigen::VectorXd& x_;
     const Aligned<float>& residuals_;
     Eigen::Index J_, N_, C_, W_, channels_, S_;  ///< as in LobeShape; S: number of columns for each angle
-    double unit_;                                ///< unit of the coefficients in the members below
-    Eigen::MatrixXd beta_, channel_matrix_, lobe_matrix_, across_channels_, lobes_to_angles_;
+    AngleColumns columns_;
+    Eigen::MatrixXd across_channels_, lobes_to_angles_;
     Weights lobes_in_angles_, angles_in_lobes_, residuals_in_lobes_;
 
     std::vector<double> products_;                ///< (E_j E_k) · (s_i s_l), over pairs

@@ -46,27 +46,13 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
 }
 
 Eigen::MatrixXd LobeProblem::products_with_data() {
-    const std::size_t columns_count = std::size_t(basis_.count()) + rows_.y.size();
-    std::vector<std::vector<double>> parts(rows_.chunks());
-    rows_.for_chunks(parts.size(), basis_.parallel(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        const bool is_integral = rows_.is_integral(begin);
-        parts[chunk].assign(is_integral ? columns_count : columns_count * columns_count, 0.0);
-        std::vector<const float*> columns;
-        for (std::size_t block = begin; block < end; ++block) {
-            columns.clear();
-            for (int j = 0; j < basis_.count(); ++j) columns.push_back(basis_.lobe(block, j));
-            for (const auto& y : rows_.y) columns.push_back(&y[block * k_block]);
-            if (!is_integral) add_gram(columns, parts[chunk].data(), rows_.rows_in(block));
-            for (std::size_t i = 0; is_integral && i < columns_count; ++i) parts[chunk][i] += sum(columns[i]);
-        }
-    });
-    // Row-major lower triangles are column-major upper ones.
-    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(Eigen::Index(columns_count), Eigen::Index(columns_count));
-    for (std::size_t chunk = 0; chunk < rows_.chunks_of_pairs(); ++chunk)
-        G += Eigen::Map<const Eigen::MatrixXd>(parts[chunk].data(), G.rows(), G.cols());
-    for (std::size_t chunk = rows_.chunks_of_pairs(); chunk < rows_.chunks(); ++chunk)
-        G.selfadjointView<Eigen::Upper>().rankUpdate(Eigen::Map<const Eigen::VectorXd>(parts[chunk].data(), G.rows()));
-    return G.selfadjointView<Eigen::Upper>();
+    const auto J = std::size_t(basis_.count());
+    return products_of_columns(rows_, J + rows_.y.size(), basis_.parallel(),
+                               [&](std::size_t block, std::vector<const float*>& columns) {
+                                   for (std::size_t j = 0; j < J; ++j) columns[j] = basis_.lobe(block, int(j));
+                                   for (std::size_t c = 0; c < rows_.y.size(); ++c)
+                                       columns[J + c] = &rows_.y[c][block * k_block];
+                               });
 }
 
 void LobeProblem::bound_coefficients(const Eigen::VectorXd& x) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "models/pm/solve/columns.h"
+
 namespace srbf {
 namespace {
 
@@ -101,6 +103,27 @@ void Rows::add_views(const std::vector<ObservedView>& observed_views) {
     }
     first_pixel.push_back(pixel.size());
     pixels = Pixels(colours);
+}
+
+Eigen::MatrixXd products_of_columns(const Rows& rows, std::size_t count, bool parallel, const FillColumns& fill) {
+    std::vector<std::vector<double>> parts(rows.chunks());
+    rows.for_chunks(parts.size(), parallel, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        const bool is_integral = rows.is_integral(begin);
+        parts[chunk].assign(is_integral ? count : count * count, 0.0);
+        std::vector<const float*> columns(count);
+        for (std::size_t block = begin; block < end; ++block) {
+            fill(block, columns);
+            if (!is_integral) add_gram(columns, parts[chunk].data(), rows.rows_in(block));
+            for (std::size_t i = 0; is_integral && i < count; ++i) parts[chunk][i] += sum(columns[i]);
+        }
+    });
+    // Row-major lower triangles are column-major upper ones.
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(Eigen::Index(count), Eigen::Index(count));
+    for (std::size_t chunk = 0; chunk < rows.chunks_of_pairs(); ++chunk)
+        G += Eigen::Map<const Eigen::MatrixXd>(parts[chunk].data(), G.rows(), G.cols());
+    for (std::size_t chunk = rows.chunks_of_pairs(); chunk < rows.chunks(); ++chunk)
+        G.selfadjointView<Eigen::Upper>().rankUpdate(Eigen::Map<const Eigen::VectorXd>(parts[chunk].data(), G.rows()));
+    return G.selfadjointView<Eigen::Upper>();
 }
 
 }  // namespace srbf

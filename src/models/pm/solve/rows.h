@@ -1,8 +1,10 @@
 // Observations in the layout of the inner loops.
 #pragma once
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "base/aligned.h"
@@ -81,5 +83,11 @@ struct Rows {
     /// c.
     template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
 };
+
+/// The products of `count` columns with one another: sums over pairs, plus products of the sums of each integral.
+/// `fill` puts the columns of a block into an array of that length. `parallel`: chunks of rows use several threads; the
+/// result does not depend on it.
+using FillColumns = std::function<void(std::size_t block, std::vector<const float*>& columns)>;
+Eigen::MatrixXd products_of_columns(const Rows& rows, std::size_t count, bool parallel, const FillColumns& fill);
 
 }  // namespace srbf

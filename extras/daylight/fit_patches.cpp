@@ -268,8 +268,8 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
         if (outcome) outcome->max_theta = k_pi / 2;
         return outcome;
     }
-    PmFitOptions options =
-        quick_options(pm_options(request, pm->axial.value_or(is_isotropic(table))), k_starts, k_perturbations);
+    PmFitOptions options = quick_options(pm_options(request, pm->axial.value_or(is_isotropic(table)), PmForm::extended),
+                                         k_starts, k_perturbations);
     std::vector<Size> sizes(std::begin(k_sizes), std::end(k_sizes));
     if (lobes_of(*pm)) sizes = {{options.lobes, options.variates}};
     // The mean over a patch cannot resolve lobes that are narrower than the patch.

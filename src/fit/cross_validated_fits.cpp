@@ -34,7 +34,8 @@ constexpr int k_draft_starts = 3, k_draft_perturbations = 2;
 constexpr double k_observed_of_fold = 0.2;
 
 PmFitOptions sample_options(const ScatteredSamples& samples, const FitRequest& request, std::optional<int> lobes) {
-    PmFitOptions options = pm_options(request, std::get<PmRequest>(request.model).axial.value_or(samples.isotropic));
+    PmFitOptions options =
+        pm_options(request, std::get<PmRequest>(request.model).axial.value_or(samples.isotropic), PmForm::extended);
     if (lobes) options.lobes = *lobes;
     options.starts = k_sample_starts;
     options.perturbations = k_sample_perturbations;

@@ -45,7 +45,7 @@ Result<Batch> batch_of(const SharedPairs& pairs, const BatchOptions& options) {
     for (std::size_t i = 0; i < pairs.wl.size(); ++i)
         batch.all_above = batch.all_above && above_horizon(pairs.wl[i], pairs.wv[i]);
     batch.request.threads = 1;
-    batch.options = pm_options(batch.request, pm->axial.value_or(pairs.isotropic));
+    batch.options = pm_options(batch.request, pm->axial.value_or(pairs.isotropic), PmForm::extended);
     batch.options.starts = options.starts, batch.options.perturbations = options.perturbations;
     batch.samples.isotropic = pairs.isotropic;
     batch.samples.wl = pairs.wl, batch.samples.wv = pairs.wv;

@@ -25,8 +25,8 @@ inline std::optional<int> lobes_of(const PmRequest& pm) {
     return count ? std::optional(count->lobes) : std::nullopt;
 }
 
-/// `form`: that of a request without one.
-inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm form = PmForm::extended) {
+/// `form`: that of a request without one, which depends on what is fitted (`PmRequest::form`).
+inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm form) {
     const PmRequest& pm = std::get<PmRequest>(request.model);
     PmFitOptions options;
     options.form = pm.form.value_or(form);

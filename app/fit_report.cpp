@@ -71,6 +71,10 @@ void print_repeatability(const FitOutcome& outcome) {
             fmt::print(
                 "            no value is negative: the data were cut off at 0, which makes dark values brighter\n");
     }
+    if (outcome.largest_albedo > 1)
+        fmt::print(
+            "  albedo    up to {:.4g} is measured at views to 80°; --albedo-limit 1 keeps that of the fit below 1\n",
+            outcome.largest_albedo);
     if (outcome.exchanged) fmt::print("  repeats   {}\n", repeats_text(*outcome.exchanged));
     if (outcome.against_mean)
         fmt::print("  fitted to the mean with light and viewer exchanged: ΔE_ITP {:.3g} (worst {:.3g}) against it\n",
@@ -131,6 +135,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     add_measures(json, *outcome.unrounded_errors, "unrounded_");
     if (outcome.noise) json["noise"] = share_of(*outcome.noise);
     if (outcome.noise && outcome.noise->excess > 0) json["zeros_too_bright"] = outcome.noise->excess;
+    if (outcome.largest_albedo > 1) json["largest_albedo"] = outcome.largest_albedo;
     if (outcome.exchanged) json["exchanged_pictures"] = json_of(*outcome.exchanged);
     if (outcome.against_mean) json["mean_pictures"] = json_of(*outcome.against_mean);
     if (is_smoothed(outcome)) json["smoothed_pictures"] = json_of(*outcome.against_smoothed);

@@ -30,16 +30,32 @@ Evaluate brushed(double ax, double ay) {
     };
 }
 
+/// Other random numbers for every other pair.
+std::mt19937_64 random_at(Vec3f wl, Vec3f wv) {
+    std::seed_seq seed{std::uint32_t(1e6f * (2 + wl.x)), std::uint32_t(1e6f * (2 + wl.y)),
+                       std::uint32_t(1e6f * (2 + wv.x)), std::uint32_t(1e6f * (2 + wv.y))};
+    return std::mt19937_64(seed);
+}
+
 /// `f` times random factors with standard deviation `noise`, independent at every pair.
 Evaluate noisy(Evaluate f, double noise) {
     return [=](auto wl, auto wv, auto out) {
         f(wl, wv, out);
         for (std::size_t i = 0; i < out.size(); ++i) {
-            std::seed_seq seed{std::uint32_t(1e6f * (2 + wl[i].x)), std::uint32_t(1e6f * (2 + wl[i].y)),
-                               std::uint32_t(1e6f * (2 + wv[i].x)), std::uint32_t(1e6f * (2 + wv[i].y))};
-            std::mt19937_64 random(seed);
+            std::mt19937_64 random = random_at(wl[i], wv[i]);
             const auto factor = float(1 + noise * std::sqrt(12.0) * (uniform(random) - 0.5));
             for (int c = 0; c < 3; ++c) out[i][c] *= factor;
+        }
+    };
+}
+
+/// `f` plus independent numbers of these standard deviations.
+Evaluate plus_noise(Evaluate f, const Rgb& deviation) {
+    return [=](auto wl, auto wv, auto out) {
+        f(wl, wv, out);
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            std::mt19937_64 random = random_at(wl[i], wv[i]);
+            for (int c = 0; c < 3; ++c) out[i][c] += deviation[c] * float(std::sqrt(12.0) * (uniform(random) - 0.5));
         }
     };
 }
@@ -53,6 +69,11 @@ TEST(Isotropy, IsTold) {
     EXPECT_FALSE(is_isotropic(brushed(0.1, 0.3), cap));
     EXPECT_FALSE(is_isotropic(brushed(0.02, 0.5), cap));
     EXPECT_FALSE(is_isotropic(noisy(brushed(0.1, 0.3), 0.05), cap));
+    // Noise four times as large as the diffuse part, of a known deviation.
+    const Rgb noise{0.2f, 0.12f, 0.08f};
+    EXPECT_FALSE(is_isotropic(plus_noise(brushed(0.2, 0.2), noise), cap));
+    EXPECT_TRUE(is_isotropic(plus_noise(brushed(0.2, 0.2), noise), cap, noise));
+    EXPECT_FALSE(is_isotropic(plus_noise(brushed(0.1, 0.3), noise), cap, noise));
 }
 
 /// Samples of f: `turned`, each of some pairs turned about the normal by so many angles; or pairs at random.

@@ -51,17 +51,18 @@ using PmSize = std::variant<LobeCount, AutomaticLobes, SizeGoal>;
 struct PmRequest {
     static constexpr std::string_view k_name = "pm";
     static constexpr std::string_view k_about = "parameterized multivariate SRBFs, one sum of lobes for the whole BRDF";
-    /// A reciprocal form is fitted to the reciprocal mean of a table, (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl):
-    /// the mean of what reached the instrument. None: reciprocal for a table, extended for samples, for light that passes
-    /// through a surface, and for patches of directions.
+    /// A reciprocal form is fitted to the reciprocal mean of a table, (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv +
+    /// cosθl): the mean of what reached the instrument. None: reciprocal for a table, extended for samples, for light
+    /// that passes through a surface, and for patches of directions.
     std::optional<PmForm> form = {};
     std::optional<int> variates = {};  ///< N, 1..k_most_variates; none: that of the form
     std::optional<PmSize> size = {};   ///< none: the number of the form for a table, automatic for samples
     std::optional<bool> axial = {};    ///< none: axial if the measurement is isotropic
-    /// Limit on the directional albedo of a channel. None: that of a reciprocal form is the largest one measured up to 80°,
-    /// at least 1.
+    /// Limit on the directional albedo of a channel. None: that of a reciprocal form is the largest one measured up to
+    /// 80°, at least 1.
     std::optional<double> albedo_limit = {};
-    /// True: a model of `PmForm::gaussian` stores a log scale a lobe where β leaves the range of 16-bit floats. False: β is bounded.
+    /// True: a model of `PmForm::gaussian` stores a log scale a lobe where β leaves the range of 16-bit floats. False:
+    /// β is bounded.
     bool log_scale = true;
 };
 /// A view-by-view model (SU).
@@ -95,7 +96,8 @@ struct Noise {
     Rgb level{};      ///< median value [1/sr]
     /// Fraction of pairs with a negative value but a positive local mean; maximum over channels.
     double negative = 0;
-    /// Standard deviation [1/sr] of a table's samples before its maker set those below 0 to 0; of channels without it 0.
+    /// Standard deviation [1/sr] of a table's samples before its maker set those below 0 to 0; of channels without it
+    /// 0.
     Rgb clamped{};
     double excess = 0;  ///< share by which the median value is too bright because they were set to 0
 };
@@ -109,6 +111,7 @@ struct FitOutcome {
     double fit_seconds = 0;          ///< without the measurement of errors, which includes cross-validation
     std::uint64_t masked = 0;        ///< number of evaluated pairs where nothing was measured
     std::uint64_t clamped = 0;       ///< number of negative channel values among them; set to 0 unless they are noise
+    double largest_albedo = 1;       ///< of a channel of what was fitted, at views up to 80°; 1 if that is larger
     std::optional<Noise> noise;      ///< of a table; above 30 % the fit takes negative values for noise about a mean
     std::uint64_t raw_bytes = 0;  ///< of f in floats at all pairs of 1536 (SU: sampled) directions, or at the samples
     std::optional<int> empty_directions;   ///< SU: number of sampled directions without data
@@ -121,7 +124,8 @@ struct FitOutcome {
     /// Lambert and at most one lobe of GGX.
     std::vector<Model> without_fold;
     std::optional<Measures> ggx_heldout;
-    /// for scattered samples, objective `relative`: the number of angles of incidence, whose samples are in one fold each
+    /// for scattered samples, objective `relative`: the number of angles of incidence, whose samples are in one fold
+    /// each
     int incidences = 0;
     std::vector<Trial> path;  ///< models that were tried in choosing the size
     bool reached = true;      ///< whether the requested size or ΔE_ITP was reached
@@ -143,7 +147,8 @@ class Fitter {
     /// Keeps a reference to `measured`, which must outlive it.
     explicit Fitter(const Measured& measured);
     explicit Fitter(Measured&&) = delete;
-    /// A BRDF as a function, treated like a table: NaN counts as not measured, negative values as 0 unless they are noise.
+    /// A BRDF as a function, treated like a table: NaN counts as not measured, negative values as 0 unless they are
+    /// noise.
     explicit Fitter(Evaluate f);
     Fitter(Fitter&&) noexcept;
     Fitter& operator=(Fitter&&) noexcept;

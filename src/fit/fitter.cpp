@@ -24,6 +24,7 @@
 #include "models/pm/pm_functions.h"
 #include "models/range.h"
 #include "models/su/su_functions.h"
+#include "observe/albedo_bound.h"
 #include "observe/pair_weights.h"
 #include "observe/reciprocal_mean.h"
 #include "samples/fit_pm_to_samples.h"
@@ -263,7 +264,7 @@ struct Fitter::State {
     }
     bool looks_isotropic(const FitRequest& request) {
         const auto [at, is_new] = isotropic_.try_emplace(request.theta());
-        if (is_new) at->second = is_isotropic(clamped_, request.theta());
+        if (is_new) at->second = is_isotropic(signed_, request.theta(), noise_ ? noise_->deviation : Rgb{});
         return at->second;
     }
     /// True if a reciprocal model is fitted, to the mean of a table.
@@ -298,6 +299,7 @@ struct Fitter::State {
             std::visit([&](const auto& of) { return fit_observed(of, observations, request, fitting); }, request.model);
         if (!outcome) return outcome;
         outcome->masked = observations.masked;
+        outcome->largest_albedo = most_measured_albedo(observations);
         outcome->clamped = observations.clamped;
         outcome->raw_bytes = raw_bytes(k_matrix_directions, channels(outcome->model).count());
         return outcome;

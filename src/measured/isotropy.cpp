@@ -24,6 +24,8 @@ constexpr double k_small_rotation = 15 * k_degree;
 constexpr double k_rounding = 1e-6, k_noise = 0.02;
 /// Noise changes as much under a small rotation as under any other; a brushed surface changes far less.
 constexpr double k_most_growth = 2.5;
+/// Known noise changes the sum by as much as its variance, which is known to a tenth, and by so many deviations of it.
+constexpr double k_noise_margin = 1.1, k_deviations = 3;
 
 struct ValuesAtPairs {
     std::vector<Vec3f> wl, wv;
@@ -39,7 +41,7 @@ struct ValuesAtPairs {
 
 }  // namespace
 
-bool is_isotropic(const Evaluate& f, double max_theta) {
+bool is_isotropic(const Evaluate& f, double max_theta, const Rgb& noise) {
     const StandardArithmetic mode;
     std::mt19937_64 random(0);
     const MirrorMixture mixture(max_theta);
@@ -58,7 +60,7 @@ bool is_isotropic(const Evaluate& f, double max_theta) {
     }
     for (ValuesAtPairs* pairs : {&original, &slightly_rotated, &rotated}) pairs->evaluate(f);
     // The cosines compensate for the growth of f, and of its noise, towards the horizon.
-    double squares = 0, small_change = 0, change = 0;
+    double squares = 0, small_change = 0, change = 0, by_noise = 0, by_noise2 = 0;
     for (std::size_t i = 0; i < k_pairs; ++i) {
         const Rgb &value = original.f[i], &small = slightly_rotated.f[i], &any = rotated.f[i];
         if (!is_finite(value) || !is_finite(small) || !is_finite(any)) continue;
@@ -66,7 +68,10 @@ bool is_isotropic(const Evaluate& f, double max_theta) {
         squares += w * square_of(value);
         small_change += w * squared_distance(small, value);
         change += w * squared_distance(any, value);
+        const double noise_change = w * 2 * square_of(noise);
+        by_noise += noise_change, by_noise2 += elementary::square(noise_change);
     }
+    change -= k_noise_margin * by_noise + k_deviations * std::sqrt(2 * by_noise2);
     return change <= k_rounding * squares || (change <= k_noise * squares && change <= k_most_growth * small_change);
 }
 

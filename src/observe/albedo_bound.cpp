@@ -10,7 +10,8 @@
 namespace srbf {
 namespace {
 
-/// The views have cosθv in steps of a constant factor, from 1 to this. Each has so many directions of the light.
+/// The views have cosθv in steps of a constant factor, from 1 to this. Those of the same cosine share so many
+/// directions of the light.
 constexpr double k_least_bounded_cosine = 1e-3;
 constexpr int k_bounded_views = 36, k_light_directions = 4096;
 constexpr double k_steepest_trusted = 80 * k_degree;
@@ -19,12 +20,15 @@ constexpr double k_aim = 0.995;
 /// The cost grows by this factor where a round still exceeds the bound.
 constexpr double k_bound_cost_growth = 4;
 
-/// The largest albedo of a channel, of these values.
-double most_albedo(std::span<const Rgb> f, std::span<const double> weight) {
+/// The albedo of each channel, of these values.
+std::array<double, 3> albedo_of(std::span<const Rgb> f, std::span<const double> weight) {
     std::array<double, 3> sum{};
     for (std::size_t i = 0; i < f.size(); ++i)
         for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += weight[i] * double(f[i][c]);
-    return *std::ranges::max_element(sum);
+    return sum;
+}
+double most_albedo(std::span<const Rgb> f, std::span<const double> weight) {
+    return std::ranges::max(albedo_of(f, weight));
 }
 
 }  // namespace
@@ -44,17 +48,21 @@ AlbedoBound::AlbedoBound(double limit, int azimuths) : limit_(limit) {
         const double cosine =
             elementary::pow(k_least_bounded_cosine, double(i % k_bounded_views) / (k_bounded_views - 1));
         const Vec3d wv = spherical(elementary::acos(cosine), k_golden_angle * double(i));
-        View& view = views_.emplace_back(View{to_float(wv), mixture.quadrature(wv, k_light_directions), {}});
+        View& view = views_.emplace_back(
+            View{to_float(wv), mixture.quadrature(wv, k_light_directions / std::size_t(azimuths)), {}});
         for (std::size_t k = 0; k < view.light.w.size(); ++k) view.light.weight[k] *= double(view.light.w[k].z);
     }
 }
 
-double AlbedoBound::excess(const Evaluate& model) const {
-    double most = 0;
+std::vector<double> AlbedoBound::albedos(const Evaluate& model) const {
+    std::vector<double> albedos;
     for (const View& view : views_)
-        most = std::max(most, most_albedo(values_towards(model, view.light.w, view.wv), view.light.weight));
-    return most / limit_;
+        for (const double albedo : albedo_of(values_towards(model, view.light.w, view.wv), view.light.weight))
+            albedos.push_back(albedo / limit_);
+    return albedos;
 }
+
+double AlbedoBound::excess(const Evaluate& model) const { return std::ranges::max(albedos(model)); }
 
 ObservedIntegral AlbedoBound::bound_of(const View& view, const Channels& spectra, std::vector<Rgb> values,
                                        double albedo) const {
@@ -89,6 +97,11 @@ std::size_t AlbedoBound::add_exceeded(Observations& observations, const Evaluate
         }
     }
     return count;
+}
+
+void AlbedoBound::remove_from(Observations& observations) {
+    std::erase_if(observations.integrals, [](const ObservedIntegral& integral) { return integral.is_bound; });
+    for (View& view : views_) view.integral.reset();
 }
 
 }  // namespace srbf

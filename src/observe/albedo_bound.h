@@ -21,12 +21,16 @@ class AlbedoBound {
     /// `azimuths`: number of azimuths of the views; one is enough for isotropic models.
     AlbedoBound(double limit, int azimuths);
 
-    /// The largest albedo of a channel, as a fraction of the limit.
+    /// The albedo of each channel at each view, as a fraction of the limit.
+    std::vector<double> albedos(const Evaluate& model) const;
+    /// The largest of them.
     double excess(const Evaluate& model) const;
     /// Adds to the observations, as integrals with the limit as their value, the albedos that `model` exceeds, and
     /// raises the costs of earlier ones that it still exceeds. `spectra`: the same model at the wavelengths of spectral
     /// observations. Returns their number.
     std::size_t add_exceeded(Observations& observations, const Evaluate& model, const Channels& spectra);
+    /// Removes what was added.
+    void remove_from(Observations& observations);
 
   private:
     struct View {

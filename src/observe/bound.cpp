@@ -32,15 +32,17 @@ std::vector<std::size_t> exceeded_pairs(const Observations& observations, std::s
     return where;
 }
 
+PmModel only_lobe(PmModel model, int lobe) {
+    for (int j = 0; j < model.lobes; ++j)
+        if (j != lobe) model.coefficient[std::size_t(j)] = {};
+    return model;
+}
+
 std::vector<int> exceeding_lobes(const Observations& observations, std::size_t first, const PmModel& model) {
     const double largest = largest_measured(observations);
     std::vector<int> lobes;
-    for (int j = 0; j < model.lobes; ++j) {
-        PmModel single = model;
-        for (int k = 0; k < model.lobes; ++k)
-            if (k != j) single.coefficient[std::size_t(k)] = {};
-        if (!exceeded_pairs(observations, first, single, largest).empty()) lobes.push_back(j);
-    }
+    for (int j = 0; j < model.lobes; ++j)
+        if (!exceeded_pairs(observations, first, only_lobe(model, j), largest).empty()) lobes.push_back(j);
     return lobes;
 }
 

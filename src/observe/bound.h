@@ -27,6 +27,8 @@ double largest_measured(const Observations& observations);
 std::vector<std::size_t> exceeded_pairs(const Observations& observations, std::size_t first, const PmModel& model,
                                         double largest);
 
+/// A model whose other lobes are 0 in R, G, B.
+PmModel only_lobe(PmModel model, int lobe);
 /// Indices of the lobes of `model` that exceed this bound on their own.
 std::vector<int> exceeding_lobes(const Observations& observations, std::size_t first, const PmModel& model);
 

@@ -237,12 +237,12 @@ TEST(Path, AConstantMapIsItsModel) {
     PathScene scene = sphere_scene(prepare(material(map, 0)), &even_light());
     const auto drawn = [&](const PathMaterial& material, std::uint64_t seed) {
         scene.materials = {material};
-        PathOptions options = small(64);
+        PathOptions options = small(256);
         options.bounces = 1, options.seed = seed;
         return render_paths(scene, options).rendering.radiance;
     };
     const Mean model = mean_of(drawn(scene.materials[0], 1)), same = mean_of(drawn(prepared, 2));
-    EXPECT_PRED3(near, same.value, model.value, 1e-3);
+    EXPECT_PRED3(near, same.value, model.value, 2e-3);  // four deviations of the difference of two seeds
     // Values alone, without noise.
     scene.environment = nullptr;
     scene.lights = {{normalize(Vec3d{-1, 1, 2}), {1, 1, 1}}};

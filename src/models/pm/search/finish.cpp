@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
+#include <ranges>
+#include <set>
 #include <vector>
 
 #include "base/levenberg_marquardt.h"
@@ -79,14 +82,36 @@ std::optional<AlbedoBound> albedo_bound(const Observations& observations, const 
                        options.axial ? 1 : k_azimuths);
 }
 
-/// `model` with an albedo within the limit: bounds lower what exceeds it, this the rest.
-PmModel scaled_to(const AlbedoBound& bound, PmModel model) {
-    constexpr double k_margin = 1.002;  // of rounding, and between the views of the bound
-    const double excess = bound.excess(evaluator(model));
-    if (excess <= 1) return model;
-    const auto factor = float(1 / (k_margin * excess));
-    for (Rgb& beta : model.coefficient) beta = {factor * beta.r, factor * beta.g, factor * beta.b};
-    for (float& beta : model.spectrum) beta *= factor;
+/// `model` with an albedo within the limit, where bounds have not sufficed: at the view that exceeds it most, the lobe
+/// is lowered that has most of its own albedo there, and so on. One that rises at the horizon alone leaves the others
+/// as they are.
+PmModel lowered_to(const AlbedoBound& bound, PmModel model) {
+    constexpr double k_lowered = 1 / 1.002;  // of the limit; for rounding, and between the views of the bound
+    if (bound.excess(evaluator(model)) <= 1) return model;
+    const auto lobes = std::size_t(model.lobes);
+    std::vector<std::vector<double>> albedo;  // of each lobe alone
+    for (int j = 0; j < model.lobes; ++j) albedo.push_back(bound.albedos(evaluator(only_lobe(model, j))));
+    std::vector<double> factor(lobes, 1), all(albedo[0].size());
+    for (;;) {
+        std::ranges::fill(all, 0);
+        for (std::size_t j = 0; j < lobes; ++j)
+            for (std::size_t i = 0; i < all.size(); ++i) all[i] += factor[j] * albedo[j][i];
+        const auto at = std::size_t(std::ranges::max_element(all) - all.begin());
+        if (all[at] <= 1) break;
+        const auto concentration = [&](std::size_t j) {
+            const double sum = std::accumulate(albedo[j].begin(), albedo[j].end(), 0.0);
+            return factor[j] > 0 && sum > 0 ? albedo[j][at] / sum : 0;
+        };
+        const std::size_t j = std::ranges::max(std::views::iota(std::size_t(0), lobes), {}, concentration);
+        factor[j] = std::max(0.0, factor[j] - (all[at] - k_lowered) / albedo[j][at]);
+    }
+    const std::size_t C = model.spectrum.size() / lobes;
+    for (std::size_t j = 0; j < lobes; ++j) {
+        Rgb& beta = model.coefficient[j];
+        const auto k = float(factor[j]);
+        beta = {k * beta.r, k * beta.g, k * beta.b};
+        for (std::size_t c = 0; c < C; ++c) model.spectrum[j * C + c] *= k;
+    }
     return model;
 }
 
@@ -122,34 +147,41 @@ PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors,
     if (!observations.wavelengths.empty()) weigh_for_spectra(observations);
     const std::size_t first_bound = observations.fitted_count();
     std::optional<AlbedoBound> bound = albedo_bound(observations, options);
-    const auto within_limits = [&](PmFit unscaled) {
-        if (!bound) return unscaled;
-        unscaled.model = rounded(scaled_to(*bound, std::move(unscaled.model)));
-        unscaled.unrounded = scaled_to(*bound, std::move(unscaled.unrounded));
-        return unscaled;
+    const auto within_limits = [&](PmFit fit) {
+        if (!bound) return fit;
+        const double loss = loss_of(observations, evaluator(fit.model));
+        fit.model = rounded(lowered_to(*bound, std::move(fit.model)));
+        fit.unrounded = lowered_to(*bound, std::move(fit.unrounded));
+        if (loss > 0) fit.loss *= std::max(1.0, loss_of(observations, evaluator(fit.model)) / loss);
+        return fit;
     };
     Lobes first_lobes;
-    std::optional<std::vector<int>> without_features_before;  // lobes that began again without features
+    std::set<std::vector<int>> without_features_before;  // lobes that began again without features
     double first_loss = 0;
-    bool is_new = true;
+    bool is_new = true, bounds_albedos = bound.has_value();
     for (int round = 0;; ++round) {
         PmFit fit = fit_round(observations, lobes, is_new, factors, options, log_peak_limit, reporter);
         is_new = false;
         if (round == k_bound_rounds || reporter.cancelled()) return within_limits(std::move(fit));
         if (round == 0) first_lobes = lobes, first_loss = fit.loss;
-        const bool costs_much = fit.unrounded_loss > k_costly_bounds * first_loss;
-        const auto rising = costs_much ? exceeding_lobes(observations, first_bound, fit.model) : std::vector<int>{};
-        if (costs_much && rising != without_features_before) {
-            // Larger weights would narrow a lobe that rises steeply towards the horizon, at the expense of the
-            // others. Without features the lobe begins below the bound, which then holds it there.
-            lobes = without_features(first_lobes, rising), without_features_before = rising;
-            reset_bound_weights(observations, first_bound, first_loss);
-            is_new = true;
-            continue;
+        if (fit.unrounded_loss > k_costly_bounds * first_loss) {
+            const std::vector<int> rising = exceeding_lobes(observations, first_bound, fit.model);
+            const bool is_untried = without_features_before.insert(rising).second;
+            if (is_untried || bounds_albedos) {
+                // Larger weights would narrow a lobe that rises steeply towards the horizon, at the expense of the
+                // others. Without features the lobe begins below the bounds, which then hold it there. Where that
+                // does not help, albedos are not bounded: lobes are lowered in the end.
+                bounds_albedos = bounds_albedos && is_untried;
+                lobes = without_features(first_lobes, rising);
+                reset_bound_weights(observations, first_bound, first_loss);
+                if (bound) bound->remove_from(observations);
+                is_new = true;
+                continue;
+            }
         }
         const std::size_t exceeded_pairs = add_exceeded_pairs(observations, first_bound, fit.model, fit.loss);
         const std::size_t exceeded_albedos =
-            bound ? bound->add_exceeded(observations, evaluator(fit.model), spectra(fit.model)) : 0;
+            bounds_albedos ? bound->add_exceeded(observations, evaluator(fit.model), spectra(fit.model)) : 0;
         if (exceeded_pairs + exceeded_albedos == 0) return within_limits(std::move(fit));
     }
 }

@@ -42,8 +42,9 @@ template <typename... Kinds> std::optional<FacetTerms> facets_of(const std::vari
 }
 
 /// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine and its square, lobes around the mirror
-/// direction, lobes of half vectors, and for BRDFs of facets their visible normals (Heitz 2018). The weights, and the stretch and power of the half-vector lobes, are
-/// linear in √cosθv between nodes. At the nodes they have the least variance for the BRDF.
+/// direction, lobes of half vectors, and for BRDFs of facets their visible normals (Heitz 2018). The weights, and the
+/// stretch and power of the half-vector lobes, are linear in √cosθv between nodes. At the nodes they have the least
+/// variance for the BRDF.
 class MixtureProposal {
   public:
     static constexpr int k_nodes = 13, k_lobes = 16;
@@ -107,8 +108,8 @@ struct ProposeOptions {
     /// may be stretched along an axis, and there is no table of cells. No function of this header chooses the
     /// number.
     int azimuths = 1;
-    int threads = 0;              ///< 0: as many as the machine has; the result does not depend on it
-    double most_variance = 0.15;  ///< limit on the relative variance of f cosθl / pdf, for `refine`
+    int threads = 0;                        ///< 0: as many as the machine has; the result does not depend on it
+    double most_variance = 0.15;            ///< limit on the relative variance of f cosθl / pdf, for `refine`
     std::optional<FacetTerms> facets = {};  ///< of a BRDF that consists of them, `facets_of`
 };
 /// The recommended number of azimuths for an anisotropic BRDF.
@@ -117,8 +118,8 @@ inline constexpr int k_anisotropic_azimuths = 8;
 /// the views at the node and a third of the way to its neighbours. They result from 200 steps of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
 /// each of which lowers the integral (Silvey, Titterington & Torgersen 1978). If more than 2 % of the samples
-/// would be invalid at one elevation, the weights of the lobes that cause this are reduced, in at most seven steps
-/// (three with an axis). The cosine keeps a weight of 0.02.
+/// would be invalid at one elevation, the weights of the lobes that cause this are reduced, in at most nine steps
+/// (five with an axis). The cosine keeps a weight of 0.02.
 ///
 /// In the plane of incidence, stretches 0.8^i and powers 0.8^(2 − 2j) are tried, i from −13 to 13 and j from 0 to 10;
 /// the chosen shape has the least integral among its neighbours. With an axis, the stretch is one of eight up to 16
@@ -154,9 +155,9 @@ float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv);
 Proposal propose(const Model& model, const ProposeOptions& options = {});
 Proposal propose(const Model&&, const ProposeOptions& options = {}) = delete;
 
-/// Replaces a mixture by a table if that has a smaller variance. The mixture is kept if its relative variance is at
-/// most `most_variance` at views every 5° from 2.5° on, or samples facets. Between these views, and for BRDFs that neither represents,
-/// there is no bound; docs/sampling.md has the largest variances found. A table suits only BRDFs that depend on the
+/// Replaces a mixture by a table if that has a smaller variance. The mixture is kept if it samples facets, or its
+/// relative variance is at most `most_variance` at views every 5° from 2.5° on. Between these views, and for BRDFs that
+/// neither represents, there is no bound; docs/sampling.md has the largest variances found. A table suits only BRDFs that depend on the
 /// difference of the azimuths; none is made if `azimuths` is more than 1.
 Proposal refine(const Evaluate& brdf, const MixtureProposal& mixture, const ProposeOptions& options = {});
 

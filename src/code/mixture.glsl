@@ -52,7 +52,8 @@ Stretch mixture_stretch(Vec3 wv, NodesAbout nodes) {
 }
 Real mixture_power(NodesAbout nodes) { return mixture_between(SRBF_PROPOSAL_LOBES + 1, nodes); }
 Vec3 sample_of_lobe(int k, Vec3 wv, Real u1, Real u2) {
-    if (SRBF_PROPOSAL_LOBES < MIXTURE_COMPONENTS && k >= SRBF_PROPOSAL_LOBES) return sample_facets(wv, mixture_facets(k), u1, u2);
+    if (SRBF_PROPOSAL_LOBES < MIXTURE_COMPONENTS && k >= SRBF_PROPOSAL_LOBES)
+        return sample_facets(wv, mixture_facets(k), u1, u2);
     NodesAbout nodes = mixture_nodes(wv);
     return sample_proposal_lobe(k, wv, mixture_stretch(wv, nodes), mixture_power(nodes), u1, u2);
 }

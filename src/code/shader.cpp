@@ -155,9 +155,10 @@ std::string brdf_text(const Material& material, bool open) {
 }
 
 std::string proposal_text(int parts) {
-    return fmt::format("#define MIXTURE_NODES {}\n#define MIXTURE_COMPONENTS {}\n#define MIXTURE_VECTORS {}\n#define "
-                       "MIXTURE_PARTS {}\n",
-                       MixtureProposal::k_nodes, MixtureProposal::k_components, k_node_vectors, parts) +
+    return fmt::format(
+               "#define MIXTURE_NODES {}\n#define MIXTURE_COMPONENTS {}\n#define MIXTURE_VECTORS {}\n#define "
+               "MIXTURE_PARTS {}\n",
+               MixtureProposal::k_nodes, MixtureProposal::k_components, k_node_vectors, parts) +
            k_proposal_text + k_mixture_text;
 }
 

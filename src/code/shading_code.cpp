@@ -272,7 +272,8 @@ std::string mixture_numbers_text(const Model& model, const CodeOptions& options,
         const auto numbers = numbers_of(mixture, node);
         nodes.numbers.insert(nodes.numbers.end(), numbers.begin(), numbers.begin() + std::ptrdiff_t(nodes.columns));
     }
-    defines["MIXTURE_COMPONENTS"] = std::to_string(has_facets ? MixtureProposal::k_components : MixtureProposal::k_lobes);
+    defines["MIXTURE_COMPONENTS"] =
+        std::to_string(has_facets ? MixtureProposal::k_components : MixtureProposal::k_lobes);
     const std::size_t columns = nodes.columns;
     program.tables.push_back(std::move(nodes));
     return fmt::format(
@@ -577,8 +578,7 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
         return Error{std::string(name), {}, what, expected, found, ErrorCode::argument};
     };
     if (!map.dense()) return refuse("library", "a coefficient for each lobe", "some lobes of each material");
-    if (options.sampling || added.sampling)
-        return refuse("code of a map", "values, albedos and light", "sampling");
+    if (options.sampling || added.sampling) return refuse("code of a map", "values, albedos and light", "sampling");
     Names names = map_entries(options, added);
     std::vector<std::string> roots;
     std::string list;
@@ -656,8 +656,8 @@ Result<std::string> python_code(const Model& model, int threads) {
     const Program program =
         program_of(model, {.sampling = true, .threads = threads},
                    {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, {}, ParameterStorage::tables);
-    std::string text = fmt::format("components = {}\n", facets_of(model) ? MixtureProposal::k_components
-                                                                         : MixtureProposal::k_lobes);
+    std::string text =
+        fmt::format("components = {}\n", facets_of(model) ? MixtureProposal::k_components : MixtureProposal::k_lobes);
     for (const Table& table : program.tables) text += syntax::python_text(table);
     for (const syntax::Function& function : program.functions) text += "\n\n" + syntax::python_text(function, program);
     return text;

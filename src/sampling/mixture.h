@@ -14,6 +14,7 @@ inline constexpr float k_least_cosine = 0.02f;
 /// The stretches that a mixture with an axis is chosen from.
 inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};
 
+/// Facets as the kernel has them.
 inline Kernel<float>::Facets kernel_facets(const Facets& facets) { return {facets.xx, facets.xy, facets.yy}; }
 
 /// The tangent along which lobes are stretched for a viewer, not normalised.

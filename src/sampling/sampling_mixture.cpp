@@ -201,8 +201,9 @@ HWY_INLINE std::size_t choose_component(const MixtureProposal& proposal, const N
                                 hn::Ge(broadcast_lobes(selector).v, interpolate(low, high, nodes.fraction, k).v));
     if (chosen < LobeTable::k_count) return chosen;
     if (!proposal.facets) return 0;
-    const float lobes = proposal.running(nodes.below).back() +
-                        nodes.fraction * (proposal.running(nodes.below + 1).back() - proposal.running(nodes.below).back());
+    const float lobes =
+        proposal.running(nodes.below).back() +
+        nodes.fraction * (proposal.running(nodes.below + 1).back() - proposal.running(nodes.below).back());
     return chosen + (selector < lobes + facet_weight(proposal, nodes, 0) ? 0 : 1);
 }
 
@@ -211,7 +212,8 @@ HWY_INLINE Vec3f sample_at_view(const MixtureProposal& proposal, const MixtureAt
     using F = Formulas<FourLanes, PmModel>;
     const std::size_t k = choose_component(proposal, view.nodes, selector);
     if (k >= LobeTable::k_count)
-        return Kernel<float>::sample_facets(view.wv, kernel_facets((*proposal.facets)[k - LobeTable::k_count]), u.x, u.y);
+        return Kernel<float>::sample_facets(view.wv, kernel_facets((*proposal.facets)[k - LobeTable::k_count]), u.x,
+                                            u.y);
     const LobeSamples samples(mixture, u.x);
     const FourLanes below = broadcast<FourLanes>(samples.below[k]), u2 = broadcast<FourLanes>(u.y);
     Vec3<FourLanes> wl;

@@ -18,7 +18,9 @@ struct ProposalShape {
     std::optional<FacetTerms> facets = {};  ///< sampled beside the lobes
 
     bool has_axis() const { return cosine != 0 || sine != 0; }
-    std::size_t components() const { return std::size_t(facets ? MixtureProposal::k_components : MixtureProposal::k_lobes); }
+    std::size_t components() const {
+        return std::size_t(facets ? MixtureProposal::k_components : MixtureProposal::k_lobes);
+    }
 };
 
 /// Pairs of directions with weights for the integral over dωl, and the densities of a mixture's components at them, as

@@ -127,17 +127,21 @@ SRBF_FN Real visible_normals_pdf(Vec3 wl, Vec3 wv, Facets facets) {
 }
 
 // Samples visible_normals_pdf, by a spherical cap about the viewer (Dupuy & Benyoub, "Sampling Visible GGX Normals with
-// Spherical Caps", 2023). Directions below the horizon are reflected to above it, so that no sample is lost: facets_pdf
-// is the density of the result.
-SRBF_FN Vec3 reflected_up(Vec3 wl) { return Vec3(wl.x, wl.y, max(wl.z, -wl.z)); }
-SRBF_FN Vec3 sample_facets(Vec3 wv, Facets facets, Real u1, Real u2) {
+// Spherical Caps", 2023).
+SRBF_FN Vec3 sample_visible_normals(Vec3 wv, Facets facets, Real u1, Real u2) {
     Vec3 seen = roughened_by(facets, wv);
     seen = inversesqrt(max(dot(seen, seen), Real(1.0e-20))) * seen;
     Real phi = Real(SRBF_TWO_PI) * u2;
     Real z = (Real(1.0) - u1) * (Real(1.0) + seen.z) - seen.z;
     Real radius = sqrt(max(Real(1.0) - z * z, Real(0.0)));
     Vec3 normal = Vec3(seen.x + radius * cos(phi), seen.y + radius * sin(phi), seen.z + z);
-    return reflected_up(light_of(roughened_by(facets, normal), wv));
+    return light_of(roughened_by(facets, normal), wv);
+}
+
+// Facets as components of a mixture: directions below the horizon are reflected to above it, so that no sample is lost.
+SRBF_FN Vec3 reflected_up(Vec3 wl) { return Vec3(wl.x, wl.y, max(wl.z, -wl.z)); }
+SRBF_FN Vec3 sample_facets(Vec3 wv, Facets facets, Real u1, Real u2) {
+    return reflected_up(sample_visible_normals(wv, facets, u1, u2));
 }
 SRBF_FN Real facets_pdf(Vec3 wl, Vec3 wv, Facets facets) {
     return visible_normals_pdf(wl, wv, facets) + visible_normals_pdf(Vec3(wl.x, wl.y, -wl.z), wv, facets);

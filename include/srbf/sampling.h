@@ -157,8 +157,8 @@ Proposal propose(const Model&&, const ProposeOptions& options = {}) = delete;
 
 /// Replaces a mixture by a table if that has a smaller variance. The mixture is kept if it samples facets, or its
 /// relative variance is at most `most_variance` at views every 5° from 2.5° on. Between these views, and for BRDFs that
-/// neither represents, there is no bound; docs/sampling.md has the largest variances found. A table suits only BRDFs that depend on the
-/// difference of the azimuths; none is made if `azimuths` is more than 1.
+/// neither represents, there is no bound; docs/sampling.md has the largest variances found. A table suits only BRDFs
+/// that depend on the difference of the azimuths; none is made if `azimuths` is more than 1.
 Proposal refine(const Evaluate& brdf, const MixtureProposal& mixture, const ProposeOptions& options = {});
 
 /// A direction and its density, for proposals that have no faster way.

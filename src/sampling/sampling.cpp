@@ -97,8 +97,8 @@ void add_draws(int count, int k, const ProposalShape& shape, Vec3f wv, std::vect
     add_lattice(count, sample_component, wl);
 }
 
-/// Points for these views, `count` for each of them and for each component of these shapes. Their densities are those of
-/// the first shape.
+/// Points for these views, `count` for each of them and for each component of these shapes. Their densities are those
+/// of the first shape.
 SamplingPoints make_points(const Evaluate& brdf, std::span<const Vec3f> views, int count,
                            std::initializer_list<ProposalShape> shapes) {
     SamplingPoints points;

@@ -101,10 +101,11 @@ LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
             // 2 pi / lambda; the reflection of half vectors multiplies it by 4 cos(theta_v).
             float spread = k < SRBF_FIRST_HALF_VECTOR_LOBE ? 2.0 : 8.0 * lit.wv.z;
             float solid_angle = k < 2 ? k_pi_ : spread * k_pi_ / proposal_bandwidth(k);
-            // pi times the product of both roughnesses is that of most normals.
-            Facets facets = mixture_facets(k);
-            if (k >= SRBF_PROPOSAL_LOBES)
+            if (k >= SRBF_PROPOSAL_LOBES) {
+                Facets facets = mixture_facets(k);
+                // most normals are within pi times the product of both roughnesses
                 solid_angle = 4.0 * k_pi_ * lit.wv.z * (facets.xx * facets.yy - facets.xy * facets.xy);
+            }
             vec2 centre = k < 2 ? above : mirrored;
             chance *= mean + luminance(environment_radiance(centre, environment_level(solid_angle)));
         }

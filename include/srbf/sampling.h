@@ -105,8 +105,8 @@ float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv);
 
 struct ProposeOptions {
     /// Number of azimuths of the view over which the variance is averaged. With more than one, half-vector lobes
-    /// may be stretched along an axis, and there is no table of cells. No function of this header chooses the
-    /// number.
+    /// may be stretched along an axis, and there is no table of cells. Of the functions of this header only
+    /// `propose(model)` chooses it, for facets that are rougher along a tangent.
     int azimuths = 1;
     int threads = 0;                        ///< 0: as many as the machine has; the result does not depend on it
     double most_variance = 0.15;            ///< limit on the relative variance of f cosθl / pdf, for `refine`
@@ -118,8 +118,8 @@ inline constexpr int k_anisotropic_azimuths = 8;
 /// the views at the node and a third of the way to its neighbours. They result from 200 steps of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
 /// each of which lowers the integral (Silvey, Titterington & Torgersen 1978). If more than 2 % of the samples
-/// would be invalid at one elevation, the weights of the lobes that cause this are reduced, in at most nine steps
-/// (five with an axis). The cosine keeps a weight of 0.02.
+/// would be invalid at one elevation, the weights of the lobes that cause this are reduced, in at most ten steps
+/// (six with an axis). The cosine keeps a weight of 0.02.
 ///
 /// In the plane of incidence, stretches 0.8^i and powers 0.8^(2 − 2j) are tried, i from −13 to 13 and j from 0 to 10;
 /// the chosen shape has the least integral among its neighbours. With an axis, the stretch is one of eight up to 16

@@ -25,9 +25,9 @@ constexpr float k_least_weight = 1e-3f;
 /// The fraction of samples that may be lost at any elevation of a node, and the costs of losing all samples,
 /// relative to the second moment. They are tried one after the other until no more is lost.
 constexpr double k_most_lost = 0.02;
-constexpr double k_costs_of_loss[] = {0, 1, 3, 10, 20, 40, 80, 160, 320, 640};
+constexpr double k_costs_of_loss[] = {0, 3, 5, 7, 10, 20, 40, 80, 160, 320, 640};
 /// Anisotropic BRDFs use only the first costs: larger ones double the variance at 75°.
-constexpr std::size_t k_costs_with_axis = 6;
+constexpr std::size_t k_costs_with_axis = 7;
 // The relative gains of the second moment that justify an anisotropy axis, and a step of a lobe's shape.
 constexpr double k_least_gain = 0.01, k_least_change = 0.002;
 
@@ -301,6 +301,7 @@ Proposal propose(const Model& model, const ProposeOptions& options) {
     if (su && su->discretise == Discretise::view) return propose(*su);
     ProposeOptions own = options;
     own.facets = facets_of(model);
+    if (own.facets && !is_isotropic(model)) own.azimuths = std::max(own.azimuths, k_anisotropic_azimuths);
     return propose(evaluator(model), own);
 }
 

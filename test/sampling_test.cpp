@@ -135,8 +135,18 @@ void half_highlight(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::s
         if (wv[i].x * wl[i].y - wv[i].y * wl[i].x < 0) f[i] = {0.01f, 0.01f, 0.01f};
 }
 
+/// Surfaces of facets: two rough lobes, and brushed metal under a coat.
+std::vector<Model> surfaces() {
+    OpenPbrModel brushed;
+    brushed.base_metalness = 1, brushed.specular_roughness = 0.5f;
+    brushed.specular_roughness_anisotropy = 0.7f, brushed.specular_rotation = 0.1f;
+    brushed.coat_weight = 1, brushed.coat_roughness = 0.4f;
+    return {{GgxModel{{0.1f, 0.2f, 0.3f}, {{0.1f, {0.04f, 0.04f, 0.04f}, 1}, {0.6f, {0.5f, 0.5f, 0.5f}, 1}}}, {}},
+            {brushed, {}}};
+}
+
 TEST_F(Sampling, SamplesFollowDensitiesThatIntegrateToOne) {
-    const int tests = int(materials().size()) * 5 * int(std::size(k_thetas));
+    const int tests = (int(materials().size()) * 5 + int(surfaces().size())) * int(std::size(k_thetas));
     const double significance = sidak(0.01, tests);
     constexpr int count = 20000;
     const PolarBins bins = half_vector_bins();
@@ -161,6 +171,29 @@ TEST_F(Sampling, SamplesFollowDensitiesThatIntegrateToOne) {
     for (const auto& material : materials()) {
         for_each_pairing(*material, check);
         check(material->name + " cosine", evaluator(material->measured), material->cosine);
+    }
+    for (const Model& surface : surfaces()) check("facets", evaluator(surface), propose(surface));
+}
+
+/// Down to views a hundredth of a degree above the horizon, and for the narrowest facets.
+TEST_F(Sampling, WeightsOfFacetsAreBounded) {
+    std::vector<Model> models = surfaces();
+    for (const float roughness : {0.002f, 0.02f, 0.1f, 0.5f, 1.f})
+        for (const float diffuse : {0.f, 0.3f})
+            models.push_back({GgxModel{{diffuse, diffuse, diffuse}, {{roughness, {0.04f, 0.04f, 0.04f}, 1}}}, {}});
+    constexpr int views = 25, count = 4000;
+    for (std::size_t m = 0; m < models.size(); ++m) {
+        const Proposal proposal = propose(models[m]);
+        for (int i = 0; i < views; ++i) {
+            const Vec3f wv = to_float(spherical(std::acos(std::pow(1e-4, i / (views - 1.0))), 0.7 + i));
+            double sum = 0, squares = 0, largest = 0;
+            for (int n = 0; n < count; ++n) {
+                const double weight = luminance(sample(models[m], proposal, wv, draw3()).weight);
+                sum += weight, squares += weight * weight, largest = std::max(largest, weight);
+            }
+            EXPECT_LT(largest, 10) << m << ' ' << wv.z;
+            EXPECT_LT(squares * count / (sum * sum) - 1, 0.3) << m << ' ' << wv.z;
+        }
     }
 }
 
@@ -327,6 +360,10 @@ TEST_F(Sampling, JacobianOfEachWarpTimesItsDensityIsOne) {
             check([&](double u1, double u2) { return D::sample_proposal_lobe(k, wv, map, power, u1, u2); },
                   [&](Vec3d w) { return D::proposal_lobe_pdf(k, D::proposal_point(w, wv, map, power)); },
                   "power of the cosine " + std::to_string(k + 1));
+        const auto facets =
+            D::facets_along(0.6, 0.8, i % 2 ? 0.5 : 0.01 + 0.9 * uniform(random), 0.01 + 0.9 * uniform(random));
+        check([&](double u1, double u2) { return D::sample_visible_normals(wv, facets, u1, u2); },
+              [&](Vec3d w) { return D::visible_normals_pdf(w, wv, facets); }, "facets");
         for (int k = SRBF_FIRST_HALF_VECTOR_LOBE; k < SRBF_PROPOSAL_LOBES; ++k) {
             const double bandwidth = D::proposal_bandwidth(k);
             check([&](double u1, double u2) { return D::sample_half_vector(wv, bandwidth, map, power, u1, u2); },

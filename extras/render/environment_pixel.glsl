@@ -76,13 +76,13 @@ Vec3 from_surface(SurfaceFrame frame, Vec3 w) {
 float power_heuristic(float a, float b) { return 1.0 / (1.0 + (b / a) * (b / a)); }
 
 // Probabilities of the mixture's lobes for a view, on one side of a surface. Each is proportional to the lobe's
-// weight times the luminance around its centre, averaged over its solid angle. The mean luminance is added for
-// light that this average misses.
+// weight times the luminance around its centre, averaged over its solid angle, or for facets that of a highlight of
+// their roughness. The mean luminance is added for light that this average misses.
 struct LitLobes {
     Vec3 wv;      // in the frame of the part
     Stretch map;  // for half-vector lobes, like their power
     float power;
-    float chance[SRBF_PROPOSAL_LOBES];
+    float chance[MIXTURE_COMPONENTS];
 };
 LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
     choose_part(side, wv);
@@ -95,12 +95,17 @@ LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
     vec2 mirrored = environment_place(from_surface(frame, to_side(Vec3(-lit.wv.xy, lit.wv.z), side)));
     float mean = luminance(environment_radiance(vec2(0.5), 32.0));
     float sum = 0.0;
-    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
-        float chance = mixture_between(k, nodes);
+    for (int k = 0; k < MIXTURE_COMPONENTS; ++k) {
+        float chance = mixture_weight(k, nodes);
         if (chance > 0.0) {
             // 2 pi / lambda; the reflection of half vectors multiplies it by 4 cos(theta_v).
             float spread = k < SRBF_FIRST_HALF_VECTOR_LOBE ? 2.0 : 8.0 * lit.wv.z;
             float solid_angle = k < 2 ? k_pi_ : spread * k_pi_ / proposal_bandwidth(k);
+            if (k >= SRBF_PROPOSAL_LOBES) {
+                Facets facets = mixture_facets(k);
+                // most normals are within pi times the product of both roughnesses
+                solid_angle = 4.0 * k_pi_ * lit.wv.z * (facets.xx * facets.yy - facets.xy * facets.xy);
+            }
             vec2 centre = k < 2 ? above : mirrored;
             chance *= mean + luminance(environment_radiance(centre, environment_level(solid_angle)));
         }
@@ -108,8 +113,8 @@ LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
         sum += chance;
     }
     // If there is no light, the weights of the mixture remain.
-    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k)
-        lit.chance[k] = sum > 0.0 ? lit.chance[k] / sum : mixture_between(k, nodes);
+    for (int k = 0; k < MIXTURE_COMPONENTS; ++k)
+        lit.chance[k] = sum > 0.0 ? lit.chance[k] / sum : mixture_weight(k, nodes);
     return lit;
 }
 // A direction to the light, in the frame of the part. The lobe is chosen by u.x, rescaled within its interval so
@@ -117,7 +122,7 @@ LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
 Vec3 sample_lit(LitLobes lit, vec2 u) {
     int chosen = 0;
     float remainder = u.x;
-    for (int k = 0; k < SRBF_PROPOSAL_LOBES - 1; ++k) {
+    for (int k = 0; k < MIXTURE_COMPONENTS - 1; ++k) {
         if (chosen == k && remainder >= lit.chance[k]) {
             remainder -= lit.chance[k];
             chosen = k + 1;
@@ -125,6 +130,7 @@ Vec3 sample_lit(LitLobes lit, vec2 u) {
     }
     if (lit.chance[chosen] <= 0.0) chosen = 0;  // a remainder left by rounding belongs to the cosine
     float u1 = min(remainder / lit.chance[chosen], 0.99999994);
+    if (chosen >= SRBF_PROPOSAL_LOBES) return sample_facets(lit.wv, mixture_facets(chosen), u1, u.y);
     return sample_proposal_lobe(chosen, lit.wv, lit.map, lit.power, u1, u.y);
 }
 // The density of sample_lit [1/sr].
@@ -133,6 +139,8 @@ float lit_pdf(LitLobes lit, Vec3 wl) {
     ProposalPoint terms = proposal_point(wl, lit.wv, lit.map, lit.power);
     float sum = 0.0;
     for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum += lit.chance[k] * proposal_lobe_pdf(k, terms);
+    for (int k = SRBF_PROPOSAL_LOBES; k < MIXTURE_COMPONENTS; ++k)
+        sum += lit.chance[k] > 0.0 ? lit.chance[k] * facets_pdf(wl, lit.wv, mixture_facets(k)) : 0.0;
     return sum;
 }
 

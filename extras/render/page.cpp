@@ -152,7 +152,7 @@ Json data_of(const PageMaterial& entry) {
     if (!entry.material) return {};
     Json numbers = std::visit([](const auto& m) { return numbers_of(m); }, *entry.material);
     const bool two_sided = is_two_sided(*entry.material);
-    const ProposeOptions options{.azimuths = azimuths_of(*entry.material)};
+    const ProposeOptions options{.azimuths = azimuths_of(*entry.material), .facets = facets_of(*entry.material)};
     const ProposalNumbers proposal =
         proposal_numbers(two_sided ? propose_parts(entry.brdf, options) : Proposals(propose(entry.brdf, options)));
     numbers["two_sided"] = two_sided;

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <limits>
+#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -24,20 +25,41 @@ struct CosineProposal {};
 Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
 
+/// Facets with GGX's distribution of normals, by the symmetric matrix ((xx, xy), (xy, yy)), whose eigenvalues are their
+/// roughness along a tangent and across it.
+struct Facets {
+    float xx = 1, xy = 0, yy = 1;
+};
+/// The facets of a model of at most two terms; a missing term has the roughness 1.
+using FacetTerms = std::array<Facets, 2>;
+FacetTerms facets_of(const GgxModel& model);
+FacetTerms facets_of(const OpenPbrModel& model);
+/// Other BRDFs have none.
+template <typename Other> std::optional<FacetTerms> facets_of(const Other&) { return {}; }
+std::optional<FacetTerms> facets_of(const Model& model);
+template <typename... Kinds> std::optional<FacetTerms> facets_of(const std::variant<Kinds...>& any) {
+    return std::visit([](const auto& kind) -> std::optional<FacetTerms> { return facets_of(kind); }, any);
+}
+
 /// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine and its square, lobes around the mirror
-/// direction, and lobes of half vectors. The weights, and the stretch and power of the half-vector lobes, are
-/// linear in √cosθv between nodes. At the nodes they have the least variance for the BRDF.
+/// direction, lobes of half vectors, and for BRDFs of facets their visible normals (Heitz 2018). The weights, and the
+/// stretch and power of the half-vector lobes, are linear in √cosθv between nodes. At the nodes they have the least
+/// variance for the BRDF.
 class MixtureProposal {
   public:
     static constexpr int k_nodes = 13, k_lobes = 16;
-    static constexpr int k_numbers = k_lobes + 2;  ///< numbers of one node
+    static constexpr int k_components = k_lobes + int(std::tuple_size_v<FacetTerms>);
     using Row = std::array<float, k_lobes>;
 
-    /// The weights at node i, where √cosθv = 1 − i / 12; they sum to 1.
+    /// The weights of the lobes at node i, where √cosθv = 1 − i / 12; with those of the facets they sum to 1.
     const Row& weight(std::size_t node) const { return weight_[node]; }
     /// The running sums of the weights.
     const Row& running(std::size_t node) const { return running_[node]; }
     void set_weights(std::size_t node, std::span<const float, k_lobes> weight);
+
+    /// The facets whose visible normals are sampled, and for each node their weights.
+    std::optional<FacetTerms> facets;
+    std::array<std::array<float, 2>, k_nodes> facet_weight{};
 
     /// For each node: half-vector lobes are `stretch` times as wide along a tangent as across it, and weighted by
     /// this power of their visibility to the viewer.
@@ -83,11 +105,12 @@ float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv);
 
 struct ProposeOptions {
     /// Number of azimuths of the view over which the variance is averaged. With more than one, half-vector lobes
-    /// may be stretched along an axis, and there is no table of cells. No function of this header chooses the
-    /// number.
+    /// may be stretched along an axis, and there is no table of cells. Of the functions of this header only
+    /// `propose(model)` chooses it, for facets that are rougher along a tangent.
     int azimuths = 1;
-    int threads = 0;              ///< 0: as many as the machine has; the result does not depend on it
-    double most_variance = 0.15;  ///< limit on the relative variance of f cosθl / pdf, for `refine`
+    int threads = 0;                        ///< 0: as many as the machine has; the result does not depend on it
+    double most_variance = 0.15;            ///< limit on the relative variance of f cosθl / pdf, for `refine`
+    std::optional<FacetTerms> facets = {};  ///< of a BRDF that consists of them, `facets_of`
 };
 /// The recommended number of azimuths for an anisotropic BRDF.
 inline constexpr int k_anisotropic_azimuths = 8;
@@ -95,8 +118,8 @@ inline constexpr int k_anisotropic_azimuths = 8;
 /// the views at the node and a third of the way to its neighbours. They result from 200 steps of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
 /// each of which lowers the integral (Silvey, Titterington & Torgersen 1978). If more than 2 % of the samples
-/// would be invalid at one elevation, the weights of the lobes that cause this are reduced, in at most seven steps
-/// (three with an axis). The cosine keeps a weight of 0.02.
+/// would be invalid at one elevation, the weights of the lobes that cause this are reduced, in at most ten steps
+/// (six with an axis). The cosine keeps a weight of 0.02.
 ///
 /// In the plane of incidence, stretches 0.8^i and powers 0.8^(2 − 2j) are tried, i from −13 to 13 and j from 0 to 10;
 /// the chosen shape has the least integral among its neighbours. With an axis, the stretch is one of eight up to 16
@@ -132,10 +155,10 @@ float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv);
 Proposal propose(const Model& model, const ProposeOptions& options = {});
 Proposal propose(const Model&&, const ProposeOptions& options = {}) = delete;
 
-/// Replaces a mixture by a table if that has a smaller variance. The mixture is kept if its relative variance is at
-/// most `most_variance` at views every 5° from 2.5° on. Between these views, and for BRDFs that neither represents,
-/// there is no bound; docs/sampling.md has the largest variances found. A table suits only BRDFs that depend on the
-/// difference of the azimuths; none is made if `azimuths` is more than 1.
+/// Replaces a mixture by a table if that has a smaller variance. The mixture is kept if it samples facets, or its
+/// relative variance is at most `most_variance` at views every 5° from 2.5° on. Between these views, and for BRDFs that
+/// neither represents, there is no bound; docs/sampling.md has the largest variances found. A table suits only BRDFs
+/// that depend on the difference of the azimuths; none is made if `azimuths` is more than 1.
 Proposal refine(const Evaluate& brdf, const MixtureProposal& mixture, const ProposeOptions& options = {});
 
 /// A direction and its density, for proposals that have no faster way.

@@ -20,7 +20,6 @@ import numpy as np
 import srbf
 from srbf import _srbf
 
-_LOBES = 16
 _OLDEST_LLVM = 16
 _models: dict[str, srbf.Model] = {}
 _warned = False
@@ -93,7 +92,7 @@ def _functions(model: srbf.Model, parameters: dict[str, Any]) -> types.SimpleNam
         "table": table,
     }
     exec(_srbf.python_code(model._native), names)
-    return types.SimpleNamespace(**{name: names[name] for name in ("brdf", "chosen_lobe", "sample_of_lobe", "light_pdf")})
+    return types.SimpleNamespace(**{name: names[name] for name in ("components", "brdf", "chosen_lobe", "sample_of_lobe", "light_pdf")})
 
 
 def _model_of(props: Any) -> srbf.Model:
@@ -197,7 +196,7 @@ def _array_bsdf(base: Any) -> Any:
             wv = mi.Vector3f(si.wi)
             chosen = self.f.chosen_lobe(wv, sample1)
             wo = mi.Vector3f(0)
-            for k in range(_LOBES):
+            for k in range(self.f.components):
                 wo = dr.select(chosen == k, self.f.sample_of_lobe(k, wv, sample2.x, sample2.y), wo)
             pdf = self.f.light_pdf(wo, wv)
             valid = (pdf > 0) & active & self._is_enabled(ctx)

@@ -1,6 +1,8 @@
 // Samples a mixture of proposal lobes. This text follows kernel.glsl, and requires:
 //   mixture_number(node, i)  number i of a node of MIXTURE_NODES, which are uniform in sqrt(cos(theta_v)): the weights of
-//                            SRBF_PROPOSAL_LOBES lobes, then the stretch of half-vector lobes and their power
+//                            SRBF_PROPOSAL_LOBES lobes, then the stretch of half-vector lobes and their power; of
+//                            MIXTURE_COMPONENTS components the others are facets, with their weights, then their
+//                            matrices (xx, xy, yy)
 //   mixture_tangent(wv)      the tangent along which these lobes are stretched, of any length
 
 // The position of a coordinate from 0 to 1 between two of `count` nodes.
@@ -22,17 +24,27 @@ Real mixture_between(int i, NodesAbout nodes) {
     return below + nodes.beyond * (above - below);
 }
 
-// The lobe that a selector uniform in [0,1) chooses.
+Real mixture_weight(int k, NodesAbout nodes) { return mixture_between(k < SRBF_PROPOSAL_LOBES ? k : k + 2, nodes); }
+Facets mixture_facets(int k) {
+    int first = SRBF_PROPOSAL_LOBES + 4 + 3 * (k - SRBF_PROPOSAL_LOBES);
+    Facets facets;
+    facets.xx = mixture_number(0, first);
+    facets.xy = mixture_number(0, first + 1);
+    facets.yy = mixture_number(0, first + 2);
+    return facets;
+}
+
+// The component that a selector uniform in [0,1) chooses.
 int chosen_lobe(Vec3 wv, Real selector) {
     NodesAbout nodes = mixture_nodes(wv);
     Real running = Real(0.0);
     int chosen = 0;
-    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
-        running = running + mixture_between(k, nodes);
+    for (int k = 0; k < MIXTURE_COMPONENTS; ++k) {
+        running = running + mixture_weight(k, nodes);
         if (running <= selector) chosen = k + 1;
     }
     // Rounding errors of the shares go to the cosine.
-    if (chosen >= SRBF_PROPOSAL_LOBES) chosen = 0;
+    if (chosen >= MIXTURE_COMPONENTS) chosen = 0;
     return chosen;
 }
 Stretch mixture_stretch(Vec3 wv, NodesAbout nodes) {
@@ -40,6 +52,8 @@ Stretch mixture_stretch(Vec3 wv, NodesAbout nodes) {
 }
 Real mixture_power(NodesAbout nodes) { return mixture_between(SRBF_PROPOSAL_LOBES + 1, nodes); }
 Vec3 sample_of_lobe(int k, Vec3 wv, Real u1, Real u2) {
+    if (SRBF_PROPOSAL_LOBES < MIXTURE_COMPONENTS && k >= SRBF_PROPOSAL_LOBES)
+        return sample_facets(wv, mixture_facets(k), u1, u2);
     NodesAbout nodes = mixture_nodes(wv);
     return sample_proposal_lobe(k, wv, mixture_stretch(wv, nodes), mixture_power(nodes), u1, u2);
 }
@@ -56,6 +70,8 @@ Real light_pdf(Vec3 wl, Vec3 wv) {
     ProposalPoint coordinates = proposal_point(wl, wv, mixture_stretch(wv, nodes), mixture_power(nodes));
     Real sum = Real(0.0);
     for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k)
-        sum = sum + mixture_between(k, nodes) * proposal_lobe_pdf(k, coordinates);
+        sum = sum + mixture_weight(k, nodes) * proposal_lobe_pdf(k, coordinates);
+    for (int k = SRBF_PROPOSAL_LOBES; k < MIXTURE_COMPONENTS; ++k)
+        sum = sum + mixture_weight(k, nodes) * facets_pdf(wl, wv, mixture_facets(k));
     return sum;
 }

@@ -25,7 +25,7 @@ std::optional<CodeLanguage> code_language_named(std::string_view name);
 std::string code_language_names();
 
 /// The functions of a model as Python for a library of arrays, see src/code/print_python.h: brdf(wl, wv),
-/// chosen_lobe(wv, selector), sample_of_lobe(k, wv, u1, u2) for each of its 16 lobes k, light_pdf(wl, wv). The model's
+/// chosen_lobe(wv, selector), sample_of_lobe(k, wv, u1, u2) for each k below `components`, light_pdf(wl, wv). The model's
 /// numbers are tables: `lobes`, a row for each (coefficient, log scale, for each variate centre, unless the model is
 /// axial, and bandwidth, negative if the centre is -z, then the exponents) and `variates`; or `model_numbers`. Errors: a
 /// view-by-view model, a BSDF.

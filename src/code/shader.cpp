@@ -19,7 +19,7 @@ namespace srbf {
 namespace {
 
 /// Vectors of four for the numbers of a node of a mixture.
-constexpr int k_node_vectors = (MixtureProposal::k_numbers + 3) / 4;
+constexpr int k_node_vectors = (int(k_node_numbers) + 3) / 4;
 
 /// The macros of a material for host.glsl and material.glsl.
 std::string macros(const Flat&) { return fmt::format("#define VALUE {:.9f}\n", Flat::k_value); }
@@ -155,8 +155,10 @@ std::string brdf_text(const Material& material, bool open) {
 }
 
 std::string proposal_text(int parts) {
-    return fmt::format("#define MIXTURE_NODES {}\n#define MIXTURE_VECTORS {}\n#define MIXTURE_PARTS {}\n",
-                       MixtureProposal::k_nodes, k_node_vectors, parts) +
+    return fmt::format(
+               "#define MIXTURE_NODES {}\n#define MIXTURE_COMPONENTS {}\n#define MIXTURE_VECTORS {}\n#define "
+               "MIXTURE_PARTS {}\n",
+               MixtureProposal::k_nodes, MixtureProposal::k_components, k_node_vectors, parts) +
            k_proposal_text + k_mixture_text;
 }
 

@@ -254,26 +254,32 @@ std::string albedo_node_text(const Model& model, ParameterStorage storage, bool 
         J);
 }
 
-/// The functions that mixture.glsl requires.
-std::string mixture_numbers_text(const Model& model, const CodeOptions& options, Program& program) {
-    Table lobes{"The proposal's lobes, a row for each node: their weights, stretch and power.",
-                "mixture_numbers",
-                {},
-                MixtureProposal::k_numbers};
+/// The functions and the macro that mixture.glsl requires.
+std::string mixture_numbers_text(const Model& model, const CodeOptions& options, Program& program,
+                                 std::map<std::string, std::string>& defines) {
     MixtureProposal mixture;
     if (options.sampling) {
         const int azimuths = is_isotropic(model) ? 1 : k_anisotropic_azimuths;
         mixture = std::get<MixtureProposal>(propose(model, {azimuths, options.threads}));
-        for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
-            const auto numbers = numbers_of(mixture, node);
-            lobes.numbers.insert(lobes.numbers.end(), numbers.begin(), numbers.end());
-        }
     }
-    program.tables.push_back(std::move(lobes));
+    const bool has_facets = mixture.facets.has_value();
+    Table nodes{fmt::format("The proposal, a row for each node: the weights of its lobes, their stretch and power{}.",
+                            has_facets ? ", the weights and matrices of facets" : ""),
+                "mixture_numbers",
+                {},
+                has_facets ? k_node_numbers : k_lobe_numbers};
+    for (std::size_t node = 0; options.sampling && node < MixtureProposal::k_nodes; ++node) {
+        const auto numbers = numbers_of(mixture, node);
+        nodes.numbers.insert(nodes.numbers.end(), numbers.begin(), numbers.begin() + std::ptrdiff_t(nodes.columns));
+    }
+    defines["MIXTURE_COMPONENTS"] =
+        std::to_string(has_facets ? MixtureProposal::k_components : MixtureProposal::k_lobes);
+    const std::size_t columns = nodes.columns;
+    program.tables.push_back(std::move(nodes));
     return fmt::format(
         "Real mixture_number(int node, int i) {{ return mixture_numbers[{} * node + i]; }}\n"
         "Vec3 mixture_tangent(Vec3 wv) {{ return {}; }}\n",
-        MixtureProposal::k_numbers, mixture.has_axis() ? vector({mixture.cosine, mixture.sine, 0}) : "wv");
+        columns, mixture.has_axis() ? vector({mixture.cosine, mixture.sine, 0}) : "wv");
 }
 
 /// The entry functions: their names in the kernel's language, and in the code.
@@ -336,7 +342,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                                                {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
                                                {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
     const bool has_albedo = options.albedo || added.albedo, is_mixture = options.sampling || has_albedo;
-    const std::string mixture = is_mixture ? mixture_numbers_text(model, options, program) : std::string(),
+    const std::string mixture = is_mixture ? mixture_numbers_text(model, options, program, defines) : std::string(),
                       nodes = added.albedo_node.empty() ? albedo_node_text(model, storage, has_albedo, program)
                                                         : added.albedo_node,
                       more =
@@ -572,8 +578,7 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
         return Error{std::string(name), {}, what, expected, found, ErrorCode::argument};
     };
     if (!map.dense()) return refuse("library", "a coefficient for each lobe", "some lobes of each material");
-    if (options.sampling || added.sampling)
-        return refuse("code of a map", "values, albedos and light", "sampling");
+    if (options.sampling || added.sampling) return refuse("code of a map", "values, albedos and light", "sampling");
     Names names = map_entries(options, added);
     std::vector<std::string> roots;
     std::string list;
@@ -651,7 +656,8 @@ Result<std::string> python_code(const Model& model, int threads) {
     const Program program =
         program_of(model, {.sampling = true, .threads = threads},
                    {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, {}, ParameterStorage::tables);
-    std::string text;
+    std::string text =
+        fmt::format("components = {}\n", facets_of(model) ? MixtureProposal::k_components : MixtureProposal::k_lobes);
     for (const Table& table : program.tables) text += syntax::python_text(table);
     for (const syntax::Function& function : program.functions) text += "\n\n" + syntax::python_text(function, program);
     return text;

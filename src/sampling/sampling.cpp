@@ -25,9 +25,9 @@ constexpr float k_least_weight = 1e-3f;
 /// The fraction of samples that may be lost at any elevation of a node, and the costs of losing all samples,
 /// relative to the second moment. They are tried one after the other until no more is lost.
 constexpr double k_most_lost = 0.02;
-constexpr double k_costs_of_loss[] = {0, 10, 20, 40, 80, 160, 320, 640};
+constexpr double k_costs_of_loss[] = {0, 3, 5, 7, 10, 20, 40, 80, 160, 320, 640};
 /// Anisotropic BRDFs use only the first costs: larger ones double the variance at 75°.
-constexpr std::size_t k_costs_with_axis = 4;
+constexpr std::size_t k_costs_with_axis = 7;
 // The relative gains of the second moment that justify an anisotropy axis, and a step of a lobe's shape.
 constexpr double k_least_gain = 0.01, k_least_change = 0.002;
 
@@ -87,22 +87,25 @@ K::Stretch map_of(const ProposalShape& shape, Vec3f wv) {
     return K::stretch_along(shape.has_axis() ? Vec3f(shape.cosine, shape.sine, 0) : wv, shape.stretch);
 }
 
-/// Adds to `wl` a lattice of `count` samples of lobe k of this shape for a view, without those that are lost.
+/// Adds to `wl` a lattice of `count` samples of component k of this shape for a view, without those that are lost.
 void add_draws(int count, int k, const ProposalShape& shape, Vec3f wv, std::vector<Vec3f>& wl) {
     const K::Stretch map = map_of(shape, wv);
-    add_lattice(
-        count, [&](float u1, float u2) { return K::sample_proposal_lobe(k, wv, map, shape.power, u1, u2); }, wl);
+    const auto sample_component = [&](float u1, float u2) {
+        if (k < MixtureProposal::k_lobes) return K::sample_proposal_lobe(k, wv, map, shape.power, u1, u2);
+        return K::sample_facets(wv, kernel_facets((*shape.facets)[std::size_t(k - MixtureProposal::k_lobes)]), u1, u2);
+    };
+    add_lattice(count, sample_component, wl);
 }
 
-/// Points for these views, `count` for each of them and for each lobe of these shapes. Their densities are those of
-/// the first shape.
+/// Points for these views, `count` for each of them and for each component of these shapes. Their densities are those
+/// of the first shape.
 SamplingPoints make_points(const Evaluate& brdf, std::span<const Vec3f> views, int count,
                            std::initializer_list<ProposalShape> shapes) {
     SamplingPoints points;
     for (const Vec3f wv : views) {
         std::vector<Vec3f> wl;
         for (const ProposalShape& shape : shapes)
-            for (int k = 0; k < MixtureProposal::k_lobes; ++k) add_draws(count, k, shape, wv, wl);
+            for (int k = 0; k < int(shape.components()); ++k) add_draws(count, k, shape, wv, wl);
         SamplingPoints samples;
         for (const Vec3f& w : wl) samples.add(w, wv, 1);
         samples.pad();
@@ -158,7 +161,7 @@ std::vector<Vec3f> views_about(std::size_t node, int azimuths) {
 /// The second moment of f cosθl / pdf for the best weights, relative to the square of its mean.
 double least_moment(const SamplingPoints& points) {
     constexpr int steps = 30;
-    std::vector<double> slope(MixtureProposal::k_lobes);
+    std::vector<double> slope(points.density.size());
     return set_slopes(points, best_weights(points, slope.size(), steps), slope);
 }
 
@@ -201,7 +204,7 @@ ProposalShape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, con
 /// Computes the weights, stretch and power of one node.
 void make_node(const Evaluate& brdf, std::size_t node, int azimuths, MixtureProposal& proposal) {
     const std::vector<Vec3f> views = views_about(node, azimuths);
-    ProposalShape shape{proposal.stretch[node], proposal.power[node], proposal.cosine, proposal.sine};
+    ProposalShape shape{proposal.stretch[node], proposal.power[node], proposal.cosine, proposal.sine, proposal.facets};
     // At the normal the plane of incidence is undefined.
     if (node > 0) shape = best_shape(brdf, views, shape);
     const SamplingPoints points = make_points(brdf, views, k_points, {shape});
@@ -209,10 +212,11 @@ void make_node(const Evaluate& brdf, std::size_t node, int azimuths, MixtureProp
     std::vector<float> weight;
     const std::span costs(k_costs_of_loss);
     for (const double cost : costs.first(shape.has_axis() ? k_costs_with_axis : costs.size())) {
-        weight = best_weights(points, MixtureProposal::k_lobes, k_steps, lost, cost);
+        weight = best_weights(points, shape.components(), k_steps, lost, cost);
         if (std::inner_product(lost.begin(), lost.end(), weight.begin(), 0.0) <= k_most_lost) break;
     }
-    proposal.set_weights(node, std::span<const float, MixtureProposal::k_lobes>(weight));
+    proposal.set_weights(node, std::span(weight).first<MixtureProposal::k_lobes>());
+    std::copy(weight.begin() + MixtureProposal::k_lobes, weight.end(), proposal.facet_weight[node].begin());
     proposal.stretch[node] = shape.stretch, proposal.power[node] = shape.power;
 }
 
@@ -240,6 +244,26 @@ void find_axis(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
 Vec3f sample(const CosineProposal&, Vec3f, Vec2f u, float) { return K::sample_cosine(u.x, u.y); }
 float pdf(const CosineProposal&, Vec3f wl, Vec3f wv) { return above_horizon(wl, wv) ? K::cosine_pdf(wl) : 0; }
 
+FacetTerms facets_of(const GgxModel& model) {
+    FacetTerms terms;
+    for (std::size_t i = 0; i < model.lobes.size(); ++i)
+        terms[i] = {model.lobes[i].roughness, 0, model.lobes[i].roughness};
+    return terms;
+}
+FacetTerms facets_of(const OpenPbrModel& model) {
+    const float coat = K::alpha_of(model.coat_roughness),
+                base = K::alpha_of(K::roughened(model.specular_roughness, model.coat_roughness, model.coat_weight));
+    const K::OpenPbrRoughness roughness = K::openpbr_roughness(base, model.specular_roughness_anisotropy);
+    const double azimuth = 2 * k_pi * double(model.specular_rotation);
+    const K::Facets facets = K::facets_along(float(elementary::cos(azimuth)), float(elementary::sin(azimuth)),
+                                             roughness.along, roughness.across);
+    FacetTerms terms;
+    terms[0] = {facets.xx, facets.xy, facets.yy};
+    if (model.coat_weight > 0) terms[1] = {coat, 0, coat};
+    return terms;
+}
+std::optional<FacetTerms> facets_of(const Model& model) { return facets_of(model.model); }
+
 void MixtureProposal::set_weights(std::size_t node, std::span<const float, k_lobes> weight) {
     weight_[node] = {};
     float sum = 0;
@@ -253,6 +277,7 @@ MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
     const StandardArithmetic mode;
     assert(brdf && options.azimuths >= 1);
     MixtureProposal proposal;
+    proposal.facets = options.facets;
     if (options.azimuths > 1) find_axis(brdf, options.threads, proposal);
     parallel_for(MixtureProposal::k_nodes, options.threads,
                  [&](std::size_t node) { make_node(brdf, node, options.azimuths, proposal); });
@@ -274,7 +299,10 @@ float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv) {
 Proposal propose(const Model& model, const ProposeOptions& options) {
     const auto* su = std::get_if<SuModel>(&model.model);
     if (su && su->discretise == Discretise::view) return propose(*su);
-    return propose(evaluator(model), options);
+    ProposeOptions own = options;
+    own.facets = facets_of(model);
+    if (own.facets && !is_isotropic(model)) own.azimuths = std::max(own.azimuths, k_anisotropic_azimuths);
+    return propose(evaluator(model), own);
 }
 
 }  // namespace srbf

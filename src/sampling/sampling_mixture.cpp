@@ -96,6 +96,11 @@ HWY_INLINE LobeLanes interpolate(const MixtureProposal::Row& low, const MixtureP
 
 HWY_INLINE LobeLanes load_row(const LobeTable::Row& row, int k) { return LobeLanes::load(&row[std::size_t(k)]); }
 
+HWY_INLINE float facet_weight(const MixtureProposal& proposal, const NodePosition& nodes, std::size_t i) {
+    const float below = proposal.facet_weight[nodes.below][i];
+    return below + nodes.fraction * (proposal.facet_weight[nodes.below + 1][i] - below);
+}
+
 // A mixture for one view direction, with its lobes in the lanes of consecutive vectors.
 struct MixtureAtView {
     using F = Formulas<LobeLanes, PmModel>;
@@ -141,7 +146,11 @@ HWY_INLINE float pdf_at_view(const MixtureProposal& proposal, const MixtureAtVie
         sum = sum + interpolate(low, high, view.nodes.fraction, LobeTable::k_per_kind + k) *
                         F::reflected_pdf(mixture.half[i], above, below);
     }
-    return sum.sum();
+    float pdf = sum.sum();
+    for (std::size_t i = 0; proposal.facets && i < proposal.facets->size(); ++i)
+        pdf += facet_weight(proposal, view.nodes, i) *
+               Kernel<float>::facets_pdf(wl, view.wv, kernel_facets((*proposal.facets)[i]));
+    return pdf;
 }
 
 float mixture_pdf(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wl, const Vec3f& wv) {
@@ -182,21 +191,30 @@ struct LobeSamples {
     }
 };
 
-// The first lobe whose running sum exceeds the selector. A remainder left by rounding belongs to the cosine.
-HWY_INLINE std::size_t choose_lobe(const MixtureProposal& proposal, const NodePosition& nodes, float selector) {
+// The first component whose running sum exceeds the selector. A remainder left by rounding belongs to the last facets,
+// or without facets to the cosine.
+HWY_INLINE std::size_t choose_component(const MixtureProposal& proposal, const NodePosition& nodes, float selector) {
     const auto &low = proposal.running(nodes.below), &high = proposal.running(nodes.below + 1);
     std::size_t chosen = 0;
     for (int k = 0; k < LobeTable::k_count; k += int(LobeLanes::size()))
         chosen += hn::CountTrue(LobeLanes::Tag(),
                                 hn::Ge(broadcast_lobes(selector).v, interpolate(low, high, nodes.fraction, k).v));
-    return chosen < LobeTable::k_count ? chosen : 0;
+    if (chosen < LobeTable::k_count) return chosen;
+    if (!proposal.facets) return 0;
+    const float lobes =
+        proposal.running(nodes.below).back() +
+        nodes.fraction * (proposal.running(nodes.below + 1).back() - proposal.running(nodes.below).back());
+    return chosen + (selector < lobes + facet_weight(proposal, nodes, 0) ? 0 : 1);
 }
 
 HWY_INLINE Vec3f sample_at_view(const MixtureProposal& proposal, const MixtureAtView& mixture, const MixtureView& view,
                                 const Vec2f& u, float selector) {
     using F = Formulas<FourLanes, PmModel>;
+    const std::size_t k = choose_component(proposal, view.nodes, selector);
+    if (k >= LobeTable::k_count)
+        return Kernel<float>::sample_facets(view.wv, kernel_facets((*proposal.facets)[k - LobeTable::k_count]), u.x,
+                                            u.y);
     const LobeSamples samples(mixture, u.x);
-    const std::size_t k = choose_lobe(proposal, view.nodes, selector);
     const FourLanes below = broadcast<FourLanes>(samples.below[k]), u2 = broadcast<FourLanes>(u.y);
     Vec3<FourLanes> wl;
     if (k < 2) {  // `below` is the logarithm of the cosine
@@ -243,6 +261,12 @@ void compute_densities(SamplingPoints& points, const ProposalShape& shape) {
                               broadcast_lobes(shape.power));
         for (int k = 0; k < LobeTable::k_count; ++k)
             F::proposal_lobe_pdf(k, point).store(&points.density[std::size_t(k)][i]);
+        for (std::size_t k = LobeTable::k_count; k < points.density.size(); ++k) {
+            const Facets& facets = (*shape.facets)[k - LobeTable::k_count];
+            F::facets_pdf(point.wl, wv,
+                          {broadcast_lobes(facets.xx), broadcast_lobes(facets.xy), broadcast_lobes(facets.yy)})
+                .store(&points.density[k][i]);
+        }
     }
 }
 
@@ -322,7 +346,7 @@ Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector)
 }
 
 void set_densities(SamplingPoints& points, const ProposalShape& shape) {
-    points.density.resize(MixtureProposal::k_lobes);
+    points.density.resize(shape.components());
     for (auto& lobe_density : points.density) lobe_density.resize(points.size());
     HWY_DYNAMIC_DISPATCH(compute_densities)(points, shape);
 }

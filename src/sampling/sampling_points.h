@@ -15,18 +15,22 @@ namespace srbf {
 struct ProposalShape {
     float stretch = 1, power = 1;
     float cosine = 0, sine = 0;
+    std::optional<FacetTerms> facets = {};  ///< sampled beside the lobes
 
     bool has_axis() const { return cosine != 0 || sine != 0; }
+    std::size_t components() const {
+        return std::size_t(facets ? MixtureProposal::k_components : MixtureProposal::k_lobes);
+    }
 };
 
-/// Pairs of directions with weights for the integral over dωl, and the densities of a mixture's lobes at them, as
+/// Pairs of directions with weights for the integral over dωl, and the densities of a mixture's components at them, as
 /// columns.
 struct SamplingPoints {
     static constexpr std::size_t k_block = 16;  ///< the number of points is a multiple of this after padding
 
     std::array<Aligned<float>, 3> wl, wv;
     Aligned<float> weight;  ///< (f cosθl)² times the point's solid angle, relative to the squared albedo
-    std::vector<Aligned<float>> density;  ///< lobes × points
+    std::vector<Aligned<float>> density;  ///< components × points
 
     std::size_t size() const { return weight.size(); }
     void add(const Vec3f& l, const Vec3f& v, float point_weight) {
@@ -41,7 +45,7 @@ struct SamplingPoints {
     }
 };
 
-/// Computes the densities of MixtureProposal's lobes with this shape. The points must be padded.
+/// Computes the densities of MixtureProposal's components with this shape. The points must be padded.
 void set_densities(SamplingPoints& points, const ProposalShape& shape);
 /// slope_k = Σ_i weight_i density_ki / pdf_i², where pdf_i = Σ_k lobe_weight_k density_ki. Returns Σ_i weight_i /
 /// pdf_i. The points must be padded.

@@ -200,7 +200,7 @@ template <typename P> double largest_variance(const Evaluate& brdf, const P& pro
 
 Proposal refine(const Evaluate& brdf, const MixtureProposal& mixture, const ProposeOptions& options) {
     const StandardArithmetic mode;
-    if (options.azimuths > 1 || std::isinf(options.most_variance)) return mixture;
+    if (mixture.facets || options.azimuths > 1 || std::isinf(options.most_variance)) return mixture;
     const double variance = largest_variance(brdf, mixture, options.threads);
     if (!(variance > options.most_variance)) return mixture;
     TableProposal table;

@@ -10,7 +10,8 @@ namespace srbf {
 Result<Material> material_of(const Subject& subject) { return material_of(subject.content, subject.path); }
 
 Proposals proposal_of(const Subject& subject, int threads) {
-    const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
+    const ProposeOptions options{
+        .azimuths = azimuths_of(subject), .threads = threads, .facets = facets_of(subject.content)};
     if (is_two_sided(subject.content)) return propose_parts(evaluator(subject), options);
     return propose(evaluator(subject), options);
 }

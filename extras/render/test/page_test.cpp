@@ -351,7 +351,8 @@ Image8 environment_picture(const Json& of, const PageMaterial& material, Dialect
     auto shaded = RasterMaterial::make(*material.material, {.dialect = dialect, .environment = true});
     if (!light || !surface || !shaded) return ADD_FAILURE(), Image8(width, height);
     const auto* general = std::get_if<PmModel>(&*material.material);
-    const ProposeOptions options{.azimuths = general && !general->axial ? k_anisotropic_azimuths : 1};
+    const ProposeOptions options{.azimuths = general && !general->axial ? k_anisotropic_azimuths : 1,
+                                 .facets = facets_of(*material.material)};
     shaded->set_proposal(is_two_sided(*material.material) ? propose_parts(material.brdf, options)
                                                           : Proposals(propose(material.brdf, options)));
     auto mean = RasterMean::make(*surface);

@@ -165,6 +165,19 @@ struct OpenPbrAnisotropy {
     Real sine;
 };
 
+// alpha along the tangent and across it; their root mean square is the one without anisotropy.
+struct OpenPbrRoughness {
+    Real along;
+    Real across;
+};
+SRBF_FN OpenPbrRoughness openpbr_roughness(Real alpha, Real anisotropy) {
+    Real share = Real(1.0) - anisotropy;
+    OpenPbrRoughness roughness;
+    roughness.along = alpha * sqrt(Real(2.0) / (Real(1.0) + share * share));
+    roughness.across = max(share * roughness.along, Real(1.0 / 1024.0));
+    return roughness;
+}
+
 // 1 - cos(x), |x| <= 128 pi: the angle is doubled five times, 1 - cos(2 a) = 2 v (2 - v) with v = 1 - cos(a).
 SRBF_FN Real doubled(Real v) { return Real(2.0) * v * (Real(2.0) - v); }
 SRBF_FN Real one_minus_cos(Real x) {
@@ -350,12 +363,11 @@ SRBF_FN Vec3 openpbr_film_value(OpenPbrSurface material, OpenPbrFilm film, Vec3 
 SRBF_FN Vec3 openpbr_anisotropic_value(OpenPbrSurface material, OpenPbrFilm film, OpenPbrAnisotropy anisotropy, Vec3 wl,
                                        Vec3 wv) {
     OpenPbrBase base = openpbr_base(material);
-    Real share = Real(1.0) - anisotropy.amount;
-    Real along = base.alpha * sqrt(Real(2.0) / (Real(1.0) + share * share));
-    Real across = max(share * along, Real(1.0 / 1024.0));
+    OpenPbrRoughness roughness = openpbr_roughness(base.alpha, anisotropy.amount);
     Real density = ggx_stretched_facets(turned(wl, anisotropy.cosine, -anisotropy.sine),
-                                        turned(wv, anisotropy.cosine, -anisotropy.sine), along, across);
-    base.alpha = sqrt(along * across);
+                                        turned(wv, anisotropy.cosine, -anisotropy.sine), roughness.along,
+                                        roughness.across);
+    base.alpha = sqrt(roughness.along * roughness.across);
     OpenPbrFacets facets = openpbr_film_facets(material, film, base, wl, wv);
     return openpbr_layers_value(material, openpbr_base_value(material, base, facets, density, wl, wv), wl, wv);
 }

@@ -96,6 +96,57 @@ SRBF_FN Vec3 sample_half_vector(Vec3 wv, Real bandwidth, Stretch map, Real power
     return light_of(stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), map), wv);
 }
 
+// Facets with GGX's distribution of normals, by the symmetric matrix M = ((xx, xy), (xy, yy)), whose eigenvalues are
+// their roughness along a tangent and across it.
+struct Facets {
+    Real xx;
+    Real xy;
+    Real yy;
+};
+SRBF_FN Facets facets_along(Real cosine, Real sine, Real along, Real across) {
+    Facets facets;
+    facets.xx = along * cosine * cosine + across * sine * sine;
+    facets.xy = (along - across) * cosine * sine;
+    facets.yy = along * sine * sine + across * cosine * cosine;
+    return facets;
+}
+SRBF_FN Vec3 roughened_by(Facets facets, Vec3 w) {
+    return Vec3(facets.xx * w.x + facets.xy * w.y, facets.xy * w.x + facets.yy * w.y, w.z);
+}
+
+// The density of wl [1/sr] if h is sampled from the normals visible to the viewer: D(h) G1(wv) / (4 cos(theta_v)) =
+// D(h) / (2 (cos(theta_v) + |M wv|)) (Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 2018).
+SRBF_FN Real visible_normals_pdf(Vec3 wl, Vec3 wv, Facets facets) {
+    Vec3 sum = wl + wv;
+    Real product = facets.xx * facets.yy - facets.xy * facets.xy;
+    Vec3 back = Vec3(facets.yy * sum.x - facets.xy * sum.y, facets.xx * sum.y - facets.xy * sum.x, product * sum.z);
+    Real slope = max(dot(back, back) / (product * max(dot(sum, sum), Real(1.0e-12))), Real(1.0e-10));
+    Vec3 seen = roughened_by(facets, wv);
+    Real density = product / (Real(SRBF_TWO_PI) * slope * slope * (wv.z + sqrt(dot(seen, seen))));
+    return select(Real(1.0e-6) < sum.z, density, Real(0.0));
+}
+
+// Samples visible_normals_pdf, by a spherical cap about the viewer (Dupuy & Benyoub, "Sampling Visible GGX Normals with
+// Spherical Caps", 2023).
+SRBF_FN Vec3 sample_visible_normals(Vec3 wv, Facets facets, Real u1, Real u2) {
+    Vec3 seen = roughened_by(facets, wv);
+    seen = inversesqrt(max(dot(seen, seen), Real(1.0e-20))) * seen;
+    Real phi = Real(SRBF_TWO_PI) * u2;
+    Real z = (Real(1.0) - u1) * (Real(1.0) + seen.z) - seen.z;
+    Real radius = sqrt(max(Real(1.0) - z * z, Real(0.0)));
+    Vec3 normal = Vec3(seen.x + radius * cos(phi), seen.y + radius * sin(phi), seen.z + z);
+    return light_of(roughened_by(facets, normal), wv);
+}
+
+// Facets as components of a mixture: directions below the horizon are reflected to above it, so that no sample is lost.
+SRBF_FN Vec3 reflected_up(Vec3 wl) { return Vec3(wl.x, wl.y, max(wl.z, -wl.z)); }
+SRBF_FN Vec3 sample_facets(Vec3 wv, Facets facets, Real u1, Real u2) {
+    return reflected_up(sample_visible_normals(wv, facets, u1, u2));
+}
+SRBF_FN Real facets_pdf(Vec3 wl, Vec3 wv, Facets facets) {
+    return visible_normals_pdf(wl, wv, facets) + visible_normals_pdf(Vec3(wl.x, wl.y, -wl.z), wv, facets);
+}
+
 // Components of a mixture that covers any reflective BRDF.
 // Components of directions to the light are 0: the cosine; 1: its square; 2 to 7: lobes around the mirror
 // direction, with lambda = 4, 16, 64, 256 and, for highlights narrower than any half-vector lobe, 8 4^6 and 8 4^7.
@@ -187,7 +238,6 @@ SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint terms) {
     return power_cosine_pdf(terms.wl, k == 0 ? Real(1.0) : Real(2.0));
 }
 // Samples component k from u1, u2 uniform in [0,1). z = 0 if there is no direction.
-SRBF_FN Vec3 reflected_up(Vec3 wl) { return Vec3(wl.x, wl.y, max(wl.z, -wl.z)); }
 SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Stretch map, Real power, Real u1, Real u2) {
     Real below = below_power_cosine(k == 0 ? Real(0.5) : Real(1.0 / 3.0), u1);
     Vec3 wl = off_centre(Vec3(Real(0.0), Real(0.0), Real(1.0)), below, u2);

@@ -24,9 +24,8 @@ class AlbedoBound {
     /// The largest albedo of a channel, as a fraction of the limit.
     double excess(const Evaluate& model) const;
     /// Adds to the observations, as integrals with the limit as their value, the albedos that `model` exceeds, and
-    /// raises the costs of earlier ones that it still exceeds. `spectra`: the same model at the wavelengths of spectral
-    /// observations. Returns their number.
-    std::size_t add_exceeded(Observations& observations, const Evaluate& model, const Channels& spectra);
+    /// raises the costs of earlier ones that it still exceeds. Returns their number.
+    std::size_t add_exceeded(Observations& observations, const Evaluate& model);
 
   private:
     struct View {
@@ -35,7 +34,7 @@ class AlbedoBound {
         std::optional<std::size_t> integral;  ///< its index in the observations
     };
     /// The albedo of `view` as an integral within the limit, for values of the model there.
-    ObservedIntegral bound_of(const View& view, const Channels& spectra, std::vector<Rgb> values, double albedo) const;
+    ObservedIntegral bound_of(const View& view, std::vector<Rgb> values, double albedo) const;
 
     double limit_;
     std::vector<View> views_;

@@ -11,8 +11,10 @@
 namespace srbf {
 namespace {
 
-/// The cost of an error of a lobe's colour, compared with an error of its spectrum.
-constexpr double k_colour_importance = 1000;
+/// The cost of an error of a lobe's colour, compared with that of an error of its spectrum. It is small, so that the
+/// problem stays well-conditioned; rounds that ask for what is still missing make the colour exact.
+constexpr double k_colour_importance = 10;
+constexpr int k_colour_rounds = 5;
 
 /// The coefficients of the model's lobes in the units of a problem that has evaluated them, J × 3.
 Eigen::MatrixXd coefficients_in(const LobeProblem& problem, const PmModel& model, const Lobes& lobes) {
@@ -49,8 +51,13 @@ PmModel with_spectra(PmModel model, const LobeShape& shape, const Observations& 
     const Eigen::MatrixXd colour = coefficients_in(problem, model, lobes);
     Eigen::MatrixXd spectrum = problem.beta();
     for (Eigen::Index j = 0; j < spectrum.rows(); ++j) {
-        const Eigen::VectorXd g = spectrum.row(j).transpose() + importance * to_colour * colour.row(j).transpose();
-        spectrum.row(j) = bounded_least_squares(G, g, unlimited).transpose();
+        const Eigen::VectorXd free = spectrum.row(j).transpose(), wanted = colour.row(j).transpose();
+        Eigen::VectorXd asked = wanted, nearest;
+        for (int round = 0; round < k_colour_rounds; ++round) {
+            nearest = bounded_least_squares(G, free + importance * to_colour * asked, unlimited);
+            asked += wanted - to_colour.transpose() * nearest;
+        }
+        spectrum.row(j) = nearest.transpose();
     }
     problem.continue_from(spectrum);
     const PmModel spectral = to_model(problem, lobes, log_scale, observations.wavelengths);

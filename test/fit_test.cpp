@@ -5,9 +5,12 @@
 #include <map>
 
 #include "brdf/channels.h"
+#include "brdf/colour.h"
 #include "brdf/directions.h"
+#include "errors/picture_errors.h"
 #include "models.h"
 #include "models/pm/pm_functions.h"
+#include "observe/albedo_bound.h"
 #include "observe/objectives.h"
 #include "observe/reciprocal_mean.h"
 #include "properties.h"
@@ -87,6 +90,36 @@ TEST(Fit, RecoversSyntheticSpectra) {
     EXPECT_EQ(fit->model, rounded(fit->model));
     observations.spectrum[0] = std::numeric_limits<float>::quiet_NaN();
     EXPECT_FALSE(fit_pm(observations, options));
+}
+
+/// The smoothest spectra of these colours.
+Channels spectra_of_colours(const Evaluate& f) {
+    const std::vector<float> nm(k_primary_wavelengths.begin(), k_primary_wavelengths.end());
+    return {nm, [f](auto wl, auto wv, auto values) {
+                std::vector<Rgb> colour(wl.size());
+                f(wl, wv, colour);
+                for (std::size_t i = 0; i < colour.size(); ++i)
+                    std::ranges::copy(reflectance_spectrum(colour[i]), &values[i * k_primary_wavelengths.size()]);
+            }};
+}
+
+TEST(Fit, OfSpectraLooksLikeTheOneOfColours) {
+    const Evaluate film = reciprocal_mean(evaluator(bundled("cc_ibiza_sunset_rgb")));
+    Observations observations = *observe(film, {.count = 8192});
+    const PmFitOptions options{.form = PmForm::reciprocal, .lobes = 4, .variates = 2, .starts = 3, .perturbations = 4};
+    const auto of_colours = fit_pm(observations, options);
+    observe_spectra(observations, spectra_of_colours(film));
+    const auto of_spectra = fit_pm(observations, options);
+    ASSERT_TRUE(of_colours && of_spectra);
+    const Evaluate fits[] = {evaluator(of_colours->model), evaluator(of_spectra->model)};
+    const auto pictures = compare_pictures(film, fits, 0, {}, 48);
+    EXPECT_LE(pictures[1].mean.delta_e, 1.1 * pictures[0].mean.delta_e);
+    EXPECT_LE(AlbedoBound(most_measured_albedo(observations), 1).excess(fits[1]), 1);
+    // The errors of the spectra are about those of the colours.
+    const Channels colours = rgb_channels(fits[0]), spectra_of_fit = spectra(of_spectra->model);
+    const MeasureOptions within{80 * k_degree, 0};
+    EXPECT_LE(measure_heldout(spectra_of_colours(film), {&spectra_of_fit, 1}, within)[0].sixth_root_error_ratio,
+              1.2 * measure_heldout(rgb_channels(film), {&colours, 1}, within)[0].sixth_root_error_ratio);
 }
 
 TEST(Fit, ScalesWithItsData) {

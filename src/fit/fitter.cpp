@@ -191,7 +191,7 @@ struct Fitter::State {
         if (!outcome.without_fold.empty())
             outcome.errors->heldout_appearance = mean_of(std::span(appearance).subspan(models));
         if (!samples() && appearance[models].mean.delta_e > 0) outcome.exchanged = appearance[models];
-        if (smoothed_ && !request.spectral)
+        if (smoothed_)
             outcome.against_smoothed = compare_pictures(smoothed_, std::span(others).first(1), request.threads)[0];
         if (!samples() && is_reciprocal(request))
             outcome.against_mean =
@@ -231,12 +231,12 @@ struct Fitter::State {
     Result<const Observations*> observed(const FitRequest& request, const ProgressToken& progress) {
         if (const auto at = observations_.find(key(request)); at != observations_.end()) return &at->second;
         const auto fitted = [&](const Evaluate& f) { return f && is_reciprocal(request) ? reciprocal_mean(f) : f; };
-        auto made = observe(fitted(unbiased_ && !request.spectral ? unbiased_ : signed_),
+        auto made = observe(fitted(unbiased_ ? unbiased_ : signed_),
                             {.objective = request.objective,
                              .max_theta = request.theta(),
                              .seed = request.seed,
                              .threads = request.threads,
-                             .smoothed = request.spectral ? nullptr : fitted(smoothed_),
+                             .smoothed = fitted(smoothed_),
                              .noise = noise_ ? largest_share(*noise_) : 0},
                             progress);
         if (!made) return made.error();
@@ -256,7 +256,7 @@ struct Fitter::State {
     /// Determines the noise of the table, and smooths it if it is noisy. Returns what is left of the progress.
     Result<ProgressToken> smooth(const FitRequest& request, const ProgressToken& progress) {
         if (!noise_) noise_ = measured_ ? noise_of(*measured_) : noise_of(signed_);
-        if (!is_noisy(*noise_) || smoothed_ || request.spectral) return progress;
+        if (!is_noisy(*noise_) || smoothed_) return progress;
         auto made = smoothed(signed_, *noise_, looks_isotropic(request), request.threads, progress.part(0, k_smoothed));
         if (!made) return made.error();
         smoothed_ = std::move(made->smooth), unbiased_ = std::move(made->unbiased);

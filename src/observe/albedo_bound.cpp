@@ -64,22 +64,16 @@ std::vector<double> AlbedoBound::albedos(const Evaluate& model) const {
 
 double AlbedoBound::excess(const Evaluate& model) const { return std::ranges::max(albedos(model)); }
 
-ObservedIntegral AlbedoBound::bound_of(const View& view, const Channels& spectra, std::vector<Rgb> values,
-                                       double albedo) const {
+ObservedIntegral AlbedoBound::bound_of(const View& view, std::vector<Rgb> values, double albedo) const {
     const auto factor = float(k_aim * limit_ / albedo);
     ObservedIntegral bound;
     bound.wl = view.light.w, bound.wv.assign(bound.wl.size(), view.wv), bound.weight = view.light.weight;
     for (const Rgb& f : values) bound.f.push_back({factor * f.r, factor * f.g, factor * f.b});
-    if (!spectra.wavelengths.empty()) {
-        bound.spectrum.resize(spectra.wavelengths.size() * bound.wl.size());
-        spectra.evaluate(bound.wl, bound.wv, bound.spectrum);
-        for (float& f : bound.spectrum) f *= factor;
-    }
     bound.least_unit = 1, bound.is_bound = true;
     return bound;
 }
 
-std::size_t AlbedoBound::add_exceeded(Observations& observations, const Evaluate& model, const Channels& spectra) {
+std::size_t AlbedoBound::add_exceeded(Observations& observations, const Evaluate& model) {
     double costs = 0;
     for (const ObservedIntegral& integral : observations.integrals) costs += integral.is_bound ? 0 : integral.cost;
     std::size_t count = 0;
@@ -92,7 +86,7 @@ std::size_t AlbedoBound::add_exceeded(Observations& observations, const Evaluate
             observations.integrals[*view.integral].cost *= k_bound_cost_growth;
         } else {
             view.integral = observations.integrals.size();
-            observations.integrals.push_back(bound_of(view, spectra, std::move(values), albedo));
+            observations.integrals.push_back(bound_of(view, std::move(values), albedo));
             observations.integrals.back().cost = k_albedo_bound_cost * std::max(costs, 1.0);
         }
     }

@@ -26,9 +26,8 @@ class AlbedoBound {
     /// The largest of them.
     double excess(const Evaluate& model) const;
     /// Adds to the observations, as integrals with the limit as their value, the albedos that `model` exceeds, and
-    /// raises the costs of earlier ones that it still exceeds. `spectra`: the same model at the wavelengths of spectral
-    /// observations. Returns their number.
-    std::size_t add_exceeded(Observations& observations, const Evaluate& model, const Channels& spectra);
+    /// raises the costs of earlier ones that it still exceeds. Returns their number.
+    std::size_t add_exceeded(Observations& observations, const Evaluate& model);
     /// Removes what was added.
     void remove_from(Observations& observations);
 
@@ -39,7 +38,7 @@ class AlbedoBound {
         std::optional<std::size_t> integral;  ///< its index in the observations
     };
     /// The albedo of `view` as an integral within the limit, for values of the model there.
-    ObservedIntegral bound_of(const View& view, const Channels& spectra, std::vector<Rgb> values, double albedo) const;
+    ObservedIntegral bound_of(const View& view, std::vector<Rgb> values, double albedo) const;
 
     double limit_;
     std::vector<View> views_;

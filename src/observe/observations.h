@@ -17,13 +17,12 @@ namespace srbf {
 /// radiance reflected under that light.
 struct ObservedIntegral {
     std::vector<Vec3f> wl, wv;
-    std::vector<Rgb> f;           ///< [1/sr]
-    std::vector<double> weight;   ///< weights of the quadrature, ≥ 0
-    std::vector<float> spectrum;  ///< for spectral observations: f at each wavelength, ≥ 0
-    bool in_search = true;        ///< also used by a search, which has few pairs
-    double cost = 1;              ///< cost of its relative error, compared with those of the other integrals
-    bool is_bound = false;        ///< a bound that a fit exceeded, which takes no share of the cost of the others
-    double least_unit = 0;        ///< its errors are relative to its luminance, or to this if this is larger
+    std::vector<Rgb> f;          ///< [1/sr]
+    std::vector<double> weight;  ///< weights of the quadrature, ≥ 0
+    bool in_search = true;       ///< also used by a search, which has few pairs
+    double cost = 1;             ///< cost of its relative error, compared with those of the other integrals
+    bool is_bound = false;       ///< a bound that a fit exceeded, which takes no share of the cost of the others
+    double least_unit = 0;       ///< its errors are relative to its luminance, or to this if this is larger
     /// a second lower limit of that unit, for noisy values; for every n-th direction it is divided by √n
     double noise_unit = 0;
 };

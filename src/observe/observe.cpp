@@ -203,15 +203,9 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
 void observe_spectra(Observations& observations, const Channels& spectra) {
     const StandardArithmetic mode;
     observations.wavelengths = spectra.wavelengths;
-    const std::size_t C = spectra.count();
-    observations.spectrum.resize(C * observations.f.size());
+    observations.spectrum.resize(spectra.count() * observations.f.size());
     spectra.evaluate(observations.wl, observations.wv, observations.spectrum);
     observations.clamped = std::uint64_t(clamp_negative(observations.spectrum));
-    for (ObservedIntegral& integral : observations.integrals) {
-        integral.spectrum.resize(C * integral.wl.size());
-        spectra.evaluate(integral.wl, integral.wv, integral.spectrum);
-        clamp_negative(integral.spectrum);
-    }
 }
 
 }  // namespace srbf

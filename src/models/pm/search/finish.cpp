@@ -12,6 +12,7 @@
 #include "base/levenberg_marquardt.h"
 #include "models/pm/pm_functions.h"
 #include "models/pm/solve/rounding.h"
+#include "models/pm/solve/spectra.h"
 #include "observe/albedo_bound.h"
 #include "observe/bound.h"
 #include "observe/pair_weights.h"
@@ -32,19 +33,6 @@ constexpr double k_least_gain_of_samples = 0.02;
 /// Replaces the batches of ten once bounds are exceeded: a few steps with larger weights move lobes below the
 /// bounds. Lobes that begin without features take batches of ten again.
 constexpr int k_bound_steps_of_samples = 4;
-
-/// Scales the weights such that Σ w |f|² over the wavelengths equals that over R, G, B.
-void weigh_for_spectra(Observations& observations) {
-    const std::size_t count = observations.fitted_count(), C = observations.wavelengths.size();
-    const double colour_energy =
-        energy_of(std::span(observations.f).first(count), std::span(observations.weight).first(count));
-    double spectral_energy = 0;
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t c = 0; c < C; ++c)
-            spectral_energy += observations.weight[i] * elementary::square(double(observations.spectrum[i * C + c]));
-    if (!(spectral_energy > 0)) return;
-    for (double& weight : observations.weight) weight *= colour_energy / spectral_energy;
-}
 
 /// Levenberg-Marquardt from x, with `count` steps.
 LevenbergMarquardtSummary take_steps(LobeProblem& problem, Eigen::VectorXd& x, int count, const Reporter& reporter) {
@@ -118,9 +106,7 @@ PmModel lowered_to(const AlbedoBound& bound, PmModel model) {
 /// A round: steps, then rounding. `lobes` become those of the steps; `is_new`: no round has improved them yet.
 PmFit fit_round(const Observations& observations, Lobes& lobes, bool is_new, const TermFactors& factors,
                 const PmFitOptions& options, double log_peak_limit, const Reporter& reporter) {
-    const Rows rows(observations, {.integral_importance = factors.integrals,
-                                   .spectra = !observations.wavelengths.empty(),
-                                   .picture_importance = factors.pictures});
+    const Rows rows(observations, {.integral_importance = factors.integrals, .picture_importance = factors.pictures});
     LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
     Eigen::VectorXd x = pack(lobes);
     const bool is_sampled = rows.views > 0 && !factors.has_directional_lights;
@@ -131,12 +117,12 @@ PmFit fit_round(const Observations& observations, Lobes& lobes, bool is_new, con
     PmFit fit;
     fit.unrounded_loss = summary.loss;
     fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
-    fit.unrounded = to_model(problem, lobes, options.log_scale, observations.wavelengths);
+    fit.unrounded = to_model(problem, lobes, options.log_scale);
 
     // The nonlinear parameters are rounded, then the coefficients are solved again.
     const Lobes halves = round_lobes(problem, lobes, fit.unrounded_loss);
     fit.loss = problem.loss(pack(halves));
-    fit.model = to_halves(to_model(problem, halves, options.log_scale, observations.wavelengths), halves);
+    fit.model = to_halves(to_model(problem, halves, options.log_scale), halves);
     return fit;
 }
 
@@ -144,10 +130,14 @@ PmFit fit_round(const Observations& observations, Lobes& lobes, bool is_new, con
 
 PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const PmFitOptions& options,
              double log_peak_limit, const Reporter& reporter) {
-    if (!observations.wavelengths.empty()) weigh_for_spectra(observations);
     const std::size_t first_bound = observations.fitted_count();
     std::optional<AlbedoBound> bound = albedo_bound(observations, options);
     const auto within_limits = [&](PmFit fit) {
+        if (!observations.wavelengths.empty()) {
+            for (PmModel* model : {&fit.model, &fit.unrounded})
+                *model = with_spectra(std::move(*model), lobes.shape, observations, log_peak_limit, options.log_scale);
+            fit.model = rounded(fit.model);
+        }
         if (!bound) return fit;
         const double loss = loss_of(observations, evaluator(fit.model));
         fit.model = rounded(lowered_to(*bound, std::move(fit.model)));
@@ -181,7 +171,7 @@ PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors,
         }
         const std::size_t exceeded_pairs = add_exceeded_pairs(observations, first_bound, fit.model, fit.loss);
         const std::size_t exceeded_albedos =
-            bounds_albedos ? bound->add_exceeded(observations, evaluator(fit.model), spectra(fit.model)) : 0;
+            bounds_albedos ? bound->add_exceeded(observations, evaluator(fit.model)) : 0;
         if (exceeded_pairs + exceeded_albedos == 0) return within_limits(std::move(fit));
     }
 }

@@ -12,8 +12,8 @@ struct TermFactors {
     bool has_directional_lights = false;  ///< the weights of the pairs include directional lights
 };
 
-/// Optimises the lobes on all observations, including the spectra of spectral ones, and rounds them. Bound pairs
-/// that the rounded model exceeds become observations for the next round, until the model exceeds none.
+/// Optimises the lobes on all observations and rounds them. Bound pairs that the rounded model exceeds become
+/// observations for the next round, until the model exceeds none. With spectral observations the lobes then get spectra.
 PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const PmFitOptions& options,
              double log_peak_limit, const Reporter& reporter);
 

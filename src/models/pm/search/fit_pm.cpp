@@ -112,9 +112,8 @@ class Fit {
         for (std::size_t i = 0; i < candidates_.size(); ++i) {
             const bool may_be_best = i == 0 || is_noisy || candidates_[i].loss <= (1 + k_nearly_best) * fit.loss;
             if (!may_be_best || (i > 0 && reporter_.cancelled())) break;
-            const double channels = spectral() ? double(observations_.wavelengths.size()) : 3;
             TermFactors factors = factors_;
-            factors.integrals = subsets_.integral_importance(factors_.has_directional_lights) * 3 / channels;
+            factors.integrals = subsets_.integral_importance(factors_.has_directional_lights);
             PmFit next = srbf::finish(candidates_[i].lobes, weighted_observations(), factors, options_, log_peak_limit_,
                                       reporter_);
             if (i == 0 || next.loss < fit.loss) fit = std::move(next);
@@ -159,7 +158,6 @@ class Fit {
         candidate.lobes = unpack(x, candidate.lobes.shape);
         candidate.loss = problem.delta_e();
     }
-    bool spectral() const { return !observations_.wavelengths.empty(); }
     const Observations& weighted_observations() const { return relit_.f.empty() ? observations_ : relit_; }
 
     /// Adds the weights of directional lights, if there are any: to a subset before the first stage with pictures,
@@ -169,7 +167,7 @@ class Fit {
             // without pixels, whose importance is not known yet
             subsets_.add_directional_lights(evaluator_of_best(rows_of(stage)));
             factors_.pictures = subsets_.picture_importance(candidates_.front(), stage, options_, log_peak_limit_);
-            factors_.has_directional_lights = !spectral() && !observations_.directional_light_weight.empty();
+            factors_.has_directional_lights = !observations_.directional_light_weight.empty();
         } else if (factors_.has_directional_lights && last_steps_) {  // if cancelled, there may have been no steps
             relit_ = observations_;
             const double least = loss_of(observations_, evaluator_of_best(Rows(observations_)));

@@ -47,7 +47,7 @@ struct PmFit : Fitted<PmModel> {
 /// Fits parameterized multivariate SRBFs by separable least squares. For given centres, bandwidths and
 /// parameterizations the coefficients solve a non-negative linear problem. Levenberg-Marquardt minimises the
 /// remaining residual over the other parameters (Kaufman 1975). Lobes are grown one by one. With spectral
-/// observations the search uses the colours; its best lobes are then polished with one coefficient per wavelength.
+/// observations lobes and their colours are those of the fit to the colours; the lobes then get spectra.
 /// Details: docs/fitting.md.
 /// If `begin` is given, its lobes are polished instead of those of a search; it must have this size and form.
 /// Errors: options out of range, fewer observations than parameters, values that are not finite.

@@ -37,7 +37,7 @@ Rows::Rows(const Observations& observations, const RowOptions& options) {
         costs += integral->is_bound ? 0 : integral->cost;
     }
     const auto has_pixels = [](const ObservedView& view) { return !view.pixels.empty(); };
-    if (options.picture_importance > 0 && !options.spectra && std::ranges::any_of(observations.views, has_pixels)) {
+    if (options.picture_importance > 0 && std::ranges::any_of(observations.views, has_pixels)) {
         picture_importance = options.picture_importance;
         views = observations.views.size(), view_rows = k_row_multiple;
         for (const ObservedView& view : observations.views)
@@ -51,18 +51,14 @@ Rows::Rows(const Observations& observations, const RowOptions& options) {
     }
     const std::size_t C = options.spectra ? observations.wavelengths.size() : 3;
     y.assign(C, Aligned<float>(rows, 0.f));
-    // Channel c of an observation or of a node of an integral.
-    const auto value_of = [C, spectra = options.spectra](const auto& source, std::size_t i) {
-        return [&source, i, C, spectra](std::size_t c) {
-            return spectra ? source.spectrum[i * C + c] : source.f[i][int(c)];
-        };
-    };
     root_weight.assign(rows, 0.f);
     double sum = 0;
     for (std::size_t i = 0; i < count; ++i) sum += observations.weight[i];
     if (sum > 0) scale = 1 / std::sqrt(sum);
     for (std::size_t i = 0; i < count; ++i)
-        set(i, observations.wl[i], observations.wv[i], std::sqrt(observations.weight[i]), value_of(observations, i));
+        set(i, observations.wl[i], observations.wv[i], std::sqrt(observations.weight[i]), [&](std::size_t c) {
+            return options.spectra ? observations.spectrum[i * C + c] : observations.f[i][int(c)];
+        });
     for (std::size_t k = 0; k < integrals; ++k) {
         const ObservedIntegral& integral = *used[k];
         double unit = 0;
@@ -73,7 +69,8 @@ Rows::Rows(const Observations& observations, const RowOptions& options) {
         const double factor = std::sqrt(options.integral_importance * integral.cost / (costs > 0 ? costs : 1)) / unit;
         std::size_t row = (blocks + k * integral_blocks) * k_block;
         for (std::size_t i = 0; i < integral.wl.size(); i += step)
-            set(row++, integral.wl[i], integral.wv[i], factor * integral.weight[i], value_of(integral, i));
+            set(row++, integral.wl[i], integral.wv[i], factor * integral.weight[i],
+                [&](std::size_t c) { return integral.f[i][int(c)]; });
     }
     if (views > 0) add_views(observations.views);
 }

@@ -20,8 +20,8 @@ struct RowOptions {
     /// increase of the sum if every integral differs by its luminance in one channel; 0: no integrals
     double integral_importance = 0;
     bool subsampled_integrals = false;  ///< only the integrals of a search, and every ninth node of each
-    bool spectra = false;               ///< the spectra of spectral observations instead of their colours
-    double picture_importance = 0;      ///< factor of the mean error of all `Pixels`; 0, or with spectra: no views
+    bool spectra = false;  ///< the spectra of the pairs instead of their colours; integrals and views have no spectra
+    double picture_importance = 0;  ///< factor of the mean error of all `Pixels`; 0: no views
 };
 
 /// Observations in the layout of the loops: one array per component, padded to whole blocks with rows of weight 0.

@@ -450,10 +450,10 @@ MixtureProposal random_mixture(std::mt19937_64& random, bool is_grain) {
     }
     return proposal;
 }
-std::array<double, MixtureProposal::k_numbers> numbers_at(const MixtureProposal& proposal, double z) {
+std::array<double, k_node_numbers> numbers_at(const MixtureProposal& proposal, double z) {
     const double position = (1 - std::sqrt(z)) * (MixtureProposal::k_nodes - 1);
     const int lower = std::min(int(position), MixtureProposal::k_nodes - 2);
-    std::array<double, MixtureProposal::k_numbers> numbers;
+    std::array<double, k_node_numbers> numbers;
     for (std::size_t k = 0; k < numbers.size(); ++k)
         numbers[k] = (1 - position + lower) * double(numbers_of(proposal, std::size_t(lower))[k]) +
                      (position - lower) * double(numbers_of(proposal, std::size_t(lower + 1))[k]);

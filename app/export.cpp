@@ -196,9 +196,9 @@ std::string about_code() {
         code_language_names());
 }
 constexpr const char* k_about_others =
-    "mtlx, standard-surface, gltf, glb, usd, blender: a surface (fit --model openpbr) as a document of\n"
+    "mtlx, standard-surface, gltf, glb, usd, principled: a surface (fit --model openpbr) as a document of\n"
     "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"
-    "Blender's material\n"
+    "the Principled material of Blender\n"
     "ktx2: the coefficients of a map (srbf map --basis N --width W), as layers of a KTX 2 texture with its levels;\n"
     "its code has NAME_brdf(wl, wv, NAME_coefficients(u, v))";
 constexpr const char* k_about_models =

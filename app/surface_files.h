@@ -11,9 +11,9 @@ namespace srbf {
 
 /// The kinds of files, as named by `srbf export --to`: a MaterialX document with OpenPBR Surface 1.1, or with
 /// Autodesk Standard Surface; glTF 2.0 with a sphere, as text or binary; a USD stage with UsdPreviewSurface, a
-/// MaterialX network and a sphere; a script that makes Blender's material.
+/// MaterialX network and a sphere; a script that makes Blender's material of Principled BSDF.
 inline constexpr std::array<std::string_view, 6> k_surface_files{"mtlx", "standard-surface", "gltf", "glb",
-                                                                 "usd",  "blender"};
+                                                                 "usd",  "principled"};
 inline bool is_surface_file(std::string_view kind) {
     return std::ranges::find(k_surface_files, kind) != k_surface_files.end();
 }

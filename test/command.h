@@ -54,7 +54,8 @@ inline std::map<std::string, Arguments> long_options(const TemporaryFolder& fold
 /// `srbf export` and functions of its code.
 inline bool is_offered(const Arguments& arguments) {
     static const std::set<std::string> extras{"render", "map", "basis", "report", "view",        "html",
-                                              "exr",    "dds", "three", "area",   "environment", "environment-draws"};
+                                              "exr",    "dds", "three", "area",   "environment", "environment-draws",
+                                              "blender"};
     static const std::set<std::string> offered = [] {
         std::string text = run(TemporaryFolder(), {"completion", "bash"}).out;
         std::ranges::replace(text, '\'', ' ');

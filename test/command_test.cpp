@@ -345,7 +345,8 @@ TEST_F(WithModel, surfaces_are_exported_for_other_programs) {
     surface.coat_weight = 1, surface.coat_roughness = 0.5f;
     surface.thin_film_weight = 0.5f, surface.thin_film_thickness = 0.25f;
     ASSERT_TRUE(save_model({rounded(surface), {{"source", "a--b.bsdf"}}}, folder / "s.srbf").ok());
-    const std::string openpbr = exported("mtlx"), standard = exported("standard-surface"), script = exported("blender");
+    const std::string openpbr = exported("mtlx"), standard = exported("standard-surface"),
+                      script = exported("principled");
     EXPECT_NE(openpbr.find("name=\"thin_film_thickness\" type=\"float\" value=\"0.25\""), openpbr.npos) << openpbr;
     EXPECT_NE(openpbr.find("name=\"specular_roughness\" type=\"float\" value=\"0.199951\""), openpbr.npos) << openpbr;
     EXPECT_NE(standard.find("name=\"thin_film_thickness\" type=\"float\" value=\"250\""), standard.npos) << standard;
@@ -400,7 +401,7 @@ TEST_F(WithModel, anisotropic_surfaces_are_exported_for_other_programs) {
     OpenPbrModel surface{.base_metalness = 1, .specular_roughness = 0.5f};
     surface.specular_roughness_anisotropy = 0.5f, surface.specular_rotation = 0.125f;
     ASSERT_TRUE(save_model({surface, {}}, folder / "s.srbf").ok());
-    const std::string openpbr = exported("mtlx"), usd = exported("usd"), script = exported("blender");
+    const std::string openpbr = exported("mtlx"), usd = exported("usd"), script = exported("principled");
     EXPECT_NE(openpbr.find("name=\"amount\" type=\"float\" value=\"-45\""), openpbr.npos) << openpbr;
     EXPECT_NE(openpbr.find("name=\"geometry_tangent\""), openpbr.npos) << openpbr;
     EXPECT_NE(usd.find("inputs:geometry_tangent.connect"), usd.npos) << usd;

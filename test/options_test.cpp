@@ -47,6 +47,7 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"a map's code", "export t.srbf --to glsl -o o.glsl"},
     {"a map's textures", "export t.srbf --to ktx2 -o o.ktx2"},
     {"a surface", "export q.srbf --to mtlx -o o.mtlx"},
+    {"nodes", "export m.srbf --to blender -o o.py --terms 1"},
     {"page", "export m.srbf --to html -o o.html"},
     {"page, mesh", "export m.srbf --to html -o o.html --mesh m.obj"},
 };
@@ -108,6 +109,7 @@ const std::map<std::string, std::string> k_argument{
     {"--no-occlusion", ""},
     {"--to", "hlsl"},
     {"--with", "sampling"},
+    {"--terms", "2"},
     {"--reference", "m.binary"},
 };
 /// The argument for an option. Formats have options of `srbf convert` with their own values.

@@ -34,6 +34,66 @@ def pixels_of(path):
     return np.stack([np.asarray(of[c], dtype=float) for c in "RGB"], axis=-1)
 
 
+def drawn_by_cycles(script, out, lamp=None):
+    """The material of a script on a sphere in Cycles, under the environment, under a distant lamp of irradiance 1 in that
+    direction, or with "furnace" under white light from all around."""
+    import bpy
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    exec(compile(Path(script).read_text(encoding="utf-8"), str(script), "exec"), {"__name__": "__main__"})
+    material = bpy.data.materials[0]
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=192, ring_count=96, radius=1)
+    sphere = bpy.context.object
+    bpy.ops.object.shade_smooth()
+    sphere.data.materials.append(material)
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.location = (0, -DISTANCE * math.cos(ELEVATION), DISTANCE * math.sin(ELEVATION))
+    camera.rotation_euler = (math.pi / 2 - ELEVATION, 0, 0)
+    camera.data.angle = FIELD
+    scene = bpy.context.scene
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.world = bpy.data.worlds.new("world")
+    scene.world.use_nodes = True
+    nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
+    background = next(n for n in nodes if n.type == "BACKGROUND")
+    if lamp is None:
+        texture = nodes.new("ShaderNodeTexEnvironment")
+        texture.image = bpy.data.images.load(str(environment))
+        texture.image.colorspace_settings.name = "Linear Rec.709"
+        coordinates, turn = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeMapping")
+        turn.inputs["Rotation"].default_value[2] = -math.pi / 2  # the middle of the picture lies behind the sphere
+        links.new(coordinates.outputs["Generated"], turn.inputs["Vector"])
+        links.new(turn.outputs["Vector"], texture.inputs["Vector"])
+        links.new(texture.outputs["Color"], background.inputs["Color"])
+    elif lamp == "furnace":
+        background.inputs["Color"].default_value = (1, 1, 1, 1)
+    else:
+        from mathutils import Vector
+        background.inputs["Color"].default_value = (0, 0, 0, 1)
+        sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+        sun.data.energy, sun.data.angle = 1, 0
+        sun.rotation_euler = Vector(lamp).to_track_quat("Z", "Y").to_euler()
+        scene.collection.objects.link(sun)
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.seed = SAMPLES, False, 1
+    scene.cycles.use_adaptive_sampling = False
+    scene.cycles.pixel_filter_type = "BOX"
+    scene.cycles.filter_width = 1
+    scene.cycles.sample_clamp_indirect = 0
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    scene.render.film_transparent = True
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.filepath = str(out)
+    bpy.ops.render.render(write_still=True)
+    return pixels_of(out)
+
+
+def drawn(subject, out):
+    """By `srbf render`."""
+    run("render", subject, "-o", out, "--mesh", "sphere", "--env", environment, "--no-ground", "--no-occlusion", "--size", f"{SIZE}x{SIZE}", "--spp", SAMPLES)
+    return pixels_of(out)
+
+
 def on_sphere():
     """The pixels that lie on the sphere whole."""
     at = (np.arange(SIZE) + 0.5) / SIZE * 2 - 1

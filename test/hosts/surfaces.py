@@ -76,7 +76,7 @@ def check_gltf(path):
 
 with tempfile.TemporaryDirectory() as folder:
     for surface, kind, name in (("openpbr", "mtlx", "s.mtlx"), ("openpbr", "standard-surface", "a.mtlx"), ("openpbr", "usd", "s.usda"), ("gltf", "gltf", "s.gltf"),
-                                ("principled", "blender", "s.py")):
+                                ("principled", "principled", "s.py")):
         model = f"{folder}/{surface}.srbf"
         run("fit", data + "/rgl/cg_sunflower_rgb.bsdf", "--model", "openpbr", "--surface", surface, "-o", model)
         print(run("export", model, "--to", kind, "-o", f"{folder}/{name}").strip())

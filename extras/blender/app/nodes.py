@@ -1,0 +1,131 @@
+
+
+class _Nodes:
+    """Makes the nodes of a tree; `column` is where they stand."""
+
+    def __init__(self, tree, frame):
+        self.tree, self.frame, self.column, self.row = tree, frame, 0, 0
+
+    def new(self, kind, inputs=(), **settings):
+        """A node; `inputs` are pairs of a socket and an output or a value."""
+        node = self.tree.nodes.new(kind if kind.startswith("Node") else "ShaderNode" + kind)
+        node.location = (220 * self.column, -280 * self.row)
+        if self.frame:
+            node.parent = self.frame
+        for name, value in settings.items():
+            setattr(node, name, value)
+        for socket, value in inputs:
+            if hasattr(value, "links"):
+                self.tree.links.new(value, node.inputs[socket])
+            else:
+                node.inputs[socket].default_value = value
+        self.column += 1
+        return node
+
+    def math(self, operation, *values, **settings):
+        return self.new("Math", enumerate(values), operation=operation, **settings).outputs[0]
+
+    def vector(self, operation, *values, output="Vector"):
+        sockets = [(3 if operation == "SCALE" and i == 1 else i, value) for i, value in enumerate(values)]
+        return self.new("VectorMath", sockets, operation=operation).outputs[output]
+
+    def next_row(self, column):
+        self.row, self.column = self.row + 1, column
+
+
+def _tables(bpy, name, columns, rows, numbers):
+    """The image of the tables, a texel for each view and row, stored in the .blend file."""
+    image = bpy.data.images.new(name, columns, rows, alpha=False, float_buffer=True, is_data=True)
+    image.pixels.foreach_set([x for i in range(columns * rows) for x in (*numbers[3 * i:3 * i + 3], 1.0)])
+    image.update()
+    image.pack()
+    return image
+
+
+def _node_group(bpy, name, columns, terms, numbers):
+    """The sum of closures as a group of nodes, with inputs for its colour, its roughness and the normal."""
+    tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
+    for kind, socket, value in (("Color", "Tint", (1, 1, 1, 1)), ("Float", "Roughness Scale", 1), ("Vector", "Normal", (0, 0, 0))):
+        socket = tree.interface.new_socket(socket, in_out="INPUT", socket_type="NodeSocket" + kind)
+        socket.default_value = value
+        if kind == "Float":
+            socket.min_value, socket.max_value = 0, 10
+        if kind == "Vector":
+            socket.hide_value = True
+    tree.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
+    frame = tree.nodes.new("NodeFrame")
+    frame.label = f"{name}: {terms} terms over the angle of the viewer"
+    nodes = _Nodes(tree, frame)
+    inputs = nodes.new("NodeGroupInput").outputs
+    # Without a link the normal is that of the surface.
+    geometry = nodes.new("NewGeometry").outputs
+    unlinked = nodes.math("LESS_THAN", nodes.vector("LENGTH", inputs["Normal"], output="Value"), 0.5)
+    normal = nodes.vector("NORMALIZE", nodes.vector("MULTIPLY_ADD", geometry["Normal"], unlinked, inputs["Normal"]))
+    cosine = nodes.vector("DOT_PRODUCT", normal, geometry["Incoming"], output="Value")
+    # Away from the viewer, in the plane of the surface.
+    tangent = nodes.vector("NORMALIZE", nodes.vector("SUBTRACT", nodes.vector("SCALE", normal, cosine), geometry["Incoming"]))
+    # The centre of a column is at (column + 0.5) / columns.
+    place = nodes.math("MULTIPLY_ADD", nodes.math("ARCCOSINE", cosine), (columns - 1) / columns / 1.5707963, 0.5 / columns)
+    image, rows, first = _tables(bpy, name + " tables", columns, 2 * terms + 1, numbers), 2 * terms + 1, nodes.column
+
+    def table(row):
+        at = nodes.new("CombineXYZ", ((0, place), (1, (row + 0.5) / rows)))
+        return nodes.new("TexImage", ((0, at.outputs[0]),), image=image, interpolation="Linear", extension="EXTEND").outputs["Color"]
+
+    def tinted(row):
+        return nodes.vector("MULTIPLY", table(row), inputs["Tint"])
+
+    nodes.next_row(first + 4)
+    total = nodes.new("BsdfDiffuse", (("Color", tinted(rows - 1)), ("Roughness", 0.0), ("Normal", normal))).outputs[0]
+    for term in range(terms):
+        nodes.next_row(first)
+        shape = nodes.new("SeparateXYZ", ((0, table(2 * term)),)).outputs
+        tilted = nodes.vector("NORMALIZE", nodes.vector("MULTIPLY_ADD", tangent, shape[0], normal))
+        roughness = nodes.math("MULTIPLY", shape[1], inputs["Roughness Scale"], use_clamp=True)
+        closure = nodes.new("BsdfAnisotropic", (("Color", tinted(2 * term + 1)), ("Roughness", roughness), ("Anisotropy", shape[2]),
+                                                ("Normal", tilted), ("Tangent", tangent)), distribution="BECKMANN")
+        total = nodes.new("AddShader", ((0, total), (1, closure.outputs[0]))).outputs[0]
+    nodes.new("NodeGroupOutput", (("BSDF", total),))
+    return tree
+
+
+def _material(bpy, name, columns, terms, numbers):
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:  # before Blender 5
+        material.use_nodes = True
+    material.use_fake_user = True  # so that it is stored though no object has it
+    material.cycles.use_bump_map_correction = False  # which would bend the tilted normals back
+    tree = material.node_tree
+    tree.nodes.clear()
+    nodes = _Nodes(tree, None)
+    group = nodes.new("Group", node_tree=_node_group(bpy, name, columns, terms, numbers))
+    group.width = 200
+    nodes.column += 1
+    nodes.new("OutputMaterial", (("Surface", group.outputs[0]),))
+    return material
+
+
+def measured_materials():
+    """Makes the materials."""
+    import bpy
+
+    return [_material(bpy, *material) for material in _MEASURED]
+
+
+def _measured_script():
+    import sys
+
+    import bpy
+
+    materials = measured_materials()
+    for thing in bpy.context.selected_objects:
+        if hasattr(thing.data, "materials"):
+            thing.data.materials.clear()
+            for material in materials:
+                thing.data.materials.append(material)
+    if "--" in sys.argv:
+        bpy.ops.wm.save_as_mainfile(filepath=sys.argv[sys.argv.index("--") + 1])
+
+
+if __name__ == "__main__":
+    _measured_script()

@@ -1,0 +1,69 @@
+#include "extras/blender/closures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "extras/blender/closure_terms.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+namespace {
+
+constexpr double k_least_cosine = 1e-3;  ///< of N'·wv, at which a term ends
+
+/// Smith's Λ of Beckmann's distribution, by x = (α tan θ)².
+double smith_lambda(double x) {
+    if (x < 0.39) return 0;
+    const double v = 1 / std::sqrt(x);
+    return ((0.396 * v - 1.259) * v + 1) / ((2.181 * v + 3.535) * v);
+}
+
+}  // namespace
+
+double closure_value(const ClosureShape& shape, Vec3d wl, Vec3d wv) {
+    const auto [slope, roughness, anisotropy] = shape;
+    const double alpha = roughness * roughness, ratio = 1 - std::abs(anisotropy),
+                 ax = anisotropy < 0 ? alpha / ratio : alpha * ratio,
+                 ay = anisotropy < 0 ? alpha * ratio : alpha / ratio;
+    const double cosine = 1 / std::sqrt(1 + slope * slope);
+    const Vec3d normal{slope * cosine, 0, cosine}, tangent{cosine, 0, -slope * cosine};
+    const double nv = dot(normal, wv), nl = dot(normal, wl);
+    if (nv <= k_least_cosine || nl <= 0) return 0;
+    const Vec3d h = normalize(wl + wv);
+    const double nh = dot(normal, h), th = dot(tangent, h) / ax, bh = h.y / ay;
+    const double D = elementary::exp(-(th * th + bh * bh) / (nh * nh)) / (k_pi * ax * ay * nh * nh * nh * nh);
+    const auto lambda = [&](Vec3d w, double nw) {
+        const double x = ax * dot(tangent, w), y = ay * w.y;
+        return smith_lambda((x * x + y * y) / (nw * nw));
+    };
+    return D / (4 * nv * (1 + lambda(wv, nv) + lambda(wl, nl)));
+}
+
+KnotPosition::KnotPosition(double theta_v, std::size_t knots) {
+    const double x = std::clamp(theta_v / (k_pi / 2), 0.0, 1.0) * double(knots - 1);
+    knot = std::min(std::size_t(x), knots - 2);
+    share = x - double(knot);
+}
+
+Rgb value(const ClosureSum& sum, Vec3f wl, Vec3f wv) {
+    if (!above_horizon(wl, wv)) return {};
+    const double sine = elementary::hypot(double(wv.x), double(wv.y)), cosine = double(wv.z);
+    const double x = sine > 0 ? -double(wv.x) / sine : 1, y = sine > 0 ? -double(wv.y) / sine : 0;
+    const Vec3d light{x * double(wl.x) + y * double(wl.y), x * double(wl.y) - y * double(wl.x), double(wl.z)},
+        viewer{-sine, 0, cosine};
+    const KnotPosition at(elementary::atan2(sine, cosine), sum.knots());
+    const auto between = [&](float a, float b) { return double(a) + at.share * (double(b) - double(a)); };
+    std::array<double, 3> f{};
+    for (std::size_t c = 0; c < 3; ++c)
+        f[c] = between(sum.diffuse[at.knot][int(c)], sum.diffuse[at.knot + 1][int(c)]) / k_pi;
+    for (std::size_t k = 0; k < sum.terms; ++k) {
+        const Closure &a = sum.closures[at.knot * sum.terms + k], &b = sum.closures[(at.knot + 1) * sum.terms + k];
+        const ClosureShape shape{between(a.slope, b.slope), between(a.roughness, b.roughness),
+                                 between(a.anisotropy, b.anisotropy)};
+        const double term = closure_value(shape, light, viewer) / light.z;
+        for (std::size_t c = 0; c < 3; ++c) f[c] += between(a.weight[int(c)], b.weight[int(c)]) * term;
+    }
+    return {float(f[0]), float(f[1]), float(f[2])};
+}
+
+}  // namespace srbf

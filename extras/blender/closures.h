@@ -1,0 +1,46 @@
+// BRDFs as sums of closures of Cycles, Blender's renderer, for renderers that have such closures and no formulas.
+#pragma once
+#include <vector>
+
+#include "srbf/brdf.h"
+#include "srbf/progress.h"
+#include "srbf/result.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// A glossy closure of Cycles, with Beckmann's distribution of facets. Its normal is tilted from N in the plane of
+/// incidence: N' = (N + `slope` T) / |N + `slope` T|, with T = ((N·wv) N − wv) / |(N·wv) N − wv|, away from the viewer.
+struct Closure {
+    float slope = 0;
+    float roughness = 1;   ///< (αx αy)^¼, of α along T and across it
+    float anisotropy = 0;  ///< 1 − √(αx / αy), or √(αy / αx) − 1 if αx > αy; −1..1
+    Rgb weight{};
+};
+
+/// A sum of closures and of Lambert's BRDF whose parameters depend on the angle of the viewer θv:
+///   f(wl, wv) cosθl = Σ_k weight_k D_k / (4 (N'_k·wv) (1 + Λ_k(wv) + Λ_k(wl))) + diffuse cosθl / π
+/// D is Beckmann's distribution about N' and Λ Smith's function, as approximated by Walter (2007). A term is 0 where
+/// N'·wv ≤ 0 or N'·wl < 0. The parameters are linear between knots θv = i π / (2 (n − 1)), i < n.
+struct ClosureSum {
+    std::size_t terms = 0;
+    std::vector<Rgb> diffuse;       ///< at each of n ≥ 2 knots
+    std::vector<Closure> closures;  ///< n × terms
+    std::size_t knots() const { return diffuse.size(); }
+};
+
+Rgb value(const ClosureSum& sum, Vec3f wl, Vec3f wv);
+
+struct ClosureFitOptions {
+    int terms = 4;
+    int knots = 24;
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+inline constexpr int k_most_closures = 8;
+
+/// Fits a sum of closures to an isotropic BRDF. It minimises ΔE_ITP of pictures of a sphere under directional and
+/// extended lights. No albedo is above 1. NaN counts as not measured; of a BRDF that is not isotropic, each view has one
+/// azimuth. Errors: `terms` not from 1 to `k_most_closures`, less than four knots; no value above 0; cancelled.
+Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& options = {},
+                                const ProgressToken& progress = {});
+
+}  // namespace srbf

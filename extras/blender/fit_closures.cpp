@@ -1,0 +1,469 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/errors.h"
+#include "base/least_squares.h"
+#include "base/levenberg_marquardt.h"
+#include "base/parallel.h"
+#include "brdf/directions.h"
+#include "brdf/values.h"
+#include "errors/itp.h"
+#include "extras/blender/closure_terms.h"
+#include "extras/blender/closures.h"
+#include "extras/blender/matched_views.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+namespace {
+
+// ---- The loss ----
+
+constexpr double k_least_alpha = 0.015, k_most_tilt = 1.5, k_beside_horizon = 0.01;  ///< [rad]
+constexpr double k_shape_step = 1e-4;                                                ///< of finite differences
+constexpr double k_least_weight = 1e-5;
+
+/// The unknowns at a knot: for each term the tilt ν of its normal, the logarithms of α along and across, and those of
+/// its weights; then the logarithms of the diffuse colour.
+struct Layout {
+    std::size_t terms, knots;
+    std::size_t width() const { return 6 * terms + 3; }
+    std::size_t diffuse() const { return 6 * terms; }
+    double theta(std::size_t knot) const { return k_pi / 2 * double(knot) / double(knots - 1); }
+};
+
+/// The loss of a sum of closures: the mean over pixels of 2 k (√(ΔE_ITP² + k²) − k), k = 1, and squared second
+/// differences between knots.
+class ClosureProblem {
+  public:
+    ClosureProblem(const std::vector<MatchedView>& views, Layout layout, int threads)
+        : views_(views), layout_(layout), threads_(threads) {}
+
+    double loss(const Eigen::VectorXd& x) {
+        set(x);
+        std::vector<double> losses(views_.size());
+        parallel_for(views_.size(), threads_, [&](std::size_t v) { losses[v] = loss_of_view(views_[v]); });
+        double sum = 0;
+        for (const double each : losses) sum += each;
+        for_differences([&](std::size_t i, std::size_t step, double weight) {
+            sum += weight * elementary::square(second_difference(x, i, step));
+        });
+        return sum;
+    }
+
+    void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+        const auto n = x.size(), width = Eigen::Index(layout_.width());
+        H = Eigen::MatrixXd::Zero(n, n), g = Eigen::VectorXd::Zero(n);
+        std::vector<Eigen::MatrixXd> squares(views_.size());
+        std::vector<Eigen::VectorXd> slopes(views_.size());
+        parallel_for(views_.size(), threads_, [&](std::size_t v) { linearise_view(views_[v], squares[v], slopes[v]); });
+        for (std::size_t v = 0; v < views_.size(); ++v) {
+            const Eigen::Index first = Eigen::Index(KnotPosition(views_[v].theta, layout_.knots).knot) * width;
+            H.block(first, first, 2 * width, 2 * width) += squares[v];
+            g.segment(first, 2 * width) += slopes[v];
+        }
+        for_differences([&](std::size_t i, std::size_t step, double weight) {
+            const std::array<Eigen::Index, 3> at{Eigen::Index(i - step), Eigen::Index(i), Eigen::Index(i + step)};
+            const std::array<double, 3> factor{1, -2, 1};
+            for (std::size_t a = 0; a < 3; ++a) {
+                g[at[a]] += weight * factor[a] * second_difference(x, i, step);
+                for (std::size_t b = 0; b < 3; ++b) H(at[a], at[b]) += weight * factor[a] * factor[b];
+            }
+        });
+    }
+
+    Eigen::VectorXd lower(const Eigen::VectorXd& x) const {
+        return bounds(x, -k_most_tilt, elementary::log(k_least_alpha), elementary::log(1e-7));
+    }
+    Eigen::VectorXd upper(const Eigen::VectorXd& x) const {
+        Eigen::VectorXd upper = bounds(x, k_most_tilt, 0, elementary::log(100.0));
+        for (std::size_t i = 0; i < layout_.knots; ++i)
+            for (std::size_t k = 0; k < layout_.terms; ++k) {
+                double& tilt = upper[Eigen::Index(i * layout_.width() + 6 * k)];
+                tilt = std::min(tilt, k_pi / 2 - k_beside_horizon - layout_.theta(i));
+            }
+        return upper;
+    }
+    Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Constant(x.size(), 0.7); }
+
+    /// The tables of the unknowns.
+    ClosureSum sum(const Eigen::VectorXd& x) {
+        set(x);
+        ClosureSum sum{layout_.terms, {}, {}};
+        const auto colour = [](const double* c) { return Rgb{float(c[0]), float(c[1]), float(c[2])}; };
+        for (std::size_t i = 0; i < layout_.knots; ++i) {
+            const double* const row = &table_[i * layout_.width()];
+            for (std::size_t k = 0; k < layout_.terms; ++k)
+                sum.closures.push_back(
+                    {float(row[6 * k]), float(row[6 * k + 1]), float(row[6 * k + 2]), colour(row + 6 * k + 3)});
+            sum.diffuse.push_back(colour(row + layout_.diffuse()));
+        }
+        return sum;
+    }
+
+    /// Σ of each term over the pixels of a view: rows of `values`; rows after these are derivatives by the shapes.
+    Eigen::MatrixXd pixel_sums(const MatchedView& view, bool with_derivatives) const {
+        const std::vector<double> q = between(view.theta);
+        const auto K = Eigen::Index(layout_.terms), n = Eigen::Index(view.wl.size());
+        Eigen::MatrixXd values((with_derivatives ? 4 : 1) * K, n);
+        for (Eigen::Index k = 0; k < K; ++k) {
+            const ClosureShape shape{q[std::size_t(6 * k)], q[std::size_t(6 * k + 1)], q[std::size_t(6 * k + 2)]};
+            for (Eigen::Index i = 0; i < n; ++i) {
+                const double value = closure_value(shape, view.wl[std::size_t(i)], view.wv);
+                values(k, i) = value;
+                for (std::size_t p = 0; with_derivatives && p < 3; ++p) {
+                    ClosureShape changed = shape;
+                    changed[p] += k_shape_step;
+                    values(K + 3 * k + Eigen::Index(p), i) =
+                        value > 0 ? (closure_value(changed, view.wl[std::size_t(i)], view.wv) - value) / k_shape_step
+                                  : 0;
+                }
+            }
+        }
+        return summed_over_pixels(view, values);
+    }
+    static Eigen::MatrixXd summed_over_pixels(const MatchedView& view, const Eigen::MatrixXd& values) {
+        Eigen::MatrixXd sums(values.rows(), Eigen::Index(view.pixels.size()));
+        for (std::size_t p = 0; p < view.pixels.size(); ++p) {
+            const MatchedPixel& pixel = view.pixels[p];
+            const auto count = Eigen::Index(pixel.weight.size());
+            sums.col(Eigen::Index(p)) = values.middleCols(Eigen::Index(pixel.first), count) *
+                                        Eigen::Map<const Eigen::VectorXd>(pixel.weight.data(), count);
+        }
+        return sums;
+    }
+
+    void set(const Eigen::VectorXd& x) {
+        const std::size_t width = layout_.width();
+        table_.resize(std::size_t(x.size()));
+        for (std::size_t i = 0; i < layout_.knots; ++i) {
+            const double* const from = x.data() + i * width;
+            double* const to = &table_[i * width];
+            for (std::size_t k = 0; k < layout_.terms; ++k) {
+                const double along = from[6 * k + 1], across = from[6 * k + 2],
+                             ratio = elementary::exp(-std::abs(along - across) / 2);
+                to[6 * k] = elementary::sin(from[6 * k]) / elementary::cos(from[6 * k]);
+                to[6 * k + 1] = elementary::exp((along + across) / 4);
+                to[6 * k + 2] = along < across ? 1 - ratio : ratio - 1;
+                for (std::size_t c = 3; c < 6; ++c) to[6 * k + c] = elementary::exp(from[6 * k + c]);
+            }
+            for (std::size_t c = 0; c < 3; ++c)
+                to[layout_.diffuse() + c] = elementary::exp(from[layout_.diffuse() + c]);
+        }
+    }
+
+  private:
+    /// Weights of squared second differences: of tilts, of log α, and of log weights.
+    static constexpr std::array<double, 3> k_roughness_costs{200, 10, 2};
+    static constexpr double k_knots_of_costs = 32;
+
+    Eigen::VectorXd bounds(const Eigen::VectorXd& x, double tilt, double alpha, double weight) const {
+        Eigen::VectorXd all = Eigen::VectorXd::Constant(x.size(), weight);
+        for (std::size_t i = 0; i < layout_.knots; ++i)
+            for (std::size_t k = 0; k < layout_.terms; ++k) {
+                const auto first = Eigen::Index(i * layout_.width() + 6 * k);
+                all[first] = tilt, all[first + 1] = all[first + 2] = alpha;
+            }
+        return all;
+    }
+
+    template <typename Visit> void for_differences(const Visit& visit) const {
+        const double finer = (double(layout_.knots) - 1) / (k_knots_of_costs - 1),
+                     scale = elementary::square(finer * finer);
+        const auto add = [&](std::size_t column, double cost, std::size_t columns) {
+            const double weight = scale * cost / (double(layout_.knots - 2) * double(columns));
+            for (std::size_t i = 1; i + 1 < layout_.knots; ++i)
+                visit(i * layout_.width() + column, layout_.width(), weight);
+        };
+        for (std::size_t k = 0; k < layout_.terms; ++k) {
+            add(6 * k, k_roughness_costs[0], layout_.terms);
+            for (std::size_t c = 1; c < 3; ++c) add(6 * k + c, k_roughness_costs[1], layout_.terms);
+            for (std::size_t c = 3; c < 6; ++c) add(6 * k + c, k_roughness_costs[2], 3 * layout_.terms);
+        }
+        for (std::size_t c = 0; c < 3; ++c) add(layout_.diffuse() + c, k_roughness_costs[2], 3);
+    }
+    static double second_difference(const Eigen::VectorXd& x, std::size_t i, std::size_t step) {
+        return x[Eigen::Index(i - step)] - 2 * x[Eigen::Index(i)] + x[Eigen::Index(i + step)];
+    }
+
+    /// The parameters at an angle of the viewer.
+    std::vector<double> between(double theta) const {
+        const KnotPosition at(theta, layout_.knots);
+        const double* const a = &table_[at.knot * layout_.width()];
+        std::vector<double> q(layout_.width());
+        for (std::size_t i = 0; i < q.size(); ++i) q[i] = a[i] + at.share * (a[i + q.size()] - a[i]);
+        return q;
+    }
+    Colour colour_of_pixel(const std::vector<double>& q, const MatchedPixel& pixel, const Eigen::MatrixXd& sums,
+                           std::size_t p) const {
+        Colour colour;
+        for (std::size_t c = 0; c < 3; ++c) {
+            colour[c] = q[layout_.diffuse() + c] * pixel.lambert;
+            for (std::size_t k = 0; k < layout_.terms; ++k)
+                colour[c] += q[6 * k + 3 + c] * sums(Eigen::Index(k), Eigen::Index(p));
+        }
+        return colour;
+    }
+    double loss_of_view(const MatchedView& view) const {
+        const std::vector<double> q = between(view.theta);
+        const Eigen::MatrixXd sums = pixel_sums(view, false);
+        double loss = 0;
+        for (std::size_t p = 0; p < view.pixels.size(); ++p) {
+            const MatchedPixel& pixel = view.pixels[p];
+            const Colour itp = Itp<double>(shown(colour_of_pixel(q, pixel, sums, p), pixel.limit)).value();
+            double square = 0;
+            for (std::size_t c = 0; c < 3; ++c) square += elementary::square(itp[c] - pixel.itp[c]);
+            loss += pixel.share * 2 * square / (std::sqrt(square + 1) + 1);
+        }
+        return loss;
+    }
+    /// JᵀJ and Jᵀr of a view by the unknowns of its two knots.
+    void linearise_view(const MatchedView& view, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
+        const std::vector<double> q = between(view.theta);
+        const Eigen::MatrixXd sums = pixel_sums(view, true);
+        const auto K = Eigen::Index(layout_.terms), width = Eigen::Index(layout_.width());
+        Eigen::MatrixXd J = Eigen::MatrixXd::Zero(width, 3 * Eigen::Index(view.pixels.size()));
+        Eigen::VectorXd r(J.cols());
+        for (std::size_t p = 0; p < view.pixels.size(); ++p) {
+            const MatchedPixel& pixel = view.pixels[p];
+            const auto column = Eigen::Index(p);
+            const Colour colour = colour_of_pixel(q, pixel, sums, p);
+            const Itp<double> itp(shown(colour, pixel.limit));
+            const auto jacobian = itp.jacobian();
+            double square = 0;
+            for (std::size_t c = 0; c < 3; ++c) square += elementary::square(itp.value()[c] - pixel.itp[c]);
+            const double root = std::sqrt(pixel.share / std::sqrt(square + 1));
+            for (std::size_t i = 0; i < 3; ++i) {
+                const Eigen::Index row = 3 * column + Eigen::Index(i);
+                r[row] = root * (itp.value()[i] - pixel.itp[i]);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    if (!(colour[c] < pixel.limit[c])) continue;
+                    const double slope = root * jacobian[i][c];
+                    for (Eigen::Index k = 0; k < K; ++k) {
+                        const double weight = slope * q[std::size_t(6 * k) + 3 + c];
+                        for (Eigen::Index s = 0; s < 3; ++s) J(6 * k + s, row) += weight * sums(K + 3 * k + s, column);
+                        J(6 * k + 3 + Eigen::Index(c), row) += slope * sums(k, column);
+                    }
+                    J(Eigen::Index(layout_.diffuse() + c), row) += slope * pixel.lambert;
+                }
+            }
+        }
+        const KnotPosition at(view.theta, layout_.knots);
+        Eigen::MatrixXd chain(width, 2 * width);  // of the parameters at the view by the unknowns of its knots
+        chain << (1 - at.share) * slopes_at(at.knot), at.share * slopes_at(at.knot + 1);
+        Eigen::MatrixXd square = Eigen::MatrixXd::Zero(width, width);
+        square.selfadjointView<Eigen::Lower>().rankUpdate(J);
+        square.triangularView<Eigen::StrictlyUpper>() = square.transpose();
+        H = chain.transpose() * square * chain;
+        g = chain.transpose() * (J * r);
+    }
+    /// Derivatives of the parameters at a knot by its unknowns.
+    Eigen::MatrixXd slopes_at(std::size_t knot) const {
+        const auto width = Eigen::Index(layout_.width());
+        const Eigen::Map<const Eigen::VectorXd> row(&table_[knot * layout_.width()], width);
+        Eigen::MatrixXd slopes = row.asDiagonal();
+        for (Eigen::Index k = 0; k < Eigen::Index(layout_.terms); ++k) {
+            const Eigen::Index i = 6 * k;
+            slopes.block(i, i, 3, 3).setZero();
+            slopes(i, i) = 1 + row[i] * row[i];
+            slopes(i + 1, i + 1) = slopes(i + 1, i + 2) = row[i + 1] / 4;
+            slopes(i + 2, i + 2) = (1 - std::abs(row[i + 2])) / 2, slopes(i + 2, i + 1) = -slopes(i + 2, i + 2);
+        }
+        return slopes;
+    }
+
+    const std::vector<MatchedView>& views_;
+    Layout layout_;
+    int threads_;
+    std::vector<double> table_;  ///< parameters at the knots, in the order of the unknowns
+};
+
+// ---- Starts ----
+
+/// A term to start from: the tilt of its normal over θv [degrees], and α.
+struct StartingTerm {
+    enum class Tilt { constant, retro, half } tilt;
+    double degrees, alpha;
+    bool narrows;  ///< α along is α cos θv: a highlight that is round about the mirror direction
+    double tilt_at(double theta) const {
+        if (tilt == Tilt::retro) return -theta;
+        if (tilt == Tilt::half) return -theta / 2;
+        return std::min(degrees * k_degree, 86 * k_degree - theta);
+    }
+    double along(double theta) const {
+        return narrows ? alpha * elementary::cos(std::min(theta, 80 * k_degree)) : alpha;
+    }
+    ClosureShape at(double theta) const {
+        const double a = along(theta), tilt_here = tilt_at(theta);
+        return {elementary::sin(tilt_here) / elementary::cos(tilt_here), std::sqrt(std::sqrt(a * alpha)),
+                1 - std::sqrt(a / alpha)};
+    }
+};
+std::vector<StartingTerm> starting_terms() {
+    std::vector<StartingTerm> all;
+    using Tilt = StartingTerm::Tilt;
+    for (const double alpha : {0.03, 0.06, 0.12, 0.2, 0.35, 0.6, 0.95})
+        for (const bool narrows : {false, true}) {
+            for (const double degrees : {-40, -25, -12, -5, 0, 5, 12, 25})
+                all.push_back({Tilt::constant, degrees, alpha, narrows});
+            for (const Tilt tilt : {Tilt::retro, Tilt::half}) all.push_back({tilt, 0, alpha, narrows});
+        }
+    return all;
+}
+
+/// Weights of one view that match its pixels best: rows are terms and the diffuse base, columns channels.
+struct ViewWeights {
+    Eigen::MatrixXd weights;
+    double loss = 0;
+};
+/// Rows of `sums` are terms, columns pixels. The loss is a quadratic approximation of a difference of sixth roots.
+ViewWeights best_weights(const MatchedView& view, const Eigen::MatrixXd& sums) {
+    constexpr double k_dark = 0.0075, k_power = -5.0 / 3;
+    ViewWeights best{Eigen::MatrixXd(sums.rows(), 3), 0};
+    for (std::size_t c = 0; c < 3; ++c) {
+        Eigen::VectorXd weight(sums.cols()), colour(sums.cols());
+        for (std::size_t p = 0; p < view.pixels.size(); ++p) {
+            const MatchedPixel& pixel = view.pixels[p];
+            colour[Eigen::Index(p)] = pixel.colour[c];
+            weight[Eigen::Index(p)] = pixel.share * elementary::pow(pixel.colour[c] + k_dark, k_power);
+        }
+        const Eigen::MatrixXd weighed = sums * weight.asDiagonal(), G = weighed * sums.transpose();
+        const Eigen::VectorXd g = weighed * colour;
+        const Eigen::VectorXd x =
+            bounded_least_squares(G, g, Eigen::VectorXd::Constant(g.size(), std::numeric_limits<double>::infinity()));
+        best.weights.col(Eigen::Index(c)) = x;
+        best.loss += weight.dot(colour.cwiseAbs2()) - 2 * x.dot(g) + x.dot(G * x);
+    }
+    return best;
+}
+
+/// Values at increasing angles, linear between them.
+double interpolated(std::span<const MatchedView> views, double theta, const auto& value_of) {
+    std::size_t i = 1;
+    while (i + 1 < views.size() && views[i].theta < theta) ++i;
+    if (views.size() == 1) return value_of(0);
+    const double share = std::clamp((theta - views[i - 1].theta) / (views[i].theta - views[i - 1].theta), 0.0, 1.0);
+    return (1 - share) * value_of(i - 1) + share * value_of(i);
+}
+
+/// The unknowns with a further term, and the weights of the views.
+Eigen::VectorXd extended(const std::vector<MatchedView>& views, Layout before, const Eigen::VectorXd& x,
+                         const StartingTerm& start, const std::vector<Eigen::MatrixXd>& weights) {
+    const auto K = Eigen::Index(before.terms);
+    const Layout after{before.terms + 1, before.knots};
+    Eigen::VectorXd longer(Eigen::Index(after.knots * after.width()));
+    const auto weight_at = [&](double theta, Eigen::Index row, std::size_t c) {
+        return interpolated(views, theta, [&](std::size_t v) { return weights[v](row, Eigen::Index(c)); });
+    };
+    Eigen::VectorXd largest = Eigen::VectorXd::Zero(K + 2);
+    for (const Eigen::MatrixXd& of_view : weights) largest = largest.cwiseMax(of_view.rowwise().maxCoeff());
+    constexpr double k_least_share = 0.02;  // of a weight, so that it can grow again
+    for (std::size_t i = 0; i < after.knots; ++i) {
+        const double theta = after.theta(i);
+        double* const to = longer.data() + i * after.width();
+        const double* const from = x.data() + i * before.width();
+        std::copy(from, from + 6 * before.terms, to);
+        to[6 * before.terms] = start.tilt_at(theta);
+        to[6 * before.terms + 1] = elementary::log(std::max(start.along(theta), k_least_alpha));
+        to[6 * before.terms + 2] = elementary::log(start.alpha);
+        for (std::size_t k = 0; k <= after.terms; ++k) {
+            const Eigen::Index row = k < before.terms ? Eigen::Index(k) : k == before.terms ? K + 1 : K;
+            for (std::size_t c = 0; c < 3; ++c)
+                to[k < after.terms ? 6 * k + 3 + c : after.diffuse() + c] =
+                    elementary::log(std::max(weight_at(theta, row, c), k_least_share * largest[row] + k_least_weight));
+        }
+    }
+    return longer;
+}
+
+/// The unknowns with a further term, the one with which the best weights of all terms match the views best.
+Eigen::VectorXd with_term(const std::vector<MatchedView>& views, Layout before, const Eigen::VectorXd& x, int threads) {
+    ClosureProblem problem(views, before, threads);
+    problem.set(x);
+    const auto K = Eigen::Index(before.terms);
+    std::vector<Eigen::MatrixXd> sums(views.size());
+    parallel_for(views.size(), threads, [&](std::size_t v) {
+        const MatchedView& view = views[v];
+        sums[v].resize(K + 2, Eigen::Index(view.pixels.size()));
+        sums[v].topRows(K) = problem.pixel_sums(view, false);
+        for (std::size_t p = 0; p < view.pixels.size(); ++p) sums[v](K, Eigen::Index(p)) = view.pixels[p].lambert;
+    });
+    const auto solve = [&](std::size_t v, const StartingTerm& start) {
+        const MatchedView& view = views[v];
+        Eigen::MatrixXd values(1, Eigen::Index(view.wl.size()));
+        const ClosureShape shape = start.at(view.theta);
+        for (std::size_t i = 0; i < view.wl.size(); ++i)
+            values(0, Eigen::Index(i)) = closure_value(shape, view.wl[i], view.wv);
+        Eigen::MatrixXd all = sums[v];
+        all.row(K + 1) = ClosureProblem::summed_over_pixels(view, values);
+        return best_weights(view, all);
+    };
+    const std::vector<StartingTerm> starts = starting_terms();
+    std::vector<double> losses(starts.size());
+    parallel_for(starts.size(), threads, [&](std::size_t s) {
+        for (std::size_t v = 0; v < views.size(); v += 2) losses[s] += solve(v, starts[s]).loss;
+    });
+    const StartingTerm& best = starts[std::size_t(std::ranges::min_element(losses) - losses.begin())];
+    std::vector<Eigen::MatrixXd> weights(views.size());
+    parallel_for(views.size(), threads, [&](std::size_t v) { weights[v] = solve(v, best).weights; });
+    return extended(views, before, x, best, weights);
+}
+
+// ---- Albedo ----
+
+constexpr int k_albedo_points_of_closures = 1024;
+
+/// Scales weights so that no albedo is above 1, at the knots and between them.
+void limit_albedos(ClosureSum& sum, int threads) {
+    constexpr std::size_t k_between = 4;
+    const std::size_t count = (sum.knots() - 1) * k_between;  // without the horizon
+    std::vector<Rgb> albedos(count);
+    const MirrorMixture mixture(k_pi / 2);
+    parallel_for(count, threads, [&](std::size_t i) {
+        const Vec3d wv = spherical(k_pi / 2 * double(i) / double(count), 0.0);
+        const Quadrature points = mixture.quadrature(wv, k_albedo_points_of_closures);
+        const std::vector<Rgb> f = values_towards(evaluator(sum), points.w, to_float(wv));
+        for (std::size_t p = 0; p < f.size(); ++p)
+            for (int c = 0; c < 3; ++c) albedos[i][c] += float(points.weight[p] * double(points.w[p].z)) * f[p][c];
+    });
+    for (std::size_t knot = 0; knot < sum.knots(); ++knot)
+        for (int c = 0; c < 3; ++c) {
+            float largest = 1;
+            for (std::size_t i = knot * k_between < k_between ? 0 : (knot - 1) * k_between + 1;
+                 i < std::min((knot + 1) * k_between, count); ++i)
+                largest = std::max(largest, albedos[i][c]);
+            sum.diffuse[knot][c] /= largest;
+            for (std::size_t k = 0; k < sum.terms; ++k) sum.closures[knot * sum.terms + k].weight[c] /= largest;
+        }
+}
+
+}  // namespace
+
+Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& options, const ProgressToken& progress) {
+    const StandardArithmetic mode;
+    if (const auto valid = require_range("fit", "terms", options.terms, 1, k_most_closures); !valid)
+        return valid.error();
+    if (const auto valid = require_range("fit", "knots", options.knots, 4, 256); !valid) return valid.error();
+    Layout layout{0, std::size_t(options.knots)};
+    const std::vector<MatchedView> views = matched_views(f, 2 * layout.knots - 1, options.threads);
+    if (std::ranges::none_of(views, [](const MatchedView& view) {
+            return std::ranges::any_of(view.radiance, [](const Rgb& c) { return largest_of(c) > 0; });
+        }))
+        return no_data_error("fit", "values", "some above 0");
+    constexpr int k_steps = 20, k_last_steps = 40;
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(Eigen::Index(layout.knots * layout.width()));
+    for (int k = 0; k < options.terms; ++k) {
+        if (!progress.report("fitting closures", double(k) / double(options.terms))) return cancelled_error("fit");
+        x = with_term(views, layout, x, options.threads);
+        ++layout.terms;
+        ClosureProblem problem(views, layout, options.threads);
+        const int steps = k + 1 < options.terms ? k_steps : k_last_steps;
+        levenberg_marquardt(problem, x, {.max_iterations = steps, .decrease_tolerance = 1e-5});
+    }
+    ClosureSum best = ClosureProblem(views, layout, options.threads).sum(x);
+    limit_albedos(best, options.threads);
+    return best;
+}
+
+}  // namespace srbf

@@ -1,0 +1,41 @@
+// Pictures of a sphere that a sum of closures is fitted to.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "srbf/brdf.h"
+
+namespace srbf {
+
+using Colour = std::array<double, 3>;
+
+/// A pixel of a picture of a sphere: Σ_i weight_i f(wl_i) cosθl_i over the directions of its view from `first` on.
+struct MatchedPixel {
+    std::size_t first;
+    std::vector<double> weight;
+    double share;                     ///< of the loss
+    double lambert = 0;               ///< the pixel's colour of a white Lambert surface
+    Colour colour{}, limit{}, itp{};  ///< of the measurement, limit: see `shown`
+};
+/// The pixels of all lights at points of the sphere with one θv. The frame is that of `closure_value`.
+struct MatchedView {
+    double theta, weight;
+    Vec3d wv;
+    std::vector<Vec3d> wl;
+    std::vector<double> pdf;    ///< of the directions
+    std::vector<Rgb> radiance;  ///< f cosθl
+    std::vector<MatchedPixel> pixels;
+};
+
+/// A colour as it is compared: a channel that is clipped at white in the reference ends at white.
+inline Colour shown(const Colour& colour, const Colour& limit) {
+    return {std::min(colour[0], limit[0]), std::min(colour[1], limit[1]), std::min(colour[2], limit[2])};
+}
+
+/// `count` views from the normal to the horizon with pixels under directional and extended lights. The shares of each
+/// kind sum to 1. Views without a measurement are left out.
+std::vector<MatchedView> matched_views(const Evaluate& f, std::size_t count, int threads);
+
+}  // namespace srbf

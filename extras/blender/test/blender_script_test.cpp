@@ -1,0 +1,54 @@
+// Scripts for Blender that `srbf export` writes.
+#include "command.h"
+#include "models.h"
+
+namespace srbf::blender_script_test {
+namespace {
+
+class BlenderScript : public CommandLine {
+  protected:
+    void SetUp() override {
+        std::mt19937_64 random(1);
+        const Model model{random_model(random, {.lobes = 1, .variates = 1, .most_bandwidth = 20}), {}};
+        for (const char* name : {"a", "b"}) ASSERT_TRUE(save_model(model, folder / (std::string(name) + ".srbf")).ok());
+        ASSERT_TRUE(save_model({OpenPbrModel{}, {}}, folder / "surface.srbf").ok());
+        ASSERT_TRUE(save_model({full_bsdf(), {}}, folder / "bsdf.srbf").ok());
+    }
+};
+
+TEST_F(BlenderScript, HasTablesOfEachMaterial) {
+    write(folder / "m.binary", small_merl());
+    const ProgramRun result =
+        run(folder, {"export", "a.srbf", "m.binary", "--to", "blender", "--terms", "1", "-o", "o.py"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.out.find("a: ΔE_ITP"), result.out.npos) << result.out;
+    const std::string script = contents(folder / "o.py");
+    EXPECT_NE(script.find("(\"a\", 24, 1, ["), script.npos);
+    EXPECT_NE(script.find("(\"m\", 24, 1, ["), script.npos);
+    if (std::system("python3 -c '' > /dev/null 2>&1") != 0) GTEST_SKIP();
+    // Three rows of 24 texels; all shapes and weights are in their ranges. Without Blender nothing is made.
+    write(folder / "check.py",
+          "import o\n"
+          "for name, columns, terms, numbers in o._MEASURED:\n"
+          "    assert len(numbers) == 3 * columns * (2 * terms + 1)\n"
+          "    shapes, others = numbers[:3 * columns], numbers[3 * columns:]\n"
+          "    assert all(0 < r <= 1 and -1 < a < 1 for r, a in zip(shapes[1::3], shapes[2::3]))\n"
+          "    assert min(others) >= 0\n");
+    EXPECT_EQ(std::system(fmt::format("cd '{}' && python3 -B check.py", folder.path.string()).c_str()), 0);
+}
+
+TEST_F(BlenderScript, IsRefusedForOtherInput) {
+    const auto refused = [&](const Arguments& arguments, const std::string& words) {
+        const ProgramRun result = run(folder, Arguments{"export"} + arguments + Arguments{"-o", "o"});
+        EXPECT_NE(result.status, 0);
+        EXPECT_NE(result.err.find(words), result.err.npos) << result.err;
+    };
+    refused({"surface.srbf", "--to", "blender"}, "--to principled");
+    refused({"bsdf.srbf", "--to", "blender"}, "transmission");
+    refused({"a.srbf", "--to", "glsl", "--terms", "2"}, "is for --to blender");
+    refused({"a.srbf", "--to", "blender", "--terms", "9"}, "--terms");
+    refused({"surface.srbf", "b.srbf", "--to", "blender"}, "--to principled");
+}
+
+}  // namespace
+}  // namespace srbf::blender_script_test

@@ -1,0 +1,112 @@
+// Sums of closures: their formula and their fit.
+#include "extras/blender/closures.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "errors/picture_errors.h"
+#include "extras/blender/closure_terms.h"
+#include "properties.h"
+#include "srbf/load.h"
+
+namespace srbf::closures_test {
+namespace {
+
+/// The same closure at each of `knots` knots.
+ClosureSum constant(const Closure& closure, const Rgb& diffuse, std::size_t knots) {
+    return {1, std::vector<Rgb>(knots, diffuse), std::vector<Closure>(knots, closure)};
+}
+
+double delta_e(const Evaluate& reference, const Evaluate& other) {
+    return compare_pictures(reference, {&other, 1}, 0, {}, k_sphere_pixels, true)[0].mean.delta_e;
+}
+
+/// Without a tilt and with one α the term is Beckmann's surface of facets.
+TEST(Closures, EqualTheClosedFormula) {
+    std::mt19937_64 random(1);
+    const float alpha = 0.3f;
+    const ClosureSum sum = constant({0, std::sqrt(alpha), 0, {0.5f, 0.25f, 1}}, {0.1f, 0.2f, 0.3f}, 5);
+    const auto lambda = [&](double cosine) {
+        const double a = cosine / (double(alpha) * std::sqrt(1 - cosine * cosine));
+        return a >= 1.6 ? 0 : (1 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a);
+    };
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3d wl = random_direction(random, 0.05), wv = random_direction(random, 0.05), h = normalize(wl + wv);
+        const double tan2 = 1 / (h.z * h.z) - 1, a2 = double(alpha) * double(alpha),
+                     D = std::exp(-tan2 / a2) / (k_pi * a2 * std::pow(h.z, 4)),
+                     f = D / (4 * wl.z * wv.z * (1 + lambda(wl.z) + lambda(wv.z)));
+        const Rgb found = value(sum, to_float(wl), to_float(wv));
+        EXPECT_PRED3(near_relative, found.r, 0.5 * f + 0.1 / k_pi, 2e-3) << i;
+        EXPECT_PRED3(near_relative, found.b, f + 0.3 / k_pi, 2e-3) << i;
+    }
+}
+
+/// A tilted normal, both α and rotation about the normal: against the formula about N' and T'.
+TEST(Closures, AreTiltedInThePlaneOfIncidence) {
+    std::mt19937_64 random(2);
+    const Closure closure{0.4f, 0.5f, 0.3f, {1, 1, 1}};
+    const ClosureSum sum = constant(closure, {}, 3);
+    for (int i = 0; i < 1000; ++i) {
+        const double theta = 1.2 * uniform(random), phi = 2 * k_pi * uniform(random), turn = uniform(random);
+        const Vec3d wv = spherical(theta, phi), wl = random_direction(random, 0.05);
+        const Vec3d away{-std::cos(phi), -std::sin(phi), 0}, side = cross(Vec3d{0, 0, 1}, away);
+        const Vec3d N = normalize(Vec3d{0, 0, 1} + 0.4 * away), T = normalize(away - dot(away, N) * N);
+        const Rgb found = value(sum, to_float(wl), to_float(wv));
+        if (dot(N, wv) < 0.05 || dot(N, wl) <= 0.01) continue;
+        const double ax = 0.25 * 0.7, ay = 0.25 / 0.7;
+        const Vec3d h = normalize(wl + wv);
+        const double nh = dot(N, h),
+                     D = std::exp(-(std::pow(dot(T, h) / ax, 2) + std::pow(dot(side, h) / ay, 2)) / (nh * nh)) /
+                         (k_pi * ax * ay * std::pow(nh, 4));
+        const double without_shadow = D / (4 * dot(N, wv) * wl.z);
+        EXPECT_LE(found.r, 1.0001 * without_shadow + 1e-6);
+        const auto turned = [&](Vec3d w) {
+            return to_float(
+                Vec3d{std::cos(turn) * w.x - std::sin(turn) * w.y, std::sin(turn) * w.x + std::cos(turn) * w.y, w.z});
+        };
+        EXPECT_PRED3(near, value(sum, turned(wl), turned(wv)).r, found.r, 1e-4 * found.r + 1e-6);
+        EXPECT_PRED3(near_relative, found.r * wl.z,
+                     closure_value({0.4f, 0.5, 0.3f}, {dot(wl, away), dot(wl, side), wl.z},
+                                   {-std::sin(theta), 0, std::cos(theta)}),
+                     1e-3);
+    }
+    EXPECT_EQ(value(sum, {0, 0, -1}, {0, 0, 1}), Rgb{});
+}
+
+TEST(Closures, RecoverASurfaceOfFacets) {
+    const Evaluate facets = evaluator(constant({0, 0.45f, 0, {0.5f, 0.4f, 0.2f}}, {0.05f, 0.1f, 0.2f}, 16));
+    const auto fit = fit_closures(facets, {.terms = 1, .knots = 16});
+    ASSERT_TRUE(fit.ok());
+    EXPECT_LT(delta_e(facets, evaluator(*fit)), 0.5);
+    const auto again = fit_closures(facets, {.terms = 1, .knots = 16, .threads = 1});
+    EXPECT_EQ(fit->diffuse, again->diffuse) << "the number of threads changes a fit";
+}
+
+TEST(Closures, ShowAMeasurementAndReflectNoMoreThanAllLight) {
+    const auto paper = load_brdf(bundled_data() / "paper_white_rgb.bsdf");
+    ASSERT_TRUE(paper.ok());
+    const Evaluate f = evaluator(std::get<Measured>(*paper));
+    const auto fit = fit_closures(f, {.terms = 2, .knots = 16});
+    ASSERT_TRUE(fit.ok());
+    const Evaluate fitted = evaluator(*fit);
+    EXPECT_LT(delta_e(f, fitted), 3);
+    for (const double theta : {0.0, 20.0, 45.0, 70.0, 80.0, 86.0}) {
+        const Rgb light = albedo(fitted, theta * k_degree, k_pi / 2);
+        for (int c = 0; c < 3; ++c) EXPECT_LT(light[c], 1.01) << theta;
+    }
+    for (const Closure& closure : fit->closures)
+        for (int c = 0; c < 3; ++c) EXPECT_GE(closure.weight[c], 0);
+}
+
+TEST(Closures, RefuseWhatCannotBeFitted) {
+    const Evaluate black = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
+        std::ranges::fill(f, Rgb{});
+    };
+    EXPECT_EQ(fit_closures(black).error().code, ErrorCode::no_data);
+    EXPECT_EQ(fit_closures(black, {.terms = 0}).error().code, ErrorCode::argument);
+    EXPECT_EQ(fit_closures(black, {.knots = 2}).error().code, ErrorCode::argument);
+}
+
+}  // namespace
+}  // namespace srbf::closures_test

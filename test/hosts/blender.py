@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Materials of nodes in Blender's Cycles: packages bpy, openexr and pillow of PyPI, in a Python of bpy's version. Without bpy nothing is tried.
+
+Makes the materials of measurements by the script that `srbf export --to blender` writes, and draws a sphere with Cycles. Under a distant
+lamp it agrees with the formula of the sum of closures, of the tables in the script. Under an environment it is compared with the
+measurement and with Principled's parameters. In a furnace nothing is brighter than 1.01. Argument 3, if given: a picture of all is
+written there.
+Arguments: the program, a folder with rgl/.
+"""
+import importlib.util
+import math
+import sys
+import tempfile
+from pathlib import Path
+
+if importlib.util.find_spec("bpy") is None:
+    print("skipped: no bpy")
+    sys.exit(0)
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from seen import delta_e, displayed, exposure  # noqa: E402
+from surface_host import DISTANCE, ELEVATION, FIELD, MATERIALS, SIZE, drawn, drawn_by_cycles, on_sphere, run  # noqa: E402
+
+data = Path(sys.argv[2])
+LAMP = (0.6, -0.5, 0.62)
+FORMULA_WITHIN, PRINCIPLED_SHARE, MEAN_WITHIN = 0.5, 0.6, 4  # ΔE_ITP against the formula; of Principled's error where that is above 3; against measurements
+SUB = 3  # points of a pixel along a side
+
+
+def table_of(script):
+    names = {}
+    exec(compile(Path(script).read_text(encoding="utf-8"), str(script), "exec"), names)
+    (name, columns, terms, numbers), = names["_MEASURED"]
+    return terms, np.reshape(numbers, (2 * terms + 1, columns, 3))
+
+
+def reflected(terms, table, normal, viewer, light):
+    """f cosθl of a sum of closures, in the terms of extras/blender/closures.h; vectors [n, 3]."""
+    dot = lambda a, b: (a * b).sum(-1)  # noqa: E731
+    unit = lambda a: a / np.linalg.norm(a, axis=-1, keepdims=True)  # noqa: E731
+    nv, nl = dot(normal, viewer), dot(normal, light)
+    x = np.arccos(np.clip(nv, 0, 1)) / (np.pi / 2) * (table.shape[1] - 1)
+    i = np.minimum(x.astype(int), table.shape[1] - 2)
+    row = lambda k: table[k, i] + (x - i)[:, None] * (table[k, i + 1] - table[k, i])  # noqa: E731
+    away = unit(nv[:, None] * normal - viewer)
+    h = unit(viewer + light)
+    total = row(-1) * np.maximum(nl, 0)[:, None] / np.pi
+    for k in range(terms):
+        slope, roughness, anisotropy = row(2 * k).T
+        ratio = 1 - np.abs(anisotropy)
+        ax, ay = (roughness**2 * np.where((anisotropy < 0) == across, ratio, 1 / ratio) for across in (False, True))
+        n = unit(normal + slope[:, None] * away)
+        t = unit(away - dot(away, n)[:, None] * n)
+        b = np.cross(n, t)
+        cosines = [np.maximum(dot(n, w), 1e-3) for w in (viewer, light, h)]
+
+        def smith(w, c):
+            a = 1 / np.sqrt(np.maximum(((ax * dot(t, w))**2 + (ay * dot(b, w))**2) / c**2, 0.39))
+            return np.where(a < 1.6, ((0.396 * a - 1.259) * a + 1) / ((2.181 * a + 3.535) * a), 0)
+        d = np.exp(-((dot(t, h) / ax)**2 + (dot(b, h) / ay)**2) / cosines[2]**2) / (np.pi * ax * ay * cosines[2]**4)
+        value = d / (4 * cosines[0] * (1 + smith(viewer, cosines[0]) + smith(light, cosines[1])))
+        total += row(2 * k + 1) * np.where((dot(n, viewer) > 0) & (dot(n, light) > 0) & (nl > 0), value, 0)[:, None]
+    return total
+
+
+def formula(script):
+    """The picture of the tables under the lamp."""
+    a = (np.arange(SIZE * SUB) + 0.5) / (SIZE * SUB) * 2 - 1
+    x, z = np.meshgrid(a, -a)
+    forward, up = np.array([0, math.cos(ELEVATION), -math.sin(ELEVATION)]), np.array([0, math.sin(ELEVATION), math.cos(ELEVATION)])
+    ray = forward + math.tan(FIELD / 2) * (x[..., None] * np.array([1, 0, 0]) + z[..., None] * up)
+    ray = (ray / np.linalg.norm(ray, axis=-1, keepdims=True)).reshape(-1, 3)
+    along = ray @ (DISTANCE * forward)
+    square = along**2 - (DISTANCE**2 - 1)
+    hit = square > 0
+    normal = -DISTANCE * forward + (along - np.sqrt(np.maximum(square, 0)))[:, None] * ray
+    picture = np.zeros_like(ray)
+    picture[hit] = reflected(*table_of(script), normal[hit], -ray[hit], np.array(LAMP) / np.linalg.norm(LAMP))
+    return picture.reshape(SIZE, SUB, SIZE, SUB, 3).mean((1, 3))
+
+
+inside, rows, failures, errors = on_sphere(), [], [], []
+
+
+def expect(holds, words):
+    print("ok  " if holds else "BAD ", words, flush=True)
+    if not holds:
+        failures.append(words)
+
+
+with tempfile.TemporaryDirectory() as folder:
+    for name in MATERIALS:
+        measured, script, principled = data / f"rgl/{name}.bsdf", f"{folder}/{name}.py", f"{folder}/{name}_principled"
+        print(run("export", measured, "--to", "blender", "-o", script).strip())
+        lit = drawn_by_cycles(script, f"{folder}/lit.exr", LAMP)[inside]
+        apart = delta_e(lit, formula(script)[inside])
+        expect(apart <= FORMULA_WITHIN, f"{name}: Cycles against the formula {apart:.2f}")
+        run("fit", measured, "--model", "openpbr", "--surface", "principled", "-o", principled + ".srbf")
+        run("export", principled + ".srbf", "--to", "principled", "-o", principled + ".py")
+        pictures = [drawn(measured, f"{folder}/m.exr"), drawn_by_cycles(script, f"{folder}/n.exr"), drawn_by_cycles(principled + ".py", f"{folder}/p.exr")]
+        reference, nodes, parameters = (of[inside] for of in pictures)
+        ours, theirs = delta_e(nodes, reference), delta_e(parameters, reference)
+        errors.append(ours)
+        expect(theirs <= 3 or ours <= PRINCIPLED_SHARE * theirs, f"{name}: against the measurement nodes {ours:.2f}, Principled {theirs:.2f}")
+        furnace = drawn_by_cycles(script, f"{folder}/f.exr", "furnace")[inside].max()
+        expect(furnace <= 1.02, f"{name}: brightest in a furnace {furnace:.3f}")  # with the noise
+        rows.append(np.concatenate([displayed(of, exposure(reference)) for of in pictures], axis=1))
+expect(np.mean(errors) <= MEAN_WITHIN, f"mean {np.mean(errors):.2f}")
+if len(sys.argv) > 3:
+    from PIL import Image
+    Image.fromarray(np.concatenate(rows)).save(sys.argv[3])
+sys.exit(bool(failures))

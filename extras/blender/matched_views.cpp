@@ -24,8 +24,8 @@ constexpr double k_density_power = -0.6;
 /// Weights are divided by the sine of the phase, at least this, so that all phases of the light count.
 constexpr double k_least_sine = 0.1;
 constexpr int k_azimuths = 6;  ///< around the viewer, of points of a sphere under each extended light
-constexpr double k_turn_of_views =
-    2.4;  ///< [rad] between neighbours, so that a BRDF that is not isotropic is seen all around
+/// Azimuth between neighbouring views [rad], so that a BRDF that is not isotropic is seen from all around.
+constexpr double k_turn_of_views = 2.4;
 
 /// White light from all around, and lamps of several sizes.
 std::vector<Lighting> extended_lights() {

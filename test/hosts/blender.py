@@ -3,7 +3,7 @@
 
 Makes the materials of measurements by the script that `srbf export --to blender` writes, and draws a sphere with Cycles. Under a distant
 lamp it agrees with the formula of the sum of closures, of the tables in the script. Under an environment it is compared with the
-measurement and with Principled's parameters. In a furnace nothing is brighter than 1.01. Argument 3, if given: a picture of all is
+measurement, and is nearer to it than Principled's parameters. In a furnace nothing is brighter than 1.01. Argument 3, if given: a picture of all is
 written there.
 Arguments: the program, a folder with rgl/.
 """
@@ -24,7 +24,8 @@ from surface_host import DISTANCE, ELEVATION, FIELD, MATERIALS, SIZE, drawn, dra
 
 data = Path(sys.argv[2])
 LAMP = (0.6, -0.5, 0.62)
-FORMULA_WITHIN, PRINCIPLED_SHARE, MEAN_WITHIN = 0.5, 0.6, 4  # ΔE_ITP against the formula; of Principled's error where that is above 3; against measurements
+FORMULA_WITHIN = 0.5  # ΔE_ITP
+PRINCIPLED_SHARE = 0.6  # of Principled's error, in the mean of the materials
 SUB = 3  # points of a pixel along a side
 
 
@@ -101,12 +102,13 @@ with tempfile.TemporaryDirectory() as folder:
         pictures = [drawn(measured, f"{folder}/m.exr"), drawn_by_cycles(script, f"{folder}/n.exr"), drawn_by_cycles(principled + ".py", f"{folder}/p.exr")]
         reference, nodes, parameters = (of[inside] for of in pictures)
         ours, theirs = delta_e(nodes, reference), delta_e(parameters, reference)
-        errors.append(ours)
-        expect(theirs <= 3 or ours <= PRINCIPLED_SHARE * theirs, f"{name}: against the measurement nodes {ours:.2f}, Principled {theirs:.2f}")
+        errors.append((ours, theirs))
+        expect(ours < theirs, f"{name}: against the measurement nodes {ours:.2f}, Principled {theirs:.2f}")
         furnace = drawn_by_cycles(script, f"{folder}/f.exr", "furnace")[inside].max()
         expect(furnace <= 1.02, f"{name}: brightest in a furnace {furnace:.3f}")  # with the noise
         rows.append(np.concatenate([displayed(of, exposure(reference)) for of in pictures], axis=1))
-expect(np.mean(errors) <= MEAN_WITHIN, f"mean {np.mean(errors):.2f}")
+ours, theirs = np.mean(errors, axis=0)
+expect(ours <= PRINCIPLED_SHARE * theirs, f"mean: nodes {ours:.2f}, Principled {theirs:.2f}")
 if len(sys.argv) > 3:
     from PIL import Image
     Image.fromarray(np.concatenate(rows)).save(sys.argv[3])

@@ -106,6 +106,10 @@ void main() {
     f += reflected_pdf(mirror_lobe(wl, 4.0), itself(wl), half_vector(wl, wv, map)) *
          half_vector_lobe(wv, 1.0, 8.0, 1.0).centre;
     f += reflected_up(light_of(sample_sharp_vmf(wl, 0.25, u.x, u.x, u.y), wv)) + off_centre(wl, u.x, u.y);
+    OpenPbrRoughness roughness = openpbr_roughness(u.x, u.y);
+    Facets normals = facets_along(0.6, 0.8, roughness.along, roughness.across);
+    f += roughened_by(normals, wl) * visible_normals_pdf(wl, wv, normals) * facets_pdf(wl, wv, normals);
+    f += sample_visible_normals(wv, normals, u.x, u.y) + sample_facets(wv, normals, u.x, u.y);
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
 }
 )";

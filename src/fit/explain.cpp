@@ -80,8 +80,9 @@ std::string explain(const FitRequest& request) {
     text += fmt::format("{:<13} {:<66} {}\n", "term", "error of", "cost");
     std::vector<Term> terms = terms_of(request.objective);
     if (is_reciprocal(options.form))
-        terms.push_back({"albedo limit", "directional albedo above the largest one measured to 80 degrees, or above 1",
-                         fmt::format("{} times all albedos', rising; in the end lobes are lowered", k_albedo_bound_cost)});
+        terms.push_back(
+            {"albedo limit", "directional albedo above the largest one measured to 80 degrees, or above 1",
+             fmt::format("{} times all albedos', rising; in the end lobes are lowered", k_albedo_bound_cost)});
     for (const Term& term : terms) text += fmt::format("{:<13} {:<66} {}\n", term.name, term.of, term.weight);
     text += fmt::format("\n{:<13} {:<64} {:>10}  {}\n", "stage", "rows and terms", "candidates", "work");
     bool bounds = false;

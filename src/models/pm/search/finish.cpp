@@ -139,9 +139,10 @@ PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors,
             fit.model = rounded(fit.model);
         }
         if (!bound) return fit;
+        fit.unrounded = lowered_to(*bound, std::move(fit.unrounded));
+        if (bound->excess(evaluator(fit.model)) <= 1) return fit;
         const double loss = loss_of(observations, evaluator(fit.model));
         fit.model = rounded(lowered_to(*bound, std::move(fit.model)));
-        fit.unrounded = lowered_to(*bound, std::move(fit.unrounded));
         if (loss > 0) fit.loss *= std::max(1.0, loss_of(observations, evaluator(fit.model)) / loss);
         return fit;
     };

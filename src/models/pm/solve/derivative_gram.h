@@ -34,7 +34,7 @@ class DerivativeGram {
     Eigen::Index residual(Eigen::Index c) const { return angle(S_, c); }
     Eigen::Index size() const { return residual(channels_); }
 
-    /// The columns of a block. They point into the basis, the residuals and `memory`.
+    /// Sets `all` to the columns of a block, which point into the basis, the residuals and `memory`.
     void fill_columns(std::size_t block, Aligned<float>& memory, std::vector<const float*>& all) const;
     /// Fills the columns of angle n.
     void fill_angle(std::size_t block, Eigen::Index n, Aligned<float>& memory) const;

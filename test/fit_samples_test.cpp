@@ -6,6 +6,7 @@
 #include <set>
 
 #include "brdf/channels.h"
+#include "brdf/colour.h"
 #include "brdf/directions.h"
 #include "errors/picture_errors.h"
 #include "fit/cross_validated_fits.h"
@@ -707,6 +708,35 @@ TEST(FitToSamples, SpectralAndColourFitsOfAPaintAgree) {
     EXPECT_LT(error_of(spectral->model), 1.5 * error_of(rgb->model));
     EXPECT_LT(spectral_error, 1.5 * error_of(rgb->model));
     EXPECT_LT(difference, error_of(rgb->model));
+}
+
+/// Where gaps are filled, in colours, a spectral fit has the lobes and the colours of the fit to colours.
+TEST(FitToSamples, GapsAreFilledForSpectraAsForColours) {
+    ScatteredSamples samples = goniometer_samples(coated);
+    samples.wavelengths = {450, 550, 650};
+    const std::vector<Rgb> weights = rgb_weights(samples.wavelengths);
+    for (Rgb& f : samples.colour) {
+        const float spectrum[] = {f.b, f.g, f.r};
+        samples.spectrum.insert(samples.spectrum.end(), std::begin(spectrum), std::end(spectrum));
+        f = {};
+        for (std::size_t i = 0; i < weights.size(); ++i)
+            for (int c = 0; c < 3; ++c) f[c] += weights[i][c] * spectrum[i];
+    }
+    SampleFitOptions sample_options;
+    sample_options.pm.lobes = 3, sample_options.pm.starts = 2, sample_options.pm.perturbations = 2;
+    const auto fit = [&](bool spectral) {
+        ObserveSamplesOptions options;
+        options.spectral = spectral;
+        return fit_pm(*observe(samples, options), sample_options);
+    };
+    const auto rgb = fit(false), spectral = fit(true);
+    ASSERT_TRUE(rgb && spectral);
+    EXPECT_EQ(spectral->model.wavelength, samples.wavelengths);
+    EXPECT_EQ(spectral->model.parameterization, rgb->model.parameterization);
+    std::vector<Rgb> colours(samples.wl.size());
+    evaluate(rgb->model, samples.wl, samples.wv, colours);
+    EXPECT_LT(measure_samples(samples.wl, samples.wv, colours, evaluator(spectral->model), k_cap).squared_error_ratio,
+              1e-4);  // coefficients are rounded to 16 bits
 }
 
 TEST(FitToSamples, TooFewOrUnusableSamplesAreAnError) {

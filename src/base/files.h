@@ -48,9 +48,9 @@ struct NewFile {
     std::string path;
     std::vector<std::byte> bytes;
 };
-/// Writes all of them, and renames them in this order once all are written and `before_renaming`, if any, has succeeded:
-/// an error before that leaves the previous content of each. Of several programs that write the same files at once one
-/// after the other renames all of its own. Devices and pipes are written directly.
+/// Writes all of them, and renames them in this order once all are written and `before_renaming`, if any, has
+/// succeeded: an error before that leaves the previous content of each. Of several programs that write the same files
+/// at once one after the other renames all of its own. Devices and pipes are written directly.
 Result<Done> write_files(std::span<const NewFile> files, const std::function<Result<Done>()>& before_renaming = {});
 
 /// Renames a file or a folder, and waits until the disk has the new name.

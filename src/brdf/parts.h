@@ -20,16 +20,16 @@ struct InPartFrame {
     Part part;
     Vec3f wl, wv;
 };
-/// The part that answers for a pair, and the pair in its frame; none if a direction lies in the surface (its cosine is 0
-/// or subnormal) or is not finite.
+/// The part that answers for a pair, and the pair in its frame; none if a direction lies in the surface (its cosine is
+/// 0 or subnormal) or is not finite.
 inline std::optional<InPartFrame> to_part_frame(Vec3f wl, Vec3f wv) {
     const Vec3f l{wl.x, wl.y, std::abs(wl.z)}, v{wv.x, wv.y, std::abs(wv.z)};
     if (!above_horizon(l, v)) return {};
     const bool back = wl.z < 0, across = back != (wv.z < 0);
     return InPartFrame{Part(2 * int(across) + int(back)), l, v};
 }
-/// The sides of the surface on which the light and the viewer of a part are: −1 (back) or 1 (front). z of a direction in the
-/// frame of the part, multiplied by this, is its z.
+/// The sides of the surface on which the light and the viewer of a part are: −1 (back) or 1 (front). z of a direction
+/// in the frame of the part, multiplied by this, is its z.
 constexpr float side_of_light(Part part) { return is_back(part) ? -1.f : 1.f; }
 constexpr float side_of_viewer(Part part) { return is_back(part) != is_transmission(part) ? -1.f : 1.f; }
 /// A direction to one side, from a part's frame.

@@ -4,12 +4,13 @@
 
 namespace srbf {
 
-/// The standard deviation of the noise of a table's samples [1/sr], of each channel, before those below 0 were set to 0; 0 of
-/// a channel where nothing suggests that: fewer than 1 % of its samples are 0 beside others above 0, or some are negative.
-/// Only of layouts whose samples are independent along an azimuth: MERL's and MBSDF's. With t = m / σ, samples
-/// max(0, m + n) of normal noise n have a mean and a variance whose quotient depends on t alone:
+/// The standard deviation of the noise of a table's samples [1/sr], of each channel, before those below 0 were set to
+/// 0; 0 of a channel where nothing suggests that: fewer than 1 % of its samples are 0 beside others above 0, or some
+/// are negative. Only of layouts whose samples are independent along an azimuth: MERL's and MBSDF's. With t = m / σ,
+/// samples max(0, m + n) of normal noise n have a mean and a variance whose quotient depends on t alone:
 ///   mean = σ (φ(t) + t Φ(t)),  mean of squares = σ² ((1 + t²) Φ(t) + t φ(t)),
-/// so that σ follows from the mean of neighbours and their second differences; the result is the median over darker ones.
+/// so that σ follows from the mean of neighbours and their second differences; the result is the median over darker
+/// ones.
 Rgb clamped_deviation(const Measured& measured);
 
 /// E[max(0, m + n)] − m ≥ 0: how much too bright m is in such a table, with m ≥ 0 and a deviation ≥ 0.

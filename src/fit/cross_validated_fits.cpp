@@ -91,8 +91,8 @@ class SampleFits {
         return lobes.empty() ? std::vector{1} : lobes;
     }
 
-    /// Gap-filled samples constrain any number of lobes. Without a goal the largest number has the least visible error; held-out samples, which are
-    /// few and crowded about highlights, prefer fewer half of the time.
+    /// Gap-filled samples constrain any number of lobes. Without a goal the largest number has the least visible error;
+    /// held-out samples, which are few and crowded about highlights, prefer fewer half of the time.
     Result<std::vector<FitOutcome>> fit_gap_filled(const std::vector<int>& lobes) {
         return fit_each(goal_ ? lobes : std::vector{lobes.back()}, true);
     }
@@ -233,9 +233,9 @@ class SampleFits {
         channels(model).evaluate(samples_.wl, samples_.wv, f);
         return {measured_against(f), measured_against(heldout), 0};
     }
-    /// The cross-validated errors of Lambert and at most one lobe of GGX; none unless they fill gaps.
+    /// The cross-validated errors of Lambert and at most one lobe of GGX; none unless they fill gaps, or of spectra.
     std::optional<Measures> errors_of_ggx() const {
-        if (!observed_ || observed_->without_fold.empty()) return {};
+        if (!observed_ || observed_->without_fold.empty() || request_.spectral) return {};
         std::vector<Rgb> f;
         for (std::size_t i = 0; i < fold_.size(); ++i) {
             const GapFilledSamples& others = observed_->without_fold[std::size_t(fold_[i])];
@@ -277,8 +277,7 @@ class SampleFits {
 }  // namespace
 
 bool fills_gaps(const FitRequest& request) {
-    return std::holds_alternative<PmRequest>(request.model) && traits(request.objective).of_pictures &&
-           !request.spectral;
+    return std::holds_alternative<PmRequest>(request.model) && traits(request.objective).of_pictures;
 }
 
 ObserveSamplesOptions observe_options(const FitRequest& request) {

@@ -22,8 +22,8 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleO
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
                                     const FitRequest& request, bool in_short, const ProgressToken& progress);
 
-/// Fits models to `training`, the samples of all folds but one: the same number of models each time. It is called from several
-/// threads at once.
+/// Fits models to `training`, the samples of all folds but one: the same number of models each time. It is called from
+/// several threads at once.
 using FitToSamples = std::function<Result<std::vector<Model>>(const ScatteredSamples& training, std::size_t left_out)>;
 /// The value f̂ of each model at every sample, from the fit to the other folds: [model][sample C + c], with the models'
 /// `channels`.

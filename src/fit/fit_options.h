@@ -36,8 +36,8 @@ using FitTexts = std::map<std::string, std::string, std::less<>>;
 /// How a front spells the name of an option, as in "--max-theta".
 using Spelling = std::function<std::string(std::string_view name)>;
 
-/// The request of these options. Errors, of one line with names in the front's spelling: a name that is none; a text that
-/// is not accepted; an option that the model does not read; options that exclude each other.
+/// The request of these options. Errors, of one line with names in the front's spelling: a name that is none; a text
+/// that is not accepted; an option that the model does not read; options that exclude each other.
 Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelled = {});
 
 }  // namespace srbf

@@ -44,7 +44,8 @@ double median(std::vector<double> x) {
     return *middle;
 }
 
-/// The standard deviation of values, of which each has a mean, by the median of those with the darker half of the means.
+/// The standard deviation of values, of which each has a mean, by the median of those with the darker half of the
+/// means.
 double dark_deviation(std::vector<std::pair<double, double>> means) {
     if (means.empty()) return 0;
     std::ranges::sort(means);
@@ -93,7 +94,8 @@ Evaluate above_noise(const Evaluate& f, const Rgb& deviation) {
     };
 }
 
-/// The values that a fit expects at each pair. `of_clamped`: it is of values that were clamped, with this deviation before.
+/// The values that a fit expects at each pair. `of_clamped`: it is of values that were clamped, with this deviation
+/// before.
 Evaluate expected_by(PmModel fitted, bool of_clamped, const Rgb& clamped) {
     return [fitted = std::move(fitted), of_clamped, clamped](std::span<const Vec3f> wl, std::span<const Vec3f> wv,
                                                              std::span<Rgb> values) {
@@ -113,8 +115,9 @@ Evaluate without_excess(const Evaluate& f, const Evaluate& expected, const Rgb& 
             for (int c = 0; c < 3; ++c) values[i][c] -= clamped_excess(means[i][c], clamped[c]);
     };
 }
-/// How much of the difference between f and what is expected is noise where it is dark: σ² / ρ², with ρ the deviation of that
-/// difference, and σ the deviation of values before they were clamped if they were, which is more than they show.
+/// How much of the difference between f and what is expected is noise where it is dark: σ² / ρ², with ρ the deviation
+/// of that difference, and σ the deviation of values before they were clamped if they were, which is more than they
+/// show.
 Rgb share_of_noise(const Evaluate& f, const Evaluate& expected, const Noise& noise) {
     const std::vector<DirectionPair> pairs = triples();
     std::vector<Vec3f> wl, wv;

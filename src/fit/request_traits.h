@@ -40,11 +40,12 @@ inline bool is_by_pictures(const FitRequest& request) {
     return goal && std::holds_alternative<TargetDeltaE>(*goal);
 }
 
-/// Picture error between f and its transpose f(wv, wl). A reciprocal fit differs from one of them by at least half of it.
+/// Picture error between f and its transpose f(wv, wl). A reciprocal fit differs from one of them by at least half of
+/// it.
 Appearance compare_exchanged(const Evaluate& f, int threads = 0);
 
-/// Describes the terms that a multivariate fit of a table by this request minimises, and its stages, in several lines; empty
-/// for other models.
+/// Describes the terms that a multivariate fit of a table by this request minimises, and its stages, in several lines;
+/// empty for other models.
 std::string explain(const FitRequest& request);
 
 /// The directions of the matrix on which a model is measured: the sampled directions of a view-by-view model, otherwise

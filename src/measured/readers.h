@@ -42,11 +42,11 @@ Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::
 /// Reads ALTA's text format: `#DIM nX nY`, `#PARAM_IN` with one of sixteen parameterizations (docs/formats.md),
 /// `#PARAM_OUT`, `#VS` (error bars, ignored), then rows of nX + nY numbers.
 Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads rows of numbers below a line that names their columns. Directions: wl_x, wl_y, wl_z, wv_x, wv_y, wv_z, or theta_l,
-/// phi_l, theta_v, phi_v with the unit as the suffix _deg or _rad. Values [1/sr]: r, g, b, or x, y, z, or one column `value`,
-/// or a spectrum in columns named by wavelength (450nm or nm450). Lines that begin with '#' are comments; the comment
-/// `# isotropic` declares the samples isotropic. docs/formats.md lists other names, separators, and what is assumed of
-/// azimuths and units that are missing, which `notes` tells.
+/// Reads rows of numbers below a line that names their columns. Directions: wl_x, wl_y, wl_z, wv_x, wv_y, wv_z, or
+/// theta_l, phi_l, theta_v, phi_v with the unit as the suffix _deg or _rad. Values [1/sr]: r, g, b, or x, y, z, or one
+/// column `value`, or a spectrum in columns named by wavelength (450nm or nm450). Lines that begin with '#' are
+/// comments; the comment `# isotropic` declares the samples isotropic. docs/formats.md lists other names, separators,
+/// and what is assumed of azimuths and units that are missing, which `notes` tells.
 Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name);
 
 /// The names of all but `stated`, in their order.

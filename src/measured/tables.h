@@ -6,8 +6,8 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-// f_r [1/sr] of unit vectors, which is not checked: 0 if wl.z ≤ 0 or wv.z ≤ 0, and otherwise finite, or NaN in every channel
-// where each function says so. Negative channels occur where a saturated colour lies outside of the gamut.
+// f_r [1/sr] of unit vectors, which is not checked: 0 if wl.z ≤ 0 or wv.z ≤ 0, and otherwise finite, or NaN in every
+// channel where each function says so. Negative channels occur where a saturated colour lies outside of the gamut.
 /// f_r by trilinear interpolation over the measured ones of the eight surrounding nodes, not negative; NaN if none was
 /// measured.
 Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv);
@@ -38,10 +38,10 @@ void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::spa
 void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float> f);
 void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::span<float> f);
 
-/// How far samples change with the azimuth, which isotropic ones do not: √(Σ |g_i − g_k|² / Σ |g_i|²) of g = f cosθl cosθv,
-/// over pairs of samples that a turn about the normal by more than 15° takes to each other, as nearly as samples lie
-/// (within 0.1°, or else 10°, of θl, θv and θh). 0 if there are none, up to 14 % (noise), and if smaller turns change them
-/// by more than 0.4 of it: then they differ by noise, or by their distance.
+/// How far samples change with the azimuth, which isotropic ones do not: √(Σ |g_i − g_k|² / Σ |g_i|²) of g = f cosθl
+/// cosθv, over pairs of samples that a turn about the normal by more than 15° takes to each other, as nearly as samples
+/// lie (within 0.1°, or else 10°, of θl, θv and θh). 0 if there are none, up to 14 % (noise), and if smaller turns
+/// change them by more than 0.4 of it: then they differ by noise, or by their distance.
 double change_by_azimuth(const ScatteredSamples& samples);
 
 /// `signed_spectrum` on arrays of pairs. It keeps a reference to `measured`.

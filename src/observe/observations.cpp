@@ -22,7 +22,7 @@ bool Observations::is_noisy() const {
 void Observations::append(const Observations& more) {
     const auto extend = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     extend(wl, more.wl), extend(wv, more.wv), extend(f, more.f), extend(weight, more.weight);
-    extend(spectrum, more.spectrum);
+    if (!wavelengths.empty()) extend(spectrum, more.spectrum);
 }
 
 void Observations::swap_rows(std::size_t i, std::size_t k) {

@@ -80,7 +80,7 @@ struct Observations {
         return std::span(spectrum).subspan(i * wavelengths.size(), wavelengths.size());
     }
     void add(Vec3f l, Vec3f v, const Rgb& value, double value_weight, std::span<const float> value_spectrum = {});
-    void append(const Observations& more);  ///< adds all pairs of `more` with their weights
+    void append(const Observations& more);  ///< adds the pairs of `more`; spectra if this has wavelengths
     void swap_rows(std::size_t i, std::size_t k);
     void shuffle(std::mt19937_64& random);
     void resize(std::size_t count);  ///< keeps the first `count`

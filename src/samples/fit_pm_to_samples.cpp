@@ -63,7 +63,11 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
     const std::size_t parameters = parameter_count(bounded), values = 3 * observations.groups;
     if (values < parameters)
         return Error{"fit", {}, "samples", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
-    if (is_filled) return fit_pm(observations.gap_filled_table, bounded, progress);
+    if (is_filled) {
+        auto fit = fit_pm(observations.gap_filled_table, bounded, progress);
+        if (!fit || observations.samples.wavelengths.empty()) return fit;
+        return with_spectra(*std::move(fit), observations.samples, bounded);
+    }
     if (!options.fill) return fit_pm(combine(observations, 0, seed), bounded, progress);
 
     const Observations alone = combine(observations, 0, seed);

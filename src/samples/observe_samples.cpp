@@ -310,7 +310,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     if (!(observed.samples.typical > 0)) return no_data_error("samples", "values", "some above 0");
     weigh_all(observed.samples, options.threads);
 
-    if (options.fill_gaps && traits(options.objective).of_pictures && !options.spectral) {
+    if (options.fill_gaps && traits(options.objective).of_pictures) {
         if (const auto done = fill_gaps(observed, samples, groups); !done) return done.error();
         auto filled = observe_gap_filled(*observed.gap_filled, observed.samples, observed.options, progress);
         if (!filled) return filled.error();

@@ -12,8 +12,8 @@ struct ObserveSamplesOptions {
     double max_theta = 0;  ///< [rad], in (0, π/2); 0: the objective's default
     std::uint64_t seed = 0;
     bool spectral = false;  ///< also observe the spectra of spectral samples, not only their colours
-    /// Also observe the gap-filled samples, to which lobes are then fitted. Applies only to objectives of pictures,
-    /// in colours.
+    /// Also observe the gap-filled samples in colours, to which lobes are then fitted. Applies only to objectives of
+    /// pictures.
     bool fill_gaps = true;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
     /// If not 0, a quick mode for fits of many files: only the samples filled by one g, at this many pairs and

@@ -27,8 +27,8 @@ inline std::vector<std::byte> bytes_of(std::string_view text) {
     return {bytes.begin(), bytes.end()};
 }
 
-/// Makes an `EvaluatedTable` of a format's own table by its `signed_value`, `is_isotropic` and `lines_about`. `Packed` is
-/// the type that is archived for copies in other processes.
+/// Makes an `EvaluatedTable` of a format's own table by its `signed_value`, `is_isotropic` and `lines_about`. `Packed`
+/// is the type that is archived for copies in other processes.
 /// `functions`: those that few formats have.
 template <typename Packed, typename Table>
 EvaluatedTable evaluated_as(std::string_view format, const std::shared_ptr<const Table>& table,

@@ -1,7 +1,8 @@
 // The container of RGL measurements: named arrays of numbers.
 //
 //   "tensor_file\0", version 1.0 in two bytes, the number of fields (u32); for each field: length of the name (u16),
-//   name, rank (u16), type (u8), offset of its numbers in the file (u64), extents (u64 each); then the numbers, with the
+//   name, rank (u16), type (u8), offset of its numbers in the file (u64), extents (u64 each); then the numbers, with
+// the
 //   last index fastest. All numbers are little-endian.
 #pragma once
 #include <fmt/ranges.h>

@@ -1,5 +1,5 @@
-// View-by-view models as any kind of model: the functions of a `Model` (model.h). Their sampled views, index textures, and
-// the names of what they choose from.
+// View-by-view models as any kind of model: the functions of a `Model` (model.h). Their sampled views, index textures,
+// and the names of what they choose from.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -35,10 +35,11 @@ std::optional<DirectionMap> map_named(std::string_view text);
 /// f_r by plain interpolation, from the nearest of the eight views that the texture holds for the direction.
 Rgb value(const SuModel& model, const IndexTexture& index, Vec3f wl, Vec3f wv);
 
-/// The integral ∫ ρ(w, wv_i) cosθ dω of each sampled direction, over the directions w of which the lobes are functions: the
-/// sum of the lobes' integrals, each from 512 points of a Gaussian about its maximum.
+/// The integral ∫ ρ(w, wv_i) cosθ dω of each sampled direction, over the directions w of which the lobes are functions:
+/// the sum of the lobes' integrals, each from 512 points of a Gaussian about its maximum.
 std::vector<Rgb> view_integrals(const SuModel& model);
-/// A number of each sampled direction, interpolated as ρ is: of `view_integrals` the integral for a view wv between them.
+/// A number of each sampled direction, interpolated as ρ is: of `view_integrals` the integral for a view wv between
+/// them.
 Rgb between_views(const SuModel& model, std::span<const Rgb> of_views, Vec3f wv);
 
 /// The eight sampled views nearest to `w`.

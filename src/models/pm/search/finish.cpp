@@ -11,6 +11,7 @@
 
 #include "base/levenberg_marquardt.h"
 #include "models/pm/pm_functions.h"
+#include "models/pm/search/options.h"
 #include "models/pm/solve/rounding.h"
 #include "models/pm/solve/spectra.h"
 #include "observe/albedo_bound.h"
@@ -105,9 +106,9 @@ PmModel lowered_to(const AlbedoBound& bound, PmModel model) {
 
 /// A round: steps, then rounding. `lobes` become those of the steps; `is_new`: no round has improved them yet.
 PmFit fit_round(const Observations& observations, Lobes& lobes, bool is_new, const TermFactors& factors,
-                const PmFitOptions& options, double log_peak_limit, const Reporter& reporter) {
+                const PmFitOptions& options, const Reporter& reporter) {
     const Rows rows(observations, {.integral_importance = factors.integrals, .picture_importance = factors.pictures});
-    LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
+    LobeProblem problem(rows, lobes.shape, true, log_peak_limit_of(options));
     Eigen::VectorXd x = pack(lobes);
     const bool is_sampled = rows.views > 0 && !factors.has_directional_lights;
     const double least_gain = is_sampled ? k_least_gain_of_samples : k_least_gain;
@@ -128,16 +129,20 @@ PmFit fit_round(const Observations& observations, Lobes& lobes, bool is_new, con
 
 }  // namespace
 
+PmFit with_spectra(PmFit fit, const Observations& observations, const PmFitOptions& options) {
+    for (PmModel* model : {&fit.model, &fit.unrounded})
+        *model = with_spectra(std::move(*model), shape_of(options), observations, log_peak_limit_of(options),
+                              options.log_scale);
+    fit.model = rounded(fit.model);
+    return fit;
+}
+
 PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const PmFitOptions& options,
-             double log_peak_limit, const Reporter& reporter) {
+             const Reporter& reporter) {
     const std::size_t first_bound = observations.fitted_count();
     std::optional<AlbedoBound> bound = albedo_bound(observations, options);
     const auto within_limits = [&](PmFit fit) {
-        if (!observations.wavelengths.empty()) {
-            for (PmModel* model : {&fit.model, &fit.unrounded})
-                *model = with_spectra(std::move(*model), lobes.shape, observations, log_peak_limit, options.log_scale);
-            fit.model = rounded(fit.model);
-        }
+        if (!observations.wavelengths.empty()) fit = with_spectra(std::move(fit), observations, options);
         if (!bound) return fit;
         fit.unrounded = lowered_to(*bound, std::move(fit.unrounded));
         if (bound->excess(evaluator(fit.model)) <= 1) return fit;
@@ -151,7 +156,7 @@ PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors,
     double first_loss = 0;
     bool is_new = true, bounds_albedos = bound.has_value();
     for (int round = 0;; ++round) {
-        PmFit fit = fit_round(observations, lobes, is_new, factors, options, log_peak_limit, reporter);
+        PmFit fit = fit_round(observations, lobes, is_new, factors, options, reporter);
         is_new = false;
         if (round == k_bound_rounds || reporter.cancelled()) return within_limits(std::move(fit));
         if (round == 0) first_lobes = lobes, first_loss = fit.loss;

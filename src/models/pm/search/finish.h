@@ -13,8 +13,9 @@ struct TermFactors {
 };
 
 /// Optimises the lobes on all observations and rounds them. Bound pairs that the rounded model exceeds become
-/// observations for the next round, until the model exceeds none. With spectral observations the lobes then get spectra.
+/// observations for the next round, until the model exceeds none. With spectral observations the lobes then get
+/// spectra.
 PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const PmFitOptions& options,
-             double log_peak_limit, const Reporter& reporter);
+             const Reporter& reporter);
 
 }  // namespace srbf

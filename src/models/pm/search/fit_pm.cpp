@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "base/errors.h"
-#include "base/half.h"
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
 #include "models/pm/search/finish.h"
@@ -50,10 +49,6 @@ Result<Done> validate(const Observations& observations, const PmFitOptions& opti
     if (!options.log_scale && options.form != PmForm::gaussian)
         return argument_error("fit", "log scale", "one, in all forms but gaussian", "none");
     return validate(observations, parameter_count(options));
-}
-
-double log_peak_limit_of(const PmFitOptions& options) {
-    return options.log_scale ? k_log_peak_limit : elementary::log(double(k_half_max));
 }
 
 /// Work of a fit in units of grown lobes and perturbations.
@@ -114,8 +109,7 @@ class Fit {
             if (!may_be_best || (i > 0 && reporter_.cancelled())) break;
             TermFactors factors = factors_;
             factors.integrals = subsets_.integral_importance(factors_.has_directional_lights);
-            PmFit next = srbf::finish(candidates_[i].lobes, weighted_observations(), factors, options_, log_peak_limit_,
-                                      reporter_);
+            PmFit next = srbf::finish(candidates_[i].lobes, weighted_observations(), factors, options_, reporter_);
             if (i == 0 || next.loss < fit.loss) fit = std::move(next);
         }
         if (!reporter_.advance("polishing", effort_.finish)) fit.stop = StopReason::cancelled;

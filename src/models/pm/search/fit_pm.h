@@ -54,4 +54,8 @@ struct PmFit : Fitted<PmModel> {
 Result<PmFit> fit_pm(const Observations& observations, const PmFitOptions& options, const ProgressToken& progress = {},
                      const PmModel* begin = nullptr);
 
+/// `fit`, of the colours of these spectral observations or of what fills the gaps between them, with spectra fitted to
+/// the observations. Lobes and colours remain.
+PmFit with_spectra(PmFit fit, const Observations& observations, const PmFitOptions& options);
+
 }  // namespace srbf

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/half.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/pm/solve/lobes.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 
@@ -33,6 +35,10 @@ inline PmFitOptions quick_options(PmFitOptions options, int starts, int perturba
 /// maps to. But opposing lobes of ever larger bandwidths gain less than 1 % on the measured materials, and lose
 /// precision in float.
 inline constexpr double k_log_peak_limit = 300;
+/// The limit of a fit: without a log scale, coefficients are 16-bit floats.
+inline double log_peak_limit_of(const PmFitOptions& options) {
+    return options.log_scale ? k_log_peak_limit : elementary::log(double(k_half_max));
+}
 
 /// Number of free parameters of a fit.
 inline std::size_t parameter_count(const PmFitOptions& options) {

@@ -343,7 +343,7 @@ MapScene map_scene(const char* module, const char* class_, int size, double lod)
 constexpr std::size_t k_first_constant = 4;
 /// Scenes of the maps, then pairs of the constant map and its material alone.
 std::vector<MapScene> map_scenes() {
-    std::vector<MapScene> scenes{map_scene("map", "MapMaterial", 96, 0), map_scene("map", "MapMaterial", 96, 0),
+    std::vector<MapScene> scenes{map_scene("map", "MapMaterial", 48, 0), map_scene("map", "MapMaterial", 48, 0),
                                  map_scene("fine", "FineMaterial", 8, 2),
                                  map_scene("fine", "FineMaterial", 12, std::log2(32. / 12))};
     const Json oblique{{"eye", {k_eye.x, k_eye.y, k_eye.z}}, {"fov", k_fov / k_degree}};
@@ -352,8 +352,8 @@ std::vector<MapScene> map_scenes() {
     scenes[1].json.update({{"repeat", {2, 3}}, {"offset", {0.1, 0.2}}, {"rotation", 0.5}});
     for (const char* more : {"more_lights", "environment"})
         for (const bool is_map : {true, false}) {
-            scenes.push_back(is_map ? map_scene("constant", "ConstantMaterial", 32, 0)
-                                    : map_scene("alone", "AloneMaterial", 32, 0));
+            scenes.push_back(is_map ? map_scene("constant", "ConstantMaterial", 12, 0)
+                                    : map_scene("alone", "AloneMaterial", 12, 0));
             scenes.back().json.update({{"is_map", is_map}, {more, true}});
             scenes.back().json.update(oblique);
         }

@@ -35,9 +35,12 @@ HWY_INLINE void add_weighted(std::span<const float> weight, std::span<const floa
 }
 HWY_INLINE Batch zero(std::size_t) { return Batch(0.0); }
 
-// x, or 0 where |x| < 2^-126, in the same way on every processor. On Intel processors a product with such a number
-// takes a hundred times as long, and the tails of lobes have many of them: a fit took five times as long.
-HWY_INLINE Batch without_subnormals(Batch x) { return select(Batch(hn::Abs(x.v)) < Batch(0x1p-126), Batch(0.0), x); }
+// x, or 0 where |x| < least, in the same way on every processor. On Intel processors a product that is subnormal takes a
+// hundred times as long, and the tails of lobes have many of them: a fit took five times as long.
+HWY_INLINE Batch at_least(double least, Batch x) { return select(Batch(hn::Abs(x.v)) < Batch(least), Batch(0.0), x); }
+HWY_INLINE Batch without_subnormals(Batch x) { return at_least(0x1p-126, x); }
+// Smaller values of lobes are 0, so that the product of two lobes is not subnormal.
+constexpr double k_least_lobe = 0x1p-63;
 
 float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
                std::size_t count) {
@@ -53,7 +56,7 @@ float exponent(std::span<const float> weight, std::span<const float* const> s, c
 void exponentiate(const float* x, const float* root_weight, float offset, float* e, std::size_t count) {
     const Batch shift{double(offset)}, most{k_most_exponent};
     for (std::size_t i = 0; i < count; i += Batch::size())
-        without_subnormals(Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, most))).store(e + i);
+        at_least(k_least_lobe, Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, most))).store(e + i);
 }
 
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/least_squares.h"
 
@@ -16,15 +17,16 @@ constexpr int k_patience = 3;
 
 }  // namespace
 
-void BlockPivoting::set_matrix(std::span<const double> G, std::size_t n) {
-    n_ = n;
+void BlockPivoting::set_matrix(std::span<const double> G, std::span<const bool> is_free) {
+    const std::size_t n = is_free.size();
+    n_ = n, is_factored_ = false;
     G_.resize(n * n), reciprocal_.resize(n), g_.resize(n), upper_.resize(n), x_.resize(n), factor_.resize(n * n),
         right_.resize(n);
-    status_.assign(n, free);
+    status_.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
         const double length = std::sqrt(std::max(G[i * n + i], 0.0));
         reciprocal_[i] = length > 1e-150 ? 1 / length : 0;
-        if (reciprocal_[i] == 0) status_[i] = at_zero;
+        status_[i] = is_free[i] && reciprocal_[i] > 0 ? free : at_zero;
     }
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n; ++j)
@@ -71,41 +73,50 @@ void BlockPivoting::take(std::span<const double> upper, std::span<double> x) con
                                         : std::clamp(reciprocal_[i] * x_[i], 0.0, upper[i]);
 }
 
-/// Solves for the free x, by a Cholesky factorisation whose inner loops run over independent numbers.
+/// Solves for the free x.
 void BlockPivoting::solve_free() {
-    free_.clear();
+    std::swap(free_, factored_), free_.clear();
+    bool has_upper = false;
     for (std::size_t i = 0; i < n_; ++i) {
         x_[i] = status_[i] == at_upper ? upper_[i] : 0;
+        has_upper |= status_[i] == at_upper;
         if (status_[i] == free) free_.push_back(i);
     }
+    if (!is_factored_ || free_ != factored_) factor_free();
     const std::size_t m = free_.size();
-    const auto column = [&](std::size_t k) { return factor_.data() + k * m; };  // of the lower triangle
-    std::vector<double>& right = right_;
     for (std::size_t k = 0; k < m; ++k) {
-        const double* const of = G_.data() + free_[k] * n_;
-        right[k] = g_[free_[k]];
-        for (std::size_t i = 0; i < n_; ++i)
-            if (status_[i] == at_upper) right[k] -= of[i] * x_[i];
-        for (std::size_t i = k; i < m; ++i) column(k)[i] = of[free_[i]];
+        right_[k] = g_[free_[k]];
+        for (std::size_t i = 0; has_upper && i < n_; ++i) right_[k] -= G_[free_[k] * n_ + i] * x_[i];
     }
     for (std::size_t k = 0; k < m; ++k) {
-        double* const of = column(k);
-        const double pivot = 1 / std::sqrt(std::max(of[k], k_least_pivot));
-        for (std::size_t i = k + 1; i < m; ++i) of[i] *= pivot;
-        of[k] = pivot, right[k] *= pivot;
-        for (std::size_t i = k + 1; i < m; ++i) right[i] -= of[i] * right[k];
+        const double* const of = factor_.data() + k * m;
+        const double y = right_[k] * of[k];
+        for (std::size_t i = k + 1; i < m; ++i) right_[i] -= of[i] * y;
+    }
+    for (std::size_t k = m; k-- > 0;) {
+        const double* const of = factor_.data() + k * m;
+        double sum = right_[k];
+        for (std::size_t i = k + 1; i < m; ++i) sum -= of[i] * right_[i];
+        x_[free_[k]] = right_[k] = sum * of[k];
+    }
+}
+
+/// G = L D Lᵀ of the free x, by columns: column k of the factor has D_k L_ik, i > k, and at its head 1 / D_k. The inner
+/// loop runs over independent numbers.
+void BlockPivoting::factor_free() {
+    const std::size_t m = free_.size();
+    for (std::size_t k = 0; k < m; ++k)
+        for (std::size_t i = k; i < m; ++i) factor_[k * m + i] = G_[free_[k] * n_ + free_[i]];
+    for (std::size_t k = 0; k < m; ++k) {
+        double* const __restrict of = factor_.data() + k * m;
+        const double pivot = of[k] = 1 / std::max(of[k], k_least_pivot);
         for (std::size_t j = k + 1; j < m; ++j) {
-            double* const other = column(j);
-            const double factor = of[j];
+            double* const __restrict other = factor_.data() + j * m;
+            const double factor = of[j] * pivot;
             for (std::size_t i = j; i < m; ++i) other[i] -= factor * of[i];
         }
     }
-    for (std::size_t k = m; k-- > 0;) {
-        const double* const of = column(k);
-        double sum = right[k];
-        for (std::size_t i = k + 1; i < m; ++i) sum -= of[i] * right[i];
-        x_[free_[k]] = right[k] = sum * of[k];
-    }
+    is_factored_ = true;
 }
 
 std::size_t BlockPivoting::count_violations(double tolerance) {

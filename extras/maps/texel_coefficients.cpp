@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 
 #include "base/floating_point.h"
@@ -37,21 +38,29 @@ std::vector<Rgb> lobe_values(const Library& basis, std::size_t j, std::span<cons
     return values;
 }
 
-/// The largest coefficient of each lobe among the library's materials, relative to the material's largest f cosθl
-/// cosθv at the samples.
-std::vector<double> largest_shares(const Library& basis, const SharedPairs& pairs) {
+/// The texels in which the lobes were found.
+struct Uses {
+    std::vector<double> share;    ///< largest coefficient of each lobe, relative to the texel's largest f cosθl cosθv
+    std::vector<bool> is_common;  ///< whether a lobe is above 0 in at least half of the texels and channels
+};
+Uses uses_of(const Library& basis, const SharedPairs& pairs) {
     const auto J = std::size_t(basis.basis.lobes);
-    std::vector<double> shares(J);
+    Uses uses{std::vector<double>(J), std::vector<bool>(J)};
+    std::vector<std::size_t> count(J);
     std::vector<Rgb> f(pairs.wl.size());
     for (std::size_t t = 0; t < basis.count(); ++t) {
         evaluate(material(basis, t), pairs.wl, pairs.wv, f);
         double sampled = 0;
         for (std::size_t i = 0; i < f.size(); ++i)
-            sampled = std::max(sampled, double(largest_of(f[i])) * cosines(pairs.wl[i], pairs.wv[i]));
-        for (std::size_t j = 0; j < J && sampled > 0; ++j)
-            shares[j] = std::max(shares[j], largest_of(basis.coefficient[t * J + j]) / sampled);
+            sampled = std::max(sampled, largest_of(f[i]) * cosines(pairs.wl[i], pairs.wv[i]));
+        for (std::size_t j = 0; j < J; ++j) {
+            const Rgb& of = basis.coefficient[t * J + j];
+            for (int c = 0; c < 3; ++c) count[j] += of[c] > 0;
+            if (sampled > 0) uses.share[j] = std::max(uses.share[j], largest_of(of) / sampled);
+        }
     }
-    return shares;
+    for (std::size_t j = 0; j < J; ++j) uses.is_common[j] = 2 * count[j] >= 3 * basis.count();
+    return uses;
 }
 
 /// The lobes at the samples, and how far the samples constrain them.
@@ -62,6 +71,7 @@ struct SampledLobes {
     /// lobes that do not rise by `k_most_excess` between or beyond the samples
     std::vector<std::size_t> constrained;
     std::vector<std::size_t> all;
+    std::vector<bool> is_common;  ///< of `Uses`
 };
 
 /// A lobe that rises beyond the samples, where light or viewer is closer to the horizon than in any sample, may
@@ -75,8 +85,8 @@ SampledLobes sampled_lobes(const Library& basis, const SharedPairs& pairs, std::
     for (const auto& grid : {horizon_grid(), brink_grid()})
         for (const DirectionPair& pair : grid) wl.push_back(pair.wl), wv.push_back(pair.wv);
     const std::size_t J = std::size_t(basis.basis.lobes);
-    const std::vector<double> shares = largest_shares(basis, pairs);
-    SampledLobes lobes{{}, {}, std::vector<double>(J), {}, {}};
+    const Uses uses = uses_of(basis, pairs);
+    SampledLobes lobes{{}, {}, std::vector<double>(J), {}, {}, uses.is_common};
     for (std::size_t j = 0; j < J; ++j) {
         double at_samples = 0, between = 0, beyond = 0, scale = 0;
         const std::vector<Rgb> sampled = lobe_values(basis, j, pairs.wl, pairs.wv);
@@ -100,7 +110,7 @@ SampledLobes sampled_lobes(const Library& basis, const SharedPairs& pairs, std::
         if (is_constrained)
             lobes.constrained.push_back(j);
         else
-            lobes.largest[j] = std::min(lobes.largest[j], k_most_excess * shares[j]);
+            lobes.largest[j] = std::min(lobes.largest[j], k_most_excess * uses.share[j]);
     }
     return lobes;
 }
@@ -170,6 +180,8 @@ class BlockSolver {
         const std::size_t n = which.size();
         solution.beta.assign(3 * J() * k_block_texels, 0), solution.scaled.assign(solution.beta.size(), 0);
         std::vector<double> G(n * n), g(n), upper(n), x(n);
+        const auto is_free = std::make_unique<bool[]>(n);
+        for (std::size_t a = 0; a < n; ++a) is_free[a] = lobes_.is_common[which[a]];
         for (std::size_t t = 0; t < count; ++t) {
             if (!(block_.bright[t] > 0)) continue;
             const double bright = double(block_.bright[t]);
@@ -181,7 +193,7 @@ class BlockSolver {
                     std::min(bright * double(block_.largest[t]) * lobes_.largest[j], double(k_half_max));
                 upper[a] = limit * lobes_.scale[j] / bright;
             }
-            pivoting_.set_matrix(G, n);
+            pivoting_.set_matrix(G, {is_free.get(), n});
             for (std::size_t c = 0; c < 3; ++c) {
                 for (std::size_t a = 0; a < n; ++a) g[a] = double(right_[at(3 * which[a] + c, t)]);
                 pivoting_.minimise(g, upper, x);

@@ -226,7 +226,9 @@ class BlockSolver {
                 texels.coefficient[n * J() + j][int(c)] = beta, largest = std::max(largest, beta);
             }
         const double energy = double(block_.energy[t]);
-        texels.error[n] = energy > 0 ? float(std::sqrt(double(solution.residual[t]) / energy)) : 0.f;
+        texels.error[n] = energy > 0            ? float(std::sqrt(double(solution.residual[t]) / energy))
+                          : block_.known[t] > 0 ? 0.f
+                                                : 1.f;
         texels.left_out[n] = std::uint32_t(pairs_.above) - std::uint32_t(block_.known[t]);
         texels.state[n] = largest >= k_half_max  ? TexelState::failed
                           : block_.bright[t] > 0 ? TexelState::fitted

@@ -44,8 +44,8 @@ TEST(TexelCoefficients, BlockPivotingFindsTheMinimum) {
             for (int i = 0; i < n; ++i) {
                 EXPECT_GE(x[i], 0);
                 EXPECT_LE(x[i], upper[i]);
-                if (x[i] < upper[i]) EXPECT_LE(descent[i], 1e-7) << n << ' ' << i;
-                if (x[i] > 0) EXPECT_GE(descent[i], -1e-7) << n << ' ' << i;
+                EXPECT_LE(x[i] < upper[i] ? descent[i] : 0, 1e-7) << n << ' ' << i;
+                EXPECT_GE(x[i] > 0 ? descent[i] : 0, -1e-7) << n << ' ' << i;
             }
             EXPECT_LT((x - bounded_least_squares(G, g, upper)).cwiseAbs().maxCoeff(), 1e-5) << n;
         }
@@ -106,12 +106,10 @@ TEST_F(BadTexels, ValuesThatWereNotMeasuredAreCountedAndLeftOut) {
     expect_dark(fit(f), TexelState::black, 0);
 }
 
-TEST_F(BadTexels, OneHotPixelIsLeftOutAndATexelTooBrightFails) {
+TEST_F(BadTexels, OneHotPixelHasLittleWeightAndATexelTooBrightFails) {
     std::vector<Rgb> f = good;
     f[6] = {1e9f, 1e9f, 1e9f};
-    const TexelCoefficients found = fit(f);
-    EXPECT_EQ(found.left_out[0], 1u);
-    expect_good(found, 0, 0.01f);
+    expect_good(fit(f), 0, 0.01f);
     for (Rgb& of : f = good) of = {of.r, of.g, 1e8f * of.b};
     expect_dark(fit(f), TexelState::failed, 1);
 }
@@ -137,7 +135,10 @@ TEST_F(BadTexels, TexelsDoNotDependOnEachOther) {
     std::vector<Rgb> f;
     const std::size_t count = 70, M = good.size();
     for (std::size_t t = 0; t < count; ++t)
-        for (std::size_t i = 0; i < M; ++i) f.push_back((0.1f + float((t * i) % 7)) * good[i]);
+        for (std::size_t i = 0; i < M; ++i) {
+            const float factor = 0.1f + float((t * i) % 7);
+            f.push_back({factor * good[i].r, factor * good[i].g, factor * good[i].b});
+        }
     f[66 * M + 1] = {1e9f, 1e9f, 1e9f};
     const TexelCoefficients all = fit(f);
     for (const std::size_t t : {std::size_t(0), std::size_t(63), std::size_t(66), count - 1}) {

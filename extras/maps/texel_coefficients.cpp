@@ -24,7 +24,7 @@ constexpr double k_unlimited = std::numeric_limits<double>::infinity();
 constexpr std::size_t k_texels_of_task = 16 * k_block_texels;
 /// Smaller values of a lobe, relative to its largest, are 0: their products would be subnormal.
 constexpr double k_least_value = 1e-15;
-/// Of a texel whose coefficients exceed 16-bit floats, the largest values are left out, at most this share of them.
+/// A texel whose coefficients exceed 16-bit floats loses its largest values, at most this share of them.
 constexpr double k_most_left_out = 1.0 / 16;
 
 /// The values of lobe j, with coefficient 1, at pairs of directions.
@@ -209,7 +209,7 @@ class BlockSolver {
         weighted_residuals(columns_, solution.scaled.data(), pairs_, block_, solution.residual);
     }
 
-    /// Whether it is evident that texel t needs lobes that the samples do not constrain.
+    /// True if it is evident that texel t needs lobes that the samples do not constrain.
     bool needs_all(std::size_t t) const {
         std::size_t all = 0, constrained = 0;
         for (std::size_t number = 0; number < 3 * J(); ++number)

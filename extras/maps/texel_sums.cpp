@@ -31,8 +31,8 @@ HWY_INLINE float* row(float* rows, std::size_t i) { return rows + i * k_block_te
 HWY_INLINE const float* row(const float* rows, std::size_t i) { return rows + i * k_block_texels; }
 HWY_INLINE Batch number(float x) { return Batch(double(x)); }
 
-/// The `k_bright_quantile` of the finite x, weighted by cosθv. Positive floats are in the order of their bits, which are
-/// found from the highest on, 11 of the mantissa.
+/// The `k_bright_quantile` of the finite x, weighted by cosθv. Positive floats are in the order of their bits, which
+/// are found from the highest on, 11 of the mantissa.
 HWY_INLINE Batch quantile(const float* x, const TexelPairs& pairs, std::size_t v) {
     const auto sum_below = [&](Batch bound) HWY_ATTR {
         Batch sums[4];

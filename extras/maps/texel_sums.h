@@ -11,7 +11,7 @@ namespace srbf {
 /// Number of texels in a block, and the multiple of numbers of pairs: further pairs have weight 0.
 inline constexpr std::size_t k_block_texels = 64, k_pair_multiple = 32;
 
-/// What texels share. Columns have `pairs` numbers.
+/// The pairs that texels share. Columns have `pairs` numbers.
 struct TexelPairs {
     explicit TexelPairs(const SharedPairs& shared);
     std::size_t pairs;                     ///< M, rounded up to a multiple of k_pair_multiple

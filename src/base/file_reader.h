@@ -23,7 +23,8 @@ class FileReader {
     const std::string& path() const { return path_; }
     /// Fills `bytes` with the next bytes of the file, fewer at its end; returns their number.
     Result<std::size_t> read(std::span<std::byte> bytes);
-    /// The same of the bytes from `offset` on. `read` continues where it was.
+    /// Fills `bytes` with those from `offset` on, fewer at the end of the file, and returns their number. The next bytes
+    /// of the other `read` stay the same.
     Result<std::size_t> read(std::uint64_t offset, std::span<std::byte> bytes) const;
 
   private:

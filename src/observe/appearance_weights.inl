@@ -1,5 +1,5 @@
-// The weights of objective appearance, one text for numbers and for vectors of the processor, which each instruction set
-// compiles again. A host defines SRBF_FN, and for its `Real` the functions max, sqrt and pow(Real, double); it includes
+// The weights of objective appearance, one text for numbers and for vectors of the processor, which each instruction
+// set compiles again. A host defines SRBF_FN, and for its `Real` the functions max, sqrt and pow(Real, double); it includes
 // srbf/elementary.h and srbf/objective.h.
 
 /// The value that appears bright on a display exposed for a picture is this quantile of f cosθl, weighted by cosθv.
@@ -30,4 +30,6 @@ template <typename Real> SRBF_FN Real highlight_weight(Real f, Real bright, Real
     using elementary::pow, std::max, std::sqrt;
     return cos_l * cos_l * pow(max(Real(1) + f * cos_l / bright, Real(k_least_left)), -4.0 / 3) * sqrt(cos_v);
 }
-template <typename Real> SRBF_FN Real cosine_weight(Real, Real, Real cos_l, Real cos_v) { return cos_l * cos_l * cos_v; }
+template <typename Real> SRBF_FN Real cosine_weight(Real, Real, Real cos_l, Real cos_v) {
+    return cos_l * cos_l * cos_v;
+}

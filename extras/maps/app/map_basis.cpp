@@ -34,8 +34,8 @@ std::size_t texels_per_record(std::size_t pairs) {
 }
 /// Number of candidates for the texels that span the set, and the number chosen from them.
 constexpr std::size_t k_spread_texels = 1024, k_spanning_texels = 48;
-/// A candidate's values are left out where f cosθl cosθv is more than k_most_of_others times the largest one of any pair
-/// in all but the brightest k_brightest of the candidates.
+/// A candidate's values are left out where f cosθl cosθv is more than k_most_of_others times the largest one of any
+/// pair in all but the brightest k_brightest of the candidates.
 constexpr double k_brightest = 0.02, k_most_of_others = 1000;
 
 /// Makes values of the candidates unknown that no other texel is near.
@@ -78,7 +78,7 @@ std::vector<Rgb> spanning_texels(std::span<const Rgb> f, std::size_t pairs) {
     return chosen;
 }
 
-/// What a record of the journal begins with.
+/// The beginning of a record of the journal.
 struct RecordHead {
     std::uint64_t texels, left_out, black, failed;  ///< left_out: values
     double error;                                   ///< sum of the texels' errors

@@ -63,13 +63,20 @@ int synchronise(const Descriptor& file) {
     return failed == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
 }
 
-/// Writes all bytes and closes the file; returns 0 or errno. If `durable`, waits until the disk has the content.
-int write_all(Descriptor& file, std::span<const std::byte> bytes, bool durable) {
+/// Writes all bytes; returns 0 or errno.
+int write_all(const Descriptor& file, std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
         const ssize_t written = uninterrupted([&] { return ::write(file.number(), bytes.data(), bytes.size()); });
         if (written < 0) return errno;
         bytes = bytes.subspan(std::size_t(written));
     }
+    return 0;
+}
+/// Writes content to a file; returns 0 or errno.
+using WriteContent = std::function<int(const Descriptor&)>;
+/// Also closes the file. If `durable`, waits until the disk has the content.
+int write_and_close(Descriptor& file, const WriteContent& content, bool durable) {
+    if (const int code = content(file)) return code;
     if (const int code = durable ? synchronise(file) : 0) return code;
     return file.close();
 }
@@ -123,10 +130,13 @@ std::string target_of(const std::string& path) {
 /// A temporary file beside its target, which `publish` replaces by it. The destructor deletes it otherwise.
 class Replacement {
   public:
-    static Result<Replacement> write(const std::string& path, std::span<const std::byte> bytes) {
+    static Result<Replacement> write(const std::string& path, const WriteContent& content) {
         Replacement replacement(path);
-        if (const std::string failed = replacement.write(bytes); !failed.empty()) return cannot_write(path, failed);
+        if (const std::string failed = replacement.write(content); !failed.empty()) return cannot_write(path, failed);
         return replacement;
+    }
+    static Result<Replacement> write(const std::string& path, std::span<const std::byte> bytes) {
+        return write(path, [bytes](const Descriptor& file) { return write_all(file, bytes); });
     }
     Replacement(Replacement&& other) noexcept
         : path_(std::move(other.path_)),
@@ -153,21 +163,21 @@ class Replacement {
     explicit Replacement(const std::string& path) : path_(path) {}
 
     /// Returns the reason of a failure, or an empty string.
-    std::string write(std::span<const std::byte> bytes) {
+    std::string write(const WriteContent& content) {
         struct stat status;
         const bool exists = ::stat(path_.c_str(), &status) == 0;
         if (exists && S_ISDIR(status.st_mode)) return "a folder";
         if (exists && !S_ISREG(status.st_mode)) {  // a device or a pipe is written directly
             Descriptor file(open_file(path_, O_WRONLY));
             if (file.number() < 0) return reason(errno);
-            return reason(write_all(file, bytes, false));
+            return reason(write_and_close(file, content, false));
         }
         target_ = target_of(path_);
         std::string name;
         Descriptor file = create_beside(target_, exists ? status.st_mode & 0777 : 0666, name);
         if (file.number() < 0) return reason(errno);
         temporary_ = std::move(name);
-        return reason(write_all(file, bytes, true));
+        return reason(write_and_close(file, content, true));
     }
 
     std::string path_, target_, temporary_;
@@ -220,18 +230,13 @@ Result<std::vector<std::byte>> read_file(const std::string& path, const MostByte
 }
 
 Result<std::vector<std::byte>> read_part(const std::string& path, std::uint64_t offset, std::size_t most) {
-    const Descriptor file(open_file(path, O_RDONLY));
-    if (file.number() < 0) return cannot_read(path, reason(errno));
+    const auto file = FileReader::open(path);
+    if (!file) return file.error();
     std::vector<std::byte> bytes(most);
-    for (std::size_t filled = 0;;) {
-        const ssize_t count = uninterrupted(
-            [&] { return ::pread(file.number(), bytes.data() + filled, most - filled, off_t(offset + filled)); });
-        if (count < 0) return cannot_read(path, errno == EISDIR ? "a folder" : reason(errno));
-        filled += std::size_t(count);
-        if (count > 0 && filled < most) continue;
-        bytes.resize(filled);
-        return bytes;
-    }
+    const auto count = file->read(offset, bytes);
+    if (!count) return count.error();
+    bytes.resize(*count);
+    return bytes;
 }
 
 Result<FileReader> FileReader::open(const std::string& path) {
@@ -252,6 +257,19 @@ Result<std::size_t> FileReader::read(std::span<std::byte> bytes) {
     while (filled < bytes.size()) {
         const ssize_t count =
             uninterrupted([&] { return ::read(descriptor_, bytes.data() + filled, bytes.size() - filled); });
+        if (count < 0) return cannot_read(path_, errno == EISDIR ? "a folder" : reason(errno));
+        if (count == 0) break;
+        filled += std::size_t(count);
+    }
+    return filled;
+}
+
+Result<std::size_t> FileReader::read(std::uint64_t offset, std::span<std::byte> bytes) const {
+    std::size_t filled = 0;
+    while (filled < bytes.size()) {
+        const auto rest = bytes.subspan(filled);
+        const ssize_t count =
+            uninterrupted([&] { return ::pread(descriptor_, rest.data(), rest.size(), off_t(offset + filled)); });
         if (count < 0) return cannot_read(path_, errno == EISDIR ? "a folder" : reason(errno));
         if (count == 0) break;
         filled += std::size_t(count);
@@ -287,11 +305,30 @@ Result<Done> FileLines::read_block() {
     return Done{};
 }
 
-Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes) {
-    auto file = Replacement::write(path, bytes);
+namespace {
+Result<Done> publish(Result<Replacement> file) {
     if (!file) return file.error();
     if (const auto published = file->publish(); !published) return published;
     return file->synchronise_name();
+}
+}  // namespace
+
+Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes) {
+    return publish(Replacement::write(path, bytes));
+}
+
+Result<Done> write_file(const std::string& path, const NextBytes& next) {
+    std::optional<Error> failed;
+    auto file = Replacement::write(path, [&](const Descriptor& to) {
+        for (;;) {
+            const auto bytes = next();
+            if (!bytes) failed = bytes.error();
+            if (!bytes || bytes->empty()) return failed ? ECANCELED : 0;
+            if (const int code = write_all(to, *bytes)) return code;
+        }
+    });
+    if (failed) return *failed;
+    return publish(std::move(file));
 }
 
 Result<Done> write_files(std::span<const NewFile> files, const std::function<Result<Done>()>& lines_before_renaming) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,12 +23,21 @@ class FileReader {
     const std::string& path() const { return path_; }
     /// Fills `bytes` with the next bytes of the file, fewer at its end; returns their number.
     Result<std::size_t> read(std::span<std::byte> bytes);
+    /// Fills `bytes` with those from `offset` on, fewer at the end of the file, and returns their number. The next bytes
+    /// of the other `read` stay the same.
+    Result<std::size_t> read(std::uint64_t offset, std::span<std::byte> bytes) const;
 
   private:
     FileReader(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
     std::string path_;
     int descriptor_;
 };
+
+/// The next bytes of a file's content; none at its end.
+using NextBytes = std::function<Result<std::vector<std::byte>>()>;
+/// `write_file` of content that is made while it is written. Errors: also those of `next`, after which `path` holds its
+/// previous content.
+Result<Done> write_file(const std::string& path, const NextBytes& next);
 
 /// The lines of a file, as those of `Lines`. Only a block of the file is in memory; a longer line is an error.
 class FileLines {

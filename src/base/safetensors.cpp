@@ -182,14 +182,11 @@ std::vector<std::byte> write_safetensors(const Safetensors& content) {
         for (const auto& [name, text] : content.metadata) entries.push_back(json_of(name) + ":" + json_of(text));
         header["__metadata__"] = fmt::format("{{{}}}", fmt::join(entries, ","));
     }
-    std::vector<std::byte> data;
+    std::uint64_t end = 0;
     for (const auto& [name, tensor] : content.tensors) {
-        const std::size_t begin = data.size();
-        for (const std::uint16_t number : tensor.data) {
-            data.push_back(std::byte(number & 0xff));
-            data.push_back(std::byte(number >> 8));
-        }
-        header[name] = fmt::format(R"({{"data_offsets":[{},{}],"dtype":"{}","shape":[{}]}})", begin, data.size(),
+        const std::uint64_t begin = end;
+        end += std::accumulate(tensor.shape.begin(), tensor.shape.end(), std::uint64_t(2), std::multiplies());
+        header[name] = fmt::format(R"({{"data_offsets":[{},{}],"dtype":"{}","shape":[{}]}})", begin, end,
                                    name_of(tensor.type), fmt::join(tensor.shape, ","));
     }
     std::string text = "{";
@@ -199,11 +196,15 @@ std::vector<std::byte> write_safetensors(const Safetensors& content) {
     text.append((8 - text.size() % 8) % 8, ' ');
 
     std::vector<std::byte> bytes;
-    bytes.reserve(k_length_bytes + text.size() + data.size());
+    bytes.reserve(k_length_bytes + text.size() + end);
     for (unsigned i = 0; i < k_length_bytes; ++i)
         bytes.push_back(std::byte(std::uint64_t(text.size()) >> 8 * i & 0xff));
     for (const char c : text) bytes.push_back(std::byte(c));
-    bytes.insert(bytes.end(), data.begin(), data.end());
+    for (const auto& [name, tensor] : content.tensors)
+        for (const std::uint16_t number : tensor.data) {
+            bytes.push_back(std::byte(number & 0xff));
+            bytes.push_back(std::byte(number >> 8));
+        }
     return bytes;
 }
 

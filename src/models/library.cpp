@@ -132,22 +132,49 @@ Library rounded(Library library) {
     return library;
 }
 
-std::vector<std::byte> write_library(const Library& library) {
-    const StandardArithmetic mode;
+namespace {
+/// The file's content, with the shapes of the tensors of T materials, but not with their data.
+Safetensors content_without_materials(const Library& library, std::uint64_t T) {
     Safetensors content = lobes_content(library.basis);
     content.metadata["srbf"] = k_file_version;
     content.metadata["model"] = k_library_kind;
-    const std::uint64_t T = library.count(), K = std::uint64_t(library.stored);
+    const auto K = std::uint64_t(library.stored);
     content.metadata.insert(library.provenance.begin(), library.provenance.end());
     if (!library.names.empty()) content.metadata["names"] = fmt::format("{}", fmt::join(library.names, "\n"));
     if (library.width > 0) content.metadata["width"] = fmt::format("{}", library.width);
-    Tensor16& coefficient = content.tensors["coefficient"] = {Type16::half, {T, K, 3}, {}};
-    for (const Rgb& beta : library.coefficient)
-        for (int c = 0; c < 3; ++c) coefficient.data.push_back(to_half(std::min(beta[c], k_half_max)));
+    content.tensors["coefficient"] = {Type16::half, {T, K, 3}, {}};
     if (!library.dense()) content.tensors["index"] = {Type16::count, {T, K}, library.index};
-    Tensor16& error = content.tensors["aux.error"] = {Type16::half, {T}, {}};
-    for (const float of : library.error) error.data.push_back(to_half(std::clamp(of, 0.f, k_half_max)));
+    content.tensors["aux.error"] = {Type16::half, {T}, {}};
+    return content;
+}
+}  // namespace
+
+std::vector<std::byte> write_library(const Library& library) {
+    const StandardArithmetic mode;
+    Safetensors content = content_without_materials(library, library.count());
+    auto& coefficient = content.tensors["coefficient"].data;
+    for (const Rgb& beta : library.coefficient)
+        for (int c = 0; c < 3; ++c) coefficient.push_back(to_half(std::min(beta[c], k_half_max)));
+    for (const float of : library.error)
+        content.tensors["aux.error"].data.push_back(to_half(std::clamp(of, 0.f, k_half_max)));
     return write_safetensors(content);
+}
+
+LibraryParts parts_of_library(const Library& library, std::size_t texels) {
+    const Safetensors content = content_without_materials(library, texels);
+    const std::vector<std::byte> bytes = write_safetensors(content);
+    auto from = bytes.begin(), to = from + std::ptrdiff_t(8 + *header_length(bytes, ""));
+    LibraryParts parts;
+    std::vector<std::byte>* part = &parts.head;
+    for (const auto& [name, tensor] : content.tensors) {
+        if (tensor.data.empty()) {
+            part->assign(from, to);
+            part = part == &parts.head ? &parts.middle : &parts.tail, from = to;
+        }
+        to += std::ptrdiff_t(2 * tensor.data.size());
+    }
+    part->assign(from, to);
+    return parts;
 }
 
 Result<Library> read_library(std::span<const std::byte> bytes, const std::string& file_name) {

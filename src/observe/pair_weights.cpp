@@ -14,11 +14,13 @@
 namespace srbf {
 namespace {
 
-constexpr double k_bright_quantile = 0.75;
+#define SRBF_FN inline
+#include "observe/appearance_weights.inl"
+#undef SRBF_FN
+
 /// The least fitted value that `relative` distinguishes from 0, as a fraction of the mean.
 constexpr double k_darkest = 1e-9;
 
-double cosine_weight(double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }
 double cube_root_weight(double f, double mean, double, double) {
     return elementary::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3);
 }
@@ -28,25 +30,9 @@ double diffuse_weight(double f, double mean, double cos_l, double cos_v) {
 double cube_root_slope(double f, double mean, double) {
     return elementary::pow(std::max(f, 0.01 * mean), -2.0 / 3) / 3;
 }
-/// A sum of f cosθl and a positive number is at least this fraction of that number, whatever noise below 0 it
-/// contains.
-constexpr double k_least_left = 0.1;
-/// f cosθl + s, where s is that of `Objective::appearance`.
-double above_dark(double f, double bright, double cos_l) {
-    const double s = k_dark_share * bright;
-    return std::max(f * cos_l + s, k_least_left * s);
-}
 /// f cosθl as displayed.
 double displayed(double f, double bright, double cos_l) {
     return elementary::pow(above_dark(f, bright, cos_l), 1.0 / 6);
-}
-double displayed_slope(double f, double bright, double cos_l) {
-    return cos_l * elementary::pow(above_dark(f, bright, cos_l), -5.0 / 6) / 6;
-}
-/// The squared slope of ∛(f cosθl + bright), up to a factor, weighted by √cosθv: measurements brighten towards the
-/// rim of a picture, which is narrow.
-double highlight_weight(double f, double bright, double cos_l, double cos_v) {
-    return cos_l * cos_l * elementary::pow(std::max(1 + f * cos_l / bright, k_least_left), -4.0 / 3) * std::sqrt(cos_v);
 }
 
 constexpr ObjectiveTraits k_traits[] = {
@@ -61,7 +47,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .summary = "squared error of f cos(theta_l), weighted by cos(theta_v)",
      .measure = &Measures::squared_error_ratio_cosine,
      .max_theta = 89,
-     .weight = cosine_weight,
+     .weight = cosine_weight<double>,
      .further = {{{"diffuse", "cube root of f", diffuse_weight, k_diffuse_base}}}},
     {.objective = Objective::log,
      .name = "log",
@@ -92,12 +78,11 @@ constexpr ObjectiveTraits k_traits[] = {
      .summary = "visible error of pictures, about the sixth root of f cos(theta_l)",
      .measure = &Measures::sixth_root_error_ratio,
      .max_theta = 89,
-     .weight = [](double f, double bright, double cos_l,
-                  double cos_v) { return elementary::square(displayed_slope(f, bright, cos_l)) * cos_v; },
-     .further = {{{"highlights", "cube root of f cos(theta_l)", highlight_weight, k_highlights},
-                  {"peaks", "f cos(theta_l)", cosine_weight, k_peaks}}},
+     .weight = display_weight<double>,
+     .further = {{{"highlights", "cube root of f cos(theta_l)", highlight_weight<double>, k_highlights},
+                  {"peaks", "f cos(theta_l)", cosine_weight<double>, k_peaks}}},
      .response = displayed,
-     .response_slope = displayed_slope,
+     .response_slope = displayed_slope<double>,
      .of_pictures = true},
 };
 constexpr auto k_objectives = [] {

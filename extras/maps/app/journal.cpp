@@ -9,10 +9,12 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <system_error>
 #include <utility>
 
 #include "app/hash.h"
+#include "base/files.h"
 #include "base/text.h"
 #include "srbf/file.h"
 
@@ -64,11 +66,11 @@ Result<Journal> Journal::open(const std::string& output, const std::string& key,
         // Some file systems have no locks: no run is refused there.
         if (repeat_if_interrupted([&] { return ::flock(descriptor, LOCK_EX | LOCK_NB); }) != 0 &&
             errno == EWOULDBLOCK) {
-            journal.records_ = 1;  // the records of the other process, which must not be deleted
+            journal.is_kept_ = true;  // the records of the other process, which must not be deleted
             return Error{path, {}, "output", "one run at a time", "another run that writes it"};
         }
         if (!is_same_file(descriptor, path)) {  // the run that had it open has just ended
-            journal.records_ = 1;
+            journal.is_kept_ = true;
             continue;
         }
         if (const auto ready = journal.begin(key, resume); !ready) return ready.error();
@@ -77,28 +79,22 @@ Result<Journal> Journal::open(const std::string& output, const std::string& key,
 }
 
 Result<Done> Journal::begin(const std::string& key, bool resume) {
-    records_ = 1;  // keeps existing records in case of an error
-    const auto bytes = read_file(path_);
-    if (!bytes) return bytes.error();
+    is_kept_ = true;  // in case of an error
+    std::error_code code;
+    const std::uint64_t size = std::filesystem::file_size(path_, code);
+    if (code) return cannot_write();
     const std::string head = fmt::format("{}{}\n", k_mark, key);
-    const std::string_view text = as_text(*bytes), beginning = text.substr(0, head.size());
+    const auto bytes = read_part(path_, 0, head.size());
+    if (!bytes) return bytes.error();
+    const std::string_view beginning = as_text(*bytes);
     Hash key_hash;
     key_hash.add(as_bytes(head));
     hash_ = key_hash.number();
-    std::size_t end = 0;
     if (beginning == head && resume) {
-        end = head.size();
-        for (RecordHead record_head; bytes->size() - end >= sizeof record_head;) {
-            std::memcpy(record_head.data(), bytes->data() + end, sizeof record_head);
-            if (record_head[0] > bytes->size() - end - sizeof record_head) break;
-            const auto record = std::span(*bytes).subspan(end + sizeof record_head, std::size_t(record_head[0]));
-            if (hash_after(hash_, record) != record_head[1]) break;
-            kept.emplace_back(record.begin(), record.end());
-            hash_ = record_head[1], end += sizeof record_head + record.size();
-        }
-        if (end < bytes->size())
-            fmt::print(stderr, "srbf: {}: the last {} bytes are not whole, and are made again\n", path_,
-                       bytes->size() - end);
+        end_ = head.size();
+        if (const auto kept = keep_records(size); !kept) return kept;
+        if (end_ < size)
+            fmt::print(stderr, "srbf: {}: the last {} bytes are not whole, and are made again\n", path_, size - end_);
     } else if (beginning.starts_with(k_mark) && beginning.size() == head.size()) {
         if (resume)
             return Error{path_,
@@ -110,22 +106,46 @@ Result<Done> Journal::begin(const std::string& key, bool resume) {
     } else if (!std::string_view(head).starts_with(beginning)) {
         return Error{path_, 0, "file", "unfinished work of srbf, or none", "something else"};
     }
-    records_ = kept.size();
-    if (repeat_if_interrupted([&] { return ::ftruncate(descriptor_, off_t(end)); }) != 0) return cannot_write();
-    if (::lseek(descriptor_, off_t(end), SEEK_SET) < 0) return cannot_write();
-    return end > 0 ? Done{} : write(as_bytes(head));
+    is_kept_ = false;
+    if (repeat_if_interrupted([&] { return ::ftruncate(descriptor_, off_t(end_)); }) != 0) return cannot_write();
+    if (::lseek(descriptor_, off_t(end_), SEEK_SET) < 0) return cannot_write();
+    return end_ > 0 ? Done{} : write(as_bytes(head));
+}
+
+/// Finds the whole records between `end_` and `size`.
+Result<Done> Journal::keep_records(std::uint64_t size) {
+    for (RecordHead head; size - end_ >= sizeof head;) {
+        const auto head_bytes = read_part(path_, end_, sizeof head);
+        if (!head_bytes) return head_bytes.error();
+        std::memcpy(head.data(), head_bytes->data(), head_bytes->size());
+        if (head_bytes->size() < sizeof head || head[0] > size - end_ - sizeof head) break;
+        const Record record{end_ + sizeof head, head[0]};
+        const auto bytes = read(record);
+        if (!bytes) return bytes.error();
+        if (hash_after(hash_, *bytes) != head[1]) break;
+        records_.push_back(record);
+        hash_ = head[1], end_ = record.offset + record.size;
+    }
+    return Done{};
+}
+
+Result<std::vector<std::byte>> Journal::read(const Record& record, std::uint64_t offset, std::size_t size) const {
+    auto bytes = read_part(path_, record.offset + offset, size);
+    if (bytes && bytes->size() != size) return Error{path_, record.offset, "record", "all of it", "a part"};
+    return bytes;
 }
 
 Journal::Journal(Journal&& other) noexcept
-    : kept(std::move(other.kept)),
-      path_(std::move(other.path_)),
+    : path_(std::move(other.path_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
-      records_(other.records_),
+      records_(std::move(other.records_)),
+      is_kept_(other.is_kept_),
+      end_(other.end_),
       hash_(other.hash_) {}
 
 Journal::~Journal() {
     if (descriptor_ < 0) return;
-    if (records_ == 0) remove();
+    if (records_.empty() && !is_kept_) remove();
     ::close(descriptor_);
 }
 
@@ -133,7 +153,7 @@ Result<Done> Journal::write(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
         const ssize_t written = repeat_if_interrupted([&] { return ::write(descriptor_, bytes.data(), bytes.size()); });
         if (written < 0) return cannot_write();
-        bytes = bytes.subspan(std::size_t(written));
+        bytes = bytes.subspan(std::size_t(written)), end_ += std::uint64_t(written);
     }
     return Done{};
 }
@@ -144,7 +164,7 @@ Result<Done> Journal::add(std::span<const std::byte> record) {
     if (const auto written = write(record); !written) return written;
     const int failed = repeat_if_interrupted([&] { return ::fsync(descriptor_); });
     if (failed != 0 && errno != EINVAL && errno != ENOTSUP) return cannot_write();
-    hash_ = head[1], ++records_;
+    hash_ = head[1], records_.push_back({end_ - record.size(), record.size()});
     return Done{};
 }
 

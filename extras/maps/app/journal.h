@@ -24,8 +24,15 @@ class Journal {
     /// Deletes the file if it has no record.
     ~Journal();
 
-    /// The records of earlier runs; callers may move them out.
-    std::vector<std::vector<std::byte>> kept;
+    /// The place of a record in the file.
+    struct Record {
+        std::uint64_t offset, size;
+    };
+    /// All records, first those of earlier runs.
+    const std::vector<Record>& records() const { return records_; }
+    /// A part of a record.
+    Result<std::vector<std::byte>> read(const Record& record, std::uint64_t offset, std::size_t size) const;
+    Result<std::vector<std::byte>> read(const Record& record) const { return read(record, 0, record.size); }
     /// Adds a record, and waits until it is on the disk.
     Result<Done> add(std::span<const std::byte> record);
     /// Deletes the file, once the output is written.
@@ -35,11 +42,14 @@ class Journal {
     Journal(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
     Result<Done> begin(const std::string& key, bool resume);
     Result<Done> write(std::span<const std::byte> bytes);
+    Result<Done> keep_records(std::uint64_t size);
     Error cannot_write() const;
 
     std::string path_;
     int descriptor_;
-    std::size_t records_ = 0;
+    std::vector<Record> records_;
+    bool is_kept_ = false;    ///< whether the file remains if it has no record
+    std::uint64_t end_ = 0;   ///< its size
     std::uint64_t hash_ = 0;  ///< hash of the last record, or of the key
 };
 

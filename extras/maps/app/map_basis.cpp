@@ -10,23 +10,48 @@
 #include "app/hash.h"
 #include "app/output.h"
 #include "app/pairs.h"
+#include "base/file_reader.h"
 #include "base/half.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
+#include "brdf/values.h"
 #include "extras/maps/app/journal.h"
 #include "extras/maps/app/map.h"
 #include "extras/maps/app/texels.h"
 #include "measured/tables.h"
+#include "models/library_file.h"
 #include "srbf/basis.h"
 #include "srbf/file.h"
 
 namespace srbf {
 namespace {
 
-/// Number of texels in memory, and in a record of the journal.
-constexpr std::size_t k_texels_per_record = 4096;
+/// Number of values in memory, and of texels whose coefficients are in a record of the journal, at least 64.
+constexpr std::size_t k_values_per_record = std::size_t(1) << 22;
+std::size_t texels_per_record(std::size_t pairs) {
+    constexpr std::size_t multiple = 64;
+    return std::max(k_values_per_record / pairs / multiple, std::size_t(1)) * multiple;
+}
 /// Number of candidates for the texels that span the set, and the number chosen from them.
 constexpr std::size_t k_spread_texels = 1024, k_spanning_texels = 48;
+/// A candidate's values are left out where f cosθl cosθv is more than k_most_of_others times the largest one of any
+/// pair in all but the brightest k_brightest of the candidates.
+constexpr double k_brightest = 0.02, k_most_of_others = 1000;
+
+/// Makes values of the candidates unknown that no other texel is near.
+void leave_out_outliers(const SharedPairs& pairs, std::span<Rgb> f) {
+    const std::size_t M = pairs.wl.size();
+    const auto value = [&](std::size_t i) {
+        const double of = largest_of(f[i]) * cosines(pairs.wl[i % M], pairs.wv[i % M]);
+        return is_finite(f[i]) ? of : 0;
+    };
+    std::vector<double> largest(f.size() / M);
+    for (std::size_t i = 0; i < f.size(); ++i) largest[i / M] = std::max(largest[i / M], value(i));
+    std::ranges::sort(largest);
+    const double most = k_most_of_others * largest[std::size_t((1 - k_brightest) * double(largest.size() - 1))];
+    for (std::size_t i = 0; i < f.size() && most > 0; ++i)
+        if (value(i) > most) f[i].r = std::numeric_limits<float>::quiet_NaN();
+}
 
 /// The values of texels that span the set: each is the one farthest from those chosen before, by cube roots.
 std::vector<Rgb> spanning_texels(std::span<const Rgb> f, std::size_t pairs) {
@@ -53,43 +78,39 @@ std::vector<Rgb> spanning_texels(std::span<const Rgb> f, std::size_t pairs) {
     return chosen;
 }
 
-/// A record of the journal: for each texel its 3 J coefficients and its error.
-std::vector<std::uint16_t> numbers_of(const TexelCoefficients& texels, std::size_t J) {
+/// The beginning of a record of the journal.
+struct RecordHead {
+    std::uint64_t texels, left_out, black, failed;  ///< left_out: values
+    double error;                                   ///< sum of the texels' errors
+};
+/// A record of the journal: its head, and the texels' errors and coefficients as 16-bit floats.
+std::vector<std::byte> record_of(const TexelCoefficients& texels) {
+    RecordHead head{texels.error.size(), 0, 0, 0, 0};
     std::vector<std::uint16_t> numbers;
     for (std::size_t t = 0; t < texels.error.size(); ++t) {
-        for (std::size_t j = 0; j < J; ++j)
-            for (int c = 0; c < 3; ++c) numbers.push_back(to_half(texels.coefficient[t * J + j][c]));
-        numbers.push_back(to_half(texels.error[t]));
+        head.left_out += texels.left_out[t];
+        head.black += texels.state[t] == TexelState::black, head.failed += texels.state[t] == TexelState::failed;
+        head.error += double(texels.error[t]);
+        numbers.push_back(to_half(std::min(texels.error[t], k_half_max)));
     }
-    return numbers;
-}
-
-/// Appends the coefficients and errors of a record to the library. Errors: a record without a whole number of
-/// texels.
-Result<Done> add_texels(Library& library, std::span<const std::byte> record, const std::string& file_name) {
-    const std::size_t J = std::size_t(library.basis.lobes);
-    std::vector<std::uint16_t> numbers(3 * J + 1);
-    const std::size_t bytes = numbers.size() * sizeof numbers[0];
-    if (record.size() % bytes != 0)
-        return Error{file_name, {}, "record", "whole texels", fmt::format("{} bytes", record.size())};
-    for (; !record.empty(); record = record.subspan(bytes)) {
-        std::memcpy(numbers.data(), record.data(), bytes);
-        for (std::size_t j = 0; j < J; ++j)
-            library.coefficient.push_back(
-                {from_half(numbers[3 * j]), from_half(numbers[3 * j + 1]), from_half(numbers[3 * j + 2])});
-        library.error.push_back(from_half(numbers[3 * J]));
-    }
-    return Done{};
+    for (const Rgb& beta : texels.coefficient)
+        for (int c = 0; c < 3; ++c) numbers.push_back(to_half(beta[c]));
+    std::vector<std::byte> record(sizeof head + 2 * numbers.size());
+    std::memcpy(record.data(), &head, sizeof head);
+    std::memcpy(record.data() + sizeof head, numbers.data(), 2 * numbers.size());
+    return record;
 }
 
 /// The shared lobes, and the coefficients of the texels in which they were found.
 Result<Library> texel_basis(const BasisOptions& options, const SharedPairs& pairs, const Texels& texels,
                             ProgressLine& line) {
-    const std::size_t M = pairs.wl.size(), spread = std::min(texels.count(), k_spread_texels);
+    const std::size_t M = pairs.wl.size(), held = std::max(4 * k_values_per_record / M, k_spanning_texels),
+                      spread = std::min({texels.count(), k_spread_texels, held});
     std::vector<Rgb> candidates(spread * M);
     for (std::size_t n = 0; n < spread; ++n)
         if (const auto read = texels.read(n * texels.count() / spread, std::span(candidates).subspan(n * M, M)); !read)
             return read.error();
+    leave_out_outliers(pairs, candidates);
     auto library = fit_texel_basis(pairs, spanning_texels(candidates, M), options,
                                    [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
     if (library) library->provenance = {{"generator", "srbf " SRBF_VERSION}, {"objective", "appearance"}};
@@ -108,51 +129,100 @@ BasisOptions map_options(const MapCommand& fit) {
 }
 
 struct FittedMap {
-    Library library;
+    Library library;       // the shared lobes, without texels
+    RecordHead total{};    // over all records
     std::size_t kept = 0;  // texels of an earlier run
     double basis_seconds = 0, seconds = 0;
+
+    void add(const RecordHead& head) {
+        total.texels += head.texels, total.left_out += head.left_out;
+        total.black += head.black, total.failed += head.failed, total.error += head.error;
+    }
 };
+
+Result<RecordHead> head_of(const Journal& journal, const Journal::Record& record, std::size_t J) {
+    RecordHead head{};
+    const auto bytes = journal.read(record, 0, std::min<std::size_t>(record.size, sizeof head));
+    if (!bytes) return bytes.error();
+    std::memcpy(&head, bytes->data(), bytes->size());
+    if (record.size < sizeof head || record.size != sizeof head + 2 * head.texels * (1 + 3 * J))
+        return Error{"journal", record.offset, "record", "whole texels", fmt::format("{} bytes", record.size)};
+    return head;
+}
 
 /// Continues the work recorded in the journal.
 Result<FittedMap> fit_rest(const MapCommand& fit, const SharedPairs& pairs, const Texels& texels, Journal& journal) {
-    const BasisOptions options = map_options(fit);
-    const std::string part = fit.output + ".part";
     const Stopwatch watch;
     ProgressLine line;
-    const bool is_new = journal.kept.empty();
-    const auto basis = is_new ? texel_basis(options, pairs, texels, line) : read_library(journal.kept[0], part);
-    if (!basis) return basis.error();
-    if (is_new)
+    if (journal.records().empty()) {
+        const auto basis = texel_basis(map_options(fit), pairs, texels, line);
+        if (!basis) return basis.error();
         if (const auto added = journal.add(write_library(*basis)); !added) return added.error();
-    FittedMap map{*basis, 0, watch.seconds(), 0};
-    Library& library = map.library;
-    library.names.clear(), library.width = fit.width, library.coefficient.clear(), library.error.clear();
-    for (std::size_t n = 1; n < journal.kept.size(); ++n)
-        if (const auto added = add_texels(library, journal.kept[n], part); !added) return added.error();
-    map.kept = library.count();
+    }
+    const auto bytes = journal.read(journal.records()[0]);
+    if (!bytes) return bytes.error();
+    const auto basis = read_library(*bytes, fit.output + ".part");
+    if (!basis) return basis.error();
+    FittedMap map{*basis, {}, 0, watch.seconds(), 0};
+    map.library.names.clear(), map.library.width = fit.width;
+    map.library.coefficient.clear(), map.library.error.clear();
+    for (const Journal::Record& record : std::span(journal.records()).subspan(1)) {
+        const auto head = head_of(journal, record, std::size_t(basis->basis.lobes));
+        if (!head) return head.error();
+        map.add(*head);
+    }
+    map.kept = map.total.texels;
+    line.clear();
+    ProgressLine texel_line;
     std::vector<Rgb> f;
-    for (std::size_t first = map.kept; first < texels.count(); first += k_texels_per_record) {
-        f.resize(std::min(k_texels_per_record, texels.count() - first) * pairs.wl.size());
+    const std::size_t most = texels_per_record(pairs.wl.size());
+    for (std::size_t first = map.kept; first < texels.count(); first += most) {
+        f.resize(std::min(most, texels.count() - first) * pairs.wl.size());
         if (const auto done = texels.read(first, f); !done) return done.error();
-        const auto numbers =
-            numbers_of(fit_texels_to_basis(*basis, pairs, f, fit.request.threads), std::size_t(basis->basis.lobes));
-        const auto record = std::as_bytes(std::span(numbers));
+        const auto record = record_of(fit_texels_to_basis(*basis, pairs, f, fit.request.threads));
         if (const auto done = journal.add(record); !done) return done.error();
-        if (const auto done = add_texels(library, record, fit.output); !done) return done.error();
-        line.show("solving for coefficients", double(first) / double(texels.count()));
+        RecordHead head;
+        std::memcpy(&head, record.data(), sizeof head);
+        map.add(head);
+        texel_line.show("solving for coefficients",
+                        double(map.total.texels - map.kept) / double(texels.count() - map.kept));
     }
     map.seconds = watch.seconds() - map.basis_seconds;
     return map;
 }
 
+/// Writes the library of the journal's records, of which one at a time is in memory.
+Result<Done> write_map(const std::string& path, const FittedMap& map, const Journal& journal) {
+    const auto records = std::span(journal.records()).subspan(1);
+    const std::size_t texel_bytes = 2 * (1 + 3 * std::size_t(map.library.basis.lobes));
+    LibraryParts parts = parts_of_library(map.library, map.total.texels);
+    std::size_t step = 0;  // head, errors of each record, middle, coefficients of each record, tail
+    return write_file(path, [&]() -> Result<std::vector<std::byte>> {
+        for (;;) {
+            const std::size_t n = step++;
+            if (n == 0) return std::move(parts.head);
+            if (n == records.size() + 1 && !parts.middle.empty()) return std::move(parts.middle);
+            if (n == 2 * records.size() + 2) return std::move(parts.tail);
+            if (n > 2 * records.size() + 2) return std::vector<std::byte>();
+            if (n == records.size() + 1) continue;
+            const bool is_error = n <= records.size();
+            const Journal::Record& record = records[is_error ? n - 1 : n - records.size() - 2];
+            const std::size_t count = (record.size - sizeof(RecordHead)) / texel_bytes;
+            return is_error ? journal.read(record, sizeof(RecordHead), 2 * count)
+                            : journal.read(record, sizeof(RecordHead) + 2 * count, (texel_bytes - 2) * count);
+        }
+    });
+}
+
 void print_map(const MapCommand& fit, const FittedMap& map) {
-    const std::size_t count = map.library.count();
-    double sum = 0;
-    for (const float error : map.library.error) sum += double(error);
+    const RecordHead& total = map.total;
     fmt::print("{} texels of {} shared lobes, found in {:.1f} s; {} kept, the others in {:.1f} s, {:.4g} a second\n",
-               grouped(count), map.library.basis.lobes, map.basis_seconds, grouped(map.kept), map.seconds,
-               double(count - map.kept) / std::max(map.seconds, 1e-9));
-    fmt::print("  weighted RMS  mean {}\n  library       {}\n", percent(sum / double(count)), printable(fit.output));
+               grouped(total.texels), map.library.basis.lobes, map.basis_seconds, grouped(map.kept), map.seconds,
+               double(total.texels - map.kept) / std::max(map.seconds, 1e-9));
+    fmt::print("  {} black, {} failed; {} values left out\n", grouped(total.black), grouped(total.failed),
+               grouped(total.left_out));
+    fmt::print("  weighted RMS  mean {}\n  library       {}\n", percent(total.error / double(total.texels)),
+               printable(fit.output));
 }
 
 }  // namespace
@@ -179,7 +249,7 @@ int fit_map(const MapCommand& fit) {
     if (!journal) return complain(journal.error());
     const auto map = fit_rest(fit, pairs, *texels, *journal);
     if (!map) return complain(map.error());
-    const auto written = write_file(fit.output, write_library(map->library));
+    const auto written = write_map(fit.output, *map, *journal);
     if (!written) return complain(written.error());
     journal->remove();
     print_map(fit, *map);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
 #include <filesystem>
 
 #include "base/files.h"
@@ -24,24 +23,26 @@ Result<Texels> Texels::open(const std::string& path, std::size_t pairs) {
     if (shape.size() < 2 || shape.size() > 3 || shape[1] != pairs || (channels != 1 && channels != 3))
         return Error{path, 10, "shape", fmt::format("[T, {0}, 3], [T, {0}, 1] or [T, {0}]", pairs),
                      fmt::format("[{}]", fmt::join(shape, ", "))};
-    Texels texels;
-    texels.path_ = path, texels.pairs_ = pairs, texels.data_ = head->data;
+    auto file = FileReader::open(path);
+    if (!file) return file.error();
+    Texels texels(*std::move(file));
+    texels.pairs_ = pairs, texels.data_ = head->data;
     texels.channels_ = std::size_t(channels), texels.count_ = std::size_t(shape[0]);
     return texels;
 }
 
 Result<Done> Texels::read(std::size_t first, std::span<Rgb> f) const {
-    const std::size_t bytes = f.size() * channels_ * sizeof(float);
-    const auto part = read_part(path_, data_ + first * pairs_ * channels_ * sizeof(float), bytes);
-    if (!part) return part.error();
-    if (part->size() != bytes) return Error{path_, data_, "size", "that of its header", "a file that became smaller"};
-    for (std::size_t i = 0; i < f.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c) {
-            float number;
-            std::memcpy(&number, part->data() + (i * channels_ + (channels_ == 3 ? c : 0)) * sizeof number,
-                        sizeof number);
-            f[i][int(c)] = number;
-        }
+    // Grey numbers are read into the end of the colours, in front of which they are spread.
+    const auto numbers = std::span(&f[0].r, 3 * f.size()).last(f.size() * channels_);
+    const std::uint64_t offset = data_ + first * pairs_ * channels_ * sizeof(float);
+    const auto read = file_.read(offset, std::as_writable_bytes(numbers));
+    if (!read) return read.error();
+    if (*read != numbers.size_bytes())
+        return Error{file_.path(), data_, "size", "that of its header", "a file that became smaller"};
+    for (std::size_t i = 0; channels_ == 1 && i < f.size(); ++i) {
+        const float grey = numbers[i];
+        f[i] = {grey, grey, grey};
+    }
     return Done{};
 }
 

@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 
+#include "base/file_reader.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
 
@@ -18,7 +20,9 @@ class Texels {
     Result<Done> read(std::size_t first, std::span<Rgb> f) const;
 
   private:
-    std::string path_;
+    explicit Texels(FileReader file) : file_(std::move(file)) {}
+
+    FileReader file_;
     std::uint64_t data_ = 0;
     std::size_t pairs_ = 0, channels_ = 3, count_ = 0;
 };

@@ -63,11 +63,17 @@ Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f
 /// such lobes. It is then limited to 1.6 times the largest coefficient among the library's materials, relative to
 /// their largest value at the pairs.
 ///
+/// Values that are not finite, or 10¹⁵ times the texel's typical value, are left out. So are the largest values of a
+/// texel whose coefficients would exceed 16-bit floats, at most one in sixteen. If that is not enough, or nothing was
+/// measured, the texel has `TexelState::failed` and coefficients 0.
+///
 /// `basis` must be dense. `error` is √(Σ w |f−f̂|² / Σ w |f|²) of each texel with these coefficients, 0 for a black
-/// one.
+/// one and 1 if it failed.
 struct TexelCoefficients {
     std::vector<Rgb> coefficient;
     std::vector<float> error;
+    std::vector<TexelState> state;
+    std::vector<std::uint32_t> left_out;  ///< number of values of each texel that were left out
 };
 TexelCoefficients fit_texels_to_basis(const Library& basis, const SharedPairs& pairs, std::span<const Rgb> f,
                                       int threads = 0);

@@ -1,0 +1,85 @@
+// Edits of multivariate models: each result is a model like any other.
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "srbf/model.h"
+#include "srbf/progress.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// The least extent of a body lobe [sr]: 0.7 of that of Lambert's, π.
+inline constexpr double k_least_body_extent = 0.7 * 3.14159265358979;
+/// The smallest solid angle that lobe j reflects into, at views 5°, 45° and 70° from the normal [sr]:
+///   (∫ ρ_j cosθl dωl)² / ∫ ρ_j² cosθl dωl,
+/// which is π for a constant and about π α² (cosθv)⁻¹ .. π α² for a microfacet lobe. At views where the lobe has less than a hundredth of
+/// its largest albedo it is not taken.
+double extent(const PmModel& model, int lobe);
+/// Of each lobe, true if it belongs to the body: its extent is at least `k_least_body_extent`. The others are the highlight.
+std::vector<bool> body_lobes(const PmModel& model);
+
+// The edits. Colours are factors of linear R, G, B.
+
+/// Widens the highlight as facets of `factor` times the roughness would: slopes of half vectors are divided by it, at
+/// the same angle of the light to the half vector, and masking is that of GGX facets of the new roughness. A refit.
+struct Roughen {
+    double factor = 1;  ///< 0.1..10
+};
+/// Multiplies the colours of the highlight and of the body, each 0..10.
+struct Tint {
+    Rgb highlight{1, 1, 1}, body{1, 1, 1};
+};
+/// Moves the colour of each lobe away from grey of its luminance (factor > 1) or towards it; a channel below 0 counts as 0.
+struct Saturate {
+    double factor = 1;  ///< 0..4
+};
+/// Turns the colour of each lobe about grey, at the same luminance; a channel below 0 counts as 0.
+struct TurnHue {
+    double degrees = 0;  ///< −360..360
+};
+/// Covers the surface by a clear dielectric layer with a rough interface. With Fresnel's transmittance T of the interface and the
+/// directions l', v' refracted at it,
+///   ρ = ρ_coat + T(l) T(v) (ρ'(l', v') / n² + what is reflected back and forth below the interface) tint^p,
+/// where ρ' is the model with its highlight widened by the rough interface, and p is half of 1/cosθ'l + 1/cosθ'v. A refit.
+struct Coat {
+    double roughness = 0.1;  ///< α of the interface, 0.02..1
+    double ior = 1.5;        ///< n, 1.05..3
+    Rgb tint{1, 1, 1};       ///< of light that passes twice through the layer along the normal, each 0..1
+};
+/// Turns the tangent; an isotropic model stays as it is.
+struct Rotate {
+    double degrees = 0;  ///< −360..360, from x to y
+};
+/// Fits fewer lobes to the model.
+struct Reduce {
+    int lobes = 8;  ///< 1..64
+};
+using Edit = std::variant<Roughen, Tint, Saturate, TurnHue, Coat, Rotate, Reduce>;
+/// The edit in words, for the provenance.
+std::string text(const Edit& edit);
+
+struct EditOptions {
+    /// Lobes of a refit; none: those of the model, and three more under a coat.
+    std::optional<int> lobes = {};
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    ProgressToken progress = {};
+};
+
+/// Applies the edits in their order. Refits minimise the objective appearance (objective.h) against the edited model's
+/// own function. A directional albedo stays at most 1, or the model's largest: where an edit exceeds it, lobes are lowered. A
+/// reciprocal model stays reciprocal. The provenance keeps where the model comes from, gets "edits", and loses the errors
+/// of the measurement.
+/// Errors: not a multivariate model; of colours and refits, a spectral model; a number out of range; cancelled.
+Result<Model> edited(const Model& model, std::span<const Edit> edits, const EditOptions& options = {});
+
+/// (1 − mix) a + mix b, with the lobes and variates of both: an exact sum, before coefficients are rounded. Models of different
+/// forms become one of the form that has all their terms; a reciprocal model beside one that is not becomes twice as many
+/// lobes and variates.
+/// Errors: mix outside 0..1; not two multivariate models; spectra at other wavelengths; more than 8 variates or 1024
+/// lobes together.
+Result<Model> blended(const Model& a, const Model& b, double mix);
+
+}  // namespace srbf

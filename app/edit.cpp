@@ -154,8 +154,8 @@ void add_edit(CommandLine& app, int& status) {
                                .check(within(0, k_most_threads))
                                .capture_default_str();
     sub.footer(
-        "Edits are applied in this order. The body is the lobes that reflect into at least 0.7 of Lambert's solid angle at "
-        "every view; all others are the highlight. A coat has three lobes more.\n\n"
+        "Edits are applied in this order. The body is the lobes that reflect as far from the mirror direction as Lambert\n"
+        "does, the highlight all others. A coat has three lobes more.\n\n"
         "Example:\n  srbf edit film.srbf --roughen 1.5 --tint-highlight 1,0.8,0.6 -o warmer.srbf");
     const auto refits = [&of] { return of.roughens.given() || of.coats.given() || of.reduces.given(); };
     sub.callback(

@@ -11,14 +11,13 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// The least extent of a body lobe [sr]: 0.7 of that of Lambert's, π.
-inline constexpr double k_least_body_extent = 0.7 * 3.14159265358979;
-/// The smallest solid angle that lobe j reflects into, at views 5°, 45° and 70° from the normal [sr]:
-///   (∫ ρ_j cosθl dωl)² / ∫ ρ_j² cosθl dωl,
-/// which is π for a constant and about π α² (cosθv)⁻¹ .. π α² for a microfacet lobe. At views where the lobe has less than a hundredth of
-/// its largest albedo it is not taken.
-double extent(const PmModel& model, int lobe);
-/// Of each lobe, true if it belongs to the body: its extent is at least `k_least_body_extent`. The others are the highlight.
+/// How far from the mirror direction lobe j reflects: the mean of sin²θh over what it reflects at views 5°, 45° and 70° from the
+/// normal, divided by the same mean of Lambert's with the lobe's albedos at these views. 1 for a constant, about α² or less for facets.
+double spread(const PmModel& model, int lobe);
+/// A lobe of the highlight has a lower spread than the first, one of the body at least the second. A lobe between them belongs to
+/// the body if its chromaticity is less than half as far from that of the body's lobes as from that of the highlight's.
+inline constexpr double k_most_highlight_spread = 0.6, k_least_body_spread = 0.88;
+/// Of each lobe, true if it belongs to the body. All others are the highlight.
 std::vector<bool> body_lobes(const PmModel& model);
 
 // The edits. Colours are factors of linear R, G, B.

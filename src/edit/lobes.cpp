@@ -9,37 +9,68 @@
 
 namespace srbf {
 
-double extent(const PmModel& model, int lobe) {
+namespace {
+
+/// What a lobe reflects at some views.
+struct Reflected {
+    Rgb albedo;     ///< the sum
+    double spread;  ///< see `spread`
+};
+Reflected reflected(const PmModel& model, int lobe) {
     constexpr double k_views[] = {5 * k_degree, 45 * k_degree, 70 * k_degree};
     constexpr int k_light_directions = 4096;
-    constexpr double k_least_share = 0.01;  // of the albedo
     const PmModel alone = only_lobe(model, lobe);
     const MirrorMixture mixture(k_pi / 2);
-    struct AtView {
-        double albedo, solid_angle;
-    };
-    std::vector<AtView> views;
+    Reflected of{};
+    double across = 0, of_lambert = 0;
     for (const double theta : k_views) {
         const Vec3d wv = spherical(theta, 0.0);
         const Quadrature light = mixture.quadrature(wv, k_light_directions);
         const std::vector<Rgb> f = values_towards(evaluator(alone), light.w, to_float(wv));
-        double sum = 0, squares = 0;
+        double albedo = 0, mean = 0;
         for (std::size_t i = 0; i < f.size(); ++i) {
             const double weight = light.weight[i] * double(light.w[i].z), value = largest_of(f[i]);
-            sum += weight * value, squares += weight * value * value;
+            const Vec3d sum = to_double(light.w[i]) + wv;
+            const double squared_sine = 1 - sum.z * sum.z / dot(sum, sum);
+            albedo += weight * value, across += weight * value * squared_sine, mean += weight / k_pi * squared_sine;
+            for (int c = 0; c < 3; ++c) of.albedo[c] += float(weight) * f[i][c];
         }
-        views.push_back({sum, squares > 0 ? sum * sum / squares : 0});
+        of_lambert += albedo * mean;
     }
-    const double most = std::ranges::max(views, {}, &AtView::albedo).albedo;
-    double least = k_pi;
-    for (const AtView& view : views)
-        if (view.albedo > k_least_share * most) least = std::min(least, view.solid_angle);
-    return least;
+    of.spread = of_lambert > 0 ? across / of_lambert : 0;
+    return of;
 }
 
+/// The distance of the chromaticities of two colours; large if one is black.
+double chromatic_distance(const Rgb& a, const Rgb& b) {
+    const double of_a = 3 * mean_of(a), of_b = 3 * mean_of(b);
+    if (!(of_a > 0 && of_b > 0)) return 10;
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) sum += elementary::square(double(a[c]) / of_a - double(b[c]) / of_b);
+    return std::sqrt(sum);
+}
+
+}  // namespace
+
+double spread(const PmModel& model, int lobe) { return reflected(model, lobe).spread; }
+
 std::vector<bool> body_lobes(const PmModel& model) {
+    constexpr double k_much_nearer = 0.5;
+    std::vector<Reflected> lobes;
+    Rgb highlight, body;
+    for (int j = 0; j < model.lobes; ++j) {
+        const Reflected& of = lobes.emplace_back(reflected(model, j));
+        Rgb* const part = of.spread >= k_least_body_spread      ? &body
+                          : of.spread < k_most_highlight_spread ? &highlight
+                                                                : nullptr;
+        for (int c = 0; part && c < 3; ++c) (*part)[c] += of.albedo[c];
+    }
     std::vector<bool> is_body;
-    for (int j = 0; j < model.lobes; ++j) is_body.push_back(extent(model, j) >= k_least_body_extent);
+    for (const Reflected& of : lobes) {
+        const bool has_its_colour = chromatic_distance(of.albedo, body) <
+                                    k_much_nearer * chromatic_distance(of.albedo, highlight);
+        is_body.push_back(of.spread >= k_least_body_spread || (of.spread >= k_most_highlight_spread && has_its_colour));
+    }
     return is_body;
 }
 

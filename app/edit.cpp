@@ -79,9 +79,11 @@ int EditCommand::run() {
     auto result = edited(*model, wanted, options);
     line.clear();
     if (const auto* pm = std::get_if<PmModel>(&model->model); pm && result) {
-        const std::vector<bool> is_body = body_lobes(*pm);
-        const auto body = std::ranges::count(is_body, true);
-        fmt::print("highlight: {} lobes, body: {}\n", pm->lobes - body, body);
+        std::string of_body;
+        const std::vector<double> shares = body_shares(*pm);
+        for (std::size_t j = 0; j < shares.size(); ++j)
+            if (shares[j] > 0) of_body += fmt::format(" {}{}", j + 1, shares[j] < 1 ? fmt::format(" ({:.0f} %)", 100 * shares[j]) : "");
+        fmt::print("lobes of the body:{}; the others are the highlight\n", of_body.empty() ? " none" : of_body);
     }
     return write(std::move(result), input, output);
 }

@@ -14,11 +14,12 @@ namespace [[gnu::visibility("default")]] srbf {
 /// How far from the mirror direction lobe j reflects: the mean of sin²θh over what it reflects at views 5°, 45° and 70° from the
 /// normal, divided by the same mean of Lambert's with the lobe's albedos at these views. 1 for a constant, about α² or less for facets.
 double spread(const PmModel& model, int lobe);
-/// A lobe of the highlight has a lower spread than the first, one of the body at least the second. A lobe between them belongs to
-/// the body if its chromaticity is less than half as far from that of the body's lobes as from that of the highlight's.
+/// Of each lobe, the share that belongs to the body; the rest belongs to the highlight. Lobes of less than the first spread are
+/// highlight, of at least the second body. Between them, if the body has at least a twentieth of the albedo, a lobe is body if
+/// its chromaticity is less than half as far from the body's as from the highlight's; otherwise the share is linear in the
+/// spread, from the first to 1. Without a body it is highlight.
 inline constexpr double k_most_highlight_spread = 0.6, k_least_body_spread = 0.88;
-/// Of each lobe, true if it belongs to the body. All others are the highlight.
-std::vector<bool> body_lobes(const PmModel& model);
+std::vector<double> body_shares(const PmModel& model);
 
 // The edits. Colours are factors of linear R, G, B.
 
@@ -39,10 +40,11 @@ struct Saturate {
 struct TurnHue {
     double degrees = 0;  ///< −360..360
 };
-/// Covers the surface by a clear dielectric layer with a rough interface. With Fresnel's transmittance T of the interface and the
-/// directions l', v' refracted at it,
-///   ρ = ρ_coat + T(l) T(v) (ρ'(l', v') / n² + what is reflected back and forth below the interface) tint^p,
-/// where ρ' is the model with its highlight widened by the rough interface, and p is half of 1/cosθ'l + 1/cosθ'v. A refit.
+/// Covers the surface by a clear dielectric layer with a rough interface. With T the share of light that the interface does not
+/// reflect, and the directions l', v' refracted at it,
+///   ρ = ρ_interface + T(l) T(v) / n² (ρ'(l', v') + ρ_again(l', v')) tint^p,
+/// where ρ' is the model with its highlight widened by the rough interface, ρ_again what is reflected more than once between base and
+/// interface, and p half of 1/cosθ'l + 1/cosθ'v. Symmetric if ρ is. A refit.
 struct Coat {
     double roughness = 0.1;  ///< α of the interface, 0.02..1
     double ior = 1.5;        ///< n, 1.05..3

@@ -54,24 +54,32 @@ double chromatic_distance(const Rgb& a, const Rgb& b) {
 
 double spread(const PmModel& model, int lobe) { return reflected(model, lobe).spread; }
 
-std::vector<bool> body_lobes(const PmModel& model) {
-    constexpr double k_much_nearer = 0.5;
+std::vector<double> body_shares(const PmModel& model) {
+    constexpr double k_much_nearer = 0.5, k_least_share_of_body = 0.05;
     std::vector<Reflected> lobes;
-    Rgb highlight, body;
+    Rgb highlight, body, all;
     for (int j = 0; j < model.lobes; ++j) {
         const Reflected& of = lobes.emplace_back(reflected(model, j));
         Rgb* const part = of.spread >= k_least_body_spread      ? &body
                           : of.spread < k_most_highlight_spread ? &highlight
                                                                 : nullptr;
-        for (int c = 0; part && c < 3; ++c) (*part)[c] += of.albedo[c];
+        for (int c = 0; c < 3; ++c) {
+            all[c] += of.albedo[c];
+            if (part) (*part)[c] += of.albedo[c];
+        }
     }
-    std::vector<bool> is_body;
+    const bool has_body = mean_of(body) >= k_least_share_of_body * mean_of(all);
+    std::vector<double> shares;
     for (const Reflected& of : lobes) {
-        const bool has_its_colour = chromatic_distance(of.albedo, body) <
-                                    k_much_nearer * chromatic_distance(of.albedo, highlight);
-        is_body.push_back(of.spread >= k_least_body_spread || (of.spread >= k_most_highlight_spread && has_its_colour));
+        const bool has_its_colour =
+            chromatic_distance(of.albedo, body) < k_much_nearer * chromatic_distance(of.albedo, highlight);
+        const double linear = (of.spread - k_most_highlight_spread) / (1 - k_most_highlight_spread);
+        const double between = !has_body ? 0 : has_its_colour ? 1 : linear;
+        shares.push_back(of.spread >= k_least_body_spread      ? 1
+                         : of.spread < k_most_highlight_spread ? 0
+                                                               : between);
     }
-    return is_body;
+    return shares;
 }
 
 namespace {
@@ -86,15 +94,16 @@ template <typename Colour> PmModel with_colours(PmModel model, const Colour& col
 }  // namespace
 
 PmModel part_of(PmModel model, bool body) {
-    const std::vector<bool> is_body = body_lobes(model);
-    return with_colours(std::move(model),
-                        [&](std::size_t j, const Rgb& beta) { return is_body[j] == body ? beta : Rgb{}; });
+    const std::vector<double> of_body = body_shares(model);
+    return with_colours(std::move(model), [&](std::size_t j, const Rgb& beta) {
+        return mixed({}, beta, float(body ? of_body[j] : 1 - of_body[j]));
+    });
 }
 
 PmModel tinted(PmModel model, const Tint& tint) {
-    const std::vector<bool> is_body = body_lobes(model);
+    const std::vector<double> of_body = body_shares(model);
     return with_colours(std::move(model), [&](std::size_t j, const Rgb& beta) {
-        const Rgb& by = is_body[j] ? tint.body : tint.highlight;
+        const Rgb by = mixed(tint.highlight, tint.body, float(of_body[j]));
         return Rgb{beta.r * by.r, beta.g * by.g, beta.b * by.b};
     });
 }
@@ -133,10 +142,10 @@ PmModel scaled(PmModel model, float factor) {
 }
 
 PmModel widened(PmModel model, double factor) {
-    const std::vector<bool> is_body = body_lobes(model);
+    const std::vector<double> of_body = body_shares(model);
     const auto N = std::size_t(model.variates), F = std::size_t(features(model.form));
-    for (std::size_t j = 0; j < is_body.size(); ++j) {
-        if (is_body[j]) continue;
+    for (std::size_t j = 0; j < of_body.size(); ++j) {
+        if (of_body[j] > 0.5) continue;
         for (std::size_t i = j * N; i < (j + 1) * N; ++i)
             model.bandwidth[i] = float(double(model.bandwidth[i]) / (factor * factor));
         for (std::size_t k = 2; k < F; ++k)  // γ and σ, of features linear in the slope

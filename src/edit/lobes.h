@@ -4,7 +4,7 @@
 
 namespace srbf {
 
-/// The lobes of the body alone, or of the highlight alone: the others have the coefficient 0.
+/// The shares of lobes that belong to the body, or to the highlight.
 PmModel part_of(PmModel model, bool body);
 
 PmModel tinted(PmModel model, const Tint& tint);

@@ -82,7 +82,9 @@ int EditCommand::run() {
         std::string of_body;
         const std::vector<double> shares = body_shares(*pm);
         for (std::size_t j = 0; j < shares.size(); ++j)
-            if (shares[j] > 0) of_body += fmt::format(" {}{}", j + 1, shares[j] < 1 ? fmt::format(" ({:.0f} %)", 100 * shares[j]) : "");
+            if (shares[j] > 0)
+                of_body +=
+                    fmt::format(" {}{}", j + 1, shares[j] < 1 ? fmt::format(" ({:.0f} %)", 100 * shares[j]) : "");
         fmt::print("lobes of the body:{}; the others are the highlight\n", of_body.empty() ? " none" : of_body);
     }
     return write(std::move(result), input, output);
@@ -105,13 +107,15 @@ Option add_colour(const Subcommand& sub, const std::string& name, Rgb& colour, d
         return true;
     };
     return sub
-        .add_option(name, [&colour, parsed](const std::string& text) { parsed(text, colour); }, about)
+        .add_option(
+            name, [&colour, parsed](const std::string& text) { parsed(text, colour); }, about)
         .type_name("R,G,B")
         .check([parsed, most](std::string& text) -> std::string {
             Rgb of;
-            const bool valid = parsed(text, of) && std::min({of.r, of.g, of.b}) >= 0 &&
-                               double(std::max({of.r, of.g, of.b})) <= most;
-            return valid ? "" : fmt::format("expected three numbers from 0 to {:g}, as 1,0.8,0.6, found {}", most, text);
+            const bool valid =
+                parsed(text, of) && std::min({of.r, of.g, of.b}) >= 0 && double(std::max({of.r, of.g, of.b})) <= most;
+            return valid ? ""
+                         : fmt::format("expected three numbers from 0 to {:g}, as 1,0.8,0.6, found {}", most, text);
         });
 }
 
@@ -135,16 +139,15 @@ void add_edit(CommandLine& app, int& status) {
         add_colour(sub, "--tint-body", of.tint.body, 10, "Colour of the body times this"),
         add_number(sub, "--scale-highlight", of.scale_highlight, 0, 10, "The highlight times this, 0 to 10"),
         add_number(sub, "--scale-body", of.scale_body, 0, 10, "The body times this, 0 to 10")};
-    of.saturates = add_number(sub, "--saturate", of.saturate.factor, 0, 4,
-                              "Distance of colours to grey times this, 0 to 4");
+    of.saturates =
+        add_number(sub, "--saturate", of.saturate.factor, 0, 4, "Distance of colours to grey times this, 0 to 4");
     of.hues = add_number(sub, "--hue", of.hue.degrees, -360, 360, "Turn colours about grey by these degrees");
     of.rotates = add_number(sub, "--rotate", of.rotate.degrees, -360, 360,
                             "Turn the tangent by these degrees; only anisotropic models change");
     of.coats = add_number(sub, "--coat", of.coat.roughness, 0.02, 1,
                           "Cover it by a clear coat of this roughness alpha, by a refit, 0.02 to 1");
-    const Option ior =
-        add_number(sub, "--coat-ior", of.coat.ior, 1.05, 3, "Index of refraction of the coat, 1.05 to 3")
-            .capture_default_str();
+    const Option ior = add_number(sub, "--coat-ior", of.coat.ior, 1.05, 3, "Index of refraction of the coat, 1.05 to 3")
+                           .capture_default_str();
     const Option tint = add_colour(sub, "--coat-tint", of.coat.tint, 1,
                                    "Colour of white light that passes twice through the coat along the normal");
     of.reduces = sub.add_option("--reduce", of.reduce.lobes, "Fit this number of lobes to the result, 1 to 64")
@@ -156,7 +159,8 @@ void add_edit(CommandLine& app, int& status) {
                                .check(within(0, k_most_threads))
                                .capture_default_str();
     sub.footer(
-        "Edits are applied in this order. The body is the lobes that reflect as far from the mirror direction as Lambert\n"
+        "Edits are applied in this order. The body is the lobes that reflect as far from the mirror direction as "
+        "Lambert\n"
         "does, the highlight all others. A coat has three lobes more.\n\n"
         "Example:\n  srbf edit film.srbf --roughen 1.5 --tint-highlight 1,0.8,0.6 -o warmer.srbf");
     const auto refits = [&of] { return of.roughens.given() || of.coats.given() || of.reduces.given(); };

@@ -50,8 +50,8 @@ class Layer {
     Layer(const Evaluate& base, const Coat& coat) : coat_(coat) {
         for (int ring = 0; ring < Rings::k_count; ++ring) passed_.push_back(transmitted_at(Rings::angle(ring)));
         Harmonics of_base = harmonics(base);
-        // Light that the base reflects returns from the interface, and is reflected again: B R B + B R B R B + .. Each return
-        // turns the direction to the light by half a turn.
+        // Light that the base reflects returns from the interface, and is reflected again: B R B + B R B R B + .. Each
+        // return turns the direction to the light by half a turn.
         Eigen::VectorXd returned(Rings::k_count);
         for (int ring = 0; ring < Rings::k_count; ++ring)
             returned[ring] = Rings::projected(ring) * (1 - escaping(elementary::cos(Rings::angle(ring))));
@@ -85,8 +85,8 @@ class Layer {
     }
 
   private:
-    /// Matrices between rings of each channel: a function of two polar angles and a difference of azimuths φ is Σ_m cos(mφ) times
-    /// its harmonics, times 2 but for m = 0.
+    /// Matrices between rings of each channel: a function of two polar angles and a difference of azimuths φ is Σ_m
+    /// cos(mφ) times its harmonics, times 2 but for m = 0.
     static constexpr std::size_t k_harmonics = 6;
     using Harmonics = std::array<std::array<Eigen::MatrixXd, 3>, k_harmonics>;
 
@@ -142,7 +142,8 @@ class Layer {
                 const double phi = elementary::atan2(double(light.w[i].y), double(light.w[i].x));
                 for (std::size_t m = 0; m < k_harmonics; ++m)
                     for (int c = 0; c < 3; ++c)
-                        all[m][std::size_t(c)](of_l, of_v) += weight * double(f[i][c]) * elementary::cos(double(m) * phi);
+                        all[m][std::size_t(c)](of_l, of_v) +=
+                            weight * double(f[i][c]) * elementary::cos(double(m) * phi);
             }
         }
         for (auto& of : all)

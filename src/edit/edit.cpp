@@ -32,23 +32,24 @@ Result<Done> validate(const Edit& edit) {
         if (least(found) >= 0 && most(found) <= high) return Done{};
         return argument_error("edit", what, fmt::format("0 to {:g} in each channel", high), text(found));
     };
-    return std::visit(
-        Cases{[&](const Roughen& of) { return require("factor of the roughness", of.factor, 0.1, 10); },
-              [&](const Tint& of) {
-                  const auto highlight = require_colour("tint of the highlight", of.highlight, 10);
-                  return highlight ? require_colour("tint of the body", of.body, 10) : highlight;
-              },
-              [&](const Saturate& of) { return require("factor of the saturation", of.factor, 0, 4); },
-              [&](const TurnHue& of) { return require("turn of the hue", of.degrees, -360, 360); },
-              [&](const Coat& of) -> Result<Done> {
-                  for (const auto& valid : {require("roughness of the coat", of.roughness, 0.02, 1),
-                                            require("index of refraction of the coat", of.ior, 1.05, 3)})
-                      if (!valid) return valid;
-                  return require_colour("tint of the coat", of.tint, 1);
-              },
-              [&](const Rotate& of) { return require("turn of the tangent", of.degrees, -360, 360); },
-              [&](const Reduce& of) { return require_range("edit", "number of lobes", of.lobes, 1, k_most_fitted_lobes); }},
-        edit);
+    return std::visit(Cases{[&](const Roughen& of) { return require("factor of the roughness", of.factor, 0.1, 10); },
+                            [&](const Tint& of) {
+                                const auto highlight = require_colour("tint of the highlight", of.highlight, 10);
+                                return highlight ? require_colour("tint of the body", of.body, 10) : highlight;
+                            },
+                            [&](const Saturate& of) { return require("factor of the saturation", of.factor, 0, 4); },
+                            [&](const TurnHue& of) { return require("turn of the hue", of.degrees, -360, 360); },
+                            [&](const Coat& of) -> Result<Done> {
+                                for (const auto& valid : {require("roughness of the coat", of.roughness, 0.02, 1),
+                                                          require("index of refraction of the coat", of.ior, 1.05, 3)})
+                                    if (!valid) return valid;
+                                return require_colour("tint of the coat", of.tint, 1);
+                            },
+                            [&](const Rotate& of) { return require("turn of the tangent", of.degrees, -360, 360); },
+                            [&](const Reduce& of) {
+                                return require_range("edit", "number of lobes", of.lobes, 1, k_most_fitted_lobes);
+                            }},
+                      edit);
 }
 
 /// Widens the highlight of the model, as a function.
@@ -126,17 +127,16 @@ std::string described(const Model& model) {
 
 std::string text(const Edit& edit) {
     return std::visit(
-        Cases{[](const Roughen& of) { return fmt::format("roughen {:g}", of.factor); },
-              [](const Tint& of) {
-                  return fmt::format("tint highlight {}, body {}", text(of.highlight), text(of.body));
-              },
-              [](const Saturate& of) { return fmt::format("saturate {:g}", of.factor); },
-              [](const TurnHue& of) { return fmt::format("hue {:g}", of.degrees); },
-              [](const Coat& of) {
-                  return fmt::format("coat of roughness {:g}, ior {:g}, tint {}", of.roughness, of.ior, text(of.tint));
-              },
-              [](const Rotate& of) { return fmt::format("rotate {:g}", of.degrees); },
-              [](const Reduce& of) { return fmt::format("reduce to {} lobes", of.lobes); }},
+        Cases{
+            [](const Roughen& of) { return fmt::format("roughen {:g}", of.factor); },
+            [](const Tint& of) { return fmt::format("tint highlight {}, body {}", text(of.highlight), text(of.body)); },
+            [](const Saturate& of) { return fmt::format("saturate {:g}", of.factor); },
+            [](const TurnHue& of) { return fmt::format("hue {:g}", of.degrees); },
+            [](const Coat& of) {
+                return fmt::format("coat of roughness {:g}, ior {:g}, tint {}", of.roughness, of.ior, text(of.tint));
+            },
+            [](const Rotate& of) { return fmt::format("rotate {:g}", of.degrees); },
+            [](const Reduce& of) { return fmt::format("reduce to {} lobes", of.lobes); }},
         edit);
 }
 

@@ -75,9 +75,7 @@ std::vector<double> body_shares(const PmModel& model) {
             chromatic_distance(of.albedo, body) < k_much_nearer * chromatic_distance(of.albedo, highlight);
         const double linear = (of.spread - k_most_highlight_spread) / (1 - k_most_highlight_spread);
         const double between = !has_body ? 0 : has_its_colour ? 1 : linear;
-        shares.push_back(of.spread >= k_least_body_spread      ? 1
-                         : of.spread < k_most_highlight_spread ? 0
-                                                               : between);
+        shares.push_back(of.spread >= k_least_body_spread ? 1 : of.spread < k_most_highlight_spread ? 0 : between);
     }
     return shares;
 }

@@ -13,7 +13,8 @@ PmModel turned(PmModel model, double hue);     ///< [rad]
 PmModel rotated(PmModel model, double angle);  ///< [rad]
 /// All coefficients times `factor`.
 PmModel scaled(PmModel model, float factor);
-/// The lobes begin a refit of a highlight widened by this factor: bandwidths and further exponents of the highlight's lobes.
+/// The lobes begin a refit of a highlight widened by this factor: bandwidths and further exponents of the highlight's
+/// lobes.
 PmModel widened(PmModel model, double factor);
 
 /// The model with another variate, which no lobe depends on.

@@ -4,9 +4,10 @@
 
 namespace srbf {
 
-/// Fits `lobes` lobes of the form and variates of `begin` to f: those of `begin`, without the least useful ones if it has more,
-/// and with the best of many random ones if it has fewer. The albedo is at most `albedo_limit`. Errors: those of `observe` and
-/// `fit_pm`.
-Result<PmModel> refit(const Evaluate& f, const PmModel& begin, int lobes, double albedo_limit, const EditOptions& options);
+/// Fits `lobes` lobes of the form and variates of `begin` to f: those of `begin`, without the least useful ones if it
+/// has more, and with the best of many random ones if it has fewer. The albedo is at most `albedo_limit`. Errors:
+/// those of `observe` and `fit_pm`.
+Result<PmModel> refit(const Evaluate& f, const PmModel& begin, int lobes, double albedo_limit,
+                      const EditOptions& options);
 
 }  // namespace srbf

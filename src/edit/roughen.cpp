@@ -63,23 +63,23 @@ double roughness_of(const Evaluate& highlight) {
 }
 
 Evaluate roughened(Evaluate highlight, double factor, double roughness) {
-    return [=, highlight = std::move(highlight)](std::span<const Vec3f> wl, std::span<const Vec3f> wv,
-                                                 std::span<Rgb> f) {
-        std::vector<Vec3f> from_l(wl.size()), from_v(wl.size());
-        std::vector<double> gain(wl.size());
-        for (std::size_t i = 0; i < wl.size(); ++i) {
-            const Vec3d l = to_double(wl[i]), v = to_double(wv[i]);
-            const Pair from = with_slope_over(factor, l, v);
-            from_l[i] = to_float(from.l), from_v[i] = to_float(from.v);
-            gain[i] = Kernel<double>::ggx_facets(l, v, factor * roughness) /
-                      Kernel<double>::ggx_facets(from.l, from.v, roughness);
-        }
-        highlight(from_l, from_v, f);
-        for (std::size_t i = 0; i < f.size(); ++i) {
-            const auto by = above_horizon(wl[i], wv[i]) ? float(gain[i]) : 0;
-            f[i] = {by * f[i].r, by * f[i].g, by * f[i].b};
-        }
-    };
+    return
+        [=, highlight = std::move(highlight)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+            std::vector<Vec3f> from_l(wl.size()), from_v(wl.size());
+            std::vector<double> gain(wl.size());
+            for (std::size_t i = 0; i < wl.size(); ++i) {
+                const Vec3d l = to_double(wl[i]), v = to_double(wv[i]);
+                const Pair from = with_slope_over(factor, l, v);
+                from_l[i] = to_float(from.l), from_v[i] = to_float(from.v);
+                gain[i] = Kernel<double>::ggx_facets(l, v, factor * roughness) /
+                          Kernel<double>::ggx_facets(from.l, from.v, roughness);
+            }
+            highlight(from_l, from_v, f);
+            for (std::size_t i = 0; i < f.size(); ++i) {
+                const auto by = above_horizon(wl[i], wv[i]) ? float(gain[i]) : 0;
+                f[i] = {by * f[i].r, by * f[i].g, by * f[i].b};
+            }
+        };
 }
 
 }  // namespace srbf

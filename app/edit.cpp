@@ -37,7 +37,7 @@ Rgb times(const Rgb& colour, double factor) {
     return {k * colour.r, k * colour.g, k * colour.b};
 }
 
-/// Those on the command line, in the order of the help.
+/// The edits on the command line, in the order of the help.
 std::vector<Edit> EditCommand::edits() const {
     std::vector<Edit> all;
     if (roughens.given()) all.emplace_back(roughen);

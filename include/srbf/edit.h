@@ -15,7 +15,7 @@ namespace [[gnu::visibility("default")]] srbf {
 /// 70° from the normal, divided by the same mean of Lambert's with the lobe's albedos at these views. 1 for a
 /// constant, about α² or less for facets.
 double spread(const PmModel& model, int lobe);
-/// Of each lobe, the share that belongs to the body; the rest belongs to the highlight. Lobes of less than the first
+/// The share of each lobe that belongs to the body; the rest belongs to the highlight. Lobes of less than the first
 /// spread are highlight, of at least the second body. Between them, if the body has at least a twentieth of the
 /// albedo, a lobe is body if its chromaticity is less than half as far from the body's as from the highlight's;
 /// otherwise the share is linear in the spread, from the first to 1. Without a body it is highlight.

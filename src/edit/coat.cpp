@@ -32,7 +32,7 @@ struct Rings {
         };
         return k_pi * (squared_sine(ring + 1) - squared_sine(ring));
     }
-    /// The rings on both sides of a direction, and the share of the second.
+    /// The two rings nearest to a direction, and the share of the second.
     struct Place {
         int first;
         double share;
@@ -44,7 +44,7 @@ struct Rings {
     };
 };
 
-/// What a coat does to light.
+/// The paths of light through a coat.
 class Layer {
   public:
     Layer(const Evaluate& base, const Coat& coat) : coat_(coat) {

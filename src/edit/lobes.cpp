@@ -11,7 +11,7 @@ namespace srbf {
 
 namespace {
 
-/// What a lobe reflects at some views.
+/// The light that a lobe reflects at some views.
 struct Reflected {
     Rgb albedo;     ///< the sum
     double spread;  ///< see `spread`

@@ -69,13 +69,15 @@ struct Editor {
     const EditOptions& options;
     double limit;  ///< of the albedo
 
-    Result<PmModel> fit(const Evaluate& f, const PmModel& begin, int lobes) const {
+    /// Fits lobes to f, which begin as those of the model or with their highlight widened.
+    Result<PmModel> fit(const Evaluate& f, const PmModel& model, double factor, int lobes) const {
+        const PmModel begin[] = {model, widened(model, factor)};
         return refit(f, begin, options.lobes.value_or(std::min(lobes, k_most_fitted_lobes)), limit, options);
     }
 
     Result<PmModel> operator()(const PmModel& model, const Roughen& of) const {
         if (of.factor == 1) return model;
-        return fit(roughened(model, of.factor), widened(model, of.factor), model.lobes);
+        return fit(roughened(model, of.factor), model, of.factor, model.lobes);
     }
     Result<PmModel> operator()(const PmModel& model, const Tint& of) const { return tinted(model, of); }
     Result<PmModel> operator()(const PmModel& model, const Saturate& of) const { return saturated(model, of.factor); }
@@ -87,14 +89,14 @@ struct Editor {
         const double slope = of.roughness * (1 - 1 / of.ior) / std::sqrt(2.0);
         const double own = roughness_of(evaluator(part_of(model, false)));
         const double factor = own > 0 ? std::min(elementary::hypot(1, slope / own), 10.0) : 1;
-        return fit(coated(factor > 1 ? roughened(model, factor) : evaluator(PmModel(model)), of),
-                   widened(model, factor), model.lobes + k_lobes_of_coat);
+        return fit(coated(factor > 1 ? roughened(model, factor) : evaluator(PmModel(model)), of), model, factor,
+                   model.lobes + k_lobes_of_coat);
     }
     Result<PmModel> operator()(const PmModel& model, const Rotate& of) const {
         return rotated(model, of.degrees * k_degree);
     }
     Result<PmModel> operator()(const PmModel& model, const Reduce& of) const {
-        return refit(evaluator(model), model, of.lobes, limit, options);
+        return refit(evaluator(model), std::span(&model, 1), of.lobes, limit, options);
     }
 };
 

@@ -112,8 +112,8 @@ Option add_colour(const Subcommand& sub, const std::string& name, Rgb& colour, d
         .type_name("R,G,B")
         .check([parsed, most](std::string& text) -> std::string {
             Rgb of;
-            const bool valid =
-                parsed(text, of) && std::min({of.r, of.g, of.b}) >= 0 && double(std::max({of.r, of.g, of.b})) <= most;
+            const bool valid = parsed(text, of) && is_finite(of) && std::min({of.r, of.g, of.b}) >= 0 &&
+                               double(std::max({of.r, of.g, of.b})) <= most;
             return valid ? ""
                          : fmt::format("expected three numbers from 0 to {:g}, as 1,0.8,0.6, found {}", most, text);
         });

@@ -244,6 +244,7 @@ TEST(Edit, RefusesWhatItCannotEdit) {
     EXPECT_TRUE(refused(colours, Roughen{0}));
     EXPECT_TRUE(refused(colours, Roughen{std::nan("")}));
     EXPECT_TRUE(refused(colours, Tint{{1, 1, -1}}));
+    EXPECT_TRUE(refused(colours, Tint{{1, std::nanf(""), 1}}));
     EXPECT_TRUE(refused(colours, Coat{0.1, 1, {1, 1, 1}}));
     EXPECT_TRUE(refused(colours, Reduce{0}));
     EXPECT_FALSE(blended(colours, spectral, 0.5).ok());

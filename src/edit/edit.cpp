@@ -29,7 +29,7 @@ Result<Done> validate(const Edit& edit) {
         return require_range("edit", what, found, low, high);
     };
     const auto require_colour = [](const char* what, const Rgb& found, double high) -> Result<Done> {
-        if (least(found) >= 0 && most(found) <= high) return Done{};
+        if (is_finite(found) && least(found) >= 0 && most(found) <= high) return Done{};
         return argument_error("edit", what, fmt::format("0 to {:g} in each channel", high), text(found));
     };
     return std::visit(Cases{[&](const Roughen& of) { return require("factor of the roughness", of.factor, 0.1, 10); },

@@ -17,7 +17,7 @@
 namespace srbf {
 namespace {
 
-constexpr int k_lobes_of_coat = 3, k_azimuths = 5;
+constexpr int k_lobes_of_coat = 3, k_bounded_azimuths = 5;
 template <typename... F> struct Cases : F... { using F::operator()...; };
 
 std::string text(const Rgb& colour) { return fmt::format("{:g},{:g},{:g}", colour.r, colour.g, colour.b); }
@@ -147,7 +147,7 @@ Result<Model> edited(const Model& model, std::span<const Edit> edits, const Edit
     const auto pm = require_pm(model);
     if (!pm) return pm.error();
     PmModel now = **pm;
-    const int azimuths = now.axial ? 1 : k_azimuths;
+    const int azimuths = now.axial ? 1 : k_bounded_azimuths;
     const double limit = std::max(1.0, AlbedoBound(1, azimuths).excess(evaluator(now)));
     const AlbedoBound bound(limit, azimuths);
     Model result{now, origin(model)};

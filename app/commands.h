@@ -50,6 +50,8 @@ void add_info(CommandLine& app, int& status);
 void add_eval(CommandLine& app, int& status);
 void add_compare(CommandLine& app, int& status);
 void add_convert(CommandLine& app, int& status);
+void add_edit(CommandLine& app, int& status);
+void add_blend(CommandLine& app, int& status);
 void add_export(CommandLine& app, int& status);
 /// Shell completion. Call it after the others, whose options it prints.
 void add_completion(CommandLine& app, int& status);

@@ -67,6 +67,8 @@ void add_subcommands(CommandLine& app, int& status) {
     add_eval(app, status);
     add_compare(app, status);
     add_convert(app, status);
+    add_edit(app, status);
+    add_blend(app, status);
     add_export(app, status);
     for (const auto add : k_extra_subcommands) add(app, status);
     add_completion(app, status);
@@ -78,8 +80,8 @@ int run_program(int argc, char** argv) {
     CommandLine app(
         "srbf", "srbf " SRBF_VERSION " (" SRBF_DATE ")",
         "srbf: measured BRDFs as a few spherical radial basis functions.\n"
-        "Reads measurements, fits models to them and reports the errors; evaluates, compares, converts, renders and\n"
-        "exports BRDFs. A measurement is a file of " +
+        "Reads measurements, fits models to them and reports the errors; evaluates, compares, converts, edits,\n"
+        "renders and exports BRDFs. A measurement is a file of " +
             names_of_formats() + ".",
         "Example:\n  srbf fit paper_white_rgb.bsdf --preview paper.png\n\n"
         "Exit status: 0: success. 2: the command line is invalid regardless of the files' content. 1: a file, a\n"

@@ -11,6 +11,7 @@
 #include "parameters.h"
 #include "prepared/table_file.h"
 #include "srbf/convert.h"
+#include "srbf/edit.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {
@@ -75,6 +76,35 @@ py::dict provenance_of(const PyBrdf& brdf) {
     return entries;
 }
 
+PyBrdf edit_of(const PyBrdf& brdf, const Edit& edit) {
+    const Model& model = brdf.require_model();
+    return PyBrdf(required(in_background(py::none(), [&](const ProgressToken& token) {
+        return edited(model, std::span(&edit, 1), {.progress = token});
+    })));
+}
+
+using Colour = std::array<float, 3>;
+Rgb colour_of(const Colour& numbers) { return {numbers[0], numbers[1], numbers[2]}; }
+
+void define_edits(py::class_<PyBrdf>& brdf) {
+    brdf.def("roughened", [](const PyBrdf& of, double factor) { return edit_of(of, Roughen{factor}); })
+        .def("tinted",
+             [](const PyBrdf& of, const Colour& highlight, const Colour& body) {
+                 return edit_of(of, Tint{colour_of(highlight), colour_of(body)});
+             })
+        .def("saturated", [](const PyBrdf& of, double factor) { return edit_of(of, Saturate{factor}); })
+        .def("hue_turned", [](const PyBrdf& of, double degrees) { return edit_of(of, TurnHue{degrees}); })
+        .def("rotated", [](const PyBrdf& of, double degrees) { return edit_of(of, Rotate{degrees}); })
+        .def("coated",
+             [](const PyBrdf& of, double roughness, double ior, const Colour& tint) {
+                 return edit_of(of, Coat{roughness, ior, colour_of(tint)});
+             })
+        .def("reduced", [](const PyBrdf& of, int lobes) { return edit_of(of, Reduce{lobes}); })
+        .def("blended", [](const PyBrdf& of, const PyBrdf& other, double mix) {
+            return PyBrdf(required(blended(of.require_model(), other.require_model(), mix)));
+        });
+}
+
 void save_brdf(const PyBrdf& brdf, const std::string& path) {
     const Model& model = brdf.require_model();
     required([&] {
@@ -84,8 +114,9 @@ void save_brdf(const PyBrdf& brdf, const std::string& path) {
 }
 
 void define_brdf(py::module_& module) {
-    py::class_<PyBrdf>(module, "Brdf")
-        .def("evaluate", &values_of)
+    py::class_<PyBrdf> brdf_class(module, "Brdf");
+    define_edits(brdf_class);
+    brdf_class.def("evaluate", &values_of)
         .def("evaluate_channels", &channels_of)
         .def("sample", &sample_rows)
         .def("pdf", &pdf_rows)

@@ -26,7 +26,7 @@ const std::vector<std::vector<std::string>> k_levels{
     {"src/models/pm/search", "src/models/su"},
     {"src/samples"},
     {"src/models"},
-    {"src/prepared", "src/fit"},
+    {"src/prepared", "src/fit", "src/edit"},
     {"src/code", "extras/maps", "extras/environment"},
     {"extras/environment/code", "app"},
     {"extras/render", "extras/maps/app"},

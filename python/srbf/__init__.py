@@ -228,6 +228,41 @@ class Model(Brdf):
         """Source, options and errors of the fit."""
         return self._native.provenance()
 
+    # Edits (docs/editing.md) of multivariate models of colours. Each returns a model, whose provenance has "edits".
+
+    def roughen(self, factor: float) -> "Model":
+        """The highlight as facets of `factor` (0.1 to 10) times the roughness have it. A refit."""
+        return Model(self._native.roughened(factor))
+
+    def tint(self, highlight: Sequence[float] = (1, 1, 1), body: Sequence[float] = (1, 1, 1)) -> "Model":
+        """The colours of highlight and body times these, 0 to 10 in R, G, B."""
+        return Model(self._native.tinted(highlight, body))
+
+    def saturate(self, factor: float) -> "Model":
+        """Colours at `factor` (0 to 4) times their distance to grey of the same luminance."""
+        return Model(self._native.saturated(factor))
+
+    def turn_hue(self, degrees: float) -> "Model":
+        """Colours turned about grey, with their luminance."""
+        return Model(self._native.hue_turned(degrees))
+
+    def rotate(self, degrees: float) -> "Model":
+        """The tangent turned, from x to y; an isotropic model stays as it is."""
+        return Model(self._native.rotated(degrees))
+
+    def coat(self, roughness: float = 0.1, ior: float = 1.5, tint: Sequence[float] = (1, 1, 1)) -> "Model":
+        """The surface under a clear coat of this roughness (0.02 to 1) and index of refraction (1.05 to 3); `tint` is the colour of white
+        light that passes it twice. A refit with three more lobes."""
+        return Model(self._native.coated(roughness, ior, tint))
+
+    def reduce(self, lobes: int) -> "Model":
+        """A fit of this number of lobes to the model."""
+        return Model(self._native.reduced(lobes))
+
+    def blend(self, other: "Model", mix: float = 0.5) -> "Model":
+        """(1 - mix) of this model and mix of `other`, with the lobes of both."""
+        return Model(self._native.blended(other._native, mix))
+
     def save(self, path: Path) -> None:
         """Writes the model file."""
         self._native.save(_file_name(path))

@@ -597,3 +597,22 @@ def test_both_sides(tmp_path):
     assert np.isfinite(weight).all()
     kept = pdf > 0
     assert np.allclose(both.pdf(drawn[kept], np.broadcast_to(away, (kept.sum(), 3))), pdf[kept], rtol=1e-3)
+
+
+def test_edits_are_models_with_other_provenance(tmp_path):
+    film = srbf.load_model(DATA.parent / "test" / "edit" / "dielectric.srbf")
+    body, white = film.tint(body=(0.5, 0.5, 0.5)), film.saturate(0)
+    wl, wv = directions(50), directions(50, seed=1)
+    assert (body.eval(wl, wv) <= film.eval(wl, wv)).all()
+    np.testing.assert_allclose(white.eval(wl, wv)[:, 0], white.eval(wl, wv)[:, 2], rtol=1e-3)
+    half = film.blend(white, 0.5)
+    np.testing.assert_allclose(half.eval(wl, wv), (film.eval(wl, wv) + white.eval(wl, wv)) / 2, rtol=1e-3)
+    few = film.turn_hue(30).rotate(10).reduce(3)
+    assert few.provenance["edits"] == "hue 30; rotate 10; reduce to 3 lobes" and len(few.parameters["coefficient"]) == 3
+    few.save(tmp_path / "few.srbf")
+    assert srbf.load(tmp_path / "few.srbf") == few
+    for edit in (lambda: film.roughen(0), lambda: film.coat(0.1, ior=1), lambda: film.tint((1, 1, -1)), lambda: film.blend(few, 2)):
+        with pytest.raises(srbf.Error):
+            edit()
+    with pytest.raises(TypeError):
+        film.tint(2)

@@ -5,6 +5,7 @@
 
 #include "brdf/directions.h"
 #include "observe/observations.h"
+#include "srbf/models/pm.h"
 
 namespace srbf {
 
@@ -43,5 +44,10 @@ class AlbedoBound {
     double limit_;
     std::vector<View> views_;
 };
+
+/// `model` with an albedo within the limit, where bounds have not sufficed: at the view that exceeds it most, the lobe
+/// is lowered that has most of its own albedo there, and so on. One that rises at the horizon alone leaves the others
+/// as they are.
+PmModel lowered_to(const AlbedoBound& bound, PmModel model);
 
 }  // namespace srbf

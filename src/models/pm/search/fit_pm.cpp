@@ -204,7 +204,7 @@ Result<PmFit> fit_pm(const Observations& observations, const PmFitOptions& optio
     on_threads(options.threads, [&] {
         Fit fit(observations, options, begin, reporter);
         for (const Stage& stage : schedule(!observations.views.empty())) {
-            if (begin && (stage.kind == StageKind::grow || stage.kind == StageKind::perturb)) continue;
+            if (begin && stage.kind == StageKind::perturb) continue;
             if (stage.kind == StageKind::finish)
                 done = fit.finish(stage);
             else

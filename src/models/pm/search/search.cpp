@@ -69,8 +69,9 @@ bool has_useless_lobe(const Candidate& candidate) {
 
 void grow(LobeProblem& problem, const PmFitOptions& options, Candidate& candidate, Reporter& reporter) {
     std::mt19937_64 random = generator(options.seed, candidate.start, 0);
-    candidate.lobes = initial_parameterizations(shape_of(options), candidate.start, random);
-    for (int j = 0; j < options.lobes; ++j) {
+    if (candidate.lobes.shape.variates == 0)
+        candidate.lobes = initial_parameterizations(shape_of(options), candidate.start, random);
+    for (int j = candidate.lobes.count(); j < options.lobes; ++j) {
         const Lobes lobes = with_best_lobe(problem, std::move(candidate.lobes), random);
         optimise(problem, candidate, lobes, j + 1 < options.lobes ? k_growth_steps : k_grown_steps);
         if (!reporter.advance("growing lobes", 1)) break;

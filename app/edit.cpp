@@ -1,0 +1,202 @@
+// Edits and blends of models.
+#include "srbf/edit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "app/commands.h"
+#include "app/output.h"
+#include "fit/fit_options.h"
+
+namespace srbf {
+namespace {
+
+struct EditCommand {
+    std::string input, output;
+    Roughen roughen;
+    Tint tint;
+    double scale_highlight = 1, scale_body = 1;
+    Saturate saturate;
+    TurnHue hue;
+    Rotate rotate;
+    Coat coat;
+    Reduce reduce;
+    EditOptions options;
+    std::vector<Option> of_colours;
+    Option roughens, saturates, hues, rotates, coats, reduces;
+
+    std::vector<Edit> edits() const;
+    int run();
+};
+
+Rgb times(const Rgb& colour, double factor) {
+    const auto k = float(factor);
+    return {k * colour.r, k * colour.g, k * colour.b};
+}
+
+/// The edits on the command line, in the order of the help.
+std::vector<Edit> EditCommand::edits() const {
+    std::vector<Edit> all;
+    if (roughens.given()) all.emplace_back(roughen);
+    if (std::ranges::any_of(of_colours, &Option::given))
+        all.emplace_back(Tint{times(tint.highlight, scale_highlight), times(tint.body, scale_body)});
+    if (saturates.given()) all.emplace_back(saturate);
+    if (hues.given()) all.emplace_back(hue);
+    if (rotates.given()) all.emplace_back(rotate);
+    if (coats.given()) all.emplace_back(coat);
+    if (reduces.given()) all.emplace_back(reduce);
+    return all;
+}
+
+/// The model in a file.
+Result<Model> model_in(const std::string& path) {
+    auto subject = load_subject(path);
+    if (!subject) return subject.error();
+    if (auto* model = std::get_if<Model>(&subject->content)) return std::move(*model);
+    return Error{path, {}, "input", "a model", "a measurement: fit it first", ErrorCode::wrong_kind};
+}
+
+/// Saves the model of an edit of `input`.
+int write(Result<Model> model, const std::string& input, const std::string& output) {
+    if (!model) {
+        Error error = model.error();
+        return error.source = input, complain(error);
+    }
+    const auto saved = save_model(*model, output);
+    return saved ? k_done : complain(saved.error());
+}
+
+int EditCommand::run() {
+    const auto model = model_in(input);
+    if (!model) return complain(model.error());
+    if (const auto writable = check_outputs({input}, {output}); !writable) return complain(writable.error());
+    ProgressLine line;
+    options.progress = [&line](const Progress& now) { return line.show("editing", now.fraction), true; };
+    const std::vector<Edit> wanted = edits();
+    auto result = edited(*model, wanted, options);
+    line.clear();
+    if (const auto* pm = std::get_if<PmModel>(&model->model); pm && result) {
+        std::string of_body;
+        const std::vector<double> shares = body_shares(*pm);
+        for (std::size_t j = 0; j < shares.size(); ++j)
+            if (shares[j] > 0)
+                of_body +=
+                    fmt::format(" {}{}", j + 1, shares[j] < 1 ? fmt::format(" ({:.0f} %)", 100 * shares[j]) : "");
+        fmt::print("lobes of the body:{}; the others are the highlight\n", of_body.empty() ? " none" : of_body);
+    }
+    return write(std::move(result), input, output);
+}
+
+/// An option for R, G, B, or one number for all three.
+Option add_colour(const Subcommand& sub, const std::string& name, Rgb& colour, double most, const std::string& about) {
+    const auto parsed = [](const std::string& text, Rgb& into) {
+        std::array<float, 3> numbers{};
+        std::size_t count = 0;
+        const char *at = text.data(), *const end = at + text.size();
+        for (; count < numbers.size(); ++at) {
+            const auto [rest, error] = std::from_chars(at, end, numbers[count]);
+            if (error != std::errc()) return false;
+            ++count, at = rest;
+            if (at == end || *at != ',') break;
+        }
+        if (at != end || count == 2) return false;
+        into = count == 1 ? Rgb{numbers[0], numbers[0], numbers[0]} : Rgb{numbers[0], numbers[1], numbers[2]};
+        return true;
+    };
+    return sub
+        .add_option(
+            name, [&colour, parsed](const std::string& text) { parsed(text, colour); }, about)
+        .type_name("R,G,B")
+        .check([parsed, most](std::string& text) -> std::string {
+            Rgb of;
+            const bool valid = parsed(text, of) && is_finite(of) && std::min({of.r, of.g, of.b}) >= 0 &&
+                               double(std::max({of.r, of.g, of.b})) <= most;
+            return valid ? ""
+                         : fmt::format("expected three numbers from 0 to {:g}, as 1,0.8,0.6, found {}", most, text);
+        });
+}
+
+Option add_number(const Subcommand& sub, const std::string& name, double& value, double least, double most,
+                  const std::string& about) {
+    return sub.add_option(name, value, about).type_name("X").check(within(least, most));
+}
+
+}  // namespace
+
+void add_edit(CommandLine& app, int& status) {
+    const auto command = std::make_shared<EditCommand>();
+    EditCommand& of = *command;
+    const Subcommand sub = app.add_subcommand("edit", "Edit a model: roughness, colours, a coat");
+    sub.add_option("MODEL", of.input, "A multivariate model").type_name("").required();
+    sub.add_option("-o,--output", of.output, "The model file to write").type_name("FILE").required();
+    of.roughens = add_number(sub, "--roughen", of.roughen.factor, 0.1, 10,
+                             "Roughness of the highlight times this, by a refit, 0.1 to 10");
+    of.of_colours = {
+        add_colour(sub, "--tint-highlight", of.tint.highlight, 10, "Colour of the highlight times this"),
+        add_colour(sub, "--tint-body", of.tint.body, 10, "Colour of the body times this"),
+        add_number(sub, "--scale-highlight", of.scale_highlight, 0, 10, "The highlight times this, 0 to 10"),
+        add_number(sub, "--scale-body", of.scale_body, 0, 10, "The body times this, 0 to 10")};
+    of.saturates =
+        add_number(sub, "--saturate", of.saturate.factor, 0, 4, "Distance of colours to grey times this, 0 to 4");
+    of.hues = add_number(sub, "--hue", of.hue.degrees, -360, 360, "Turn colours about grey by these degrees");
+    of.rotates = add_number(sub, "--rotate", of.rotate.degrees, -360, 360,
+                            "Turn the tangent by these degrees; only anisotropic models change");
+    of.coats = add_number(sub, "--coat", of.coat.roughness, 0.02, 1,
+                          "Cover it by a clear coat of this roughness alpha, by a refit, 0.02 to 1");
+    const Option ior = add_number(sub, "--coat-ior", of.coat.ior, 1.05, 3, "Index of refraction of the coat, 1.05 to 3")
+                           .capture_default_str();
+    const Option tint = add_colour(sub, "--coat-tint", of.coat.tint, 1,
+                                   "Colour of white light that passes twice through the coat along the normal");
+    of.reduces = sub.add_option("--reduce", of.reduce.lobes, "Fit this number of lobes to the result, 1 to 64")
+                     .type_name("J")
+                     .check(within(1, k_most_fitted_lobes));
+    const Option threads = sub.add_option("--threads", of.options.threads,
+                                          "Number of threads; 0: all of the machine. The output does not depend on it")
+                               .type_name("T")
+                               .check(within(0, k_most_threads))
+                               .capture_default_str();
+    sub.footer(
+        "Edits are applied in this order. The body is the lobes that reflect as far from the mirror direction as "
+        "Lambert\n"
+        "does, the highlight all others. A coat has three lobes more.\n\n"
+        "Example:\n  srbf edit film.srbf --roughen 1.5 --tint-highlight 1,0.8,0.6 -o warmer.srbf");
+    const auto refits = [&of] { return of.roughens.given() || of.coats.given() || of.reduces.given(); };
+    sub.callback(
+        [command, sub, &status] {
+            if (command->edits().empty()) sub.fail("expected an edit, as --roughen 1.5, found none");
+            status = command->run();
+        },
+        {{{ior, tint}, "only with --coat", [&of] { return of.coats.given(); }},
+         {{threads}, "only with --roughen, --coat or --reduce", refits}});
+}
+
+void add_blend(CommandLine& app, int& status) {
+    struct BlendCommand {
+        std::string a, b, output;
+        double mix = 0.5;
+        int run() const {
+            const auto first = model_in(a), second = model_in(b);
+            if (!first || !second) return complain((first ? second : first).error());
+            if (const auto writable = check_outputs({a, b}, {output}); !writable) return complain(writable.error());
+            return write(blended(*first, *second, mix), fmt::format("{} and {}", a, b), output);
+        }
+    };
+    const auto command = std::make_shared<BlendCommand>();
+    const Subcommand sub = app.add_subcommand("blend", "Mix two models");
+    sub.add_option("A", command->a, "A multivariate model").type_name("").required();
+    sub.add_option("B", command->b, "Another one").type_name("").required();
+    sub.add_option("-o,--output", command->output, "The model file to write").type_name("FILE").required();
+    sub.add_option("--mix", command->mix, "Share of B, 0 to 1")
+        .type_name("M")
+        .check(within(0.0, 1.0))
+        .capture_default_str();
+    sub.footer(
+        "The result has the lobes of both; `srbf edit --reduce` fits fewer to it.\n\n"
+        "Example:\n  srbf blend film.srbf paper_white_rgb.srbf --mix 0.3 -o worn.srbf");
+    sub.callback([command, &status] { status = command->run(); });
+}
+
+}  // namespace srbf

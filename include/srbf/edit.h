@@ -1,0 +1,87 @@
+// Edits of multivariate models: each result is a model like any other.
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "srbf/model.h"
+#include "srbf/progress.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// How far from the mirror direction lobe j reflects: the mean of sin²θh over what it reflects at views 5°, 45° and
+/// 70° from the normal, divided by the same mean of Lambert's with the lobe's albedos at these views. 1 for a
+/// constant, about α² or less for facets.
+double spread(const PmModel& model, int lobe);
+/// The share of each lobe that belongs to the body; the rest belongs to the highlight. Lobes of less than the first
+/// spread are highlight, of at least the second body. Between them, if the body has at least a twentieth of the
+/// albedo, a lobe is body if its chromaticity is less than half as far from the body's as from the highlight's;
+/// otherwise the share is linear in the spread, from the first to 1. Without a body it is highlight.
+inline constexpr double k_most_highlight_spread = 0.6, k_least_body_spread = 0.88;
+std::vector<double> body_shares(const PmModel& model);
+
+// The edits. Colours are factors of linear R, G, B.
+
+/// Widens the highlight as facets of `factor` times the roughness would: slopes of half vectors are divided by it, at
+/// the same angle of the light to the half vector, and masking is that of GGX facets of the new roughness. A refit.
+struct Roughen {
+    double factor = 1;  ///< 0.1..10
+};
+/// Multiplies the colours of the highlight and of the body, each 0..10.
+struct Tint {
+    Rgb highlight{1, 1, 1}, body{1, 1, 1};
+};
+/// Moves the colour of each lobe away from grey of its luminance (factor > 1) or towards it; a channel below 0 counts
+/// as 0.
+struct Saturate {
+    double factor = 1;  ///< 0..4
+};
+/// Turns the colour of each lobe about grey, at the same luminance; a channel below 0 counts as 0.
+struct TurnHue {
+    double degrees = 0;  ///< −360..360
+};
+/// Covers the surface by a clear dielectric layer with a rough interface. With T the share of light that the interface
+/// does not reflect, and the directions l', v' refracted at it,
+///   ρ = ρ_interface + T(l) T(v) / n² (ρ'(l', v') + ρ_again(l', v')) tint^p,
+/// where ρ' is the model with its highlight widened by the rough interface, ρ_again what is reflected more than once
+/// between base and interface, and p half of 1/cosθ'l + 1/cosθ'v. Symmetric if ρ is. A refit.
+struct Coat {
+    double roughness = 0.1;  ///< α of the interface, 0.02..1
+    double ior = 1.5;        ///< n, 1.05..3
+    Rgb tint{1, 1, 1};       ///< of light that passes twice through the layer along the normal, each 0..1
+};
+/// Turns the tangent; an isotropic model stays as it is.
+struct Rotate {
+    double degrees = 0;  ///< −360..360, from x to y
+};
+/// Fits fewer lobes to the model.
+struct Reduce {
+    int lobes = 8;  ///< 1..64
+};
+using Edit = std::variant<Roughen, Tint, Saturate, TurnHue, Coat, Rotate, Reduce>;
+/// The edit in words, for the provenance.
+std::string text(const Edit& edit);
+
+struct EditOptions {
+    /// Lobes of a refit; none: those of the model, and three more under a coat.
+    std::optional<int> lobes = {};
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    ProgressToken progress = {};
+};
+
+/// Applies the edits in their order. Refits minimise the objective appearance (objective.h) against the edited model's
+/// own function. A directional albedo stays at most 1, or the model's largest: where an edit exceeds it, lobes are
+/// lowered. A reciprocal model stays reciprocal. The provenance keeps where the model comes from, gets "edits", and
+/// loses the errors of the measurement. Errors: not a multivariate model; of colours and refits, a spectral model; a
+/// number out of range; cancelled.
+Result<Model> edited(const Model& model, std::span<const Edit> edits, const EditOptions& options = {});
+
+/// (1 − mix) a + mix b, with the lobes and variates of both: an exact sum, before coefficients are rounded. Models of
+/// different forms become one of the form that has all their terms; a reciprocal model beside one that is not becomes
+/// twice as many lobes and variates. Errors: mix outside 0..1; not two multivariate models; spectra at other
+/// wavelengths; more than 8 variates or 1024 lobes together.
+Result<Model> blended(const Model& a, const Model& b, double mix);
+
+}  // namespace srbf

@@ -1,0 +1,184 @@
+#include "srbf/edit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.h"
+#include "base/floating_point.h"
+#include "base/parameters.h"
+#include "edit/lobes.h"
+#include "edit/refit.h"
+#include "edit/reshape.h"
+#include "models/pm/pm_functions.h"
+#include "observe/albedo_bound.h"
+
+namespace srbf {
+namespace {
+
+constexpr int k_lobes_of_coat = 3, k_bounded_azimuths = 5;
+template <typename... F> struct Cases : F... { using F::operator()...; };
+
+std::string text(const Rgb& colour) { return fmt::format("{:g},{:g},{:g}", colour.r, colour.g, colour.b); }
+double least(const Rgb& c) { return double(std::min({c.r, c.g, c.b})); }
+double most(const Rgb& c) { return double(std::max({c.r, c.g, c.b})); }
+
+Result<Done> validate(const Edit& edit) {
+    const auto require = [](const char* what, double found, double low, double high) {
+        return require_range("edit", what, found, low, high);
+    };
+    const auto require_colour = [](const char* what, const Rgb& found, double high) -> Result<Done> {
+        if (is_finite(found) && least(found) >= 0 && most(found) <= high) return Done{};
+        return argument_error("edit", what, fmt::format("0 to {:g} in each channel", high), text(found));
+    };
+    return std::visit(Cases{[&](const Roughen& of) { return require("factor of the roughness", of.factor, 0.1, 10); },
+                            [&](const Tint& of) {
+                                const auto highlight = require_colour("tint of the highlight", of.highlight, 10);
+                                return highlight ? require_colour("tint of the body", of.body, 10) : highlight;
+                            },
+                            [&](const Saturate& of) { return require("factor of the saturation", of.factor, 0, 4); },
+                            [&](const TurnHue& of) { return require("turn of the hue", of.degrees, -360, 360); },
+                            [&](const Coat& of) -> Result<Done> {
+                                for (const auto& valid : {require("roughness of the coat", of.roughness, 0.02, 1),
+                                                          require("index of refraction of the coat", of.ior, 1.05, 3)})
+                                    if (!valid) return valid;
+                                return require_colour("tint of the coat", of.tint, 1);
+                            },
+                            [&](const Rotate& of) { return require("turn of the tangent", of.degrees, -360, 360); },
+                            [&](const Reduce& of) {
+                                return require_range("edit", "number of lobes", of.lobes, 1, k_most_fitted_lobes);
+                            }},
+                      edit);
+}
+
+/// Widens the highlight of the model, as a function.
+Evaluate roughened(const PmModel& model, double factor) {
+    const auto highlight = evaluator(part_of(model, false));
+    Evaluate wide = roughened(highlight, factor, roughness_of(highlight));
+    return [wide, body = evaluator(part_of(model, true))](auto wl, auto wv, auto f) {
+        std::vector<Rgb> of_body(f.size());
+        wide(wl, wv, f), body(wl, wv, of_body);
+        for (std::size_t i = 0; i < f.size(); ++i)
+            for (int c = 0; c < 3; ++c) f[i][c] += of_body[i][c];
+    };
+}
+
+/// An edit in progress.
+struct Editor {
+    const EditOptions& options;
+    double limit;  ///< of the albedo
+
+    /// Fits lobes to f, which begin as those of the model or with their highlight widened.
+    Result<PmModel> fit(const Evaluate& f, const PmModel& model, double factor, int lobes) const {
+        const PmModel begin[] = {model, widened(model, factor)};
+        return refit(f, begin, options.lobes.value_or(std::min(lobes, k_most_fitted_lobes)), limit, options);
+    }
+
+    Result<PmModel> operator()(const PmModel& model, const Roughen& of) const {
+        if (of.factor == 1) return model;
+        return fit(roughened(model, of.factor), model, of.factor, model.lobes);
+    }
+    Result<PmModel> operator()(const PmModel& model, const Tint& of) const { return tinted(model, of); }
+    Result<PmModel> operator()(const PmModel& model, const Saturate& of) const { return saturated(model, of.factor); }
+    Result<PmModel> operator()(const PmModel& model, const TurnHue& of) const {
+        return turned(model, of.degrees * k_degree);
+    }
+    Result<PmModel> operator()(const PmModel& model, const Coat& of) const {
+        // Two passages of the interface turn light like facets of this slope below it.
+        const double slope = of.roughness * (1 - 1 / of.ior) / std::sqrt(2.0);
+        const double own = roughness_of(evaluator(part_of(model, false)));
+        const double factor = own > 0 ? std::min(elementary::hypot(1, slope / own), 10.0) : 1;
+        return fit(coated(factor > 1 ? roughened(model, factor) : evaluator(PmModel(model)), of), model, factor,
+                   model.lobes + k_lobes_of_coat);
+    }
+    Result<PmModel> operator()(const PmModel& model, const Rotate& of) const {
+        return rotated(model, of.degrees * k_degree);
+    }
+    Result<PmModel> operator()(const PmModel& model, const Reduce& of) const {
+        return refit(evaluator(model), std::span(&model, 1), of.lobes, limit, options);
+    }
+};
+
+Result<const PmModel*> require_pm(const Model& model) {
+    if (const auto* pm = std::get_if<PmModel>(&model.model)) return pm;
+    return argument_error("edit", "model", "a multivariate model", std::string(kind_words(model)));
+}
+
+/// True if the edit needs colours, which a spectral model does not have of its own.
+bool is_of_colours(const Edit& edit) { return !std::holds_alternative<Rotate>(edit); }
+
+/// Where a model comes from, without the errors of its fit.
+std::map<std::string, std::string> origin(const Model& model) {
+    std::map<std::string, std::string> kept{{"generator", "srbf " SRBF_VERSION}};
+    for (const char* key : {"source", "exchanged", "max_theta", "edits"})
+        if (const auto at = model.provenance.find(key); at != model.provenance.end()) kept.insert(*at);
+    return kept;
+}
+
+std::string described(const Model& model) {
+    const auto of = [&](const char* key) {
+        const auto at = model.provenance.find(key);
+        return at == model.provenance.end() ? std::string() : at->second;
+    };
+    const std::string source = of("source").empty() ? "a model" : of("source"), edits = of("edits");
+    return edits.empty() ? source : fmt::format("{} ({})", source, edits);
+}
+
+}  // namespace
+
+std::string text(const Edit& edit) {
+    return std::visit(
+        Cases{
+            [](const Roughen& of) { return fmt::format("roughen {:g}", of.factor); },
+            [](const Tint& of) { return fmt::format("tint highlight {}, body {}", text(of.highlight), text(of.body)); },
+            [](const Saturate& of) { return fmt::format("saturate {:g}", of.factor); },
+            [](const TurnHue& of) { return fmt::format("hue {:g}", of.degrees); },
+            [](const Coat& of) {
+                return fmt::format("coat of roughness {:g}, ior {:g}, tint {}", of.roughness, of.ior, text(of.tint));
+            },
+            [](const Rotate& of) { return fmt::format("rotate {:g}", of.degrees); },
+            [](const Reduce& of) { return fmt::format("reduce to {} lobes", of.lobes); }},
+        edit);
+}
+
+Result<Model> edited(const Model& model, std::span<const Edit> edits, const EditOptions& options) {
+    const StandardArithmetic mode;
+    const auto pm = require_pm(model);
+    if (!pm) return pm.error();
+    PmModel now = **pm;
+    const int azimuths = now.axial ? 1 : k_bounded_azimuths;
+    const double limit = std::max(1.0, AlbedoBound(1, azimuths).excess(evaluator(now)));
+    const AlbedoBound bound(limit, azimuths);
+    Model result{now, origin(model)};
+    std::string& done = result.provenance["edits"];
+    for (const Edit& edit : edits) {
+        if (const auto valid = validate(edit); !valid) return valid.error();
+        if (!now.wavelength.empty() && is_of_colours(edit))
+            return argument_error("edit", "model", "one of colours", "a spectral one");
+        auto next = std::visit([&](const auto& of) { return Editor{options, limit}(now, of); }, edit);
+        if (!next) return next.error();
+        now = rounded(lowered_to(bound, *std::move(next)));
+        done += (done.empty() ? "" : "; ") + text(edit);
+    }
+    result.model = std::move(now);
+    return result;
+}
+
+Result<Model> blended(const Model& a, const Model& b, double mix) {
+    const StandardArithmetic mode;
+    if (const auto valid = require_range("blend", "mix", mix, 0.0, 1.0); !valid) return valid.error();
+    const auto of_a = require_pm(a), of_b = require_pm(b);
+    if (!of_a || !of_b) return (of_a ? of_b : of_a).error();
+    if ((*of_a)->wavelength != (*of_b)->wavelength)
+        return argument_error("blend", "models", "the same wavelengths, or colours", "others");
+    PmModel sum = joined(scaled(**of_a, float(1 - mix)), scaled(**of_b, float(mix)));
+    for (const auto& valid : {require_range("blend", "variates of both", sum.variates, 1, k_most_variates),
+                              require_range("blend", "lobes of both", sum.lobes, 1, k_most_lobes)})
+        if (!valid) return valid.error();
+    return Model{rounded(sum),
+                 {{"generator", "srbf " SRBF_VERSION},
+                  {"edits", fmt::format("{} and {}, mixed at {:g}", described(a), described(b), mix)}}};
+}
+
+}  // namespace srbf

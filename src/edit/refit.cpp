@@ -1,0 +1,65 @@
+#include "edit/refit.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "base/least_squares.h"
+#include "base/levenberg_marquardt.h"
+#include "base/parallel.h"
+#include "models/pm/search/fit_pm.h"
+#include "models/pm/search/options.h"
+#include "models/pm/search/random_lobes.h"
+#include "models/pm/solve/rounding.h"
+
+namespace srbf {
+namespace {
+
+/// Observations of a function without noise: a quarter of those of a measurement.
+constexpr std::size_t k_observed_pairs = 16384, k_fewer = 4;
+/// The number of pairs that choose the beginning.
+constexpr std::size_t k_pairs_of_beginning = 4096;
+
+/// Lobes to begin with, and their loss of pairs.
+struct Beginning {
+    PmModel model;
+    double loss;
+};
+/// The model without the lobes that are least useful, dropped one after the other, after a few steps.
+Beginning beginning_of(const PmModel& model, int lobes, const LobeShape& shape, LobeProblem& problem) {
+    constexpr int k_first_steps = 8;
+    Lobes left = to_lobes(model, shape);
+    for (problem.loss(pack(left)); left.count() > lobes; problem.loss(pack(left))) {
+        const std::vector<double> cost = cost_of_dropping(problem.gram(), problem.beta());
+        left = without_lobe(std::move(left), std::ranges::min_element(cost) - cost.begin());
+    }
+    Eigen::VectorXd x = pack(left);
+    const double loss = levenberg_marquardt(problem, x, {.max_iterations = k_first_steps}).loss;
+    problem.loss(x);
+    return {to_model(problem, unpack(x, shape), true), loss};
+}
+
+}  // namespace
+
+Result<PmModel> refit(const Evaluate& f, std::span<const PmModel> begin, int lobes, double albedo_limit,
+                      const EditOptions& options) {
+    auto observations =
+        observe(f, {.count = k_observed_pairs, .threads = options.threads, .fewer = k_fewer}, options.progress);
+    if (!observations) return observations.error();
+    const PmModel& first = begin[0];
+    PmFitOptions fit{.form = first.form, .axial = first.axial, .lobes = lobes, .variates = first.variates};
+    fit.albedo_limit = albedo_limit, fit.threads = options.threads;
+    std::optional<Beginning> best;
+    on_threads(options.threads, [&] {
+        const Rows rows(beginning(*observations, k_pairs_of_beginning));
+        LobeProblem problem(rows, shape_of(fit), true);
+        for (const PmModel& model : begin) {
+            Beginning next = beginning_of(model, lobes, shape_of(fit), problem);
+            if (!best || next.loss < best->loss) best = std::move(next);
+        }
+    });
+    auto fitted = fit_pm(*observations, fit, options.progress, &best->model);
+    if (!fitted) return fitted.error();
+    return std::move(fitted->model);
+}
+
+}  // namespace srbf

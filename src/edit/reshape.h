@@ -1,0 +1,21 @@
+// Edits that are functions of directions, which lobes are then fitted to.
+#pragma once
+#include "srbf/edit.h"
+
+namespace srbf {
+
+/// α of the GGX facets that have the highlight's median slope of half vectors, with light and viewer 30° from the half
+/// vector and across its tilt, where masking hardly matters; 0 if the highlight is black.
+double roughness_of(const Evaluate& highlight);
+
+/// The highlight with slopes of half vectors `factor` times as large. At half vector h its value is
+///   f(l₀, v₀) facets(l, v; factor α) / facets(l₀, v₀; α),
+/// with facets = D G / (4 cosθl cosθv) of GGX, and (l₀, v₀) about the half vector of h's azimuth and its slope over
+/// `factor`, at the same l·h and, as far as both are above the horizon, the same azimuth about it. Of GGX facets with
+/// roughness α it is exactly GGX of factor α, and symmetric if f is.
+Evaluate roughened(Evaluate highlight, double factor, double roughness);
+
+/// The surface `base` under a coat, see `Coat`.
+Evaluate coated(Evaluate base, const Coat& coat);
+
+}  // namespace srbf

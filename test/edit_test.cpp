@@ -1,0 +1,255 @@
+// Edits of models against the materials that they should become.
+#include "srbf/edit.h"
+
+#include "edit/lobes.h"
+#include "edit/reshape.h"
+#include "errors/picture_errors.h"
+#include "models.h"
+#include "observe/albedo_bound.h"
+#include "srbf/kernel.h"
+#include "srbf/sampling.h"
+#include "statistics.h"
+
+namespace srbf::edit_test {
+namespace {
+
+/// A material of facets, and the fit that `srbf fit` made of it: test/edit/NAME.srbf.
+struct Material {
+    const char* name;
+    GgxModel truth;
+
+    Model fit() const { return *load_model(std::string(SRBF_SOURCE_DIR) + "/test/edit/" + name + ".srbf"); }
+};
+const GgxModel::Lobe k_dielectric{0.3f, {0.04f, 0.04f, 0.04f}, 1};
+const Material k_materials[] = {
+    {"dielectric", {{0.4f, 0.25f, 0.1f}, {k_dielectric}}},
+    {"metal", {{}, {{0.3f, {0.9f, 0.6f, 0.3f}, 1}}}},
+    {"two_lobes", {{0.1f, 0.05f, 0.05f}, {{0.1f, {0.04f, 0.04f, 0.04f}, 1}, {0.4f, {0.1f, 0.1f, 0.1f}, 1}}}},
+};
+
+double visible_error(const Evaluate& truth, const Evaluate& other) {
+    constexpr int k_pixels = 32;
+    return compare_pictures(truth, {&other, 1}, 0, {}, k_pixels, true)[0].mean.delta_e;
+}
+const PmModel& pm(const Model& model) { return std::get<PmModel>(model.model); }
+
+/// An edit of a lawful reciprocal model is lawful and reciprocal, and its file is that of any model.
+void expect_lawful(const Model& model) {
+    EXPECT_LE(AlbedoBound(1, 1).excess(evaluator(model)), 1.0);
+    EXPECT_EQ(pm(model).form, PmForm::reciprocal);
+    const auto read = read_model(write_model(model), "");
+    ASSERT_TRUE(read.ok());
+    EXPECT_TRUE(pm(*read) == pm(model));
+    EXPECT_TRUE(model.provenance.contains("edits"));
+    EXPECT_FALSE(model.provenance.contains("delta_e_itp"));
+}
+
+Model with_edit(const Model& model, const Edit& edit) {
+    auto result = edited(model, std::span(&edit, 1));
+    EXPECT_TRUE(result.ok()) << text(edit) << ": " << message(result.error());
+    return *std::move(result);
+}
+
+TEST(Edit, SeparatesHighlightAndBody) {
+    const Model fit = k_materials[0].fit();
+    const Rgb body = albedo(evaluator(part_of(pm(fit), true)), 0.5, k_pi / 2);
+    for (int c = 0; c < 3; ++c) EXPECT_TRUE(near_relative(body[c], k_materials[0].truth.diffuse[c], 0.05));
+    const Model metal = k_materials[1].fit();
+    EXPECT_LT(albedo(evaluator(part_of(pm(metal), true)), 0.5, k_pi / 2).r, 0.02f);
+}
+
+TEST(Edit, RoughensFacetsExactly) {
+    std::mt19937_64 random(1);
+    for (const float alpha : {0.05f, 0.3f}) {
+        const GgxModel facets{{}, {{alpha, {0.9f, 0.6f, 0.3f}, 1}}};
+        const double found = roughness_of(evaluator(facets));
+        EXPECT_TRUE(near_relative(found, double(alpha), 0.05));
+        for (const float factor : {0.5f, 1.f, 2.f}) {
+            GgxModel rough = facets;
+            rough.lobes[0].roughness *= factor;
+            const Evaluate by_directions = roughened(evaluator(facets), double(factor), double(alpha));
+            for (int i = 0; i < 500; ++i) {
+                const Vec3f wl = to_float(random_direction(random, 0.02)),
+                            wv = to_float(random_direction(random, 0.02));
+                std::array<Rgb, 2> f;
+                by_directions(std::array{wl, wv}, std::array{wv, wl}, f);
+                const Rgb expected = value(rough, wl, wv);
+                EXPECT_PRED3(near_relative, f[0].g, expected.g, 2e-3);
+                EXPECT_PRED3(near_relative, f[0].g, f[1].g, 2e-3);
+            }
+        }
+    }
+}
+
+TEST(Edit, RoughenedFitsLookLikeRougherFacets) {
+    for (const Material& material : k_materials)
+        for (const double factor : {0.7, 1.5, 2.0}) {
+            GgxModel truth = material.truth;
+            for (GgxModel::Lobe& lobe : truth.lobes) lobe.roughness *= float(factor);
+            const Model rough = with_edit(material.fit(), Roughen{factor});
+            EXPECT_LE(visible_error(evaluator(truth), evaluator(rough)), 2.5) << material.name << ' ' << factor;
+            expect_lawful(rough);
+        }
+}
+
+TEST(Edit, TintedFitsLookLikeFacetsOfThoseColours) {
+    const Rgb highlight{1, 0.8f, 0.6f}, body{0.5f, 1, 0.8f};
+    const auto times = [](const Rgb& a, const Rgb& b) { return Rgb{a.r * b.r, a.g * b.g, a.b * b.b}; };
+    for (const Material& material : k_materials) {
+        const GgxModel& own = material.truth;
+        const Evaluate truth = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+            const GgxModel facets{{}, own.lobes}, diffuse{own.diffuse, {{1, {}, 0}}};
+            for (std::size_t i = 0; i < f.size(); ++i) {
+                const Rgb a = times(value(facets, wl[i], wv[i]), highlight);
+                const Rgb b = times(value(diffuse, wl[i], wv[i]), body);
+                f[i] = {a.r + b.r, a.g + b.g, a.b + b.b};
+            }
+        };
+        const Model fit = material.fit(), tint = with_edit(fit, Tint{highlight, body});
+        EXPECT_LE(visible_error(truth, evaluator(tint)), 1.5) << material.name;
+        expect_lawful(tint);
+    }
+}
+
+TEST(Edit, HueKeepsLuminanceAndSaturationEndsInGrey) {
+    std::mt19937_64 random(2);
+    const Model model{random_model(random, {.form = PmForm::reciprocal}), {}};
+    const PmModel grey = saturated(pm(model), 0), turn = turned(pm(model), 2 * k_pi), third = turned(pm(model), 0.3);
+    for (std::size_t j = 0; j < grey.coefficient.size(); ++j) {
+        const Rgb own = pm(model).coefficient[j];
+        EXPECT_TRUE(near(grey.coefficient[j].r, luminance(own), 1e-6) &&
+                    near(grey.coefficient[j].b, luminance(own), 1e-6));
+        for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(turn.coefficient[j][c], own[c], 1e-6));
+        const Rgb moved = third.coefficient[j];
+        EXPECT_TRUE(std::min({moved.r, moved.g, moved.b}) == 0 || near(luminance(moved), luminance(own), 1e-6));
+    }
+    // Red becomes green and green blue by a third of a turn, but for grey.
+    PmModel red = pm(model);
+    red.coefficient.assign(red.coefficient.size(), {0.3f, 0, 0});
+    const Rgb green = turned(red, 2 * k_pi / 3).coefficient[0];
+    EXPECT_GT(green.g, green.r);
+    EXPECT_GT(green.g, green.b);
+}
+
+TEST(Edit, RotatesTheTangent) {
+    std::mt19937_64 random(3);
+    const Model model{random_model(random, {.axial = false, .form = PmForm::extended}), {}};
+    const PmModel rotated_model = rotated(pm(model), 0.7);
+    const auto turn = [](Vec3d w) {
+        const double cosine = std::cos(0.7), sine = std::sin(0.7);
+        return to_float({cosine * w.x - sine * w.y, sine * w.x + cosine * w.y, w.z});
+    };
+    for (int i = 0; i < 100; ++i) {
+        const Vec3d wl = random_direction(random, 0.05), wv = random_direction(random, 0.05);
+        EXPECT_PRED3(near_relative, value(rotated_model, turn(wl), turn(wv)).g,
+                     value(pm(model), to_float(wl), to_float(wv)).g, 1e-3);
+    }
+}
+
+TEST(Edit, BlendsAreMeansAndAreReduced) {
+    const Model a = k_materials[0].fit(), b = k_materials[1].fit();
+    const auto blend = blended(a, b, 0.5);
+    ASSERT_TRUE(blend.ok());
+    std::mt19937_64 random(4);
+    for (int i = 0; i < 500; ++i) {
+        const Vec3f wl = to_float(random_direction(random, 0.02)), wv = to_float(random_direction(random, 0.02));
+        const Rgb f = value(*blend, wl, wv), of_a = value(a, wl, wv), of_b = value(b, wl, wv);
+        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near_relative, f[c], (of_a[c] + of_b[c]) / 2, 1e-4);
+    }
+    expect_lawful(*blend);
+    const Evaluate truth = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        for (std::size_t i = 0; i < f.size(); ++i)
+            f[i] = mixed(value(k_materials[0].truth, wl[i], wv[i]), value(k_materials[1].truth, wl[i], wv[i]), 0.5f);
+    };
+    const Model few = with_edit(*blend, Reduce{8});
+    EXPECT_EQ(pm(few).lobes, 8);
+    const double of_fits = 0.5 * (visible_error(evaluator(k_materials[0].truth), evaluator(a)) +
+                                  visible_error(evaluator(k_materials[1].truth), evaluator(b)));
+    EXPECT_LE(visible_error(truth, evaluator(few)), 1.5 * of_fits);
+    expect_lawful(few);
+}
+
+TEST(Edit, BlendsOfDifferentFormsAreMeans) {
+    std::mt19937_64 random(5);
+    const Model reciprocal{rounded(random_model(random, {.form = PmForm::reciprocal})), {}};
+    for (const PmForm form : {PmForm::gaussian, PmForm::extended}) {
+        const Model other{rounded(random_model(random, {.variates = 2, .form = form})), {}};
+        const auto blend = blended(other, reciprocal, 0.25);
+        ASSERT_TRUE(blend.ok()) << message(blend.error());
+        for (int i = 0; i < 100; ++i) {
+            const Vec3f wl = to_float(random_direction(random, 0.05)), wv = to_float(random_direction(random, 0.05));
+            const double f = 0.75 * double(value(other, wl, wv).g) + 0.25 * double(value(reciprocal, wl, wv).g);
+            EXPECT_PRED3(near_relative, value(*blend, wl, wv).g, f, 3e-3);  // coefficients are rounded
+        }
+    }
+    const Model many{random_model(random, {.variates = 5}), {}};
+    EXPECT_FALSE(blended(reciprocal, many, 0.5).ok());
+}
+
+TEST(Edit, CoatsReflectAllThatWhiteBasesDo) {
+    const GgxModel white{{1, 1, 1}, {{1, {}, 0}}}, black{{0, 0, 0}, {{1, {}, 0}}};
+    const Coat coat{0.05, 1.5, {1, 1, 1}};
+    for (const double theta : {0.1, 0.8, 1.3}) {
+        EXPECT_TRUE(near(albedo(coated(evaluator(white), coat), theta, k_pi / 2).g, 1, 0.02)) << theta;
+        const double cosine = std::cos(theta);
+        const double fresnel = Kernel<double>::dielectric_reflectance(cosine, 1.5);
+        EXPECT_TRUE(near(albedo(coated(evaluator(black), coat), theta, k_pi / 2).g, fresnel, 0.02)) << theta;
+    }
+}
+
+TEST(Edit, CoatedFitsAreLawful) {
+    for (const Material& material : std::span(k_materials).first(2)) {
+        const Model coat = with_edit(material.fit(), Coat{0.1, 1.5, {1, 1, 1}});
+        expect_lawful(coat);
+        EXPECT_EQ(pm(coat).lobes, pm(material.fit()).lobes + 3);
+        GgxModel wide = material.truth;
+        wide.lobes[0].roughness *= float(std::hypot(1, 0.1 / 3 / std::sqrt(2.0) / 0.3));
+        EXPECT_LE(visible_error(coated(evaluator(wide), {0.1, 1.5, {1, 1, 1}}), evaluator(coat)), 2.5) << material.name;
+    }
+}
+
+TEST(Edit, EditedModelsAreSampledByTheirDensity) {
+    const Model rough = with_edit(k_materials[1].fit(), Roughen{0.7});
+    const Proposal proposal = propose(rough);
+    const PolarBins bins = half_vector_bins();
+    std::mt19937_64 random(6);
+    const auto draw = [&] { return float(uniform(random)); };
+    constexpr int k_samples = 20000;
+    for (const double theta : {0.3, 1.2}) {
+        const Vec3f wv = to_float(spherical(theta, 0.0));
+        std::vector<double> expected = bins.masses([&](Vec3d wl) { return double(pdf(proposal, to_float(wl), wv)); });
+        std::vector<double> observed(bins.size());
+        for (double& mass : expected) mass *= k_samples;
+        int samples = 0;
+        for (int i = 0; i < k_samples; ++i) {
+            const float x = draw(), y = draw(), selector = draw();
+            const Vec3f wl = sample(proposal, wv, {x, y}, selector);
+            if (wl.z > 0) observed[bins.index(to_double(wl))] += 1, ++samples;
+        }
+        EXPECT_GT(samples, 0.97 * k_samples);
+        EXPECT_GT(chi2_p_value(observed, expected), 1e-4) << theta;
+    }
+}
+
+TEST(Edit, RefusesWhatItCannotEdit) {
+    std::mt19937_64 random(7);
+    const Model colours{random_model(random, {}), {}}, spectral{spectral_model(random, {}, 5), {}},
+        facets{k_materials[0].truth, {}};
+    const auto refused = [](const Model& model, const Edit& edit) {
+        const auto result = edited(model, std::span(&edit, 1));
+        return !result.ok() && result.error().code == ErrorCode::argument;
+    };
+    EXPECT_TRUE(refused(facets, TurnHue{10}));
+    EXPECT_TRUE(refused(spectral, TurnHue{10}));
+    EXPECT_TRUE(refused(colours, Roughen{0}));
+    EXPECT_TRUE(refused(colours, Roughen{std::nan("")}));
+    EXPECT_TRUE(refused(colours, Tint{{1, 1, -1}}));
+    EXPECT_TRUE(refused(colours, Tint{{1, std::nanf(""), 1}}));
+    EXPECT_TRUE(refused(colours, Coat{0.1, 1, {1, 1, 1}}));
+    EXPECT_TRUE(refused(colours, Reduce{0}));
+    EXPECT_FALSE(blended(colours, spectral, 0.5).ok());
+    EXPECT_FALSE(blended(colours, colours, 1.5).ok());
+}
+
+}  // namespace
+}  // namespace srbf::edit_test

@@ -56,10 +56,12 @@ const std::vector<std::string> k_functions{"su_rotated_value",
                                            "proposal_power",
                                            "stretch_along",
                                            "sample_proposal_lobe",
-                                           "elevation_coordinate"};
-const std::vector<std::string> k_functions_of_lanes{"pm_value",      "facets_pdf",     "stretch_along",
-                                                    "stretched",     "half_vector",    "half_vector_lobe",
-                                                    "reflected_pdf", "proposal_point", "proposal_lobe_pdf"};
+                                           "elevation_coordinate",
+                                           "pm_further_features"};
+const std::vector<std::string> k_functions_of_lanes{
+    "psi",           "axial_psi", "squared_distance", "pm_power",    "facets_pdf",    "squared_distance_from_pole",
+    "stretch_along", "stretched", "half_vector_lobe", "half_vector", "reflected_pdf", "proposal_lobe_pdf",
+    "proposal_point"};
 
 /// The definitions that these functions need, printed with this prefix.
 std::string printed(const std::vector<std::string>& functions, const std::string& prefix, bool has_lanes) {
@@ -75,10 +77,6 @@ std::string printed(const std::vector<std::string>& functions, const std::string
     std::string albedo = k_albedo_text;  // of which only the coordinate is used
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(albedo.substr(0, albedo.find("// The integral")), program, defines);
-    if (has_lanes)  // the lanes of a sum are added before it counts as 0 where it is negative
-        for (syntax::Function& function : program.functions)
-            if (function.name == "pm_value")
-                function.body.back().values[0] = {syntax::Expression::Kind::name, "sum", {}, {"Vec3", ""}};
     syntax::specialise(program, roots);
     for (const auto& structure : program.structures) names[structure.name] = prefix + structure.name;
     for (const auto& function : program.functions) names.try_emplace(function.name, prefix + function.name);

@@ -313,6 +313,9 @@ static int srbf_colours(srbf_file* file, const srbf_tensor* spectra, const char*
 // The place of a number of lobe j among the rows of its group.
 static int srbf_place(int j, int row, int rows) { return (j / SRBF_LANES * rows + row) * SRBF_LANES + j % SRBF_LANES; }
 
+// The row of a variate's falloff.
+static int srbf_variate_row(const srbf_lobes* pm, int n) { return 4 + pm->features + (pm->axial ? 2 : 4) * n; }
+
 static int srbf_read_pm(srbf_file* file, const char* prefix, srbf_model* model) {
     static const char* const forms[] = {"source", "horizon", "extended", "reciprocal", 0};
     static const char* const truths[] = {"true", "false", 0};
@@ -341,11 +344,13 @@ static int srbf_read_pm(srbf_file* file, const char* prefix, srbf_model* model) 
     if (!axial) centre = srbf_need(file, prefix, "centre", lobes, variates, 2, -SRBF_MOST, SRBF_MOST);
     if (features) exponent = srbf_need(file, prefix, "exponent", lobes, features, 0, -SRBF_MOST, SRBF_MOST);
     if (file->error) return 0;
+    memset(&pm, 0, sizeof pm);
     pm.groups = ((int)lobes + SRBF_LANES - 1) / SRBF_LANES, pm.variates = (int)variates, pm.features = (int)features;
-    pm.axial = axial, pm.reciprocal = form == 3, pm.rows = srbf_pm_variate_row(&pm, pm.variates);
+    pm.axial = axial, pm.reciprocal = form == 3, pm.rows = srbf_variate_row(&pm, pm.variates);
     for (n = 0; n < pm.variates; ++n) {
-        for (k = 0; k < 2; ++k) pm.weight[n][k] = srbf_number(file, parameterization, (size_t)(2 * n + k));
-        if (pm.weight[n][0] == 0.0f && pm.weight[n][1] == 0.0f)
+        pm.weight_l[n] = srbf_number(file, parameterization, (size_t)(2 * n));
+        pm.weight_v[n] = srbf_number(file, parameterization, (size_t)(2 * n + 1));
+        if (pm.weight_l[n] == 0.0f && pm.weight_v[n] == 0.0f)
             return srbf_fail(file, SRBF_BAD_NUMBER, file->header_end + parameterization->begin);
     }
     number = (float*)srbf_take(file, (size_t)(pm.groups * pm.rows * SRBF_LANES) * sizeof *number);
@@ -364,7 +369,7 @@ static int srbf_read_pm(srbf_file* file, const char* prefix, srbf_model* model) 
         for (n = 0; n < pm.variates; ++n) {
             const size_t i = (size_t)(j * pm.variates + n);
             const float lambda = srbf_number(file, bandwidth, i);
-            const int row = srbf_pm_variate_row(&pm, n);
+            const int row = srbf_variate_row(&pm, n);
             number[srbf_place(j, row, pm.rows)] = 0.5f * log2_e * fabsf(lambda);
             if (axial) {
                 number[srbf_place(j, row + 1, pm.rows)] = srbf_half_bits(file, bandwidth, i) >> 15 ? -1.0f : 1.0f;
@@ -493,14 +498,57 @@ static void srbf_find_nearest(srbf_su su, srbf_vec3 w, int* nearest) {
         }
 }
 
+// The squared distances of variate n from the centres of a group of lobes.
+SRBF_FN srbf_x4 srbf_squared(const srbf_lobes* pm, float (*psi)[SRBF_MOST_VARIATES], int n, const float* of) {
+    const srbf_x4 first = srbf_x4_of(psi[0][n]), second = srbf_x4_of(psi[1][n]), x = srbf_row(of, 1);
+    if (pm->axial) return srbf_x4_select(x < srbf_x4_of(0.0f), second, first);
+    return srbf_x4_squared_distance(srbf_x4_vec3_of(first, second, srbf_x4_of(psi[2][n])),
+                                    srbf_x4_vec3_of(x, srbf_row(of, 2), srbf_row(of, 3)));
+}
+
+// pm_value of kernel.glsl, with variates in lanes, then lobes.
+static srbf_vec3 srbf_pm_value(const srbf_lobes* pm, srbf_vec3 wl, srbf_vec3 wv) {
+    const srbf_PmFeatures features = srbf_pm_further_features(pm->features, wl, wv);
+    const srbf_x4_vec3 l = srbf_x4_all(wl), v = srbf_x4_all(wv);
+    float psi[2][3][SRBF_MOST_VARIATES];  // of (wl, wv) and (wv, wl): the squared distances from both poles, or psi
+    srbf_x4_vec3 sum = srbf_x4_all(srbf_vec3_of(0.0f, 0.0f, 0.0f));
+    const float* group = pm->number;
+    int j, n, k, side;
+    for (n = 0; n < pm->variates; n += SRBF_LANES)
+        for (side = 0; side <= pm->reciprocal; ++side) {
+            const srbf_x4 a = srbf_x4_load((side ? pm->weight_v : pm->weight_l) + n);
+            const srbf_x4 b = srbf_x4_load((side ? pm->weight_l : pm->weight_v) + n);
+            if (pm->axial) {
+                const srbf_x4_AxialPsi at = srbf_x4_axial_psi(l, v, a, b);
+                srbf_x4_store(srbf_x4_squared_distance_from_pole(at, srbf_x4_of(1.0f)), psi[side][0] + n);
+                srbf_x4_store(srbf_x4_squared_distance_from_pole(at, srbf_x4_of(-1.0f)), psi[side][1] + n);
+            } else {
+                const srbf_x4_vec3 at = srbf_x4_psi(l, v, a, b);
+                srbf_x4_store(at.x, psi[side][0] + n), srbf_x4_store(at.y, psi[side][1] + n);
+                srbf_x4_store(at.z, psi[side][2] + n);
+            }
+        }
+    for (j = 0; j < pm->groups; ++j, group += pm->rows * SRBF_LANES) {
+        srbf_x4 exponent = srbf_row(group, 0), exchanged, power;
+        for (k = 0; k < pm->features; ++k) exponent = exponent + srbf_row(group, 4 + k) * srbf_x4_of(features.x[k]);
+        exchanged = exponent;
+        for (n = 0; n < pm->variates; ++n) {
+            const float* of = group + srbf_variate_row(pm, n) * SRBF_LANES;
+            exponent = exponent - srbf_row(of, 0) * srbf_squared(pm, psi[0], n, of);
+            if (pm->reciprocal) exchanged = exchanged - srbf_row(of, 0) * srbf_squared(pm, psi[1], n, of);
+        }
+        power = srbf_x4_pm_power(exponent);
+        if (pm->reciprocal) power = srbf_x4_of(0.5f) * (power + srbf_x4_pm_power(exchanged));
+        sum = srbf_x4_add(sum, srbf_x4_scale(power, srbf_x4_vec3_of(srbf_row(group, 1), srbf_row(group, 2), srbf_row(group, 3))));
+    }
+    return srbf_vec3_of(srbf_max(srbf_x4_sum(sum.x), 0.0f), srbf_max(srbf_x4_sum(sum.y), 0.0f),
+                        srbf_max(srbf_x4_sum(sum.z), 0.0f));
+}
+
 // f(wl, wv) of a model above the horizon.
 static srbf_vec3 srbf_model_value(const srbf_model* model, srbf_vec3 wl, srbf_vec3 wv) {
     const srbf_vec3 l = model->is_exchanged ? wv : wl, v = model->is_exchanged ? wl : wv;
-    if (model->kind == SRBF_KIND_PM) {
-        const srbf_x4_vec3 sum = srbf_x4_pm_value(&model->pm, srbf_x4_all(wl), srbf_x4_all(wv));
-        return srbf_vec3_of(srbf_max(srbf_x4_sum(sum.x), 0.0f), srbf_max(srbf_x4_sum(sum.y), 0.0f),
-                            srbf_max(srbf_x4_sum(sum.z), 0.0f));
-    }
+    if (model->kind == SRBF_KIND_PM) return srbf_pm_value(&model->pm, wl, wv);
     if (model->kind == SRBF_KIND_SU) {
         const srbf_vec3 evaluated = model->su.of_lights ? wv : wl, sampled = model->su.of_lights ? wl : wv;
         int nearest[8];

@@ -4,6 +4,9 @@
 // Without them, or with SRBF_ONE_LANE, each is computed alone by the same functions.
 #if defined __GNUC__ && !defined SRBF_ONE_LANE
 #define SRBF_LANES 4
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
 typedef float srbf_x4 __attribute__((vector_size(16)));
 typedef int srbf_mask4 __attribute__((vector_size(16)));
 typedef unsigned srbf_bits4 __attribute__((vector_size(16)));
@@ -27,8 +30,27 @@ SRBF_FN srbf_bits4 srbf_x4_bits(srbf_x4 a) { srbf_bits4 bits; memcpy(&bits, &a, 
 SRBF_FN srbf_x4 srbf_x4_of_bits(srbf_bits4 bits) { srbf_x4 a; memcpy(&a, &bits, sizeof a); return a; }
 SRBF_FN srbf_x4 srbf_x4_load(const float* from) { srbf_x4 a; memcpy(&a, from, sizeof a); return a; }
 SRBF_FN void srbf_x4_store(srbf_x4 a, float* to) { memcpy(to, &a, sizeof a); }
+
+// Minimum, maximum and 1 / sqrt(a), whose relative error is 3e-7 by steps of Newton's method. At 0 it is finite.
+#if defined __SSE__ && SRBF_LANES == 4
+SRBF_FN srbf_x4 srbf_x4_min(srbf_x4 a, srbf_x4 b) { return (srbf_x4)_mm_min_ps((__m128)a, (__m128)b); }
+SRBF_FN srbf_x4 srbf_x4_max(srbf_x4 a, srbf_x4 b) { return (srbf_x4)_mm_max_ps((__m128)a, (__m128)b); }
+SRBF_FN srbf_x4 srbf_x4_inversesqrt(srbf_x4 a) {
+    const srbf_x4 y = (srbf_x4)_mm_rsqrt_ps((__m128)srbf_x4_max(a, srbf_x4_of(1.17549435e-38f)));
+    return y * (srbf_x4_of(1.5f) - srbf_x4_of(0.5f) * a * y * y);
+}
+#else
 SRBF_FN srbf_x4 srbf_x4_min(srbf_x4 a, srbf_x4 b) { return srbf_x4_select(a < b, a, b); }
 SRBF_FN srbf_x4 srbf_x4_max(srbf_x4 a, srbf_x4 b) { return srbf_x4_select(a > b, a, b); }
+SRBF_FN srbf_x4 srbf_x4_inversesqrt(srbf_x4 a) {
+    const srbf_x4 half = srbf_x4_of(0.5f) * a, most = srbf_x4_of(1.5f);
+    srbf_x4 y = srbf_x4_of_bits(srbf_bits4_of(0x5f375a86) - (srbf_x4_bits(a) >> 1));
+    y = y * (most - half * y * y);
+    y = y * (most - half * y * y);
+    return y * (most - half * y * y);
+}
+#endif
+SRBF_FN srbf_x4 srbf_x4_sqrt(srbf_x4 a) { return a * srbf_x4_inversesqrt(a); }
 
 // 2^a by the nearest integer and a polynomial for the rest; relative error 2e-7. It is 0 from -127 down.
 SRBF_FN srbf_x4 srbf_x4_exp2(srbf_x4 a) {
@@ -40,24 +62,6 @@ SRBF_FN srbf_x4 srbf_x4_exp2(srbf_x4 a) {
     return srbf_x4_of_bits(srbf_x4_bits(power) + ((srbf_x4_bits(sum) - srbf_x4_bits(shift)) << 23));
 }
 SRBF_FN srbf_x4 srbf_x4_exp(srbf_x4 a) { return srbf_x4_exp2(srbf_x4_of(1.44269504f) * a); }
-
-// 1 / sqrt(a) by three steps of Newton's method; relative error 3e-7. At 0 it is finite.
-SRBF_FN srbf_x4 srbf_x4_inversesqrt(srbf_x4 a) {
-    const srbf_x4 half = srbf_x4_of(0.5f) * a, most = srbf_x4_of(1.5f);
-    srbf_x4 y = srbf_x4_of_bits(srbf_bits4_of(0x5f375a86) - (srbf_x4_bits(a) >> 1));
-    y = y * (most - half * y * y);
-    y = y * (most - half * y * y);
-    return y * (most - half * y * y);
-}
-SRBF_FN srbf_x4 srbf_x4_sqrt(srbf_x4 a) { return a * srbf_x4_inversesqrt(a); }
-SRBF_FN srbf_x4 srbf_x4_log(srbf_x4 a) {
-    float each[SRBF_LANES];
-    int i;
-    srbf_x4_store(a, each);
-    if (srbf_x4_sum(a) == (float)SRBF_LANES * each[0]) return srbf_x4_of(logf(each[0]));  // they are mostly the same
-    for (i = 0; i < SRBF_LANES; ++i) each[i] = logf(each[i]);
-    return srbf_x4_load(each);
-}
 
 typedef struct {
     srbf_x4 x, y, z;
@@ -79,32 +83,11 @@ SRBF_FN srbf_x4_vec3 srbf_x4_all(srbf_vec3 a) { return srbf_x4_vec3_of(srbf_x4_o
 // the exponents; and for each variate its falloff, then the pole (1 or -1) of an axial model or x, y, z of the centre.
 typedef struct {
     int groups, variates, features, axial, reciprocal, rows;
-    float weight[SRBF_MOST_VARIATES][2];
+    float weight_l[SRBF_MOST_VARIATES], weight_v[SRBF_MOST_VARIATES];
     const float* number;
 } srbf_lobes;
-typedef const srbf_lobes* srbf_pm;
-SRBF_FN int srbf_pm_lobes(srbf_pm pm) { return pm->groups; }
-SRBF_FN int srbf_pm_variates(srbf_pm pm) { return pm->variates; }
-SRBF_FN int srbf_pm_features(srbf_pm pm) { return pm->features; }
-SRBF_FN int srbf_pm_axial(srbf_pm pm) { return pm->axial; }
-SRBF_FN int srbf_pm_reciprocal(srbf_pm pm) { return pm->reciprocal; }
-SRBF_FN srbf_x4 srbf_pm_weight_l(srbf_pm pm, int n) { return srbf_x4_of(pm->weight[n][0]); }
-SRBF_FN srbf_x4 srbf_pm_weight_v(srbf_pm pm, int n) { return srbf_x4_of(pm->weight[n][1]); }
-SRBF_FN srbf_x4 srbf_pm_row(srbf_pm pm, int group, int row) {
-    return srbf_x4_load(pm->number + (group * pm->rows + row) * SRBF_LANES);
-}
-SRBF_FN srbf_x4_vec3 srbf_pm_rows(srbf_pm pm, int j, int row) {
-    return srbf_x4_vec3_of(srbf_pm_row(pm, j, row), srbf_pm_row(pm, j, row + 1), srbf_pm_row(pm, j, row + 2));
-}
-SRBF_FN int srbf_pm_variate_row(srbf_pm pm, int n) { return 4 + pm->features + (pm->axial ? 2 : 4) * n; }
-SRBF_FN srbf_x4 srbf_pm_log2_scale(srbf_pm pm, int j) { return srbf_pm_row(pm, j, 0); }
-SRBF_FN srbf_x4_vec3 srbf_pm_coefficient(srbf_pm pm, int j) { return srbf_pm_rows(pm, j, 1); }
-SRBF_FN srbf_x4 srbf_pm_exponent(srbf_pm pm, int j, int k) { return srbf_pm_row(pm, j, 4 + k); }
-SRBF_FN srbf_x4 srbf_pm_log2_falloff(srbf_pm pm, int j, int n) { return srbf_pm_row(pm, j, srbf_pm_variate_row(pm, n)); }
-SRBF_FN srbf_mask4 srbf_pm_down(srbf_pm pm, int j, int n) {
-    return srbf_pm_row(pm, j, srbf_pm_variate_row(pm, n) + 1) < srbf_x4_of(0.0f);
-}
-SRBF_FN srbf_x4_vec3 srbf_pm_centre(srbf_pm pm, int j, int n) { return srbf_pm_rows(pm, j, srbf_pm_variate_row(pm, n) + 1); }
+
+SRBF_FN srbf_x4 srbf_row(const float* group, int row) { return srbf_x4_load(group + row * SRBF_LANES); }
 
 // A view-by-view model: for each view its direction, and for each of its lobes R, G, B, bandwidth, centre and shape.
 typedef struct {

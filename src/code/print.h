@@ -42,7 +42,7 @@ class Printer {
 /// language requires. In C these are a vector and functions instead of operators, the same ones in every file.
 std::string whole_text(CodeLanguage language, const std::string& list, std::string guard,
                        const std::string& definitions);
-/// What every text in C begins with: its vector, and functions instead of operators.
+/// Every text in C begins with these definitions: its vector, and functions instead of operators.
 std::string definitions_of_c();
 /// True if a function without parameters may read numbers that the host supplies.
 bool reads_buffers(CodeLanguage language);

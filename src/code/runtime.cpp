@@ -14,7 +14,7 @@ namespace {
 
 using syntax::Program;
 
-/// What kernel.glsl reads of models, which runtime_host.h defines.
+/// kernel.glsl reads models by these functions, which runtime_host.h defines.
 constexpr const char* k_supplied = R"(
 int pm_lobes(Pm pm);
 int pm_variates(Pm pm);

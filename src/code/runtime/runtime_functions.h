@@ -84,7 +84,7 @@ static int srbf_json_counts(srbf_file* file, size_t* counts, int most) {
     } while (srbf_json_accept(file, ','));
     return srbf_json_expect(file, ']') ? n + 1 : 0;
 }
-// Whether the string at `begin` is the prefix followed by the name.
+// True if the string at `begin` is the prefix followed by the name.
 static int srbf_is_named(const srbf_file* file, size_t begin, size_t length, const char* prefix, const char* name) {
     const size_t first = strlen(prefix), second = strlen(name);
     return length == first + second && memcmp(file->bytes + begin, prefix, first) == 0 &&
@@ -1049,7 +1049,7 @@ void srbf_prepare(srbf_brdf* brdf) {
 }
 int srbf_is_two_sided(const srbf_brdf* brdf) { return brdf->is_two_sided; }
 
-// Whether neither direction lies in the surface, and the pair in the frame of a part, above its horizon.
+// True if no direction lies in the surface. Sets the pair in the frame of a part, above its horizon.
 static int srbf_is_above(const srbf_brdf* brdf, const float wl[3], const float wv[3], srbf_vec3* l, srbf_vec3* v) {
     const float sum = (wl[0] + wl[1]) + (wv[0] + wv[1]) + (wl[2] + wv[2]);
     *l = srbf_vec3_of(wl[0], wl[1], brdf->is_two_sided ? fabsf(wl[2]) : wl[2]);

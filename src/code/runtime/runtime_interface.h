@@ -52,7 +52,7 @@ int srbf_is_two_sided(const srbf_brdf* brdf);
 // f(wl, wv) [1/sr], without the cosine. Finite and at least 0. It is 0 if a direction lies below the horizon or in the
 // surface (z is 0 or subnormal), or has a component that is not finite; of a two-sided surface also without its beams.
 void srbf_value(const srbf_brdf* brdf, const float wl[3], const float wv[3], float rgb[3]);
-// The same for `count` pairs, each of three floats in the arrays.
+// Evaluates `count` pairs; each direction and colour is three floats of the arrays.
 void srbf_values(const srbf_brdf* brdf, size_t count, const float* wl, const float* wv, float* rgb);
 
 typedef struct srbf_light {

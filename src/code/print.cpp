@@ -160,7 +160,7 @@ int precedence(const Expression& expression) {
     return std::ranges::find(levels, std::string_view(expression.text), &Level::first)->second;
 }
 
-/// Whether a condition depends on numbers, or is a host's bool that does.
+/// True if a condition depends on numbers, or is a host's bool that does.
 bool is_of_lanes(const Expression& condition) {
     if (condition.kind == EKind::call) return condition.text == "pm_down";
     return condition.kind == EKind::binary && condition.parts[0].type.name == "Real";

@@ -27,7 +27,7 @@ const std::vector<std::vector<std::string>> k_levels{
     {"src/samples"},
     {"src/models"},
     {"src/prepared", "src/fit", "src/edit"},
-    {"src/code", "extras/maps", "extras/environment"},
+    {"src/code", "src/code/runtime", "extras/maps", "extras/environment"},
     {"extras/environment/code", "app"},
     {"extras/render", "extras/maps/app"},
     {"extras/render/app"},

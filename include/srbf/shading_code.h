@@ -77,6 +77,10 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
 /// model.
 Result<std::string> radiance_text(std::span<const NamedModel> models);
 
+/// The text of srbf_runtime.h, a header in C99 and C++ that loads any model file: pm, su, ggx, openpbr and bsdf, not stacks and
+/// libraries. Its formulas are printed from kernel.glsl.
+std::string runtime_code();
+
 /// The numbers that NAME_number of a view-by-view model returns.
 std::vector<float> shading_data(const SuModel& model);
 

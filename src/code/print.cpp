@@ -27,7 +27,9 @@ struct Language {
     bool is_c = false;              ///< typedef struct, casts, and numbers for true and false
     std::string_view vector = {};   ///< the constructor of Vec3, if it is not the type's name
     bool has_operators = true;      ///< vectors have operators; if not, there are functions, also for tables
-    bool reads_buffers = true;      ///< functions can read what the host supplies without parameters for it
+    std::string_view functions = "srbf_";  ///< the prefix of those
+    bool has_lanes = false;                ///< a number is a vector of them
+    bool reads_buffers = true;             ///< functions can read what the host supplies without parameters for it
 };
 
 namespace {
@@ -114,6 +116,26 @@ const Language& row_of(CodeLanguage language) {
     return rows.at(language);
 }
 
+const Language& lanes_of_c() {
+    static const Language lanes = [] {
+        Language row = row_of(CodeLanguage::c);
+        row.words = {{"Real", "srbf_x4"},
+                     {"Vec3", "srbf_x4_vec3"},
+                     {"bool", "int"},
+                     {"dot", "srbf_x4_dot"},
+                     {"min", "srbf_x4_min"},
+                     {"max", "srbf_x4_max"},
+                     {"exp", "srbf_x4_exp"},
+                     {"exp2", "srbf_x4_exp2"},
+                     {"log", "srbf_x4_log"},
+                     {"sqrt", "srbf_x4_sqrt"},
+                     {"inversesqrt", "srbf_x4_inversesqrt"}};
+        row.vector = "srbf_x4_vec3_of", row.functions = "srbf_x4_", row.has_lanes = true;
+        return row;
+    }();
+    return lanes;
+}
+
 /// Names in the kernel that one of the languages reserves.
 constexpr std::array<std::string_view, 6> k_reserved{"from", "of", "part", "half", "sample", "target"};
 
@@ -136,6 +158,12 @@ int precedence(const Expression& expression) {
                                             {"/", 7},
                                             {"%", 7}}};
     return std::ranges::find(levels, std::string_view(expression.text), &Level::first)->second;
+}
+
+/// True if a condition depends on numbers, or is a host's bool that does.
+bool is_of_lanes(const Expression& condition) {
+    if (condition.kind == EKind::call) return condition.text == "pm_down";
+    return condition.kind == EKind::binary && condition.parts[0].type.name == "Real";
 }
 
 /// Breaks a line before column `k_columns` at blanks whose preceding character `may_break` accepts. The next line
@@ -163,7 +191,10 @@ std::string code_line(const std::string& line, int depth) {
 }  // namespace
 
 Printer::Printer(CodeLanguage language, std::map<std::string, std::string> names)
-    : language_(row_of(language)), names_(std::move(names)) {}
+    : Printer(row_of(language), std::move(names)) {}
+Printer::Printer(const Language& language, std::map<std::string, std::string> names)
+    : language_(language), names_(std::move(names)) {}
+Printer Printer::of_lanes(std::map<std::string, std::string> names) { return {lanes_of_c(), std::move(names)}; }
 
 std::string digits(float number) {
     std::string text = fmt::format("{}", number);
@@ -215,7 +246,7 @@ std::string Printer::binary_text(const Expression& binary, int outer) {
         const char* name = binary.text == "+" ? "add" : binary.text == "-" ? "subtract" : "scale";
         const bool swapped = binary.text == "*" && left.type.name == "Vec3";
         std::string first = expression_text(swapped ? right : left), second = expression_text(swapped ? left : right);
-        return fmt::format("srbf_{}({}, {})", name, first, second);
+        return fmt::format("{}{}({}, {})", language_.functions, name, first, second);
     }
     const int own = precedence(binary);
     const std::string text =
@@ -229,6 +260,8 @@ std::string Printer::expression_text(const Expression& expression, int outer) {
     switch (expression.kind) {
         case EKind::number:
             if (expression.type.name == "bool" && language_.is_c) return expression.text == "true" ? "1" : "0";
+            if (expression.type.name == "Real" && language_.has_lanes)
+                return fmt::format("srbf_x4_of({}{})", expression.text, language_.suffix);
             return expression.text + std::string(expression.type.name == "Real" ? language_.suffix : "");
         case EKind::name:
             return printed_name(expression.text);
@@ -245,13 +278,17 @@ std::string Printer::expression_text(const Expression& expression, int outer) {
             return part(0, 9) + brackets[0] + part(1) + brackets[1];
         }
         case EKind::unary:
-            if (!language_.has_operators && expression.type.name == "Vec3")
-                return fmt::format("srbf_scale(-1.0f, {})", part(0));
+            if (!language_.has_operators && expression.type.name == "Vec3") {
+                const Expression minus_one{EKind::number, "-1.0", {}, {"Real", ""}};
+                return fmt::format("{}scale({}, {})", language_.functions, expression_text(minus_one), part(0));
+            }
             return expression.text + part(0, 8);
         case EKind::binary:
             return binary_text(expression, outer);
         case EKind::conditional:
             if (language_.types_follow) return fmt::format("select({}, {}, {})", part(2), part(1), part(0));
+            if (language_.has_lanes && is_of_lanes(parts[0]))
+                return fmt::format("srbf_x4_select({}, {}, {})", part(0), part(1), part(2));
             {
                 const std::string text = fmt::format("{} ? {} : {}", part(0, 2), part(1, 1), part(2, 1));
                 return outer > 1 ? "(" + text + ")" : text;
@@ -358,6 +395,8 @@ std::string whole_text(CodeLanguage language, const std::string& list, std::stri
     for (char& c : guard) c = char(std::toupper(static_cast<unsigned char>(c)));
     return fmt::format("{0}#ifndef {1}\n#define {1}\n\n{2}{3}#endif\n", head, guard, row.opening, definitions);
 }
+
+std::string definitions_of_c() { return k_opening_of_c; }
 
 bool reads_buffers(CodeLanguage language) { return row_of(language).reads_buffers; }
 

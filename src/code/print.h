@@ -15,12 +15,15 @@ struct Language;
 class Printer {
   public:
     Printer(CodeLanguage language, std::map<std::string, std::string> names);
+    /// C whose numbers are srbf_x4 (code/runtime/runtime_host.h): conditions on them choose lane by lane.
+    static Printer of_lanes(std::map<std::string, std::string> names);
 
     std::string text(const Structure& structure);
     std::string text(const Table& table);
     std::string text(const Function& function);
 
   private:
+    Printer(const Language& language, std::map<std::string, std::string> names);
     std::string printed_name(const std::string& name) const;
     std::string type_text(const Type& type) const;
     std::string declaration(const Type& type, const std::string& name) const;
@@ -39,6 +42,8 @@ class Printer {
 /// language requires. In C these are a vector and functions instead of operators, the same ones in every file.
 std::string whole_text(CodeLanguage language, const std::string& list, std::string guard,
                        const std::string& definitions);
+/// Every text in C begins with these definitions: its vector, and functions instead of operators.
+std::string definitions_of_c();
 /// True if a function without parameters may read numbers that the host supplies.
 bool reads_buffers(CodeLanguage language);
 /// The shortest decimal number with a point that reads as the same float.

@@ -1,0 +1,246 @@
+// srbf_runtime.h, compiled as C: its values are the library's, its densities those of its samples, and no file is unsafe.
+#include <filesystem>
+#include <random>
+
+#include "compiled_code.h"
+#include "models.h"
+#include "srbf/file.h"
+#include "srbf/load.h"
+#include "srbf/prepared_bsdf.h"
+#include "srbf/shading_code.h"
+#include "statistics.h"
+
+namespace srbf::runtime_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Opened;  // srbf_brdf
+struct Light {
+    Vec3f wl;
+    Rgb weight;
+    float pdf;
+    int is_beam;
+};
+
+/// The functions of the header, as a library has them.
+struct Runtime {
+    std::size_t (*memory_needed)(const void*, std::size_t);
+    int (*open)(const void*, std::size_t, void*, std::size_t, Opened**, std::size_t*);
+    void (*prepare)(Opened*);
+    void (*value)(const Opened*, const float*, const float*, float*);
+    void (*values)(const Opened*, std::size_t, const float*, const float*, float*);
+    void (*sample)(const Opened*, const float*, const float*, Light*);
+    float (*pdf)(const Opened*, const float*, const float*);
+    float (*value_pdf)(const Opened*, const float*, const float*, float*);
+    void (*albedo)(const Opened*, float, float*);
+};
+
+Rgb value(const Runtime& runtime, const Opened* brdf, Vec3f wl, Vec3f wv) {
+    Rgb f;
+    runtime.value(brdf, &wl.x, &wv.x, &f.r);
+    return f;
+}
+float pdf(const Runtime& runtime, const Opened* brdf, Vec3f wl, Vec3f wv) { return runtime.pdf(brdf, &wl.x, &wv.x); }
+
+const std::string k_implementation = "#define SRBF_RUNTIME_IMPLEMENTATION\n#include \"srbf_runtime.h\"\n";
+
+/// A model file of each kind, and a fit.
+std::vector<fs::path> model_files() {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(fs::path(SRBF_SOURCE_DIR) / "test" / "models" / "1"))
+        if (entry.path().extension() == ".srbf" && entry.path().stem() != "stack") files.push_back(entry.path());
+    std::ranges::sort(files);
+    return files;
+}
+
+/// A file opened by the header, beside the library's model.
+struct Case {
+    std::string name;
+    Model model;
+    std::vector<std::byte> bytes, memory;
+    Opened* brdf = nullptr;
+};
+
+class RuntimeHeader : public WrittenCode {
+  protected:
+    RuntimeHeader() { written("srbf_runtime.h", runtime_code()); }
+
+    Runtime compiled_runtime(const std::string& options) {
+        void* library = compiled("gcc -std=c99 -O2 " + options, "runtime" + options, k_implementation);
+        const auto named = [&](auto& member, const char* name) {
+            member = function<std::remove_pointer_t<std::remove_reference_t<decltype(member)>>>(library, name);
+        };
+        Runtime runtime{};
+        named(runtime.memory_needed, "srbf_memory_needed"), named(runtime.open, "srbf_open");
+        named(runtime.prepare, "srbf_prepare"), named(runtime.value, "srbf_value");
+        named(runtime.values, "srbf_values"), named(runtime.sample, "srbf_sample"), named(runtime.pdf, "srbf_pdf");
+        named(runtime.value_pdf, "srbf_value_pdf"), named(runtime.albedo, "srbf_albedo");
+        return runtime;
+    }
+    static std::vector<Case> cases(const Runtime& runtime) {
+        std::vector<Case> all;
+        for (const fs::path& file : model_files()) {
+            Case& of = all.emplace_back(Case{file.stem().string(), *load_model(file.string()), {}, {}, nullptr});
+            of.bytes = *read_file(file.string());
+            of.memory.resize(runtime.memory_needed(of.bytes.data(), of.bytes.size()));
+            const int error =
+                runtime.open(of.bytes.data(), of.bytes.size(), of.memory.data(), of.memory.size(), &of.brdf, nullptr);
+            EXPECT_EQ(error, 0) << of.name;
+        }
+        return all;
+    }
+};
+
+/// Random directions; every fourth one at the back.
+Vec3f direction(std::mt19937_64& random, int i) { return to_float(random_direction(random, i % 4 == 3 ? -1 : 0.001)); }
+
+TEST_F(RuntimeHeader, ValuesAreThoseOfTheLibrary) {
+    for (const char* options : {"", "-DSRBF_ONE_LANE"}) {
+        const Runtime runtime = compiled_runtime(options);
+        for (const Case& of : cases(runtime)) {
+            if (!of.brdf) continue;
+            std::mt19937_64 random(1);
+            for (int i = 0; i < 2000; ++i) {
+                const Vec3f wl = direction(random, i), wv = i % 3 ? direction(random, i) : mirror(wl);
+                const Rgb expected = value(of.model, wl, wv), found = value(runtime, of.brdf, wl, wv);
+                for (int c = 0; c < 3; ++c)
+                    ASSERT_TRUE(near(found[c], expected[c], 1e-4 * double(expected[c]) + 1e-6))
+                        << of.name << options << ": " << found[c] << " for " << expected[c];
+            }
+        }
+    }
+}
+
+TEST_F(RuntimeHeader, IsZeroWhereADirectionIsNotAboveTheSurface) {
+    const Runtime runtime = compiled_runtime("");
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    const Vec3f up{0, 0.6f, 0.8f};
+    for (const Case& of : cases(runtime))
+        for (const Vec3f w :
+             {Vec3f{1, 0, 0}, Vec3f{1, 0, 1e-40f}, Vec3f{nan, 0, 1}, Vec3f{0, 0, nan}, Vec3f{0, 0, infinity}})
+            for (const auto& [wl, wv] : {std::pair(w, up), std::pair(up, w)}) {
+                EXPECT_EQ(value(runtime, of.brdf, wl, wv), Rgb{}) << of.name;
+                EXPECT_EQ(pdf(runtime, of.brdf, wl, wv), 0) << of.name;
+                Rgb f{1, 1, 1};
+                EXPECT_EQ(runtime.value_pdf(of.brdf, &wl.x, &wv.x, &f.r), 0) << of.name;
+                EXPECT_EQ(f, Rgb{}) << of.name;
+            }
+}
+
+// The density of samples is the one that is returned, before and after preparation; weights are f |cos| / pdf.
+TEST_F(RuntimeHeader, SamplesFollowTheirDensity) {
+    const Runtime runtime = compiled_runtime("");
+    constexpr int draws = 10000;
+    std::mt19937_64 random(2);
+    std::vector<Case> all = cases(runtime);
+    const int tests = 4 * int(all.size());
+    for (const Case& of : all) {
+        runtime.prepare(of.brdf);
+        for (const double z : {1.0, 0.5, 0.1, -0.4}) {
+            if (z < 0 && !std::holds_alternative<BsdfModel>(of.model.model)) continue;
+            const Vec3f wv = to_float(spherical(std::acos(z), 0.3));
+            PolarBins bins{to_double(mirror(wv)), {0}};
+            for (const double t : {1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.05, 0.15, 0.3, 0.5, 0.8, 1.2, 2.0})
+                bins.edge.push_back(t);
+            std::vector<double> expected =
+                bins.masses([&](Vec3d wl) { return double(pdf(runtime, of.brdf, to_float(wl), wv)); });
+            std::vector<double> observed(expected.size() + 1);
+            double rest = draws, weights = 0;
+            for (double& mass : expected) rest -= mass *= draws;
+            expected.push_back(std::max(rest, 0.0));  // beams, and samples without a direction
+            for (int i = 0; i < draws; ++i) {
+                const float u[3] = {float(uniform(random)), float(uniform(random)), float(uniform(random))};
+                Light light;
+                runtime.sample(of.brdf, &wv.x, u, &light);
+                observed[light.pdf > 0 ? bins.index(to_double(light.wl)) : expected.size() - 1] += 1;
+                if (!(light.pdf > 0)) continue;
+                const float density = pdf(runtime, of.brdf, light.wl, wv);
+                ASSERT_TRUE(near(light.pdf, density, 1e-3 * density)) << of.name;
+                Rgb f;
+                ASSERT_EQ(runtime.value_pdf(of.brdf, &light.wl.x, &wv.x, &f.r), density) << of.name;
+                const double cosine = std::abs(double(light.wl.z));
+                ASSERT_TRUE(
+                    near(light.weight.g, double(f.g) * cosine / double(density), 2e-3 * double(light.weight.g) + 1e-6));
+                weights += double(light.weight.g);
+            }
+            EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, tests)) << of.name << " at " << z;
+            if (!is_isotropic(of.model) || std::holds_alternative<BsdfModel>(of.model.model)) continue;
+            if (const auto* su = std::get_if<SuModel>(&of.model.model);
+                su && su->interpolation == SuInterpolation::plain)
+                continue;
+            Rgb albedo;
+            runtime.albedo(of.brdf, float(z), &albedo.r);
+            EXPECT_TRUE(near(weights / draws, albedo.g, 0.05 * double(albedo.g) + 0.002)) << of.name << " at " << z;
+            EXPECT_LT(expected.back(), 0.1 * draws) << of.name << " at " << z;
+        }
+    }
+}
+
+TEST_F(RuntimeHeader, AlbedosAreThoseOfTheLibrary) {
+    const Runtime runtime = compiled_runtime("");
+    for (const Case& of : cases(runtime)) {
+        // Interpolated plainly, views of an isotropic model differ with the azimuth; the library takes their mean.
+        const auto* su = std::get_if<SuModel>(&of.model.model);
+        const bool is_plain = su && su->interpolation == SuInterpolation::plain;
+        if (std::holds_alternative<BsdfModel>(of.model.model) || !is_isotropic(of.model) || is_plain) continue;
+        runtime.prepare(of.brdf);
+        const PreparedBrdf prepared = prepare(of.model, CosineProposal{});
+        for (const float z : {1.f, 0.8f, 0.5f, 0.2f}) {
+            const Rgb expected = albedo(prepared, z);
+            Rgb found;
+            runtime.albedo(of.brdf, z, &found.r);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_TRUE(near(found[c], expected[c], 0.03 * double(expected[c]) + 0.002)) << of.name << " " << z;
+        }
+    }
+}
+
+TEST_F(RuntimeHeader, SaysHowMuchMemoryItNeeds) {
+    const Runtime runtime = compiled_runtime("");
+    for (const Case& of : cases(runtime))
+        for (std::size_t capacity = 0; capacity + 32 < of.memory.size(); capacity += of.memory.size() / 16) {
+            std::vector<std::byte> memory(capacity);
+            Opened* brdf = nullptr;
+            EXPECT_NE(runtime.open(of.bytes.data(), of.bytes.size(), memory.data(), capacity, &brdf, nullptr), 0);
+            EXPECT_EQ(brdf, nullptr);
+        }
+    EXPECT_EQ(runtime.memory_needed("no model", 8), 0u);
+}
+
+// Every truncation is an error that lies within the file.
+TEST_F(RuntimeHeader, RefusesEveryTruncation) {
+    const Runtime runtime = compiled_runtime("");
+    for (const Case& of : cases(runtime))
+        for (std::size_t size = 0; size < of.bytes.size(); ++size) {
+            std::vector<std::byte> memory(of.memory.size());
+            Opened* brdf = nullptr;
+            std::size_t offset = 0;
+            EXPECT_NE(runtime.open(of.bytes.data(), size, memory.data(), memory.size(), &brdf, &offset), 0);
+            EXPECT_LE(offset, size);
+        }
+}
+
+TEST_F(RuntimeHeader, CompilesWithoutWarnings) {
+    for (const char* compiler :
+         {"gcc -std=c99", "clang -std=c99", "g++ -x c++ -std=c++11", "clang++ -x c++ -std=c++11"}) {
+        const std::string name(compiler);
+        if (!runs("which " + name.substr(0, name.find(' ')))) continue;
+        for (const char* options : {"-Os", "-O2 -DSRBF_ONE_LANE"})
+            EXPECT_TRUE(runs(fmt::format("{} -Wall -Wextra -Wconversion -pedantic -Werror {} -c '{}' -o '{}'", compiler,
+                                         options, written("warned.c", k_implementation), path("warned.o"))));
+    }
+}
+
+// Files with changed bytes, in a program with sanitizers: no error of memory, no hang, and what opens has finite values.
+TEST_F(RuntimeHeader, SurvivesMutants) {
+    std::string files;
+    for (const fs::path& file : model_files()) files += fmt::format(" '{}'", file.string());
+    ASSERT_TRUE(runs(fmt::format(
+        "gcc -std=c99 -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -I'{}' '{}' -o '{}' -lm", path(""),
+        std::string(SRBF_SOURCE_DIR) + "/test/runtime_mutants.c", path("mutants"))));
+    EXPECT_TRUE(runs(fmt::format("'{}' 500{}", path("mutants"), files)));
+}
+
+}  // namespace
+}  // namespace srbf::runtime_test

@@ -125,8 +125,8 @@ TEST_P(DefaultFit, ReflectsWhatIsMeasuredAtGrazingAngles) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
-                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 6.16, 0.1206, 0.0698},
-                                         Bound{"paper_white_rgb", 1.42, 0.0914, 0.0084}),
+                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 6.13, 0.1233, 0.0607},
+                                         Bound{"paper_white_rgb", 1.43, 0.0916, 0.0084}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 /// The same number of bytes, by what is seen: better than an objective of numbers.
@@ -147,8 +147,8 @@ TEST(Fitting, LargerModelsErrNoMoreThanTheyDid) {
         FitRequest request;
         std::size_t bytes;
         double delta_e, rms;  // 1.1 times the measured values
-    } expected[] = {{{.model = PmRequest{.size = LobeCount{12}}}, 276, 5.81, 0.1192},
-                    {{.model = PmRequest{.form = PmForm::extended, .size = LobeCount{12}}}, 304, 4.49, 0.0734},
+    } expected[] = {{{.model = PmRequest{.size = LobeCount{12}}}, 276, 6.1, 0.105},
+                    {{.model = PmRequest{.form = PmForm::extended, .size = LobeCount{12}}}, 304, 4.70, 0.0864},
                     {{.model = SuRequest{.lobes = 5, .directions = 384}}, 23040, 6.25, 0.0851}};
     for (const auto& of : expected) {
         const auto outcome = fit(measured, of.request);

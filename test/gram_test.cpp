@@ -215,7 +215,7 @@ TEST_P(Gram, ExponentiateSubtractsTheOffset) {
                 const double root = double(rows_.root_weight[block * k_block + i]);
                 const double expected = root > 0 ? root * std::exp(double(input[i]) - double(offset)) : 0;
                 const double size = std::abs(double(input[i]) - double(offset));
-                EXPECT_TRUE(near(x[i], expected, 3e-7 * (1 + size / 2) * expected + 0x1p-63)) << input[i];
+                EXPECT_TRUE(near(x[i], expected, 3e-7 * (1 + size / 2) * expected + 0x1p-93)) << input[i];
             }
         }
     }

@@ -18,8 +18,8 @@ const std::string k_folder = "fit m.binary -o o/ --model su --directions 8 --lob
 /// Modes of subcommands: a name, and arguments to which each option is added. The quickest mode of a subcommand comes
 /// first. Modes that would be slow have a missing input, so that no option is read.
 const std::pair<const char*, std::string> k_modes[] = {
-    {"view by view", "fit m.binary -o o.srbf --model su --directions 8 --lobes 1 --objective raw"},
     {"a table", "fit m.binary -o o.srbf " + k_fit},
+    {"view by view", "fit m.binary -o o.srbf --model su --directions 8 --lobes 1 --objective raw"},
     {"a goal", "fit m.binary -o o.srbf --objective raw --budget 24"},
     {"ggx", "fit m.binary -o o.srbf --model ggx --objective raw"},
     {"openpbr", "fit m.binary -o o.srbf --model openpbr --surface principled --objective raw"},

@@ -226,9 +226,11 @@ TEST_F(RuntimeHeader, CompilesWithoutWarnings) {
          {"gcc -std=c99", "clang -std=c99", "g++ -x c++ -std=c++11", "clang++ -x c++ -std=c++11"}) {
         const std::string name(compiler);
         if (!runs("which " + name.substr(0, name.find(' ')))) continue;
-        for (const char* options : {"-Os", "-O2 -DSRBF_ONE_LANE"})
+        for (const std::string options : {"-Os", "-O1 -DSRBF_ONE_LANE"}) {
+            if (options != "-Os" && !name.starts_with("gcc")) continue;
             EXPECT_TRUE(runs(fmt::format("{} -Wall -Wextra -Wconversion -pedantic -Werror {} -c '{}' -o '{}'", compiler,
                                          options, written("warned.c", k_implementation), path("warned.o"))));
+        }
     }
 }
 

@@ -39,8 +39,8 @@ HWY_INLINE Batch zero(std::size_t) { return Batch(0.0); }
 // hundred times as long, and the tails of lobes have many of them: a fit took five times as long.
 HWY_INLINE Batch at_least(double least, Batch x) { return select(Batch(hn::Abs(x.v)) < Batch(least), Batch(0.0), x); }
 HWY_INLINE Batch without_subnormals(Batch x) { return at_least(0x1p-126, x); }
-// Smaller values of lobes are 0, so that the product of two lobes is not subnormal.
-constexpr double k_least_lobe = 0x1p-63;
+// Smaller values of lobes are 0, so that the product of two is not subnormal if it is multiplied by k_lift, which is exact.
+constexpr double k_least_lobe = 0x1p-93, k_lift = 0x1p60;
 
 float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
                std::size_t count) {
@@ -142,9 +142,6 @@ constexpr std::size_t k_tile = 2;
 #else
 constexpr std::size_t k_tile = 3;
 #endif
-// Columns are multiplied by this factor and sums divided by it. Both are exact, and keep products of the tails of
-// two lobes out of the subnormal range.
-constexpr double k_lift = 0x1p60;
 // The sums of a tile's products, by part of a sum, row and column.
 using TileSums = Batch[k_sum_parts][k_tile][4];
 HWY_INLINE void sum_tile(const float* const (&a)[k_tile], const float* const (&b)[4], std::size_t count,
@@ -162,7 +159,7 @@ HWY_INLINE void sum_tile(const float* const (&a)[k_tile], const float* const (&b
             for (std::size_t u = 0; u < 4; ++u) sums[p][t][u] = sum[t][u];
     }
 }
-// Adds the first `needed` sums of a tile's row t to `target`.
+// Columns were multiplied by k_lift. Adds the first `needed` sums of a tile's row t to `target`.
 HWY_INLINE void add_tile_row(const TileSums& sums, std::size_t t, std::size_t needed, double* target) {
     Batch total[4];
     for (std::size_t u = 0; u < 4; ++u) {

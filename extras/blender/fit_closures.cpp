@@ -414,28 +414,55 @@ Eigen::VectorXd with_term(const std::vector<MatchedView>& views, Layout before, 
 
 constexpr int k_albedo_points_of_closures = 1024;
 
-/// Scales weights so that no albedo is above 1, at the knots and between them.
+/// Scales the weights of knots by factors s ≤ 1, near to 1, so that no albedo is above 1, at the knots and between them.
+/// At an angle between knots i and i + 1 the albedo is a s_i + b s_{i+1}: while it is above 1, (s_i, s_{i+1}) moves to
+/// the nearest point at which it is 1.
 void limit_albedos(ClosureSum& sum, int threads) {
     constexpr std::size_t k_between = 4;
-    const std::size_t count = (sum.knots() - 1) * k_between;  // without the horizon
-    std::vector<Rgb> albedos(count);
+    constexpr double k_last_angle = 89.8 * k_degree, k_within = 1e-3;
+    constexpr int k_most_sweeps = 1000;
+    const std::size_t count = (sum.knots() - 1) * k_between;
+    std::array<ClosureSum, 2> parts{sum, sum};  // of knots with even and with odd indices
+    for (std::size_t knot = 0; knot < sum.knots(); ++knot) {
+        ClosureSum& other = parts[1 - knot % 2];
+        other.diffuse[knot] = {};
+        for (std::size_t k = 0; k < sum.terms; ++k) other.closures[knot * sum.terms + k].weight = {};
+    }
+    const auto theta = [&](std::size_t i) { return k_last_angle * double(i) / double(count - 1); };
+    std::vector<std::array<Rgb, 2>> albedos(count);
     const MirrorMixture mixture(k_pi / 2);
     parallel_for(count, threads, [&](std::size_t i) {
-        const Vec3d wv = spherical(k_pi / 2 * double(i) / double(count), 0.0);
+        const Vec3d wv = spherical(theta(i), 0.0);
         const Quadrature points = mixture.quadrature(wv, k_albedo_points_of_closures);
-        const std::vector<Rgb> f = values_towards(evaluator(sum), points.w, to_float(wv));
-        for (std::size_t p = 0; p < f.size(); ++p)
-            for (int c = 0; c < 3; ++c) albedos[i][c] += float(points.weight[p] * double(points.w[p].z)) * f[p][c];
-    });
-    for (std::size_t knot = 0; knot < sum.knots(); ++knot)
-        for (int c = 0; c < 3; ++c) {
-            float largest = 1;
-            for (std::size_t i = knot * k_between < k_between ? 0 : (knot - 1) * k_between + 1;
-                 i < std::min((knot + 1) * k_between, count); ++i)
-                largest = std::max(largest, albedos[i][c]);
-            sum.diffuse[knot][c] /= largest;
-            for (std::size_t k = 0; k < sum.terms; ++k) sum.closures[knot * sum.terms + k].weight[c] /= largest;
+        for (std::size_t part = 0; part < 2; ++part) {
+            const std::vector<Rgb> f = values_towards(evaluator(parts[part]), points.w, to_float(wv));
+            for (std::size_t p = 0; p < f.size(); ++p)
+                for (int c = 0; c < 3; ++c)
+                    albedos[i][part][c] += float(points.weight[p] * double(points.w[p].z)) * f[p][c];
         }
+    });
+    for (int c = 0; c < 3; ++c) {
+        std::vector<double> scale(sum.knots(), 1);
+        bool exceeded = true;
+        for (int sweep = 0; exceeded && sweep < k_most_sweeps; ++sweep) {
+            exceeded = false;
+            for (std::size_t i = count; i-- > 0;) {  // of which the last exceed 1 by most
+                const std::size_t knot = KnotPosition(theta(i), sum.knots()).knot;
+                const double a = double(albedos[i][knot % 2][c]), b = double(albedos[i][1 - knot % 2][c]),
+                             excess = a * scale[knot] + b * scale[knot + 1] - 1;
+                if (!(excess > k_within)) continue;
+                exceeded = true;
+                const double step = excess / (a * a + b * b);
+                scale[knot] = std::max(scale[knot] - step * a, 0.0);
+                scale[knot + 1] = std::max(scale[knot + 1] - step * b, 0.0);
+            }
+        }
+        for (std::size_t knot = 0; knot < sum.knots(); ++knot) {
+            sum.diffuse[knot][c] *= float(scale[knot]);
+            for (std::size_t k = 0; k < sum.terms; ++k)
+                sum.closures[knot * sum.terms + k].weight[c] *= float(scale[knot]);
+        }
+    }
 }
 
 }  // namespace

@@ -40,7 +40,8 @@ std::vector<Lighting> extended_lights() {
             surrounded(0.3, {lamp(65, 9, 30)}), surrounded(0.08, {lamp(90, 25, 6)})};
 }
 
-/// A view without pixels. Directions without a measurement are left out.
+/// A view without pixels. Directions without a measurement are left out. Of a channel that reflects more than all
+/// light, as tables do towards the horizon, the values are divided by its albedo.
 MatchedView matched_view(const Evaluate& f, double theta, double azimuth) {
     MatchedView view{theta,
                      elementary::sin(theta) * elementary::cos(theta) + k_grazing_weight,
@@ -62,6 +63,11 @@ MatchedView matched_view(const Evaluate& f, double theta, double azimuth) {
         for (int channel = 0; channel < 3; ++channel) radiance[channel] *= float(l.z);
         view.wl.push_back(l), view.radiance.push_back(radiance);
         view.pdf.push_back(1 / points.weight[i]);
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+        double albedo = 0;
+        for (std::size_t i = 0; i < view.wl.size(); ++i) albedo += double(view.radiance[i][channel]) / view.pdf[i];
+        for (Rgb& radiance : view.radiance) radiance[channel] /= float(std::max(albedo, 1.0));
     }
     return view;
 }

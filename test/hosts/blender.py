@@ -3,12 +3,13 @@
 
 Makes the materials of measurements by the script that `srbf export --to blender` writes, and draws a sphere with Cycles. Under a distant
 lamp it agrees with the formula of the sum of closures, of the tables in the script. Under an environment it is compared with the
-measurement, and is nearer to it than Principled's parameters. In a furnace nothing is brighter than 1.01. Argument 3, if given: a picture of all is
-written there.
+measurement, and is nearer to it than Principled's parameters. In a furnace nothing is brighter than 1.01. With a normal map it agrees with the
+formula too, and so does a material of two that were saved in a .blend file. Argument 3, if given: a picture of all is written there.
 Arguments: the program, a folder with rgl/.
 """
 import importlib.util
 import math
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -26,6 +27,14 @@ data = Path(sys.argv[2])
 LAMP = (0.6, -0.5, 0.62)
 FORMULA_WITHIN = 0.5  # ΔE_ITP
 PRINCIPLED_SHARE = 0.6  # of Principled's error, in the mean of the materials
+MAPPED = np.array([0.48, -0.64, 0.6])  # the normal of a map, on all of the sphere
+MAP = f"""
+import bpy
+tree = bpy.data.materials[0].node_tree
+node = tree.nodes.new("ShaderNodeNormalMap")
+node.space, node.inputs["Color"].default_value = "OBJECT", {(*(0.5 + 0.5 * MAPPED).tolist(), 1)}
+tree.links.new(node.outputs[0], next(n for n in tree.nodes if n.type == "GROUP").inputs["Normal"])
+"""
 SUB = 3  # points of a pixel along a side
 
 
@@ -65,8 +74,8 @@ def reflected(terms, table, normal, viewer, light):
     return total
 
 
-def formula(script):
-    """The picture of the tables under the lamp."""
+def formula(script, mapped=None):
+    """The picture of the tables under the lamp, with the normal of the sphere or that of a map."""
     a = (np.arange(SIZE * SUB) + 0.5) / (SIZE * SUB) * 2 - 1
     x, z = np.meshgrid(a, -a)
     forward, up = np.array([0, math.cos(ELEVATION), -math.sin(ELEVATION)]), np.array([0, math.sin(ELEVATION), math.cos(ELEVATION)])
@@ -77,7 +86,9 @@ def formula(script):
     hit = square > 0
     normal = -DISTANCE * forward + (along - np.sqrt(np.maximum(square, 0)))[:, None] * ray
     picture = np.zeros_like(ray)
-    picture[hit] = reflected(*table_of(script), normal[hit], -ray[hit], np.array(LAMP) / np.linalg.norm(LAMP))
+    normal, ray, light = normal[hit], ray[hit], np.array(LAMP) / np.linalg.norm(LAMP)
+    shading = normal if mapped is None else np.broadcast_to(mapped, normal.shape)
+    picture[hit] = reflected(*table_of(script), shading, -ray, light) * (normal @ light > 0)[:, None]
     return picture.reshape(SIZE, SUB, SIZE, SUB, 3).mean((1, 3))
 
 
@@ -107,6 +118,16 @@ with tempfile.TemporaryDirectory() as folder:
         furnace = drawn_by_cycles(script, f"{folder}/f.exr", "furnace")[inside].max()
         expect(furnace <= 1.02, f"{name}: brightest in a furnace {furnace:.3f}")  # with the noise
         rows.append(np.concatenate([displayed(of, exposure(reference)) for of in pictures], axis=1))
+    script, both, mapped, appended = (f"{folder}/{name}.py" for name in (MATERIALS[0], "both", "mapped", "appended"))
+    Path(mapped).write_text(Path(script).read_text(encoding="utf-8") + MAP, encoding="utf-8")
+    apart = delta_e(drawn_by_cycles(mapped, f"{folder}/lit.exr", LAMP)[inside], formula(script, MAPPED)[inside])
+    expect(apart <= FORMULA_WITHIN, f"with a normal map: Cycles against the formula {apart:.2f}")
+    run("export", *(data / f"rgl/{name}.bsdf" for name in MATERIALS[:2]), "--to", "blender", "-o", both)
+    subprocess.run([sys.executable, "-c", f"import sys, runpy; sys.argv[1:] = ['--', {folder + '/both.blend'!r}]; runpy.run_path({both!r}, run_name='__main__')"],
+                   check=True, stdout=subprocess.DEVNULL)
+    Path(appended).write_text(f"import bpy\nwith bpy.data.libraries.load({folder + '/both.blend'!r}) as (there, here):\n    here.materials = there.materials\n")
+    apart = delta_e(drawn_by_cycles(appended, f"{folder}/lit.exr", LAMP)[inside], formula(script)[inside])
+    expect(apart <= FORMULA_WITHIN, f"from a .blend file with two materials: Cycles against the formula {apart:.2f}")
 ours, theirs = np.mean(errors, axis=0)
 expect(ours <= PRINCIPLED_SHARE * theirs, f"mean: nodes {ours:.2f}, Principled {theirs:.2f}")
 if len(sys.argv) > 3:

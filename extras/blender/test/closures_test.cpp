@@ -94,7 +94,9 @@ TEST(Closures, ShowAMeasurementAndReflectNoMoreThanAllLight) {
         const Rgb light = albedo(fitted, theta * k_degree, k_pi / 2);
         for (int c = 0; c < 3; ++c) EXPECT_LT(light[c], 1.01) << theta;
         // The paper reflects .83 of the light at 80 degrees and more beyond.
-        if (theta >= 80) EXPECT_GT(light.g, 0.75) << theta;
+        if (theta >= 80) {
+            EXPECT_GT(light.g, 0.75) << theta;
+        }
     }
     for (const Closure& closure : fit->closures)
         for (int c = 0; c < 3; ++c) EXPECT_GE(closure.weight[c], 0);

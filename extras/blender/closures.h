@@ -38,8 +38,9 @@ struct ClosureFitOptions {
 inline constexpr int k_most_closures = 8;
 
 /// Fits a sum of closures to an isotropic BRDF. It minimises ΔE_ITP of pictures of a sphere under directional and
-/// extended lights. No albedo is above 1. NaN counts as not measured; of a BRDF that is not isotropic, each view has
-/// one azimuth. Errors: `terms` not from 1 to `k_most_closures`, less than four knots; no value above 0; cancelled.
+/// extended lights. No albedo is above 1: where that of `f` is, `f` divided by it is fitted. NaN counts as not
+/// measured; of a BRDF that is not isotropic, each view has one azimuth. Errors: `terms` not from 1 to
+/// `k_most_closures`, less than four knots; no value above 0; cancelled.
 Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& options = {},
                                 const ProgressToken& progress = {});
 

@@ -90,9 +90,13 @@ TEST(Closures, ShowAMeasurementAndReflectNoMoreThanAllLight) {
     ASSERT_TRUE(fit.ok());
     const Evaluate fitted = evaluator(*fit);
     EXPECT_LT(delta_e(f, fitted), 3);
-    for (const double theta : {0.0, 20.0, 45.0, 70.0, 80.0, 86.0}) {
+    for (const double theta : {0.0, 20.0, 45.0, 70.0, 80.0, 84.0, 86.0, 88.0}) {
         const Rgb light = albedo(fitted, theta * k_degree, k_pi / 2);
         for (int c = 0; c < 3; ++c) EXPECT_LT(light[c], 1.01) << theta;
+        // The paper reflects .83 of the light at 80 degrees and more beyond.
+        if (theta >= 80) {
+            EXPECT_GT(light.g, 0.75) << theta;
+        }
     }
     for (const Closure& closure : fit->closures)
         for (int c = 0; c < 3; ++c) EXPECT_GE(closure.weight[c], 0);

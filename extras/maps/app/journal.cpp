@@ -30,7 +30,7 @@ template <typename Call> auto repeat_if_interrupted(const Call& call) {
 }
 
 /// The number of bytes of a record, and the hash up to its end.
-using RecordHead = std::array<std::uint64_t, 2>;
+using LengthAndHash = std::array<std::uint64_t, 2>;
 
 std::uint64_t hash_after(std::uint64_t previous, std::span<const std::byte> record) {
     Hash hash;
@@ -114,7 +114,7 @@ Result<Done> Journal::begin(const std::string& key, bool resume) {
 
 /// Finds the whole records between `end_` and `size`.
 Result<Done> Journal::keep_records(std::uint64_t size) {
-    for (RecordHead head; size - end_ >= sizeof head;) {
+    for (LengthAndHash head; size - end_ >= sizeof head;) {
         const auto head_bytes = read_part(path_, end_, sizeof head);
         if (!head_bytes) return head_bytes.error();
         std::memcpy(head.data(), head_bytes->data(), head_bytes->size());
@@ -159,7 +159,7 @@ Result<Done> Journal::write(std::span<const std::byte> bytes) {
 }
 
 Result<Done> Journal::add(std::span<const std::byte> record) {
-    const RecordHead head{record.size(), hash_after(hash_, record)};
+    const LengthAndHash head{record.size(), hash_after(hash_, record)};
     if (const auto written = write(std::as_bytes(std::span(head))); !written) return written;
     if (const auto written = write(record); !written) return written;
     const int failed = repeat_if_interrupted([&] { return ::fsync(descriptor_); });

@@ -34,7 +34,7 @@ const std::vector<Model>& models() {
         std::vector<Model> models;
         const auto add = [&](PmForm form, bool axial) {
             const int variates = form == PmForm::extended ? 4 : 3;
-            RandomModelOptions options{axial, form != PmForm::gaussian, 5, variates, 60, form};
+            RandomModelOptions options{axial, form != PmForm::gaussian, 3, variates, 60, form};
             models.push_back({rounded(random_model(random, options)), {}});
         };
         bool axial = true;

@@ -123,12 +123,11 @@ std::string parameters_text() {
 }  // namespace
 
 std::string runtime_code() {
-    const std::string interface = k_runtime_interface_text, host = k_runtime_host_text;
-    const std::string implementation = fmt::format("#define SRBF_MOST_VARIATES {}\n\n", k_most_variates) + host +
-                                       printed(k_functions, "srbf_", false) +
-                                       printed(k_functions_of_lanes, "srbf_x4_", true) + observer_text() +
-                                       parameters_text() + k_runtime_functions_text;
-    return interface + syntax::definitions_of_c() + implementation;
+    return k_runtime_interface_text + syntax::definitions_of_c() +
+           fmt::format("#define SRBF_MOST_VARIATES {}\n\n", k_most_variates) + k_runtime_host_text +
+           printed(k_functions, "srbf_", false) + printed(k_functions_of_lanes, "srbf_x4_", true) + observer_text() +
+           parameters_text() + k_runtime_files_text + k_runtime_models_text + k_runtime_densities_text +
+           k_runtime_preparation_text + k_runtime_functions_text;
 }
 
 }  // namespace srbf

@@ -52,10 +52,10 @@ Model with_edit(const Model& model, const Edit& edit) {
 
 TEST(Edit, SeparatesHighlightAndBody) {
     const Model fit = k_materials[0].fit();
-    const Rgb body = albedo(evaluator(part_of(pm(fit), true)), 0.5, k_pi / 2);
+    const Rgb body = albedo(evaluator(separated(pm(fit)).body), 0.5, k_pi / 2);
     for (int c = 0; c < 3; ++c) EXPECT_TRUE(near_relative(body[c], k_materials[0].truth.diffuse[c], 0.05));
     const Model metal = k_materials[1].fit();
-    EXPECT_LT(albedo(evaluator(part_of(pm(metal), true)), 0.5, k_pi / 2).r, 0.02f);
+    EXPECT_LT(albedo(evaluator(separated(pm(metal)).body), 0.5, k_pi / 2).r, 0.02f);
 }
 
 TEST(Edit, RoughensFacetsExactly) {

@@ -52,11 +52,11 @@ Result<Done> validate(const Edit& edit) {
                       edit);
 }
 
-/// Widens the highlight of the model, as a function.
-Evaluate roughened(const PmModel& model, double factor) {
-    const auto highlight = evaluator(part_of(model, false));
+/// The sum of both parts with the highlight widened, as a function.
+Evaluate roughened(const HighlightAndBody& parts, double factor) {
+    const auto highlight = evaluator(parts.highlight);
     Evaluate wide = roughened(highlight, factor, roughness_of(highlight));
-    return [wide, body = evaluator(part_of(model, true))](auto wl, auto wv, auto f) {
+    return [wide, body = evaluator(parts.body)](auto wl, auto wv, auto f) {
         std::vector<Rgb> of_body(f.size());
         wide(wl, wv, f), body(wl, wv, of_body);
         for (std::size_t i = 0; i < f.size(); ++i)
@@ -77,7 +77,7 @@ struct Editor {
 
     Result<PmModel> operator()(const PmModel& model, const Roughen& of) const {
         if (of.factor == 1) return model;
-        return fit(roughened(model, of.factor), model, of.factor, model.lobes);
+        return fit(roughened(separated(model), of.factor), model, of.factor, model.lobes);
     }
     Result<PmModel> operator()(const PmModel& model, const Tint& of) const { return tinted(model, of); }
     Result<PmModel> operator()(const PmModel& model, const Saturate& of) const { return saturated(model, of.factor); }
@@ -87,9 +87,10 @@ struct Editor {
     Result<PmModel> operator()(const PmModel& model, const Coat& of) const {
         // Two passages of the interface turn light like facets of this slope below it.
         const double slope = of.roughness * (1 - 1 / of.ior) / std::sqrt(2.0);
-        const double own = roughness_of(evaluator(part_of(model, false)));
+        const HighlightAndBody parts = separated(model);
+        const double own = roughness_of(evaluator(parts.highlight));
         const double factor = own > 0 ? std::min(elementary::hypot(1, slope / own), 10.0) : 1;
-        return fit(coated(factor > 1 ? roughened(model, factor) : evaluator(PmModel(model)), of), model, factor,
+        return fit(coated(factor > 1 ? roughened(parts, factor) : evaluator(PmModel(model)), of), model, factor,
                    model.lobes + k_lobes_of_coat);
     }
     Result<PmModel> operator()(const PmModel& model, const Rotate& of) const {

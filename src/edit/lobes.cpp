@@ -91,11 +91,10 @@ template <typename Colour> PmModel with_colours(PmModel model, const Colour& col
 
 }  // namespace
 
-PmModel part_of(PmModel model, bool body) {
+HighlightAndBody separated(const PmModel& model) {
     const std::vector<double> of_body = body_shares(model);
-    return with_colours(std::move(model), [&](std::size_t j, const Rgb& beta) {
-        return mixed({}, beta, float(body ? of_body[j] : 1 - of_body[j]));
-    });
+    return {with_colours(model, [&](std::size_t j, const Rgb& beta) { return mixed({}, beta, float(1 - of_body[j])); }),
+            with_colours(model, [&](std::size_t j, const Rgb& beta) { return mixed({}, beta, float(of_body[j])); })};
 }
 
 PmModel tinted(PmModel model, const Tint& tint) {
@@ -152,6 +151,9 @@ PmModel widened(PmModel model, double factor) {
     return model;
 }
 
+namespace {
+
+/// The model with another variate, which no lobe depends on.
 PmModel with_variate(PmModel model, Parameterization variate) {
     const auto N = std::ptrdiff_t(model.variates++);
     model.parameterization.push_back(variate);
@@ -161,10 +163,6 @@ PmModel with_variate(PmModel model, Parameterization variate) {
     }
     return model;
 }
-
-namespace {
-
-PmModel in_form(PmModel model, PmForm form);
 
 /// Adds the lobes of `b`, whose variate n is number place[n] of the model.
 void append_lobes(PmModel& model, const PmModel& b, std::span<const std::size_t> place) {

@@ -4,8 +4,11 @@
 
 namespace srbf {
 
-/// The shares of lobes that belong to the body, or to the highlight.
-PmModel part_of(PmModel model, bool body);
+/// The shares of lobes that belong to the highlight, and to the body.
+struct HighlightAndBody {
+    PmModel highlight, body;
+};
+HighlightAndBody separated(const PmModel& model);
 
 PmModel tinted(PmModel model, const Tint& tint);
 PmModel saturated(PmModel model, double factor);
@@ -17,8 +20,6 @@ PmModel scaled(PmModel model, float factor);
 /// lobes.
 PmModel widened(PmModel model, double factor);
 
-/// The model with another variate, which no lobe depends on.
-PmModel with_variate(PmModel model, Parameterization variate);
 /// The lobes of both. Variates that both have are shared; the result may have more than k_most_variates.
 PmModel joined(PmModel a, PmModel b);
 

@@ -50,8 +50,8 @@ std::string identifier(std::string_view text);
 ///   Vec3 NAME_bsdf(Vec3 wl, Vec3 wv)   f [1/sr] without beams; 0 where wl or wv lies in the surface
 ///   Vec3 NAME_beam(Vec3 wv)            the share of the light from -wv that passes unscattered; only if it has such
 ///   Vec3 NAME_mirror_beam(Vec3 wv)     the share of the light from the mirror direction; only if it has such
-///   Vec3 NAME_sample, float NAME_pdf   as above for the front and the back, without beams; (0, 0, 0) where the draw has none. They
-///                                      include the albedos of the parts.
+///   Vec3 NAME_sample, float NAME_pdf   as above for the front and the back, without beams; (0, 0, 0) where the draw has
+///                                      none. They include the albedos of the parts.
 /// The names of functions that several models share begin with `prefix`; with one model the name of the model is usual.
 /// The numbers of a view-by-view model are too many for constants: before the text the host defines NAME_number(i), a
 /// function or macro, as number i of `shading_data`. Errors, of code `argument`: a view-by-view model with plain

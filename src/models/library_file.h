@@ -16,7 +16,7 @@ std::size_t material_bytes(const Library& library);
 Library rounded(Library library);
 
 /// The file of a dense library without names whose texels are written elsewhere: `head`, the errors of T texels as 16-bit
-/// floats, `middle`, their coefficients [T, J, 3] likewise, and `tail`.
+/// floats, `middle`, their coefficients [T, J, 3] likewise, and `tail`. No part is empty.
 struct LibraryParts {
     std::vector<std::byte> head, middle, tail;
 };

@@ -198,19 +198,16 @@ Result<Done> write_map(const std::string& path, const FittedMap& map, const Jour
     LibraryParts parts = parts_of_library(map.library, map.total.texels);
     std::size_t step = 0;  // head, errors of each record, middle, coefficients of each record, tail
     return write_file(path, [&]() -> Result<std::vector<std::byte>> {
-        for (;;) {
-            const std::size_t n = step++;
-            if (n == 0) return std::move(parts.head);
-            if (n == records.size() + 1 && !parts.middle.empty()) return std::move(parts.middle);
-            if (n == 2 * records.size() + 2) return std::move(parts.tail);
-            if (n > 2 * records.size() + 2) return std::vector<std::byte>();
-            if (n == records.size() + 1) continue;
-            const bool is_error = n <= records.size();
-            const Journal::Record& record = records[is_error ? n - 1 : n - records.size() - 2];
-            const std::size_t count = (record.size - sizeof(RecordHead)) / texel_bytes;
-            return is_error ? journal.read(record, sizeof(RecordHead), 2 * count)
-                            : journal.read(record, sizeof(RecordHead) + 2 * count, (texel_bytes - 2) * count);
-        }
+        const std::size_t n = step++, count_of_records = records.size();
+        if (n == 0) return std::move(parts.head);
+        if (n == count_of_records + 1) return std::move(parts.middle);
+        if (n == 2 * count_of_records + 2) return std::move(parts.tail);
+        if (n > 2 * count_of_records + 2) return std::vector<std::byte>();
+        const bool is_error = n <= count_of_records;
+        const Journal::Record& record = records[is_error ? n - 1 : n - count_of_records - 2];
+        const std::size_t count = (record.size - sizeof(RecordHead)) / texel_bytes;
+        return is_error ? journal.read(record, sizeof(RecordHead), 2 * count)
+                        : journal.read(record, sizeof(RecordHead) + 2 * count, (texel_bytes - 2) * count);
     });
 }
 

@@ -72,6 +72,22 @@ static int srbf_place(int j, int row, int rows) { return (j / SRBF_LANES * rows 
 // The row of a variate's falloff.
 static int srbf_variate_row(const srbf_lobes* pm, int n) { return 4 + pm->features + (pm->axial ? 2 : 4) * n; }
 
+// The falloff and the centre of variate n of lobe j; `centre` is null if the model is axial.
+static void srbf_read_variate(const srbf_file* file, const srbf_lobes* pm, const srbf_tensor* bandwidth,
+                              const srbf_tensor* centre, int j, int n, float* number) {
+    const float half_log2_e = 0.5f * 1.44269504f;
+    const size_t i = (size_t)(j * pm->variates + n);
+    const int row = srbf_variate_row(pm, n);
+    number[srbf_place(j, row, pm->rows)] = half_log2_e * fabsf(srbf_number(file, bandwidth, i));
+    if (centre) {
+        const srbf_vec3 xi = srbf_spherical(srbf_number(file, centre, 2 * i), srbf_number(file, centre, 2 * i + 1));
+        number[srbf_place(j, row + 1, pm->rows)] = xi.x, number[srbf_place(j, row + 2, pm->rows)] = xi.y;
+        number[srbf_place(j, row + 3, pm->rows)] = xi.z;
+    } else {
+        number[srbf_place(j, row + 1, pm->rows)] = srbf_half_bits(file, bandwidth, i) >> 15 ? -1.0f : 1.0f;
+    }
+}
+
 static int srbf_read_pm(srbf_file* file, const char* prefix, srbf_model* model) {
     static const char* const forms[] = {"source", "horizon", "extended", "reciprocal", 0};
     static const char* const truths[] = {"true", "false", 0};
@@ -122,20 +138,7 @@ static int srbf_read_pm(srbf_file* file, const char* prefix, srbf_model* model) 
             if (k == 0 && x < 0.0f) return srbf_fail(file, SRBF_BAD_NUMBER, file->header_end + exponent->begin);
             number[srbf_place(j, 4 + k, pm.rows)] = log2_e * x;
         }
-        for (n = 0; n < pm.variates; ++n) {
-            const size_t i = (size_t)(j * pm.variates + n);
-            const float lambda = srbf_number(file, bandwidth, i);
-            const int row = srbf_variate_row(&pm, n);
-            number[srbf_place(j, row, pm.rows)] = 0.5f * log2_e * fabsf(lambda);
-            if (axial) {
-                number[srbf_place(j, row + 1, pm.rows)] = srbf_half_bits(file, bandwidth, i) >> 15 ? -1.0f : 1.0f;
-            } else {
-                const srbf_vec3 xi =
-                    srbf_spherical(srbf_number(file, centre, 2 * i), srbf_number(file, centre, 2 * i + 1));
-                number[srbf_place(j, row + 1, pm.rows)] = xi.x, number[srbf_place(j, row + 2, pm.rows)] = xi.y;
-                number[srbf_place(j, row + 3, pm.rows)] = xi.z;
-            }
-        }
+        for (n = 0; n < pm.variates; ++n) srbf_read_variate(file, &pm, bandwidth, centre, j, n, number);
     }
     return waves_length < 0 || srbf_colours(file, coefficient, waves, waves + waves_length, number, srbf_place, pm.rows);
 }

@@ -8,7 +8,7 @@
 namespace srbf {
 
 struct PreviewOptions {
-    int size = 320;   ///< pixels per side of each sphere's square, at least 16
+    int size = 256;   ///< pixels per side of each sphere's square, at least 16
     int threads = 0;  ///< 0: all of the machine; the picture does not depend on the number
     std::string caption = "fit";
 };

@@ -65,6 +65,7 @@ FitRequest five_lobes() {
     PmRequest pm;
     pm.size = LobeCount{5};
     pm.variates = 3;
+    pm.effort = 0.25;
     FitRequest request;
     request.model = pm;
     request.objective = Objective::cosine;

@@ -70,7 +70,8 @@ TEST_F(Command, compare_finds_the_errors_that_fit_reports) {
 
 TEST_F(Command, fit_stores_eight_lobes_of_four_variates_by_default) {
     write(folder / "small.binary", small_merl());
-    const ProgramRun fit = run(folder, {"fit", "small.binary", "--form", "gaussian", "--json", "-"});
+    const ProgramRun fit =
+        run(folder, {"fit", "small.binary", "--form", "gaussian", "--effort", "0.05", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
     const Json json = Json::parse(fit.out, nullptr, false);
     EXPECT_EQ(json.value("lobes", 0), 8);
@@ -82,7 +83,7 @@ TEST_F(Command, fit_stores_eight_lobes_of_four_variates_by_default) {
 
 TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {
     write(folder / "paper_white_rgb.srbf", "what was here before");
-    const Arguments fit{"fit", k_paper, "--lobes", "2", "--variates", "2"};
+    const Arguments fit{"fit", k_paper, "--lobes", "2", "--variates", "2", "--effort", "0.1"};
     const ProgramRun second = run(folder, fit + Arguments{"--threads", "2", "--json", "-"});
     ASSERT_EQ(second.status, 0) << second.err;
     EXPECT_EQ(second.err, "");
@@ -113,7 +114,7 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
     write(folder / "small.binary", small_merl());
     write(folder / "broken.binary", small_merl() + "x");
     std::filesystem::copy(k_paper, folder / "small.bsdf");
-    const Arguments options{"--lobes", "2", "--variates", "2", "--threads", "2"};
+    const Arguments options{"--lobes", "2", "--variates", "2", "--effort", "0.1", "--threads", "2"};
     const Arguments arguments =
         Arguments{"fit", "small.binary", "broken.binary", "missing", k_paper, "small.bsdf", ".", "-o", "new/models"} +
         options;
@@ -144,7 +145,7 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
     EXPECT_EQ(contents(models + "small.srbf"), small);
     EXPECT_EQ(std::filesystem::last_write_time(models + "paper_white_rgb.srbf"), written);
     // It does not keep models made with other options or from another measurement.
-    const Arguments resume{"fit", "small.binary", "-o", "new/models", "--resume", "--variates", "2"};
+    const Arguments resume{"fit", "small.binary", "-o", "new/models", "--resume", "--variates", "2", "--effort", "0.1"};
     EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 fitted"), std::string::npos);
     EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 kept"), std::string::npos);
     write(folder / "small.binary",
@@ -218,7 +219,7 @@ std::string smooth_samples(int count) {
 TEST_F(Command, fit_chooses_the_lobes_of_scattered_samples) {
     write(folder / "samples.csv", smooth_samples(40));
     const ProgramRun fit = run(folder, {"fit", "samples.csv", "--variates", "1", "--form", "source", "--objective",
-                                        "raw", "--max-theta", "70", "--json", "-"});
+                                        "raw", "--max-theta", "70", "--effort", "0.2", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
     const Json json = Json::parse(fit.out, nullptr, false);
     EXPECT_EQ(json.value("folds", 0), 5);
@@ -270,7 +271,7 @@ std::string smooth_spectra() {
 TEST_F(Command, fit_takes_spectra) {
     write(folder / "s.brdf", smooth_spectra());
     const ProgramRun fit = run(folder, {"fit", "s.brdf", "--channels", "spectral", "--lobes", "2", "--variates", "2",
-                                        "--objective", "raw", "--max-theta", "75", "--json", "-"});
+                                        "--objective", "raw", "--max-theta", "75", "--effort", "0.3", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
     const Json json = Json::parse(fit.out, nullptr, false);
     EXPECT_EQ(json.value("channels", 0), 5);
@@ -302,7 +303,8 @@ TEST_F(Command, fit_takes_spectra) {
 }
 
 TEST_F(Command, fit_keeps_a_budget) {
-    const ProgramRun fit = run(folder, {"fit", k_paper, "--budget", "60", "-o", "b.srbf", "--json", "-"});
+    const ProgramRun fit =
+        run(folder, {"fit", k_paper, "--budget", "60", "--effort", "0.1", "-o", "b.srbf", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
     const Json json = Json::parse(fit.out, nullptr, false);
     EXPECT_LE(json.value("payload_bytes", 99), 60);

@@ -20,7 +20,7 @@ Measured bundled(const std::string& name) { return *load_measured((bundled_data(
 
 FitRequest pm(PmSize size, int variates = 2, Objective objective = Objective::raw) {
     PmRequest pm;
-    pm.size = size, pm.variates = variates;
+    pm.size = size, pm.variates = variates, pm.effort = 0.1;
     FitRequest request;
     request.model = pm, request.objective = objective;
     return request;
@@ -147,9 +147,10 @@ TEST(Fitting, LargerModelsErrNoMoreThanTheyDid) {
         FitRequest request;
         std::size_t bytes;
         double delta_e, rms;  // 1.1 times the measured values
-    } expected[] = {{{.model = PmRequest{.size = LobeCount{12}}}, 276, 6.1, 0.105},
-                    {{.model = PmRequest{.form = PmForm::extended, .size = LobeCount{12}}}, 304, 4.70, 0.0864},
-                    {{.model = SuRequest{.lobes = 5, .directions = 384}}, 23040, 6.25, 0.0851}};
+    } expected[] = {
+        {{.model = PmRequest{.size = LobeCount{12}, .effort = 0.25}}, 276, 6.1, 0.105},
+        {{.model = PmRequest{.form = PmForm::extended, .size = LobeCount{12}, .effort = 0.25}}, 304, 4.70, 0.0864},
+        {{.model = SuRequest{.lobes = 5, .directions = 384}}, 23040, 6.25, 0.0851}};
     for (const auto& of : expected) {
         const auto outcome = fit(measured, of.request);
         ASSERT_TRUE(outcome);

@@ -166,7 +166,8 @@ struct Golden {
         return fitted(measured, request(pm, objective));
     }
     Line goal_line(const Measured& measured, SizeGoal goal, Objective objective) const {
-        return fitted(measured, request({.form = PmForm::extended, .variates = 2, .size = goal}, objective));
+        return fitted(measured,
+                      request({.form = PmForm::extended, .variates = 2, .size = goal, .effort = 0.1}, objective));
     }
     Line su_line(const Measured& measured, SuRequest su, Objective objective) const {
         return fitted(measured, {.model = su, .objective = objective, .threads = threads});
@@ -223,7 +224,8 @@ const std::vector<Row>& rows() {
         {"film-reciprocal", [](const G& g) { return g.fitted(g.film, g.request({})); }},
         {"film-3-reciprocal-general",
          [](const G& g) {
-             return g.pm_line(g.film, 3, Objective::cosine, {.form = PmForm::reciprocal, .axial = false});
+             return g.pm_line(g.film, 3, Objective::cosine,
+                              {.form = PmForm::reciprocal, .axial = false, .effort = 0.3});
          }},
         {"paper-3-log", [](const G& g) { return g.pm_line(g.paper, 3, Objective::log, {.form = PmForm::horizon}); }},
         {"film-3-cube-root", [](const G& g) { return g.pm_line(g.film, 3, Objective::cube_root); }},
@@ -240,7 +242,10 @@ const std::vector<Row>& rows() {
          [](const G& g) { return g.fitted(g.film, {.model = OpenPbrRequest{}, .threads = g.threads}); }},
         {"film-samples", [](const G& g) { return g.pm_line(samples_of(g.film, 400, false), 3); }},
         {"film-samples-cube-root",
-         [](const G& g) { return g.pm_line(samples_of(g.film, 300, false), 2, Objective::cube_root); }},
+         [](const G& g) {
+             return g.pm_line(samples_of(g.film, 300, false), 2, Objective::cube_root,
+                              {.form = PmForm::extended, .effort = 0.2});
+         }},
         {"film-spectra",
          [](const G& g) {
              FitRequest request = g.request({.size = LobeCount{2}}, Objective::cosine);

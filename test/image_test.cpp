@@ -187,8 +187,8 @@ template <typename Visit> void for_each_inside(const Visit& visit) {
 TEST(Preview, IsThreeSquaresWithCaptions) {
     const Lambert lambert{{0.5f, 0.5f, 0.5f}};
     const Image8 image = preview(evaluator(lambert), evaluator(lambert));
-    EXPECT_EQ(image.width, 960);
-    EXPECT_EQ(image.height, 360);
+    EXPECT_EQ(image.width, 768);
+    EXPECT_EQ(image.height, 288);
 }
 
 TEST(Preview, OfEqualBrdfsHasABlackDifference) {

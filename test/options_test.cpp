@@ -18,9 +18,9 @@ const std::string k_folder = "fit m.binary -o o/ --model su --directions 8 --lob
 /// Modes of subcommands: a name, and arguments to which each option is added. The quickest mode of a subcommand comes
 /// first. Modes that would be slow have a missing input, so that no option is read.
 const std::pair<const char*, std::string> k_modes[] = {
-    {"a table", "fit m.binary -o o.srbf " + k_fit},
+    {"a table", "fit m.binary -o o.srbf --effort 0.01 " + k_fit},
     {"view by view", "fit m.binary -o o.srbf --model su --directions 8 --lobes 1 --objective raw"},
-    {"a goal", "fit m.binary -o o.srbf --objective raw --budget 24"},
+    {"a goal", "fit m.binary -o o.srbf --objective raw --budget 24 --effort 0.01"},
     {"ggx", "fit m.binary -o o.srbf --model ggx --objective raw"},
     {"openpbr", "fit m.binary -o o.srbf --model openpbr --surface principled --objective raw"},
     {"a folder", k_folder},
@@ -89,6 +89,7 @@ const std::map<std::string, std::string> k_argument{
     {"--slab", "1"},
     {"--active", "2"},
     {"--width", "1"},
+    {"--effort", "0.5"},
     {"--seed", "1"},
     {"--threads", "1"},
     {"--rgb-alone", ""},

@@ -19,6 +19,7 @@ namespace {
 
 using Text = std::string_view;
 using Models = std::vector<Text>;
+constexpr double k_least_effort = 0.01, k_most_effort = 50;
 constexpr double k_least_albedo_limit = 1e-3, k_most_albedo_limit = 1000;
 const Models k_all, k_of_pm{"pm"}, k_of_su{"su"}, k_of_ggx{"ggx"}, k_of_openpbr{"openpbr"};
 
@@ -64,6 +65,7 @@ FitOptionRow flag(FitOptionRow option, void (*set)(FitRequest&, bool)) {
 
 template <typename T> std::string preset(const T& value) { return fmt::format("{}", value); }
 const FitRequest k_request{};
+const PmRequest k_pm{};
 const SuRequest k_su{};
 
 FitOptionRow model() {
@@ -222,6 +224,12 @@ void add_goals(std::vector<FitOptionRow>& to) {
 }
 
 void add_running(std::vector<FitOptionRow>& to) {
+    to.push_back(
+        number<double>({"effort", k_of_pm, "E",
+                        fmt::format("pm: length of the search for lobes as a multiple of the default, {} to {}",
+                                    k_least_effort, k_most_effort),
+                        preset(k_pm.effort)},
+                       k_least_effort, k_most_effort, [](FitRequest& r, double effort) { pm(r).effort = effort; }));
     to.push_back(number<std::uint64_t>({"seed", k_all, "SEED", "Seed of the random numbers", preset(k_request.seed)}, 0,
                                        std::numeric_limits<std::uint64_t>::max(),
                                        [](FitRequest& r, std::uint64_t seed) { r.seed = seed; }));

@@ -215,6 +215,8 @@ struct Fitter::State {
                                      {"seed", fmt::format("{}", request.seed)}};
         if (const auto* openpbr = std::get_if<OpenPbrRequest>(&request.model))
             outcome->model.provenance["surface"] = name(openpbr->surface);
+        if (const auto* pm = std::get_if<PmRequest>(&request.model); pm && pm->effort != 1)
+            outcome->model.provenance["effort"] = fmt::format("{:.6g}", pm->effort);
         if (measured_) name_source(outcome->model, *measured_);
         return outcome;
     }

@@ -34,6 +34,7 @@ inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm for
     options.lobes = lobes_of(pm).value_or(row_of(options.form).lobes);
     options.variates = pm.variates.value_or(row_of(options.form).variates);
     options.albedo_limit = pm.albedo_limit;
+    options.effort = pm.effort;
     options.log_scale = pm.log_scale;
     options.seed = request.seed;
     options.threads = request.threads;

@@ -20,7 +20,7 @@ class OfShade : public CommandLine {
             *shared / "p.csv",
             "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0.6,-0.8\n0,0,-1,0,0.6,0.8\n0,0,-1,0,0.6,-0.8\n0,0,1,0,0.6,0.8\n");
         fitted = run(*shared, {"fit", "shade.xml", "--lobes", "1", "--variates", "2", "--axial", "--threads", "1",
-                               "--json", "r.json", "--preview", "p.png"});
+                               "--json", "r.json"});
     }
     static void TearDownTestSuite() { shared.reset(); }
     void SetUp() override { std::filesystem::copy(shared->path, folder.path); }

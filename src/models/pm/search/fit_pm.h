@@ -32,6 +32,8 @@ struct PmFitOptions {
     /// another three tenths, and the best quarter the remaining half. For appearance, all starts get 0.28 of them.
     /// Default: 45 for up to 5 lobes, falling to 25 for 8 and more.
     std::optional<int> perturbations = {};
+    /// Both numbers are multiplied by it; at least one start remains.
+    double effort = 1;
     /// Limit on the directional albedo in every channel, to cosθv = 0.001. None: in a reciprocal form the largest one
     /// measured up to 80°, at least 1; in other forms there is no limit.
     std::optional<double> albedo_limit = {};

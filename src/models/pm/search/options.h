@@ -17,10 +17,13 @@ inline LobeShape shape_of(const PmFitOptions& options) {
 /// Default numbers of starts and perturbations. Fits with more lobes use fewer, because each takes longer and
 /// matters less.
 inline int starts_of(const PmFitOptions& options) {
-    return options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 16, 20));
+    const int starts = options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 16, 20));
+    return std::max(int(std::lround(options.effort * starts)), 1);
 }
 inline int perturbations_of(const PmFitOptions& options) {
-    return options.perturbations.value_or(std::clamp(1600 / std::max(options.lobes * options.lobes, 1), 25, 45));
+    const int perturbations =
+        options.perturbations.value_or(std::clamp(1600 / std::max(options.lobes * options.lobes, 1), 25, 45));
+    return int(std::lround(options.effort * perturbations));
 }
 
 /// `options` with at most this many starts and perturbations, for a quick fit that estimates the result of a full
@@ -28,6 +31,7 @@ inline int perturbations_of(const PmFitOptions& options) {
 inline PmFitOptions quick_options(PmFitOptions options, int starts, int perturbations) {
     options.starts = std::min(starts_of(options), starts);
     options.perturbations = std::min(perturbations_of(options), perturbations);
+    options.effort = 1;
     return options;
 }
 

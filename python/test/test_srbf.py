@@ -38,7 +38,7 @@ def facets(paper):
 @pytest.fixture(scope="module", params=["gaussian", "horizon", "extended", "reciprocal", "general", "su", "ggx"])
 def model(request, paper):
     options = {"su": {"model": "su", "lobes": 1}, "ggx": {"model": "ggx", "lobes": 2}, "general": {"axial": False, "lobes": 2, "variates": 2}}
-    return srbf.fit(paper, objective="cosine", **options.get(request.param, {"form": request.param, "lobes": 2, "variates": 2})).model
+    return srbf.fit(paper, objective="cosine", **options.get(request.param, {"form": request.param, "lobes": 2, "variates": 2, "effort": 0.1})).model
 
 
 def by_formula(model, wl, wv, one_side=False):
@@ -143,11 +143,11 @@ def test_a_model_is_saved_pickled_and_converted(model, tmp_path):
 
 
 def test_a_fit_tells_what_the_program_tells(paper):
-    fit = srbf.fit(paper, lobes=2, variates=2)
+    fit = srbf.fit(paper, lobes=2, variates=2, effort=0.1)
     assert fit.reached and fit.stop_reason and fit.model.nbytes == 48
     assert fit.model.provenance["source"].endswith("paper_white_rgb.bsdf")
     assert float(fit.model.provenance["delta_e_itp"]) == pytest.approx(fit.errors["delta_e_itp"], rel=1e-3)
-    same = srbf.fit(PAPER, lobes=2, variates=2, threads=1)
+    same = srbf.fit(PAPER, lobes=2, variates=2, effort=0.1, threads=1)
     np.testing.assert_array_equal(same.model.parameters["coefficient"], fit.model.parameters["coefficient"])
     errors = srbf.errors(paper, fit.model, max_theta=89)
     assert errors["heldout_cube_root_error_ratio"] == pytest.approx(fit.errors["heldout_cube_root_error_ratio"], rel=1e-5)
@@ -171,7 +171,7 @@ def test_functions_and_arrays_are_fitted():
         assert wl.shape == wv.shape and wl.dtype == np.float32
         return np.full((len(wl), 1), 0.5 / np.pi)
 
-    fit = srbf.fit(lambert, lobes=1, variates=1)
+    fit = srbf.fit(lambert, lobes=1, variates=1, effort=0.1)
     np.testing.assert_allclose(fit.model.eval(directions(100), directions(100, seed=1)), 0.5 / np.pi, rtol=0.01)
     wl, wv = directions(300), directions(300, seed=1)
     samples = srbf.from_arrays(wl, wv, np.full(300, 0.25))
@@ -186,7 +186,7 @@ def test_functions_and_arrays_are_fitted():
 
 def test_progress_is_told_and_cancels(paper):
     calls = []
-    srbf.fit(paper, lobes=2, variates=2, progress=lambda stage, fraction: calls.append((stage, fraction)))
+    srbf.fit(paper, lobes=2, variates=2, effort=0.1, progress=lambda stage, fraction: calls.append((stage, fraction)))
     assert calls and all(0 <= fraction <= 1 for _, fraction in calls) and [f for _, f in calls] == sorted(f for _, f in calls)
     with pytest.raises(srbf.Error) as caught:
         srbf.fit(paper, progress=lambda stage, fraction: False)
@@ -219,7 +219,7 @@ def test_other_threads_run_meanwhile(paper):
     done = threading.Event()
     thread = threading.Thread(target=count)
     thread.start()
-    srbf.fit(paper, lobes=2, variates=2)
+    srbf.fit(paper, lobes=2, variates=2, effort=0.1)
     done.set()
     thread.join()
     assert len(steps) > 10

@@ -71,13 +71,14 @@ void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
 
 TEST(Lobes, ExponentsAreBoundedByTheirTerms) {
     for (const double finest : {0.0, 1e-4, 0.05})
-        for (const bool axial : {true, false}) {
-            const LobeShape shape{PmForm::extended, 2, axial, finest};
+        for (const PmForm form : {PmForm::extended, PmForm::reciprocal}) {
+            const LobeShape shape{form, 2, finest > 0, finest};
             const double slope = finest > 0 ? std::min(1 / finest, 65504.0) : 65504.0;
             for (int k = 0; k < features(shape.form); ++k) {
                 const ExponentTerm& term = k_terms[std::size_t(k)];
                 const Interval range = weight_range(shape.directional() + k, shape);
-                EXPECT_EQ(range.least, term.is_slope ? std::max(term.least, -slope) : term.least);
+                const double least = is_reciprocal(form) ? term.least_if_reciprocal : term.least;
+                EXPECT_EQ(range.least, term.is_slope ? std::max(least, -slope) : least);
                 EXPECT_EQ(range.most, term.is_slope ? std::min(term.most, slope) : term.most);
                 EXPECT_LE(range.least, 0);
                 EXPECT_LE(range.most, double(k_half_max));

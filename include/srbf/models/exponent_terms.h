@@ -14,14 +14,15 @@ struct ExponentTerm {
     std::string_view factor;      ///< e^{κ_jk x_k}, for output
     std::string_view definition;  ///< of a symbol in the factor, for output; may be empty
     double least, most;           ///< bounds of κ_jk in a fit; if `least` is 0, κ_jk ≥ 0 in files too
+    double least_if_reciprocal;   ///< of a reciprocal form: steeper lobes have ridges at views beyond what is observed
     bool is_slope;                ///< a fit to samples ε [rad] apart also bounds |κ_jk| by 1/ε
     bool is_sharp;  ///< initial κ_jk like a bandwidth: 0, 0.3 to 6e4 or -100 to -0.3; otherwise 0, ±0.1 to ±10
 };
 inline constexpr std::array<ExponentTerm, 4> k_terms{{
-    {"κ", "(cosθl cosθv)^κ", "", 0, 64, false, false},
-    {"μ", "e^(μ(l·h - 1))", "", -1000, 1000, true, false},
-    {"γ", "e^(-γδ)", "δ = √((cosθl - cosθv)² + sin²θh/16 + 1/400) - 1/20", -1000, 1000, true, false},
-    {"σ", "e^(-σ sinθh)", "", -1000, 65504, true, true},
+    {"κ", "(cosθl cosθv)^κ", "", 0, 64, 0, false, false},
+    {"μ", "e^(μ(l·h - 1))", "", -1000, 1000, -1000, true, false},
+    {"γ", "e^(-γδ)", "δ = √((cosθl - cosθv)² + sin²θh/16 + 1/400) - 1/20", -1000, 1000, -64, true, false},
+    {"σ", "e^(-σ sinθh)", "", -1000, 65504, -1000, true, true},
 }};
 
 /// The factors of a lobe. The sizes are in 16-bit numbers, for J lobes of N variates.

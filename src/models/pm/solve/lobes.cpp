@@ -27,7 +27,8 @@ Interval weight_range(int n, const LobeShape& shape) {
     if (const int k = n - shape.directional(); k >= 0) {
         const ExponentTerm& term = k_terms[std::size_t(k)];
         const double slope = term.is_slope ? at_most(1 / shape.finest) : double(k_half_max);
-        return {std::max(term.least, -slope), std::min(term.most, slope)};
+        const double least = is_reciprocal(shape.form) ? term.least_if_reciprocal : term.least;
+        return {std::max(least, -slope), std::min(term.most, slope)};
     }
     const double bandwidth = at_most(elementary::pow(shape.finest, -2));  // |p|, representable in 16 bits
     const double component = shape.axial ? bandwidth : bandwidth / std::sqrt(3.0);

@@ -523,7 +523,8 @@ TEST_F(ShadingCode, BlendsAreSums) {
         text(CodeLanguage::c) +
             "void answer(const float* q, const float* weights, float* f);\n"
             "void answer(const float* q, const float* weights, float* f) {\n"
-            "    srbf_vec3 l = {q[0], q[1], q[2]}, v = {q[4], q[5], q[6]}, s = {weights[0], weights[1], weights[2]}, w, m[3];\n"
+            "    srbf_vec3 l = {q[0], q[1], q[2]}, v = {q[4], q[5], q[6]}, s = {weights[0], weights[1], weights[2]}, "
+            "w, m[3];\n"
             "    int i;\n" +
             three("brdf(l, v") + three("albedo(v.z") +
             "    f[0] = mix_pdf(l, v, s), f[1] = a_pdf(l, v), f[2] = b_pdf(l, v), f[3] = c_pdf(l, v);\n"
@@ -543,10 +544,10 @@ TEST_F(ShadingCode, BlendsAreSums) {
             ASSERT_NEAR(f[12], f[13], 1e-3f);
         }
     }
-    EXPECT_TRUE(compiles_as_glsl("blend.frag",
-                                 "#version 300 es\nprecision highp float;\n" + text(CodeLanguage::glsl) +
-                                     "in vec3 a, b, c; out vec4 d;\nvoid main() { d = vec4(mix_brdf(a, b, c) + "
-                                     "mix_albedo(b.z, c), mix_pdf(mix_sample(b, a.x, a.y, a.z, c), b, c)); }\n"));
+    EXPECT_TRUE(
+        compiles_as_glsl("blend.frag", "#version 300 es\nprecision highp float;\n" + text(CodeLanguage::glsl) +
+                                           "in vec3 a, b, c; out vec4 d;\nvoid main() { d = vec4(mix_brdf(a, b, c) + "
+                                           "mix_albedo(b.z, c), mix_pdf(mix_sample(b, a.x, a.y, a.z, c), b, c)); }\n"));
     EXPECT_TRUE(compiles_as_hlsl("frag", "blend",
                                  text(CodeLanguage::hlsl) +
                                      "float4 main(float3 a : A, float3 b : B, float3 c : C) : SV_Target { return "

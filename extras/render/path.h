@@ -6,9 +6,9 @@
 #include <variant>
 #include <vector>
 
+#include "errors/picture.h"
 #include "extras/render/environment.h"
 #include "extras/render/scene.h"
-#include "errors/picture.h"
 #include "extras/render/tone.h"
 #include "srbf/prepared_bsdf.h"
 #include "srbf/prepared_map.h"

@@ -16,7 +16,8 @@ constexpr const char* k_weights[k_most_blended] = {"weights.x", "weights.y", "we
 std::string sum_text(std::span<const NamedModel> models, const char* type, const char* zero, const char* call) {
     std::string text = fmt::format("    {} sum = {};\n", type, zero);
     for (std::size_t k = 0; k < models.size(); ++k)
-        text += fmt::format("    if ({0} > Real(0.0)) sum = sum + {0} * {1}_{2};\n", k_weights[k], models[k].name, call);
+        text +=
+            fmt::format("    if ({0} > Real(0.0)) sum = sum + {0} * {1}_{2};\n", k_weights[k], models[k].name, call);
     return text;
 }
 
@@ -38,9 +39,10 @@ std::string text_of(std::span<const NamedModel> models, const CodeOptions& optio
         shares += fmt::format("{}{} ({})", k ? ", " : "", models[k].name, k_weights[k]);
         total += fmt::format("{}{}", k ? " + " : "", k_weights[k]);
     }
-    std::string text = fmt::format("// Materials mixed by a mask, which the host looks up: the shares of {}.\n", shares) +
-                       "Vec3 brdf(Vec3 wl, Vec3 wv, Vec3 weights) {\n" +
-                       sum_text(models, "Vec3", black, "brdf(wl, wv)") + "    return sum;\n}\n";
+    std::string text =
+        fmt::format("// Materials mixed by a mask, which the host looks up: the shares of {}.\n", shares) +
+        "Vec3 brdf(Vec3 wl, Vec3 wv, Vec3 weights) {\n" + sum_text(models, "Vec3", black, "brdf(wl, wv)") +
+        "    return sum;\n}\n";
     if (options.albedo)
         text += "Vec3 directional_albedo(Real cosine, Vec3 weights) {\n" +
                 sum_text(models, "Vec3", black, "albedo(cosine)") + "    return sum;\n}\n";

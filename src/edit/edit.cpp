@@ -8,11 +8,13 @@
 #include "base/errors.h"
 #include "base/floating_point.h"
 #include "base/parameters.h"
+#include "brdf/values.h"
 #include "edit/lobes.h"
 #include "edit/refit.h"
 #include "edit/reshape.h"
 #include "models/pm/pm_functions.h"
 #include "observe/albedo_bound.h"
+#include "srbf/metrics.h"
 
 namespace srbf {
 namespace {
@@ -79,7 +81,27 @@ struct Editor {
         if (of.factor == 1) return model;
         return fit(roughened(separated(model), of.factor), model, of.factor, model.lobes);
     }
-    Result<PmModel> operator()(const PmModel& model, const Tint& of) const { return tinted(model, of); }
+    /// The tint, with highlight and body only as bright as the limit allows up to 75° from the normal: were single lobes
+    /// lowered instead, the hue would change.
+    Tint within_limit(const PmModel& model, const Tint& wanted) const {
+        const HighlightAndBody parts = separated(model);
+        const Evaluate highlight = evaluator(parts.highlight), body = evaluator(parts.body);
+        double of_highlight = 1, of_body = 1;
+        for (const double view : {0.0, 25.0, 45.0, 60.0, 75.0}) {
+            const Rgb h = albedo(highlight, view * k_degree, k_pi / 2), b = albedo(body, view * k_degree, k_pi / 2);
+            for (int c = 0; c < 3; ++c) {
+                const double body_albedo = double(b[c] * wanted.body[c]),
+                             highlight_albedo = double(h[c] * wanted.highlight[c]);
+                if (body_albedo > limit) of_body = std::min(of_body, limit / body_albedo);
+                if (highlight_albedo > 0 && body_albedo + highlight_albedo > limit)
+                    of_highlight = std::min(of_highlight, std::max(limit - body_albedo, 0.0) / highlight_albedo);
+            }
+        }
+        return {mixed({}, wanted.highlight, float(of_highlight)), mixed({}, wanted.body, float(of_body))};
+    }
+    Result<PmModel> operator()(const PmModel& model, const Tint& of) const {
+        return tinted(model, within_limit(model, of));
+    }
     Result<PmModel> operator()(const PmModel& model, const Saturate& of) const { return saturated(model, of.factor); }
     Result<PmModel> operator()(const PmModel& model, const TurnHue& of) const {
         return turned(model, of.degrees * k_degree);

@@ -86,7 +86,8 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
             return distinct.error();
         functions += fmt::format("#define {}_radiance measured_radiance\n", named.name);
         texels += fmt::format(
-            "uniform highp sampler2D {0}_texels;\nvec3 {0}_light_texel(int i, int view) {{ return texelFetch({0}_texels, ivec2(i, view), 0).rgb; }}\n",
+            "uniform highp sampler2D {0}_texels;\nvec3 {0}_light_texel(int i, int view) {{ return "
+            "texelFetch({0}_texels, ivec2(i, view), 0).rgb; }}\n",
             named.name);
         classes += lobes_text(named, threads);
         classes += class_text(named.name, "MeasuredMaterial", fmt::format(", {{ lobes: {}_lobes }}", named.name));

@@ -24,8 +24,8 @@
 namespace srbf {
 
 Result<Image> load_mask(const std::string& path) {
-    constexpr std::size_t k_most_bytes = std::size_t(1) << 29;
-    const auto bytes = read_file(path, k_most_bytes);
+    constexpr std::uint64_t k_most_bytes = std::uint64_t(1) << 29;
+    const auto bytes = read_file(path, [](auto) { return k_most_bytes; });
     if (!bytes) return bytes.error();
     if (is_exr(*bytes)) {
         auto image = read_exr(*bytes, path);

@@ -36,8 +36,7 @@ Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const Pa
     };
     if (command.scene_name != "object") return refuse("scene", "object", "room");
     if (command.draw == "cosine") return refuse("draws", "by the brdf", "by the cosine");
-    if (mesh.texture.empty())
-        return refuse("mesh", "one with texture coordinates", "none of a corner at least");
+    if (mesh.texture.empty()) return refuse("mesh", "one with texture coordinates", "none of a corner at least");
     return Done{};
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/errors.h"
@@ -81,23 +82,24 @@ struct Editor {
         if (of.factor == 1) return model;
         return fit(roughened(separated(model), of.factor), model, of.factor, model.lobes);
     }
-    /// The tint, with highlight and body only as bright as the limit allows up to 75° from the normal: were single lobes
-    /// lowered instead, the hue would change.
+    /// The tint, with what it raises of highlight and body only as bright as the limit allows up to 75° from the normal:
+    /// were single lobes lowered instead, the hue would change.
     Tint within_limit(const PmModel& model, const Tint& wanted) const {
         const HighlightAndBody parts = separated(model);
-        const Evaluate highlight = evaluator(parts.highlight), body = evaluator(parts.body);
-        double of_highlight = 1, of_body = 1;
-        for (const double view : {0.0, 25.0, 45.0, 60.0, 75.0}) {
-            const Rgb h = albedo(highlight, view * k_degree, k_pi / 2), b = albedo(body, view * k_degree, k_pi / 2);
+        const std::array<Evaluate, 2> f{evaluator(parts.highlight), evaluator(parts.body)};
+        const std::array<Rgb, 2> tint{wanted.highlight, wanted.body};
+        double share = 1;
+        for (const double view : {0.0, 25.0, 45.0, 60.0, 75.0})
             for (int c = 0; c < 3; ++c) {
-                const double body_albedo = double(b[c] * wanted.body[c]),
-                             highlight_albedo = double(h[c] * wanted.highlight[c]);
-                if (body_albedo > limit) of_body = std::min(of_body, limit / body_albedo);
-                if (highlight_albedo > 0 && body_albedo + highlight_albedo > limit)
-                    of_highlight = std::min(of_highlight, std::max(limit - body_albedo, 0.0) / highlight_albedo);
+                double raised = 0, fixed = 0;
+                for (std::size_t k = 0; k < 2; ++k)
+                    (most(tint[k]) > 1 ? raised : fixed) +=
+                        double(tint[k][c] * albedo(f[k], view * k_degree, k_pi / 2)[c]);
+                if (raised > 0 && fixed + raised > limit)
+                    share = std::min(share, std::max(limit - fixed, 0.0) / raised);
             }
-        }
-        return {mixed({}, wanted.highlight, float(of_highlight)), mixed({}, wanted.body, float(of_body))};
+        const auto within = [&](const Rgb& of) { return most(of) > 1 ? mixed({}, of, float(share)) : of; };
+        return {within(wanted.highlight), within(wanted.body)};
     }
     Result<PmModel> operator()(const PmModel& model, const Tint& of) const {
         return tinted(model, within_limit(model, of));

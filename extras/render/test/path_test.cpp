@@ -276,7 +276,9 @@ TEST(Path, AMapShowsEachOfItsTexels) {
 }
 
 TEST(Path, AMaskMixesMaterials) {
-    const auto colour = [](const Rgb& albedo) { return prepare_bsdf(Model{GgxModel{albedo, {{1, {}, 0}}}, {}}); };
+    const auto colour = [](const Rgb& albedo) -> PreparedBsdf {
+        return prepare(Model{GgxModel{albedo, {{1, {}, 0}}}, {}});
+    };
     Mesh mesh = plane_mesh();
     mesh.texture = {{{{0, 1}, {1, 1}, {1, 0}}}, {{{0, 1}, {1, 0}, {0, 0}}}};
     Image mask(2, 1);

@@ -156,7 +156,7 @@ Result<std::string> surface(const ExportCommand& asked, const std::vector<NamedM
 CodeOptions code_options(const ExportCommand& asked, CodeLanguage language) {
     CodeOptions options{.language = language, .with = asked.with};
     options.sampling = std::erase(options.with, "sampling") > 0,
-    options.albedo = std::erase(options.with, "albedo") > 0;
+    options.albedo = std::erase(options.with, "albedo") > 0, options.blend = std::erase(options.with, "blend") > 0;
     return options;
 }
 
@@ -256,12 +256,12 @@ void add_export(CommandLine& app, int& status) {
     sub.add_option("MODEL", command->files, "Fitted models, or a map of shared lobes").type_name("").required();
     Exports exports = core_exports();
     for (const auto add : k_extra_exports) add(sub, *command, exports);
-    std::vector<std::string> names, features{"sampling", "albedo"};
+    std::vector<std::string> names, features{"sampling", "albedo", "blend"};
     for (const ExportKind& kind : exports.kinds) names.push_back(kind.name);
     sub.add_option("--to", command->to, exports.about + k_about_models).type_name("KIND").required().one_of(names);
     std::string about =
         "sampling: also NAME_sample and NAME_pdf; albedo: also NAME_albedo, the fraction of light that\n"
-        "is reflected to a view";
+        "is reflected to a view; blend: also OUTPUT_brdf(wl, wv, weights) of two or three models, mixed by a mask";
     for (const CodeFeature& feature : code_features()) {
         about += fmt::format(";\n{}: {}", feature.name, feature.summary);
         features.emplace_back(feature.name);

@@ -1,6 +1,9 @@
 // Edits of models against the materials that they should become.
 #include "srbf/edit.h"
 
+#include <fmt/format.h>
+
+#include "coat_walk.h"
 #include "edit/lobes.h"
 #include "edit/reshape.h"
 #include "errors/picture_errors.h"
@@ -205,6 +208,24 @@ TEST(Edit, CoatedFitsAreLawful) {
         GgxModel wide = material.truth;
         wide.lobes[0].roughness *= float(std::hypot(1, 0.1 / 3 / std::sqrt(2.0) / 0.3));
         EXPECT_LE(visible_error(coated(evaluator(wide), {0.1, 1.5, {1, 1, 1}}), evaluator(coat)), 2.5) << material.name;
+    }
+}
+
+/// Against light that walks between interface and base, in bins of directions of which each gets hundreds of paths.
+TEST(Edit, CoatsLookLikeWalksBetweenTheirLayers) {
+    constexpr int k_paths = 60000;
+    for (const auto& [material, roughness] : {std::pair(0, 0.1), {1, 0.1}, {1, 0.3}}) {
+        const GgxModel& base = k_materials[material].truth;
+        const Coat coat{roughness, 1.5, {1, 1, 1}};
+        const WalkedCoat walked(CoatWalk(base, roughness, coat.ior), coated(evaluator(base), coat), k_paths);
+        const Evaluate truth = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+            for (std::size_t i = 0; i < f.size(); ++i) f[i] = walked.value(wl[i], wv[i]);
+        };
+        const Model fit = k_materials[material].fit();
+        const double error = visible_error(truth, evaluator(with_edit(fit, coat)));
+        EXPECT_LE(error, 4) << k_materials[material].name << ' ' << roughness;
+        EXPECT_LT(error, 0.5 * visible_error(truth, evaluator(fit)));
+        fmt::print("{} under a coat of {}: {:.2f}\n", k_materials[material].name, roughness, error);
     }
 }
 

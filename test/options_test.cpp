@@ -128,6 +128,7 @@ const std::map<std::string, std::string> k_argument{
     {"--coat-tint", "1,0.5,0.5"},
     {"--reduce", "1"},
     {"--mix", "0.3"},
+    {"--mask", "m.obj"},
 };
 /// The argument for an option. Formats have options of `srbf convert` with their own values.
 std::string argument_of(const std::string& subcommand, const std::string& option) {

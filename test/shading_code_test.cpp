@@ -506,6 +506,57 @@ TEST_F(ShadingCode, RunsAsWgsl) {
     expect_equal(answers, "wgsl");
 }
 
+/// A blend is the weighted sum of its models, and is drawn from one of them.
+TEST_F(ShadingCode, BlendsAreSums) {
+    const std::vector<NamedModel> named{{"a", &models()[0]}, {"b", &models()[1]}, {"c", &models()[6]}};
+    const auto text = [&](CodeLanguage language) {
+        return *shading_code(named, "mix", {.language = language, .sampling = true, .albedo = true, .blend = true});
+    };
+    const auto three = [](const char* call) {
+        return fmt::format(
+            "    w = mix_{0}{1}, m[0] = a_{0}), m[1] = b_{0}), m[2] = c_{0});\n"
+            "    f[0] = w.x;\n    for (i = 0; i < 3; ++i) f[i + 1] = m[i].x;\n    f += 4;\n",
+            call, ", s)");
+    };
+    void* const library = compiled(
+        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Wno-unused-function -Werror", "blend",
+        text(CodeLanguage::c) +
+            "void answer(const float* q, const float* weights, float* f);\n"
+            "void answer(const float* q, const float* weights, float* f) {\n"
+            "    srbf_vec3 l = {q[0], q[1], q[2]}, v = {q[4], q[5], q[6]}, s = {weights[0], weights[1], weights[2]}, "
+            "w, m[3];\n"
+            "    int i;\n" +
+            three("brdf(l, v") + three("albedo(v.z") +
+            "    f[0] = mix_pdf(l, v, s), f[1] = a_pdf(l, v), f[2] = b_pdf(l, v), f[3] = c_pdf(l, v);\n"
+            "    w = mix_sample(v, q[8], q[9], q[10], s), m[0] = b_sample(v, q[8], q[9], (q[10] - s.x) / s.y);\n"
+            "    f[4] = w.z, f[5] = m[0].z;\n}\n");
+    ASSERT_TRUE(library);
+    const auto answer = function<void(const float*, const float*, float*)>(library, "answer");
+    constexpr std::array<float, 3> weights{0.25f, 0.5f, 0.25f};
+    for (const Question& q : questions()) {
+        if (!(q.wv[2] > 0)) continue;  // or a NaN
+        std::array<float, 14> f{};
+        answer(q.wl.data(), weights.data(), f.data());
+        for (std::size_t i = 0; i < 12; i += 4) {
+            const float sum = 0.25f * f[i + 1] + 0.5f * f[i + 2] + 0.25f * f[i + 3];
+            ASSERT_NEAR(f[i], sum, 1e-5f * std::abs(sum)) << i;
+        }
+        if (q.uniform[2] >= 0.25f && q.uniform[2] < 0.75f && f[13] == f[13]) {
+            ASSERT_NEAR(f[12], f[13], 1e-3f);
+        }
+    }
+    EXPECT_TRUE(
+        compiles_as_glsl("blend.frag", "#version 300 es\nprecision highp float;\n" + text(CodeLanguage::glsl) +
+                                           "in vec3 a, b, c; out vec4 d;\nvoid main() { d = vec4(mix_brdf(a, b, c) + "
+                                           "mix_albedo(b.z, c), mix_pdf(mix_sample(b, a.x, a.y, a.z, c), b, c)); }\n"));
+    EXPECT_TRUE(compiles_as_hlsl("frag", "blend",
+                                 text(CodeLanguage::hlsl) +
+                                     "float4 main(float3 a : A, float3 b : B, float3 c : C) : SV_Target { return "
+                                     "float4(mix_brdf(a, b, c), mix_pdf(mix_sample(b, a.x, a.y, a.z, c), b, c)); }\n"));
+    EXPECT_FALSE(shading_code(std::span(named).first(1), "mix", {.blend = true}));
+    EXPECT_FALSE(shading_code(named, "a", {.blend = true}));  // two functions a_brdf
+}
+
 TEST(ShadingCodeText, ContainsOnlyWhatTheModelNeeds) {
     const std::vector<NamedModel> one{{"m", &models()[0]}};
     const std::string plain = *shading_code(one, "m", {}), sampled = *shading_code(one, "m", {.sampling = true});

@@ -36,7 +36,7 @@ function start_worker() {
   const mine = worker = new Worker(url);
   worker.onmessage = ({ data }) => {
     if (mine !== worker) return;
-    if ("progress" in data) return show_progress(data);
+    if ("progress" in data) return is_editing ? show_edit_progress(data) : show_progress(data);
     if ("draft" in data) return show_draft(data.draft);
     const question = open_questions.get(data.id);
     open_questions.delete(data.id);
@@ -63,7 +63,7 @@ const ensure_worker = () => ready ??= start_worker();
 // ---- The display -------------------------------------------------------------------------------------------------
 
 const k_level = ["good", "good", "fair", "poor"];
-let file = null, fitted = null, common = null, started = 0, draws = false, run = 0;
+let file = null, fitted = null, edited = null, common = null, started = 0, draws = false, run = 0;
 
 const grouped = (n) => n.toLocaleString("en");
 const two_digits = (x) => Number(x.toPrecision(2)).toString();
@@ -77,6 +77,9 @@ function show_progress({ progress, stage }) {
   const seconds = (performance.now() - started) / 1000, remaining = progress > 0.05 ? seconds * (1 - progress) / progress : NaN;
   document.querySelector("progress").value = progress;
   $("stage").textContent = `${stage}, ${Math.round(100 * progress)} %` + (remaining >= 1 ? `, about ${Math.ceil(remaining)} s left` : "");
+}
+function show_edit_progress({ progress }) {
+  $("edit_status").textContent = `Computing the edited model, ${Math.round(100 * progress)} % …`;
 }
 function show_working(stage) {
   set_shown("working", stage !== "");
@@ -124,6 +127,44 @@ function show_fit(report) {
   if (draws) viewer.set_material(1, report.material);
 }
 
+// ---- Edits -------------------------------------------------------------------------------------------------------
+
+// `shown`: what the picture of the edited material is, "edit" of the fitted one or "model"; null: there is none.
+let shown = null, wanted = null, is_editing = false, applied = Promise.resolve();
+const editing = new_editing({
+  preview(edit) {
+    if (!draws) return;
+    if (shown !== "edit") viewer.set_material(2, { ...fitted.material, bytes: fitted.bytes_to_edit.slice() }, true), shown = "edit";
+    viewer.set_edit(2, edit);
+  },
+  // One edit at a time; of those that come meanwhile the last counts.
+  apply(edits) {
+    wanted = edits;
+    if (!is_editing) applied = apply_wanted(run);
+  },
+});
+async function apply_wanted(mine) {
+  is_editing = true;
+  while (wanted && mine === run) {
+    const edits = wanted;
+    wanted = edited = null;
+    $("edit_status").textContent = "Computing the edited model …";
+    const result = await step(mine, () => ask({ kind: "edit", name: file.name, edits }));
+    if (mine !== run || wanted || !result) continue;
+    edited = result.edits ? result : null;
+    $("edit_status").textContent = edited ? `Edited: ${edited.edits}. ${grouped(edited.bytes)} bytes. The downloads are of the edited material.` : "";
+    if (draws) viewer.set_material(2, edited && edited.material), shown = edited && "model";
+  }
+  is_editing = false;
+}
+function begin_editing(highlight) {
+  wanted = edited = null;
+  if (draws && shown) viewer.set_material(2, null);
+  shown = null;
+  $("edit_status").textContent = "";
+  editing.begin(highlight);
+}
+
 // ---- Actions -----------------------------------------------------------------------------------------------------
 
 // Runs a step of a fit, and shows its error unless a later run has replaced this one.
@@ -153,13 +194,16 @@ async function fit(mine) {
   const result = await step(mine, () => ask({ kind: "fit", name: file.name, options: was_touched ? { lobes } : {} }));
   if (!result || mine !== run) return;
   fitted = result;
+  fitted.bytes_to_edit = result.material && result.material.bytes.slice(); // the painter takes the others
   show_working("");
   show_fit(result);
+  begin_editing(result.highlight);
 }
 async function fit_measurement(name, bytes) {
   const mine = ++run;
   if (open_questions.size) ready = start_worker(); // the current job is obsolete
   file = { name, bytes }, fitted = null;
+  begin_editing(null);
   fail("");
   for (const id of ["downloads", "plots"]) set_shown(id, false);
   set_shown("state", true);
@@ -190,6 +234,7 @@ async function cancel() {
   $("verdict").textContent = "Cancelled. Move the slider to fit again.";
   $("verdict").className = "";
   set_shown("downloads", false);
+  begin_editing(null);
   await step(mine, open);
 }
 async function change_lobes() {
@@ -201,10 +246,14 @@ async function change_lobes() {
     if (!await step(mine, open) || mine !== run) return;
   }
   fail("");
+  begin_editing(null);
   await fit(mine);
 }
 async function save({ save: what, ending }) {
-  const name = stem(file.name) + ending, mine = run;
+  const mine = run;
+  await applied;
+  if (mine !== run) return;
+  const name = stem(file.name) + (edited ? "_edited" : "") + ending;
   $("saved").textContent = `Writing ${name} …`;
   const content = await step(mine, () => ask({ kind: "save", what, name }));
   $("saved").textContent = content === null ? "" : `Saved ${name}.`;
@@ -241,5 +290,5 @@ document.addEventListener("drop", (event) => {
 });
 window.addEventListener("load", () => setTimeout(() => ensure_worker().catch((error) => error && fail(error.message)), 50)); // after the page is shown
 
-return { take_file, save_as: (what, name) => ask({ kind: "save", what, name }), state: () => ({ file, fitted, busy: open_questions.size }) };
+return { take_file, save_as: (what, name) => ask({ kind: "save", what, name }), state: () => ({ file, fitted, edited, busy: open_questions.size }) };
 })();

@@ -79,6 +79,9 @@ async function new_srbf(module, progress = () => true) {
     draft: (number, options = {}) => describe(check(with_bytes([JSON.stringify(options)], (address, size) => c.srbf_draft(number, address, size)))),
     // A model of the measurement, and a report.
     fit: (number, options = {}) => describe(check(with_bytes([JSON.stringify(options)], (address, size) => c.srbf_fit(number, address, size)))),
+    // What pictures of edits need of a model, or null; and the model edited.
+    highlight: (number) => (check(c.srbf_highlight(number)), JSON.parse(text())),
+    edit: (number, edits) => describe(check(with_bytes([JSON.stringify(edits)], (address, size) => c.srbf_edit(number, address, size)))),
     model_file: (number) => (check(c.srbf_model_file(number)), content()),
     code: (number, language, sampling = false) =>
       (check(with_bytes([language], (address, size) => c.srbf_code(number, address, size, sampling ? 1 : 0))), text()),

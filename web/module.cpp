@@ -15,6 +15,8 @@
 #include "base/files.h"
 #include "base/text.h"
 #include "code/offered_code.h"
+#include "edit/lobes.h"
+#include "edit/reshape.h"
 #include "errors/picture_errors.h"
 #include "extras/render/app/page_of.h"
 #include "extras/render/environment.h"
@@ -24,6 +26,7 @@
 #include "models/bsdf/bsdf_functions.h"
 #include "observe/objectives.h"
 #include "prepared/table_file.h"
+#include "srbf/edit.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
 #include "srbf/fit_bsdf.h"
@@ -244,6 +247,49 @@ SRBF_EXPORT(fit) int fit_subject(int number, const char* options, std::size_t si
     if (!model) return fail(model.error());
     set_json(fit->report);
     return keep({path, *std::move(model)});
+}
+
+// ---- Edits -------------------------------------------------------------------------------------------------------
+
+/// Sets the content to the numbers that pictures of edits need before their fit, as JSON: the shares of the body, and the
+/// roughness of the highlight (`PM_EDITED` of srbf/shader.h). It is null for a model that cannot be edited.
+SRBF_EXPORT(highlight) int highlight(int number) {
+    const Model* model = model_of(subject_of(number));
+    const auto* pm = model ? std::get_if<PmModel>(&model->model) : nullptr;
+    if (!pm || !pm->wavelength.empty()) return set_json(Json());
+    const double roughness = roughness_of(evaluator(separated(*pm).highlight));
+    return set_json(Json{{"shares", body_shares(*pm)}, {"roughness", roughness > 0 ? roughness : 1}});
+}
+
+/// Applies edits to a model: a JSON object with numbers `roughen` and `saturate` and colours `highlight` and `body`, all
+/// optional. The content describes the result as JSON.
+SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
+    const Subject* subject = subject_of(number);
+    const Model* model = model_of(subject);
+    if (!model) return fail(unknown("that of a model"));
+    const Json json = Json::parse(text, text + size, nullptr, false);
+    const auto number_at = [&](const char* key) {
+        return json.contains(key) && json[key].is_number() ? json[key].get<double>() : 1;
+    };
+    const auto colour_at = [&](const char* key) {
+        Rgb colour{1, 1, 1};
+        if (json.contains(key) && json[key].is_array() && json[key].size() == 3)
+            for (int c = 0; c < 3; ++c)
+                colour[c] = json[key][std::size_t(c)].is_number() ? json[key][std::size_t(c)].get<float>() : NAN;
+        return colour;
+    };
+    std::vector<Edit> edits;
+    if (const double factor = number_at("roughen"); factor != 1) edits.emplace_back(Roughen{factor});
+    if (json.contains("highlight") || json.contains("body"))
+        edits.emplace_back(Tint{colour_at("highlight"), colour_at("body")});
+    if (const double factor = number_at("saturate"); factor != 1) edits.emplace_back(Saturate{factor});
+    auto result = edited(*model, edits, {.progress = host_progress()});
+    if (!result) return fail(result.error());
+    const std::string path = stem_of(subject->path) + "_edited.srbf";
+    auto stored = as_stored(*result, path);
+    if (!stored) return fail(stored.error());
+    set_json(Json{{"bytes", payload_bytes(*stored)}, {"edits", result->provenance["edits"]}});
+    return keep({path, *std::move(stored)});
 }
 
 /// The bytes of a model's file.

@@ -2,10 +2,12 @@
 // The text of this function is self-contained, since the page passes it to the worker. It receives messages { kind,
 // .. }:
 //   common       `data`, what all pictures share; forgets everything else
-//   material     `index`, `material` (null: none) with the fragment shader `text`; or its JSON as `bytes`
+//   material     `index`, `material` (null: none) with the fragment shader `text`; or its JSON as `bytes`; if `is_edited`,
+//                it shows edits
+//   edit         `index`, `edit` of a material that shows edits: shares, roughness (factor, own), colours (two matrices)
 //   environment  `image` (width, height, texels)
 //   draw         `pictures`, each with `subject` (a material's index, or "difference" of the first two), width,
-//   height, scene
+//   height, scene; `is_quick`: one sample at first, since another picture follows
 //   rest         `is_resting`: take few samples of a picture, because a fit is running
 //   lose         for tests: loses the context, or restores it
 // and posts { kind, .. }: picture (subject, image), drawn (number, samples, exposure), refused (subject, why), busy
@@ -103,11 +105,16 @@ function program_of(vertex, fragment) {
 }
 
 // Sets the uniforms that hold the numbers of a material.
-function use_numbers({ program, location }, { block, vectors, vectors_name, nodes, grains, textures }) {
+function use_numbers({ program, location }, { block, vectors, vectors_name, nodes, grains, textures, description: { edit } }) {
   gl.useProgram(program);
   if (block) gl.uniformBlockBinding(program, gl.getUniformBlockIndex(program, "PmNumbers"), 0);
   if (vectors) gl.uniform4fv(location(vectors_name), vectors);
   textures.forEach(({ sampler }, unit) => gl.uniform1i(location(sampler), unit));
+  if (edit) {
+    gl.uniform4fv(location("edited_shares"), edit.shares);
+    gl.uniform2fv(location("edited_roughness"), edit.roughness);
+    gl.uniformMatrix3fv(location("edited_colours"), false, edit.colours);
+  }
   if (location("mixture_numbers")) gl.uniform4fv(location("mixture_numbers"), nodes);
   if (location("mixture_grain")) gl.uniform2fv(location("mixture_grain"), grains);
 }
@@ -242,7 +249,7 @@ function draw_sample(index, scene, count, source, target, shift) {
 }
 
 // The number of samples that the next picture adds: several at first, because a single sample is noisy.
-const samples_added = () => samples === 0 ? data.first_samples : 1;
+const samples_added = () => samples === 0 && !job.is_quick ? data.first_samples : 1;
 // Adds these samples and draws the mean so far.
 function draw_under_environment(index, scene, width, height) {
   if (!environment) {
@@ -359,12 +366,14 @@ function load() {
 
 const actions = {
   common(message) { data = message.data, descriptions = {}, load(); },
-  material({ index, material }) {
+  material({ index, material, is_edited }) {
     forget_material(index);
     descriptions[index] = material && material.bytes ? JSON.parse(new TextDecoder().decode(material.bytes)) : material;
+    if (is_edited) descriptions[index].text = descriptions[index].text.replace("#define SIDES", "#define PM_EDITED\n#define SIDES");
     samples = 0;
     if (index === 0) is_exposed = false;
   },
+  edit({ index, edit }) { if (descriptions[index]) descriptions[index].edit = edit; },
   environment(message) {
     if (environment) for (const texture of Object.values(environment.textures)) gl.deleteTexture(texture);
     environment = null, image = message.image, is_exposed = false, samples = 0;

@@ -13,7 +13,7 @@ const filled = (template, parts) => template.replace(/{{(\w+)}}/g, (_, name) => 
 // The page, with the same pictures as exported ones.
 const button = (show, name) => `<button type="button" data-show="${show}" aria-pressed="false">${name}</button>\n`;
 const figure = (subject, name) => `<figure data-material="${subject}"><canvas tabindex="0" aria-label="${name}"></canvas><figcaption>${name}</figcaption></figure>\n`;
-const pictures = [["0", "measured"], ["1", "fitted"], ["difference", "difference × 10"]];
+const pictures = [["0", "measured"], ["1", "fitted"], ["2", "edited"], ["difference", "difference × 10"]];
 const viewer = filled(await text("pictures.html"), {
   pictures_lead: "Drag a picture to turn the object; all of them follow.",
   choices: `<div class="choices" role="group" aria-label="Which pictures are shown">\n${button("all", "Side by side")}${button("wipe", "Wipe")}${
@@ -22,7 +22,7 @@ const viewer = filled(await text("pictures.html"), {
 });
 await mkdir(path.join(folder, "data"), { recursive: true });
 await writeFile(path.join(folder, "index.html"), filled(await text("app.html"), { viewer, version }));
-for (const name of ["style.css", "app.css", "light.js", "painter.js", "viewer.js", "binding.js", "working.js", "app.js"])
+for (const name of ["style.css", "app.css", "light.js", "painter.js", "viewer.js", "binding.js", "working.js", "editing.js", "app.js"])
   await copyFile(path.join(web, name), path.join(folder, name));
 
 // Data as scripts, because a page opened from a disk may not fetch files.

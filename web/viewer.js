@@ -108,10 +108,10 @@ const settled = () => new Promise((done) => {
 
 // ---- The page ----------------------------------------------------------------------------------------------------
 
-let is_due = false, is_new = true, exposes = false;
+let is_due = false, is_new = true, exposes = false, only = null;
 // Draws all pictures from their first sample.
 function redraw() {
-  is_new = true;
+  is_new = true, only = null;
   draw_soon();
 }
 function draw_soon() {
@@ -126,11 +126,11 @@ function draw_now() {
   const pictures = [];
   for (const figure of figures) {
     const canvas = figure.querySelector("canvas"), { material } = figure.dataset;
-    if (figure.hidden || !canvas) continue;
+    if (figure.hidden || !canvas || only !== null && material !== only) continue;
     const width = Math.round(canvas.clientWidth * Math.min(window.devicePixelRatio, 2)), height = Math.round(width / data.aspect);
     if (width) pictures.push({ subject: material === "difference" ? material : Number(material), width, height, scene: scene(width / height) });
   }
-  painter.send({ kind: "draw", number: ++number, pictures: pictures.length ? pictures : [], is_new, exposes });
+  painter.send({ kind: "draw", number: ++number, pictures: pictures.length ? pictures : [], is_new, exposes, is_quick: only !== null });
   is_new = exposes = false;
 }
 // Whether there is a picture of the subject. A material or difference that is missing takes no space.
@@ -339,13 +339,21 @@ async function start(common) {
   if (!has_floats) without_floats();
   return true;
 }
-// Sets the material of a figure; null: none.
-function set_material(index, material) {
+// Sets the material of a figure; null: none. With `is_edited` it shows what `set_edit` says.
+function set_material(index, material, is_edited = false) {
   known[material ? "add" : "delete"](String(index));
   if (material && index === 0 && material.exposure) data.exposure = material.exposure;
-  painter.send({ kind: "material", index, material }, material && material.bytes ? [material.bytes.buffer] : []);
+  painter.send({ kind: "material", index, material, is_edited }, material && material.bytes ? [material.bytes.buffer] : []);
   view.shown = is_available(view.shown) || view.shown === "wipe" && is_available("difference") ? view.shown : first_shown();
   redraw();
+}
+
+// Draws this picture alone, edited so.
+function set_edit(index, edit) {
+  painter.send({ kind: "edit", index, edit });
+  if (view.shown !== "all") view.shown = String(index);
+  is_new = true, only = String(index);
+  draw_soon();
 }
 
 for (const button of document.querySelectorAll(".copy"))
@@ -357,5 +365,5 @@ for (const button of document.querySelectorAll(".copy"))
 // While a fit is running, pictures take only a few samples.
 const rest = (is_resting) => painter?.send({ kind: "rest", is_resting });
 
-return { scene, start, rest, set_material, show, settled, lose: (is_lost) => painter.send({ kind: "lose", is_lost }) };
+return { scene, start, rest, set_material, set_edit, show, settled, lose: (is_lost) => painter.send({ kind: "lose", is_lost }) };
 })();

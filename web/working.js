@@ -7,7 +7,7 @@
 function working() {
 "use strict";
 const { new_srbf } = binding();
-let srbf = null, measured = null, model = null;
+let srbf = null, measured = null, model = null, edited = null;
 
 // Decodes a script of the folder `data`: base64 of a gzip-compressed file.
 async function unpack(text) {
@@ -25,9 +25,8 @@ function material_of({ number }) {
 
 const actions = {
   open({ name, bytes }) {
-    if (measured) srbf.close(measured.number);
-    if (model) srbf.close(model.number);
-    measured = model = null;
+    for (const subject of [measured, model, edited]) if (subject) srbf.close(subject.number);
+    measured = model = edited = null;
     const opened = srbf.open(name, bytes);
     if (opened.model) {
       srbf.close(opened.number);
@@ -43,16 +42,24 @@ const actions = {
       srbf.close(number);
     }
     const fitted = srbf.fit(measured.number, options);
-    if (model) srbf.close(model.number);
-    model = fitted;
-    return { ...model, material: material_of(model), slices: srbf.slices(measured.number, model.number),
+    for (const subject of [model, edited]) if (subject) srbf.close(subject.number);
+    model = fitted, edited = null;
+    return { ...model, highlight: srbf.highlight(model.number), material: material_of(model), slices: srbf.slices(measured.number, model.number),
       memory: srbf.memory_bytes() };
+  },
+  // Edits the fitted model; without edits the model itself is saved again.
+  edit({ edits }) {
+    const result = Object.keys(edits).length ? srbf.edit(model.number, edits) : null;
+    if (edited) srbf.close(edited.number);
+    edited = result;
+    return edited ? { ...edited, material: material_of(edited) } : {};
   },
   // Returns a Blob, which the page receives without a copy.
   save({ what, name }) {
-    const content = what === "srbf" ? srbf.model_file(model.number)
-      : what === "table" ? srbf.table(model.number, name)
-      : what === "page" ? srbf.page(model.number, measured.number) : srbf.code(model.number, what);
+    const { number } = edited ?? model;
+    const content = what === "srbf" ? srbf.model_file(number)
+      : what === "table" ? srbf.table(number, name)
+      : what === "page" ? srbf.page(number, measured.number) : srbf.code(number, what);
     return new Blob([content], { type: "application/octet-stream" });
   },
 };

@@ -81,7 +81,7 @@ struct Surface {
     Vec3f position;
     Vec3f geometric;                    ///< normal on the viewer's side
     Axes axes;                          ///< around the shading normal, which for a BRDF is on the viewer's side
-    const PreparedBsdf* body_material;  ///< the body's material; null for a map
+    const PreparedBsdf* body_material;  ///< the body's material, or the chosen one; null for a map
     std::optional<PreparedBsdf> point_material;  ///< material of a map at this point
     Vec3f wv;                                    ///< in these axes; z is the normal of a BSDF's front
 
@@ -130,7 +130,7 @@ class Tracer {
             const auto hit = is_free(bounce) ? std::nullopt : rays_.closest(origin, direction);
             add_lights(result.radiance, throughput, origin, direction, hit ? hit->distance : k_far, sampled_pdf);
             if (!hit || bounce == options_.bounces) return result;
-            const Surface surface = surface_at(*hit, direction);
+            const Surface surface = surface_at(*hit, direction, random);
             if (bounce == 0) {
                 result.hit = true;
                 result.depth = hit->distance;
@@ -170,7 +170,7 @@ class Tracer {
         return meshes;
     }
 
-    Surface surface_at(const Hit& hit, Vec3f direction) const {
+    Surface surface_at(const Hit& hit, Vec3f direction, Random& random) const {
         const Body& body = scene_.bodies[hit.mesh];
         const Triangle& triangle = body.mesh->triangles[hit.triangle];
         const float weight = 1 - hit.u - hit.v;
@@ -180,11 +180,14 @@ class Tracer {
         Surface surface{};
         surface.position = interpolated(body.mesh->positions);
         surface.body_material = std::get_if<PreparedBsdf>(&scene_.materials[body.material]);
-        if (const auto* map = std::get_if<PreparedMap>(&scene_.materials[body.material])) {
+        const auto place = [&]() -> Vec2f {
             const auto& [a, b, c] = body.mesh->texture[hit.triangle];
-            surface.point_material =
-                brdf_at(*map, {weight * a.x + hit.u * b.x + hit.v * c.x, weight * a.y + hit.u * b.y + hit.v * c.y});
-        }
+            return {weight * a.x + hit.u * b.x + hit.v * c.x, weight * a.y + hit.u * b.y + hit.v * c.y};
+        };
+        if (const auto* map = std::get_if<PreparedMap>(&scene_.materials[body.material]))
+            surface.point_material = brdf_at(*map, place());
+        else if (const auto* masked = std::get_if<MaskedMaterials>(&scene_.materials[body.material]))
+            surface.body_material = &masked->chosen(place(), random.next());
         surface.geometric = dot(hit.geometric_normal, direction) < 0 ? hit.geometric_normal : -hit.geometric_normal;
         Vec3f normal = interpolated(body.mesh->normals);
         if (!(dot(normal, normal) > 1e-12f)) normal = surface.geometric;
@@ -290,6 +293,19 @@ class Tracer {
 };
 
 }  // namespace
+
+const PreparedBsdf& MaskedMaterials::chosen(Vec2f uv, float selector) const {
+    const auto wrapped = [](float at, int size) { return (int(at) % size + size) % size; };
+    const float x = (uv.x - std::floor(uv.x)) * float(mask.width) - 0.5f,
+                y = (uv.y - std::floor(uv.y)) * float(mask.height) - 0.5f;
+    Rgb shares;
+    for (const float column : {std::floor(x), std::floor(x) + 1})
+        for (const float row : {std::floor(y), std::floor(y) + 1})
+            shares += ((1 - std::abs(x - column)) * (1 - std::abs(y - row))) *
+                      mask.at(wrapped(column, mask.width), wrapped(row, mask.height));
+    if (selector < shares.r) return of[1];
+    return of.size() > 2 && selector < shares.r + shares.g ? of[2] : of[0];
+}
 
 PathPicture render_paths(const PathScene& scene, const PathOptions& options) {
     assert(options.width >= 1 && options.height >= 1 && options.samples >= 1 && options.bounces >= 1);

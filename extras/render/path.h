@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "errors/picture.h"
 #include "extras/render/environment.h"
 #include "extras/render/scene.h"
 #include "extras/render/tone.h"
@@ -20,9 +21,19 @@ struct AreaLight {
     Rgb radiance;
 };
 
+/// Two or three materials, mixed at each point of a mesh with texture coordinates: red of the mask is the share of the second,
+/// green that of the third, and the first has the rest. The mask repeats, and is interpolated as a map is (prepared_map.h).
+struct MaskedMaterials {
+    std::vector<PreparedBsdf> of;
+    Image mask;
+
+    /// The material that a path meets at (u, v), for a number uniform in [0, 1): each with its share as probability.
+    const PreparedBsdf& chosen(Vec2f uv, float selector) const;
+};
+
 /// The material of a body. A BRDF is the same at the front and the back, and transmits nothing. A map has one BRDF
 /// at each point of a mesh with texture coordinates.
-using PathMaterial = std::variant<PreparedBsdf, PreparedMap>;
+using PathMaterial = std::variant<PreparedBsdf, PreparedMap, MaskedMaterials>;
 
 /// An object: the indices of a mesh and a material.
 struct Body {

@@ -23,6 +23,7 @@ struct CodeOptions {
     CodeLanguage language = CodeLanguage::glsl;
     bool sampling = false;               ///< also NAME_sample and NAME_pdf
     bool albedo = false;                 ///< also NAME_albedo
+    bool blend = false;                  ///< also functions that mix two or three models by a mask
     std::vector<std::string> with = {};  ///< also functions of extras: "environment"
     int threads = 0;  ///< for weights of sampling, albedos and what extras add; 0: as many as the machine has
 };
@@ -52,6 +53,9 @@ std::string identifier(std::string_view text);
 ///   Vec3 NAME_mirror_beam(Vec3 wv)     the share of the light from the mirror direction; only if it has such
 ///   Vec3 NAME_sample, float NAME_pdf   as above for the front and the back, without beams; (0, 0, 0) where the draw has
 ///                                      none. They include the albedos of the parts.
+/// With `blend` the text also has PREFIX_brdf, and PREFIX_sample, PREFIX_pdf and PREFIX_albedo where models have theirs, with
+/// a last argument `Vec3 weights`: of a point, the shares of the first, second and third model, at least 0. Each is the sum
+/// of the models' own by these weights; a sample is drawn from one of the models, with probabilities in proportion to them.
 /// The names of functions that several models share begin with `prefix`; with one model the name of the model is usual.
 /// The numbers of a view-by-view model are too many for constants: before the text the host defines NAME_number(i), a
 /// function or macro, as number i of `shading_data`. Errors, of code `argument`: a view-by-view model with plain

@@ -127,13 +127,7 @@ std::string part_stubs(const BsdfModel& bsdf, bool sampling) {
     std::string text;
     for (std::size_t p = 0; p < k_parts; ++p) {
         const Call call = call_of(bsdf, Part(p), sampling);
-        if (call.function != k_part_names[p]) continue;
-        text += fmt::format(
-            "Vec3 {0}_brdf(Vec3 wl, Vec3 wv) {{ return wl; }}\n"
-            "Vec3 {0}_sample(Vec3 wv, Real u1, Real u2, Real selector) {{ return wv; }}\n"
-            "Real {0}_pdf(Vec3 wl, Vec3 wv) {{ return wl.x; }}\n"
-            "Vec3 {0}_albedo(Real cosine) {{ return {1}; }}\n",
-            call.function, k_black);
+        if (call.function == k_part_names[p]) text += brdf_stubs(call.function);
     }
     return text;
 }
@@ -226,21 +220,35 @@ std::string density_text(const BsdfModel& bsdf) {
            "}\n";
 }
 
-/// Prints the tables and functions of `text`, which may call functions of `stubs`, with names that begin with `name`.
-Result<std::string> print_functions(const std::string& name, Program program, const std::string& stubs,
-                                    const std::string& text, CodeLanguage language, DefinedNames& defined) {
+}  // namespace
+
+std::string brdf_stubs(std::string_view name) {
+    return fmt::format(
+        "Vec3 {0}_brdf(Vec3 wl, Vec3 wv) {{ return wl; }}\n"
+        "Vec3 {0}_sample(Vec3 wv, Real u1, Real u2, Real selector) {{ return wv; }}\n"
+        "Real {0}_pdf(Vec3 wl, Vec3 wv) {{ return wl.x; }}\n"
+        "Vec3 {0}_albedo(Real cosine) {{ return Vec3(cosine, cosine, cosine); }}\n",
+        name);
+}
+
+Result<std::string> print_functions(const Caller& caller, Program program, const std::string& text,
+                                    CodeLanguage language, DefinedNames& defined) {
     std::map<std::string, std::string> defines, names;
-    syntax::parse(stubs, program, defines);
+    syntax::parse(caller.stubs, program, defines);
     const std::size_t known = program.functions.size();
     syntax::parse(text, program, defines);
-    for (const auto& table : program.tables) names[table.name] = name + "_" + table.name;
-    for (const auto& function : program.functions) names[function.name] = name + "_" + function.name;
-    names["sample_light"] = name + "_sample", names["light_pdf"] = name + "_pdf";
+    for (const auto& table : program.tables) names[table.name] = caller.name + "_" + table.name;
+    for (std::size_t i = 0; i < program.functions.size(); ++i) {
+        const std::string& own = program.functions[i].name;
+        names[own] = (i < known ? caller.stub_prefix : caller.name + "_") + own;
+    }
+    names["sample_light"] = caller.name + "_sample", names["light_pdf"] = caller.name + "_pdf";
+    names["directional_albedo"] = caller.name + "_albedo";
     syntax::Printer printer(language, names);
     std::string all;
     Result<Done> distinct = Done{};
     const auto add = [&](const auto& definition) {
-        if (distinct) distinct = defined.add(names.at(definition.name), name);
+        if (distinct) distinct = defined.add(names.at(definition.name), caller.name);
         all += printer.text(definition) + "\n";
     };
     for (const auto& table : program.tables) add(table);
@@ -248,8 +256,6 @@ Result<std::string> print_functions(const std::string& name, Program program, co
     if (!distinct) return distinct.error();
     return all;
 }
-
-}  // namespace
 
 PartModels part_models(const NamedModel& named, bool sampling) {
     const BsdfModel& bsdf = bsdf_of(named);
@@ -273,15 +279,15 @@ Result<std::string> bsdf_code(const NamedModel& named, const CodeOptions& option
     Program program;
     std::string text = value_text(bsdf, options.sampling) + beams_text(bsdf.beam, program);
     if (options.sampling) text += chance_text(bsdf) + sampling_text(bsdf) + density_text(bsdf);
-    return print_functions(named.name, std::move(program), part_stubs(bsdf, options.sampling), text, options.language,
-                           defined);
+    return print_functions({named.name, part_stubs(bsdf, options.sampling), named.name + "_"}, std::move(program), text,
+                           options.language, defined);
 }
 
 std::string beam_code(const std::string& name, const Beams& beams, CodeLanguage language) {
     Program program;
     const std::string text = beams_text(beams, program);
     DefinedNames defined;
-    return *print_functions(name, std::move(program), "", text, language, defined);
+    return *print_functions({.name = name}, std::move(program), text, language, defined);
 }
 
 std::vector<std::string> bsdf_functions(const NamedModel& named, bool sampling) {

@@ -5,9 +5,23 @@
 #include <vector>
 
 #include "code/defined_names.h"
+#include "code/syntax.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {
+
+/// Functions that call those of models.
+struct Caller {
+    std::string name;              ///< their names begin with it
+    std::string stubs = {};        ///< declares the functions that they call, for the parser
+    std::string stub_prefix = {};  ///< precedes the names of these in the code
+};
+/// The stubs of the functions of a BRDF.
+std::string brdf_stubs(std::string_view name);
+/// The tables of `program` and the functions of `text` in a language. `sample_light`, `light_pdf` and
+/// `directional_albedo` become NAME_sample, NAME_pdf and NAME_albedo. Errors: `defined` has one of the names.
+Result<std::string> print_functions(const Caller& caller, syntax::Program program, const std::string& text,
+                                    CodeLanguage language, DefinedNames& defined);
 
 /// The models of a BSDF's code, with names such as NAME_transmission_front: its own parts, and for `sampling` also
 /// parts that follow by exchanging light and viewer, which need their own proposals.

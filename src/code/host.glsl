@@ -27,7 +27,16 @@ bool pm_axial(Pm pm) { return PM_AXIAL != 0; }
 bool pm_reciprocal(Pm pm) { return PM_RECIPROCAL != 0; }
 Real pm_weight_l(Pm pm, int n) { return pm_weights[n].x; }
 Real pm_weight_v(Pm pm, int n) { return pm_weights[n].y; }
+#ifdef PM_EDITED
+uniform vec4 edited_shares[(PM_LOBES + 3) / 4];  // of each lobe, the share that belongs to the body
+bool edited_body = false;  // whether coefficients are those of the body, otherwise of the highlight
+Vec3 pm_coefficient(Pm pm, int j) {
+    Real body = edited_shares[j / 4][j % 4];
+    return (edited_body ? body : 1.0 - body) * pm_colours[j].rgb;
+}
+#else
 Vec3 pm_coefficient(Pm pm, int j) { return pm_colours[j].rgb; }
+#endif
 Real pm_log2_scale(Pm pm, int j) { return pm_colours[j].w; }
 #if PM_AXIAL && PM_OPEN
 // A falloff is negative if the centre is -z.

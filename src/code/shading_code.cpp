@@ -10,6 +10,7 @@
 #include "base/parameters.h"
 #include "base/printable.h"
 #include "code/added_code.h"
+#include "code/blend_code.h"
 #include "code/bsdf_code.h"
 #include "code/defined_names.h"
 #include "code/extra_code.h"
@@ -568,7 +569,13 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     }
     ProgramPrinter printer(std::move(programs), prefix, options.language, names);
     if (const auto distinct = printer.add_names(defined); !distinct) return distinct.error();
-    const std::string definitions = printer.text() + bsdf_text;
+    std::string definitions = printer.text() + bsdf_text;
+    if (options.blend) {
+        const auto blend = blend_code(models, prefix, options, defined);
+        if (!blend) return blend.error();
+        definitions += *blend;
+        for (const std::string& name : blend_functions(prefix, options)) add_name(name);
+    }
     return syntax::whole_text(options.language, list, std::string(prefix) + "_BRDF", definitions);
 }
 
@@ -577,6 +584,7 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
     const auto refuse = [&](const char* what, const char* expected, const char* found) {
         return Error{std::string(name), {}, what, expected, found, ErrorCode::argument};
     };
+    if (options.blend) return refuse("code of a map", "values, albedos and light", "a blend");
     if (!map.dense()) return refuse("library", "a coefficient for each lobe", "some lobes of each material");
     if (options.sampling || added.sampling) return refuse("code of a map", "values, albedos and light", "sampling");
     Names names = map_entries(options, added);

@@ -3,16 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/errors.h"
 #include "base/floating_point.h"
 #include "base/parameters.h"
+#include "brdf/values.h"
 #include "edit/lobes.h"
 #include "edit/refit.h"
 #include "edit/reshape.h"
 #include "models/pm/pm_functions.h"
 #include "observe/albedo_bound.h"
+#include "srbf/metrics.h"
 
 namespace srbf {
 namespace {
@@ -79,7 +82,28 @@ struct Editor {
         if (of.factor == 1) return model;
         return fit(roughened(separated(model), of.factor), model, of.factor, model.lobes);
     }
-    Result<PmModel> operator()(const PmModel& model, const Tint& of) const { return tinted(model, of); }
+    /// The tint, with what it raises of highlight and body only as bright as the limit allows up to 75° from the normal:
+    /// were single lobes lowered instead, the hue would change.
+    Tint within_limit(const PmModel& model, const Tint& wanted) const {
+        const HighlightAndBody parts = separated(model);
+        const std::array<Evaluate, 2> f{evaluator(parts.highlight), evaluator(parts.body)};
+        const std::array<Rgb, 2> tint{wanted.highlight, wanted.body};
+        double share = 1;
+        for (const double view : {0.0, 25.0, 45.0, 60.0, 75.0})
+            for (int c = 0; c < 3; ++c) {
+                double raised = 0, fixed = 0;
+                for (std::size_t k = 0; k < 2; ++k)
+                    (most(tint[k]) > 1 ? raised : fixed) +=
+                        double(tint[k][c] * albedo(f[k], view * k_degree, k_pi / 2)[c]);
+                if (raised > 0 && fixed + raised > limit)
+                    share = std::min(share, std::max(limit - fixed, 0.0) / raised);
+            }
+        const auto within = [&](const Rgb& of) { return most(of) > 1 ? mixed({}, of, float(share)) : of; };
+        return {within(wanted.highlight), within(wanted.body)};
+    }
+    Result<PmModel> operator()(const PmModel& model, const Tint& of) const {
+        return tinted(model, within_limit(model, of));
+    }
     Result<PmModel> operator()(const PmModel& model, const Saturate& of) const { return saturated(model, of.factor); }
     Result<PmModel> operator()(const PmModel& model, const TurnHue& of) const {
         return turned(model, of.degrees * k_degree);

@@ -7,35 +7,19 @@
 #include "srbf/kernel.h"
 
 namespace srbf {
+namespace kernel {
 namespace {
 
-/// Light and viewer, or in (h, d) their half vector and half of their difference.
-struct Pair {
-    Vec3d l, v;
+struct Roughening {
+    using Real = double;
+    using Vec3 = Triple<double>;
+#define SRBF_FN static
+#include "srbf/kernel/roughen.glsl"
+#undef SRBF_FN
 };
 
-/// The pair about the half vector h₀ with the slope of the pair's half vector h over `factor`.
-Pair with_slope_over(double factor, Vec3d wl, Vec3d wv) {
-    constexpr double k_most_tilt = 0.9;  // of d: above the horizon remains a tenth of the cosine of an upright d
-    const Vec3d sum = wl + wv;
-    const double length = std::max(std::sqrt(dot(sum, sum)), 1e-9);
-    const Vec3d h = (1 / length) * sum, d = 0.5 * (wl - wv);
-    const Vec3d to = normalize(Vec3d{h.x / factor, h.y / factor, h.z});
-    const double tilt = elementary::hypot(h.x, h.y);
-    if (tilt < 1e-9) return {wl, wv};
-    // d in the frames of h and h₀: along their steepest descent, and across it.
-    const Vec3d across{-h.y / tilt, h.x / tilt, 0};
-    const double cosine = 0.5 * length, of_d = dot(d, d), side = dot(d, across);
-    const Vec3d down = cross(across, h), down_of_to = cross(across, to);
-    const double steepest = std::sqrt(std::max(1 - to.z * to.z, 1e-18));
-    const double most = k_most_tilt * to.z * cosine / steepest;
-    const double along = std::clamp(dot(d, down), -most, most);
-    const double rest = std::copysign(std::sqrt(std::max(of_d - along * along, 0.0)), side);
-    const Vec3d of_pair = along * down_of_to + rest * across;
-    return {cosine * to + of_pair, cosine * to - of_pair};
-}
-
 }  // namespace
+}  // namespace kernel
 
 double roughness_of(const Evaluate& highlight) {
     constexpr int k_steps = 512;
@@ -69,10 +53,10 @@ Evaluate roughened(Evaluate highlight, double factor, double roughness) {
             std::vector<double> gain(wl.size());
             for (std::size_t i = 0; i < wl.size(); ++i) {
                 const Vec3d l = to_double(wl[i]), v = to_double(wv[i]);
-                const Pair from = with_slope_over(factor, l, v);
-                from_l[i] = to_float(from.l), from_v[i] = to_float(from.v);
+                const auto [from, towards] = kernel::Roughening::with_slope_over(factor, l, v);
+                from_l[i] = to_float(from), from_v[i] = to_float(towards);
                 gain[i] = Kernel<double>::ggx_facets(l, v, factor * roughness) /
-                          Kernel<double>::ggx_facets(from.l, from.v, roughness);
+                          Kernel<double>::ggx_facets(from, towards, roughness);
             }
             highlight(from_l, from_v, f);
             for (std::size_t i = 0; i < f.size(); ++i) {

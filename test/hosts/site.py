@@ -22,6 +22,10 @@ SAVED = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("wgsl", ".wgsl"), ("msl", ".meta
          ("table", ".binary"), ("table", ".bsdf"), ("table", ".mbsdf")]
 
 
+SLIDERS = ["roughen", "highlight", "highlight_warmth", "body", "body_warmth", "saturate"]
+FRAMES = 30  # a second, of 256 x 256 pixels under three lights
+
+
 def check(holds, what):
     if not holds:
         failures.append(what)
@@ -159,6 +163,58 @@ def replaced(page):
     check(page.chromium.run("app.state().file.name") == "paper_white_rgb.bsdf", "the second file does not replace the first")
 
 
+def edited(page, folder):
+    """By mouse alone from a drop to a saved three.js material that was edited, while each slider shows enough pictures a second."""
+    film, chromium = root / "data/cc_ibiza_sunset_rgb.bsdf", page.chromium
+    page.give(film)
+    page.wait("the film", lambda of: of["name"] == film.name and not of["working"])
+    fitted = page.model()
+    status = lambda: chromium.run("document.getElementById('edit_status').textContent")
+    chromium.ask("Page.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
+    for light in ("studio", "none"):
+        chromium.run(f"""(() => {{ const controls = document.querySelector(".controls"); controls.environment.value = {light!r};
+            controls.environment.dispatchEvent(new Event("input", {{ bubbles: true }})); }})()""")
+        for slider in SLIDERS:
+            frames, width, height = chromium.run(f"""(async () => {{
+                const slider = document.getElementById("edit_{slider}"), canvas = document.querySelector("figure[data-material='2'] canvas");
+                const move = (i) => {{ slider.value = 0.5 * Math.sin(i / 5); slider.dispatchEvent(new Event("input")); return viewer.settled(); }};
+                for (let i = 1; i < 4; ++i) await move(i);  // the shader is compiled
+                const start = performance.now();
+                let i = 4;
+                while (performance.now() - start < 2000) await move(i++);
+                const frames = (i - 4) / (performance.now() - start) * 1000;
+                slider.value = 0, slider.dispatchEvent(new Event("input"));
+                return [frames, canvas.width, canvas.height];
+            }})()""")
+            print(f"  slider {slider}, light {light}: {frames:.0f} pictures a second of {width} x {height}")
+            check(frames * width * height >= FRAMES * 256 * 256 or light != "none", f"slider {slider}: {frames:.1f} pictures a second")
+    for slider in SLIDERS:
+        chromium.drag(f"#edit_{slider}", 25, 0)
+    begun = time.time()
+    while not status().startswith("Edited: roughen") or "saturate" not in status():
+        check(time.time() - begun < PATIENCE, f"no edited model: {status()!r}")
+        if time.time() - begun >= PATIENCE:
+            return
+        time.sleep(0.2)
+    print(f"  {status()} It was there {time.time() - begun:.1f} s after the last drag.")
+    if os.environ.get("SRBF_SCREENSHOT"):
+        chromium.screenshot(os.environ["SRBF_SCREENSHOT"], whole=True)
+    chromium.click("[data-save=three]")
+    saved = folder / (film.stem + "_edited.js")
+    while not saved.exists() and time.time() - begun < PATIENCE:
+        time.sleep(0.2)
+    check(saved.exists() and "roughen" in saved.read_text() and "BlendMaterial" in saved.read_text(), "no three.js material was saved")
+    model = folder / "edited.srbf"
+    model.write_bytes(page.model())
+    said = run("info", model).stdout
+    check("roughen" in said and "tint highlight" in said, f"the saved model does not say its edits: {said}")
+    for slider in SLIDERS:
+        chromium.click(f"[data-reset={slider}]")
+    while status() and time.time() - begun < PATIENCE:
+        time.sleep(0.2)
+    check(page.model() == fitted, "the model is not the fitted one after resets")
+
+
 def files():
     found = [root / "data/cc_ibiza_sunset_rgb.bsdf", root / "data/cc_ibiza_sunset_rgb.csv"]
     for name in filter(None, os.environ.get("SRBF_MEASUREMENTS", "").split(":")):
@@ -178,6 +234,7 @@ with tempfile.TemporaryDirectory() as name:
         compared(page, file, Path(name))
         time.sleep(1)
         page.longest_task()  # to look at what is saved takes longer than to save it
+    edited(page, Path(name))
     damaged(page, Path(name))
     cancelled(page)
     replaced(page)

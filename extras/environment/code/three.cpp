@@ -78,18 +78,21 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
         environment_code(models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
                          {.environment = true, .area = true, .lobes = k_three_lobes, .texels = true});
     if (!code) return code.error();
-    std::string functions;  // their environment is that of three
+    std::string functions, texels;  // their environment is that of three
     std::string classes;
     DefinedNames defined;
     for (const NamedModel& named : models) {
         if (const auto distinct = defined.add(capitalised(named.name) + "Material", named.name); !distinct)
             return distinct.error();
-        functions += fmt::format(
-            "#define {0}_radiance measured_radiance\n#define {0}_light_texel measured_light_texel\n", named.name);
+        functions += fmt::format("#define {}_radiance measured_radiance\n", named.name);
+        texels += fmt::format(
+            "uniform highp sampler2D {0}_texels;\nvec3 {0}_light_texel(int i, int view) {{ return "
+            "texelFetch({0}_texels, ivec2(i, view), 0).rgb; }}\n",
+            named.name);
         classes += lobes_text(named, threads);
         classes += class_text(named.name, "MeasuredMaterial", fmt::format(", {{ lobes: {}_lobes }}", named.name));
     }
-    return module_of(functions + *code, "", classes);
+    return module_of(functions + *code + texels, "", classes + k_three_blend_text);
 }
 
 Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file, int threads) {
@@ -107,7 +110,7 @@ Result<std::string> three_map_module(const Library& map, const std::string& name
         "    return texture(measured_coefficients, vec3(u, v, float(j))).rgb;\n}}\n",
         name);
     return module_of(functions + *code + fmt::format("{}_Coefficients measured_texel;\n", name),
-                     " CompressedArrayTexture, HalfFloatType, Matrix3,", classes + class_text(name, "MeasuredMap"));
+                     " CompressedArrayTexture, HalfFloatType,", classes + class_text(name, "MeasuredMap"));
 }
 
 }  // namespace srbf

@@ -1,5 +1,5 @@
 // For three.js, release 187, and its WebGLRenderer.
-import { DataTexture, FloatType, MeshStandardMaterial, RGBAFormat, REVISION } from 'three';
+import { Color, DataTexture, FloatType, Matrix3, MeshStandardMaterial, RGBAFormat, REVISION } from 'three';
 
 if (parseInt(REVISION) !== 187)
     console.warn(`three.js ${REVISION}: this material was written for release 187, and may ignore environments in others`);
@@ -7,9 +7,9 @@ if (parseInt(REVISION) !== 187)
 const functions = /* glsl */ `
 FUNCTIONS`;
 
-// Replaces the formulas of three's standard material for each of its lights. `texel` is appended to the arguments
-// of the reflectance's functions.
-const reflection = (name, texel) => /* glsl */ `
+// Replaces the formulas of three's standard material for each of its lights, by the sum of these terms: materials, or one.
+// `texel` is appended to the arguments of a reflectance's functions.
+const reflection = (terms) => /* glsl */ `
 mat3 measured_frame;  // from the frame around the normal to that of the view
 // The environment, filtered by three as for GGX. Without an environment, the functions below are not called.
 vec3 measured_radiance(vec3 direction, float roughness) {
@@ -20,15 +20,18 @@ vec3 measured_radiance(vec3 direction, float roughness) {
         return vec3(0.0);
     #endif
 }
-// The lobes of the views, and albedos. They are in a texture because some drivers index constants slowly.
-uniform highp sampler2D measured_lobes;
-vec3 measured_light_texel(int i, int view) {
-    return texelFetch(measured_lobes, ivec2(i, view), 0).rgb;
+${[...new Set(terms.map((term) => term.functions))].join('')}
+// The weight, colour and saturation of each term.
+float measured_weights[${terms.length}];
+uniform vec3 measured_colours[${terms.length}];
+uniform float measured_saturations[${terms.length}];
+vec3 measured_term(int i, vec3 reflected) {
+    vec3 grey = vec3(dot(reflected, vec3(0.2126, 0.7152, 0.0722)));
+    return measured_weights[i] * measured_colours[i] * max(mix(grey, reflected, measured_saturations[i]), 0.0);
 }
-${functions}
 // The frame around the normal, made visible to the viewer. x is along the tangent if the geometry has tangents
 // (define USE_TANGENT), otherwise along the circle of latitude around y.
-mat3 ${name}_frame(vec3 n, vec3 wv) {
+mat3 measured_frame_of(vec3 n, vec3 wv) {
     n = normalize(n + max(0.01 - dot(n, wv), 0.0) * wv);
     #ifdef USE_TANGENT
         vec3 t = vTangent - dot(vTangent, n) * n;
@@ -38,54 +41,60 @@ mat3 ${name}_frame(vec3 n, vec3 wv) {
     t = dot(t, t) > 1e-12 ? normalize(t) : normalize(cross(n, (viewMatrix * vec4(0.0, 0.0, 1.0, 0.0)).xyz));
     return mat3(t, cross(n, t), n);
 }
-void RE_Direct_${name}(const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal,
-                       const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
-                       const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
-    mat3 frame = ${name}_frame(geometryNormal, geometryViewDir);
-    vec3 wl = directLight.direction * frame;
-    vec3 f = ${name}_brdf(wl, geometryViewDir * frame${texel});
+void RE_Direct_Measured(const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal,
+                        const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
+                        const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
+    mat3 frame = measured_frame_of(geometryNormal, geometryViewDir);
+    vec3 wl = directLight.direction * frame, wv = geometryViewDir * frame;
+    vec3 f = ${sumOf(terms, 'brdf', 'wl, wv')};
     reflectedLight.directDiffuse += max(wl.z, 0.0) * f * material.diffuseColor * directLight.color;
 }
 #if NUM_RECT_AREA_LIGHTS > 0
 // A rectangular light emits to one side only.
-void RE_Direct_RectArea_${name}(const in RectAreaLight rectAreaLight, const in vec3 geometryPosition,
-                                const in vec3 geometryNormal, const in vec3 geometryViewDir,
-                                const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material,
-                                inout ReflectedLight reflectedLight) {
+void RE_Direct_RectArea_Measured(const in RectAreaLight rectAreaLight, const in vec3 geometryPosition,
+                                 const in vec3 geometryNormal, const in vec3 geometryViewDir,
+                                 const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material,
+                                 inout ReflectedLight reflectedLight) {
     vec3 middle = rectAreaLight.position - geometryPosition, x = rectAreaLight.halfWidth, y = rectAreaLight.halfHeight;
     if (dot(cross(x, y), middle) < 0.0) return;
-    mat3 frame = ${name}_frame(geometryNormal, geometryViewDir);
-    vec3 reflected = ${name}_area(geometryViewDir * frame, (middle - x - y) * frame, (middle + x - y) * frame,
-                                  (middle + x + y) * frame, (middle - x + y) * frame${texel});
+    mat3 frame = measured_frame_of(geometryNormal, geometryViewDir);
+    vec3 wv = geometryViewDir * frame, a = (middle - x - y) * frame, b = (middle + x - y) * frame,
+         c = (middle + x + y) * frame, d = (middle - x + y) * frame;
+    vec3 reflected = ${sumOf(terms, 'area', 'wv, a, b, c, d')};
     reflectedLight.directDiffuse += rectAreaLight.color * material.diffuseColor * reflected;
 }
 #endif
-void RE_IndirectDiffuse_${name}(const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal,
-                                const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
-                                const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
-    if (irradiance == vec3(0.0)) return;
-    vec3 reflected = ${name}_albedo(saturate(dot(geometryNormal, geometryViewDir))${texel});
-    reflectedLight.indirectDiffuse += irradiance * RECIPROCAL_PI * reflected * material.diffuseColor;
-}
-void RE_IndirectSpecular_${name}(const in vec3 radiance, const in vec3 irradiance, const in vec3 clearcoatRadiance,
-                                 const in vec3 geometryPosition, const in vec3 geometryNormal,
+void RE_IndirectDiffuse_Measured(const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal,
                                  const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
                                  const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
-    measured_frame = ${name}_frame(geometryNormal, geometryViewDir);
-    vec3 reflected = ${name}_environment(geometryViewDir * measured_frame${texel});
+    if (irradiance == vec3(0.0)) return;
+    float cosine = saturate(dot(geometryNormal, geometryViewDir));
+    vec3 reflected = ${sumOf(terms, 'albedo', 'cosine')};
+    reflectedLight.indirectDiffuse += irradiance * RECIPROCAL_PI * reflected * material.diffuseColor;
+}
+void RE_IndirectSpecular_Measured(const in vec3 radiance, const in vec3 irradiance, const in vec3 clearcoatRadiance,
+                                  const in vec3 geometryPosition, const in vec3 geometryNormal,
+                                  const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
+                                  const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
+    measured_frame = measured_frame_of(geometryNormal, geometryViewDir);
+    vec3 wv = geometryViewDir * measured_frame;
+    vec3 reflected = ${sumOf(terms, 'environment', 'wv')};
     reflectedLight.indirectDiffuse += reflected * material.diffuseColor;
 }
 #undef RE_Direct
 #undef RE_Direct_RectArea
 #undef RE_IndirectDiffuse
 #undef RE_IndirectSpecular
-#define RE_Direct RE_Direct_${name}
-#define RE_Direct_RectArea RE_Direct_RectArea_${name}
-#define RE_IndirectDiffuse RE_IndirectDiffuse_${name}
-#define RE_IndirectSpecular RE_IndirectSpecular_${name}
+#define RE_Direct RE_Direct_Measured
+#define RE_Direct_RectArea RE_Direct_RectArea_Measured
+#define RE_IndirectDiffuse RE_IndirectDiffuse_Measured
+#define RE_IndirectSpecular RE_IndirectSpecular_Measured
 `;
+// A function of every term with a weight, summed.
+const sumOf = (terms, what, inputs) => terms.map(({ reflectance, texel }, i) =>
+    `(measured_weights[${i}] > 0.0 ? measured_term(${i}, ${reflectance}_${what}(${inputs}${texel})) : vec3(0.0))`).join(' + ');
 
-// The texels of measured_light_texel, one row for each view.
+// The texels of NAME_light_texel, one row for each view. They are in a texture because some drivers index constants slowly.
 function lobesTexture(numbers) {
     const views = VIEWS, texels = new Float32Array((4 * numbers.length) / 3);
     for (let i = 0, j = 0; i < numbers.length; i += 3, j += 4) texels.set(numbers.slice(i, i + 3), j);
@@ -94,22 +103,53 @@ function lobesTexture(numbers) {
     return texture;
 }
 
+const after = (text, place, more) => text.replace(place, () => place + more);
+// Adds the varying `measured_uv`: the mesh's uv, transformed as `texture()` says, which may be null.
+function addUv(shader, texture) {
+    shader.uniforms.measured_transform = {
+        get value() {
+            const of = texture();
+            if (of?.matrixAutoUpdate) of.updateMatrix();
+            return of?.matrix ?? new Matrix3();
+        },
+    };
+    shader.vertexShader = after(shader.vertexShader, '#include <uv_pars_vertex>', `
+        uniform mat3 measured_transform;
+        varying vec2 measured_uv;`);
+    shader.vertexShader = after(shader.vertexShader, '#include <uv_vertex>', `
+        measured_uv = (measured_transform * vec3(uv, 1.0)).xy;`);
+}
+
 // A MeshStandardMaterial with a measured reflectance under every light of three: environments (of the scene or its
 // own), area lights, ambient light and light probes too. Skinning, instances, shadows, fog, occlusion,
-// transparency, normal and bump maps are three's. Colours, colour maps and vertex colours multiply the reflectance.
-// Roughness and metalness are not used.
+// transparency, normal and bump maps are three's. Colours, colour maps and vertex colours multiply the reflectance,
+// and `saturation` multiplies its distance from grey. Roughness and metalness are not used.
 class MeasuredMaterial extends MeshStandardMaterial {
-    constructor(reflectance, parameters, { texel = '', lobes = null } = {}) {
+    constructor(reflectance, { saturation = 1, ...parameters } = {}, { texel = '', lobes = null, terms } = {}) {
         super({ metalness: 0, ...parameters });
-        Object.defineProperties(this, { reflectance: { value: reflectance }, texel: { value: texel }, lobes: { value: lobes } });
+        this.saturation = saturation;
+        Object.defineProperties(this, { reflectance: { value: reflectance }, texel: { value: texel }, lobes: { value: lobes },
+            functions: { value: functions }, terms: { value: terms ?? [this] } });
+    }
+    copy(source) {
+        super.copy(source);
+        this.saturation = source.saturation;
+        return this;
     }
     onBeforeCompile(shader) {
-        shader.uniforms.measured_lobes = { value: this.lobes };
-        const lights = '#include <lights_physical_pars_fragment>';
-        shader.fragmentShader = shader.fragmentShader.replace(lights, () => lights + reflection(this.reflectance, this.texel));
+        const { terms } = this, white = new Color(1, 1, 1);
+        for (const { reflectance, lobes } of terms) shader.uniforms[`${reflectance}_texels`] = { value: lobes };
+        shader.uniforms.measured_colours = { get value() { return terms.length > 1 ? terms.map((term) => term.color) : [white]; } };
+        shader.uniforms.measured_saturations = { get value() { return terms.map((term) => term.saturation); } };
+        shader.fragmentShader = after(shader.fragmentShader, '#include <lights_physical_pars_fragment>', reflection(terms));
+        shader.fragmentShader = after(shader.fragmentShader, '#include <lights_physical_fragment>', this.weights());
+    }
+    // The statements that set the weights of the terms.
+    weights() {
+        return '\nmeasured_weights[0] = 1.0;';
     }
     customProgramCacheKey() {
-        return this.reflectance + functions + this.onBeforeCompile;
+        return this.terms.map((term) => term.reflectance + term.functions).join() + this.onBeforeCompile;
     }
     // The JSON of three has no reflectance: loading it yields a MeshStandardMaterial.
     toJSON(meta) {
@@ -117,4 +157,3 @@ class MeasuredMaterial extends MeshStandardMaterial {
         return super.toJSON(meta);
     }
 }
-

@@ -33,25 +33,8 @@ class MeasuredMap extends MeasuredMaterial {
     onBeforeCompile(shader) {
         super.onBeforeCompile(shader);
         const material = this;
-        const after = (text, place, more) => text.replace(place, () => place + more);
-        Object.assign(shader.uniforms, {
-            measured_coefficients: {
-                get value() {
-                    return material.coefficients;
-                },
-            },
-            measured_transform: {
-                get value() {
-                    if (material.coefficients?.matrixAutoUpdate) material.coefficients.updateMatrix();
-                    return material.coefficients?.matrix ?? new Matrix3();
-                },
-            },
-        });
-        shader.vertexShader = after(shader.vertexShader, '#include <uv_pars_vertex>', `
-            uniform mat3 measured_transform;
-            varying vec2 measured_uv;`);
-        shader.vertexShader = after(shader.vertexShader, '#include <uv_vertex>', `
-            measured_uv = (measured_transform * vec3(uv, 1.0)).xy;`);
+        addUv(shader, () => material.coefficients);
+        shader.uniforms.measured_coefficients = { get value() { return material.coefficients; } };
         shader.fragmentShader = after(shader.fragmentShader, '#include <lights_physical_fragment>', `
             measured_texel = ${this.reflectance}_coefficients(measured_uv.x, measured_uv.y);`);
     }

@@ -117,11 +117,57 @@ alike = chromium.run("""(() => {
     const squares = of[0].reduce((sum, x, i) => sum + (x - of[1][i]) ** 2, 0);
     return { psnr: 10 * Math.log10(255 * 255 * of[0].length / Math.max(squares, 1e-3)), colours: new Set(of[0]).size };
 })()""")
+# Blends beside the materials that they mix: the largest difference of linear pictures, relative to the largest value; and how
+# many programs changes of numbers compile.
+blend = chromium.run("""(() => {
+    const renderer = new THREE.WebGLRenderer(), scene = new THREE.Scene(), size = 48, { BlendMaterial } = materials;
+    const target = new THREE.WebGLRenderTarget(size, size, { type: THREE.FloatType });
+    const geometry = new THREE.SphereGeometry(1, 32, 24), count = geometry.attributes.position.count;
+    geometry.setAttribute('color', new THREE.BufferAttribute(new Float32Array(3 * count).map((_, i) => [0.5, 0.25, 0][i % 3]), 3));
+    const mesh = new THREE.Mesh(geometry), sun = new THREE.DirectionalLight('white', 2), area = new THREE.RectAreaLight('orange', 3, 1, 1);
+    sun.position.set(2, 4, 3), area.position.set(-2, 2, 2), area.lookAt(0, 0, 0);
+    const sky = Uint16Array.from({ length: 4 * 32 * 16 }, (_, i) => THREE.DataUtils.toHalfFloat(i % 4 === 3 ? 1 : (i / 700) % 1));
+    scene.environment = new THREE.DataTexture(sky, 32, 16, THREE.RGBAFormat, THREE.HalfFloatType, THREE.EquirectangularReflectionMapping);
+    scene.environment.needsUpdate = true;
+    scene.add(mesh, sun, area, new THREE.AmbientLight('white', 0.2));
+    const camera = new THREE.PerspectiveCamera(40, 1, 0.1, 100);
+    camera.position.set(0, 0, 3.5);
+    const picture = (material) => {
+        mesh.material = material;
+        renderer.setRenderTarget(target), renderer.clear(), renderer.render(scene, camera);
+        const pixels = new Float32Array(4 * size * size);
+        renderer.readRenderTargetPixels(target, 0, 0, size, size, pixels);
+        return pixels;
+    };
+    const apart = (a, b) => a.reduce((most, x, i) => Math.max(most, Math.abs(x - b[i])), 0) / b.reduce((most, x) => Math.max(most, x), 0);
+    const mixed = (weights, of) => of[0].map((_, i) => weights.reduce((sum, w, k) => sum + w * of[k][i], 0));
+    const [film, ggx, lambert] = ['Film', 'Ggx', 'Lambert'].map((name) => new materials[name + 'Material']());
+    const single = [film, ggx, lambert].map(picture), found = {};
+    const by_shares = new BlendMaterial(film, ggx, lambert, { shares: [0.2, 0.3, 0.5] });
+    found.shares = apart(picture(by_shares), mixed([0.2, 0.3, 0.5], single));
+    found.vertices = apart(picture(new BlendMaterial(film, ggx, lambert, { vertexMask: true })), mixed([0.25, 0.5, 0.25], single));
+    const mask = new THREE.DataTexture(new Uint8Array([0, 0, 0, 255, 255, 0, 0, 255]), 2, 1);
+    mask.needsUpdate = true, mask.repeat.set(4, 1), mask.wrapS = THREE.RepeatWrapping;
+    const masked = picture(new BlendMaterial(film, lambert, { mask })), of_film = (i) => Math.abs(masked[i] - single[0][i]), of_lambert = (i) => Math.abs(masked[i] - single[2][i]);
+    found.mask = masked.reduce((most, _, i) => Math.max(most, Math.min(of_film(i), of_lambert(i))), 0) / single[0].reduce((most, x) => Math.max(most, x), 0);
+    found.chosen = ['film', 'lambert'].filter((_, k) => masked.some((_, i) => (k ? of_lambert : of_film)(i) < 1e-6 && (k ? of_film : of_lambert)(i) > 0.01)).length;
+    const programs = renderer.info.programs.length;
+    film.color.setRGB(0.5, 1, 0.25), by_shares.shares = [1, 0, 0];
+    found.tint = apart(picture(by_shares), single[0].map((x, i) => x * [0.5, 1, 0.25, 1][i % 4]));
+    found.tint_alone = apart(picture(film), single[0].map((x, i) => x * [0.5, 1, 0.25, 1][i % 4]));
+    film.color.set('white'), film.saturation = 0;
+    const grey = picture(by_shares);
+    found.grey = grey.reduce((most, x, i) => i % 4 > 2 ? most : Math.max(most, Math.abs(x - grey[i - i % 4])), 0);
+    const compiled = renderer.info.programs.length - programs;
+    renderer.dispose();
+    const { chosen, ...worst } = found;
+    return { worst, chosen, compiled };
+})()""")
 problems = list(chromium.problems)
 if os.path.exists(os.path.join(folder, "three.html")):
     chromium.size(1016, 516)
     site.visit("three.html")
     chromium.screenshot(os.path.join(folder, "example.png"))
     problems += [p for p in chromium.problems if "favicon" not in json.dumps(p) and p not in problems]
-print(json.dumps({"problems": problems, **alike}))
+print(json.dumps({"problems": problems, "blend": blend, **alike}))
 chromium.close()

@@ -219,6 +219,9 @@ TEST(Three, ShowsWhatTheDesktopShows) {
     EXPECT_EQ(result["problems"], Json::array());
     EXPECT_GT(result["colours"], 100);
     EXPECT_GE(result["psnr"], 45);
+    for (const auto& [what, apart] : result["blend"]["worst"].items()) EXPECT_LT(apart, 1e-3) << what;
+    EXPECT_EQ(result["blend"]["chosen"], 2);  // both materials of a mask are seen
+    EXPECT_EQ(result["blend"]["compiled"], 0);
     // Of the crude fit of a film, and of a model by the terminator of an area light; without these lights 10 to 15.
     const std::array<double, 5> least{45, 45, 45, 24, 30};
     ASSERT_EQ(expected.pictures.size(), least.size());

@@ -27,16 +27,16 @@ PreparedBsdf prepare_by_cosine(const Subject& subject) {
     return std::visit([](const auto& content) { return prepare(content, CosineProposal{}); }, subject.content);
 }
 
-/// Errors: a map that cannot be drawn with these options.
+/// Errors: a map or a mask that cannot be drawn with these options.
 Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const PathCommand& command) {
-    if (!std::holds_alternative<const Library*>(pictured)) return Done{};
-    const auto refuse = [](const char* what, const char* expected, const char* found) {
-        return Error{"render", {}, what, expected, found, ErrorCode::argument};
+    if (std::holds_alternative<const Subject*>(pictured)) return Done{};
+    const char* const kind = std::holds_alternative<const Library*>(pictured) ? "a map" : "a mask";
+    const auto refuse = [&](const char* what, const char* expected, const char* found) {
+        return Error{"render", {}, fmt::format("{} of {}", what, kind), expected, found, ErrorCode::argument};
     };
-    if (command.scene_name != "object") return refuse("scene of a map", "object", "room");
-    if (command.draw == "cosine") return refuse("draws of a map", "by the brdf", "by the cosine");
-    if (mesh.texture.empty())
-        return refuse("mesh of a map", "one with texture coordinates", "none of a corner at least");
+    if (command.scene_name != "object") return refuse("scene", "object", "room");
+    if (command.draw == "cosine") return refuse("draws", "by the brdf", "by the cosine");
+    if (mesh.texture.empty()) return refuse("mesh", "one with texture coordinates", "none of a corner at least");
     return Done{};
 }
 
@@ -140,10 +140,15 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
 
     std::vector<PathPicture> pictures;
     for (const Pictured& pictured : subjects) {
-        if (const auto* subject = std::get_if<const Subject*>(&pictured))
+        if (const auto* subject = std::get_if<const Subject*>(&pictured)) {
             paths.materials = {draw == "cosine" ? prepare_by_cosine(**subject) : prepare_subject(**subject, threads)};
-        else
+        } else if (const auto* masked = std::get_if<const MaskedSubjects*>(&pictured)) {
+            MaskedMaterials materials{{}, (*masked)->mask};
+            for (const Subject* of : (*masked)->of) materials.of.push_back(prepare_subject(*of, threads));
+            paths.materials = {std::move(materials)};
+        } else {
             paths.materials = {prepare_subject(*std::get<const Library*>(pictured), threads)};
+        }
         paths.materials.insert(paths.materials.end(), others.begin(), others.end());
         const auto done = double(pictures.size()), total = double(subjects.size());
         const auto report_total = [&](double part) {

@@ -12,8 +12,13 @@
 
 namespace srbf {
 
-/// The subject of a picture: a measurement or model, or a map of texels.
-using Pictured = std::variant<const Subject*, const Library*>;
+/// Materials that a mask mixes, see `MaskedMaterials`.
+struct MaskedSubjects {
+    std::vector<const Subject*> of;
+    Image mask;
+};
+/// The subject of a picture: a measurement or model, a map of texels, or a mask's materials.
+using Pictured = std::variant<const Subject*, const Library*, const MaskedSubjects*>;
 
 struct PathCommand {
     /// Empty: not given. The default environment is the renderer's; the default lights are three if `environment`
@@ -29,7 +34,7 @@ struct PathCommand {
     std::vector<Reading> add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
                                      std::function<bool()> is_path);
     /// Renders the scene with each of the subjects under the lights of `lights`. `progress` receives the completed
-    /// fraction of all pictures. Errors: a map for a mesh without texture coordinates.
+    /// fraction of all pictures. Errors: a map or a mask for a mesh without texture coordinates.
     Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Pictured> subjects, int width,
                                             int height, const std::function<void(double)>& progress = {}) const;
 };

@@ -15,6 +15,7 @@
 #include "base/printable.h"
 #include "errors/likeness.h"
 #include "errors/picture_errors.h"
+#include "extras/render/app/mask.h"
 #include "extras/render/app/mesh_options.h"
 #include "extras/render/app/path.h"
 #include "extras/render/app/raster.h"
@@ -28,7 +29,7 @@ namespace {
 
 struct RenderCommand {
     std::vector<std::string> files;
-    std::string renderer, mesh = "ball", up = "y", output, compare, json;
+    std::string renderer, mesh = "ball", up = "y", mask, output, compare, json;
     int width = 640, height = 480;  ///< of each picture
     bool aov = false;
     PathCommand path;
@@ -224,6 +225,22 @@ Result<Done> write_pictures(const RenderedPictures& pictures, const std::optiona
     return compare_pictures(shown(reference_rendering, exposure), images, captions, options);
 }
 
+/// The materials of a mask.
+Result<MaskedSubjects> masked_by(const std::string& mask, std::span<const Pictured> materials) {
+    MaskedSubjects masked;
+    for (const Pictured& material : materials) {
+        const auto* subject = std::get_if<const Subject*>(&material);
+        if (!subject) return Error{mask, {}, "materials", "measurements and models", "a map", ErrorCode::argument};
+        masked.of.push_back(*subject);
+    }
+    if (masked.of.size() < 2 || masked.of.size() > 3)
+        return Error{mask, {}, "materials", "two or three", std::to_string(masked.of.size()), ErrorCode::argument};
+    auto image = load_mask(mask);
+    if (!image) return image.error();
+    masked.mask = *std::move(image);
+    return masked;
+}
+
 int RenderCommand::run() const {
     std::vector<std::string> inputs = files, captions;
     std::vector<Loaded> subjects;
@@ -244,6 +261,7 @@ int RenderCommand::run() const {
     auto loaded = load_mesh(mesh);
     if (!loaded) return complain(loaded.error());
     inputs.push_back(mesh);
+    if (!mask.empty()) inputs.push_back(mask);
     std::vector<std::string> outputs{output, json == "-" ? "" : json};
     if (!compare.empty()) outputs.push_back(beside(".difference"));
     if (aov && !is_exr())
@@ -256,9 +274,18 @@ int RenderCommand::run() const {
     std::vector<Pictured> pictured;
     for (const Loaded& subject : subjects)
         std::visit([&](const auto& content) { pictured.emplace_back(&content); }, subject);
+    MaskedSubjects masked;
+    if (!mask.empty()) {
+        auto mixed = masked_by(mask, std::span(pictured).first(files.size()));
+        if (!mixed) return complain(mixed.error());
+        masked = *std::move(mixed);
+        pictured.erase(pictured.begin() + 1, pictured.begin() + std::ptrdiff_t(files.size()));
+        pictured[0] = &masked;
+        captions = {fmt::format("{}", fmt::join(captions, " and "))};
+    }
     auto pictures = chosen->render(scene, pictured, *this);
     if (!pictures) return complain(pictures.error());
-    if (subjects.size() > files.size()) {
+    if (pictures->renderings.size() > captions.size()) {
         reference = std::move(pictures->renderings.back().radiance);
         pictures->renderings.pop_back();
         if (!pictures->first.empty()) pictures->first.pop_back();
@@ -325,6 +352,11 @@ void add_render(CommandLine& app, int& status) {
     const Option aov =
         sub.add_flag("--aov", command->aov,
                      "path: also write normal, albedo and depth: as channels of an .exr, or as further pictures");
+    const Option mask =
+        sub.add_option("--mask", command->mask,
+                       "path: one picture of two or three materials, mixed by this picture (.png, .jpg, .exr) at the "
+                       "mesh's\ntexture coordinates: red is the share of the second, green that of the third")
+            .type_name("FILE");
     sub.add_option("--compare", command->compare,
                    "Print PSNR, SSIM and FLIP against this reference, a BRDF to render or an .exr, and write "
                    "OUTPUT.difference.png")
@@ -333,7 +365,7 @@ void add_render(CommandLine& app, int& status) {
                             .type_name("FILE");
     const auto is_path = [command] { return command->renderer == "path"; };
     std::vector<Reading> readings = command->path.add_options(sub, about_mesh, is_path);
-    readings.push_back({{aov}, "only with --renderer path", is_path});
+    readings.push_back({{aov, mask}, "only with --renderer path", is_path});
     readings.push_back({{json}, "only with --compare", [command] { return !command->compare.empty(); }});
     sub.footer(
         "Examples:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf -o paper.png\n"

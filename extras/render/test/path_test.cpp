@@ -275,6 +275,30 @@ TEST(Path, AMapShowsEachOfItsTexels) {
     expect(-10, 5, 0.5);  // where the map is repeated
 }
 
+TEST(Path, AMaskMixesMaterials) {
+    const auto colour = [](const Rgb& albedo) -> PreparedBsdf {
+        return prepare(Model{GgxModel{albedo, {{1, {}, 0}}}, {}});
+    };
+    Mesh mesh = plane_mesh();
+    mesh.texture = {{{{0, 1}, {1, 1}, {1, 0}}}, {{{0, 1}, {1, 0}, {0, 0}}}};
+    Image mask(2, 1);
+    mask.pixels = {{0, 0, 0}, {0.5f, 0.25f, 0}};
+    PathScene scene{{{&mesh, 0}}, {}, {}, {{{0, 0, 1}, {float(k_pi), float(k_pi), float(k_pi)}}}, {}, nullptr};
+    const auto at = [&](double x) {
+        scene.camera = {{x, 0, 5}, {x, 0, 0}, {0, 1, 0}, 1e-4};
+        return render_paths(scene, small(4096, 1)).rendering.radiance.pixels[0];
+    };
+    scene.materials = {MaskedMaterials{{colour({1, 0, 0}), colour({0, 1, 0}), colour({0, 0, 1})}, mask}};
+    EXPECT_PRED3(near, at(-5).r, 1, 1e-4);
+    const Rgb mixed = at(5), between = at(0);
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_PRED3(near, mixed[c], (std::array{0.25, 0.5, 0.25}[std::size_t(c)]), 0.03) << c;
+        EXPECT_PRED3(near, between[c], (std::array{0.625, 0.25, 0.125}[std::size_t(c)]), 0.03) << c;
+    }
+    scene.materials = {MaskedMaterials{{colour({1, 0, 0}), colour({0, 1, 0})}, mask}};
+    EXPECT_PRED3(near, at(5).r, 0.5, 0.03);
+}
+
 /// The mean of draws is the albedo, and their variance not much more than by the texel's own mixture.
 TEST(Path, TexelsAreDrawnFromTheirLobes) {
     std::mt19937_64 random(5);

@@ -1,0 +1,58 @@
+
+// Two or three materials, of this module or others, mixed by a mask: a texture at the mesh's uv, whose red is the share of
+// the second material and green that of the third, while the first has the rest. With `vertexMask` these are the red and
+// green of the geometry's colours instead. Without either, `shares` are those of all. The colour and saturation of each
+// material count; all else is of the blend. Materials, shares and the texture may change without another compilation.
+export class BlendMaterial extends MeasuredMaterial {
+    constructor(...of) {
+        const { mask = null, vertexMask = false, shares, ...parameters } = of.at(-1)?.isMaterial ? {} : of.pop() ?? {};
+        if (of.length < 2 || of.length > 3 || !of.every((material) => material.reflectance && !material.texel))
+            throw new Error('BlendMaterial: expected two or three materials of such modules');
+        super('blend', parameters, { terms: of });
+        this.mask = mask;
+        this.vertexMask = vertexMask;
+        this.shares = shares ?? of.map(() => 1 / of.length);
+    }
+    clone() {
+        return new this.constructor(...this.terms, {}).copy(this);
+    }
+    copy(source) {
+        super.copy(source);
+        this.mask = source.mask;
+        this.vertexMask = source.vertexMask;
+        this.shares = [...source.shares];
+        return this;
+    }
+    weights() {
+        const of = this.mask ? 'texture2D(measured_mask, measured_uv).rg' : 'clamp(measured_vertex_mask, 0.0, 1.0)';
+        return this.mask || this.vertexMask ? `
+            vec2 mask = ${of};
+            measured_weights[0] = max(1.0 - mask.r${this.terms.length > 2 ? ' - mask.g' : ''}, 0.0);
+            measured_weights[1] = mask.r;
+            ${this.terms.length > 2 ? 'measured_weights[2] = mask.g;' : ''}` : `
+            measured_weights = measured_shares;`;
+    }
+    onBeforeCompile(shader) {
+        super.onBeforeCompile(shader);
+        const material = this, count = this.terms.length;
+        let inputs = `uniform float measured_shares[${count}];\n`;
+        if (this.mask) {
+            addUv(shader, () => material.mask);
+            shader.uniforms.measured_mask = { get value() { return material.mask; } };
+            inputs = 'uniform sampler2D measured_mask;\nvarying vec2 measured_uv;\n';
+        } else if (this.vertexMask) {
+            shader.vertexShader = after(after(shader.vertexShader, '#include <uv_pars_vertex>', `
+                #if !defined(USE_COLOR) && !defined(USE_COLOR_ALPHA)
+                    attribute vec3 color;
+                #endif
+                varying vec2 measured_vertex_mask;`), '#include <uv_vertex>', `
+                measured_vertex_mask = color.rg;`);
+            inputs = 'varying vec2 measured_vertex_mask;\n';
+        }
+        shader.uniforms.measured_shares = { get value() { return material.shares; } };
+        shader.fragmentShader = shader.fragmentShader.replace('#include <common>', (place) => `${place}\n${inputs}`);
+    }
+    customProgramCacheKey() {
+        return [super.customProgramCacheKey(), this.mask !== null, this.vertexMask].join();
+    }
+}

@@ -1,0 +1,20 @@
+// Shading code of materials that a mask mixes.
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "code/defined_names.h"
+#include "srbf/shading_code.h"
+
+namespace srbf {
+
+inline constexpr std::size_t k_most_blended = 3;
+
+/// The functions of `CodeOptions::blend`, which follow those of the models. Errors: other than two or three models, or one
+/// that is not a BRDF; `defined` has one of the names.
+Result<std::string> blend_code(std::span<const NamedModel> models, std::string_view prefix, const CodeOptions& options,
+                               DefinedNames& defined);
+std::vector<std::string> blend_functions(std::string_view prefix, const CodeOptions& options);
+
+}  // namespace srbf

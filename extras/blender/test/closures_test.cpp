@@ -15,7 +15,7 @@ namespace {
 
 /// The same closure at each of `knots` knots.
 ClosureSum constant(const Closure& closure, const Rgb& diffuse, std::size_t knots) {
-    return {1, std::vector<Rgb>(knots, diffuse), std::vector<Closure>(knots, closure)};
+    return {1, std::vector<Rgb>(knots, diffuse), std::vector<Closure>(knots, closure), 1};
 }
 
 double delta_e(const Evaluate& reference, const Evaluate& other) {

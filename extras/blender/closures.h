@@ -20,8 +20,9 @@ struct Closure {
 /// A sum of closures and of a diffuse BRDF whose parameters depend on the angle of the viewer θv:
 ///   f(wl, wv) cosθl = Σ_k weight_k D_k / (4 (N'_k·wv) (1 + Λ_k(wv) + Λ_k(wl))) + ramp(cosθl) / π
 /// The ramp is linear between 0 at cosθl = 0 and `diffuse`_j at j / R, j = 1..R: with R = 1 it is Lambert's BRDF, with
-/// R = 7 the closure diffuse_ramp of OSL in Cycles. D is Beckmann's distribution about N' and Λ Smith's function, as approximated by Walter (2007). A term is 0 where
-/// N'·wv ≤ 0 or N'·wl < 0. The parameters are linear between knots θv = i π / (2 (n − 1)), i < n.
+/// R = 7 the closure diffuse_ramp of OSL in Cycles. D is Beckmann's distribution about N' and Λ Smith's function, as
+/// approximated by Walter (2007). A term is 0 where N'·wv ≤ 0 or N'·wl < 0. The parameters are linear between knots
+/// θv = i π / (2 (n − 1)), i < n.
 struct ClosureSum {
     std::size_t terms = 0;
     std::vector<Rgb> diffuse;       ///< n × ramp, of n ≥ 2 knots

@@ -26,7 +26,7 @@ constexpr double k_shape_step = 1e-4;                                           
 constexpr double k_least_weight = 1e-5;
 
 /// The unknowns at a knot: for each term the tilt ν of its normal, the logarithms of α along and across, and those of
-/// its weights; then the logarithms of the colours of the diffuse ramp. Parts of the sum are its terms and these colours.
+/// its weights; then the logarithms of the colours of the diffuse ramp. Terms and these colours are parts of the sum.
 struct Layout {
     std::size_t terms, ramp, knots;
     std::size_t parts() const { return terms + ramp; }

@@ -126,7 +126,7 @@ int write_script(const ExportCommand& command, int terms) {
     std::string text =
         "# Written by srbf " SRBF_VERSION
         ": materials for Cycles, Blender 4.5 or later. Run it in Blender: the selected objects get\n"
-        "# the materials. With the name of a .blend file after \"--\" it writes that file, in which they are assets with\n"
+        "# the materials. With the name of a .blend file after \"--\" it writes that file, where they are assets with\n"
         "# previews. A script that imports it calls measured_materials().\n"
         "# Name, angles of the viewer from 0 to 90 degrees, terms, and the tables over these angles: for each term a "
         "row of\n"

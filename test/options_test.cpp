@@ -51,6 +51,7 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"a map's textures", "export t.srbf --to ktx2 -o o.ktx2"},
     {"a surface", "export q.srbf --to mtlx -o o.mtlx"},
     {"nodes", "export m.srbf --to blender -o o.py --terms 1"},
+    {"a shader of closures", "export m.srbf --to osl -o o.osl --terms 1"},
     {"page", "export m.srbf --to html -o o.html"},
     {"page, mesh", "export m.srbf --to html -o o.html --mesh m.obj"},
 };

@@ -39,6 +39,10 @@ double closure_value(const ClosureShape& shape, Vec3d wl, Vec3d wv) {
     return D / (4 * nv * (1 + lambda(wv, nv) + lambda(wl, nl)));
 }
 
+double ramp_share(std::size_t j, std::size_t count, double cos_light) {
+    return std::max(1 - std::abs(double(count) * cos_light - double(j)), 0.0);
+}
+
 KnotPosition::KnotPosition(double theta_v, std::size_t knots) {
     const double x = std::clamp(theta_v / (k_pi / 2), 0.0, 1.0) * double(knots - 1);
     knot = std::min(std::size_t(x), knots - 2);
@@ -54,8 +58,11 @@ Rgb value(const ClosureSum& sum, Vec3f wl, Vec3f wv) {
     const KnotPosition at(elementary::atan2(sine, cosine), sum.knots());
     const auto between = [&](float a, float b) { return double(a) + at.share * (double(b) - double(a)); };
     std::array<double, 3> f{};
-    for (std::size_t c = 0; c < 3; ++c)
-        f[c] = between(sum.diffuse[at.knot][int(c)], sum.diffuse[at.knot + 1][int(c)]) / k_pi;
+    for (std::size_t j = 0; j < sum.ramp; ++j) {
+        const Rgb &a = sum.diffuse[at.knot * sum.ramp + j], &b = sum.diffuse[(at.knot + 1) * sum.ramp + j];
+        const double term = ramp_share(j + 1, sum.ramp, light.z) / (k_pi * light.z);
+        for (std::size_t c = 0; c < 3; ++c) f[c] += between(a[int(c)], b[int(c)]) * term;
+    }
     for (std::size_t k = 0; k < sum.terms; ++k) {
         const Closure &a = sum.closures[at.knot * sum.terms + k], &b = sum.closures[(at.knot + 1) * sum.terms + k];
         const ClosureShape shape{between(a.slope, b.slope), between(a.roughness, b.roughness),

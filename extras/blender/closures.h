@@ -17,30 +17,34 @@ struct Closure {
     Rgb weight{};
 };
 
-/// A sum of closures and of Lambert's BRDF whose parameters depend on the angle of the viewer θv:
-///   f(wl, wv) cosθl = Σ_k weight_k D_k / (4 (N'_k·wv) (1 + Λ_k(wv) + Λ_k(wl))) + diffuse cosθl / π
-/// D is Beckmann's distribution about N' and Λ Smith's function, as approximated by Walter (2007). A term is 0 where
-/// N'·wv ≤ 0 or N'·wl < 0. The parameters are linear between knots θv = i π / (2 (n − 1)), i < n.
+/// A sum of closures and of a diffuse BRDF whose parameters depend on the angle of the viewer θv:
+///   f(wl, wv) cosθl = Σ_k weight_k D_k / (4 (N'_k·wv) (1 + Λ_k(wv) + Λ_k(wl))) + ramp(cosθl) / π
+/// The ramp is linear between 0 at cosθl = 0 and `diffuse`_j at j / R, j = 1..R: with R = 1 it is Lambert's BRDF, with
+/// R = 7 the closure diffuse_ramp of OSL in Cycles. D is Beckmann's distribution about N' and Λ Smith's function, as
+/// approximated by Walter (2007). A term is 0 where N'·wv ≤ 0 or N'·wl < 0. The parameters are linear between knots
+/// θv = i π / (2 (n − 1)), i < n.
 struct ClosureSum {
     std::size_t terms = 0;
-    std::vector<Rgb> diffuse;       ///< at each of n ≥ 2 knots
+    std::vector<Rgb> diffuse;       ///< n × ramp, of n ≥ 2 knots
     std::vector<Closure> closures;  ///< n × terms
-    std::size_t knots() const { return diffuse.size(); }
+    std::size_t ramp = 1;           ///< R
+    std::size_t knots() const { return diffuse.size() / ramp; }
 };
 
 Rgb value(const ClosureSum& sum, Vec3f wl, Vec3f wv);
 
 struct ClosureFitOptions {
     int terms = 4;
+    int ramp = 1;
     int knots = 24;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
-inline constexpr int k_most_closures = 8;
+inline constexpr int k_most_closures = 8, k_ramp_of_osl = 7;
 
 /// Fits a sum of closures to an isotropic BRDF. It minimises ΔE_ITP of pictures of a sphere under directional and
 /// extended lights. No albedo is above 1: where that of `f` is, `f` divided by it is fitted. NaN counts as not
 /// measured; of a BRDF that is not isotropic, each view has one azimuth. Errors: `terms` not from 1 to
-/// `k_most_closures`, less than four knots; no value above 0; cancelled.
+/// `k_most_closures`, `ramp` not from 1 to 7, less than four knots; no value above 0; cancelled.
 Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& options = {},
                                 const ProgressToken& progress = {});
 

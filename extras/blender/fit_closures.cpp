@@ -1,4 +1,5 @@
 #include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -25,11 +26,13 @@ constexpr double k_shape_step = 1e-4;                                           
 constexpr double k_least_weight = 1e-5;
 
 /// The unknowns at a knot: for each term the tilt ν of its normal, the logarithms of α along and across, and those of
-/// its weights; then the logarithms of the diffuse colour.
+/// its weights; then the logarithms of the colours of the diffuse ramp. Terms and these colours are parts of the sum.
 struct Layout {
-    std::size_t terms, knots;
-    std::size_t width() const { return 6 * terms + 3; }
+    std::size_t terms, ramp, knots;
+    std::size_t parts() const { return terms + ramp; }
+    std::size_t width() const { return 6 * terms + 3 * ramp; }
     std::size_t diffuse() const { return 6 * terms; }
+    std::size_t weight(std::size_t part) const { return part < terms ? 6 * part + 3 : 3 * (terms + part); }
     double theta(std::size_t knot) const { return k_pi / 2 * double(knot) / double(knots - 1); }
 };
 
@@ -73,6 +76,13 @@ class ClosureProblem {
         });
     }
 
+    /// A x = b, where A is JᵀJ and a diagonal: unknowns of knots further apart than two have no common derivative.
+    static Eigen::VectorXd solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+        const Eigen::SparseMatrix<double> band = A.sparseView();
+        return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>(band)
+            .solve(b);
+    }
+
     Eigen::VectorXd lower(const Eigen::VectorXd& x) const {
         return bounds(x, -k_most_tilt, elementary::log(k_least_alpha), elementary::log(1e-7));
     }
@@ -90,23 +100,28 @@ class ClosureProblem {
     /// The tables of the unknowns.
     ClosureSum sum(const Eigen::VectorXd& x) {
         set(x);
-        ClosureSum sum{layout_.terms, {}, {}};
+        ClosureSum sum{layout_.terms, {}, {}, layout_.ramp};
         const auto colour = [](const double* c) { return Rgb{float(c[0]), float(c[1]), float(c[2])}; };
         for (std::size_t i = 0; i < layout_.knots; ++i) {
             const double* const row = &table_[i * layout_.width()];
             for (std::size_t k = 0; k < layout_.terms; ++k)
                 sum.closures.push_back(
                     {float(row[6 * k]), float(row[6 * k + 1]), float(row[6 * k + 2]), colour(row + 6 * k + 3)});
-            sum.diffuse.push_back(colour(row + layout_.diffuse()));
+            for (std::size_t j = 0; j < layout_.ramp; ++j)
+                sum.diffuse.push_back(colour(row + layout_.diffuse() + 3 * j));
         }
         return sum;
     }
 
-    /// Σ of each term over the pixels of a view: rows of `values`; rows after these are derivatives by the shapes.
+    /// Σ of each part over the pixels of a view, in rows; rows after these are derivatives of terms by their shapes.
     Eigen::MatrixXd pixel_sums(const MatchedView& view, bool with_derivatives) const {
         const std::vector<double> q = between(view.theta);
-        const auto K = Eigen::Index(layout_.terms), n = Eigen::Index(view.wl.size());
-        Eigen::MatrixXd values((with_derivatives ? 4 : 1) * K, n);
+        const auto K = Eigen::Index(layout_.terms), parts = Eigen::Index(layout_.parts()),
+                   n = Eigen::Index(view.wl.size());
+        Eigen::MatrixXd values(parts + (with_derivatives ? 3 * K : 0), n);
+        for (Eigen::Index i = 0; i < n; ++i)
+            for (Eigen::Index j = 0; K + j < parts; ++j)
+                values(K + j, i) = ramp_share(std::size_t(j + 1), layout_.ramp, view.wl[std::size_t(i)].z) / k_pi;
         for (Eigen::Index k = 0; k < K; ++k) {
             const ClosureShape shape{q[std::size_t(6 * k)], q[std::size_t(6 * k + 1)], q[std::size_t(6 * k + 2)]};
             for (Eigen::Index i = 0; i < n; ++i) {
@@ -115,7 +130,7 @@ class ClosureProblem {
                 for (std::size_t p = 0; with_derivatives && p < 3; ++p) {
                     ClosureShape changed = shape;
                     changed[p] += k_shape_step;
-                    values(K + 3 * k + Eigen::Index(p), i) =
+                    values(parts + 3 * k + Eigen::Index(p), i) =
                         value > 0 ? (closure_value(changed, view.wl[std::size_t(i)], view.wv) - value) / k_shape_step
                                   : 0;
                 }
@@ -148,8 +163,7 @@ class ClosureProblem {
                 to[6 * k + 2] = along < across ? 1 - ratio : ratio - 1;
                 for (std::size_t c = 3; c < 6; ++c) to[6 * k + c] = elementary::exp(from[6 * k + c]);
             }
-            for (std::size_t c = 0; c < 3; ++c)
-                to[layout_.diffuse() + c] = elementary::exp(from[layout_.diffuse() + c]);
+            for (std::size_t c = layout_.diffuse(); c < width; ++c) to[c] = elementary::exp(from[c]);
         }
     }
 
@@ -181,7 +195,8 @@ class ClosureProblem {
             for (std::size_t c = 1; c < 3; ++c) add(6 * k + c, k_roughness_costs[1], layout_.terms);
             for (std::size_t c = 3; c < 6; ++c) add(6 * k + c, k_roughness_costs[2], 3 * layout_.terms);
         }
-        for (std::size_t c = 0; c < 3; ++c) add(layout_.diffuse() + c, k_roughness_costs[2], 3);
+        for (std::size_t c = layout_.diffuse(); c < layout_.width(); ++c)
+            add(c, k_roughness_costs[2], 3 * layout_.ramp);
     }
     static double second_difference(const Eigen::VectorXd& x, std::size_t i, std::size_t step) {
         return x[Eigen::Index(i - step)] - 2 * x[Eigen::Index(i)] + x[Eigen::Index(i + step)];
@@ -195,14 +210,11 @@ class ClosureProblem {
         for (std::size_t i = 0; i < q.size(); ++i) q[i] = a[i] + at.share * (a[i + q.size()] - a[i]);
         return q;
     }
-    Colour colour_of_pixel(const std::vector<double>& q, const MatchedPixel& pixel, const Eigen::MatrixXd& sums,
-                           std::size_t p) const {
-        Colour colour;
-        for (std::size_t c = 0; c < 3; ++c) {
-            colour[c] = q[layout_.diffuse() + c] * pixel.lambert;
-            for (std::size_t k = 0; k < layout_.terms; ++k)
-                colour[c] += q[6 * k + 3 + c] * sums(Eigen::Index(k), Eigen::Index(p));
-        }
+    Colour colour_of_pixel(const std::vector<double>& q, const Eigen::MatrixXd& sums, std::size_t p) const {
+        Colour colour{};
+        for (std::size_t part = 0; part < layout_.parts(); ++part)
+            for (std::size_t c = 0; c < 3; ++c)
+                colour[c] += q[layout_.weight(part) + c] * sums(Eigen::Index(part), Eigen::Index(p));
         return colour;
     }
     double loss_of_view(const MatchedView& view) const {
@@ -211,7 +223,7 @@ class ClosureProblem {
         double loss = 0;
         for (std::size_t p = 0; p < view.pixels.size(); ++p) {
             const MatchedPixel& pixel = view.pixels[p];
-            const Colour itp = Itp<double>(shown(colour_of_pixel(q, pixel, sums, p), pixel.limit)).value();
+            const Colour itp = Itp<double>(shown(colour_of_pixel(q, sums, p), pixel.limit)).value();
             double square = 0;
             for (std::size_t c = 0; c < 3; ++c) square += elementary::square(itp[c] - pixel.itp[c]);
             loss += pixel.share * 2 * square / (std::sqrt(square + 1) + 1);
@@ -222,13 +234,14 @@ class ClosureProblem {
     void linearise_view(const MatchedView& view, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
         const std::vector<double> q = between(view.theta);
         const Eigen::MatrixXd sums = pixel_sums(view, true);
-        const auto K = Eigen::Index(layout_.terms), width = Eigen::Index(layout_.width());
+        const auto K = Eigen::Index(layout_.terms), parts = Eigen::Index(layout_.parts()),
+                   width = Eigen::Index(layout_.width());
         Eigen::MatrixXd J = Eigen::MatrixXd::Zero(width, 3 * Eigen::Index(view.pixels.size()));
         Eigen::VectorXd r(J.cols());
         for (std::size_t p = 0; p < view.pixels.size(); ++p) {
             const MatchedPixel& pixel = view.pixels[p];
             const auto column = Eigen::Index(p);
-            const Colour colour = colour_of_pixel(q, pixel, sums, p);
+            const Colour colour = colour_of_pixel(q, sums, p);
             const Itp<double> itp(shown(colour, pixel.limit));
             const auto jacobian = itp.jacobian();
             double square = 0;
@@ -242,10 +255,11 @@ class ClosureProblem {
                     const double slope = root * jacobian[i][c];
                     for (Eigen::Index k = 0; k < K; ++k) {
                         const double weight = slope * q[std::size_t(6 * k) + 3 + c];
-                        for (Eigen::Index s = 0; s < 3; ++s) J(6 * k + s, row) += weight * sums(K + 3 * k + s, column);
-                        J(6 * k + 3 + Eigen::Index(c), row) += slope * sums(k, column);
+                        for (Eigen::Index s = 0; s < 3; ++s)
+                            J(6 * k + s, row) += weight * sums(parts + 3 * k + s, column);
                     }
-                    J(Eigen::Index(layout_.diffuse() + c), row) += slope * pixel.lambert;
+                    for (Eigen::Index part = 0; part < parts; ++part)
+                        J(Eigen::Index(layout_.weight(std::size_t(part)) + c), row) += slope * sums(part, column);
                 }
             }
         }
@@ -312,12 +326,12 @@ std::vector<StartingTerm> starting_terms() {
     return all;
 }
 
-/// Weights of one view that match its pixels best: rows are terms and the diffuse base, columns channels.
+/// Weights of one view that match its pixels best: rows are parts, columns channels.
 struct ViewWeights {
     Eigen::MatrixXd weights;
     double loss = 0;
 };
-/// Rows of `sums` are terms, columns pixels. The loss is a quadratic approximation of a difference of sixth roots.
+/// Rows of `sums` are parts, columns pixels. The loss is a quadratic approximation of a difference of sixth roots.
 ViewWeights best_weights(const MatchedView& view, const Eigen::MatrixXd& sums) {
     constexpr double k_dark = 0.0075, k_power = -5.0 / 3;
     ViewWeights best{Eigen::MatrixXd(sums.rows(), 3), 0};
@@ -347,16 +361,15 @@ double interpolated(std::span<const MatchedView> views, double theta, const auto
     return (1 - share) * value_of(i - 1) + share * value_of(i);
 }
 
-/// The unknowns with a further term, and the weights of the views.
+/// The unknowns with a further term, and the weights of the views: of the parts before, then of the term.
 Eigen::VectorXd extended(const std::vector<MatchedView>& views, Layout before, const Eigen::VectorXd& x,
                          const StartingTerm& start, const std::vector<Eigen::MatrixXd>& weights) {
-    const auto K = Eigen::Index(before.terms);
-    const Layout after{before.terms + 1, before.knots};
+    const Layout after{before.terms + 1, before.ramp, before.knots};
     Eigen::VectorXd longer(Eigen::Index(after.knots * after.width()));
     const auto weight_at = [&](double theta, Eigen::Index row, std::size_t c) {
         return interpolated(views, theta, [&](std::size_t v) { return weights[v](row, Eigen::Index(c)); });
     };
-    Eigen::VectorXd largest = Eigen::VectorXd::Zero(K + 2);
+    Eigen::VectorXd largest = Eigen::VectorXd::Zero(Eigen::Index(after.parts()));
     for (const Eigen::MatrixXd& of_view : weights) largest = largest.cwiseMax(of_view.rowwise().maxCoeff());
     constexpr double k_least_share = 0.02;  // of a weight, so that it can grow again
     for (std::size_t i = 0; i < after.knots; ++i) {
@@ -367,10 +380,12 @@ Eigen::VectorXd extended(const std::vector<MatchedView>& views, Layout before, c
         to[6 * before.terms] = start.tilt_at(theta);
         to[6 * before.terms + 1] = elementary::log(std::max(start.along(theta), k_least_alpha));
         to[6 * before.terms + 2] = elementary::log(start.alpha);
-        for (std::size_t k = 0; k <= after.terms; ++k) {
-            const Eigen::Index row = k < before.terms ? Eigen::Index(k) : k == before.terms ? K + 1 : K;
+        for (std::size_t part = 0; part < after.parts(); ++part) {
+            const auto row = Eigen::Index(part < before.terms    ? part
+                                          : part == before.terms ? before.parts()
+                                                                 : part - 1);
             for (std::size_t c = 0; c < 3; ++c)
-                to[k < after.terms ? 6 * k + 3 + c : after.diffuse() + c] =
+                to[after.weight(part) + c] =
                     elementary::log(std::max(weight_at(theta, row, c), k_least_share * largest[row] + k_least_weight));
         }
     }
@@ -381,13 +396,11 @@ Eigen::VectorXd extended(const std::vector<MatchedView>& views, Layout before, c
 Eigen::VectorXd with_term(const std::vector<MatchedView>& views, Layout before, const Eigen::VectorXd& x, int threads) {
     ClosureProblem problem(views, before, threads);
     problem.set(x);
-    const auto K = Eigen::Index(before.terms);
+    const auto parts = Eigen::Index(before.parts());
     std::vector<Eigen::MatrixXd> sums(views.size());
     parallel_for(views.size(), threads, [&](std::size_t v) {
-        const MatchedView& view = views[v];
-        sums[v].resize(K + 2, Eigen::Index(view.pixels.size()));
-        sums[v].topRows(K) = problem.pixel_sums(view, false);
-        for (std::size_t p = 0; p < view.pixels.size(); ++p) sums[v](K, Eigen::Index(p)) = view.pixels[p].lambert;
+        sums[v].resize(parts + 1, Eigen::Index(views[v].pixels.size()));
+        sums[v].topRows(parts) = problem.pixel_sums(views[v], false);
     });
     const auto solve = [&](std::size_t v, const StartingTerm& start) {
         const MatchedView& view = views[v];
@@ -396,7 +409,7 @@ Eigen::VectorXd with_term(const std::vector<MatchedView>& views, Layout before, 
         for (std::size_t i = 0; i < view.wl.size(); ++i)
             values(0, Eigen::Index(i)) = closure_value(shape, view.wl[i], view.wv);
         Eigen::MatrixXd all = sums[v];
-        all.row(K + 1) = ClosureProblem::summed_over_pixels(view, values);
+        all.row(parts) = ClosureProblem::summed_over_pixels(view, values);
         return best_weights(view, all);
     };
     const std::vector<StartingTerm> starts = starting_terms();
@@ -425,7 +438,7 @@ void limit_albedos(ClosureSum& sum, int threads) {
     std::array<ClosureSum, 2> parts{sum, sum};  // of knots with even and with odd indices
     for (std::size_t knot = 0; knot < sum.knots(); ++knot) {
         ClosureSum& other = parts[1 - knot % 2];
-        other.diffuse[knot] = {};
+        for (std::size_t j = 0; j < sum.ramp; ++j) other.diffuse[knot * sum.ramp + j] = {};
         for (std::size_t k = 0; k < sum.terms; ++k) other.closures[knot * sum.terms + k].weight = {};
     }
     const auto theta = [&](std::size_t i) { return k_last_angle * double(i) / double(count - 1); };
@@ -458,7 +471,7 @@ void limit_albedos(ClosureSum& sum, int threads) {
             }
         }
         for (std::size_t knot = 0; knot < sum.knots(); ++knot) {
-            sum.diffuse[knot][c] *= float(scale[knot]);
+            for (std::size_t j = 0; j < sum.ramp; ++j) sum.diffuse[knot * sum.ramp + j][c] *= float(scale[knot]);
             for (std::size_t k = 0; k < sum.terms; ++k)
                 sum.closures[knot * sum.terms + k].weight[c] *= float(scale[knot]);
         }
@@ -471,8 +484,9 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
     const StandardArithmetic mode;
     if (const auto valid = require_range("fit", "terms", options.terms, 1, k_most_closures); !valid)
         return valid.error();
+    if (const auto valid = require_range("fit", "ramp", options.ramp, 1, k_ramp_of_osl); !valid) return valid.error();
     if (const auto valid = require_range("fit", "knots", options.knots, 4, 256); !valid) return valid.error();
-    Layout layout{0, std::size_t(options.knots)};
+    Layout layout{0, std::size_t(options.ramp), std::size_t(options.knots)};
     const std::vector<MatchedView> views = matched_views(f, 2 * layout.knots - 1, options.threads);
     if (std::ranges::none_of(views, [](const MatchedView& view) {
             return std::ranges::any_of(view.radiance, [](const Rgb& c) { return largest_of(c) > 0; });

@@ -175,8 +175,6 @@ std::vector<MatchedView> matched_views(const Evaluate& f, std::size_t count, int
             for (std::size_t c = 0; c < 3; ++c)
                 pixel.limit[c] = pixel.colour[c] < 1 ? std::numeric_limits<double>::max() : 1;
             pixel.itp = Itp<double>(shown(pixel.colour, pixel.limit)).value();
-            for (std::size_t i = 0; i < pixel.weight.size(); ++i)
-                pixel.lambert += pixel.weight[i] * view.wl[pixel.first + i].z / k_pi;
         }
     return views;
 }

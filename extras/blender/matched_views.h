@@ -16,7 +16,6 @@ struct MatchedPixel {
     std::size_t first;
     std::vector<double> weight;
     double share;                     ///< of the loss
-    double lambert = 0;               ///< the pixel's colour of a white Lambert surface
     Colour colour{}, limit{}, itp{};  ///< of the measurement, limit: see `shown`
 };
 /// The pixels of all lights at points of the sphere with one θv. The frame is that of `closure_value`.

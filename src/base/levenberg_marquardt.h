@@ -49,10 +49,15 @@ struct LevenbergMarquardtSummary {
 };
 
 /// The step that solves `damped` δ = −g, within bounds and at most as long as `longest` for each variable.
-inline Eigen::VectorXd damped_step(const Eigen::MatrixXd& damped, const Eigen::VectorXd& g,
-                                   const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
-                                   const Eigen::VectorXd& longest, bool adapts_to_bounds) {
-    Eigen::VectorXd step = -solve_symmetric(damped, g);
+template <typename P>
+Eigen::VectorXd damped_step(const P& problem, const Eigen::MatrixXd& damped, const Eigen::VectorXd& g,
+                            const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, const Eigen::VectorXd& longest,
+                            bool adapts_to_bounds) {
+    Eigen::VectorXd step;
+    if constexpr (requires { problem.solve(damped, g); })  // by the zeros in its JᵀJ
+        step = -problem.solve(damped, g);
+    else
+        step = -solve_symmetric(damped, g);
     if (adapts_to_bounds) adapt_to_bounds(step, damped, g, lower, upper);
     return step * std::min(1.0, 1 / step.cwiseAbs().cwiseQuotient(longest).maxCoeff());
 }
@@ -81,8 +86,8 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
         while (mu < k_most_damping && !lowered) {
             Eigen::MatrixXd damped = H;
             damped.diagonal() += mu * scale;
-            const Eigen::VectorXd step =
-                damped_step(damped, g, lower - x, upper - x, problem.longest_step(x), options.adapts_to_bounds);
+            const Eigen::VectorXd step = damped_step(problem, damped, g, lower - x, upper - x, problem.longest_step(x),
+                                                     options.adapts_to_bounds);
             const double predicted = -2 * step.dot(g) - step.dot(H * step);
             if (options.adapts_to_bounds && predicted < 0) {  // clamping costs more than the other variables gain
                 mu *= growth, growth *= 2;

@@ -4,11 +4,13 @@
 Makes the materials of measurements by the script that `srbf export --to blender` writes, and draws a sphere with Cycles. Under a distant
 lamp it agrees with the formula of the sum of closures, of the tables in the script. Under an environment it is compared with the
 measurement, and is nearer to it than Principled's parameters. In a furnace nothing is brighter than 1.01. With a normal map it agrees with the
-formula too, and so does a material of two that were saved in a .blend file. Argument 3, if given: a picture of all is written there.
+formula too, and so does a material of two that were saved in a .blend file, where both are assets with previews. The shader that `--to osl`
+writes agrees with its formula and is nearer to the measurement. Argument 3, if given: a picture of all is written there.
 Arguments: the program, a folder with rgl/.
 """
 import importlib.util
 import math
+import re
 import subprocess
 import sys
 import tempfile
@@ -35,14 +37,40 @@ node = tree.nodes.new("ShaderNodeNormalMap")
 node.space, node.inputs["Color"].default_value = "OBJECT", {(*(0.5 + 0.5 * MAPPED).tolist(), 1)}
 tree.links.new(node.outputs[0], next(n for n in tree.nodes if n.type == "GROUP").inputs["Normal"])
 """
+SHADER = """
+import bpy, glob, sys
+sys.path += glob.glob(bpy.utils.resource_path("LOCAL") + "/python/lib/python3*/site-packages")  # oslquery
+scene = bpy.context.scene
+scene.render.engine, scene.cycles.shading_system = "CYCLES", True
+material = bpy.data.materials.new("osl")
+material.use_nodes, material.cycles.use_bump_map_correction = True, False
+tree = material.node_tree
+tree.nodes.clear()
+script, output = tree.nodes.new("ShaderNodeScript"), tree.nodes.new("ShaderNodeOutputMaterial")
+script.mode, script.filepath = "EXTERNAL", FILE
+tree.links.new(script.outputs["BSDF"], output.inputs["Surface"])
+"""
+ASSETS = """
+import bpy
+with bpy.data.libraries.load(FILE, assets_only=True) as (there, here):
+    here.materials = there.materials
+for material in bpy.data.materials:
+    assert max(material.preview.image_pixels_float) > 0.1, material.name
+"""
 SUB = 3  # points of a pixel along a side
 
 
-def table_of(script):
-    names = {}
-    exec(compile(Path(script).read_text(encoding="utf-8"), str(script), "exec"), names)
-    (name, columns, terms, numbers), = names["_MEASURED"]
-    return terms, np.reshape(numbers, (2 * terms + 1, columns, 3))
+def table_of(path):
+    """Terms and rows of texels of a script or a shader."""
+    text = Path(path).read_text(encoding="utf-8")
+    if path.endswith(".osl"):
+        columns, terms = map(int, re.search(r"\(tables, (\d+), (\d+)", text).groups())
+        numbers = [float(number) for number in re.search(r"tables\[\d+\] = {([^}]*)}", text)[1].split(",")]
+    else:
+        names = {}
+        exec(compile(text, path, "exec"), names)
+        (name, columns, terms, numbers), = names["_MEASURED"]
+    return terms, np.reshape(numbers, (-1, columns, 3))
 
 
 def reflected(terms, table, normal, viewer, light):
@@ -55,7 +83,8 @@ def reflected(terms, table, normal, viewer, light):
     row = lambda k: table[k, i] + (x - i)[:, None] * (table[k, i + 1] - table[k, i])  # noqa: E731
     away = unit(nv[:, None] * normal - viewer)
     h = unit(viewer + light)
-    total = row(-1) * np.maximum(nl, 0)[:, None] / np.pi
+    ramp = len(table) - 2 * terms
+    total = sum(row(2 * terms + j) * np.maximum(1 - np.abs(ramp * nl - j - 1), 0)[:, None] for j in range(ramp)) / np.pi
     for k in range(terms):
         slope, roughness, anisotropy = row(2 * k).T
         ratio = 1 - np.abs(anisotropy)
@@ -125,9 +154,16 @@ with tempfile.TemporaryDirectory() as folder:
     run("export", *(data / f"rgl/{name}.bsdf" for name in MATERIALS[:2]), "--to", "blender", "-o", both)
     subprocess.run([sys.executable, "-c", f"import sys, runpy; sys.argv[1:] = ['--', {folder + '/both.blend'!r}]; runpy.run_path({both!r}, run_name='__main__')"],
                    check=True, stdout=subprocess.DEVNULL)
-    Path(appended).write_text(f"import bpy\nwith bpy.data.libraries.load({folder + '/both.blend'!r}) as (there, here):\n    here.materials = there.materials\n")
+    Path(appended).write_text(ASSETS.replace("FILE", repr(folder + "/both.blend")))
     apart = delta_e(drawn_by_cycles(appended, f"{folder}/lit.exr", LAMP)[inside], formula(script)[inside])
     expect(apart <= FORMULA_WITHIN, f"from a .blend file with two materials: Cycles against the formula {apart:.2f}")
+    measured, shader, scene = data / f"rgl/{MATERIALS[0]}.bsdf", f"{folder}/film.osl", f"{folder}/film_osl.py"
+    print(run("export", measured, "--to", "osl", "-o", shader).strip())
+    Path(scene).write_text(SHADER.replace("FILE", repr(shader)))
+    apart = delta_e(drawn_by_cycles(scene, f"{folder}/lit.exr", LAMP)[inside], formula(shader)[inside])
+    expect(apart <= FORMULA_WITHIN, f"osl: Cycles against the formula {apart:.2f}")
+    ours = delta_e(drawn_by_cycles(scene, f"{folder}/n.exr")[inside], drawn(measured, f"{folder}/m.exr")[inside])
+    expect(ours < errors[0][0], f"osl: against the measurement {ours:.2f}, nodes {errors[0][0]:.2f}")
 ours, theirs = np.mean(errors, axis=0)
 expect(ours <= PRINCIPLED_SHARE * theirs, f"mean: nodes {ours:.2f}, Principled {theirs:.2f}")
 if len(sys.argv) > 3:

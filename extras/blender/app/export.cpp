@@ -1,4 +1,4 @@
-// Adds scripts for Blender to `srbf export`.
+// Adds scripts for Blender and shaders in OSL to `srbf export`.
 #include "app/export.h"
 
 #include <fmt/format.h>
@@ -22,11 +22,11 @@ namespace srbf {
 namespace {
 
 /// The subject of a material; an error if its reflection is not a BRDF as a function of any two directions.
-Result<Subject> load_reflection(const std::string& file) {
+Result<Subject> load_reflection(const std::string& file, const std::string& to) {
     auto subject = load_subject(file);
     if (!subject) return subject;
     const auto refused = [&](const char* expected, const char* found) {
-        return Error{file, {}, "input for blender", expected, found, ErrorCode::argument};
+        return Error{file, {}, "input for " + to, expected, found, ErrorCode::argument};
     };
     if (is_two_sided(subject->content)) return refused("a BRDF", "reflection and transmission");
     if (const auto* model = std::get_if<Model>(&subject->content)) {
@@ -50,10 +50,10 @@ std::vector<std::string> material_names(const std::vector<std::string>& files) {
     return names;
 }
 
-/// A row of the script's list: name, columns and terms of the tables, and their texels. A term has a row of texels
-/// with its shape and one with its weights; the last row is the diffuse colour.
-std::string table_text(const std::string& name, const ClosureSum& sum) {
-    std::string text = fmt::format("    (\"{}\", {}, {}, [", name, sum.knots(), sum.terms);
+/// The texels of the tables, a column for each knot. A term has a row with its shape and one with its weights; then a
+/// row for each colour of the diffuse ramp.
+std::string texels(const ClosureSum& sum) {
+    std::string text;
     const auto add_row = [&](const auto& texel_of) {
         text += "\n        ";
         for (std::size_t i = 0; i < sum.knots(); ++i) {
@@ -67,71 +67,123 @@ std::string table_text(const std::string& name, const ClosureSum& sum) {
         add_row([&](std::size_t i) { return Rgb{closure(i).slope, closure(i).roughness, closure(i).anisotropy}; });
         add_row([&](std::size_t i) { return closure(i).weight; });
     }
-    add_row([&](std::size_t i) { return sum.diffuse[i]; });
-    return text + "\n    ]),\n";
+    for (std::size_t j = 0; j < sum.ramp; ++j) add_row([&](std::size_t i) { return sum.diffuse[i * sum.ramp + j]; });
+    text.pop_back();
+    return text;
 }
 
-Result<std::string> material_text(const Subject& subject, const std::string& name, int terms) {
+/// Fits the subject and prints the visible error.
+Result<ClosureSum> fitted_closures(const Subject& subject, const std::string& name, const ClosureFitOptions& options) {
     const Evaluate f = evaluator(subject);
     const bool isotropic = is_isotropic(f, default_max_theta(k_default_objective));
     ProgressLine line;
-    const auto sum = fit_closures(f, {.terms = terms}, ProgressToken([&](const Progress& progress) {
-                                      line.show(progress.stage, progress.fraction);
-                                      return true;
-                                  }));
+    auto sum = fit_closures(f, options, ProgressToken([&](const Progress& progress) {
+                                line.show(progress.stage, progress.fraction);
+                                return true;
+                            }));
     line.clear();
-    if (!sum) return sum.error();
+    if (!sum) return sum;
     if (!isotropic)
         fmt::print(stderr, "srbf: {}: the material is isotropic, {} is not\n", name, printable(subject.path));
     const Evaluate fitted = evaluator(*sum);
     const Appearance errors = compare_pictures(f, {&fitted, 1}, 0, {}, k_sphere_pixels, isotropic)[0];
     fmt::print("{}: ΔE_ITP {:.3g} against {} (worst {:.3g})\n", name, errors.mean.delta_e, printable(subject.path),
                errors.worst_delta_e);
-    return table_text(name, *sum);
+    return sum;
+}
+
+struct NamedClosures {
+    std::string name;
+    ClosureSum sum;
+};
+
+Result<std::vector<NamedClosures>> fitted_closures(const ExportCommand& command, const ClosureFitOptions& options) {
+    std::vector<Subject> subjects;
+    for (const std::string& file : command.files) {
+        auto subject = load_reflection(file, command.to);
+        if (!subject) return subject.error();
+        subjects.push_back(*std::move(subject));
+    }
+    if (const auto writable = check_outputs(command.files, {command.output}); !writable) return writable.error();
+    const std::vector<std::string> names = material_names(command.files);
+    std::vector<NamedClosures> all;
+    for (std::size_t i = 0; i < subjects.size(); ++i) {
+        auto sum = fitted_closures(subjects[i], names[i], options);
+        if (!sum) return sum.error();
+        all.push_back({names[i], *std::move(sum)});
+    }
+    return all;
+}
+
+int write_text(const ExportCommand& command, const std::string& text) {
+    const auto written = write_file(command.output, as_bytes(text));
+    return written ? int(k_done) : complain(written.error());
 }
 
 int write_script(const ExportCommand& command, int terms) {
-    std::vector<Subject> subjects;
-    for (const std::string& file : command.files) {
-        auto subject = load_reflection(file);
-        if (!subject) return complain(subject.error());
-        subjects.push_back(*std::move(subject));
-    }
-    if (const auto writable = check_outputs(command.files, {command.output}); !writable)
-        return complain(writable.error());
-    const std::vector<std::string> names = material_names(command.files);
+    const auto materials = fitted_closures(command, {.terms = terms});
+    if (!materials) return complain(materials.error());
     std::string text =
         "# Written by srbf " SRBF_VERSION
         ": materials for Cycles, Blender 4.5 or later. Run it in Blender: the selected objects get\n"
-        "# the materials. With the name of a .blend file after \"--\" it writes that file. A script that imports it "
-        "calls\n"
-        "# measured_materials().\n"
+        "# the materials. With the name of a .blend file after \"--\" it writes that file, where they are assets with\n"
+        "# previews. A script that imports it calls measured_materials().\n"
         "# Name, angles of the viewer from 0 to 90 degrees, terms, and the tables over these angles: for each term a "
         "row of\n"
         "# slope, roughness and anisotropy, and one of weights in linear Rec.709; then the diffuse colour.\n"
         "_MEASURED = [\n";
-    for (std::size_t i = 0; i < subjects.size(); ++i) {
-        const auto material = material_text(subjects[i], names[i], terms);
-        if (!material) return complain(material.error());
-        text += *material;
-    }
-    const auto written = write_file(command.output, as_bytes(text + "]\n" + k_nodes_text));
-    return written ? int(k_done) : complain(written.error());
+    for (const auto& [name, sum] : *materials)
+        text += fmt::format("    (\"{}\", {}, {}, [{}\n    ]),\n", name, sum.knots(), sum.terms, texels(sum));
+    return write_text(command, text + "]\n" + k_nodes_text);
+}
+
+int write_shader(const ExportCommand& command, int terms) {
+    if (command.files.size() > 1)
+        return complain(Error{command.output,
+                              {},
+                              "models",
+                              "one, as a file of OSL has one shader",
+                              std::to_string(command.files.size()),
+                              ErrorCode::argument});
+    const auto materials = fitted_closures(command, {.terms = terms, .ramp = k_ramp_of_osl});
+    if (!materials) return complain(materials.error());
+    const auto& [name, sum] = materials->front();
+    const std::string table = texels(sum);
+    return write_text(
+        command,
+        "// Written by srbf " SRBF_VERSION
+        ": a material for Cycles, Blender 4.5 or later, in Open Shading Language.\n"
+        "// The material's Bump Map Correction must be disabled, as it bends tilted normals back.\n"
+        "// Tables over angles of the viewer from 0 to 90 degrees: for each term a row of slope, roughness and\n"
+        "// anisotropy, and one of weights in linear Rec.709; then the colours of a ramp over the cosine of the "
+        "light.\n"
+        "#include \"stdcycles.h\"\n\n" +
+            std::string(k_closures_text) +
+            fmt::format(
+                "\nshader {}_material(\n    float tables[{}] = {{{}\n    }},\n"
+                "    color Tint = 1,\n    float RoughnessScale = 1 [[string label = \"Roughness Scale\", float min = "
+                "0]],\n    normal Normal = N,\n    output closure color BSDF = 0)\n{{\n"
+                "    BSDF = sum_of_closures(tables, {}, {}, Normal, Tint, RoughnessScale);\n}}\n",
+                name, 3 * sum.knots() * (2 * sum.terms + sum.ramp), table, sum.knots(), sum.terms));
 }
 
 }  // namespace
 
 void add_blender_exports(const Subcommand& sub, const ExportCommand& command, Exports& exports) {
     const auto terms = std::make_shared<int>(ClosureFitOptions{}.terms);
-    const Option option = sub.add_option("--terms", *terms, "blender: glossy closures in the sum")
+    const Option option = sub.add_option("--terms", *terms, "blender, osl: glossy closures in the sum")
                               .type_name("K")
                               .check(within(1, k_most_closures))
                               .capture_default_str();
     exports.kinds.push_back({"blender", [terms](const ExportCommand& asked) { return write_script(asked, *terms); }});
+    exports.kinds.push_back({"osl", [terms](const ExportCommand& asked) { return write_shader(asked, *terms); }});
     exports.about +=
         "\nblender: a script that makes materials of Blender's nodes for Cycles, from models or measurements, which\n"
-        "MODEL may be here";
-    exports.readings.push_back({{option}, "is for --to blender", [&command] { return command.to == "blender"; }});
+        "MODEL may be here\n"
+        "osl: the same as a shader for Cycles in Open Shading Language, nearer to the measurement";
+    exports.readings.push_back({{option}, "is for --to blender and osl", [&command] {
+                                    return command.to == "blender" || command.to == "osl";
+                                }});
 }
 
 }  // namespace srbf

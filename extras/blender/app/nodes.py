@@ -61,6 +61,7 @@ def _node_group(bpy, name, columns, terms, numbers):
     geometry = nodes.new("NewGeometry").outputs
     unlinked = nodes.math("LESS_THAN", nodes.vector("LENGTH", inputs["Normal"], output="Value"), 0.5)
     normal = nodes.vector("NORMALIZE", nodes.vector("MULTIPLY_ADD", geometry["Normal"], unlinked, inputs["Normal"]))
+    nodes.next_row(2)
     cosine = nodes.vector("DOT_PRODUCT", normal, geometry["Incoming"], output="Value")
     # Away from the viewer, in the plane of the surface.
     tangent = nodes.vector("NORMALIZE", nodes.vector("SUBTRACT", nodes.vector("SCALE", normal, cosine), geometry["Incoming"]))
@@ -112,6 +113,53 @@ def measured_materials():
     return [_material(bpy, *material) for material in _MEASURED]
 
 
+def _studio(bpy):
+    """A scene with a ball in a grey room under a lamp, and all that it is made of."""
+    import bmesh
+
+    scene, world, mesh = bpy.data.scenes.new("ball"), bpy.data.worlds.new("ball"), bpy.data.meshes.new("ball")
+    camera, lamp = bpy.data.cameras.new("ball"), bpy.data.lights.new("ball", "AREA")
+    form = bmesh.new()
+    bmesh.ops.create_uvsphere(form, u_segments=96, v_segments=48, radius=1)
+    form.to_mesh(mesh)
+    form.free()
+    mesh.shade_smooth()
+    lamp.energy, lamp.size, camera.lens = 220, 2, 95
+    things = [bpy.data.objects.new("ball", data) for data in (mesh, camera, lamp)]
+    for thing, place, turn in zip(things, ((0, 0, 0), (0, -6.4, 0), (-3, -4, 4)), ((0, 0, 0), (1.5708, 0, 0), (0.9, 0, -0.6))):
+        thing.location, thing.rotation_euler = place, turn
+        scene.collection.objects.link(thing)
+    if world.node_tree is None:
+        world.use_nodes = True
+    next(node for node in world.node_tree.nodes if node.type == "BACKGROUND").inputs["Color"].default_value = 0.2, 0.2, 0.2, 1
+    scene.camera, scene.world, scene.render.engine, scene.cycles.samples = things[1], world, "CYCLES", 64
+    scene.view_settings.view_transform = "Standard"
+    scene.render.film_transparent = True
+    scene.render.resolution_x = scene.render.resolution_y = 128
+    return scene, mesh, (scene, world, mesh, camera, lamp, *things)
+
+
+def _mark_as_assets(bpy, materials):
+    """Marks materials as assets, with pictures of a ball."""
+    import os
+    import tempfile
+
+    scene, ball, made = _studio(bpy)
+    with tempfile.TemporaryDirectory() as folder:
+        for material in materials:
+            ball.materials.clear()
+            ball.materials.append(material)
+            scene.render.filepath = os.path.join(folder, "ball.png")
+            bpy.ops.render.render(write_still=True, scene=scene.name)
+            picture = bpy.data.images.load(scene.render.filepath)
+            material.asset_mark()
+            preview = material.preview_ensure()
+            preview.image_size = picture.size
+            preview.image_pixels_float = picture.pixels[:]
+            bpy.data.images.remove(picture)
+    bpy.data.batch_remove(made)
+
+
 def _measured_script():
     import sys
 
@@ -124,6 +172,7 @@ def _measured_script():
             for material in materials:
                 thing.data.materials.append(material)
     if "--" in sys.argv:
+        _mark_as_assets(bpy, materials)
         bpy.ops.wm.save_as_mainfile(filepath=sys.argv[sys.argv.index("--") + 1])
 
 

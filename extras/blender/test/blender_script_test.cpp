@@ -45,8 +45,9 @@ TEST_F(BlenderScript, IsRefusedForOtherInput) {
     };
     refused({"surface.srbf", "--to", "blender"}, "--to principled");
     refused({"bsdf.srbf", "--to", "blender"}, "transmission");
-    refused({"a.srbf", "--to", "glsl", "--terms", "2"}, "is for --to blender");
+    refused({"a.srbf", "--to", "glsl", "--terms", "2"}, "is for --to blender and osl");
     refused({"a.srbf", "--to", "blender", "--terms", "9"}, "--terms");
+    refused({"a.srbf", "b.srbf", "--to", "osl"}, "one shader");
     refused({"surface.srbf", "b.srbf", "--to", "blender"}, "--to principled");
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 /// The same closure at each of `knots` knots.
 ClosureSum constant(const Closure& closure, const Rgb& diffuse, std::size_t knots) {
-    return {1, std::vector<Rgb>(knots, diffuse), std::vector<Closure>(knots, closure)};
+    return {1, std::vector<Rgb>(knots, diffuse), std::vector<Closure>(knots, closure), 1};
 }
 
 double delta_e(const Evaluate& reference, const Evaluate& other) {
@@ -71,6 +71,28 @@ TEST(Closures, AreTiltedInThePlaneOfIncidence) {
         EXPECT_PRED3(near, found.r * wl.z, term, 1e-3 * term + 1e-6);
     }
     EXPECT_EQ(value(sum, {0, 0, -1}, {0, 0, 1}), Rgb{});
+}
+
+/// A ramp along cosθl is Lambert's BRDF, and a fit with a ramp is at least as near as one without.
+TEST(Closures, HaveADiffuseRamp) {
+    ClosureSum sum{0, {}, {}, 7};
+    for (int i = 0; i < 7 * 5; ++i) {
+        const float cosine = float(i % 7 + 1) / 7;
+        sum.diffuse.push_back({0.2f * cosine, 0.4f * cosine, 0.6f * cosine});
+    }
+    ASSERT_EQ(sum.knots(), 5u);
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 100; ++i) {
+        const Rgb found =
+            value(sum, to_float(random_direction(random, 0.01)), to_float(random_direction(random, 0.01)));
+        EXPECT_PRED3(near_relative, found.g, 0.4 / k_pi, 1e-4);
+    }
+    for (std::size_t i = 0; i < sum.diffuse.size(); ++i)
+        if (i % 7 > 3) sum.diffuse[i] = {0.3f, 0.3f, 0.3f};  // a surface that is flatter than Lambert's
+    const Evaluate flat = evaluator(sum);
+    const auto fit = fit_closures(flat, {.terms = 1, .ramp = 7, .knots = 8});
+    ASSERT_TRUE(fit.ok());
+    EXPECT_LT(delta_e(flat, evaluator(*fit)), 0.5);
 }
 
 TEST(Closures, RecoverASurfaceOfFacets) {

@@ -2,6 +2,16 @@
 
 // Vectors of floats, if the compiler has them: lobes and components of a density are computed SRBF_LANES at a time. Without
 // them, or with SRBF_ONE_LANE, each is computed alone by the same functions.
+#ifdef __GNUC__
+#define SRBF_INLINE SRBF_FN __attribute__((always_inline))
+#else
+#define SRBF_INLINE SRBF_FN
+#endif
+#if defined __GNUC__ && !defined __clang__
+#define SRBF_UNROLL _Pragma("GCC unroll 8")
+#else
+#define SRBF_UNROLL
+#endif
 #if defined __GNUC__ && !defined SRBF_ONE_LANE
 #ifdef __AVX2__
 #define SRBF_LANES 8
@@ -61,11 +71,9 @@ SRBF_FN srbf_x srbf_x_inversesqrt(srbf_x a) {
 }
 #endif
 SRBF_FN float srbf_x_sum(srbf_x a) {
-    float all[SRBF_LANES], sum = 0.0f;
-    int i;
+    float all[8] = {0.0f};
     srbf_x_store(a, all);
-    for (i = 0; i < SRBF_LANES; ++i) sum += all[i];
-    return sum;
+    return ((all[0] + all[1]) + (all[2] + all[3])) + ((all[4] + all[5]) + (all[6] + all[7]));
 }
 SRBF_FN srbf_x srbf_x_sqrt(srbf_x a) { return a * srbf_x_inversesqrt(a); }
 
@@ -90,6 +98,9 @@ SRBF_FN srbf_x_vec3 srbf_x_subtract(srbf_x_vec3 a, srbf_x_vec3 b) {
 }
 SRBF_FN srbf_x_vec3 srbf_x_scale(srbf_x s, srbf_x_vec3 a) { return srbf_x_vec3_of(s * a.x, s * a.y, s * a.z); }
 SRBF_FN srbf_x srbf_x_dot(srbf_x_vec3 a, srbf_x_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+SRBF_FN srbf_x_vec3 srbf_x_rows(const float* row) {
+    return srbf_x_vec3_of(srbf_x_load(row), srbf_x_load(row + SRBF_LANES), srbf_x_load(row + 2 * SRBF_LANES));
+}
 SRBF_FN srbf_x_vec3 srbf_x_all(srbf_vec3 a) { return srbf_x_vec3_of(srbf_x_of(a.x), srbf_x_of(a.y), srbf_x_of(a.z)); }
 
 // ---- Models, and their numbers as the formulas read them ----

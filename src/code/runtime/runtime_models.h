@@ -230,57 +230,70 @@ static void srbf_find_nearest(srbf_su su, srbf_vec3 w, int* nearest) {
         }
 }
 
-// pm_value of kernel.glsl, with variates in lanes, then lobes. Of (wl, wv) and (wv, wl), psi has the variates, or of an axial
-// model their squared distances from +z and from -z.
-static srbf_vec3 srbf_pm_value(const srbf_lobes* pm, srbf_vec3 wl, srbf_vec3 wv) {
-    const srbf_PmFeatures features = srbf_pm_further_features(pm->features, wl, wv);
+// pm_value of kernel.glsl, with variates in lanes, then lobes. Of (wl, wv) and (wv, wl), x has each variate's x, y, z, or of an
+// axial model its squared distances from +z and from -z, in all lanes. Sizes that are constants make it faster.
+SRBF_INLINE srbf_vec3 srbf_sized_value(const srbf_lobes* pm, int axial, int reciprocal, int variates, int count, srbf_vec3 wl,
+                                       srbf_vec3 wv) {
+    const srbf_PmFeatures features = srbf_pm_further_features(count, wl, wv);
     const srbf_x_vec3 l = srbf_x_all(wl), v = srbf_x_all(wv);
-    float psi[2][3][SRBF_MOST_VARIATES];
-    srbf_x_vec3 sum = srbf_x_all(srbf_vec3_of(0.0f, 0.0f, 0.0f));
     const float* group = pm->number;
+    srbf_x x[2][SRBF_MOST_VARIATES][3], further[4];
+    srbf_x_vec3 sum = srbf_x_all(srbf_vec3_of(0.0f, 0.0f, 0.0f));
+    float each[3][SRBF_LANES];
     int j, n, k, side;
-    for (n = 0; n < pm->variates; n += SRBF_LANES)
-        for (side = 0; side <= pm->reciprocal; ++side) {
-            const srbf_x a = srbf_x_load((side ? pm->weight_v : pm->weight_l) + n);
-            const srbf_x b = srbf_x_load((side ? pm->weight_l : pm->weight_v) + n);
-            if (pm->axial) {
+    memset(each, 0, sizeof each);
+    for (k = 0; k < 4; ++k) further[k] = srbf_x_of(features.x[k]);
+    SRBF_UNROLL
+    for (side = 0; side <= reciprocal; ++side)
+        SRBF_UNROLL
+        for (n = 0; n < variates; ++n) {
+            if (n % SRBF_LANES == 0) {
+                const srbf_x a = srbf_x_load((side ? pm->weight_v : pm->weight_l) + n);
+                const srbf_x b = srbf_x_load((side ? pm->weight_l : pm->weight_v) + n);
                 const srbf_x_AxialPsi at = srbf_x_axial_psi(l, v, a, b);
-                srbf_x_store(srbf_x_squared_distance_from_pole(at, srbf_x_of(1.0f)), psi[side][0] + n);
-                srbf_x_store(srbf_x_squared_distance_from_pole(at, srbf_x_of(-1.0f)), psi[side][1] + n);
+                const srbf_x_vec3 psi = srbf_x_psi(l, v, a, b);
+                srbf_x_store(axial ? srbf_x_squared_distance_from_pole(at, srbf_x_of(1.0f)) : psi.x, each[0]);
+                srbf_x_store(axial ? srbf_x_squared_distance_from_pole(at, srbf_x_of(-1.0f)) : psi.y, each[1]);
+                if (!axial) srbf_x_store(psi.z, each[2]);
+            }
+            for (k = 0; k < 3; ++k) x[side][n][k] = srbf_x_of(each[k][n % SRBF_LANES]);
+        }
+    for (j = 0; j < pm->groups; ++j) {
+        const float* row = group + 4 * SRBF_LANES;
+        srbf_x exponent = srbf_x_load(group), exchanged, power;
+        SRBF_UNROLL
+        for (k = 0; k < count; ++k, row += SRBF_LANES) exponent = exponent + srbf_x_load(row) * further[k];
+        exchanged = exponent;
+        SRBF_UNROLL
+        for (n = 0; n < variates; ++n, row += (axial ? 2 : 4) * SRBF_LANES) {
+            const srbf_x first = srbf_x_load(row), second = srbf_x_load(row + SRBF_LANES);
+            const srbf_x *one = x[0][n], *other = x[reciprocal][n];
+            if (axial) {
+                exponent = exponent + first * one[0] + second * one[1];
+                exchanged = exchanged + first * other[0] + second * other[1];
             } else {
-                const srbf_x_vec3 at = srbf_x_psi(l, v, a, b);
-                srbf_x_store(at.x, psi[side][0] + n), srbf_x_store(at.y, psi[side][1] + n);
-                srbf_x_store(at.z, psi[side][2] + n);
+                const srbf_x_vec3 xi = srbf_x_rows(row + SRBF_LANES);
+                exponent = exponent + first * srbf_x_squared_distance(srbf_x_vec3_of(one[0], one[1], one[2]), xi);
+                exchanged = exchanged + first * srbf_x_squared_distance(srbf_x_vec3_of(other[0], other[1], other[2]), xi);
             }
         }
-    for (j = 0; j < pm->groups; ++j, group += pm->rows * SRBF_LANES) {
-        srbf_x further = srbf_x_load(group), powers = srbf_x_of(0.0f);
-        for (k = 0; k < pm->features; ++k)
-            further = further + srbf_x_load(group + (4 + k) * SRBF_LANES) * srbf_x_of(features.x[k]);
-        for (side = 0; side <= pm->reciprocal; ++side) {
-            const float* of = group + (4 + pm->features) * SRBF_LANES;
-            srbf_x exponent = further;
-            for (n = 0; n < pm->variates; ++n) {
-                const srbf_x x = srbf_x_of(psi[side][0][n]), y = srbf_x_of(psi[side][1][n]);
-                const srbf_x first = srbf_x_load(of), second = srbf_x_load(of + SRBF_LANES);
-                if (pm->axial) {
-                    exponent = exponent + first * x + second * y, of += 2 * SRBF_LANES;
-                } else {
-                    const srbf_x_vec3 xi =
-                        srbf_x_vec3_of(second, srbf_x_load(of + 2 * SRBF_LANES), srbf_x_load(of + 3 * SRBF_LANES));
-                    const srbf_x_vec3 at = srbf_x_vec3_of(x, y, srbf_x_of(psi[side][2][n]));
-                    exponent = exponent + first * srbf_x_squared_distance(at, xi), of += 4 * SRBF_LANES;
-                }
-            }
-            powers = powers + srbf_x_pm_power(exponent);
-        }
-        if (pm->reciprocal) powers = srbf_x_of(0.5f) * powers;
-        sum = srbf_x_add(sum, srbf_x_scale(powers, srbf_x_vec3_of(srbf_x_load(group + SRBF_LANES),
-                                                                 srbf_x_load(group + 2 * SRBF_LANES),
-                                                                 srbf_x_load(group + 3 * SRBF_LANES))));
+        power = srbf_x_pm_power(exponent);
+        if (reciprocal) power = srbf_x_of(0.5f) * (power + srbf_x_pm_power(exchanged));
+        sum = srbf_x_add(sum, srbf_x_scale(power, srbf_x_rows(group + SRBF_LANES)));
+        group += pm->rows * SRBF_LANES;
     }
     return srbf_vec3_of(srbf_max(srbf_x_sum(sum.x), 0.0f), srbf_max(srbf_x_sum(sum.y), 0.0f),
                         srbf_max(srbf_x_sum(sum.z), 0.0f));
+}
+// The values of the forms that fits have by default, and of any form.
+static srbf_vec3 srbf_pm_value(const srbf_lobes* pm, srbf_vec3 wl, srbf_vec3 wv) {
+#ifndef __OPTIMIZE_SIZE__
+    if (pm->axial && pm->features == 4 && pm->reciprocal && pm->variates == 3)
+        return srbf_sized_value(pm, 1, 1, 3, 4, wl, wv);
+    if (pm->axial && pm->features == 4 && !pm->reciprocal && pm->variates == 4)
+        return srbf_sized_value(pm, 1, 0, 4, 4, wl, wv);
+#endif
+    return srbf_sized_value(pm, pm->axial, pm->reciprocal, pm->variates, pm->features, wl, wv);
 }
 
 // f(wl, wv) of a model above the horizon.

@@ -121,7 +121,7 @@ static void srbf_make_node(const srbf_part* part, srbf_points* points, int is_is
     srbf_least_moment(points, 60, number);
     number[0] = srbf_max(number[0], 0.02f);
     for (i = 0; i < points->components; ++i) {
-        if (!(number[i] > 1.0e-3f)) number[i] = 0.0f;
+        if (!(number[i] > 1.0e-2f)) number[i] = 0.0f;
         sum += number[i];
     }
     for (i = 0; i < points->components; ++i) number[i] /= sum;

@@ -112,23 +112,23 @@ std::string observer_text() {
     return fmt::format("#define SRBF_FIRST_NM {}\n#define SRBF_LAST_NM {}\n", first, last) + table_text(table);
 }
 
-/// The components of the proposal; those of directions as the library samples them (sampling_mixture.cpp).
+/// The lobes of the proposal, by their slots in runtime_densities.h: components 2 to 7, two empty slots, then 8 to 15.
 std::string components_text() {
     using K = Kernel<float>;
     syntax::Table table{
-        "Components of the proposal. Of directions: bandwidth, 1 / bandwidth, e^(-2 bandwidth), scale, and the "
-        "polynomial in "
-        "cos(theta_l); of half vectors: bandwidth, and 1 if weighted by their visibility.",
+        "Lobes of directions: bandwidth and scale; of half vectors: bandwidth, and 1 if weighted by their "
+        "visibility.",
         "component",
         {},
-        7};
-    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
-        K::ProposalLobe lobe = K::mirror_lobe({0, 0, 1}, K::proposal_bandwidth(k));
-        if (k < 2) lobe = {{0, 0, 1}, 0, 1 / float(k + 2), float((k + 2) / (2 * k_pi)), 0};
-        const std::initializer_list<float> of_direction{lobe.bandwidth, lobe.width,    lobe.rest,    lobe.scale,
-                                                        float(k > 1),   float(k == 0), float(k == 1)},
-            of_half_vector{K::proposal_bandwidth(k), K::proposal_power(k, 1), 0, 0, 0, 0, 0};
-        table.numbers.insert(table.numbers.end(), k < SRBF_FIRST_HALF_VECTOR_LOBE ? of_direction : of_half_vector);
+        8};
+    for (int slot = 0; slot < SRBF_PROPOSAL_LOBES; ++slot) {
+        const int k = slot < SRBF_FIRST_HALF_VECTOR_LOBE ? slot + 2 : slot;
+        const bool is_half = slot == k, is_lobe = is_half || k < SRBF_FIRST_HALF_VECTOR_LOBE;
+        const float bandwidth = K::proposal_bandwidth(k);
+        table.numbers.push_back(is_lobe ? bandwidth : 0);
+        table.numbers.push_back(is_half   ? K::proposal_power(k, 1)
+                                : is_lobe ? K::mirror_lobe({0, 0, 1}, bandwidth).scale
+                                          : 0);
     }
     return table_text(table);
 }

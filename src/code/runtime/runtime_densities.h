@@ -1,18 +1,19 @@
 // ---- Densities ----
 
-// A mixture of components of kernel.glsl's proposal, whose weights are linear in sqrt(cos(theta_v)) between nodes. A segment
-// lies between two nodes and has those components that have weight there, in slots: lobes of directions, lobes of half
-// vectors, facets. Its numbers at both ends are the weights of the slots, and the stretch and power of half-vector lobes.
+// A mixture of components of kernel.glsl's proposal, whose weights are linear in sqrt(cos(theta_v)) between nodes. Components
+// have slots: lobes of directions, from 8 on lobes of half vectors, then facets, the cosine and its square. After these
+// follow the stretch and power of half-vector lobes. A segment lies between two nodes, and has the lobes that have weight
+// there in its first slots.
 #define SRBF_NODES 13
 #define SRBF_SLOTS 8
 #define SRBF_FACET_SLOT (2 * SRBF_SLOTS)
-#define SRBF_STRETCH (2 * SRBF_SLOTS + 2)
+#define SRBF_COSINE_SLOT (2 * SRBF_SLOTS + 2)
+#define SRBF_STRETCH (2 * SRBF_SLOTS + 4)
 #define SRBF_NUMBERS (3 * SRBF_SLOTS)
 #define SRBF_ALBEDO_NODES 33
 typedef struct {
-    int component[SRBF_FACET_SLOT], directions, halves;
-    float bandwidth[SRBF_SLOTS], scale[SRBF_SLOTS], constant[SRBF_SLOTS], linear[SRBF_SLOTS], square[SRBF_SLOTS];
-    float half_bandwidth[SRBF_SLOTS], weighted[SRBF_SLOTS];
+    int directions, halves;
+    float bandwidth[SRBF_SLOTS], scale[SRBF_SLOTS], half_bandwidth[SRBF_SLOTS], weighted[SRBF_SLOTS];
     float number[2][SRBF_NUMBERS];
 } srbf_segment;
 typedef struct {
@@ -43,27 +44,23 @@ static srbf_vec3 srbf_part_value(const srbf_part* part, srbf_vec3 wl, srbf_vec3 
     return part->is_exchanged ? srbf_model_value(part->model, wv, wl) : srbf_model_value(part->model, wl, wv);
 }
 
-static void srbf_add_component(srbf_segment* segment, int k, float low, float high) {
-    const int is_half = k >= SRBF_SLOTS, i = is_half ? segment->halves++ : segment->directions++;
-    const int slot = is_half ? SRBF_SLOTS + i : i;
-    segment->component[slot] = k, segment->number[0][slot] = low, segment->number[1][slot] = high;
-    if (is_half) {
-        segment->half_bandwidth[i] = srbf_component(7 * k), segment->weighted[i] = srbf_component(7 * k + 1);
-    } else {
-        segment->bandwidth[i] = srbf_component(7 * k), segment->scale[i] = srbf_component(7 * k + 3);
-        segment->constant[i] = srbf_component(7 * k + 4), segment->linear[i] = srbf_component(7 * k + 5);
-        segment->square[i] = srbf_component(7 * k + 6);
-    }
-}
-// Sets a segment from the weights of all components, facets, stretch and power at its ends.
+// Sets a segment from the numbers at its ends.
 static void srbf_set_segment(srbf_segment* segment, const float* low, const float* high) {
     int k;
     memset(segment, 0, sizeof *segment);
     for (k = 0; k < SRBF_SLOTS; ++k) segment->half_bandwidth[k] = 8.0f;  // of slots without weight
-    for (k = 0; k < SRBF_FACET_SLOT; ++k)
-        if (low[k] > 0.0f || high[k] > 0.0f) srbf_add_component(segment, k, low[k], high[k]);
-    for (k = SRBF_FACET_SLOT; k < SRBF_FACET_SLOT + 4; ++k)
-        segment->number[0][k] = low[k], segment->number[1][k] = high[k];
+    for (k = 0; k < SRBF_NUMBERS; ++k) {
+        const int is_half = k >= SRBF_SLOTS;
+        int slot = k, i;
+        if (k < SRBF_FACET_SLOT) {
+            if (!(low[k] > 0.0f || high[k] > 0.0f)) continue;
+            i = is_half ? segment->halves++ : segment->directions++;
+            slot = is_half ? SRBF_SLOTS + i : i;
+            (is_half ? segment->half_bandwidth : segment->bandwidth)[i] = srbf_component(2 * k);
+            (is_half ? segment->weighted : segment->scale)[i] = srbf_component(2 * k + 1);
+        }
+        segment->number[0][slot] = low[k], segment->number[1][slot] = high[k];
+    }
 }
 
 // A segment for a view, with its interpolated numbers and its half-vector lobes.
@@ -102,17 +99,16 @@ static void srbf_view_of(srbf_view* view, const srbf_mixture* mixture, srbf_vec3
 SRBF_FN float srbf_view_pdf(const srbf_view* view, srbf_vec3 wl, float* density) {
     const srbf_segment* segment = view->segment;
     const srbf_x_vec3 l = srbf_x_all(wl), v = srbf_x_all(view->wv), mirrored = srbf_x_vec3_of(l.x, l.y, -l.z);
+    const float cosines[2] = {wl.z * 0.318309886f, wl.z * wl.z * 0.477464829f};
     srbf_x sum = srbf_x_of(0.0f), each;
     srbf_x_HalfVector above, below;
     float pdf;
     int i;
+    above.direction = l, below.direction = mirrored, above.factor = below.factor = srbf_x_of(1.0f);
     for (i = 0; i < segment->directions; i += SRBF_LANES) {
-        const srbf_x constant = srbf_x_load(segment->constant + i);
         srbf_x_ProposalLobe lobe;
         lobe.centre = srbf_x_vec3_of(-v.x, -v.y, v.z), lobe.bandwidth = srbf_x_load(segment->bandwidth + i);
-        lobe.scale = srbf_x_load(segment->scale + i), lobe.width = lobe.rest = constant;  // which no density reads
-        above.direction = l, below.direction = mirrored, below.factor = constant;
-        above.factor = constant + l.z * (srbf_x_load(segment->linear + i) + l.z * srbf_x_load(segment->square + i));
+        lobe.scale = srbf_x_load(segment->scale + i), lobe.width = lobe.rest = sum;  // which no density reads
         each = srbf_x_reflected_pdf(lobe, above, below);
         sum = sum + srbf_x_load(view->number + i) * each;
         if (density) srbf_x_store(each, density + i);
@@ -126,6 +122,10 @@ SRBF_FN float srbf_view_pdf(const srbf_view* view, srbf_vec3 wl, float* density)
         }
     }
     pdf = srbf_x_sum(sum);
+    for (i = 0; i < 2; ++i) {
+        pdf += view->number[SRBF_COSINE_SLOT + i] * cosines[i];
+        if (density) density[SRBF_COSINE_SLOT + i] = cosines[i];
+    }
     for (i = 0; i < view->mixture->facets; ++i) {
         const float facets = srbf_facets_pdf(wl, view->wv, view->mixture->facet[i]);
         pdf += view->number[SRBF_FACET_SLOT + i] * facets;
@@ -142,7 +142,8 @@ static float srbf_lane(srbf_x x, int i) {
 // A direction of a slot; z <= 0 if there is none.
 static srbf_vec3 srbf_slot_sample(const srbf_view* view, int slot, float u1, float u2) {
     const srbf_vec3 v = view->wv, up = srbf_vec3_of(0.0f, 0.0f, 1.0f);
-    const int half = slot - SRBF_SLOTS, i = half / SRBF_LANES, lane = half % SRBF_LANES;
+    const int half = slot - SRBF_SLOTS, i = half / SRBF_LANES, lane = half % SRBF_LANES, cosine = slot - SRBF_COSINE_SLOT;
+    if (cosine >= 0) return srbf_off_centre(up, srbf_below_power_cosine(1.0f / (float)(2 + cosine), u1), u2);
     if (slot >= SRBF_FACET_SLOT) return srbf_sample_facets(v, view->mixture->facet[slot - SRBF_FACET_SLOT], u1, u2);
     if (half >= 0) {
         const srbf_x_ProposalLobe* lobe = &view->half[i];
@@ -152,16 +153,14 @@ static srbf_vec3 srbf_slot_sample(const srbf_view* view, int slot, float u1, flo
         return srbf_reflected_up(srbf_light_of(
             srbf_grown_along(h, v.x, v.y, srbf_lane(view->map.stretch_minus_1, 0)), v));
     } else {
-        const int k = 7 * view->segment->component[slot];
-        const float width = srbf_component(k + 1), rest = srbf_component(k + 2);
-        if (k < 14) return srbf_off_centre(up, srbf_below_power_cosine(width, u1), u2);
-        return srbf_reflected_up(srbf_sample_sharp_vmf(srbf_vec3_of(-v.x, -v.y, v.z), width, rest, u1, u2));
+        const float bandwidth = view->segment->bandwidth[slot], rest = expf(srbf_max(-2.0f * bandwidth, -60.0f));
+        return srbf_reflected_up(srbf_sample_sharp_vmf(srbf_vec3_of(-v.x, -v.y, v.z), 1.0f / bandwidth, rest, u1, u2));
     }
 }
 // A direction of the slot that a selector chooses.
 static srbf_vec3 srbf_view_sample(const srbf_view* view, float u1, float u2, float selector) {
-    int slot, chosen = 0;
-    for (slot = 0; slot < SRBF_FACET_SLOT + 2; ++slot) {
+    int slot, chosen = SRBF_COSINE_SLOT;
+    for (slot = 0; slot < SRBF_STRETCH; ++slot) {
         if (view->number[slot] > 0.0f) chosen = slot;
         if (selector < view->number[slot]) break;
         selector -= view->number[slot];

@@ -6,7 +6,7 @@ typedef struct {
     srbf_segment all;  // of all components
     srbf_vec3 view[8], l[SRBF_MOST_POINTS];
     float weight[SRBF_MOST_POINTS], density[SRBF_MOST_POINTS][SRBF_NUMBERS];
-    int views, count, components;
+    int views, count, components, slot[SRBF_STRETCH];
 } srbf_points;
 
 static float srbf_luminance(const float* rgb) { return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]; }
@@ -32,7 +32,8 @@ static void srbf_set_densities(srbf_points* points, const srbf_mixture* mixture,
 static float srbf_least_moment(const srbf_points* points, int steps, float weight[SRBF_NUMBERS]) {
     float moment = 0.0f, sum;
     int step, i, k;
-    for (k = 0; k < SRBF_NUMBERS; ++k) weight[k] = k < points->components ? 1.0f / (float)points->components : 0.0f;
+    memset(weight, 0, SRBF_NUMBERS * sizeof *weight);
+    for (k = 0; k < points->components; ++k) weight[points->slot[k]] = 1.0f / (float)points->components;
     for (step = 0; step <= steps; ++step) {
         float slope[SRBF_NUMBERS] = {0.0f};
         for (i = 0, moment = 0.0f; i < points->count; ++i) {
@@ -47,8 +48,8 @@ static float srbf_least_moment(const srbf_points* points, int steps, float weigh
                 srbf_x_store(srbf_x_load(slope + k) + share * srbf_x_load(density + k), slope + k);
         }
         if (step == steps) break;
-        for (k = 0, sum = 0.0f; k < points->components; ++k) sum += slope[k] = weight[k] * sqrtf(slope[k]);
-        for (k = 0; k < points->components && sum > 0.0f; ++k) weight[k] = slope[k] / sum;
+        for (k = 0, sum = 0.0f; k < SRBF_STRETCH; ++k) sum += slope[k] = weight[k] * sqrtf(slope[k]);
+        for (k = 0; k < SRBF_STRETCH && sum > 0.0f; ++k) weight[k] = slope[k] / sum;
     }
     return moment;
 }
@@ -66,12 +67,13 @@ static void srbf_make_points(const srbf_part* part, srbf_points* points) {
     for (i = 0; i < points->count; ++i) {
         const float u1 = ((float)(i % draws) + 0.5f) / (float)draws, u2 = srbf_turns(0.6180339887 * (i + 7 * (i / draws)));
         if (i % (own / 2) == 0) srbf_point_view(points, part->mixture, i / own, shapes[i / (own / 2) % 2], &view);
-        points->l[i] = srbf_slot_sample(&view, i / draws % points->components, u1, u2);
+        points->l[i] = srbf_slot_sample(&view, points->slot[i / draws % points->components], u1, u2);
     }
     for (shape = 0; shape < 2; ++shape) {
         srbf_set_densities(points, part->mixture, shapes[shape]);
         for (i = 0; i < points->count; ++i)
-            for (k = 0; k < points->components; ++k) points->weight[i] += (float)draws * points->density[i][k];
+            for (k = 0; k < points->components; ++k)
+                points->weight[i] += (float)draws * points->density[i][points->slot[k]];
     }
     for (i = 0; i < points->count; ++i) {
         const srbf_vec3 l = points->l[i];
@@ -119,12 +121,12 @@ static void srbf_make_node(const srbf_part* part, srbf_points* points, int is_is
     shape[0] = powf(0.64f, (float)best[0]), shape[1] = node > 0 ? powf(0.64f, (float)(1 - best[1])) : 1.0f;
     srbf_set_densities(points, part->mixture, shape);
     srbf_least_moment(points, 60, number);
-    number[0] = srbf_max(number[0], 0.02f);
-    for (i = 0; i < points->components; ++i) {
+    number[SRBF_COSINE_SLOT] = srbf_max(number[SRBF_COSINE_SLOT], 0.02f);
+    for (i = 0; i < SRBF_STRETCH; ++i) {
         if (!(number[i] > 1.0e-2f)) number[i] = 0.0f;
         sum += number[i];
     }
-    for (i = 0; i < points->components; ++i) number[i] /= sum;
+    for (i = 0; i < SRBF_STRETCH; ++i) number[i] /= sum;
     number[SRBF_STRETCH] = shape[0], number[SRBF_STRETCH + 1] = shape[1];
 }
 
@@ -189,9 +191,9 @@ static void srbf_set_facets(const srbf_model* model, srbf_mixture* mixture) {
 }
 // Sets the cosine alone.
 static void srbf_reset(srbf_mixture* mixture) {
-    float number[SRBF_NUMBERS] = {1.0f};
+    float number[SRBF_NUMBERS] = {0.0f};
     int i;
-    number[SRBF_STRETCH] = number[SRBF_STRETCH + 1] = 1.0f;
+    number[SRBF_COSINE_SLOT] = number[SRBF_STRETCH] = number[SRBF_STRETCH + 1] = 1.0f;
     for (i = 0; i < SRBF_NODES - 1; ++i) srbf_set_segment(&mixture->segment[i], number, number);
 }
 static void srbf_prepare_part(const srbf_part* part, srbf_points* points) {
@@ -201,9 +203,11 @@ static void srbf_prepare_part(const srbf_part* part, srbf_points* points) {
     int node, k;
     srbf_set_facets(model, part->mixture);
     memset(number, 0, sizeof number);
-    for (k = 0; k < SRBF_FACET_SLOT; ++k) number[0][k] = 1.0f;
+    for (k = points->components = 0; k < SRBF_STRETCH; ++k)
+        if (k < SRBF_FACET_SLOT ? srbf_component(2 * k) > 0.0f
+                                : k >= SRBF_COSINE_SLOT || k < SRBF_FACET_SLOT + part->mixture->facets)
+            points->slot[points->components++] = k, number[0][k] = 1.0f;
     srbf_set_segment(&points->all, number[0], number[0]);
-    points->components = SRBF_FACET_SLOT + part->mixture->facets;
     for (node = 0; node < SRBF_NODES; ++node) {
         srbf_make_node(part, points, is_isotropic, node, number[node % 2]);
         if (node > 0) srbf_set_segment(&part->mixture->segment[node - 1], number[(node + 1) % 2], number[node % 2]);

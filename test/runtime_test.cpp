@@ -1,4 +1,5 @@
-// srbf_runtime.h, compiled as C: its values are the library's, its densities those of its samples, and no file is unsafe.
+// srbf_runtime.h, compiled as C: its values are the library's, its densities those of its samples, and no file is
+// unsafe.
 #include <filesystem>
 #include <random>
 
@@ -128,8 +129,8 @@ TEST_F(RuntimeHeader, IsZeroWhereADirectionIsNotAboveTheSurface) {
             }
 }
 
-// True if the albedo does not depend on the azimuth or the side. Interpolated plainly, views of an isotropic model differ
-// with the azimuth.
+// True if the albedo does not depend on the azimuth or the side. Interpolated plainly, views of an isotropic model
+// differ with the azimuth.
 bool has_one_albedo(const Model& model) {
     const auto* su = std::get_if<SuModel>(&model.model);
     const bool is_plain = su && su->interpolation == SuInterpolation::plain;
@@ -256,7 +257,8 @@ TEST_F(RuntimeHeader, TracesPaths) {
     EXPECT_GT(mean(10, 220), 10);
 }
 
-// Files with changed bytes, in a program with sanitizers: no error of memory, no hang, and what opens has finite values.
+// Files with changed bytes, in a program with sanitizers: no error of memory, no hang, and what opens has finite
+// values.
 TEST_F(RuntimeHeader, SurvivesMutants) {
     std::string files;
     for (const fs::path& file : model_files()) files += fmt::format(" '{}'", file.string());

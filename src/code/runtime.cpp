@@ -94,13 +94,12 @@ std::string printed(const std::vector<std::string>& functions, const std::string
     return text + "\n";
 }
 
-std::string table_text(syntax::Table table) {
-    for (float& x : table.numbers) x = std::stof(fmt::format("{:.5e}", x));
+std::string table_text(const syntax::Table& table) {
     return syntax::Printer(CodeLanguage::c, {{table.name, "srbf_" + table.name}}).text(table) + "\n";
 }
 
-/// R, G, B of the spectrum that is 1 at one whole wavelength, every 5 nm: between them these are linear. Beyond, less than
-/// 1e-5 of the sums is left.
+/// R, G, B of the spectrum that is 1 at one whole wavelength, every 5 nm: between them these are linear. Beyond, less
+/// than 1e-5 of the sums is left.
 std::string observer_text() {
     constexpr int first = 380, last = 780;
     std::vector<float> wavelengths;
@@ -108,7 +107,8 @@ std::string observer_text() {
     syntax::Table table{"R, G, B of a spectrum that is 1 within 1 nm, every 5 nm.", "observer", {}, 9};
     const std::vector<Rgb> weights = rgb_weights(wavelengths);
     for (int nm = first; nm <= last; nm += 5)
-        for (int c = 0; c < 3; ++c) table.numbers.push_back(weights[std::size_t(nm - 360)][c]);
+        for (int c = 0; c < 3; ++c)
+            table.numbers.push_back(std::stof(fmt::format("{:.4e}", weights[std::size_t(nm - 360)][c])));
     return fmt::format("#define SRBF_FIRST_NM {}\n#define SRBF_LAST_NM {}\n", first, last) + table_text(table);
 }
 

@@ -1,9 +1,9 @@
 // ---- Densities ----
 
-// A mixture of components of kernel.glsl's proposal, whose weights are linear in sqrt(cos(theta_v)) between nodes. Components
-// have slots: lobes of directions, from 8 on lobes of half vectors, then facets, the cosine and its square. After these
-// follow the stretch and power of half-vector lobes. A segment lies between two nodes, and has the lobes that have weight
-// there in its first slots.
+// A mixture of components of kernel.glsl's proposal, whose weights are linear in sqrt(cos(theta_v)) between nodes.
+// Components have slots: lobes of directions, from 8 on lobes of half vectors, then facets, the cosine and its square.
+// After these follow the stretch and power of half-vector lobes. A segment lies between two nodes, and has the lobes
+// that have weight there in its first slots.
 #define SRBF_NODES 13
 #define SRBF_SLOTS 8
 #define SRBF_FACET_SLOT (2 * SRBF_SLOTS)
@@ -84,10 +84,9 @@ static void srbf_set_view(srbf_view* view, const srbf_mixture* mixture, const sr
     }
     view->map = srbf_x_stretch_along(v, srbf_x_of(view->number[SRBF_STRETCH]));
     for (i = 0; i < segment->halves; i += SRBF_LANES)
-        view->half[i / SRBF_LANES] =
-            srbf_x_half_vector_lobe(srbf_x_stretched(v, view->map), view->map.inverse,
-                                    srbf_x_load(segment->half_bandwidth + i),
-                                    srbf_x_of(view->number[SRBF_STRETCH + 1]) * srbf_x_load(segment->weighted + i));
+        view->half[i / SRBF_LANES] = srbf_x_half_vector_lobe(
+            srbf_x_stretched(v, view->map), view->map.inverse, srbf_x_load(segment->half_bandwidth + i),
+            srbf_x_of(view->number[SRBF_STRETCH + 1]) * srbf_x_load(segment->weighted + i));
 }
 static void srbf_view_of(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv) {
     const float at = (1.0f - sqrtf(srbf_min(wv.z, 1.0f))) * (float)(SRBF_NODES - 1);
@@ -142,7 +141,8 @@ static float srbf_lane(srbf_x x, int i) {
 // A direction of a slot; z <= 0 if there is none.
 static srbf_vec3 srbf_slot_sample(const srbf_view* view, int slot, float u1, float u2) {
     const srbf_vec3 v = view->wv, up = srbf_vec3_of(0.0f, 0.0f, 1.0f);
-    const int half = slot - SRBF_SLOTS, i = half / SRBF_LANES, lane = half % SRBF_LANES, cosine = slot - SRBF_COSINE_SLOT;
+    const int half = slot - SRBF_SLOTS, i = half / SRBF_LANES, lane = half % SRBF_LANES,
+              cosine = slot - SRBF_COSINE_SLOT;
     if (cosine >= 0) return srbf_off_centre(up, srbf_below_power_cosine(1.0f / (float)(2 + cosine), u1), u2);
     if (slot >= SRBF_FACET_SLOT) return srbf_sample_facets(v, view->mixture->facet[slot - SRBF_FACET_SLOT], u1, u2);
     if (half >= 0) {
@@ -150,8 +150,8 @@ static srbf_vec3 srbf_slot_sample(const srbf_view* view, int slot, float u1, flo
         const srbf_vec3 centre = srbf_vec3_of(srbf_lane(lobe->centre.x, lane), srbf_lane(lobe->centre.y, lane),
                                               srbf_lane(lobe->centre.z, lane));
         const srbf_vec3 h = srbf_sample_sharp_vmf(centre, srbf_lane(lobe->width, lane), 0.0f, u1, u2);
-        return srbf_reflected_up(srbf_light_of(
-            srbf_grown_along(h, v.x, v.y, srbf_lane(view->map.stretch_minus_1, 0)), v));
+        return srbf_reflected_up(
+            srbf_light_of(srbf_grown_along(h, v.x, v.y, srbf_lane(view->map.stretch_minus_1, 0)), v));
     } else {
         const float bandwidth = view->segment->bandwidth[slot], rest = expf(srbf_max(-2.0f * bandwidth, -60.0f));
         return srbf_reflected_up(srbf_sample_sharp_vmf(srbf_vec3_of(-v.x, -v.y, v.z), 1.0f / bandwidth, rest, u1, u2));
@@ -167,4 +167,3 @@ static srbf_vec3 srbf_view_sample(const srbf_view* view, float u1, float u2, flo
     }
     return srbf_slot_sample(view, chosen, u1, u2);
 }
-

@@ -13,8 +13,8 @@ typedef struct {
     size_t extent[4], count, begin;
 } srbf_tensor;
 
-// A file that is read: its header up to `end` and the place there, tensors, the first error, and the caller's memory. Without
-// memory, what is needed is counted.
+// A file that is read: its header up to `end` and the place there, tensors, the first error, and the caller's memory.
+// Without memory, what is needed is counted.
 typedef struct {
     const unsigned char* bytes;
     size_t size, at, end, metadata, number;
@@ -50,7 +50,8 @@ static void* srbf_take(srbf_file* file, size_t bytes) {
 static int srbf_token(srbf_file* file) {
     const unsigned char* bytes = file->bytes;
     int sign;
-    while (file->at < file->end && (bytes[file->at] <= ' ' || bytes[file->at] == ',' || bytes[file->at] == ':')) ++file->at;
+    while (file->at < file->end && (bytes[file->at] <= ' ' || bytes[file->at] == ',' || bytes[file->at] == ':'))
+        ++file->at;
     if (file->at >= file->end) return 0;
     sign = bytes[file->at];
     if (sign >= '0' && sign <= '9') {
@@ -134,7 +135,8 @@ static int srbf_metadata(srbf_file* file, const char* prefix, const char* name) 
     return is_it;
 }
 // The index of the metadata's word in a list that ends with null; -1 is an error.
-static int srbf_choice(srbf_file* file, const char* prefix, const char* name, const char* const* words, srbf_error error) {
+static int srbf_choice(srbf_file* file, const char* prefix, const char* name, const char* const* words,
+                       srbf_error error) {
     int i;
     if (!srbf_metadata(file, prefix, name)) return srbf_fail(file, error, 8) - 1;
     for (i = 0; words[i]; ++i)
@@ -158,19 +160,19 @@ static float srbf_number(const srbf_file* file, const srbf_tensor* tensor, size_
     return x;
 }
 // The tensor of this name and shape, all of whose numbers are between the bounds; null is an error.
-static srbf_tensor* srbf_need(srbf_file* file, const char* prefix, const char* name, size_t a, size_t b, size_t c, float least,
-                              float most) {
+static srbf_tensor* srbf_need(srbf_file* file, const char* prefix, const char* name, size_t a, size_t b, size_t c,
+                              float least, float most) {
     srbf_tensor* tensor = srbf_find(file, prefix, name);
     const size_t extent[3] = {a, b, c};
     const int rank = c ? 3 : b ? 2 : 1;
     size_t i;
     if (!tensor || tensor->rank != rank || !tensor->is_half ||
         memcmp(tensor->extent, extent, (size_t)rank * sizeof *extent) != 0)
-        return srbf_fail(file, SRBF_BAD_TENSOR, tensor ? (size_t)(tensor->name.text - file->bytes) : 8), (srbf_tensor*)0;
+        return srbf_fail(file, SRBF_BAD_TENSOR, tensor ? (size_t)(tensor->name.text - file->bytes) : 8),
+               (srbf_tensor*)0;
     for (i = 0; i < tensor->count; ++i) {
         const float x = srbf_number(file, tensor, i);
-        if (!(x >= least && x <= most))
-            return srbf_fail(file, SRBF_BAD_NUMBER, tensor->begin + 2 * i), (srbf_tensor*)0;
+        if (!(x >= least && x <= most)) return srbf_fail(file, SRBF_BAD_NUMBER, tensor->begin + 2 * i), (srbf_tensor*)0;
     }
     tensor->is_read = 1;
     return tensor;

@@ -1,7 +1,8 @@
 // ---- The functions of the interface ----
 
 static int srbf_read_beam(srbf_file* file, const char* prefix, srbf_beam* beam) {
-    const srbf_tensor *angle, *azimuths = srbf_find(file, prefix, "azimuths"), *share = srbf_find(file, prefix, "share");
+    const srbf_tensor *angle, *azimuths = srbf_find(file, prefix, "azimuths"),
+                              *share = srbf_find(file, prefix, "share");
     size_t rings, none, nodes = 0, i, channels;
     float* number;
     if (!srbf_find(file, prefix, "angle")) return 1;
@@ -26,8 +27,7 @@ static int srbf_read_beam(srbf_file* file, const char* prefix, srbf_beam* beam) 
         number[i] = srbf_number(file, angle, i);
         number[rings + i] = azimuths ? srbf_number(file, azimuths, i) : 1.0f;
     }
-    for (i = 0; i < 3 * nodes; ++i)
-        number[2 * rings + i] = srbf_number(file, share, channels == 3 ? i : i / 3);
+    for (i = 0; i < 3 * nodes; ++i) number[2 * rings + i] = srbf_number(file, share, channels == 3 ? i : i / 3);
     return 1;
 }
 
@@ -40,7 +40,8 @@ static int srbf_is_auxiliary(srbf_word name) {
 }
 static srbf_brdf* srbf_read(srbf_file* file) {
     static const char* const versions[] = {"1", 0};
-    static const char* const parts[] = {"reflection_front.", "reflection_back.", "transmission_front.", "transmission_back."};
+    static const char* const parts[] = {"reflection_front.", "reflection_back.", "transmission_front.",
+                                        "transmission_back."};
     static const char* const beams[] = {"beam.reflection_front.", "beam.reflection_back.", "beam.transmission.",
                                         "beam.transmission_back."};
     srbf_model own[4];
@@ -68,7 +69,8 @@ static srbf_brdf* srbf_read(srbf_file* file) {
         const int is_missing = !part->model;
         if (is_missing && result.is_two_sided && result.part[p ^ 1].model)
             part->model = result.part[p ^ 1].model, part->is_exchanged = p >= 2;
-        if (part->model && !(is_missing && p == 1)) part->mixture = (srbf_mixture*)srbf_take(file, sizeof *part->mixture);
+        if (part->model && !(is_missing && p == 1))
+            part->mixture = (srbf_mixture*)srbf_take(file, sizeof *part->mixture);
         if (part->mixture) srbf_reset(part->mixture);
     }
     if (!result.part[1].mixture) result.part[1].mixture = result.part[0].mixture;
@@ -186,7 +188,8 @@ static srbf_chances srbf_chances_of(const srbf_brdf* brdf, srbf_vec3 v, int is_b
         sum += of.chance[2 * k] + of.chance[2 * k + 1];
     }
     for (k = 0; k < 2; ++k) {
-        if (brdf->part[of.part[k]].model) of.chance[2 * k] = srbf_max(of.chance[2 * k], sum > 0.0f ? 1.0e-3f * sum : 1.0f);
+        if (brdf->part[of.part[k]].model)
+            of.chance[2 * k] = srbf_max(of.chance[2 * k], sum > 0.0f ? 1.0e-3f * sum : 1.0f);
         total += of.chance[2 * k] + of.chance[2 * k + 1];
     }
     for (k = 0; k < 4 && total > 0.0f; ++k) of.chance[k] /= total;

@@ -1,7 +1,7 @@
 // ---- Numbers ----
 
-// Vectors of floats, if the compiler has them: lobes and components of a density are computed SRBF_LANES at a time. Without
-// them, or with SRBF_ONE_LANE, each is computed alone by the same functions.
+// Vectors of floats, if the compiler has them: lobes and components of a density are computed SRBF_LANES at a time.
+// Without them, or with SRBF_ONE_LANE, each is computed alone by the same functions.
 #ifdef __GNUC__
 #define SRBF_INLINE SRBF_FN __attribute__((always_inline))
 #else
@@ -31,13 +31,25 @@ typedef int srbf_x_mask;
 typedef unsigned srbf_x_bits;
 SRBF_FN srbf_x srbf_x_select(srbf_x_mask where, srbf_x a, srbf_x b) { return where ? a : b; }
 #endif
-SRBF_FN srbf_x srbf_x_load(const float* from) { srbf_x a; memcpy(&a, from, sizeof a); return a; }
+SRBF_FN srbf_x srbf_x_load(const float* from) {
+    srbf_x a;
+    memcpy(&a, from, sizeof a);
+    return a;
+}
 SRBF_FN void srbf_x_store(srbf_x a, float* to) { memcpy(to, &a, sizeof a); }
-SRBF_FN srbf_x_bits srbf_x_bits_of(srbf_x a) { srbf_x_bits bits; memcpy(&bits, &a, sizeof bits); return bits; }
-SRBF_FN srbf_x srbf_x_of_bits(srbf_x_bits bits) { srbf_x a; memcpy(&a, &bits, sizeof a); return a; }
+SRBF_FN srbf_x_bits srbf_x_bits_of(srbf_x a) {
+    srbf_x_bits bits;
+    memcpy(&bits, &a, sizeof bits);
+    return bits;
+}
+SRBF_FN srbf_x srbf_x_of_bits(srbf_x_bits bits) {
+    srbf_x a;
+    memcpy(&a, &bits, sizeof a);
+    return a;
+}
 
-// A number in all lanes, the sum of the lanes, minimum, maximum and 1 / sqrt(a), whose relative error is 3e-7 by steps of
-// Newton's method. At 0 it is finite.
+// A number in all lanes, the sum of the lanes, minimum, maximum and 1 / sqrt(a), whose relative error is 3e-7 by steps
+// of Newton's method. At 0 it is finite.
 #if SRBF_LANES > 1 && defined __SSE__
 #include <immintrin.h>
 #if SRBF_LANES == 8
@@ -91,7 +103,10 @@ SRBF_FN srbf_x srbf_x_exp(srbf_x a) { return srbf_x_exp2(srbf_x_of(1.44269504f) 
 typedef struct {
     srbf_x x, y, z;
 } srbf_x_vec3;
-SRBF_FN srbf_x_vec3 srbf_x_vec3_of(srbf_x x, srbf_x y, srbf_x z) { srbf_x_vec3 w = {x, y, z}; return w; }
+SRBF_FN srbf_x_vec3 srbf_x_vec3_of(srbf_x x, srbf_x y, srbf_x z) {
+    srbf_x_vec3 w = {x, y, z};
+    return w;
+}
 SRBF_FN srbf_x_vec3 srbf_x_add(srbf_x_vec3 a, srbf_x_vec3 b) { return srbf_x_vec3_of(a.x + b.x, a.y + b.y, a.z + b.z); }
 SRBF_FN srbf_x_vec3 srbf_x_subtract(srbf_x_vec3 a, srbf_x_vec3 b) {
     return srbf_x_vec3_of(a.x - b.x, a.y - b.y, a.z - b.z);
@@ -105,8 +120,9 @@ SRBF_FN srbf_x_vec3 srbf_x_all(srbf_vec3 a) { return srbf_x_vec3_of(srbf_x_of(a.
 
 // ---- Models, and their numbers as the formulas read them ----
 
-// A multivariate model. A row has a number of each lobe. A group of SRBF_LANES lobes has the rows: log2 of the scale; R, G, B;
-// the exponents; and for each variate minus its falloff, if its centre is +z and if it is -z, or with x, y, z of the centre.
+// A multivariate model. A row has a number of each lobe. A group of SRBF_LANES lobes has the rows: log2 of the scale;
+// R, G, B; the exponents; and for each variate minus its falloff, if its centre is +z and if it is -z, or with x, y, z
+// of the centre.
 typedef struct {
     int groups, variates, features, axial, reciprocal, rows;
     float weight_l[SRBF_MOST_VARIATES], weight_v[SRBF_MOST_VARIATES];
@@ -122,7 +138,9 @@ typedef const srbf_view_lobes* srbf_su;
 typedef const int* srbf_su_nearest_views;
 SRBF_FN int srbf_su_lobes(srbf_su su) { return su->lobes; }
 SRBF_FN int srbf_su_views(srbf_su su) { return su->views; }
-SRBF_FN const float* srbf_su_row(srbf_su su, int view) { return su->number + (size_t)view * (size_t)(3 + 8 * su->lobes); }
+SRBF_FN const float* srbf_su_row(srbf_su su, int view) {
+    return su->number + (size_t)view * (size_t)(3 + 8 * su->lobes);
+}
 SRBF_FN srbf_vec3 srbf_vec3_at(const float* w) { return srbf_vec3_of(w[0], w[1], w[2]); }
 SRBF_FN srbf_vec3 srbf_su_direction(srbf_su su, int view) { return srbf_vec3_at(srbf_su_row(su, view)); }
 SRBF_FN const float* srbf_su_lobe(srbf_su su, int view, int j) { return srbf_su_row(su, view) + 3 + 8 * j; }
@@ -133,4 +151,3 @@ SRBF_FN float srbf_su_shape(srbf_su su, int view, int j) { return srbf_su_lobe(s
 SRBF_FN int srbf_su_nearest(srbf_su_nearest_views nearest, int k) { return nearest[k]; }
 
 // ---- Formulas: those of kernel.glsl, which explains them, for a number and for SRBF_LANES numbers ----
-

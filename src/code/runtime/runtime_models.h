@@ -19,7 +19,8 @@ static srbf_vec3 srbf_spherical(float theta, float phi) {
     return srbf_vec3_of(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta));
 }
 static srbf_vec3 srbf_numbers(const srbf_file* file, const srbf_tensor* tensor, size_t i) {
-    return srbf_vec3_of(srbf_number(file, tensor, i), srbf_number(file, tensor, i + 1), srbf_number(file, tensor, i + 2));
+    return srbf_vec3_of(srbf_number(file, tensor, i), srbf_number(file, tensor, i + 1),
+                        srbf_number(file, tensor, i + 2));
 }
 
 // The next number of a text of wavelengths [nm], which blanks separate; 0 if there is none or it is malformed.
@@ -39,8 +40,9 @@ static float srbf_wavelength(const unsigned char** text, const unsigned char* en
 // The place of a number of lobe j among the rows of its group.
 static int srbf_place(int j, int row, int rows) { return (j / SRBF_LANES * rows + row) * SRBF_LANES + j % SRBF_LANES; }
 
-// Adds to the colours of lobes their spectra, which are linear between the wavelengths of a text: a sample counts by a hat
-// function, which is constant beyond the first and the last. R, G, B of white light are linear between rows of srbf_observer.
+// Adds to the colours of lobes their spectra, which are linear between the wavelengths of a text: a sample counts by a
+// hat function, which is constant beyond the first and the last. R, G, B of white light are linear between rows of
+// srbf_observer.
 static int srbf_add_spectra(srbf_file* file, const srbf_tensor* spectra, srbf_word text, float* rgb, int rows) {
     const size_t count = spectra->extent[1];
     const unsigned char* end = text.text + text.length;
@@ -57,7 +59,8 @@ static int srbf_add_spectra(srbf_file* file, const srbf_tensor* spectra, srbf_wo
             const int is_constant = x < at ? i == 0 : i + 1 == count;
             const float hat = is_constant ? 1.0f : 1.0f - (x - at) / ((x < at ? before : after) - at);
             for (c = 0; c < 3 && hat > 0.0f; ++c)
-                weight[c] += (double)(hat * ((1.0f - share) * srbf_observer(row + c) + share * srbf_observer(next + c)));
+                weight[c] +=
+                    (double)(hat * ((1.0f - share) * srbf_observer(row + c) + share * srbf_observer(next + c)));
         }
         for (j = 0; j < spectra->extent[0]; ++j)
             for (c = 0; c < 3; ++c)
@@ -117,7 +120,8 @@ static int srbf_read_pm(srbf_file* file, const char* prefix, srbf_model* model) 
             if (axial) {
                 of[0] = srbf_min(falloff, 0.0f), of[SRBF_LANES] = srbf_min(-falloff, 0.0f);
             } else {
-                const srbf_vec3 xi = srbf_spherical(srbf_number(file, centre, 2 * i), srbf_number(file, centre, 2 * i + 1));
+                const srbf_vec3 xi =
+                    srbf_spherical(srbf_number(file, centre, 2 * i), srbf_number(file, centre, 2 * i + 1));
                 of[0] = falloff, of[SRBF_LANES] = xi.x, of[2 * SRBF_LANES] = xi.y, of[3 * SRBF_LANES] = xi.z;
             }
         }
@@ -146,7 +150,8 @@ static int srbf_read_su(srbf_file* file, const char* prefix, srbf_model* model) 
     if (file->error) return 0;
     su->views = (int)views, su->lobes = (int)lobes;
     su->number = number = (float*)srbf_take(file, views * (3 + 8 * lobes) * sizeof *number);
-    for (i = 0; number && i < views; ++i) {  // the Fibonacci set of the hemisphere, and angles relative to the mirror direction
+    for (i = 0; number && i < views;
+         ++i) {  // the Fibonacci set of the hemisphere, and angles relative to the mirror direction
         const double z = ((double)i + 0.5) / (double)views, r = sqrt(1.0 - z * z), phi = 2.3999632297286533 * (double)i;
         const float theta0 = atan2f((float)r, (float)z), phi0 = atan2f(-(float)(r * sin(phi)), -(float)(r * cos(phi)));
         *number++ = (float)(r * cos(phi)), *number++ = (float)(r * sin(phi)), *number++ = (float)z;
@@ -155,7 +160,8 @@ static int srbf_read_su(srbf_file* file, const char* prefix, srbf_model* model) 
             const srbf_vec3 xi =
                 srbf_spherical(theta0 + srbf_number(file, centre, 2 * j), phi0 + srbf_number(file, centre, 2 * j + 1));
             number[0] = beta.x, number[1] = beta.y, number[2] = beta.z, number[3] = srbf_number(file, bandwidth, j);
-            number[4] = xi.x, number[5] = xi.y, number[6] = xi.z, number[7] = shape ? srbf_number(file, shape, j) : 0.0f;
+            number[4] = xi.x, number[5] = xi.y, number[6] = xi.z,
+            number[7] = shape ? srbf_number(file, shape, j) : 0.0f;
         }
     }
     return !file->error;
@@ -230,10 +236,11 @@ static void srbf_find_nearest(srbf_su su, srbf_vec3 w, int* nearest) {
         }
 }
 
-// pm_value of kernel.glsl, with variates in lanes, then lobes. Of (wl, wv) and (wv, wl), x has each variate's x, y, z, or of an
-// axial model its squared distances from +z and from -z, in all lanes. Sizes that are constants make it faster.
-SRBF_INLINE srbf_vec3 srbf_sized_value(const srbf_lobes* pm, int axial, int reciprocal, int variates, int count, srbf_vec3 wl,
-                                       srbf_vec3 wv) {
+// pm_value of kernel.glsl, with variates in lanes, then lobes. Of (wl, wv) and (wv, wl), x has each variate's x, y, z,
+// or of an axial model its squared distances from +z and from -z, in all lanes. Sizes that are constants make it
+// faster.
+SRBF_INLINE srbf_vec3 srbf_sized_value(const srbf_lobes* pm, int axial, int reciprocal, int variates, int count,
+                                       srbf_vec3 wl, srbf_vec3 wv) {
     const srbf_PmFeatures features = srbf_pm_further_features(count, wl, wv);
     const srbf_x_vec3 l = srbf_x_all(wl), v = srbf_x_all(wv);
     const float* group = pm->number;
@@ -244,20 +251,19 @@ SRBF_INLINE srbf_vec3 srbf_sized_value(const srbf_lobes* pm, int axial, int reci
     memset(each, 0, sizeof each);
     for (k = 0; k < 4; ++k) further[k] = srbf_x_of(features.x[k]);
     SRBF_UNROLL
-    for (side = 0; side <= reciprocal; ++side)
-        SRBF_UNROLL
-        for (n = 0; n < variates; ++n) {
-            if (n % SRBF_LANES == 0) {
-                const srbf_x a = srbf_x_load((side ? pm->weight_v : pm->weight_l) + n);
-                const srbf_x b = srbf_x_load((side ? pm->weight_l : pm->weight_v) + n);
-                const srbf_x_AxialPsi at = srbf_x_axial_psi(l, v, a, b);
-                const srbf_x_vec3 psi = srbf_x_psi(l, v, a, b);
-                srbf_x_store(axial ? srbf_x_squared_distance_from_pole(at, srbf_x_of(1.0f)) : psi.x, each[0]);
-                srbf_x_store(axial ? srbf_x_squared_distance_from_pole(at, srbf_x_of(-1.0f)) : psi.y, each[1]);
-                if (!axial) srbf_x_store(psi.z, each[2]);
-            }
-            for (k = 0; k < 3; ++k) x[side][n][k] = srbf_x_of(each[k][n % SRBF_LANES]);
+    for (side = 0; side <= reciprocal; ++side) SRBF_UNROLL
+    for (n = 0; n < variates; ++n) {
+        if (n % SRBF_LANES == 0) {
+            const srbf_x a = srbf_x_load((side ? pm->weight_v : pm->weight_l) + n);
+            const srbf_x b = srbf_x_load((side ? pm->weight_l : pm->weight_v) + n);
+            const srbf_x_AxialPsi at = srbf_x_axial_psi(l, v, a, b);
+            const srbf_x_vec3 psi = srbf_x_psi(l, v, a, b);
+            srbf_x_store(axial ? srbf_x_squared_distance_from_pole(at, srbf_x_of(1.0f)) : psi.x, each[0]);
+            srbf_x_store(axial ? srbf_x_squared_distance_from_pole(at, srbf_x_of(-1.0f)) : psi.y, each[1]);
+            if (!axial) srbf_x_store(psi.z, each[2]);
         }
+        for (k = 0; k < 3; ++k) x[side][n][k] = srbf_x_of(each[k][n % SRBF_LANES]);
+    }
     for (j = 0; j < pm->groups; ++j) {
         const float* row = group + 4 * SRBF_LANES;
         srbf_x exponent = srbf_x_load(group), exchanged, power;
@@ -274,7 +280,8 @@ SRBF_INLINE srbf_vec3 srbf_sized_value(const srbf_lobes* pm, int axial, int reci
             } else {
                 const srbf_x_vec3 xi = srbf_x_rows(row + SRBF_LANES);
                 exponent = exponent + first * srbf_x_squared_distance(srbf_x_vec3_of(one[0], one[1], one[2]), xi);
-                exchanged = exchanged + first * srbf_x_squared_distance(srbf_x_vec3_of(other[0], other[1], other[2]), xi);
+                exchanged =
+                    exchanged + first * srbf_x_squared_distance(srbf_x_vec3_of(other[0], other[1], other[2]), xi);
             }
         }
         power = srbf_x_pm_power(exponent);
@@ -311,4 +318,3 @@ static srbf_vec3 srbf_model_value(const srbf_model* model, srbf_vec3 wl, srbf_ve
     if (!model->is_anisotropic && !model->has_film) return srbf_openpbr_value(model->surface, l, v);
     return srbf_openpbr_anisotropic_value(model->surface, model->film, model->anisotropy, l, v);
 }
-

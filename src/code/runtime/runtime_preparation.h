@@ -13,7 +13,8 @@ static float srbf_luminance(const float* rgb) { return 0.2126f * rgb[0] + 0.7152
 static float srbf_turns(double x) { return (float)(x - floor(x)); }
 
 // The view of a point, whose half-vector lobes have this stretch and power.
-static void srbf_point_view(srbf_points* points, const srbf_mixture* mixture, int i, const float shape[2], srbf_view* view) {
+static void srbf_point_view(srbf_points* points, const srbf_mixture* mixture, int i, const float shape[2],
+                            srbf_view* view) {
     points->all.number[0][SRBF_STRETCH] = shape[0], points->all.number[0][SRBF_STRETCH + 1] = shape[1];
     srbf_set_view(view, mixture, &points->all, points->view[i], 0.0f);
 }
@@ -27,8 +28,8 @@ static void srbf_set_densities(srbf_points* points, const srbf_mixture* mixture,
     }
 }
 
-// The second moment of f cos(theta_l) / pdf after `steps` multiplicative steps of the weights towards the least one (the
-// library's `propose`, srbf/sampling.h).
+// The second moment of f cos(theta_l) / pdf after `steps` multiplicative steps of the weights towards the least one
+// (the library's `propose`, srbf/sampling.h).
 static float srbf_least_moment(const srbf_points* points, int steps, float weight[SRBF_NUMBERS]) {
     float moment = 0.0f, sum;
     int step, i, k;
@@ -41,7 +42,8 @@ static float srbf_least_moment(const srbf_points* points, int steps, float weigh
             srbf_x pdfs = srbf_x_of(0.0f), share;
             float pdf;
             if (!(points->weight[i] > 0.0f)) continue;
-            for (k = 0; k < SRBF_NUMBERS; k += SRBF_LANES) pdfs = pdfs + srbf_x_load(weight + k) * srbf_x_load(density + k);
+            for (k = 0; k < SRBF_NUMBERS; k += SRBF_LANES)
+                pdfs = pdfs + srbf_x_load(weight + k) * srbf_x_load(density + k);
             pdf = srbf_x_sum(pdfs) + 1.0e-15f;
             moment += points->weight[i] / pdf, share = srbf_x_of(points->weight[i] / pdf / pdf);
             for (k = 0; k < SRBF_NUMBERS; k += SRBF_LANES)
@@ -65,7 +67,8 @@ static void srbf_make_points(const srbf_part* part, srbf_points* points) {
     points->count = points->views * own;
     memset(points->density, 0, sizeof points->density), memset(points->weight, 0, sizeof points->weight);
     for (i = 0; i < points->count; ++i) {
-        const float u1 = ((float)(i % draws) + 0.5f) / (float)draws, u2 = srbf_turns(0.6180339887 * (i + 7 * (i / draws)));
+        const float u1 = ((float)(i % draws) + 0.5f) / (float)draws,
+                    u2 = srbf_turns(0.6180339887 * (i + 7 * (i / draws)));
         if (i % (own / 2) == 0) srbf_point_view(points, part->mixture, i / own, shapes[i / (own / 2) % 2], &view);
         points->l[i] = srbf_slot_sample(&view, points->slot[i / draws % points->components], u1, u2);
     }
@@ -92,13 +95,15 @@ static void srbf_make_points(const srbf_part* part, srbf_points* points) {
 }
 
 // The numbers of a node: the shape by descent among powers of 0.64, then the weights of least variance.
-static void srbf_make_node(const srbf_part* part, srbf_points* points, int is_isotropic, int node, float number[SRBF_NUMBERS]) {
+static void srbf_make_node(const srbf_part* part, srbf_points* points, int is_isotropic, int node,
+                           float number[SRBF_NUMBERS]) {
     static const int steps[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
     float shape[2] = {1.0f, 1.0f}, least, sum = 0.0f;
     int i, best[2] = {0, node > 0}, is_better = node > 0;
     points->views = is_isotropic ? 3 : 8;
     for (i = 0; i < points->views; ++i) {
-        const float at = srbf_max(1.0f - ((float)node + (is_isotropic ? ((float)i - 1.0f) / 3.0f : 0.0f)) / 12.0f, 0.03162f);
+        const float at =
+            srbf_max(1.0f - ((float)node + (is_isotropic ? ((float)i - 1.0f) / 3.0f : 0.0f)) / 12.0f, 0.03162f);
         const float cosine = srbf_min(at * at, 1.0f);
         points->view[i] = srbf_spherical(acosf(cosine), is_isotropic ? 0.0f : 0.785398163f * (float)i);
     }
@@ -139,7 +144,10 @@ static void srbf_part_sample(const srbf_part* part, srbf_vec3 wv, const float u[
     light->wl[0] = wl.x, light->wl[1] = wl.y, light->wl[2] = wl.z;
     if (!(wl.z >= 1.17549435e-38f)) return;
     light->pdf = srbf_view_pdf(&view, wl, 0);
-    if (!(light->pdf > 0.0f)) { light->pdf = 0.0f; return; }
+    if (!(light->pdf > 0.0f)) {
+        light->pdf = 0.0f;
+        return;
+    }
     f = srbf_scale(wl.z / light->pdf, srbf_part_value(part, wl, wv));
     light->weight[0] = f.x, light->weight[1] = f.y, light->weight[2] = f.z;
 }
@@ -154,7 +162,8 @@ static void srbf_make_albedos(const srbf_part* part) {
         }
         z = srbf_min(z, 1.0f);
         for (i = 0; i < draws; ++i) {
-            const float u[3] = {srbf_turns(0.8191725134 * i), srbf_turns(0.6710436067 * i), srbf_turns(0.5497004779 * i)};
+            const float u[3] = {srbf_turns(0.8191725134 * i), srbf_turns(0.6710436067 * i),
+                                srbf_turns(0.5497004779 * i)};
             srbf_light light;
             srbf_part_sample(part, srbf_spherical(acosf(z), 1.57079633f * (float)(i % 4)), u, &light);
             for (c = 0; c < 3; ++c) sum[c] += (double)light.weight[c];
@@ -185,7 +194,8 @@ static void srbf_set_facets(const srbf_model* model, srbf_mixture* mixture) {
         const float alpha = srbf_alpha_of(srbf_roughened(of->specular_roughness, of->coat_roughness, of->coat_weight));
         const srbf_OpenPbrRoughness base = srbf_openpbr_roughness(alpha, model->anisotropy.amount);
         mixture->facets = of->coat_weight > 0.0f ? 2 : 1;
-        mixture->facet[0] = srbf_facets_along(model->anisotropy.cosine, model->anisotropy.sine, base.along, base.across);
+        mixture->facet[0] =
+            srbf_facets_along(model->anisotropy.cosine, model->anisotropy.sine, base.along, base.across);
         mixture->facet[1] = srbf_facets_along(1.0f, 0.0f, coat, coat);
     }
 }
@@ -198,7 +208,8 @@ static void srbf_reset(srbf_mixture* mixture) {
 }
 static void srbf_prepare_part(const srbf_part* part, srbf_points* points) {
     const srbf_model* model = part->model;
-    const int is_isotropic = model->kind == SRBF_KIND_PM ? model->pm.axial : !model->su.is_plain && !model->is_anisotropic;
+    const int is_isotropic =
+        model->kind == SRBF_KIND_PM ? model->pm.axial : !model->su.is_plain && !model->is_anisotropic;
     float number[2][SRBF_NUMBERS];
     int node, k;
     srbf_set_facets(model, part->mixture);
@@ -214,4 +225,3 @@ static void srbf_prepare_part(const srbf_part* part, srbf_points* points) {
     }
     srbf_make_albedos(part);
 }
-

@@ -7,7 +7,6 @@
 #include "code/print.h"
 #include "code/texts.h"
 #include "models/openpbr/openpbr_parameters.h"
-#include "srbf/elementary.h"
 #include "srbf/kernel.h"
 #include "srbf/shading_code.h"
 

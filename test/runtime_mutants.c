@@ -1,17 +1,10 @@
-// mutants COUNT FILE..: opens COUNT changed copies of each file with srbf_runtime.h, and uses those that open. Every 200th
-// of them is prepared too, which takes long.
-#define SRBF_RUNTIME_IMPLEMENTATION
-#include "srbf_runtime.h"
+// mutants COUNT FILE..: opens COUNT changed copies of each file with srbf_runtime.h, and uses those that open. Some of them
+// are prepared too, which takes long.
+#include "runtime_use.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-
-static unsigned long long state = 88172645463325252ull;
-static unsigned random_number(unsigned below) {
-    state ^= state << 13, state ^= state >> 7, state ^= state << 17;
-    return (unsigned)(state >> 33) % below;
-}
-static float random_float(void) { return (float)random_number(1u << 20) / (float)(1u << 20); }
+#ifndef PREPARED_EVERY
+#define PREPARED_EVERY 200
+#endif
 
 // Changes a copy: bytes, bits, a digit of the header, or its length.
 static void change(unsigned char* bytes, size_t* size) {
@@ -32,24 +25,6 @@ static void change(unsigned char* bytes, size_t* size) {
     }
 }
 
-static void use(const srbf_brdf* brdf) {
-    int i;
-    for (i = 0; i < 4; ++i) {
-        float wv[3], u[3], rgb[3], pdf;
-        srbf_light light;
-        const float z = 2 * random_float() - 1, r = sqrtf(1 - z * z), phi = 6.2831853f * random_float();
-        wv[0] = r * cosf(phi), wv[1] = r * sinf(phi), wv[2] = z;
-        u[0] = random_float(), u[1] = random_float(), u[2] = random_float();
-        srbf_sample(brdf, wv, u, &light);
-        pdf = srbf_value_pdf(brdf, light.wl, wv, rgb);
-        if (!(pdf >= 0) || !(rgb[0] >= 0 && rgb[1] >= 0 && rgb[2] >= 0) || rgb[0] + rgb[1] + rgb[2] > 3e38f) {
-            fprintf(stderr, "pdf %g, value %g %g %g\n", pdf, rgb[0], rgb[1], rgb[2]);
-            exit(1);
-        }
-        srbf_albedo(brdf, z, rgb);
-    }
-}
-
 int main(int count, char** arguments) {
     const long mutants = count > 1 ? strtol(arguments[1], 0, 10) : 0;
     long opened = 0, all = 0;
@@ -61,26 +36,14 @@ int main(int count, char** arguments) {
         long n;
         if (file) fclose(file);
         for (n = 0; n < mutants && length > 0; ++n, ++all) {
-            size_t size = length, needed;
+            size_t size = length;
             unsigned char *bytes = (unsigned char*)malloc(size), *exact;
             memcpy(bytes, original, size);
             change(bytes, &size);
             exact = (unsigned char*)malloc(size);  // whose end is watched
             memcpy(exact, bytes, size);
             free(bytes);
-            needed = srbf_memory_needed(exact, size);
-            if (needed > 0) {
-                void* memory = malloc(needed);
-                srbf_brdf* brdf;
-                const srbf_error error = srbf_open(exact, size, memory, needed, &brdf, 0);
-                if (error == SRBF_TOO_LITTLE_MEMORY) return fprintf(stderr, "too little memory\n"), 1;
-                if (error == SRBF_OK) {
-                    free(exact), exact = 0;  // is not needed any more
-                    if (opened++ % 200 == 0) srbf_prepare(brdf);
-                    use(brdf);
-                }
-                free(memory);
-            }
+            opened += use_file(exact, size, opened % PREPARED_EVERY == 0);
             free(exact);
         }
         free(original);

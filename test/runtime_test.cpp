@@ -1,4 +1,5 @@
-// srbf_runtime.h, compiled as C: its values are the library's, its densities those of its samples, and no file is unsafe.
+// srbf_runtime.h, compiled as C: its values are the library's, its densities those of its samples, and no file is
+// unsafe.
 #include <filesystem>
 #include <random>
 
@@ -128,8 +129,8 @@ TEST_F(RuntimeHeader, IsZeroWhereADirectionIsNotAboveTheSurface) {
             }
 }
 
-// True if the albedo does not depend on the azimuth or the side. Interpolated plainly, views of an isotropic model differ
-// with the azimuth.
+// True if the albedo does not depend on the azimuth or the side. Interpolated plainly, views of an isotropic model
+// differ with the azimuth.
 bool has_one_albedo(const Model& model) {
     const auto* su = std::get_if<SuModel>(&model.model);
     const bool is_plain = su && su->interpolation == SuInterpolation::plain;
@@ -236,7 +237,28 @@ TEST_F(RuntimeHeader, CompilesWithoutWarnings) {
     }
 }
 
-// Files with changed bytes, in a program with sanitizers: no error of memory, no hang, and what opens has finite values.
+// examples/path_tracer.c, with a pixel of the sky, one of the sphere and one of the floor.
+TEST_F(RuntimeHeader, TracesPaths) {
+    const std::string source = std::string(SRBF_SOURCE_DIR) + "/examples/path_tracer.c",
+                      model = std::string(SRBF_SOURCE_DIR) + "/test/models/1/openpbr.srbf";
+    ASSERT_TRUE(runs(fmt::format("gcc -std=c99 -O2 -I'{}' '{}' -o '{}' -lm", path(""), source, path("tracer"))));
+    ASSERT_TRUE(runs(fmt::format("'{}' '{}' '{}' 4", path("tracer"), model, path("picture.ppm"))));
+    const std::vector<std::byte> picture = *read_file(path("picture.ppm"));
+    constexpr std::size_t width = 320, height = 240, bytes = 3 * width * height;
+    ASSERT_GT(picture.size(), bytes);
+    const auto mean = [&](std::size_t x, std::size_t y) {  // of red in a square
+        double sum = 0;
+        for (std::size_t i = 0; i < 256; ++i)
+            sum += double(picture[picture.size() - bytes + 3 * ((y + i / 16) * width + x + i % 16)]) / 256;
+        return sum;
+    };
+    EXPECT_NEAR(mean(10, 10), mean(290, 10), 2);  // the sky
+    EXPECT_GT(std::abs(mean(10, 10) - mean(150, 100)), 5);
+    EXPECT_GT(mean(10, 220), 10);
+}
+
+// Files with changed bytes, in a program with sanitizers: no error of memory, no hang, and what opens has finite
+// values.
 TEST_F(RuntimeHeader, SurvivesMutants) {
     std::string files;
     for (const fs::path& file : model_files()) files += fmt::format(" '{}'", file.string());

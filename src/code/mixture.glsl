@@ -69,8 +69,10 @@ Real light_pdf(Vec3 wl, Vec3 wv) {
     NodesAbout nodes = mixture_nodes(wv);
     ProposalPoint coordinates = proposal_point(wl, wv, mixture_stretch(wv, nodes), mixture_power(nodes));
     Real sum = Real(0.0);
-    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k)
-        sum = sum + mixture_weight(k, nodes) * proposal_lobe_pdf(k, coordinates);
+    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
+        Real weight = mixture_weight(k, nodes);
+        if (Real(0.0) < weight) sum = sum + weight * proposal_lobe_pdf(k, coordinates);
+    }
     for (int k = SRBF_PROPOSAL_LOBES; k < MIXTURE_COMPONENTS; ++k)
         sum = sum + mixture_weight(k, nodes) * facets_pdf(wl, wv, mixture_facets(k));
     return sum;

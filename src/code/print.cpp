@@ -119,18 +119,18 @@ const Language& row_of(CodeLanguage language) {
 const Language& lanes_of_c() {
     static const Language lanes = [] {
         Language row = row_of(CodeLanguage::c);
-        row.words = {{"Real", "srbf_x4"},
-                     {"Vec3", "srbf_x4_vec3"},
+        row.words = {{"Real", "srbf_x"},
+                     {"Vec3", "srbf_x_vec3"},
                      {"bool", "int"},
-                     {"dot", "srbf_x4_dot"},
-                     {"min", "srbf_x4_min"},
-                     {"max", "srbf_x4_max"},
-                     {"exp", "srbf_x4_exp"},
-                     {"exp2", "srbf_x4_exp2"},
-                     {"log", "srbf_x4_log"},
-                     {"sqrt", "srbf_x4_sqrt"},
-                     {"inversesqrt", "srbf_x4_inversesqrt"}};
-        row.vector = "srbf_x4_vec3_of", row.functions = "srbf_x4_", row.has_lanes = true;
+                     {"dot", "srbf_x_dot"},
+                     {"min", "srbf_x_min"},
+                     {"max", "srbf_x_max"},
+                     {"exp", "srbf_x_exp"},
+                     {"exp2", "srbf_x_exp2"},
+                     {"log", "srbf_x_log"},
+                     {"sqrt", "srbf_x_sqrt"},
+                     {"inversesqrt", "srbf_x_inversesqrt"}};
+        row.vector = "srbf_x_vec3_of", row.functions = "srbf_x_", row.has_lanes = true;
         return row;
     }();
     return lanes;
@@ -261,7 +261,7 @@ std::string Printer::expression_text(const Expression& expression, int outer) {
         case EKind::number:
             if (expression.type.name == "bool" && language_.is_c) return expression.text == "true" ? "1" : "0";
             if (expression.type.name == "Real" && language_.has_lanes)
-                return fmt::format("srbf_x4_of({}{})", expression.text, language_.suffix);
+                return fmt::format("srbf_x_of({}{})", expression.text, language_.suffix);
             return expression.text + std::string(expression.type.name == "Real" ? language_.suffix : "");
         case EKind::name:
             return printed_name(expression.text);
@@ -288,13 +288,29 @@ std::string Printer::expression_text(const Expression& expression, int outer) {
         case EKind::conditional:
             if (language_.types_follow) return fmt::format("select({}, {}, {})", part(2), part(1), part(0));
             if (language_.has_lanes && is_of_lanes(parts[0]))
-                return fmt::format("srbf_x4_select({}, {}, {})", part(0), part(1), part(2));
+                return fmt::format("srbf_x_select({}, {}, {})", part(0), part(1), part(2));
             {
                 const std::string text = fmt::format("{} ? {} : {}", part(0, 2), part(1, 1), part(2, 1));
                 return outer > 1 ? "(" + text + ")" : text;
             }
     }
     return "";
+}
+
+void Printer::print_under(const std::string& head, const std::vector<Statement>& body,
+                          const std::set<std::string>& changed, int depth, std::string& text) {
+    const std::string indent(std::size_t(4 * depth), ' ');
+    std::string inner;
+    print(body, changed, depth + 1, inner);
+    const std::string line = indent + head + " " + inner.substr(std::min(inner.size(), indent.size() + 4));
+    const bool is_single =
+        body.size() == 1 && body[0].comment.empty() && (body[0].kind == SKind::assign || body[0].kind == SKind::result);
+    if (language_.types_follow || !is_single)
+        text += code_line(indent + head + " {", depth) + inner + indent + "}\n";
+    else if (line.size() <= k_columns + 1 && line.find('\n') + 1 == line.size())
+        text += line;
+    else
+        text += code_line(indent + head, depth) + inner;
 }
 
 void Printer::print(const std::vector<Statement>& body, const std::set<std::string>& changed, int depth,
@@ -319,21 +335,28 @@ void Printer::print(const std::vector<Statement>& body, const std::set<std::stri
             case SKind::result:
                 add_line(fmt::format("return {};", value(0)));
                 break;
-            case SKind::branch:
-                add_line(fmt::format("if ({}) {{", value(0)));
-                print(statement.body, changed, depth + 1, text);
-                if (!statement.otherwise.empty()) {
-                    add_line("} else {");
-                    print(statement.otherwise, changed, depth + 1, text);
+            case SKind::branch: {
+                print_under(fmt::format("if ({})", value(0)), statement.body, changed, depth, text);
+                const std::vector<Statement>& otherwise = statement.otherwise;
+                if (otherwise.empty()) break;
+                std::string rest;
+                if (otherwise.size() == 1 && otherwise[0].kind == SKind::branch && otherwise[0].comment.empty())
+                    print(otherwise, changed, depth, rest), rest.insert(indent.size(), "else ");
+                else
+                    print_under("else", otherwise, changed, depth, rest);
+                if (!text.ends_with("}\n")) {
+                    text += rest;
+                } else {
+                    text.back() = ' ';
+                    text += rest.substr(indent.size());
                 }
-                add_line("}");
                 break;
+            }
             case SKind::loop: {
                 const std::string name = printed_name(statement.name);
-                add_line(fmt::format("for ({} {} = {}; {} < {}; {}) {{", types_follow ? "var" : "int", name, value(0),
-                                     name, value(1), types_follow ? name + "++" : "++" + name));
-                print(statement.body, changed, depth + 1, text);
-                add_line("}");
+                print_under(fmt::format("for ({} {} = {}; {} < {}; {})", types_follow ? "var" : "int", name, value(0),
+                                        name, value(1), types_follow ? name + "++" : "++" + name),
+                            statement.body, changed, depth, text);
                 break;
             }
         }
@@ -343,8 +366,16 @@ void Printer::print(const std::vector<Statement>& body, const std::set<std::stri
 std::string Printer::text(const Structure& structure) {
     std::string text = comment_text(structure.comment, 0);
     text += fmt::format("{}{{\n", language_.is_c ? "typedef struct " : "struct " + printed_name(structure.name) + " ");
-    for (const Variable& member : structure.members)
-        text += fmt::format("    {}{}\n", declaration(member.type, member.name), language_.types_follow ? "," : ";");
+    const Type* type = nullptr;
+    for (const Variable& member : structure.members) {
+        if (type && !language_.types_follow && member.type.size.empty() && *type == member.type) {
+            text.insert(text.size() - 2, ", " + printed_name(member.name));
+        } else {
+            text +=
+                fmt::format("    {}{}\n", declaration(member.type, member.name), language_.types_follow ? "," : ";");
+        }
+        type = &member.type;
+    }
     if (language_.types_follow) return text + "}\n";
     return text + (language_.is_c ? fmt::format("}} {};\n", printed_name(structure.name)) : "};\n");
 }
@@ -381,9 +412,12 @@ std::string Printer::text(const Function& function) {
     const std::string head = language_.types_follow
                                  ? fmt::format("{}{}({}) -> {} {{", language_.function, name, parameters, type)
                                  : fmt::format("{}{} {}({}) {{", language_.function, type, name, parameters);
-    std::string text = comment_text(function.comment, 0) + code_line(head, 0);
-    print(function.body, changed, 1, text);
-    return text + "}\n";
+    std::string body;
+    print(function.body, changed, 1, body);
+    const std::string line = head + " " + body.substr(std::min<std::size_t>(body.size(), 4));
+    if (function.body.size() == 1 && line.size() + 1 <= k_columns && line.find('\n') + 1 == line.size())
+        return comment_text(function.comment, 0) + line.substr(0, line.size() - 1) + " }\n";
+    return comment_text(function.comment, 0) + code_line(head, 0) + body + "}\n";
 }
 
 std::string whole_text(CodeLanguage language, const std::string& list, std::string guard,

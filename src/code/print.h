@@ -31,6 +31,9 @@ class Printer {
     /// `outer` is the precedence of the surrounding expression, which decides about parentheses.
     std::string binary_text(const Expression& binary, int outer);
     std::string expression_text(const Expression& expression, int outer = 0);
+    /// `head` and the statements that it governs, in braces unless it is a single one.
+    void print_under(const std::string& head, const std::vector<Statement>& body, const std::set<std::string>& changed,
+                     int depth, std::string& text);
     /// `changed` are the variables that are assigned after their declaration.
     void print(const std::vector<Statement>& body, const std::set<std::string>& changed, int depth, std::string& text);
 

@@ -1,4 +1,4 @@
-// srbf_runtime.h: kernel.glsl in C, twice (of a number, and of four), between texts that read files and call it.
+// srbf_runtime.h: kernel.glsl in C, twice (of a number, and of vectors), between texts that read files and call it.
 #include <fmt/format.h>
 
 #include <ranges>
@@ -7,6 +7,7 @@
 #include "code/print.h"
 #include "code/texts.h"
 #include "models/openpbr/openpbr_parameters.h"
+#include "srbf/kernel.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {
@@ -43,7 +44,6 @@ const std::vector<std::string> k_functions{"su_rotated_value",
                                            "su_plain_value",
                                            "ggx_value",
                                            "openpbr_value",
-                                           "openpbr_film_value",
                                            "openpbr_anisotropic_value",
                                            "openpbr_roughness",
                                            "alpha_of",
@@ -51,17 +51,16 @@ const std::vector<std::string> k_functions{"su_rotated_value",
                                            "facets_along",
                                            "facets_pdf",
                                            "sample_facets",
-                                           "mirror_lobe",
-                                           "proposal_bandwidth",
-                                           "proposal_power",
-                                           "stretch_along",
-                                           "sample_proposal_lobe",
+                                           "sample_sharp_vmf",
+                                           "below_power_cosine",
+                                           "light_of",
+                                           "grown_along",
+                                           "reflected_up",
                                            "elevation_coordinate",
                                            "pm_further_features"};
 const std::vector<std::string> k_functions_of_lanes{
-    "psi",           "axial_psi", "squared_distance", "pm_power",    "facets_pdf",    "squared_distance_from_pole",
-    "stretch_along", "stretched", "half_vector_lobe", "half_vector", "reflected_pdf", "proposal_lobe_pdf",
-    "proposal_point"};
+    "psi",           "axial_psi", "squared_distance", "pm_power",    "squared_distance_from_pole",
+    "stretch_along", "stretched", "half_vector_lobe", "half_vector", "reflected_pdf"};
 
 /// The definitions that these functions need, printed with this prefix.
 std::string printed(const std::vector<std::string>& functions, const std::string& prefix, bool has_lanes) {
@@ -83,26 +82,54 @@ std::string printed(const std::vector<std::string>& functions, const std::string
     auto printer = has_lanes ? syntax::Printer::of_lanes(names) : syntax::Printer(CodeLanguage::c, names);
     std::string text;
     for (auto& structure : program.structures) {
-        if (has_lanes) structure.comment.clear();
+        structure.comment.clear();
         text += printer.text(structure);
     }
     for (auto& function : program.functions) {
         if (function.body.empty()) continue;
-        if (has_lanes) function.comment.clear();
+        function.comment.clear();
         text += printer.text(function);
     }
     return text + "\n";
 }
 
-/// R, G, B of the spectrum that is 1 at one whole wavelength, every 5 nm: between them these are linear.
+std::string table_text(const syntax::Table& table) {
+    return syntax::Printer(CodeLanguage::c, {{table.name, "srbf_" + table.name}}).text(table) + "\n";
+}
+
+/// R, G, B of the spectrum that is 1 at one whole wavelength, every 5 nm: between them these are linear. Beyond, less
+/// than 1e-5 of the sums is left.
 std::string observer_text() {
+    constexpr int first = 380, last = 780;
     std::vector<float> wavelengths;
     for (int nm = 360; nm <= 830; ++nm) wavelengths.push_back(float(nm));
-    syntax::Table table{"R, G, B of a spectrum that is 1 within 1 nm, every 5 nm from 360 to 830.", "observer", {}, 9};
+    syntax::Table table{"R, G, B of a spectrum that is 1 within 1 nm, every 5 nm.", "observer", {}, 9};
     const std::vector<Rgb> weights = rgb_weights(wavelengths);
-    for (std::size_t i = 0; i < weights.size(); i += 5)
-        for (int c = 0; c < 3; ++c) table.numbers.push_back(weights[i][c]);
-    return syntax::Printer(CodeLanguage::c, {{"observer", "srbf_observer"}}).text(table) + "\n";
+    for (int nm = first; nm <= last; nm += 5)
+        for (int c = 0; c < 3; ++c)
+            table.numbers.push_back(std::stof(fmt::format("{:.4e}", weights[std::size_t(nm - 360)][c])));
+    return fmt::format("#define SRBF_FIRST_NM {}\n#define SRBF_LAST_NM {}\n", first, last) + table_text(table);
+}
+
+/// The lobes of the proposal, by their slots in runtime_densities.h: components 2 to 7, two empty slots, then 8 to 15.
+std::string components_text() {
+    using K = Kernel<float>;
+    syntax::Table table{
+        "Lobes of directions: bandwidth and scale; of half vectors: bandwidth, and 1 if weighted by their "
+        "visibility.",
+        "component",
+        {},
+        8};
+    for (int slot = 0; slot < SRBF_PROPOSAL_LOBES; ++slot) {
+        const int k = slot < SRBF_FIRST_HALF_VECTOR_LOBE ? slot + 2 : slot;
+        const bool is_half = slot == k, is_lobe = is_half || k < SRBF_FIRST_HALF_VECTOR_LOBE;
+        const float bandwidth = K::proposal_bandwidth(k);
+        table.numbers.push_back(is_lobe ? bandwidth : 0);
+        table.numbers.push_back(is_half   ? K::proposal_power(k, 1)
+                                : is_lobe ? K::mirror_lobe({0, 0, 1}, bandwidth).scale
+                                          : 0);
+    }
+    return table_text(table);
 }
 
 std::string parameters_text() {
@@ -125,9 +152,9 @@ std::string parameters_text() {
 std::string runtime_code() {
     return k_runtime_interface_text + syntax::definitions_of_c() +
            fmt::format("#define SRBF_MOST_VARIATES {}\n\n", k_most_variates) + k_runtime_host_text +
-           printed(k_functions, "srbf_", false) + printed(k_functions_of_lanes, "srbf_x4_", true) + observer_text() +
-           parameters_text() + k_runtime_files_text + k_runtime_models_text + k_runtime_densities_text +
-           k_runtime_preparation_text + k_runtime_functions_text;
+           printed(k_functions, "srbf_", false) + printed(k_functions_of_lanes, "srbf_x_", true) + observer_text() +
+           components_text() + parameters_text() + k_runtime_files_text + k_runtime_models_text +
+           k_runtime_densities_text + k_runtime_preparation_text + k_runtime_functions_text;
 }
 
 }  // namespace srbf

@@ -16,6 +16,7 @@ macro(run)
 endmacro()
 set(configure ${CMAKE_COMMAND} -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${FOLDER}/prefix -DCMAKE_CXX_COMPILER=${COMPILER}
     -DCMAKE_BUILD_TYPE=Release)
+find_program(PKG_CONFIG pkg-config)
 # used(BUILD COMPONENT..): installs these components of BUILD, or all, builds the projects on that and runs them. Headers keep
 # their times, so that each project is compiled once.
 set(paper ${SOURCE}/data/paper_white_rgb.bsdf)
@@ -33,6 +34,14 @@ macro(used build)
   endforeach()
   run(${FOLDER}/test/install/user ${paper} ${FOLDER}/paper.srbf)
   message("${build}: ${out}")
+  if(PKG_CONFIG)
+    file(GLOB_RECURSE pc ${FOLDER}/prefix/srbf.pc)
+    get_filename_component(pc "${pc}" DIRECTORY)
+    run(${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${pc} ${PKG_CONFIG} --cflags --libs srbf)
+    separate_arguments(flags UNIX_COMMAND "${out}")
+    run(${COMPILER} ${SOURCE}/examples/path_material.cpp ${flags} -pthread -Wl,-rpath,${pc}/.. -o ${FOLDER}/by_pkg_config)
+    run(${FOLDER}/by_pkg_config ${FOLDER}/paper.srbf)
+  endif()
   run(${FOLDER}/examples/engine_tool ${paper} ${FOLDER}/paper.frag)
 endmacro()
 

@@ -1,19 +1,25 @@
 // ---- Densities ----
 
-// A mixture of components of kernel.glsl's proposal, whose weights are linear in sqrt(cos(theta_v)) between nodes. Only those
-// with weight are kept: lobes of directions, then lobes of half vectors, each in SRBF_SLOTS slots, then facets.
+// A mixture of components of kernel.glsl's proposal, whose weights are linear in sqrt(cos(theta_v)) between nodes.
+// Components have slots: lobes of directions, from 8 on lobes of half vectors, then facets, the cosine and its square.
+// After these follow the stretch and power of half-vector lobes. A segment lies between two nodes, and has the lobes
+// that have weight there in its first slots.
 #define SRBF_NODES 13
 #define SRBF_SLOTS 8
 #define SRBF_FACET_SLOT (2 * SRBF_SLOTS)
-#define SRBF_STRETCH (2 * SRBF_SLOTS + 2)
-#define SRBF_NUMBERS (2 * SRBF_SLOTS + 4)
+#define SRBF_COSINE_SLOT (2 * SRBF_SLOTS + 2)
+#define SRBF_STRETCH (2 * SRBF_SLOTS + 4)
+#define SRBF_NUMBERS (3 * SRBF_SLOTS)
 #define SRBF_ALBEDO_NODES 33
 typedef struct {
-    int component[SRBF_FACET_SLOT], directions, halves, facets;
+    int directions, halves;
+    float bandwidth[SRBF_SLOTS], scale[SRBF_SLOTS], half_bandwidth[SRBF_SLOTS], weighted[SRBF_SLOTS];
+    float number[2][SRBF_NUMBERS];
+} srbf_segment;
+typedef struct {
+    srbf_segment segment[SRBF_NODES - 1];
+    int facets;
     srbf_Facets facet[2];
-    float bandwidth[SRBF_SLOTS], width[SRBF_SLOTS], scale[SRBF_SLOTS], rest[SRBF_SLOTS], constant[SRBF_SLOTS];
-    float linear[SRBF_SLOTS], square[SRBF_SLOTS], half_bandwidth[SRBF_SLOTS], weighted[SRBF_SLOTS];
-    float node[SRBF_NODES][SRBF_NUMBERS];  // weights, then stretch and power of half-vector lobes
     float albedo[SRBF_ALBEDO_NODES][3];
 } srbf_mixture;
 
@@ -38,88 +44,126 @@ static srbf_vec3 srbf_part_value(const srbf_part* part, srbf_vec3 wl, srbf_vec3 
     return part->is_exchanged ? srbf_model_value(part->model, wv, wl) : srbf_model_value(part->model, wl, wv);
 }
 
-static void srbf_add_component(srbf_mixture* mixture, int k) {
-    const int is_half = k >= SRBF_SLOTS, i = is_half ? mixture->halves++ : mixture->directions++;
-    mixture->component[is_half ? SRBF_SLOTS + i : i] = k;
-    if (is_half) {
-        mixture->half_bandwidth[i] = srbf_proposal_bandwidth(k), mixture->weighted[i] = srbf_proposal_power(k, 1.0f);
-    } else if (k < 2) {  // powers of the cosine
-        mixture->linear[i] = k == 0, mixture->square[i] = k == 1, mixture->width[i] = 1.0f / (float)(k + 2);
-        mixture->scale[i] = (float)(k + 2) / 6.28318531f;
-    } else {
-        const srbf_ProposalLobe lobe = srbf_mirror_lobe(srbf_vec3_of(0.0f, 0.0f, 1.0f), srbf_proposal_bandwidth(k));
-        mixture->bandwidth[i] = lobe.bandwidth, mixture->width[i] = lobe.width, mixture->scale[i] = lobe.scale;
-        mixture->rest[i] = lobe.rest, mixture->constant[i] = 1.0f;
+// Sets a segment from the numbers at its ends.
+static void srbf_set_segment(srbf_segment* segment, const float* low, const float* high) {
+    int k;
+    memset(segment, 0, sizeof *segment);
+    for (k = 0; k < SRBF_SLOTS; ++k) segment->half_bandwidth[k] = 8.0f;  // of slots without weight
+    for (k = 0; k < SRBF_NUMBERS; ++k) {
+        const int is_half = k >= SRBF_SLOTS;
+        int slot = k, i;
+        if (k < SRBF_FACET_SLOT) {
+            if (!(low[k] > 0.0f || high[k] > 0.0f)) continue;
+            i = is_half ? segment->halves++ : segment->directions++;
+            slot = is_half ? SRBF_SLOTS + i : i;
+            (is_half ? segment->half_bandwidth : segment->bandwidth)[i] = srbf_component(2 * k);
+            (is_half ? segment->weighted : segment->scale)[i] = srbf_component(2 * k + 1);
+        }
+        segment->number[0][slot] = low[k], segment->number[1][slot] = high[k];
     }
 }
-// The cosine alone.
-static void srbf_reset(srbf_mixture* mixture) {
-    int i;
-    mixture->directions = mixture->halves = mixture->facets = 0;
-    memset(mixture->bandwidth, 0, sizeof mixture->bandwidth), memset(mixture->constant, 0, sizeof mixture->constant);
-    memset(mixture->linear, 0, sizeof mixture->linear), memset(mixture->square, 0, sizeof mixture->square);
-    memset(mixture->node, 0, sizeof mixture->node);
-    for (i = 0; i < SRBF_SLOTS; ++i) mixture->half_bandwidth[i] = 8.0f;  // of slots without weight
-    for (i = 0; i < SRBF_NODES; ++i)
-        mixture->node[i][0] = mixture->node[i][SRBF_STRETCH] = mixture->node[i][SRBF_STRETCH + 1] = 1.0f;
-    srbf_add_component(mixture, 0);
-}
 
-// The numbers of a mixture for a view, interpolated between its nodes.
-static void srbf_at_view(const srbf_mixture* mixture, float cosine, float number[SRBF_NUMBERS]) {
-    const float at = (1.0f - sqrtf(srbf_min(cosine, 1.0f))) * (float)(SRBF_NODES - 1);
-    const int below = (int)srbf_min(at, (float)(SRBF_NODES - 2));
-    const srbf_x4 beyond = srbf_x4_of(at - (float)below);
+// A segment for a view, with its interpolated numbers and its half-vector lobes.
+typedef struct {
+    const srbf_mixture* mixture;
+    const srbf_segment* segment;
+    srbf_vec3 wv;
+    float number[SRBF_NUMBERS];
+    srbf_x_Stretch map;
+    srbf_x_ProposalLobe half[SRBF_SLOTS / SRBF_LANES];
+} srbf_view;
+
+static void srbf_set_view(srbf_view* view, const srbf_mixture* mixture, const srbf_segment* segment, srbf_vec3 wv,
+                          float beyond) {
+    const srbf_x_vec3 v = srbf_x_all(wv);
     int i;
+    view->mixture = mixture, view->segment = segment, view->wv = wv;
     for (i = 0; i < SRBF_NUMBERS; i += SRBF_LANES) {
-        const srbf_x4 low = srbf_x4_load(&mixture->node[below][i]), high = srbf_x4_load(&mixture->node[below + 1][i]);
-        srbf_x4_store(low + beyond * (high - low), number + i);
+        const srbf_x low = srbf_x_load(segment->number[0] + i), high = srbf_x_load(segment->number[1] + i);
+        srbf_x_store(low + srbf_x_of(beyond) * (high - low), view->number + i);
     }
+    view->map = srbf_x_stretch_along(v, srbf_x_of(view->number[SRBF_STRETCH]));
+    for (i = 0; i < segment->halves; i += SRBF_LANES)
+        view->half[i / SRBF_LANES] = srbf_x_half_vector_lobe(
+            srbf_x_stretched(v, view->map), view->map.inverse, srbf_x_load(segment->half_bandwidth + i),
+            srbf_x_of(view->number[SRBF_STRETCH + 1]) * srbf_x_load(segment->weighted + i));
+}
+static void srbf_view_of(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv) {
+    const float at = (1.0f - sqrtf(srbf_min(wv.z, 1.0f))) * (float)(SRBF_NODES - 1);
+    const int below = (int)srbf_min(at, (float)(SRBF_NODES - 2));
+    srbf_set_view(view, mixture, &mixture->segment[below], wv, at - (float)below);
 }
 
-static float srbf_mixture_pdf(const srbf_mixture* mixture, const float* number, srbf_vec3 wl, srbf_vec3 wv) {
-    const srbf_x4_vec3 l = srbf_x4_all(wl), v = srbf_x4_all(wv), mirrored = srbf_x4_vec3_of(l.x, l.y, -l.z);
-    srbf_x4 sum = srbf_x4_of(0.0f);
+// The density of a direction, and unless `density` is null those of all slots.
+SRBF_FN float srbf_view_pdf(const srbf_view* view, srbf_vec3 wl, float* density) {
+    const srbf_segment* segment = view->segment;
+    const srbf_x_vec3 l = srbf_x_all(wl), v = srbf_x_all(view->wv), mirrored = srbf_x_vec3_of(l.x, l.y, -l.z);
+    const float cosines[2] = {wl.z * 0.318309886f, wl.z * wl.z * 0.477464829f};
+    srbf_x sum = srbf_x_of(0.0f), each;
+    srbf_x_HalfVector above, below;
     float pdf;
     int i;
-    for (i = 0; i < mixture->directions; i += SRBF_LANES) {
-        const srbf_x4 constant = srbf_x4_load(mixture->constant + i);
-        srbf_x4_ProposalLobe lobe;
-        srbf_x4_HalfVector above, below;
-        lobe.centre = srbf_x4_vec3_of(-v.x, -v.y, v.z), lobe.bandwidth = srbf_x4_load(mixture->bandwidth + i);
-        lobe.scale = srbf_x4_load(mixture->scale + i), lobe.width = lobe.rest = constant;  // which no density reads
-        above.direction = l, below.direction = mirrored, below.factor = constant;
-        above.factor = constant + l.z * (srbf_x4_load(mixture->linear + i) + l.z * srbf_x4_load(mixture->square + i));
-        sum = sum + srbf_x4_load(number + i) * srbf_x4_reflected_pdf(lobe, above, below);
+    above.direction = l, below.direction = mirrored, above.factor = below.factor = srbf_x_of(1.0f);
+    for (i = 0; i < segment->directions; i += SRBF_LANES) {
+        srbf_x_ProposalLobe lobe;
+        lobe.centre = srbf_x_vec3_of(-v.x, -v.y, v.z), lobe.bandwidth = srbf_x_load(segment->bandwidth + i);
+        lobe.scale = srbf_x_load(segment->scale + i), lobe.width = lobe.rest = sum;  // which no density reads
+        each = srbf_x_reflected_pdf(lobe, above, below);
+        sum = sum + srbf_x_load(view->number + i) * each;
+        if (density) srbf_x_store(each, density + i);
     }
-    if (mixture->halves > 0) {
-        const srbf_x4_Stretch map = srbf_x4_stretch_along(v, srbf_x4_of(number[SRBF_STRETCH]));
-        const srbf_x4 power = srbf_x4_of(number[SRBF_STRETCH + 1]);
-        const srbf_x4_vec3 viewer = srbf_x4_stretched(v, map);
-        const srbf_x4_HalfVector above = srbf_x4_half_vector(l, v, map), below = srbf_x4_half_vector(mirrored, v, map);
-        for (i = 0; i < mixture->halves; i += SRBF_LANES) {
-            const srbf_x4_ProposalLobe lobe =
-                srbf_x4_half_vector_lobe(viewer, map.inverse, srbf_x4_load(mixture->half_bandwidth + i),
-                                         power * srbf_x4_load(mixture->weighted + i));
-            sum = sum + srbf_x4_load(number + SRBF_SLOTS + i) * srbf_x4_reflected_pdf(lobe, above, below);
+    if (segment->halves > 0) {
+        above = srbf_x_half_vector(l, v, view->map), below = srbf_x_half_vector(mirrored, v, view->map);
+        for (i = 0; i < segment->halves; i += SRBF_LANES) {
+            each = srbf_x_reflected_pdf(view->half[i / SRBF_LANES], above, below);
+            sum = sum + srbf_x_load(view->number + SRBF_SLOTS + i) * each;
+            if (density) srbf_x_store(each, density + SRBF_SLOTS + i);
         }
     }
-    pdf = srbf_x4_sum(sum);
-    for (i = 0; i < mixture->facets; ++i) pdf += number[SRBF_FACET_SLOT + i] * srbf_facets_pdf(wl, wv, mixture->facet[i]);
+    pdf = srbf_x_sum(sum);
+    for (i = 0; i < 2; ++i) {
+        pdf += view->number[SRBF_COSINE_SLOT + i] * cosines[i];
+        if (density) density[SRBF_COSINE_SLOT + i] = cosines[i];
+    }
+    for (i = 0; i < view->mixture->facets; ++i) {
+        const float facets = srbf_facets_pdf(wl, view->wv, view->mixture->facet[i]);
+        pdf += view->number[SRBF_FACET_SLOT + i] * facets;
+        if (density) density[SRBF_FACET_SLOT + i] = facets;
+    }
     return pdf;
 }
 
-// A direction that the selector's component samples; z <= 0 if there is none.
-static srbf_vec3 srbf_mixture_sample(const srbf_mixture* mixture, const float* number, srbf_vec3 wv, float u1, float u2,
-                                     float selector) {
-    int slot, chosen = 0;
-    for (slot = 0; slot < SRBF_FACET_SLOT + 2; ++slot) {
-        if (number[slot] > 0.0f) chosen = slot;
-        if (selector < number[slot]) break;
-        selector -= number[slot];
-    }
-    if (chosen >= SRBF_FACET_SLOT) return srbf_sample_facets(wv, mixture->facet[chosen - SRBF_FACET_SLOT], u1, u2);
-    return srbf_sample_proposal_lobe(mixture->component[chosen], wv, srbf_stretch_along(wv, number[SRBF_STRETCH]),
-                                     number[SRBF_STRETCH + 1], u1, u2);
+static float srbf_lane(srbf_x x, int i) {
+    float all[SRBF_LANES];
+    srbf_x_store(x, all);
+    return all[i];
 }
-
+// A direction of a slot; z <= 0 if there is none.
+static srbf_vec3 srbf_slot_sample(const srbf_view* view, int slot, float u1, float u2) {
+    const srbf_vec3 v = view->wv, up = srbf_vec3_of(0.0f, 0.0f, 1.0f);
+    const int half = slot - SRBF_SLOTS, i = half / SRBF_LANES, lane = half % SRBF_LANES,
+              cosine = slot - SRBF_COSINE_SLOT;
+    if (cosine >= 0) return srbf_off_centre(up, srbf_below_power_cosine(1.0f / (float)(2 + cosine), u1), u2);
+    if (slot >= SRBF_FACET_SLOT) return srbf_sample_facets(v, view->mixture->facet[slot - SRBF_FACET_SLOT], u1, u2);
+    if (half >= 0) {
+        const srbf_x_ProposalLobe* lobe = &view->half[i];
+        const srbf_vec3 centre = srbf_vec3_of(srbf_lane(lobe->centre.x, lane), srbf_lane(lobe->centre.y, lane),
+                                              srbf_lane(lobe->centre.z, lane));
+        const srbf_vec3 h = srbf_sample_sharp_vmf(centre, srbf_lane(lobe->width, lane), 0.0f, u1, u2);
+        return srbf_reflected_up(
+            srbf_light_of(srbf_grown_along(h, v.x, v.y, srbf_lane(view->map.stretch_minus_1, 0)), v));
+    } else {
+        const float bandwidth = view->segment->bandwidth[slot], rest = expf(srbf_max(-2.0f * bandwidth, -60.0f));
+        return srbf_reflected_up(srbf_sample_sharp_vmf(srbf_vec3_of(-v.x, -v.y, v.z), 1.0f / bandwidth, rest, u1, u2));
+    }
+}
+// A direction of the slot that a selector chooses.
+static srbf_vec3 srbf_view_sample(const srbf_view* view, float u1, float u2, float selector) {
+    int slot, chosen = SRBF_COSINE_SLOT;
+    for (slot = 0; slot < SRBF_STRETCH; ++slot) {
+        if (view->number[slot] > 0.0f) chosen = slot;
+        if (selector < view->number[slot]) break;
+        selector -= view->number[slot];
+    }
+    return srbf_slot_sample(view, chosen, u1, u2);
+}

@@ -1,18 +1,24 @@
 // ---- Files ----
 
 #define SRBF_MOST_TENSORS 64
+#define SRBF_MOST 65504.0f  // the largest 16-bit float; infinities and NaNs are read as larger numbers
 
 typedef struct {
-    size_t name, name_length;  // where in the file
+    const unsigned char* text;
+    size_t length;
+} srbf_word;
+typedef struct {
+    srbf_word name;
     int is_half, rank, is_read;
-    size_t extent[4], count, begin, end;
+    size_t extent[4], count, begin;
 } srbf_tensor;
 
-// A file that is read: its tensors and metadata, the first error, and the caller's memory. Without memory, what is needed is
-// counted.
+// A file that is read: its header up to `end` and the place there, tensors, the first error, and the caller's memory.
+// Without memory, what is needed is counted.
 typedef struct {
     const unsigned char* bytes;
-    size_t size, at, header_end, metadata;
+    size_t size, at, end, metadata, number;
+    srbf_word word;
     srbf_error error;
     size_t error_at;
     int tensors;
@@ -24,6 +30,9 @@ typedef struct {
 static int srbf_fail(srbf_file* file, srbf_error error, size_t at) {
     if (file->error == SRBF_OK) file->error = error, file->error_at = at;
     return 0;
+}
+static int srbf_fail_at(srbf_file* file, srbf_error error, srbf_word word) {
+    return srbf_fail(file, error, (size_t)(word.text - file->bytes));
 }
 
 // The next `bytes` of the memory; null if it is too little or only counted.
@@ -37,208 +46,143 @@ static void* srbf_take(srbf_file* file, size_t bytes) {
     return 0;
 }
 
-// JSON, in the bytes of the header from file->at on.
-static int srbf_json_next(srbf_file* file) {
-    while (file->at < file->header_end && strchr(" \t\r\n", file->bytes[file->at]) && file->bytes[file->at]) ++file->at;
-    return file->at < file->header_end ? file->bytes[file->at] : -1;
-}
-static int srbf_json_accept(srbf_file* file, int sign) {
-    if (srbf_json_next(file) != sign) return 0;
+// The next token of the header: a bracket; '"' sets the word, without quotes; '0' sets the number; 0 at the end.
+static int srbf_token(srbf_file* file) {
+    const unsigned char* bytes = file->bytes;
+    int sign;
+    while (file->at < file->end && (bytes[file->at] <= ' ' || bytes[file->at] == ',' || bytes[file->at] == ':'))
+        ++file->at;
+    if (file->at >= file->end) return 0;
+    sign = bytes[file->at];
+    if (sign >= '0' && sign <= '9') {
+        for (file->number = 0; file->at < file->end && bytes[file->at] >= '0' && bytes[file->at] <= '9'; ++file->at) {
+            file->number = 10 * file->number + (size_t)(bytes[file->at] - '0');
+            if (file->number > file->size) return srbf_fail(file, SRBF_BAD_HEADER, file->at);
+        }
+        return '0';
+    }
     ++file->at;
-    return 1;
+    if (sign != '"') return sign;
+    file->word.text = bytes + file->at;
+    while (file->at < file->end && bytes[file->at] != '"') file->at += bytes[file->at] == '\\' ? 2 : 1;
+    if (file->at >= file->end) return srbf_fail(file, SRBF_BAD_HEADER, file->end);
+    file->word.length = (size_t)(bytes + file->at++ - file->word.text);
+    return '"';
 }
-static int srbf_json_expect(srbf_file* file, int sign) {
-    return srbf_json_accept(file, sign) || srbf_fail(file, SRBF_BAD_HEADER, file->at);
-}
-// The raw characters of a string, in which a backslash precedes those that stand for others.
-static int srbf_json_string(srbf_file* file, size_t* begin, size_t* length) {
-    if (!srbf_json_expect(file, '"')) return 0;
-    *begin = file->at;
-    for (; file->at < file->header_end && file->bytes[file->at] != '"'; ++file->at) {
-        if (file->bytes[file->at] < ' ') return srbf_fail(file, SRBF_BAD_HEADER, file->at);
-        if (file->bytes[file->at] == '\\') ++file->at;
-    }
-    if (file->at >= file->header_end) return srbf_fail(file, SRBF_BAD_HEADER, file->header_end);
-    *length = file->at++ - *begin;
-    return 1;
-}
-static int srbf_json_count(srbf_file* file, size_t* count) {
-    const size_t most = (size_t)-1 / 32;
-    int digits = 0;
-    *count = 0;
-    for (srbf_json_next(file); file->at < file->header_end && file->bytes[file->at] >= '0' && file->bytes[file->at] <= '9';
-         ++file->at, ++digits) {
-        *count = 10 * *count + (size_t)(file->bytes[file->at] - '0');
-        if (*count > most) return srbf_fail(file, SRBF_BAD_HEADER, file->at);
-    }
-    return digits > 0 || srbf_fail(file, SRBF_BAD_HEADER, file->at);
-}
-// A list of at most `most` counts.
-static int srbf_json_counts(srbf_file* file, size_t* counts, int most) {
-    int n = 0;
-    if (!srbf_json_expect(file, '[')) return 0;
-    if (srbf_json_accept(file, ']')) return 1;
-    do {
-        if (n == most) return srbf_fail(file, SRBF_BAD_HEADER, file->at) - 1;
-        if (!srbf_json_count(file, &counts[n++])) return 0;
-    } while (srbf_json_accept(file, ','));
-    return srbf_json_expect(file, ']') ? n + 1 : 0;
-}
-// True if the string at `begin` is the prefix followed by the name.
-static int srbf_is_named(const srbf_file* file, size_t begin, size_t length, const char* prefix, const char* name) {
+// True if a word is the prefix followed by the name.
+static int srbf_is(srbf_word word, const char* prefix, const char* name) {
     const size_t first = strlen(prefix), second = strlen(name);
-    return length == first + second && memcmp(file->bytes + begin, prefix, first) == 0 &&
-           memcmp(file->bytes + begin + first, name, second) == 0;
+    return word.length == first + second && memcmp(word.text, prefix, first) == 0 &&
+           memcmp(word.text + first, name, second) == 0;
 }
 
+// Reads the object of a tensor, after its brace.
 static int srbf_read_tensor(srbf_file* file, srbf_tensor* tensor) {
-    size_t key, length, word, word_length, ends[2];
-    int has_type = 0, listed = 0, i;
-    tensor->rank = -1;
-    if (!srbf_json_expect(file, '{')) return 0;
-    do {
-        if (!srbf_json_string(file, &key, &length) || !srbf_json_expect(file, ':')) return 0;
-        if (srbf_is_named(file, key, length, "", "dtype")) {
-            if (!srbf_json_string(file, &word, &word_length)) return 0;
-            tensor->is_half = srbf_is_named(file, word, word_length, "", "F16");
-            has_type = tensor->is_half || srbf_is_named(file, word, word_length, "", "U16");
-        } else if (srbf_is_named(file, key, length, "", "shape")) {
-            tensor->rank = srbf_json_counts(file, tensor->extent, 4) - 1;
-        } else if (srbf_is_named(file, key, length, "", "data_offsets")) {
-            listed = srbf_json_counts(file, ends, 2) - 1;
-        } else {
-            return srbf_fail(file, SRBF_BAD_HEADER, key);
-        }
-        if (file->error) return 0;
-    } while (srbf_json_accept(file, ','));
-    if (!srbf_json_expect(file, '}')) return 0;
-    if (!has_type || tensor->rank < 0 || listed != 2) return srbf_fail(file, SRBF_BAD_HEADER, tensor->name);
-    tensor->count = 1;
-    for (i = 0; i < tensor->rank; ++i) {
-        if (tensor->extent[i] == 0 || tensor->extent[i] > file->size / tensor->count)
-            return srbf_fail(file, SRBF_BAD_HEADER, tensor->name);
-        tensor->count *= tensor->extent[i];
+    size_t ends[4] = {1, 0, 0, 0};
+    int token, i;
+    tensor->name = file->word, tensor->rank = -1;
+    while ((token = srbf_token(file)) == '"') {
+        const srbf_word key = file->word;
+        const int is_shape = srbf_is(key, "", "shape");
+        token = srbf_token(file);
+        if (token == '"' && srbf_is(key, "", "dtype")) tensor->is_half = srbf_is(file->word, "", "F16");
+        if (token != '[') continue;
+        for (i = 0; (token = srbf_token(file)) == '0' && i < 4; ++i)
+            (is_shape ? tensor->extent : ends)[i] = file->number;
+        if (token != ']') break;
+        if (is_shape) tensor->rank = i;
     }
-    tensor->begin = ends[0], tensor->end = ends[1];
-    if (ends[1] > file->size - file->header_end || ends[0] > ends[1] || ends[1] - ends[0] != 2 * tensor->count)
-        return srbf_fail(file, SRBF_BAD_HEADER, tensor->name);
-    return 1;
+    tensor->count = 1;
+    for (i = 0; i < tensor->rank && tensor->count > 0; ++i)
+        tensor->count = tensor->extent[i] <= file->size / tensor->count ? tensor->count * tensor->extent[i] : 0;
+    tensor->begin = file->end + ends[0];
+    return (token == '}' && tensor->rank >= 0 && tensor->count > 0 && ends[0] <= ends[1] &&
+            ends[1] <= file->size - file->end && ends[1] - ends[0] == 2 * tensor->count) ||
+           srbf_fail_at(file, SRBF_BAD_HEADER, tensor->name);
 }
 static int srbf_read_header(srbf_file* file) {
-    size_t length = 0, covered, before;
-    int i;
+    size_t length = 0, covered = 0;
+    int i, token;
     if (file->size < 8) return srbf_fail(file, SRBF_NO_MODEL, file->size);
-    for (i = 8; i-- > 0;) {
-        if (length > (size_t)-1 / 256) return srbf_fail(file, SRBF_NO_MODEL, 0);
-        length = 256 * length + file->bytes[i];
-    }
+    for (i = 8; i-- > 0;) length = length > file->size ? length : 256 * length + file->bytes[i];
     if (length > file->size - 8 || length > (size_t)1 << 20) return srbf_fail(file, SRBF_NO_MODEL, 0);
-    file->at = 8, file->header_end = 8 + length;
-    if (srbf_json_next(file) != '{') return srbf_fail(file, SRBF_NO_MODEL, 8);
-    ++file->at;
-    do {
-        size_t name, name_length, text, text_length;
-        if (!srbf_json_string(file, &name, &name_length) || !srbf_json_expect(file, ':')) return 0;
-        if (srbf_is_named(file, name, name_length, "", "__metadata__")) {
-            file->metadata = file->at + 1;
-            if (!srbf_json_expect(file, '{')) return 0;
-            if (srbf_json_accept(file, '}')) continue;
-            do {
-                if (!srbf_json_string(file, &text, &text_length) || !srbf_json_expect(file, ':') ||
-                    !srbf_json_string(file, &text, &text_length))
-                    return 0;
-            } while (srbf_json_accept(file, ','));
-            if (!srbf_json_expect(file, '}')) return 0;
-            continue;
+    file->at = 8, file->end = 8 + length;
+    if (srbf_token(file) != '{') return srbf_fail(file, SRBF_NO_MODEL, 8);
+    while ((token = srbf_token(file)) == '"') {
+        const int is_metadata = srbf_is(file->word, "", "__metadata__");
+        if (srbf_token(file) != '{' || file->tensors == SRBF_MOST_TENSORS) break;
+        if (is_metadata) {
+            file->metadata = file->at;
+            while ((token = srbf_token(file)) == '"') {
+            }
+            if (token != '}') break;
+        } else if (srbf_read_tensor(file, &file->tensor[file->tensors])) {
+            covered += 2 * file->tensor[file->tensors++].count;
+        } else {
+            return 0;
         }
-        if (file->tensors == SRBF_MOST_TENSORS) return srbf_fail(file, SRBF_BAD_HEADER, name);
-        file->tensor[file->tensors].name = name, file->tensor[file->tensors].name_length = name_length;
-        if (!srbf_read_tensor(file, &file->tensor[file->tensors++])) return 0;
-    } while (srbf_json_accept(file, ','));
-    if (!srbf_json_expect(file, '}')) return 0;
-    if (srbf_json_next(file) != -1) return srbf_fail(file, SRBF_BAD_HEADER, file->at);
-    // Tensors follow one another without gap or overlap.
-    for (covered = 0; covered < file->size - file->header_end;) {
-        before = covered;
-        for (i = 0; i < file->tensors; ++i)
-            if (file->tensor[i].begin == before) covered = file->tensor[i].end;
-        if (covered == before) return srbf_fail(file, SRBF_BAD_HEADER, file->header_end + covered);
     }
-    return 1;
+    return (token == '}' && covered == file->size - file->end) || srbf_fail(file, SRBF_BAD_HEADER, file->at);
 }
 
-// The text of the metadata of this name; its length, or -1 if there is none.
-static int srbf_metadata(srbf_file* file, const char* prefix, const char* name, const char** text) {
-    size_t key, key_length, begin, length;
-    if (!file->metadata) return -1;
-    file->at = file->metadata;
-    if (srbf_json_next(file) != '{' && srbf_json_next(file) != '"') return -1;
-    srbf_json_accept(file, '{');
-    if (srbf_json_next(file) == '}') return -1;
-    do {
-        if (!srbf_json_string(file, &key, &key_length) || !srbf_json_expect(file, ':') ||
-            !srbf_json_string(file, &begin, &length))
-            return -1;
-        if (srbf_is_named(file, key, key_length, prefix, name)) {
-            *text = (const char*)file->bytes + begin;
-            return (int)length;
-        }
-    } while (srbf_json_accept(file, ','));
-    return -1;
+// Sets the word of the metadata of this name; 0 if there is none.
+static int srbf_metadata(srbf_file* file, const char* prefix, const char* name) {
+    int is_it = 0;
+    for (file->at = file->metadata; file->metadata && !is_it && srbf_token(file) == '"';) {
+        is_it = srbf_is(file->word, prefix, name);
+        if (srbf_token(file) != '"') return 0;
+    }
+    return is_it;
 }
 // The index of the metadata's word in a list that ends with null; -1 is an error.
-static int srbf_word(srbf_file* file, const char* prefix, const char* name, const char* const* words, srbf_error error) {
-    const char* text;
-    const int length = srbf_metadata(file, prefix, name, &text);
+static int srbf_choice(srbf_file* file, const char* prefix, const char* name, const char* const* words,
+                       srbf_error error) {
     int i;
-    for (i = 0; length >= 0 && words[i]; ++i)
-        if (strlen(words[i]) == (size_t)length && memcmp(words[i], text, (size_t)length) == 0) return i;
-    return srbf_fail(file, error, length < 0 ? 8 : (size_t)((const unsigned char*)text - file->bytes)) - 1;
+    if (!srbf_metadata(file, prefix, name)) return srbf_fail(file, error, 8) - 1;
+    for (i = 0; words[i]; ++i)
+        if (srbf_is(file->word, "", words[i])) return i;
+    return srbf_fail_at(file, error, file->word) - 1;
 }
 
 static srbf_tensor* srbf_find(srbf_file* file, const char* prefix, const char* name) {
     int i;
     for (i = 0; i < file->tensors; ++i)
-        if (srbf_is_named(file, file->tensor[i].name, file->tensor[i].name_length, prefix, name)) return &file->tensor[i];
+        if (srbf_is(file->tensor[i].name, prefix, name)) return &file->tensor[i];
     return 0;
 }
-static unsigned srbf_half_bits(const srbf_file* file, const srbf_tensor* tensor, size_t i) {
-    const unsigned char* at = file->bytes + file->header_end + tensor->begin + 2 * i;
-    return at[0] | (unsigned)at[1] << 8;
-}
 static float srbf_number(const srbf_file* file, const srbf_tensor* tensor, size_t i) {
-    const unsigned half = srbf_half_bits(file, tensor, i), exponent = half >> 10 & 31;
-    unsigned bits = (half & 0x8000u) << 16 | (half & 0x7fffu) << 13;
+    const unsigned char* at = file->bytes + tensor->begin + 2 * i;
+    const unsigned half = at[0] | (unsigned)at[1] << 8;
+    const unsigned bits = ((half & 0x8000u) << 16 | (half & 0x7fffu) << 13) + (112u << 23);
     float x;
-    if (exponent == 0) return (half & 0x8000u ? -1.0f : 1.0f) * (float)(half & 0x3ffu) * 5.9604645e-8f;
-    bits += (127u - 15u) << 23;
+    if ((half >> 10 & 31) == 0) return (half & 0x8000u ? -1.0f : 1.0f) * (float)(half & 0x3ffu) * 5.9604645e-8f;
     memcpy(&x, &bits, sizeof x);
     return x;
 }
-// The tensor of this name and shape, all of whose numbers are between the bounds.
-static srbf_tensor* srbf_need(srbf_file* file, const char* prefix, const char* name, size_t a, size_t b, size_t c, float least,
-                              float most) {
+// The tensor of this name and shape, all of whose numbers are between the bounds; null is an error.
+static srbf_tensor* srbf_need(srbf_file* file, const char* prefix, const char* name, size_t a, size_t b, size_t c,
+                              float least, float most) {
     srbf_tensor* tensor = srbf_find(file, prefix, name);
     const size_t extent[3] = {a, b, c};
     const int rank = c ? 3 : b ? 2 : 1;
     size_t i;
-    if (!tensor) return srbf_fail(file, SRBF_BAD_TENSOR, 8), (srbf_tensor*)0;
-    if (tensor->rank != rank || !tensor->is_half || memcmp(tensor->extent, extent, (size_t)rank * sizeof *extent) != 0)
-        return srbf_fail(file, SRBF_BAD_TENSOR, tensor->name), (srbf_tensor*)0;
+    if (!tensor || tensor->rank != rank || !tensor->is_half ||
+        memcmp(tensor->extent, extent, (size_t)rank * sizeof *extent) != 0)
+        return srbf_fail(file, SRBF_BAD_TENSOR, tensor ? (size_t)(tensor->name.text - file->bytes) : 8),
+               (srbf_tensor*)0;
     for (i = 0; i < tensor->count; ++i) {
         const float x = srbf_number(file, tensor, i);
-        if ((srbf_half_bits(file, tensor, i) >> 10 & 31) == 31 || !(x >= least && x <= most))
-            return srbf_fail(file, SRBF_BAD_NUMBER, file->header_end + tensor->begin + 2 * i), (srbf_tensor*)0;
+        if (!(x >= least && x <= most)) return srbf_fail(file, SRBF_BAD_NUMBER, tensor->begin + 2 * i), (srbf_tensor*)0;
     }
     tensor->is_read = 1;
     return tensor;
 }
-// The shape [a, b] of the bandwidths, which determines that of the other tensors.
-static int srbf_shape(srbf_file* file, const char* prefix, size_t* a, size_t* b, size_t least, size_t most_a, size_t most_b) {
-    const srbf_tensor* tensor = srbf_find(file, prefix, "bandwidth");
+// The shape of a tensor of a rank that determines the shapes of others, each extent at most so large.
+static int srbf_shape(srbf_file* file, const char* prefix, const char* name, size_t* a, size_t* b, size_t most_a,
+                      size_t most_b) {
+    const srbf_tensor* tensor = srbf_find(file, prefix, name);
     if (!tensor) return srbf_fail(file, SRBF_BAD_TENSOR, 8);
     *a = tensor->extent[0], *b = tensor->extent[1];
-    if (tensor->rank == 2 && *a >= least && *a <= most_a && *b <= most_b) return 1;
-    return srbf_fail(file, SRBF_BAD_TENSOR, tensor->name);
+    if (tensor->rank == (most_b ? 2 : 1) && *a <= most_a && *b <= most_b) return 1;
+    return srbf_fail_at(file, SRBF_BAD_TENSOR, tensor->name);
 }
-

@@ -1,20 +1,19 @@
 // ---- The functions of the interface ----
 
 static int srbf_read_beam(srbf_file* file, const char* prefix, srbf_beam* beam) {
-    const srbf_tensor *angle = srbf_find(file, prefix, "angle"), *azimuths = srbf_find(file, prefix, "azimuths");
-    const srbf_tensor* share = srbf_find(file, prefix, "share");
-    size_t rings, nodes, i, channels;
+    const srbf_tensor *angle, *azimuths = srbf_find(file, prefix, "azimuths"),
+                              *share = srbf_find(file, prefix, "share");
+    size_t rings, none, nodes = 0, i, channels;
     float* number;
-    if (!angle) return 1;
-    if (angle->rank != 1 || angle->extent[0] > 256) return srbf_fail(file, SRBF_BAD_TENSOR, angle->name);
-    rings = nodes = angle->extent[0];
+    if (!srbf_find(file, prefix, "angle")) return 1;
+    if (!srbf_shape(file, prefix, "angle", &rings, &none, 256, 0)) return 0;
     angle = srbf_need(file, prefix, "angle", rings, 0, 0, 0.0f, 1.5713f);
     if (azimuths) azimuths = srbf_need(file, prefix, "azimuths", rings, 0, 0, 1.0f, 2048.0f);
     if (file->error) return 0;
-    for (i = nodes = 0; i < rings; ++i) {
+    for (i = 0; i < rings; ++i) {
         const float n = azimuths ? srbf_number(file, azimuths, i) : 1.0f;
         if (n != floorf(n) || (i > 0 && !(srbf_number(file, angle, i) > srbf_number(file, angle, i - 1))))
-            return srbf_fail(file, SRBF_BAD_NUMBER, file->header_end + angle->begin + 2 * i);
+            return srbf_fail(file, SRBF_BAD_NUMBER, angle->begin + 2 * i);
         nodes += (size_t)n;
     }
     channels = azimuths && share && share->rank == 2 && share->extent[1] == 1 ? 1 : 3;
@@ -24,30 +23,37 @@ static int srbf_read_beam(srbf_file* file, const char* prefix, srbf_beam* beam) 
     if (!number) return !file->error;
     beam->rings = (int)rings, beam->nodes = (int)nodes, beam->theta = number, beam->azimuths = number + rings;
     beam->share = number + 2 * rings;
-    for (i = 0; i < rings; ++i) number[i] = srbf_number(file, angle, i);
-    for (i = 0; i < rings; ++i) number[rings + i] = azimuths ? srbf_number(file, azimuths, i) : 1.0f;
-    for (i = 0; i < 3 * nodes; ++i)
-        number[2 * rings + i] = srbf_number(file, share, channels == 3 ? i : i / 3);
+    for (i = 0; i < rings; ++i) {
+        number[i] = srbf_number(file, angle, i);
+        number[rings + i] = azimuths ? srbf_number(file, azimuths, i) : 1.0f;
+    }
+    for (i = 0; i < 3 * nodes; ++i) number[2 * rings + i] = srbf_number(file, share, channels == 3 ? i : i / 3);
     return 1;
 }
 
+// True if a tensor is a table for shaders, whose names begin with "aux.", also in parts.
+static int srbf_is_auxiliary(srbf_word name) {
+    size_t i;
+    for (i = 0; i + 4 <= name.length; ++i)
+        if (memcmp(name.text + i, "aux.", 4) == 0 && (i == 0 || name.text[i - 1] == '.')) return 1;
+    return 0;
+}
 static srbf_brdf* srbf_read(srbf_file* file) {
     static const char* const versions[] = {"1", 0};
-    static const char* const parts[] = {"reflection_front.", "reflection_back.", "transmission_front.", "transmission_back."};
+    static const char* const parts[] = {"reflection_front.", "reflection_back.", "transmission_front.",
+                                        "transmission_back."};
     static const char* const beams[] = {"beam.reflection_front.", "beam.reflection_back.", "beam.transmission.",
                                         "beam.transmission_back."};
-    const char* text = 0;
     srbf_model own[4];
     srbf_brdf result, *brdf;
     int p, i;
-    memset(&result, 0, sizeof result);
-    memset(own, 0, sizeof own);
-    if (!srbf_read_header(file) || srbf_word(file, "", "srbf", versions, SRBF_OTHER_VERSION) < 0) return 0;
-    result.is_two_sided = srbf_metadata(file, "", "model", &text) == 4 && memcmp(text, "bsdf", 4) == 0;
+    memset(&result, 0, sizeof result), memset(own, 0, sizeof own);
+    if (!srbf_read_header(file) || srbf_choice(file, "", "srbf", versions, SRBF_OTHER_VERSION) < 0) return 0;
+    result.is_two_sided = srbf_metadata(file, "", "model") && srbf_is(file->word, "", "bsdf");
     brdf = (srbf_brdf*)srbf_take(file, sizeof *brdf);
     for (p = 0; p < 4; ++p) {
         srbf_model* model;
-        if (result.is_two_sided ? srbf_metadata(file, parts[p], "model", &text) < 0 : p > 0) continue;
+        if (result.is_two_sided ? !srbf_metadata(file, parts[p], "model") : p > 0) continue;
         if (!srbf_read_model(file, result.is_two_sided ? parts[p] : "", &own[p])) return 0;
         model = (srbf_model*)srbf_take(file, sizeof *model);
         if (model) *model = own[p];
@@ -55,45 +61,40 @@ static srbf_brdf* srbf_read(srbf_file* file) {
     }
     for (p = 0; p < 4 && result.is_two_sided; ++p)
         if (!srbf_read_beam(file, beams[p], &result.beam[p])) return 0;
-    for (i = 0; i < file->tensors; ++i) {  // a shader's tables begin with "aux.", also in parts
-        const srbf_tensor* of = &file->tensor[i];
-        size_t at = of->name;
-        for (p = 0; p < 4 && result.is_two_sided; ++p)
-            if (of->name_length > strlen(parts[p]) && memcmp(file->bytes + at, parts[p], strlen(parts[p])) == 0)
-                at += strlen(parts[p]);
-        if (!of->is_read && (of->name_length < 4 || memcmp(file->bytes + at, "aux.", 4) != 0))
-            return srbf_fail(file, SRBF_BAD_TENSOR, of->name), (srbf_brdf*)0;
-    }
+    for (i = 0; i < file->tensors; ++i)
+        if (!file->tensor[i].is_read && !srbf_is_auxiliary(file->tensor[i].name))
+            return srbf_fail_at(file, SRBF_BAD_TENSOR, file->tensor[i].name), (srbf_brdf*)0;
     for (p = 0; p < 4; ++p) {  // a part without a model is answered by its counterpart, a transmission by reciprocity
-        const srbf_part* other = &result.part[p ^ 1];
-        if (result.part[p].model && !result.part[p].mixture)
-            result.part[p].mixture = (srbf_mixture*)srbf_take(file, sizeof(srbf_mixture));
-        if (!result.is_two_sided || result.part[p].model || !other->model) continue;
-        result.part[p].model = other->model, result.part[p].is_exchanged = p >= 2;
-        if (p >= 2) result.part[p].mixture = (srbf_mixture*)srbf_take(file, sizeof(srbf_mixture));
+        srbf_part* part = &result.part[p];
+        const int is_missing = !part->model;
+        if (is_missing && result.is_two_sided && result.part[p ^ 1].model)
+            part->model = result.part[p ^ 1].model, part->is_exchanged = p >= 2;
+        if (part->model && !(is_missing && p == 1))
+            part->mixture = (srbf_mixture*)srbf_take(file, sizeof *part->mixture);
+        if (part->mixture) srbf_reset(part->mixture);
     }
-    for (p = 0; p < 2; ++p)
-        if (!result.part[p].mixture) result.part[p].mixture = result.part[p ^ 1].mixture;
+    if (!result.part[1].mixture) result.part[1].mixture = result.part[0].mixture;
     result.scratch = (float*)srbf_take(file, sizeof(srbf_points));
     if (!brdf || file->error) return 0;
-    for (p = 0; p < 4; ++p)
-        if (result.part[p].mixture) srbf_reset(result.part[p].mixture);
     *brdf = result;
     return brdf;
 }
 
+static void srbf_begin(srbf_file* file, const void* bytes, size_t size) {
+    memset(file, 0, sizeof *file);
+    file->bytes = (const unsigned char*)bytes, file->size = size;
+}
 size_t srbf_memory_needed(const void* bytes, size_t size) {
     srbf_file file;
-    memset(&file, 0, sizeof file);
-    file.bytes = (const unsigned char*)bytes, file.size = size;
+    srbf_begin(&file, bytes, size);
     srbf_read(&file);
     return file.error ? 0 : file.used + 16;
 }
 srbf_error srbf_open(const void* bytes, size_t size, void* memory, size_t capacity, srbf_brdf** brdf, size_t* offset) {
-    const size_t unaligned = (size_t)memory % 16 ? 16 - (size_t)memory % 16 : 0;
+    const size_t unaligned = (16 - (size_t)memory % 16) % 16;
     srbf_file file;
-    memset(&file, 0, sizeof file);
-    file.bytes = (const unsigned char*)bytes, file.size = size, *brdf = 0;
+    srbf_begin(&file, bytes, size);
+    *brdf = 0;
     if (memory && capacity >= unaligned) {
         file.memory = (char*)memory + unaligned, file.capacity = capacity - unaligned;
         *brdf = srbf_read(&file);
@@ -187,7 +188,8 @@ static srbf_chances srbf_chances_of(const srbf_brdf* brdf, srbf_vec3 v, int is_b
         sum += of.chance[2 * k] + of.chance[2 * k + 1];
     }
     for (k = 0; k < 2; ++k) {
-        if (brdf->part[of.part[k]].model) of.chance[2 * k] = srbf_max(of.chance[2 * k], sum > 0.0f ? 1.0e-3f * sum : 1.0f);
+        if (brdf->part[of.part[k]].model)
+            of.chance[2 * k] = srbf_max(of.chance[2 * k], sum > 0.0f ? 1.0e-3f * sum : 1.0f);
         total += of.chance[2 * k] + of.chance[2 * k + 1];
     }
     for (k = 0; k < 4 && total > 0.0f; ++k) of.chance[k] /= total;
@@ -222,26 +224,26 @@ void srbf_sample(const srbf_brdf* brdf, const float wv[3], const float u[3], srb
         return;
     }
 }
+// The density of a part's pair, whose view is at the back.
+static float srbf_part_pdf(const srbf_brdf* brdf, int part, srbf_vec3 l, srbf_vec3 v, int is_back) {
+    const float chance = brdf->is_two_sided ? srbf_chances_of(brdf, v, is_back).chance[part & 2] : 1.0f;
+    srbf_view view;
+    srbf_view_of(&view, brdf->part[part].mixture, v);
+    return chance * srbf_view_pdf(&view, l, 0);
+}
 float srbf_value_pdf(const srbf_brdf* brdf, const float wl[3], const float wv[3], float rgb[3]) {
     srbf_vec3 l, v, f;
-    float number[SRBF_NUMBERS];
     const int part = srbf_part_of(brdf, wl, wv, &l, &v);
     rgb[0] = rgb[1] = rgb[2] = 0.0f;
     if (part < 0) return 0.0f;
     f = srbf_part_value(&brdf->part[part], l, v);
     rgb[0] = f.x, rgb[1] = f.y, rgb[2] = f.z;
-    srbf_at_view(brdf->part[part].mixture, v.z, number);
-    return srbf_chances_of(brdf, v, wv[2] < 0.0f).chance[part & 2] *
-           srbf_mixture_pdf(brdf->part[part].mixture, number, l, v);
+    return srbf_part_pdf(brdf, part, l, v, wv[2] < 0.0f);
 }
 float srbf_pdf(const srbf_brdf* brdf, const float wl[3], const float wv[3]) {
     srbf_vec3 l, v;
-    float number[SRBF_NUMBERS];
     const int part = srbf_part_of(brdf, wl, wv, &l, &v);
-    if (part < 0) return 0.0f;
-    srbf_at_view(brdf->part[part].mixture, v.z, number);
-    return srbf_chances_of(brdf, v, wv[2] < 0.0f).chance[part & 2] *
-           srbf_mixture_pdf(brdf->part[part].mixture, number, l, v);
+    return part < 0 ? 0.0f : srbf_part_pdf(brdf, part, l, v, wv[2] < 0.0f);
 }
 void srbf_albedo(const srbf_brdf* brdf, float cosine, float rgb[3]) {
     const srbf_part* part = &brdf->part[cosine < 0.0f];

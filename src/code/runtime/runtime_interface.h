@@ -1,5 +1,6 @@
-// srbf_runtime.h: loads a model file of srbf (.srbf) and evaluates it, in C99 and C++. It needs <math.h> and <string.h>,
-// allocates nothing, reads no file, and has no variables. Printed by srbf; the text is under the MIT License.
+// srbf_runtime.h: loads a model file of srbf (.srbf) and evaluates it, in C99 and C++. It needs <math.h> and
+// <string.h>, allocates nothing, reads no file, and has no variables. Printed by srbf; the text is under the MIT
+// License.
 //
 // One source file of the program defines SRBF_RUNTIME_IMPLEMENTATION before it includes this header.
 //
@@ -9,8 +10,8 @@
 //       srbf_value(brdf, wl, wv, rgb);
 //   }
 //
-// Directions are unit vectors (x, y, z) in the local frame, whose z is the shading normal; wl points to the light, wv to the
-// viewer. Lengths are not checked. Colours are R, G, B in linear sRGB.
+// Directions are unit vectors (x, y, z) in the local frame, whose z is the shading normal; wl points to the light, wv
+// to the viewer. Lengths are not checked. Colours are R, G, B in linear sRGB.
 #ifndef SRBF_RUNTIME_H
 #define SRBF_RUNTIME_H
 
@@ -22,28 +23,29 @@ extern "C" {
 
 typedef enum srbf_error {
     SRBF_OK,
-    SRBF_NO_MODEL,         // the bytes do not begin as a model file does, or end within its header
-    SRBF_BAD_HEADER,       // not the JSON of a header, or numbers that do not fill the file
-    SRBF_OTHER_VERSION,    // a file of another version
-    SRBF_OTHER_KIND,       // a kind of model that is not known here, or a file of several models
-    SRBF_BAD_METADATA,     // a word that is missing, or is none of the format's
-    SRBF_BAD_TENSOR,       // a tensor that is missing, of another shape, or unknown
-    SRBF_BAD_NUMBER,       // a number out of its range
+    SRBF_NO_MODEL,       // the bytes do not begin as a model file does, or end within its header
+    SRBF_BAD_HEADER,     // a malformed header, or tensors that do not fill the file
+    SRBF_OTHER_VERSION,  // a file of another version
+    SRBF_OTHER_KIND,     // a kind of model that is not known here, or a file of several models
+    SRBF_BAD_METADATA,   // a word that is missing, or is none of the format's
+    SRBF_BAD_TENSOR,     // a tensor that is missing, of another shape, or unknown
+    SRBF_BAD_NUMBER,     // a number out of its range
     SRBF_TOO_LITTLE_MEMORY
 } srbf_error;
 
 typedef struct srbf_brdf srbf_brdf;
 
-// The memory that srbf_open needs for this file, about 150 kB and 16 bytes for each byte of a file at most; 0 if the file
-// cannot be opened.
+// The memory that srbf_open needs for this file, about 150 kB and 16 bytes for each byte of a file at most; 0 if the
+// file cannot be opened.
 size_t srbf_memory_needed(const void* bytes, size_t size);
 
-// Reads a model file in the caller's memory, of any alignment; *brdf lies there. The bytes are not needed afterwards. In case
-// of an error, *offset (unless offset is null) is where in the file it is.
+// Reads a model file in the caller's memory, of any alignment; *brdf lies there. The bytes are not needed afterwards.
+// In case of an error, *offset (unless offset is null) is where in the file it is.
 srbf_error srbf_open(const void* bytes, size_t size, void* memory, size_t capacity, srbf_brdf** brdf, size_t* offset);
 
-// Computes the densities that samples are drawn from, and the directional albedos: tens of milliseconds for each side of a
-// surface. Before it, samples are drawn by the cosine, and albedos are 0. Afterwards, several threads may use a model.
+// Computes the densities that samples are drawn from, and the directional albedos: about 0.2 s for each side
+// of a surface. Before it, samples are drawn by the cosine, and albedos are 0. Afterwards, several threads may use a
+// model.
 void srbf_prepare(srbf_brdf* brdf);
 
 // 1 for a two-sided surface, for which z < 0 is the back. Other models are 0 where a z is not above 0.
@@ -62,7 +64,8 @@ typedef struct srbf_light {
     int is_beam;      // light that a two-sided surface does not scatter
 } srbf_light;
 
-// Samples a direction to the light from three independent numbers, uniform in [0, 1): a point, and the selector of a lobe.
+// Samples a direction to the light from three independent numbers, uniform in [0, 1): a point, and the selector of a
+// lobe.
 void srbf_sample(const srbf_brdf* brdf, const float wv[3], const float u[3], srbf_light* light);
 // The density of srbf_sample [1/sr], 0 where srbf_value is 0 by its directions.
 float srbf_pdf(const srbf_brdf* brdf, const float wl[3], const float wv[3]);
@@ -70,8 +73,8 @@ float srbf_pdf(const srbf_brdf* brdf, const float wl[3], const float wv[3]);
 float srbf_value_pdf(const srbf_brdf* brdf, const float wl[3], const float wv[3], float rgb[3]);
 
 // The share of the light that is reflected to a view at this cosine to the normal, as the mean over four azimuths:
-// ∫ f(wl, wv) cos(theta_l) dwl, estimated by samples. It is within about 3 %, and rough where it depends on the azimuth.
-// Cosines below 0 are at the back.
+// ∫ f(wl, wv) cos(theta_l) dwl, estimated by samples. It is within about 3 %, and rough where it depends on the
+// azimuth. Cosines below 0 are at the back.
 void srbf_albedo(const srbf_brdf* brdf, float cosine, float rgb[3]);
 
 #ifdef __cplusplus
@@ -82,4 +85,3 @@ void srbf_albedo(const srbf_brdf* brdf, float cosine, float rgb[3]);
 
 #if defined SRBF_RUNTIME_IMPLEMENTATION && !defined SRBF_RUNTIME_IMPLEMENTED
 #define SRBF_RUNTIME_IMPLEMENTED
-

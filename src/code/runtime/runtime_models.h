@@ -13,101 +13,80 @@ typedef struct {
     srbf_OpenPbrAnisotropy anisotropy;
 } srbf_model;
 
-#define SRBF_MOST 65504.0f
+static const char* const srbf_truths[] = {"true", "false", 0};
 
 static srbf_vec3 srbf_spherical(float theta, float phi) {
     return srbf_vec3_of(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta));
 }
+static srbf_vec3 srbf_numbers(const srbf_file* file, const srbf_tensor* tensor, size_t i) {
+    return srbf_vec3_of(srbf_number(file, tensor, i), srbf_number(file, tensor, i + 1),
+                        srbf_number(file, tensor, i + 2));
+}
 
 // The next number of a text of wavelengths [nm], which blanks separate; 0 if there is none or it is malformed.
-static float srbf_wavelength(const char** text, const char* end) {
-    double x = 0, unit = 1;
-    int digits = 0;
+static float srbf_wavelength(const unsigned char** text, const unsigned char* end) {
+    float x = 0.0f, unit = 0.0f;
     while (*text < end && **text == ' ') ++*text;
-    for (; *text < end && **text >= '0' && **text <= '9' && digits < 9; ++*text, ++digits) x = 10 * x + (**text - '0');
-    if (*text < end && **text == '.')
-        for (++*text; *text < end && **text >= '0' && **text <= '9' && digits < 18; ++*text, ++digits)
-            x = 10 * x + (**text - '0'), unit *= 10;
-    return digits > 0 && (*text == end || **text == ' ') ? (float)(x / unit) : 0.0f;
-}
-// R, G, B of white light at a whole wavelength between the rows of srbf_observer, which are 5 nm apart.
-static float srbf_observed(int nm, int channel) {
-    const int i = (nm - 360) / 5, k = 3 * (i < 93 ? i : 93) + channel;
-    const float share = (float)(nm - 360 - 5 * (i < 93 ? i : 93)) / 5.0f;
-    return srbf_observer(k) + share * (srbf_observer(k + 3) - srbf_observer(k));
-}
-// Adds to colours (of row, three numbers each, `step` apart) the spectra of `lobes` lobes.
-static int srbf_colours(srbf_file* file, const srbf_tensor* spectra, const char* text, const char* end, float* rgb,
-                        int (*place)(int, int, int), int rows) {
-    const int count = (int)spectra->extent[1], lobes = (int)spectra->extent[0];
-    float before = 0.0f, at = srbf_wavelength(&text, end);
-    int i, nm, j, c;
-    for (i = 0; i < count; ++i) {
-        const float after = i + 1 < count ? srbf_wavelength(&text, end) : 0.0f;
-        if (!(at >= 100.0f && at <= 1.0e5f) || (i > 0 && !(at > before)))
-            return srbf_fail(file, SRBF_BAD_METADATA, (size_t)((const unsigned char*)text - file->bytes));
-        // The spectrum is linear between samples: this one counts by a hat function, constant beyond the first and the last.
-        for (c = 0; c < 3; ++c) {
-            double weight = 0;
-            for (nm = 360; nm <= 830; ++nm) {
-                const float x = (float)nm;
-                const float neighbour = x < at ? before : after;
-                const int is_end = x < at ? i == 0 : i + 1 == count;
-                const float hat = is_end ? 1.0f : 1.0f - (x - at) / (neighbour - at);
-                if (hat > 0.0f) weight += (double)hat * (double)srbf_observed(nm, c);
-            }
-            for (j = 0; j < lobes; ++j)
-                rgb[place(j, 1 + c, rows)] +=
-                    (float)weight * srbf_number(file, spectra, (size_t)j * (size_t)count + (size_t)i);
+    for (; *text < end && **text != ' '; ++*text) {
+        if (**text == '.' && unit == 0.0f) {
+            unit = 1.0f;
+        } else {
+            if (**text < '0' || **text > '9' || x > 1.0e9f) return 0.0f;
+            x = 10.0f * x + (float)(**text - '0'), unit *= 10.0f;
         }
-        before = at, at = after;
     }
-    srbf_wavelength(&text, end);
-    return text == end || srbf_fail(file, SRBF_BAD_METADATA, 8);
+    return x / srbf_max(unit, 1.0f);
 }
-
 // The place of a number of lobe j among the rows of its group.
 static int srbf_place(int j, int row, int rows) { return (j / SRBF_LANES * rows + row) * SRBF_LANES + j % SRBF_LANES; }
 
-// The row of a variate's falloff.
-static int srbf_variate_row(const srbf_lobes* pm, int n) { return 4 + pm->features + (pm->axial ? 2 : 4) * n; }
-
-// The falloff and the centre of variate n of lobe j; `centre` is null if the model is axial.
-static void srbf_read_variate(const srbf_file* file, const srbf_lobes* pm, const srbf_tensor* bandwidth,
-                              const srbf_tensor* centre, int j, int n, float* number) {
-    const float half_log2_e = 0.5f * 1.44269504f;
-    const size_t i = (size_t)(j * pm->variates + n);
-    const int row = srbf_variate_row(pm, n);
-    number[srbf_place(j, row, pm->rows)] = half_log2_e * fabsf(srbf_number(file, bandwidth, i));
-    if (centre) {
-        const srbf_vec3 xi = srbf_spherical(srbf_number(file, centre, 2 * i), srbf_number(file, centre, 2 * i + 1));
-        number[srbf_place(j, row + 1, pm->rows)] = xi.x, number[srbf_place(j, row + 2, pm->rows)] = xi.y;
-        number[srbf_place(j, row + 3, pm->rows)] = xi.z;
-    } else {
-        number[srbf_place(j, row + 1, pm->rows)] = srbf_half_bits(file, bandwidth, i) >> 15 ? -1.0f : 1.0f;
+// Adds to the colours of lobes their spectra, which are linear between the wavelengths of a text: a sample counts by a
+// hat function, which is constant beyond the first and the last. R, G, B of white light are linear between rows of
+// srbf_observer.
+static int srbf_add_spectra(srbf_file* file, const srbf_tensor* spectra, srbf_word text, float* rgb, int rows) {
+    const size_t count = spectra->extent[1];
+    const unsigned char* end = text.text + text.length;
+    float before = 0.0f, at = srbf_wavelength(&text.text, end), after;
+    size_t i, j;
+    int nm, c;
+    for (i = 0; i < count; ++i, before = at, at = after) {
+        double weight[3] = {0, 0, 0};
+        after = i + 1 < count ? srbf_wavelength(&text.text, end) : 0.0f;
+        if (!(at >= 100.0f && at <= 1.0e5f && (i == 0 || at > before))) break;
+        for (nm = SRBF_FIRST_NM; nm <= SRBF_LAST_NM; ++nm) {
+            const float x = (float)nm, share = (float)((nm - SRBF_FIRST_NM) % 5) / 5.0f;
+            const int row = 3 * ((nm - SRBF_FIRST_NM) / 5), next = nm < SRBF_LAST_NM ? row + 3 : row;
+            const int is_constant = x < at ? i == 0 : i + 1 == count;
+            const float hat = is_constant ? 1.0f : 1.0f - (x - at) / ((x < at ? before : after) - at);
+            for (c = 0; c < 3 && hat > 0.0f; ++c)
+                weight[c] +=
+                    (double)(hat * ((1.0f - share) * srbf_observer(row + c) + share * srbf_observer(next + c)));
+        }
+        for (j = 0; j < spectra->extent[0]; ++j)
+            for (c = 0; c < 3; ++c)
+                rgb[srbf_place((int)j, 1 + c, rows)] += (float)weight[c] * srbf_number(file, spectra, j * count + i);
     }
+    return (i == count && srbf_wavelength(&text.text, end) == 0.0f && text.text == end) ||
+           srbf_fail_at(file, SRBF_BAD_METADATA, text);
 }
+
+// The row of a variate's numbers.
+SRBF_FN int srbf_variate_row(const srbf_lobes* pm, int n) { return 4 + pm->features + (pm->axial ? 2 : 4) * n; }
 
 static int srbf_read_pm(srbf_file* file, const char* prefix, srbf_model* model) {
     static const char* const forms[] = {"source", "horizon", "extended", "reciprocal", 0};
-    static const char* const truths[] = {"true", "false", 0};
     const float log2_e = 1.44269504f;
-    const int form = srbf_word(file, prefix, "form", forms, SRBF_BAD_METADATA);
-    const int axial = srbf_word(file, prefix, "axial", truths, SRBF_BAD_METADATA) == 0;
-    const char* waves = 0;
-    const int waves_length = srbf_metadata(file, prefix, "wavelengths", &waves);
+    const int form = srbf_choice(file, prefix, "form", forms, SRBF_BAD_METADATA);
+    const int axial = srbf_choice(file, prefix, "axial", srbf_truths, SRBF_BAD_METADATA) == 0;
+    const int is_spectral = srbf_metadata(file, prefix, "wavelengths");
+    const srbf_word waves = file->word;
     const srbf_tensor *coefficient, *bandwidth, *parameterization, *scale = 0, *centre = 0, *exponent = 0;
-    srbf_lobes pm;
-    size_t lobes, variates, features, channels = 3;
-    int j, n, k;
+    srbf_lobes* pm = &model->pm;
+    size_t lobes, variates, features, channels = 3, j, n, k;
     float* number;
-    if (file->error || !srbf_shape(file, prefix, &lobes, &variates, 1, 1024, SRBF_MOST_VARIATES)) return 0;
+    if (file->error || !srbf_shape(file, prefix, "bandwidth", &lobes, &variates, 1024, SRBF_MOST_VARIATES)) return 0;
+    if (is_spectral && !srbf_shape(file, prefix, "coefficient", &lobes, &channels, 1024, 4096)) return 0;
     features = form == 0 ? 0 : form == 1 ? 1 : 4;
-    if (waves_length >= 0) {
-        const srbf_tensor* spectra = srbf_find(file, prefix, "coefficient");
-        if (!spectra || spectra->rank != 2 || spectra->extent[1] > 4096) return srbf_fail(file, SRBF_BAD_TENSOR, 8);
-        channels = spectra->extent[1];
-    }
     coefficient = srbf_need(file, prefix, "coefficient", lobes, channels, 0, 0.0f, SRBF_MOST);
     bandwidth = srbf_need(file, prefix, "bandwidth", lobes, variates, 0, axial ? -SRBF_MOST : 0.0f, SRBF_MOST);
     parameterization = srbf_need(file, prefix, "parameterization", variates, 2, 0, -SRBF_MOST, SRBF_MOST);
@@ -116,31 +95,38 @@ static int srbf_read_pm(srbf_file* file, const char* prefix, srbf_model* model) 
     if (!axial) centre = srbf_need(file, prefix, "centre", lobes, variates, 2, -SRBF_MOST, SRBF_MOST);
     if (features) exponent = srbf_need(file, prefix, "exponent", lobes, features, 0, -SRBF_MOST, SRBF_MOST);
     if (file->error) return 0;
-    memset(&pm, 0, sizeof pm);
-    pm.groups = ((int)lobes + SRBF_LANES - 1) / SRBF_LANES, pm.variates = (int)variates, pm.features = (int)features;
-    pm.axial = axial, pm.reciprocal = form == 3, pm.rows = srbf_variate_row(&pm, pm.variates);
-    for (n = 0; n < pm.variates; ++n) {
-        pm.weight_l[n] = srbf_number(file, parameterization, (size_t)(2 * n));
-        pm.weight_v[n] = srbf_number(file, parameterization, (size_t)(2 * n + 1));
-        if (pm.weight_l[n] == 0.0f && pm.weight_v[n] == 0.0f)
-            return srbf_fail(file, SRBF_BAD_NUMBER, file->header_end + parameterization->begin);
+    pm->groups = ((int)lobes + SRBF_LANES - 1) / SRBF_LANES, pm->variates = (int)variates, pm->features = (int)features;
+    pm->axial = axial, pm->reciprocal = form == 3, pm->rows = srbf_variate_row(pm, pm->variates);
+    for (n = 0; n < variates; ++n) {
+        pm->weight_l[n] = srbf_number(file, parameterization, 2 * n);
+        pm->weight_v[n] = srbf_number(file, parameterization, 2 * n + 1);
+        if (pm->weight_l[n] == 0.0f && pm->weight_v[n] == 0.0f)
+            return srbf_fail(file, SRBF_BAD_NUMBER, parameterization->begin);
     }
-    number = (float*)srbf_take(file, (size_t)(pm.groups * pm.rows * SRBF_LANES) * sizeof *number);
-    pm.number = number;
-    model->pm = pm;
+    pm->number = number = (float*)srbf_take(file, (size_t)(pm->groups * pm->rows * SRBF_LANES) * sizeof *number);
     if (!number) return !file->error;
-    for (j = 0; j < (int)lobes; ++j) {
-        if (scale) number[srbf_place(j, 0, pm.rows)] = log2_e * srbf_number(file, scale, (size_t)j);
-        for (k = 0; k < 3 && waves_length < 0; ++k)
-            number[srbf_place(j, 1 + k, pm.rows)] = srbf_number(file, coefficient, (size_t)(3 * j + k));
-        for (k = 0; k < pm.features; ++k) {
-            const float x = srbf_number(file, exponent, (size_t)(pm.features * j + k));
-            if (k == 0 && x < 0.0f) return srbf_fail(file, SRBF_BAD_NUMBER, file->header_end + exponent->begin);
-            number[srbf_place(j, 4 + k, pm.rows)] = log2_e * x;
+    for (j = 0; j < lobes; ++j) {
+        float* lobe = number + srbf_place((int)j, 0, pm->rows);
+        if (scale) lobe[0] = log2_e * srbf_number(file, scale, j);
+        for (k = 0; k < 3 && !is_spectral; ++k) lobe[(1 + k) * SRBF_LANES] = srbf_number(file, coefficient, 3 * j + k);
+        for (k = 0; k < features; ++k) {
+            lobe[(4 + k) * SRBF_LANES] = log2_e * srbf_number(file, exponent, features * j + k);
+            if (k == 0 && lobe[4 * SRBF_LANES] < 0.0f) return srbf_fail(file, SRBF_BAD_NUMBER, exponent->begin);
         }
-        for (n = 0; n < pm.variates; ++n) srbf_read_variate(file, &pm, bandwidth, centre, j, n, number);
+        for (n = 0; n < variates; ++n) {
+            const size_t i = j * variates + n;
+            const float falloff = -0.5f * log2_e * srbf_number(file, bandwidth, i);
+            float* of = lobe + srbf_variate_row(pm, (int)n) * SRBF_LANES;
+            if (axial) {
+                of[0] = srbf_min(falloff, 0.0f), of[SRBF_LANES] = srbf_min(-falloff, 0.0f);
+            } else {
+                const srbf_vec3 xi =
+                    srbf_spherical(srbf_number(file, centre, 2 * i), srbf_number(file, centre, 2 * i + 1));
+                of[0] = falloff, of[SRBF_LANES] = xi.x, of[2 * SRBF_LANES] = xi.y, of[3 * SRBF_LANES] = xi.z;
+            }
+        }
     }
-    return waves_length < 0 || srbf_colours(file, coefficient, waves, waves + waves_length, number, srbf_place, pm.rows);
+    return !is_spectral || srbf_add_spectra(file, coefficient, waves, number, pm->rows);
 }
 
 static int srbf_read_su(srbf_file* file, const char* prefix, srbf_model* model) {
@@ -148,67 +134,60 @@ static int srbf_read_su(srbf_file* file, const char* prefix, srbf_model* model) 
     static const char* const interpolations[] = {"rotated", "plain", 0};
     static const char* const neighbours[] = {"1", "2", "3", "4", "5", "6", "7", 0};
     const srbf_tensor *coefficient, *bandwidth, *centre, *shape = 0;
-    srbf_view_lobes su;
-    size_t views, lobes, i, j, c;
+    srbf_view_lobes* su = &model->su;
+    size_t views, lobes, i, j;
     float* number;
-    su.of_lights = srbf_word(file, prefix, "discretise", sampled, SRBF_BAD_METADATA);
-    su.is_plain = srbf_word(file, prefix, "interpolation", interpolations, SRBF_BAD_METADATA);
-    su.neighbours = srbf_word(file, prefix, "neighbours", neighbours, SRBF_BAD_METADATA) + 1;
-    if (file->error || !srbf_shape(file, prefix, &views, &lobes, 8, 8192, 64)) return 0;
+    su->of_lights = srbf_choice(file, prefix, "discretise", sampled, SRBF_BAD_METADATA);
+    su->is_plain = srbf_choice(file, prefix, "interpolation", interpolations, SRBF_BAD_METADATA);
+    su->neighbours = srbf_choice(file, prefix, "neighbours", neighbours, SRBF_BAD_METADATA) + 1;
+    if (file->error || !srbf_shape(file, prefix, "bandwidth", &views, &lobes, 8192, 64)) return 0;
     coefficient = srbf_need(file, prefix, "coefficient", views, lobes, 3, 0.0f, SRBF_MOST);
     bandwidth = srbf_need(file, prefix, "bandwidth", views, lobes, 0, 0.0f, SRBF_MOST);
     centre = srbf_need(file, prefix, "centre", views, lobes, 2, -SRBF_MOST, SRBF_MOST);
     if (srbf_find(file, prefix, "shape"))
         shape = srbf_need(file, prefix, "shape", views, lobes, 0, -SRBF_MOST, SRBF_MOST);
+    if (views < 8 && !file->error) srbf_fail_at(file, SRBF_BAD_TENSOR, bandwidth->name);
     if (file->error) return 0;
-    su.views = (int)views, su.lobes = (int)lobes;
-    number = (float*)srbf_take(file, views * (3 + 8 * lobes) * sizeof *number);
-    su.number = number;
-    model->su = su;
-    for (i = 0; number && i < views; ++i) {  // the Fibonacci set of the hemisphere, and angles relative to the mirror direction
+    su->views = (int)views, su->lobes = (int)lobes;
+    su->number = number = (float*)srbf_take(file, views * (3 + 8 * lobes) * sizeof *number);
+    for (i = 0; number && i < views;
+         ++i) {  // the Fibonacci set of the hemisphere, and angles relative to the mirror direction
         const double z = ((double)i + 0.5) / (double)views, r = sqrt(1.0 - z * z), phi = 2.3999632297286533 * (double)i;
         const float theta0 = atan2f((float)r, (float)z), phi0 = atan2f(-(float)(r * sin(phi)), -(float)(r * cos(phi)));
         *number++ = (float)(r * cos(phi)), *number++ = (float)(r * sin(phi)), *number++ = (float)z;
-        for (j = i * lobes; j < (i + 1) * lobes; ++j) {
+        for (j = i * lobes; j < (i + 1) * lobes; ++j, number += 8) {
+            const srbf_vec3 beta = srbf_numbers(file, coefficient, 3 * j);
             const srbf_vec3 xi =
                 srbf_spherical(theta0 + srbf_number(file, centre, 2 * j), phi0 + srbf_number(file, centre, 2 * j + 1));
-            for (c = 0; c < 3; ++c) *number++ = srbf_number(file, coefficient, 3 * j + c);
-            *number++ = srbf_number(file, bandwidth, j);
-            *number++ = xi.x, *number++ = xi.y, *number++ = xi.z;
-            *number++ = shape ? srbf_number(file, shape, j) : 0.0f;
+            number[0] = beta.x, number[1] = beta.y, number[2] = beta.z, number[3] = srbf_number(file, bandwidth, j);
+            number[4] = xi.x, number[5] = xi.y, number[6] = xi.z,
+            number[7] = shape ? srbf_number(file, shape, j) : 0.0f;
         }
     }
     return !file->error;
 }
 
 static int srbf_read_ggx(srbf_file* file, const char* prefix, srbf_model* model) {
-    const srbf_tensor *roughness = srbf_find(file, prefix, "roughness"), *diffuse, *f0, *f90;
-    size_t lobes, i;
-    if (!roughness || roughness->rank != 1 || roughness->extent[0] > 2)
-        return srbf_fail(file, SRBF_BAD_TENSOR, roughness ? roughness->name : 8);
-    lobes = roughness->extent[0];
+    const srbf_tensor *roughness, *diffuse, *f0, *f90;
+    size_t lobes, none, i;
+    if (!srbf_shape(file, prefix, "roughness", &lobes, &none, 2, 0)) return 0;
     roughness = srbf_need(file, prefix, "roughness", lobes, 0, 0, 1.0f / 1024.0f, 1.0f);
     diffuse = srbf_need(file, prefix, "diffuse", 3, 0, 0, 0.0f, SRBF_MOST);
     f0 = srbf_need(file, prefix, "facing", lobes, 3, 0, 0.0f, SRBF_MOST);
     f90 = srbf_need(file, prefix, "grazing", lobes, 0, 0, 0.0f, SRBF_MOST);
     if (file->error) return 0;
-    model->diffuse =
-        srbf_vec3_of(srbf_number(file, diffuse, 0), srbf_number(file, diffuse, 1), srbf_number(file, diffuse, 2));
-    for (i = 0; i < 2; ++i) {
-        model->ggx[i].roughness = i < lobes ? srbf_number(file, roughness, i) : 1.0f;
-        model->ggx[i].f90 = i < lobes ? srbf_number(file, f90, i) : 0.0f;
-        model->ggx[i].f0 = i < lobes ? srbf_vec3_of(srbf_number(file, f0, 3 * i), srbf_number(file, f0, 3 * i + 1),
-                                                    srbf_number(file, f0, 3 * i + 2))
-                                     : srbf_vec3_of(0.0f, 0.0f, 0.0f);
+    model->diffuse = srbf_numbers(file, diffuse, 0), model->ggx[1].roughness = 1.0f;
+    for (i = 0; i < lobes; ++i) {
+        model->ggx[i].roughness = srbf_number(file, roughness, i), model->ggx[i].f90 = srbf_number(file, f90, i);
+        model->ggx[i].f0 = srbf_numbers(file, f0, 3 * i);
     }
     return 1;
 }
 
 static int srbf_read_openpbr(srbf_file* file, const char* prefix, srbf_model* model) {
-    static const char* const truths[] = {"true", "false", 0};
     float p[3 * SRBF_PARAMETERS];
     int i, c, n = 0;
-    model->is_exchanged = srbf_word(file, prefix, "exchanged_surface", truths, SRBF_BAD_METADATA) == 0;
+    model->is_exchanged = srbf_choice(file, prefix, "exchanged_surface", srbf_truths, SRBF_BAD_METADATA) == 0;
     model->has_film = srbf_find(file, prefix, "thin_film_weight") != 0;
     model->is_anisotropic = srbf_find(file, prefix, "specular_roughness_anisotropy") != 0;
     for (i = 0; i < SRBF_PARAMETERS; ++i) {
@@ -231,13 +210,13 @@ static int srbf_read_openpbr(srbf_file* file, const char* prefix, srbf_model* mo
 
 static int srbf_read_model(srbf_file* file, const char* prefix, srbf_model* model) {
     static const char* const kinds[] = {"pm", "su", "ggx", "openpbr", "pbr", 0};
-    const int kind = srbf_word(file, prefix, "model", kinds, SRBF_OTHER_KIND);
+    const int kind = srbf_choice(file, prefix, "model", kinds, SRBF_OTHER_KIND);
     if (kind < 0) return 0;
     model->kind = kind < 4 ? (srbf_kind)kind : SRBF_KIND_OPENPBR;
-    if (model->kind == SRBF_KIND_PM) return srbf_read_pm(file, prefix, model);
-    if (model->kind == SRBF_KIND_SU) return srbf_read_su(file, prefix, model);
-    if (model->kind == SRBF_KIND_GGX) return srbf_read_ggx(file, prefix, model);
-    return srbf_read_openpbr(file, prefix, model);
+    return model->kind == SRBF_KIND_PM    ? srbf_read_pm(file, prefix, model)
+           : model->kind == SRBF_KIND_SU  ? srbf_read_su(file, prefix, model)
+           : model->kind == SRBF_KIND_GGX ? srbf_read_ggx(file, prefix, model)
+                                          : srbf_read_openpbr(file, prefix, model);
 }
 
 // The sampled views nearest to w, the nearest first: one more than the model's neighbours. The directions' z rises.
@@ -257,51 +236,71 @@ static void srbf_find_nearest(srbf_su su, srbf_vec3 w, int* nearest) {
         }
 }
 
-// The squared distances of variate n from the centres of a group of lobes.
-SRBF_FN srbf_x4 srbf_squared(const srbf_lobes* pm, float (*psi)[SRBF_MOST_VARIATES], int n, const float* of) {
-    const srbf_x4 first = srbf_x4_of(psi[0][n]), second = srbf_x4_of(psi[1][n]), x = srbf_row(of, 1);
-    if (pm->axial) return srbf_x4_select(x < srbf_x4_of(0.0f), second, first);
-    return srbf_x4_squared_distance(srbf_x4_vec3_of(first, second, srbf_x4_of(psi[2][n])),
-                                    srbf_x4_vec3_of(x, srbf_row(of, 2), srbf_row(of, 3)));
-}
-
-// pm_value of kernel.glsl, with variates in lanes, then lobes.
-static srbf_vec3 srbf_pm_value(const srbf_lobes* pm, srbf_vec3 wl, srbf_vec3 wv) {
-    const srbf_PmFeatures features = srbf_pm_further_features(pm->features, wl, wv);
-    const srbf_x4_vec3 l = srbf_x4_all(wl), v = srbf_x4_all(wv);
-    float psi[2][3][SRBF_MOST_VARIATES];  // of (wl, wv) and (wv, wl): the squared distances from both poles, or psi
-    srbf_x4_vec3 sum = srbf_x4_all(srbf_vec3_of(0.0f, 0.0f, 0.0f));
+// pm_value of kernel.glsl, with variates in lanes, then lobes. Of (wl, wv) and (wv, wl), x has each variate's x, y, z,
+// or of an axial model its squared distances from +z and from -z, in all lanes. Sizes that are constants make it
+// faster.
+SRBF_INLINE srbf_vec3 srbf_sized_value(const srbf_lobes* pm, int axial, int reciprocal, int variates, int count,
+                                       srbf_vec3 wl, srbf_vec3 wv) {
+    const srbf_PmFeatures features = srbf_pm_further_features(count, wl, wv);
+    const srbf_x_vec3 l = srbf_x_all(wl), v = srbf_x_all(wv);
     const float* group = pm->number;
+    srbf_x x[2][SRBF_MOST_VARIATES][3], further[4];
+    srbf_x_vec3 sum = srbf_x_all(srbf_vec3_of(0.0f, 0.0f, 0.0f));
+    float each[3][SRBF_LANES];
     int j, n, k, side;
-    for (n = 0; n < pm->variates; n += SRBF_LANES)
-        for (side = 0; side <= pm->reciprocal; ++side) {
-            const srbf_x4 a = srbf_x4_load((side ? pm->weight_v : pm->weight_l) + n);
-            const srbf_x4 b = srbf_x4_load((side ? pm->weight_l : pm->weight_v) + n);
-            if (pm->axial) {
-                const srbf_x4_AxialPsi at = srbf_x4_axial_psi(l, v, a, b);
-                srbf_x4_store(srbf_x4_squared_distance_from_pole(at, srbf_x4_of(1.0f)), psi[side][0] + n);
-                srbf_x4_store(srbf_x4_squared_distance_from_pole(at, srbf_x4_of(-1.0f)), psi[side][1] + n);
+    memset(each, 0, sizeof each);
+    for (k = 0; k < 4; ++k) further[k] = srbf_x_of(features.x[k]);
+    SRBF_UNROLL
+    for (side = 0; side <= reciprocal; ++side) SRBF_UNROLL
+    for (n = 0; n < variates; ++n) {
+        if (n % SRBF_LANES == 0) {
+            const srbf_x a = srbf_x_load((side ? pm->weight_v : pm->weight_l) + n);
+            const srbf_x b = srbf_x_load((side ? pm->weight_l : pm->weight_v) + n);
+            const srbf_x_AxialPsi at = srbf_x_axial_psi(l, v, a, b);
+            const srbf_x_vec3 psi = srbf_x_psi(l, v, a, b);
+            srbf_x_store(axial ? srbf_x_squared_distance_from_pole(at, srbf_x_of(1.0f)) : psi.x, each[0]);
+            srbf_x_store(axial ? srbf_x_squared_distance_from_pole(at, srbf_x_of(-1.0f)) : psi.y, each[1]);
+            if (!axial) srbf_x_store(psi.z, each[2]);
+        }
+        for (k = 0; k < 3; ++k) x[side][n][k] = srbf_x_of(each[k][n % SRBF_LANES]);
+    }
+    for (j = 0; j < pm->groups; ++j) {
+        const float* row = group + 4 * SRBF_LANES;
+        srbf_x exponent = srbf_x_load(group), exchanged, power;
+        SRBF_UNROLL
+        for (k = 0; k < count; ++k, row += SRBF_LANES) exponent = exponent + srbf_x_load(row) * further[k];
+        exchanged = exponent;
+        SRBF_UNROLL
+        for (n = 0; n < variates; ++n, row += (axial ? 2 : 4) * SRBF_LANES) {
+            const srbf_x first = srbf_x_load(row), second = srbf_x_load(row + SRBF_LANES);
+            const srbf_x *one = x[0][n], *other = x[reciprocal][n];
+            if (axial) {
+                exponent = exponent + first * one[0] + second * one[1];
+                exchanged = exchanged + first * other[0] + second * other[1];
             } else {
-                const srbf_x4_vec3 at = srbf_x4_psi(l, v, a, b);
-                srbf_x4_store(at.x, psi[side][0] + n), srbf_x4_store(at.y, psi[side][1] + n);
-                srbf_x4_store(at.z, psi[side][2] + n);
+                const srbf_x_vec3 xi = srbf_x_rows(row + SRBF_LANES);
+                exponent = exponent + first * srbf_x_squared_distance(srbf_x_vec3_of(one[0], one[1], one[2]), xi);
+                exchanged =
+                    exchanged + first * srbf_x_squared_distance(srbf_x_vec3_of(other[0], other[1], other[2]), xi);
             }
         }
-    for (j = 0; j < pm->groups; ++j, group += pm->rows * SRBF_LANES) {
-        srbf_x4 exponent = srbf_row(group, 0), exchanged, power;
-        for (k = 0; k < pm->features; ++k) exponent = exponent + srbf_row(group, 4 + k) * srbf_x4_of(features.x[k]);
-        exchanged = exponent;
-        for (n = 0; n < pm->variates; ++n) {
-            const float* of = group + srbf_variate_row(pm, n) * SRBF_LANES;
-            exponent = exponent - srbf_row(of, 0) * srbf_squared(pm, psi[0], n, of);
-            if (pm->reciprocal) exchanged = exchanged - srbf_row(of, 0) * srbf_squared(pm, psi[1], n, of);
-        }
-        power = srbf_x4_pm_power(exponent);
-        if (pm->reciprocal) power = srbf_x4_of(0.5f) * (power + srbf_x4_pm_power(exchanged));
-        sum = srbf_x4_add(sum, srbf_x4_scale(power, srbf_x4_vec3_of(srbf_row(group, 1), srbf_row(group, 2), srbf_row(group, 3))));
+        power = srbf_x_pm_power(exponent);
+        if (reciprocal) power = srbf_x_of(0.5f) * (power + srbf_x_pm_power(exchanged));
+        sum = srbf_x_add(sum, srbf_x_scale(power, srbf_x_rows(group + SRBF_LANES)));
+        group += pm->rows * SRBF_LANES;
     }
-    return srbf_vec3_of(srbf_max(srbf_x4_sum(sum.x), 0.0f), srbf_max(srbf_x4_sum(sum.y), 0.0f),
-                        srbf_max(srbf_x4_sum(sum.z), 0.0f));
+    return srbf_vec3_of(srbf_max(srbf_x_sum(sum.x), 0.0f), srbf_max(srbf_x_sum(sum.y), 0.0f),
+                        srbf_max(srbf_x_sum(sum.z), 0.0f));
+}
+// The values of the forms that fits have by default, and of any form.
+static srbf_vec3 srbf_pm_value(const srbf_lobes* pm, srbf_vec3 wl, srbf_vec3 wv) {
+#ifndef __OPTIMIZE_SIZE__
+    if (pm->axial && pm->features == 4 && pm->reciprocal && pm->variates == 3)
+        return srbf_sized_value(pm, 1, 1, 3, 4, wl, wv);
+    if (pm->axial && pm->features == 4 && !pm->reciprocal && pm->variates == 4)
+        return srbf_sized_value(pm, 1, 0, 4, 4, wl, wv);
+#endif
+    return srbf_sized_value(pm, pm->axial, pm->reciprocal, pm->variates, pm->features, wl, wv);
 }
 
 // f(wl, wv) of a model above the horizon.
@@ -316,9 +315,6 @@ static srbf_vec3 srbf_model_value(const srbf_model* model, srbf_vec3 wl, srbf_ve
         return srbf_su_plain_value(&model->su, nearest, evaluated, sampled, model->su.neighbours);
     }
     if (model->kind == SRBF_KIND_GGX) return srbf_ggx_value(model->diffuse, model->ggx[0], model->ggx[1], wl, wv);
-    if (model->is_anisotropic)
-        return srbf_openpbr_anisotropic_value(model->surface, model->film, model->anisotropy, l, v);
-    if (model->has_film) return srbf_openpbr_film_value(model->surface, model->film, l, v);
-    return srbf_openpbr_value(model->surface, l, v);
+    if (!model->is_anisotropic && !model->has_film) return srbf_openpbr_value(model->surface, l, v);
+    return srbf_openpbr_anisotropic_value(model->surface, model->film, model->anisotropy, l, v);
 }
-

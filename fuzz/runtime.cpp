@@ -1,0 +1,7 @@
+// libFuzzer for srbf_runtime.h. One file in 64 is prepared too, which takes long.
+#include "../test/runtime_use.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
+    use_file(data, size, size > 0 && data[size - 1] % 64 == 0);
+    return 0;
+}

@@ -9,6 +9,7 @@
 
 #include "app/commands.h"
 #include "app/output.h"
+#include "brdf/values.h"
 #include "fit/fit_options.h"
 
 namespace srbf {
@@ -32,17 +33,12 @@ struct EditCommand {
     int run();
 };
 
-Rgb times(const Rgb& colour, double factor) {
-    const auto k = float(factor);
-    return {k * colour.r, k * colour.g, k * colour.b};
-}
-
 /// The edits on the command line, in the order of the help.
 std::vector<Edit> EditCommand::edits() const {
     std::vector<Edit> all;
     if (roughens.given()) all.emplace_back(roughen);
     if (std::ranges::any_of(of_colours, &Option::given))
-        all.emplace_back(Tint{times(tint.highlight, scale_highlight), times(tint.body, scale_body)});
+        all.emplace_back(Tint{scaled(float(scale_highlight), tint.highlight), scaled(float(scale_body), tint.body)});
     if (saturates.given()) all.emplace_back(saturate);
     if (hues.given()) all.emplace_back(hue);
     if (rotates.given()) all.emplace_back(rotate);

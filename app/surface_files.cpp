@@ -9,6 +9,7 @@
 
 #include "app/html.h"
 #include "base/printable.h"
+#include "brdf/values.h"
 #include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_parameters.h"
 #include "srbf/elementary.h"
@@ -149,7 +150,6 @@ std::string mtlx_tangent(const std::string& name, const OpenPbrModel& model) {
 std::string usd_colour(const Rgb& colour) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", colour.r, colour.g, colour.b);
 }
-Rgb scaled(float weight, const Rgb& colour) { return {weight * colour.r, weight * colour.g, weight * colour.b}; }
 
 /// The nodes of `mtlx_tangent` as USD shaders.
 std::string usd_tangent(const std::string& name, const OpenPbrModel& model) {

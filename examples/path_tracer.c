@@ -76,12 +76,12 @@ static void trace(const srbf_brdf* brdf, double* at, double* ray, double* radian
 }
 static unsigned char model[1 << 22], memory[1 << 24];
 int main(int count, char** arguments) {
-    FILE *file = count > 2 ? fopen(arguments[1], "rb") : 0, *picture = file ? fopen(arguments[2], "wb") : 0;
+    FILE *file = count > 2 ? fopen(arguments[1], "rb") : 0, *picture = 0;
     const int samples = count > 3 ? atoi(arguments[3]) : 64;
     const size_t size = file ? fread(model, 1, sizeof model, file) : 0;
     srbf_brdf* brdf;
-    if (!picture || srbf_open(model, size, memory, sizeof memory, &brdf, 0) != SRBF_OK)
-        return fprintf(stderr, "usage: path_tracer MODEL PICTURE.ppm [SAMPLES]\n"), 1;
+    if (samples > 0 && srbf_open(model, size, memory, sizeof memory, &brdf, 0) == SRBF_OK) picture = fopen(arguments[2], "wb");
+    if (!picture) return fprintf(stderr, "usage: path_tracer MODEL PICTURE.ppm [SAMPLES], of a model that can be read\n"), 1;
     srbf_prepare(brdf);
     fprintf(picture, "P6\n%d %d\n255\n", k_width, k_height);
     for (int pixel = 0; pixel < k_width * k_height; ++pixel) {

@@ -85,8 +85,10 @@ TEST(Lobes, ExponentsAreBoundedByTheirTerms) {
             }
         }
     const LobeShape shape{PmForm::extended, 1};
-    EXPECT_EQ(weight_range(1, shape).most, 64);     // κ
-    EXPECT_EQ(weight_range(4, shape).most, 65504);  // σ
+    EXPECT_EQ(weight_range(1, shape).most, 64);      // κ
+    EXPECT_EQ(weight_range(4, shape).most, 65504);   // σ
+    EXPECT_EQ(weight_range(3, shape).least, -1000);  // γ
+    EXPECT_EQ(weight_range(3, {PmForm::reciprocal, 1}).least, -64);
 }
 
 TEST(Lobes, SpectralGradientMatchesDifferences) {

@@ -37,14 +37,11 @@ int main(int count, char** arguments) {
         if (file) fclose(file);
         for (n = 0; n < mutants && length > 0; ++n, ++all) {
             size_t size = length;
-            unsigned char *bytes = (unsigned char*)malloc(size), *exact;
+            unsigned char* bytes = (unsigned char*)malloc(size);
             memcpy(bytes, original, size);
             change(bytes, &size);
-            exact = (unsigned char*)malloc(size);  // whose end is watched
-            memcpy(exact, bytes, size);
+            opened += use_file(bytes, size, opened % PREPARED_EVERY == 0);
             free(bytes);
-            opened += use_file(exact, size, opened % PREPARED_EVERY == 0);
-            free(exact);
         }
         free(original);
     }

@@ -30,13 +30,18 @@ static void use_model(const srbf_brdf* brdf) {
     }
 }
 
-// True if the bytes are a model.
+// True if the bytes are a model. They are opened as a copy, whose end sanitizers watch, and which is freed before use.
 static int use_file(const unsigned char* bytes, size_t size, int is_prepared) {
-    const size_t needed = srbf_memory_needed(bytes, size);
-    void* memory = needed ? malloc(needed) : 0;
+    unsigned char* copy = (unsigned char*)malloc(size ? size : 1);
+    size_t needed, offset;
+    void* memory;
     srbf_brdf* brdf;
-    size_t offset;
-    const srbf_error error = memory ? srbf_open(bytes, size, memory, needed, &brdf, &offset) : SRBF_NO_MODEL;
+    srbf_error error;
+    if (size) memcpy(copy, bytes, size);
+    needed = srbf_memory_needed(copy, size);
+    memory = needed ? malloc(needed) : 0;
+    error = memory ? srbf_open(copy, size, memory, needed, &brdf, &offset) : SRBF_NO_MODEL;
+    free(copy);
     if (error == SRBF_TOO_LITTLE_MEMORY || (memory && error != SRBF_OK && offset > size)) abort();
     if (error == SRBF_OK && is_prepared) srbf_prepare(brdf);
     if (error == SRBF_OK) use_model(brdf);

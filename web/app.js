@@ -150,7 +150,9 @@ async function apply_wanted(mine) {
     wanted = edited = null;
     $("edit_status").textContent = "Computing the edited model …";
     const result = await step(mine, () => ask({ kind: "edit", name: file.name, edits }));
-    if (mine !== run || wanted || !result) continue;
+    if (mine !== run || wanted) continue;
+    if (!result) $("edit_status").textContent = "";
+    if (!result) continue;
     edited = result.edits ? result : null;
     $("edit_status").textContent = edited ? `Edited: ${edited.edits}. ${grouped(edited.bytes)} bytes. The downloads are of the edited material.` : "";
     if (draws) viewer.set_material(2, edited && edited.material), shown = edited && "model";
@@ -241,12 +243,12 @@ async function change_lobes() {
   $("lobes").dataset.touched = "yes";
   if (!file) return;
   const mine = ++run;
+  fail("");
+  begin_editing(null);
   if (open_questions.size) {
     ready = start_worker();
     if (!await step(mine, open) || mine !== run) return;
   }
-  fail("");
-  begin_editing(null);
   await fit(mine);
 }
 async function save({ save: what, ending }) {

@@ -267,22 +267,33 @@ SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
     const Subject* subject = subject_of(number);
     const Model* model = model_of(subject);
     if (!model) return fail(unknown("that of a model"));
+    std::optional<double> roughen, saturate;
+    std::optional<Tint> tint;
     const Json json = Json::parse(text, text + size, nullptr, false);
-    const auto number_at = [&](const char* key) {
-        return json.contains(key) && json[key].is_number() ? json[key].get<double>() : 1;
-    };
-    const auto colour_at = [&](const char* key) {
-        Rgb colour{1, 1, 1};
-        if (json.contains(key) && json[key].is_array() && json[key].size() == 3)
-            for (int c = 0; c < 3; ++c)
-                colour[c] = json[key][std::size_t(c)].is_number() ? json[key][std::size_t(c)].get<float>() : NAN;
-        return colour;
-    };
+    bool is_read = json.is_object();
+    for (const auto& [key, of] : (is_read ? json : Json::object()).items()) {
+        if ((key == "roughen" || key == "saturate") && of.is_number()) {
+            (key == "roughen" ? roughen : saturate) = of.get<double>();
+        } else if ((key == "highlight" || key == "body") && of.is_array() && of.size() == 3 &&
+                   std::ranges::all_of(of, [](const Json& channel) { return channel.is_number(); })) {
+            if (!tint) tint.emplace();
+            (key == "highlight" ? tint->highlight : tint->body) = {of[0].get<float>(), of[1].get<float>(),
+                                                                   of[2].get<float>()};
+        } else {
+            is_read = false;
+        }
+    }
+    if (!is_read)
+        return fail(Error{"edits",
+                          {},
+                          "JSON",
+                          "an object with roughen, highlight, body, saturate",
+                          std::string(text, size),
+                          ErrorCode::argument});
     std::vector<Edit> edits;
-    if (const double factor = number_at("roughen"); factor != 1) edits.emplace_back(Roughen{factor});
-    if (json.contains("highlight") || json.contains("body"))
-        edits.emplace_back(Tint{colour_at("highlight"), colour_at("body")});
-    if (const double factor = number_at("saturate"); factor != 1) edits.emplace_back(Saturate{factor});
+    if (roughen && *roughen != 1) edits.emplace_back(Roughen{*roughen});
+    if (tint) edits.emplace_back(*tint);
+    if (saturate && *saturate != 1) edits.emplace_back(Saturate{*saturate});
     auto result = edited(*model, edits, {.progress = host_progress()});
     if (!result) return fail(result.error());
     const std::string path = stem_of(subject->path) + "_edited.srbf";

@@ -49,9 +49,9 @@ const actions = {
   },
   // Edits the fitted model; without edits the model itself is saved again.
   edit({ edits }) {
-    const result = Object.keys(edits).length ? srbf.edit(model.number, edits) : null;
     if (edited) srbf.close(edited.number);
-    edited = result;
+    edited = null; // also if the edit fails
+    if (Object.keys(edits).length) edited = srbf.edit(model.number, edits);
     return edited ? { ...edited, material: material_of(edited) } : {};
   },
   // Returns a Blob, which the page receives without a copy.

@@ -61,7 +61,7 @@ struct PmRequest {
     /// Limit on the directional albedo of a channel. None: that of a reciprocal form is the largest one measured up to
     /// 80°, at least 1.
     std::optional<double> albedo_limit = {};
-    /// The length of the search for lobes as a multiple of the default, 0.01..50.
+    /// The length of the search for lobes as a multiple of the default, k_least_effort..k_most_effort.
     double effort = 1;
     /// True: a model of `PmForm::gaussian` stores a log scale a lobe where β leaves the range of 16-bit floats. False:
     /// β is bounded.

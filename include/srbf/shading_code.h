@@ -53,13 +53,15 @@ std::string identifier(std::string_view text);
 ///   Vec3 NAME_mirror_beam(Vec3 wv)     the share of the light from the mirror direction; only if it has such
 ///   Vec3 NAME_sample, float NAME_pdf   as above for the front and the back, without beams; (0, 0, 0) where the draw has
 ///                                      none. They include the albedos of the parts.
-/// With `blend` the text also has PREFIX_brdf, and PREFIX_sample, PREFIX_pdf and PREFIX_albedo where models have theirs, with
-/// a last argument `Vec3 weights`: of a point, the shares of the first, second and third model, at least 0. Each is the sum
-/// of the models' own by these weights; a sample is drawn from one of the models, with probabilities in proportion to them.
+/// With `blend` the text also has PREFIX_brdf, and PREFIX_sample, PREFIX_pdf and PREFIX_albedo where models have theirs,
+/// with a last argument `Vec3 weights`: of a point, the shares of the first, second and third model, at least 0.
+/// PREFIX_brdf and PREFIX_albedo are the sums of the models' own by these weights; a sample is drawn from one of the
+/// models, with probabilities in proportion to them, and PREFIX_pdf is its density.
 /// The names of functions that several models share begin with `prefix`; with one model the name of the model is usual.
 /// The numbers of a view-by-view model are too many for constants: before the text the host defines NAME_number(i), a
 /// function or macro, as number i of `shading_data`. Errors, of code `argument`: a view-by-view model with plain
-/// interpolation, with sampling, or for Metal, which has no global buffers.
+/// interpolation, with sampling, or for Metal, which has no global buffers; with `blend`, other than two or three models, or a
+/// BSDF.
 Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
                                  const CodeOptions& options = {});
 
@@ -72,7 +74,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 ///   and NAME_albedo and functions of extras, if they are wanted, with the coefficients as last argument
 /// All are linear in the coefficients, so that what a texture's filter makes of texels is the mean of their BRDFs. Not for
 /// Metal, where a function sees no textures but its arguments: NAME_layer and NAME_coefficients. Errors, of code
-/// `argument`: a sparse library; sampling.
+/// `argument`: a sparse library; sampling; a blend.
 Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options = {});
 
 /// The models as functions of Radiance's expression language, the text of a `.cal`: of each NAME(ix,iy,iz,ox,oy,oz), the

@@ -14,6 +14,8 @@ constexpr Rgb mixed(const Rgb& a, const Rgb& b, float share) {
     return {a.r + share * (b.r - a.r), a.g + share * (b.g - a.g), a.b + share * (b.b - a.b)};
 }
 
+constexpr Rgb scaled(float factor, const Rgb& of) { return {factor * of.r, factor * of.g, factor * of.b}; }
+
 /// f with negative channels set to 0; NaN is kept.
 inline Evaluate non_negative(Evaluate values) {
     return [values = std::move(values)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {

@@ -10,6 +10,7 @@ uniform vec2 edited_roughness;  // the factor, and that of the model's own highl
 uniform mat3 edited_colours[2];
 Vec3 brdf(Vec3 wl, Vec3 wv) {
     DirectionPair from = with_slope_over(edited_roughness.x, wl, wv);
+    if (edited_roughness.x == 1.0) from = DirectionPair(wl, wv);  // beside the horizon, too
     Real gain = ggx_facets(wl, wv, edited_roughness.x * edited_roughness.y) / ggx_facets(from.l, from.v, edited_roughness.y);
     edited_body = false;
     Vec3 highlight = gain * pm_value(Pm(0), from.l, from.v);

@@ -98,9 +98,9 @@ std::string table_text(const syntax::Table& table) {
 }
 
 /// R, G, B of the spectrum that is 1 at one whole wavelength, every 5 nm: between them these are linear. Beyond, less
-/// than 1e-5 of the sums is left.
+/// than 2e-5 of the sums is left.
 std::string observer_text() {
-    constexpr int first = 380, last = 780;
+    constexpr int first = 360, last = 780;
     std::vector<float> wavelengths;
     for (int nm = 360; nm <= 830; ++nm) wavelengths.push_back(float(nm));
     syntax::Table table{"R, G, B of a spectrum that is 1 within 1 nm, every 5 nm.", "observer", {}, 9};
@@ -122,7 +122,7 @@ std::string components_text() {
         8};
     for (int slot = 0; slot < SRBF_PROPOSAL_LOBES; ++slot) {
         const int k = slot < SRBF_FIRST_HALF_VECTOR_LOBE ? slot + 2 : slot;
-        const bool is_half = slot == k, is_lobe = is_half || k < SRBF_FIRST_HALF_VECTOR_LOBE;
+        const bool is_half = slot >= SRBF_FIRST_HALF_VECTOR_LOBE, is_lobe = is_half || k < SRBF_FIRST_HALF_VECTOR_LOBE;
         const float bandwidth = K::proposal_bandwidth(k);
         table.numbers.push_back(is_lobe ? bandwidth : 0);
         table.numbers.push_back(is_half   ? K::proposal_power(k, 1)

@@ -89,16 +89,18 @@ struct Editor {
         const std::array<Evaluate, 2> f{evaluator(parts.highlight), evaluator(parts.body)};
         const std::array<Rgb, 2> tint{wanted.highlight, wanted.body};
         double share = 1;
-        for (const double view : {0.0, 25.0, 45.0, 60.0, 75.0})
+        for (const double view : {0.0, 25.0, 45.0, 60.0, 75.0}) {
+            const std::array<Rgb, 2> reflected{albedo(f[0], view * k_degree, k_pi / 2),
+                                               albedo(f[1], view * k_degree, k_pi / 2)};
             for (int c = 0; c < 3; ++c) {
                 double raised = 0, fixed = 0;
                 for (std::size_t k = 0; k < 2; ++k)
-                    (most(tint[k]) > 1 ? raised : fixed) +=
-                        double(tint[k][c] * albedo(f[k], view * k_degree, k_pi / 2)[c]);
+                    (most(tint[k]) > 1 ? raised : fixed) += double(tint[k][c] * reflected[k][c]);
                 if (raised > 0 && fixed + raised > limit)
                     share = std::min(share, std::max(limit - fixed, 0.0) / raised);
             }
-        const auto within = [&](const Rgb& of) { return most(of) > 1 ? mixed({}, of, float(share)) : of; };
+        }
+        const auto within = [&](const Rgb& of) { return most(of) > 1 ? scaled(float(share), of) : of; };
         return {within(wanted.highlight), within(wanted.body)};
     }
     Result<PmModel> operator()(const PmModel& model, const Tint& of) const {

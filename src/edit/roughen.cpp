@@ -53,10 +53,10 @@ Evaluate roughened(Evaluate highlight, double factor, double roughness) {
             std::vector<double> gain(wl.size());
             for (std::size_t i = 0; i < wl.size(); ++i) {
                 const Vec3d l = to_double(wl[i]), v = to_double(wv[i]);
-                const auto [from, towards] = kernel::Roughening::with_slope_over(factor, l, v);
-                from_l[i] = to_float(from), from_v[i] = to_float(towards);
+                const auto [light, viewer] = kernel::Roughening::with_slope_over(factor, l, v);
+                from_l[i] = to_float(light), from_v[i] = to_float(viewer);
                 gain[i] = Kernel<double>::ggx_facets(l, v, factor * roughness) /
-                          Kernel<double>::ggx_facets(from, towards, roughness);
+                          Kernel<double>::ggx_facets(light, viewer, roughness);
             }
             highlight(from_l, from_v, f);
             for (std::size_t i = 0; i < f.size(); ++i) {

@@ -19,7 +19,6 @@ namespace {
 
 using Text = std::string_view;
 using Models = std::vector<Text>;
-constexpr double k_least_effort = 0.01, k_most_effort = 50;
 constexpr double k_least_albedo_limit = 1e-3, k_most_albedo_limit = 1000;
 const Models k_all, k_of_pm{"pm"}, k_of_su{"su"}, k_of_ggx{"ggx"}, k_of_openpbr{"openpbr"};
 

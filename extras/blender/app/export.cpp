@@ -73,7 +73,7 @@ std::string texels(const ClosureSum& sum) {
 }
 
 /// Fits the subject and prints the visible error.
-Result<ClosureSum> fitted_closures(const Subject& subject, const std::string& name, const ClosureFitOptions& options) {
+Result<ClosureSum> fit_and_report(const Subject& subject, const std::string& name, const ClosureFitOptions& options) {
     const Evaluate f = evaluator(subject);
     const bool isotropic = is_isotropic(f, default_max_theta(k_default_objective));
     ProgressLine line;
@@ -108,7 +108,7 @@ Result<std::vector<NamedClosures>> fitted_closures(const ExportCommand& command,
     const std::vector<std::string> names = material_names(command.files);
     std::vector<NamedClosures> all;
     for (std::size_t i = 0; i < subjects.size(); ++i) {
-        auto sum = fitted_closures(subjects[i], names[i], options);
+        auto sum = fit_and_report(subjects[i], names[i], options);
         if (!sum) return sum.error();
         all.push_back({names[i], *std::move(sum)});
     }

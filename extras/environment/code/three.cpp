@@ -81,6 +81,7 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
     std::string functions, texels;  // their environment is that of three
     std::string classes;
     DefinedNames defined;
+    for (const char* own : {"MeasuredMaterial", "BlendMaterial"}) (void)defined.add(own, "the module");
     for (const NamedModel& named : models) {
         if (const auto distinct = defined.add(capitalised(named.name) + "Material", named.name); !distinct)
             return distinct.error();

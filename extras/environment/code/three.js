@@ -133,7 +133,7 @@ class MeasuredMaterial extends MeshStandardMaterial {
     }
     copy(source) {
         super.copy(source);
-        this.saturation = source.saturation;
+        this.saturation = source.saturation ?? 1;
         return this;
     }
     onBeforeCompile(shader) {

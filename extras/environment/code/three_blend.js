@@ -1,13 +1,16 @@
 
 // Two or three materials, of this module or others, mixed by a mask: a texture at the mesh's uv, whose red is the share of
-// the second material and green that of the third, while the first has the rest. With `vertexMask` these are the red and
-// green of the geometry's colours instead. Without either, `shares` are those of all. The colour and saturation of each
-// material count; all else is of the blend. Materials, shares and the texture may change without another compilation.
+// the second material and green that of the third, at most what the second leaves, while the first has the rest. With
+// `vertexMask` these are the red and green of the geometry's colours instead. Without either, `shares` are those of all.
+// The colour and saturation of each material count; all else is of the blend. Colours and saturations of the materials,
+// the shares and the texture may change without another compilation.
 export class BlendMaterial extends MeasuredMaterial {
     constructor(...of) {
         const { mask = null, vertexMask = false, shares, ...parameters } = of.at(-1)?.isMaterial ? {} : of.pop() ?? {};
         if (of.length < 2 || of.length > 3 || !of.every((material) => material.reflectance && !material.texel))
             throw new Error('BlendMaterial: expected two or three materials of such modules');
+        if (of.some((a) => of.some((b) => a.reflectance === b.reflectance && a.functions !== b.functions)))
+            throw new Error('BlendMaterial: expected materials of different names, as modules define functions by them');
         super('blend', parameters, { terms: of });
         this.mask = mask;
         this.vertexMask = vertexMask;
@@ -24,10 +27,11 @@ export class BlendMaterial extends MeasuredMaterial {
         return this;
     }
     weights() {
-        const of = this.mask ? 'texture2D(measured_mask, measured_uv).rg' : 'clamp(measured_vertex_mask, 0.0, 1.0)';
+        const of = this.mask ? 'texture2D(measured_mask, measured_uv).rg' : 'measured_vertex_mask';
         return this.mask || this.vertexMask ? `
-            vec2 mask = ${of};
-            measured_weights[0] = max(1.0 - mask.r${this.terms.length > 2 ? ' - mask.g' : ''}, 0.0);
+            vec2 mask = clamp(${of}, 0.0, 1.0);
+            mask.g = ${this.terms.length > 2 ? 'min(mask.g, 1.0 - mask.r)' : '0.0'};
+            measured_weights[0] = 1.0 - mask.r - mask.g;
             measured_weights[1] = mask.r;
             ${this.terms.length > 2 ? 'measured_weights[2] = mask.g;' : ''}` : `
             measured_weights = measured_shares;`;

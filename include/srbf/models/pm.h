@@ -39,6 +39,8 @@ struct PmModel {
 inline constexpr int k_most_lobes = 1024;
 inline constexpr int k_most_variates = 8;
 inline constexpr int k_most_fitted_lobes = 64;
+/// Bounds of the length of a search as a multiple of the default.
+inline constexpr double k_least_effort = 0.01, k_most_effort = 50;
 inline constexpr std::size_t k_most_wavelengths = 4096;
 
 /// ρ(wl, wv) in single precision; 0 below the horizon.

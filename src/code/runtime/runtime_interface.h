@@ -1,6 +1,6 @@
 // srbf_runtime.h: loads a model file of srbf (.srbf) and evaluates it, in C99 and C++. It needs <math.h> and
-// <string.h>, allocates nothing, reads no file, and has no variables. Printed by srbf; the text is under the MIT
-// License.
+// <string.h>, and on x86 <immintrin.h>, allocates nothing, reads no file, and has no variables. Printed by srbf; the
+// text is under the MIT License.
 //
 // One source file of the program defines SRBF_RUNTIME_IMPLEMENTATION before it includes this header.
 //

@@ -38,6 +38,8 @@ constexpr double k_nearly_best = 0.01;
 constexpr double k_missed = 10;
 
 Result<Done> validate(const Observations& observations, const PmFitOptions& options) {
+    if (const auto effort = require_range("fit", "effort", options.effort, k_least_effort, k_most_effort); !effort)
+        return effort.error();
     for (const auto& result : {require_range("fit", "number of lobes", options.lobes, 1, k_most_fitted_lobes),
                                require_range("fit", "number of variates", options.variates, 1, int(k_most_variates)),
                                require_range("fit", "number of starts", starts_of(options), 1, 1000),

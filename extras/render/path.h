@@ -21,8 +21,9 @@ struct AreaLight {
     Rgb radiance;
 };
 
-/// Two or three materials, mixed at each point of a mesh with texture coordinates: red of the mask is the share of the second,
-/// green that of the third, and the first has the rest. The mask repeats, and is interpolated as a map is (prepared_map.h).
+/// Two or three materials, mixed at each point of a mesh with texture coordinates: red of the mask is the share of the
+/// second, green that of the third, at most what the second leaves, and the first has the rest. The mask repeats, and is
+/// interpolated as a map is (prepared_map.h).
 struct MaskedMaterials {
     std::vector<PreparedBsdf> of;
     Image mask;

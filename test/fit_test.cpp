@@ -416,6 +416,8 @@ TEST(Fit, RefusesBadOptionsAndObservations) {
     EXPECT_FALSE(accepts([](PmFitOptions& o) { o.log_scale = false; }));  // form extended
     EXPECT_FALSE(accepts([](PmFitOptions& o) { o.starts = 0; }));
     EXPECT_FALSE(accepts([](PmFitOptions& o) { o.perturbations = -1; }));
+    for (const double effort : {0.0, -1.0, 51.0, double(NAN)})
+        EXPECT_FALSE(accepts([=](PmFitOptions& o) { o.effort = effort; })) << effort;
     EXPECT_FALSE(accepts([](PmFitOptions& o) { o.threads = -1; }));
 
     const auto rejects = [&](auto change) {

@@ -40,11 +40,12 @@ constexpr double k_missed = 10;
 Result<Done> validate(const Observations& observations, const PmFitOptions& options) {
     if (const auto effort = require_range("fit", "effort", options.effort, k_least_effort, k_most_effort); !effort)
         return effort.error();
-    for (const auto& result : {require_range("fit", "number of lobes", options.lobes, 1, k_most_fitted_lobes),
-                               require_range("fit", "number of variates", options.variates, 1, int(k_most_variates)),
-                               require_range("fit", "number of starts", starts_of(options), 1, 1000),
-                               require_range("fit", "number of perturbations", perturbations_of(options), 0, 100000),
-                               require_range("fit", "number of threads", options.threads, 0, 1024)})
+    for (const auto& result :
+         {require_range("fit", "number of lobes", options.lobes, 1, k_most_fitted_lobes),
+          require_range("fit", "number of variates", options.variates, 1, int(k_most_variates)),
+          require_range("fit", "number of starts", options.starts.value_or(1), 1, k_most_starts),
+          require_range("fit", "number of perturbations", options.perturbations.value_or(0), 0, 100000),
+          require_range("fit", "number of threads", options.threads, 0, 1024)})
         if (!result) return result.error();
     if (!(options.finest >= 0 && options.finest < 1))
         return argument_error("fit", "finest width", "0 to 1 radian", fmt::format("{}", options.finest));

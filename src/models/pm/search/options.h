@@ -14,11 +14,12 @@ inline LobeShape shape_of(const PmFitOptions& options) {
     return {options.form, options.variates, options.axial, options.finest};
 }
 
+inline constexpr int k_most_starts = 1000;
 /// Default numbers of starts and perturbations. Fits with more lobes use fewer, because each takes longer and
 /// matters less.
 inline int starts_of(const PmFitOptions& options) {
     const int starts = options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 16, 20));
-    return std::max(int(std::lround(options.effort * starts)), 1);
+    return std::clamp(int(std::lround(options.effort * starts)), 1, k_most_starts);
 }
 inline int perturbations_of(const PmFitOptions& options) {
     const int perturbations =

@@ -256,8 +256,8 @@ struct Use {
     std::vector<std::string> words;
     std::string extension;
 };
-/// Commands on a file. `slow` are exports of the page, of three.js, of Blender and of code with additional functions, and
-/// conversions; `quick` are the other exports.
+/// Commands on a file. `slow` are exports of the page, of three.js, of Blender, of OSL and of code with additional functions,
+/// and conversions; `quick` are the other exports.
 struct Uses {
     std::vector<Use> quick, slow;
 };
@@ -268,7 +268,7 @@ inline void add_conversions(Uses& uses) {
 inline Uses uses_of_models() {
     Uses uses;
     for (const std::string& kind : choices_of_export("--to"))
-        (kind == "html" || kind == "three" || kind == "blender" ? uses.slow : uses.quick)
+        (kind == "html" || kind == "three" || kind == "blender" || kind == "osl" ? uses.slow : uses.quick)
             .push_back({{"export", "in", "--to", kind}, ""});
     for (const std::string& extra : choices_of_export("--with"))
         uses.slow.push_back({{"export", "in", "--to", "c", "--with", extra}, ""});

@@ -42,11 +42,11 @@ constexpr std::string_view k_light_whole =
     "    return Vec3(min(albedo.x, Real(1.0)), min(albedo.y, Real(1.0)), min(albedo.z, Real(1.0)));\n}\n";
 constexpr std::string_view k_light_whole_of_basis = "Vec3 light_whole(Vec3 albedo) { return albedo; }\n";
 constexpr std::string_view k_reflected =
-    "Vec3 reflected(Vec3 weight, Vec3 radiance) {\n"
-    "    return Vec3(weight.x * radiance.x, weight.y * radiance.y, weight.z * radiance.z);\n}\n";
+    "Vec3 reflected(Vec3 weight, Vec3 light) {\n"
+    "    return Vec3(weight.x * light.x, weight.y * light.y, weight.z * light.z);\n}\n";
 constexpr std::string_view k_reflected_by_host =
     "// The product of a lobe's weight, in colours that the host may change, and the radiance. The host supplies it.\n"
-    "Vec3 reflected(Vec3 weight, Vec3 radiance);\n";
+    "Vec3 reflected(Vec3 weight, Vec3 light);\n";
 /// The text for lobes that the host supplies.
 constexpr std::string_view k_light_of_host =
     "Vec3 light_between(int i, NodesAbout nodes) {\n"

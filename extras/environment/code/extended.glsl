@@ -4,7 +4,7 @@
 //   light_weight(k, whole, nodes, pm)  its weight R, G, B, where `whole` is the sum of all weights
 //   light_whole(albedo)                the sum of the weights of all lobes for this directional albedo
 //   light_width(nodes)                 the solid angle into which a view is reflected
-//   reflected(weight, radiance)        their product, channel by channel
+//   reflected(weight, light)           their product, channel by channel
 
 // A lobe of f_r cos(theta_l) over the light for a view. It reflects with `weight`, which may be negative, the
 // radiance in the direction `axis` of an environment that is filtered as for GGX of this roughness viewed along the

@@ -44,7 +44,7 @@ std::string module_of(const std::string& functions, std::string_view imports, st
     text += classes;
     return text;
 }
-/// What three.js supplies to the functions of a model.
+/// Macros that name what the module supplies to the functions of a model.
 std::string defines_of(const std::string& name) {
     return fmt::format("#define {0}_radiance measured_radiance\n#define {0}_reflected measured_reflected\n", name);
 }
@@ -108,11 +108,12 @@ Result<std::string> three_map_module(const Library& map, const std::string& name
     std::string classes = k_three_map_text;
     replace_all(classes, "FILE", fmt::format("./{}", file));
     replace_all(classes, "LOBES", fmt::format("{}", map.basis.lobes));
-    const std::string functions = defines_of(name) + fmt::format(
-        "uniform highp sampler2DArray measured_coefficients;\nvarying vec2 measured_uv;\n"
-        "vec3 {0}_layer(int j, float u, float v) {{\n"
-        "    return texture(measured_coefficients, vec3(u, v, float(j))).rgb;\n}}\n",
-        name);
+    const std::string functions =
+        defines_of(name) + fmt::format(
+                               "uniform highp sampler2DArray measured_coefficients;\nvarying vec2 measured_uv;\n"
+                               "vec3 {0}_layer(int j, float u, float v) {{\n"
+                               "    return texture(measured_coefficients, vec3(u, v, float(j))).rgb;\n}}\n",
+                               name);
     return module_of(functions + *code + fmt::format("{}_Coefficients measured_texel;\n", name),
                      " CompressedArrayTexture, HalfFloatType,", classes + class_text(name, "MeasuredMap"));
 }

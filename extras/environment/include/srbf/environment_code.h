@@ -23,7 +23,7 @@ struct EnvironmentCode {
     /// Vec3 NAME_light_texel(int i, int view). Lobe k > 0 has (p, roughness, width of the view) at i = 2 k - 2 and
     /// its fraction at i = 2 k - 1; from i = 2 `lobes` - 2 on follow the albedos (`light_texels`).
     bool texels = false;
-    /// The host supplies Vec3 NAME_reflected(Vec3 weight, Vec3 radiance): the product of a lobe's weight, in colours
+    /// The host supplies Vec3 NAME_reflected(Vec3 weight, Vec3 light): the product of a lobe's weight, in colours
     /// that the host may change, and the radiance of the environment.
     bool colours = false;
 };

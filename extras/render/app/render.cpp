@@ -65,8 +65,13 @@ Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Pictur
 Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictured> pictured,
                                        const RenderCommand& options) {
     if (const auto can_draw = check_drawing(); !can_draw) return can_draw.error();
-    std::vector<const Subject*> subjects;
-    for (std::size_t i = 0; i < pictured.size(); ++i) {
+    std::vector<const Subject*> subjects;  // those of a mask are the first
+    const auto* const masked = std::get_if<const MaskedSubjects*>(&pictured[0]);
+    if (masked) {
+        if (scene.mesh.texture.empty()) return needs_texture("a mask");
+        subjects = (*masked)->of;
+    }
+    for (std::size_t i = masked ? 1 : 0; i < pictured.size(); ++i) {
         const auto* subject = std::get_if<const Subject*>(&pictured[i]);
         if (!subject)
             return Error{i < options.files.size() ? options.files[i] : options.compare,
@@ -92,6 +97,11 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictu
     if (path_options.lights == "none" || (path_options.lights.empty() && *environment)) lit.lights.clear();
     auto renderings = rasterize(lit, subjects, options.width, options.height, light);
     if (!renderings) return renderings.error();
+    if (masked) {
+        const auto count = std::ptrdiff_t((*masked)->of.size());
+        (*renderings)[0] = mixed(scene, (*masked)->mask, std::span(*renderings).first(std::size_t(count)));
+        renderings->erase(renderings->begin() + 1, renderings->begin() + count);
+    }
     return RenderedPictures{*std::move(renderings), {}};
 }
 
@@ -352,11 +362,10 @@ void add_render(CommandLine& app, int& status) {
     const Option aov =
         sub.add_flag("--aov", command->aov,
                      "path: also write normal, albedo and depth: as channels of an .exr, or as further pictures");
-    const Option mask =
-        sub.add_option("--mask", command->mask,
-                       "path: one picture of two or three materials, mixed by this picture (.png, .jpg, .exr) at the "
-                       "mesh's\ntexture coordinates: red is the share of the second, green that of the third")
-            .type_name("FILE");
+    sub.add_option("--mask", command->mask,
+                   "One picture of two or three materials, mixed by this picture (.png, .jpg, .exr) at the "
+                   "mesh's\ntexture coordinates: red is the share of the second, green that of the third")
+        .type_name("FILE");
     sub.add_option("--compare", command->compare,
                    "Print PSNR, SSIM and FLIP against this reference, a BRDF to render or an .exr, and write "
                    "OUTPUT.difference.png")
@@ -365,7 +374,7 @@ void add_render(CommandLine& app, int& status) {
                             .type_name("FILE");
     const auto is_path = [command] { return command->renderer == "path"; };
     std::vector<Reading> readings = command->path.add_options(sub, about_mesh, is_path);
-    readings.push_back({{aov, mask}, "only with --renderer path", is_path});
+    readings.push_back({{aov}, "only with --renderer path", is_path});
     readings.push_back({{json}, "only with --compare", [command] { return !command->compare.empty(); }});
     sub.footer(
         "Examples:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf -o paper.png\n"

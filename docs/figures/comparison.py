@@ -135,7 +135,7 @@ def measures_table(rows):
 def worst_table(rows):
     """The materials that the default errs most on."""
     models = ["ggx-2", "openpbr", "srbf", "srbf-16", "as-measured-8", "su"]
-    order = sorted(of_model(rows, "srbf"), key=lambda row: -row["delta_e_itp"])[:8]
+    order = sorted(of_model(rows, "srbf"), key=lambda row: -row["delta_e_itp"])[:6]
     lines = []
     for row in order:
         of = {other["model"]: other["delta_e_itp"] for other in rows if other["material"] == row["material"]}
@@ -256,7 +256,7 @@ def pages(rows):
     """The pages with their tables, by path."""
     measured, rest = of_measured(rows), without_neural(rows)
     tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
-                     ("measures", measures_table(measured)), ("means of all", means_table(rest)), ("worst", worst_table(rows))],
+                     ("measures", measures_table(measured)), ("worst", worst_table(rows))],
               ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))]}
     made = {}
     for path, of_page in tables.items():

@@ -35,9 +35,7 @@ function edits() {
 function edit() {
   const s = saturation(), matrix = (tint) => [0, 1, 2].flatMap((column) =>
     [0, 1, 2].map((row) => tint[column] * ((1 - s) * [0.2126, 0.7152, 0.0722][column] + (row === column ? s : 0))));
-  const shares = [...highlight.shares];
-  while (shares.length % 4) shares.push(0);
-  return { shares, roughness: [factor("roughen"), highlight.roughness], colours: [...matrix(tint("highlight")), ...matrix(tint("body"))] };
+  return { shares: highlight.shares, roughness: [factor("roughen"), highlight.roughness], colours: [...matrix(tint("highlight")), ...matrix(tint("body"))] };
 }
 function show_values() {
   for (const input of inputs) {

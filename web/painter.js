@@ -111,7 +111,7 @@ function use_numbers({ program, location }, { block, vectors, vectors_name, node
   if (vectors) gl.uniform4fv(location(vectors_name), vectors);
   textures.forEach(({ sampler }, unit) => gl.uniform1i(location(sampler), unit));
   if (edit) {
-    gl.uniform4fv(location("edited_shares"), edit.shares);
+    gl.uniform1fv(location("edited_shares"), edit.shares);
     gl.uniform2fv(location("edited_roughness"), edit.roughness);
     gl.uniformMatrix3fv(location("edited_colours"), false, edit.colours);
   }

@@ -28,11 +28,13 @@ bool pm_reciprocal(Pm pm) { return PM_RECIPROCAL != 0; }
 Real pm_weight_l(Pm pm, int n) { return pm_weights[n].x; }
 Real pm_weight_v(Pm pm, int n) { return pm_weights[n].y; }
 #ifdef PM_EDITED
-uniform vec4 edited_shares[(PM_LOBES + 3) / 4];  // of each lobe, the share that belongs to the body
-bool edited_body = false;  // whether coefficients are those of the body, otherwise of the highlight
+uniform float edited_shares[PM_LOBES];  // of each lobe, the share that belongs to the body
+uniform mat3 edited_colours[2];  // linear maps of the colours of the highlight and the body
+vec2 edited_parts = vec2(1.0);  // what is evaluated of the highlight and the body
 Vec3 pm_coefficient(Pm pm, int j) {
-    Real body = edited_shares[j / 4][j % 4];
-    return (edited_body ? body : 1.0 - body) * pm_colours[j].rgb;
+    vec3 colour = pm_colours[j].rgb;
+    Real body = edited_shares[j];
+    return edited_parts.x * (1.0 - body) * (edited_colours[0] * colour) + edited_parts.y * body * (edited_colours[1] * colour);
 }
 #else
 Vec3 pm_coefficient(Pm pm, int j) { return pm_colours[j].rgb; }

@@ -92,13 +92,17 @@ NewFile file_of(const std::string& path, std::span<const std::byte> bytes) {
     return {path, {bytes.begin(), bytes.end()}};
 }
 
+std::vector<std::byte> texture_of(const ExportCommand& asked, const Library& map) {
+    return map_ktx2(map, asked.bits == "8" ? LayerNumbers::bytes : LayerNumbers::halves);
+}
+
 int write_map(const ExportCommand& asked, const TextKind& kind) {
     const std::string name = identifier(stem_of(asked.files[0])), texture = asked.beside(name + ".ktx2");
     const auto map = load_map(asked, kind.has_texture ? std::vector{texture} : std::vector<std::string>());
     if (!map) return complain(map.error());
     const auto written = within_memory(texture, [&]() -> Result<Done> {
         std::vector<NewFile> files;
-        if (kind.has_texture) files.push_back({texture, map_ktx2(*map)});
+        if (kind.has_texture) files.push_back({texture, texture_of(asked, *map)});
         const auto text = kind.map(asked, *map, name);
         if (!text) return text.error();
         files.push_back(file_of(asked.output, as_bytes(*text)));
@@ -115,6 +119,9 @@ int write_text(const ExportCommand& asked, const TextKind& kind) {
     }
     const auto models = load_models(asked.files);
     if (!models) return complain(models.error());
+    if (!asked.bits.empty())
+        return complain(
+            {asked.files[0], {}, "input", "a map, whose coefficients have --bits", "a model", ErrorCode::argument});
     const std::vector<NamedModel> models_by_name = names_of(*models), brdfs = with_parts(models_by_name);
     std::vector<std::string> outputs{asked.output};
     std::vector<NewFile> files;
@@ -135,7 +142,7 @@ int write_text(const ExportCommand& asked, const TextKind& kind) {
 int write_ktx2(const ExportCommand& asked) {
     const auto map = load_map(asked);
     if (!map) return complain(map.error());
-    const auto written = within_memory(asked.output, [&] { return write_file(asked.output, map_ktx2(*map)); });
+    const auto written = within_memory(asked.output, [&] { return write_file(asked.output, texture_of(asked, *map)); });
     return written ? int(k_done) : complain(written.error());
 }
 
@@ -160,6 +167,9 @@ CodeOptions code_options(const ExportCommand& asked, CodeLanguage language) {
     return options;
 }
 
+bool has_texture(const std::string& kind) {
+    return kind == "ktx2" || std::ranges::count(code_modules(), kind, &CodeModule::name) > 0;
+}
 bool is_code(const std::string& kind) { return code_language_named(kind).has_value(); }
 
 std::vector<TextKind> text_kinds() {
@@ -270,11 +280,19 @@ void add_export(CommandLine& app, int& status) {
                             .type_name("WHAT")
                             .one_at_a_time()
                             .one_of(features);
+    const Option bits =
+        sub.add_option(
+               "--bits", command->bits,
+               "Bits of each coefficient of a map in its texture: 16, a float, or 8, coded as sRGB, with scales")
+            .type_name("B")
+            .default_text("16")
+            .one_of({"8", "16"});
     sub.add_option("-o,--output", command->output, "The file to write").type_name("FILE").required();
     sub.footer(
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
         "  srbf export map.srbf --to ktx2 -o map.ktx2");
     exports.readings.push_back({{with}, "is for source code", [command] { return is_code(command->to); }});
+    exports.readings.push_back({{bits}, "is for the textures of maps", [command] { return has_texture(command->to); }});
     sub.callback([command, kinds = exports.kinds,
                   &status] { status = std::ranges::find(kinds, command->to, &ExportKind::name)->run(*command); },
                  exports.readings);

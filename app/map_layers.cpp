@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "base/half.h"
+#include "brdf/colour.h"
 
 namespace srbf {
 namespace {
@@ -29,14 +30,17 @@ class Container {
     void add_words(std::span<const std::uint32_t> words) {
         for (const std::uint32_t word : words) add(word, 4);
     }
-    /// A key and its value, each terminated by a zero byte.
-    void add_metadata(std::string_view key, std::string_view text) {
-        add(key.size() + text.size() + 2, 4);
-        for (const std::string_view part : {key, text}) {
-            for (const char c : part) add(std::uint8_t(c), 1);
-            add(0, 1);
-        }
+    /// A key, terminated by a zero byte, and its value.
+    void add_metadata(std::string_view key, std::span<const std::byte> value) {
+        add(key.size() + 1 + value.size(), 4);
+        for (const char c : key) add(std::uint8_t(c), 1);
+        add(0, 1);
+        bytes.insert(bytes.end(), value.begin(), value.end());
         align(4);
+    }
+    /// A text, terminated by a zero byte too.
+    void add_metadata(std::string_view key, const char* text) {
+        add_metadata(key, std::as_bytes(std::span(text, std::string_view(text).size() + 1)));
     }
     void align(std::size_t multiple) { bytes.resize((bytes.size() + multiple - 1) / multiple * multiple); }
     void set(std::size_t offset, std::uint64_t number, std::size_t count) {
@@ -46,18 +50,56 @@ class Container {
     std::vector<std::byte> bytes;
 };
 
-/// The data format descriptor of a texel of four signed 16-bit floats (Khronos Data Format 1.3, section 5).
-std::vector<std::uint32_t> format_of_halves() {
-    constexpr std::uint32_t rgb_model = 1, rec709 = 1, linear = 1, version = 2, bytes_of_texel = 8;
-    constexpr std::uint32_t is_float = 0x80, is_signed = 0x40, alpha = 15;
-    constexpr std::uint32_t block = 24 + 4 * 16, minus_one = 0xbf800000, one = 0x3f800000;
+/// A texel of four equal numbers in the terms of KTX 2 and of the Khronos Data Format 1.3, section 5.
+struct TexelFormat {
+    std::uint32_t vulkan;        ///< VkFormat
+    std::uint32_t bytes;         ///< of a number
+    std::uint32_t transfer;      ///< 1: linear, 2: sRGB
+    std::uint32_t flags, alpha;  ///< of a number, and more of A
+    std::uint32_t least, most;   ///< the numbers for 0 or -1, and for 1
+};
+constexpr TexelFormat k_half_texel{97, 2, 1, 0xc0, 0, 0xbf800000, 0x3f800000};  // R16G16B16A16_SFLOAT, signed floats
+constexpr TexelFormat k_byte_texel{43, 1, 2, 0, 0x10, 0, 255};                  // R8G8B8A8_SRGB with linear A
+
+std::vector<std::uint32_t> descriptor(const TexelFormat& format) {
+    constexpr std::uint32_t rgb_model = 1, rec709 = 1, version = 2, alpha = 15, block = 24 + 4 * 16;
     std::vector<std::uint32_t> words{
-        4 + block, 0, version | block << 16, rgb_model | rec709 << 8 | linear << 16, 0, bytes_of_texel, 0};
+        4 + block, 0, version | block << 16, rgb_model | rec709 << 8 | format.transfer << 16, 0, 4 * format.bytes, 0};
     for (std::uint32_t c = 0; c < 4; ++c) {
-        const std::uint32_t channel = (c < 3 ? c : alpha) | is_float | is_signed;
-        words.insert(words.end(), {16 * c | 15 << 16 | channel << 24, 0, minus_one, one});
+        const std::uint32_t channel = (c < 3 ? c : alpha | format.alpha) | format.flags, bits = 8 * format.bytes;
+        words.insert(words.end(), {bits * c | (bits - 1) << 16 | channel << 24, 0, format.least, format.most});
     }
     return words;
+}
+
+/// The byte whose value in sRGB is nearest to a number in [0, 1].
+class NearestSrgb {
+  public:
+    NearestSrgb() {
+        for (int k = 0; k < 255; ++k)
+            middle_[std::size_t(k)] = float((srgb_decoded(k / 255.0) + srgb_decoded((k + 1) / 255.0)) / 2);
+    }
+    std::uint64_t operator()(float x) const {
+        return std::uint64_t(std::ranges::upper_bound(middle_, x) - middle_.begin());
+    }
+
+  private:
+    std::array<float, 255> middle_;  ///< between a value and the next
+};
+
+/// Adds a layer, the coefficients of lobe j, as R, G, B and A = 1.
+void add_layer(Container& file, const MapLevel& level, std::size_t j, std::size_t J) {
+    for (std::size_t i = j; i < level.coefficient.size(); i += J) {
+        const auto& [r, g, b] = level.coefficient[i];
+        for (const float number : {r, g, b, 1.f}) file.add(to_half(number), 2);
+    }
+}
+void add_layer(Container& file, const MapLevel& level, std::size_t j, std::size_t J, const Rgb& scale) {
+    static const NearestSrgb nearest;
+    for (std::size_t i = j; i < level.coefficient.size(); i += J) {
+        for (int c = 0; c < 3; ++c) file.add(scale[c] > 0 ? nearest(level.coefficient[i][c] / scale[c]) : 0, 1);
+        file.add(255, 1);
+    }
 }
 
 }  // namespace
@@ -102,24 +144,41 @@ Result<Done> check_layers(const Library& library, const std::string& file_name) 
     return Done{};
 }
 
-std::vector<std::byte> map_ktx2(const Library& map) {
+std::vector<Rgb> layer_scales(const Library& map) {
+    std::vector<Rgb> scales(std::size_t(map.basis.lobes));
+    for (std::size_t i = 0; i < map.coefficient.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            float& largest = scales[i % scales.size()][c];
+            largest = std::max(largest, map.coefficient[i][c]);
+        }
+    return scales;
+}
+
+std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
     constexpr std::array<std::uint8_t, 12> identifier{0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb, '\r', '\n', 0x1a, '\n'};
-    constexpr std::uint32_t halves = 97, bytes_of_half = 2, faces = 1;  // VK_FORMAT_R16G16B16A16_SFLOAT
-    constexpr std::size_t index = 48, levels_offset = 80, bytes_of_level = 24, bytes_of_texel = 8;
+    constexpr std::size_t index = 48, levels_offset = 80, bytes_of_level = 24, faces = 1;
+    const bool is_half = numbers == LayerNumbers::halves;
+    const TexelFormat& format = is_half ? k_half_texel : k_byte_texel;
+    const std::size_t bytes_of_texel = 4 * format.bytes;
     const std::vector<MapLevel> levels = mip_levels(map);
     const auto J = std::size_t(map.basis.lobes);
+    const std::vector<Rgb> scales = layer_scales(map);
     Container file;
     for (const std::uint8_t byte : identifier) file.add(byte, 1);
-    file.add_words(std::array{halves, bytes_of_half, std::uint32_t(levels[0].width), std::uint32_t(levels[0].height),
-                              0u, std::uint32_t(J), faces, std::uint32_t(levels.size()), 0u});
+    for (const std::size_t number : {std::size_t(format.vulkan), std::size_t(format.bytes), levels[0].width,
+                                     levels[0].height, std::size_t(0), J, faces, levels.size(), std::size_t(0)})
+        file.add(number, 4);
     file.bytes.resize(levels_offset + bytes_of_level * levels.size());
     const auto add_part = [&](std::size_t offset, const auto& write) {
         const std::size_t begin = file.bytes.size();
         write();
         file.set(index + offset, begin, 4), file.set(index + offset + 4, file.bytes.size() - begin, 4);
     };
-    add_part(0, [&] { file.add_words(format_of_halves()); });
-    add_part(8, [&] { file.add_metadata("KTXorientation", "rd"), file.add_metadata("KTXwriter", "srbf"); });
+    add_part(0, [&] { file.add_words(descriptor(format)); });
+    add_part(8, [&] {
+        file.add_metadata("KTXorientation", "rd"), file.add_metadata("KTXwriter", "srbf");
+        if (!is_half) file.add_metadata(k_scale_key, std::as_bytes(std::span(scales)));
+    });
     file.align(bytes_of_texel);
     for (std::size_t k = levels.size(); k-- > 0;) {  // the smallest level comes first
         const std::size_t texels = levels[k].width * levels[k].height, begin = file.bytes.size();
@@ -128,11 +187,7 @@ std::vector<std::byte> map_ktx2(const Library& map) {
             file.set(levels_offset + bytes_of_level * k + 8 * member, member == 0 ? begin : size, 8);
         file.bytes.reserve(begin + size);
         for (std::size_t j = 0; j < J; ++j)
-            for (std::size_t t = 0; t < texels; ++t) {
-                const Rgb& coefficient = levels[k].coefficient[t * J + j];
-                for (const float number : {coefficient.r, coefficient.g, coefficient.b, 1.f})
-                    file.add(to_half(number), 2);
-            }
+            is_half ? add_layer(file, levels[k], j, J) : add_layer(file, levels[k], j, J, scales[j]);
     }
     return std::move(file.bytes);
 }

@@ -23,9 +23,18 @@ inline constexpr int k_most_layers = 256;
 /// or it has more than k_most_layers lobes.
 Result<Done> check_layers(const Library& library, const std::string& file_name);
 
+/// The largest coefficient of each lobe in the map, for R, G and B.
+std::vector<Rgb> layer_scales(const Library& map);
+
+/// How a texture holds coefficients. The means of levels are rounded only once.
+enum class LayerNumbers {
+    halves,  ///< 16-bit floats
+    bytes,   ///< 8 bits of a fraction of the lobe's scale (`layer_scales`), coded as sRGB
+};
 /// The map as a KTX 2 file (Khronos texture container 2.0): an uncompressed array of J layers with levels down to 1
-/// × 1. A layer holds the coefficients of a lobe as 16-bit floats R, G, B, and A = 1. Row 0 of the texels is the
-/// map's Y = 0.
-std::vector<std::byte> map_ktx2(const Library& map);
+/// × 1. A layer holds the coefficients of a lobe as R, G, B, and A = 1. Row 0 of the texels is the map's Y = 0. With
+/// bytes the metadata `k_scale_key` are the scales, 3 J 32-bit floats: R, G, B of each lobe.
+std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers = LayerNumbers::halves);
+inline constexpr const char* k_scale_key = "srbf.scale";
 
 }  // namespace srbf

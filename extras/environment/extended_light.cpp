@@ -530,7 +530,7 @@ MatrixXd shares_of(const std::vector<View>& views, const BlurredKernels& kernels
 /// The cosine of a node's view in fits: at the horizon views have no limit, along the normal no plane of incidence.
 double fitted_cosine(std::size_t view) { return std::clamp(ExtendedLight::cosine(int(view)), 1e-4, 0.9999); }
 
-/// What a view reflects by each lobe of a model with coefficient 1.
+/// The light that a view reflects by each lobe of a model with coefficient 1.
 struct LobesOfView {
     VectorXd albedo, width;  ///< J; widths as of ExtendedLight
     MatrixXd radiance;       ///< lights × J

@@ -14,14 +14,6 @@
 namespace srbf {
 namespace {
 
-/// The levels of a map, down to 1 × 1.
-std::vector<MapLevel> mip_levels(const Library& map) {
-    const auto width = std::size_t(map.width);
-    std::vector<MapLevel> levels{{width, map.count() / width, map.coefficient}};
-    while (levels.back().width * levels.back().height > 1) levels.push_back(coarser(levels.back()));
-    return levels;
-}
-
 class Container {
   public:
     void add(std::uint64_t number, std::size_t count) {
@@ -125,6 +117,13 @@ MapLevel coarser(const MapLevel& finer) {
             });
         }
     return level;
+}
+
+std::vector<MapLevel> mip_levels(const Library& map) {
+    const auto width = std::size_t(map.width);
+    std::vector<MapLevel> levels{{width, map.count() / width, map.coefficient}};
+    while (levels.back().width * levels.back().height > 1) levels.push_back(coarser(levels.back()));
+    return levels;
 }
 
 Result<Done> check_layers(const Library& library, const std::string& file_name) {

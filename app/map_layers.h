@@ -16,6 +16,8 @@ struct MapLevel {
 /// The next coarser level, of ⌊width/2⌋ × ⌊height/2⌋ texels and at least 1 × 1. A texel is the mean of the finer
 /// level over the texel's area, so its BRDF is the mean of the finer BRDFs there.
 MapLevel coarser(const MapLevel& finer);
+/// The map and its coarser levels, down to 1 × 1.
+std::vector<MapLevel> mip_levels(const Library& map);
 
 /// The number of layers of an array that OpenGL ES 3, WebGL 2, WebGPU, Vulkan and Direct3D 11 all guarantee.
 inline constexpr int k_most_layers = 256;

@@ -384,7 +384,6 @@ void expect_filtered(const std::vector<Float4>& pixels, const MapScene& of, cons
     for (double apart = -0.04; apart < 0.04 && of.lod != std::floor(of.lod); apart += 0.004)
         if (const Differences at = differences(pixels, of, filtered, of.lod + apart); at.most < found.most) found = at;
     EXPECT_GT(found.largest, 0.01);
-    std::printf("DELTA %s %d %g\n", of.json["module"].dump().c_str(), of.size, found.delta_e);
     EXPECT_LT(found.delta_e, 1.5);
     // What textures' filters keep of their weights, and the half of a step of 8 bits.
     EXPECT_LT(found.most, found.largest * (of.json["module"] == "bytes" ? 1 / 128. : 1 / 256.));

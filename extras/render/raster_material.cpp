@@ -131,11 +131,6 @@ Result<RasterMaterial> RasterMaterial::make(const RasterMap& map, const ShaderOp
         glTexParameteri(GL_TEXTURE_2D_ARRAY, axis, GL_REPEAT);
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, GLint(map.levels.size()) - 1);
-    if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic")) {
-        float most = 1;
-        glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &most);
-        glTexParameterf(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_ANISOTROPY, most);
-    }
     for (std::size_t k = 0; k < map.levels.size(); ++k) {
         const auto& [width, height, halves] = map.levels[k];
         glTexImage3D(GL_TEXTURE_2D_ARRAY, GLint(k), GL_RGBA16F, width, height, map.layers, 0, GL_RGBA, GL_HALF_FLOAT,

@@ -162,8 +162,8 @@ TEST_F(MapCode, LevelsAreMeans) {
     }
 }
 
-/// Each is the nearest value of sRGB to what the level has, times the scale, which is the largest coefficient of the lobe.
-/// No level saturates, and white is only where a coefficient is the largest.
+/// Each is the nearest value of sRGB to what the level has, times the scale, which is the largest coefficient of the
+/// lobe. No level saturates, and white is only where a coefficient is the largest.
 TEST_F(MapCode, BytesAreNearestFractionsOfTheScale) {
     Library map = map_of(true, 5, 3);
     const auto J = std::size_t(map.basis.lobes);
@@ -197,8 +197,8 @@ TEST_F(MapCode, BytesAreNearestFractionsOfTheScale) {
     }
 }
 
-/// Against data with noise of 2 %, as instruments have, coefficients in bytes have at most 1.1 times the error of those in
-/// halves, though they range over two decades: of the cube root error.
+/// Against data with noise of 2 %, as instruments have, coefficients in bytes have at most 1.1 times the error of those
+/// in halves, though they range over two decades: of the cube root error.
 TEST_F(MapCode, BytesHardlyAddToTheErrorOfData) {
     Library map = map_of(true, 8, 8);
     const auto J = std::size_t(map.basis.lobes);

@@ -243,7 +243,7 @@ class RasterDevelopment {
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
                                          int samples = 4);
 
-/// The same of maps. Requires a mesh with texture coordinates.
+/// Pictures of the scene with each of the maps. Requires a mesh with texture coordinates.
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const RasterMap> maps, int width, int height,
                                          int samples = 4);
 

@@ -80,8 +80,8 @@ std::string light_of(const Model& model, const LightOptions& options, Program& p
            "    return Vec3(whole.x * light_number(5 * k - 3, nodes), whole.y * light_number(5 * k - 2, nodes),\n"
            "                whole.z * light_number(5 * k - 1, nodes));\n}\n";
 }
-/// The text if the coefficients, whose typical values are those of `basis`, are arguments. The lobes' weights are linear
-/// in them.
+/// The text if the coefficients, whose typical values are those of `basis`, are arguments. The lobes' weights are
+/// linear in them.
 std::string light_of_basis(const PmModel& basis, const LightOptions& options, Program& program) {
     const auto J = std::size_t(basis.lobes), others = std::size_t(options.code.lobes - 1),
                columns = others * (2 + J) + 1;

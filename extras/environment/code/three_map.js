@@ -1,6 +1,6 @@
 
-// A map's coefficients as a texture, from its KTX 2 file with all levels of the file. Row 0 of the map is at v = 0. They are
-// multiplied by `userData.scales`, R, G, B of each lobe, unless that is undefined.
+// A map's coefficients as a texture, from its KTX 2 file with all levels of the file. Row 0 of the map is at v = 0.
+// They are multiplied by `userData.scales`, R, G, B of each lobe, unless that is undefined.
 export async function loadCoefficients(url = new URL('FILE', import.meta.url)) {
     const response = await fetch(url);
     if (!response.ok) throw new Error(`${url}: ${response.status}`);
@@ -16,7 +16,8 @@ export async function loadCoefficients(url = new URL('FILE', import.meta.url)) {
         height: Math.max(height >> k, 1),
     }));
     // An array with its own levels can only be uploaded as a "compressed" one, which accepts this format too.
-    const texture = new CompressedArrayTexture(levels, width, height, layers, RGBAFormat, ofBytes ? UnsignedByteType : HalfFloatType);
+    const type = ofBytes ? UnsignedByteType : HalfFloatType;
+    const texture = new CompressedArrayTexture(levels, width, height, layers, RGBAFormat, type);
     if (ofBytes) texture.colorSpace = SRGBColorSpace;
     texture.userData.scales = scalesIn(numbers);
     texture.needsUpdate = true;
@@ -26,8 +27,8 @@ export async function loadCoefficients(url = new URL('FILE', import.meta.url)) {
 function scalesIn(numbers) {
     const name = 'srbf.scale', end = numbers.getUint32(56, true) + numbers.getUint32(60, true);
     for (let at = numbers.getUint32(56, true); at < end;) {
-        const length = numbers.getUint32(at, true), key = String.fromCharCode(...new Uint8Array(numbers.buffer, at + 4, name.length));
-        const first = at + 4 + name.length + 1;
+        const length = numbers.getUint32(at, true), first = at + 4 + name.length + 1;
+        const key = String.fromCharCode(...new Uint8Array(numbers.buffer, at + 4, name.length));
         if (key === name) return Array.from({ length: 3 * LOBES }, (_, i) => numbers.getFloat32(first + 4 * i, true));
         at += 4 * Math.ceil((4 + length) / 4);
     }

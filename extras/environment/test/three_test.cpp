@@ -287,8 +287,8 @@ std::vector<Float4> floats(const std::string& bytes) {
     return pixels;
 }
 
-/// The largest difference of a picture's radiance from that of the map's models at these levels, the largest radiance, and
-/// the mean ΔE_ITP with an exposure that shows the largest as white.
+/// The largest difference of a picture's radiance from that of the map's models at these levels, the largest radiance,
+/// and the mean ΔE_ITP with an exposure that shows the largest as white.
 struct Differences {
     double most, largest, delta_e;
 };

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "app/astc.h"
 #include "app/commands.h"
 #include "app/export.h"
 #include "app/extra_exports.h"
@@ -93,7 +94,9 @@ NewFile file_of(const std::string& path, std::span<const std::byte> bytes) {
 }
 
 std::vector<std::byte> texture_of(const ExportCommand& asked, const Library& map) {
-    return map_ktx2(map, asked.bits == "8" ? LayerNumbers::bytes : LayerNumbers::halves);
+    return map_ktx2(map, asked.coefficients == "byte"   ? LayerNumbers::bytes
+                         : asked.coefficients == "astc" ? LayerNumbers::blocks
+                                                        : LayerNumbers::halves);
 }
 
 int write_map(const ExportCommand& asked, const TextKind& kind) {
@@ -119,9 +122,8 @@ int write_text(const ExportCommand& asked, const TextKind& kind) {
     }
     const auto models = load_models(asked.files);
     if (!models) return complain(models.error());
-    if (!asked.bits.empty())
-        return complain(
-            {asked.files[0], {}, "input", "a map, whose coefficients have --bits", "a model", ErrorCode::argument});
+    if (!asked.coefficients.empty())
+        return complain({asked.files[0], {}, "input", "a map (--coefficients)", "a model", ErrorCode::argument});
     const std::vector<NamedModel> models_by_name = names_of(*models), brdfs = with_parts(models_by_name);
     std::vector<std::string> outputs{asked.output};
     std::vector<NewFile> files;
@@ -280,19 +282,23 @@ void add_export(CommandLine& app, int& status) {
                             .type_name("WHAT")
                             .one_at_a_time()
                             .one_of(features);
-    const Option bits =
+    std::vector<std::string> numbers{"half", "byte"};
+    if (has_astc()) numbers.emplace_back("astc");
+    const Option coefficients =
         sub.add_option(
-               "--bits", command->bits,
-               "Bits of each coefficient of a map in its texture: 16, a float, or 8, coded as sRGB, with scales")
-            .type_name("B")
-            .default_text("16")
-            .one_of({"8", "16"});
+               "--coefficients", command->coefficients,
+               "Numbers in the texture of a map: half, 16-bit floats; byte, 8 bits coded as sRGB, with scales;\n"
+               "astc, these in compressed blocks of 4 x 4 texels (if built with libastcenc)")
+            .type_name("NUMBERS")
+            .default_text("half")
+            .one_of(numbers);
     sub.add_option("-o,--output", command->output, "The file to write").type_name("FILE").required();
     sub.footer(
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
         "  srbf export map.srbf --to ktx2 -o map.ktx2");
     exports.readings.push_back({{with}, "is for source code", [command] { return is_code(command->to); }});
-    exports.readings.push_back({{bits}, "is for the textures of maps", [command] { return has_texture(command->to); }});
+    exports.readings.push_back(
+        {{coefficients}, "is for the textures of maps", [command] { return has_texture(command->to); }});
     sub.callback([command, kinds = exports.kinds,
                   &status] { status = std::ranges::find(kinds, command->to, &ExportKind::name)->run(*command); },
                  exports.readings);

@@ -13,7 +13,7 @@ namespace srbf {
 struct ExportCommand {
     std::vector<std::string> files, with;
     std::string to, output;
-    std::string bits;  ///< of the coefficients of a map, 8 or 16; empty: 16
+    std::string coefficients;  ///< half, byte or astc, those in the texture of a map; empty: half
 
     /// The path of a file beside the output.
     std::string beside(const std::string& name) const;

@@ -8,7 +8,9 @@
 #include <span>
 #include <string_view>
 
+#include "app/astc.h"
 #include "base/half.h"
+#include "base/parallel.h"
 #include "brdf/colour.h"
 
 namespace srbf {
@@ -42,24 +44,51 @@ class Container {
     std::vector<std::byte> bytes;
 };
 
-/// A texel of four equal numbers in the terms of KTX 2 and of the Khronos Data Format 1.3, section 5.
+/// A texel of four equal numbers, or a block of texels, in the terms of KTX 2 and of the Khronos Data Format 1.3,
+/// section 5.
 struct TexelFormat {
-    std::uint32_t vulkan;        ///< VkFormat
-    std::uint32_t bytes;         ///< of a number
-    std::uint32_t transfer;      ///< 1: linear, 2: sRGB
-    std::uint32_t flags, alpha;  ///< of a number, and more of A
-    std::uint32_t least, most;   ///< the numbers for 0 or -1, and for 1
+    struct Sample {
+        std::uint32_t bits, channel, least, most;  ///< the numbers for 0 or -1, and for 1
+    };
+    std::uint32_t vulkan;       ///< VkFormat
+    std::uint32_t number_size;  ///< bytes of a number
+    std::uint32_t model;        ///< 1: R, G, B, A; 162: ASTC
+    std::uint32_t transfer;     ///< 1: linear, 2: sRGB
+    std::uint32_t side, size;   ///< of a block: texels along a side, bytes
+    std::vector<Sample> samples;
 };
-constexpr TexelFormat k_half_texel{97, 2, 1, 0xc0, 0, 0xbf800000, 0x3f800000};  // R16G16B16A16_SFLOAT, signed floats
-constexpr TexelFormat k_byte_texel{43, 1, 2, 0, 0x10, 0, 255};                  // R8G8B8A8_SRGB with linear A
+TexelFormat format_of(LayerNumbers numbers) {
+    using Sample = TexelFormat::Sample;
+    const auto rgba = [](const Sample& rgb, std::uint32_t alpha) {
+        std::vector<Sample> samples(4, rgb);
+        for (std::uint32_t c = 0; c < 4; ++c) samples[c].channel |= c < 3 ? c : alpha;
+        return samples;
+    };
+    switch (numbers) {
+        case LayerNumbers::halves:  // R16G16B16A16_SFLOAT: signed floats
+            return {97, 2, 1, 1, 1, 8, rgba({16, 0xc0, 0xbf800000, 0x3f800000}, 15)};
+        case LayerNumbers::bytes:  // R8G8B8A8_SRGB with linear A
+            return {43, 1, 1, 2, 1, 4, rgba({8, 0, 0, 255}, 0x1f)};
+        case LayerNumbers::blocks:
+            break;  // ASTC_4x4_SRGB_BLOCK
+    }
+    return {158, 1, 162, 2, 4, 16, {{128, 0, 0, 0xffffffff}}};
+}
 
 std::vector<std::uint32_t> descriptor(const TexelFormat& format) {
-    constexpr std::uint32_t rgb_model = 1, rec709 = 1, version = 2, alpha = 15, block = 24 + 4 * 16;
-    std::vector<std::uint32_t> words{
-        4 + block, 0, version | block << 16, rgb_model | rec709 << 8 | format.transfer << 16, 0, 4 * format.bytes, 0};
-    for (std::uint32_t c = 0; c < 4; ++c) {
-        const std::uint32_t channel = (c < 3 ? c : alpha | format.alpha) | format.flags, bits = 8 * format.bytes;
-        words.insert(words.end(), {bits * c | (bits - 1) << 16 | channel << 24, 0, format.least, format.most});
+    constexpr std::uint32_t rec709 = 1, version = 2;
+    const auto block = std::uint32_t(24 + 16 * format.samples.size());
+    std::vector<std::uint32_t> words{4 + block,
+                                     0,
+                                     version | block << 16,
+                                     format.model | rec709 << 8 | format.transfer << 16,
+                                     (format.side - 1) * 0x101,
+                                     format.size,
+                                     0};
+    std::uint32_t offset = 0;
+    for (const auto& [bits, channel, least, most] : format.samples) {
+        words.insert(words.end(), {offset | (bits - 1) << 16 | channel << 24, 0, least, most});
+        offset += bits;
     }
     return words;
 }
@@ -79,7 +108,7 @@ class NearestSrgb {
     std::array<float, 255> middle_;  ///< between a value and the next
 };
 
-/// Adds a layer, the coefficients of lobe j, as R, G, B and A = 1.
+/// Adds a layer, the coefficients of lobe j, as R, G, B and A = 1 in halves, or in bytes with a scale.
 void add_layer(Container& file, const MapLevel& level, std::size_t j, std::size_t J) {
     for (std::size_t i = j; i < level.coefficient.size(); i += J) {
         const auto& [r, g, b] = level.coefficient[i];
@@ -92,6 +121,21 @@ void add_layer(Container& file, const MapLevel& level, std::size_t j, std::size_
         for (int c = 0; c < 3; ++c) file.add(scale[c] > 0 ? nearest(level.coefficient[i][c] / scale[c]) : 0, 1);
         file.add(255, 1);
     }
+}
+
+/// The layers of each level in blocks.
+std::vector<std::vector<std::vector<std::byte>>> layers_in_blocks(const std::vector<MapLevel>& levels,
+                                                                  const std::vector<Rgb>& scales) {
+    const std::size_t J = scales.size();
+    std::vector layers(levels.size(), std::vector<std::vector<std::byte>>(J));
+    parallel_for(J, 0, [&](std::size_t j) {
+        for (std::size_t k = 0; k < levels.size(); ++k) {
+            Container texels;
+            add_layer(texels, levels[k], j, J, scales[j]);
+            layers[k][j] = astc_blocks(levels[k].width, levels[k].height, texels.bytes);
+        }
+    });
+    return layers;
 }
 
 }  // namespace
@@ -156,15 +200,16 @@ std::vector<Rgb> layer_scales(const Library& map) {
 std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
     constexpr std::array<std::uint8_t, 12> identifier{0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb, '\r', '\n', 0x1a, '\n'};
     constexpr std::size_t index = 48, levels_offset = 80, bytes_of_level = 24, faces = 1;
-    const bool is_half = numbers == LayerNumbers::halves;
-    const TexelFormat& format = is_half ? k_half_texel : k_byte_texel;
-    const std::size_t bytes_of_texel = 4 * format.bytes;
+    const TexelFormat format = format_of(numbers);
     const std::vector<MapLevel> levels = mip_levels(map);
     const auto J = std::size_t(map.basis.lobes);
     const std::vector<Rgb> scales = layer_scales(map);
+    const bool is_half = numbers == LayerNumbers::halves, in_blocks = numbers == LayerNumbers::blocks;
+    const auto blocks =
+        in_blocks ? layers_in_blocks(levels, scales) : std::vector<std::vector<std::vector<std::byte>>>();
     Container file;
     for (const std::uint8_t byte : identifier) file.add(byte, 1);
-    for (const std::size_t number : {std::size_t(format.vulkan), std::size_t(format.bytes), levels[0].width,
+    for (const std::size_t number : {std::size_t(format.vulkan), std::size_t(format.number_size), levels[0].width,
                                      levels[0].height, std::size_t(0), J, faces, levels.size(), std::size_t(0)})
         file.add(number, 4);
     file.bytes.resize(levels_offset + bytes_of_level * levels.size());
@@ -178,15 +223,19 @@ std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
         file.add_metadata("KTXorientation", "rd"), file.add_metadata("KTXwriter", "srbf");
         if (!is_half) file.add_metadata(k_scale_key, std::as_bytes(std::span(scales)));
     });
-    file.align(bytes_of_texel);
+    file.align(format.size);
     for (std::size_t k = levels.size(); k-- > 0;) {  // the smallest level comes first
-        const std::size_t texels = levels[k].width * levels[k].height, begin = file.bytes.size();
-        const std::size_t size = J * texels * bytes_of_texel;
+        const auto along = [&](std::size_t texels) { return (texels + format.side - 1) / format.side; };
+        const std::size_t begin = file.bytes.size(),
+                          size = J * along(levels[k].width) * along(levels[k].height) * format.size;
         for (const std::size_t member : {0, 1, 2})
             file.set(levels_offset + bytes_of_level * k + 8 * member, member == 0 ? begin : size, 8);
         file.bytes.reserve(begin + size);
-        for (std::size_t j = 0; j < J; ++j)
-            is_half ? add_layer(file, levels[k], j, J) : add_layer(file, levels[k], j, J, scales[j]);
+        for (std::size_t j = 0; j < J; ++j) {
+            if (is_half) add_layer(file, levels[k], j, J);
+            if (numbers == LayerNumbers::bytes) add_layer(file, levels[k], j, J, scales[j]);
+            if (in_blocks) file.bytes.insert(file.bytes.end(), blocks[k][j].begin(), blocks[k][j].end());
+        }
     }
     return std::move(file.bytes);
 }

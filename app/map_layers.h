@@ -32,10 +32,11 @@ std::vector<Rgb> layer_scales(const Library& map);
 enum class LayerNumbers {
     halves,  ///< 16-bit floats
     bytes,   ///< 8 bits of a fraction of the lobe's scale (`layer_scales`), coded as sRGB
+    blocks,  ///< bytes in ASTC blocks of 4 × 4 texels, one byte a texel and lobe; requires `has_astc` (app/astc.h)
 };
 /// The map as a KTX 2 file (Khronos texture container 2.0): an uncompressed array of J layers with levels down to 1
 /// × 1. A layer holds the coefficients of a lobe as R, G, B, and A = 1. Row 0 of the texels is the map's Y = 0. With
-/// bytes the metadata `k_scale_key` are the scales, 3 J 32-bit floats: R, G, B of each lobe.
+/// bytes and blocks the metadata `k_scale_key` are the scales, 3 J 32-bit floats: R, G, B of each lobe.
 std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers = LayerNumbers::halves);
 inline constexpr const char* k_scale_key = "srbf.scale";
 

@@ -1,5 +1,6 @@
 // Maps of shared lobes: their code and their textures together are the models of their texels, and what filters make of
 // texels is the mean of the BRDFs.
+#include "app/astc.h"
 #include "app/map_layers.h"
 #include "brdf/colour.h"
 #include "compiled_code.h"
@@ -195,6 +196,19 @@ TEST_F(MapCode, BytesAreNearestFractionsOfTheScale) {
         if (k > 0) continue;
         EXPECT_EQ(white, 3 * J - 1 + map.count() - 1);  // lobe 1 is constant in blue, and has no green
     }
+}
+
+/// Levels have whole blocks of 16 bytes.
+TEST_F(MapCode, BlocksHaveSixteenBytes) {
+    if (!has_astc()) GTEST_SKIP() << "built without libastcenc";
+    const auto texture = texture_of<std::uint8_t>(map_ktx2(map_of(true, 7, 5), LayerNumbers::blocks));
+    EXPECT_EQ(texture.header[0], 158u);
+    const std::size_t J = texture.header[5];
+    ASSERT_EQ(texture.levels.size(), 3u);
+    EXPECT_EQ(texture.levels[0].size(), J * 2 * 2 * 16);
+    EXPECT_EQ(texture.levels[1].size(), J * 16);
+    EXPECT_EQ(texture.levels[2].size(), J * 16);
+    EXPECT_EQ(texture.metadata.at(k_scale_key).size(), J * sizeof(Rgb));
 }
 
 /// Against data with noise of 2 %, as instruments have, coefficients in bytes have at most 1.1 times the error of those

@@ -114,7 +114,7 @@ const std::map<std::string, std::string> k_argument{
     {"--no-occlusion", ""},
     {"--to", "hlsl"},
     {"--with", "sampling"},
-    {"--bits", "8"},
+    {"--coefficients", "byte"},
     {"--terms", "2"},
     {"--reference", "m.binary"},
     {"--roughen", "1.5"},

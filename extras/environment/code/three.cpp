@@ -112,7 +112,7 @@ Result<std::string> three_map_module(const Library& map, const std::string& name
         "    return measured_scales[j] * texture(measured_coefficients, vec3(u, v, float(j))).rgb;\n}}\n",
         name, map.basis.lobes);
     return module_of(functions + *code + fmt::format("{}_Coefficients measured_texel;\n", name),
-                     " CompressedArrayTexture, HalfFloatType, SRGBColorSpace, UnsignedByteType,",
+                     " CompressedArrayTexture, HalfFloatType, RGBA_ASTC_4x4_Format, SRGBColorSpace, UnsignedByteType,",
                      classes + class_text(name, "MeasuredMap"));
 }
 

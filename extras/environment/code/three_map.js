@@ -5,10 +5,11 @@ export async function loadCoefficients(url = new URL('FILE', import.meta.url)) {
     const response = await fetch(url);
     if (!response.ok) throw new Error(`${url}: ${response.status}`);
     const bytes = await response.arrayBuffer(), numbers = new DataView(bytes), number = (at) => numbers.getUint32(at, true);
-    // R, G, B, A in 16-bit floats, or in 8 bits coded as sRGB.
-    const ofBytes = number(12) === 43, width = number(20), height = number(24), layers = number(32);
+    // R, G, B, A in 16-bit floats, or in 8 bits coded as sRGB, or these in ASTC blocks of 4 x 4 texels.
+    const inBlocks = number(12) === 158, ofBytes = inBlocks || number(12) === 43;
+    const width = number(20), height = number(24), layers = number(32);
     if (number(0) !== 0x58544bab || !(ofBytes || number(12) === 97) || layers !== LOBES || number(44) !== 0)
-        throw new Error(`${url}: expected LOBES layers of uncompressed 16-bit floats or sRGB`);
+        throw new Error(`${url}: expected LOBES layers of 16-bit floats, sRGB or ASTC`);
     const Numbers = ofBytes ? Uint8Array : Uint16Array;
     const levels = Array.from({ length: number(40) }, (_, k) => ({
         data: new Numbers(bytes, number(80 + 24 * k), number(88 + 24 * k) / Numbers.BYTES_PER_ELEMENT),
@@ -17,7 +18,7 @@ export async function loadCoefficients(url = new URL('FILE', import.meta.url)) {
     }));
     // An array with its own levels can only be uploaded as a "compressed" one, which accepts this format too.
     const type = ofBytes ? UnsignedByteType : HalfFloatType;
-    const texture = new CompressedArrayTexture(levels, width, height, layers, RGBAFormat, type);
+    const texture = new CompressedArrayTexture(levels, width, height, layers, inBlocks ? RGBA_ASTC_4x4_Format : RGBAFormat, type);
     if (ofBytes) texture.colorSpace = SRGBColorSpace;
     texture.userData.scales = scalesIn(numbers);
     texture.needsUpdate = true;

@@ -75,6 +75,9 @@ struct ExportedLight {
     Vec3 light_whole(Vec3 albedo) {
         return {std::min(albedo.x, 1.f), std::min(albedo.y, 1.f), std::min(albedo.z, 1.f)};
     }
+    static Vec3 reflected(Vec3 weight, Vec3 radiance) {
+        return {weight.x * radiance.x, weight.y * radiance.y, weight.z * radiance.z};
+    }
     Vec3 directional_albedo(float cosine, Pm) {
         const Rgb a = albedo(material, cosine);
         return {a.r, a.g, a.b};

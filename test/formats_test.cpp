@@ -1,4 +1,4 @@
-// Statements of docs/formats.md that no other test covers: its Python reads a model; bounds on the memory of reading.
+// Statements of docs/formats.md that no other test covers: NumPy reads a model; bounds on the memory of reading.
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -67,12 +67,8 @@ std::string python_with_numpy() {
 TEST(Formats, NumpyReadsModels) {
     const std::string python = python_with_numpy();
     if (python.empty()) GTEST_SKIP() << "no python3 with numpy (Debian: python3-numpy)";
-    const std::string page = contents(std::filesystem::path(SRBF_SOURCE_DIR) / "docs" / "formats.md");
-    const std::string opening = "```python\n";
-    const auto begin = page.find(opening), end = page.find("```", begin + opening.size());
-    ASSERT_NE(begin, page.npos);
     const TemporaryFolder folder;
-    write(folder / "model.py", page.substr(begin + opening.size(), end - begin - opening.size()));
+    write(folder / "model.py", contents(std::filesystem::path(SRBF_SOURCE_DIR) / "examples" / "read_model.py"));
 
     std::mt19937_64 random(1);
     std::vector<Vec3f> wl, wv;

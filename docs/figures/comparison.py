@@ -31,7 +31,6 @@ COLOURS = {"srbf": "#c0392b", "as measured": "#e59866", "view by view": "#e08e0b
            "SGD": "#784212", "NBRDF": "#7d3c98", "neural process": "#5d6d7e"}
 SEEDED = "as-measured-8"  # fits that docs/accuracy.md has the errors of six seeds of
 NEURAL = {"nbrdf", "nps"}  # of which there are rows for the measurements alone
-LOBES = {"srbf", "as measured", "view by view"}  # curves of models of this project
 MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
 COLUMNS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms", "symmetric_error", "albedo_error"]
 MEASURES = {"delta_e_itp": "ΔE_ITP, mean", "worst_delta_e_itp": "ΔE_ITP, worst light", "flip": "ꟻLIP", "psnr": "PSNR", "rms": "RMS",
@@ -99,13 +98,6 @@ def kinds_table(rows):
     return table(["kind", "materials"] + [MODELS[model][0] for model in models], lines)
 
 
-def members_table(rows):
-    """The materials of each kind."""
-    of = of_model(rows, "srbf")
-    return table(["kind", "materials"], [[kind, ", ".join(sorted(row["material"] for row in of if row["kind"] == kind))]
-                                         for kind in sorted({row["kind"] for row in of})])
-
-
 def medians_of_seeds():
     """Of fits as measured by measurement, as the table of seeds of docs/accuracy.md has them."""
     with open(ACCURACY, encoding="utf-8") as file:
@@ -143,23 +135,12 @@ def measures_table(rows):
 def worst_table(rows):
     """The materials that the default errs most on."""
     models = ["ggx-2", "openpbr", "srbf", "srbf-16", "as-measured-8", "su"]
-    order = sorted(of_model(rows, "srbf"), key=lambda row: -row["delta_e_itp"])[:8]
+    order = sorted(of_model(rows, "srbf"), key=lambda row: -row["delta_e_itp"])[:6]
     lines = []
     for row in order:
         of = {other["model"]: other["delta_e_itp"] for other in rows if other["material"] == row["material"]}
         lines.append([row["material"], row["kind"]] + [text(of[model]) for model in models])
     return table(["material", "kind"] + [MODELS[model][0] for model in models], lines)
-
-
-def losses_table(rows):
-    """Where another model is nearer than the default."""
-    lines = []
-    for row in of_model(rows, "srbf"):
-        for other in rows:
-            name, curve = MODELS.get(other["model"], ("", "srbf"))
-            if other["material"] == row["material"] and curve not in LOBES and other["delta_e_itp"] < row["delta_e_itp"]:
-                lines.append([row["material"], name, text(other["delta_e_itp"]), text(row["delta_e_itp"])])
-    return table(["material", "model", "its ΔE_ITP", MODELS["srbf"][0]], lines)
 
 
 OPTIONS = {"srbf": "**none**", "srbf-4": "`--lobes 4`", "srbf-16": "`--lobes 16`", "as-measured-8": "`--as-measured`",
@@ -275,9 +256,7 @@ def pages(rows):
     """The pages with their tables, by path."""
     measured, rest = of_measured(rows), without_neural(rows)
     tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
-                     ("members", members_table(rows)), ("measures", measures_table(measured)),
-                     ("means of all", means_table(rest)),
-                     ("worst", worst_table(rows)), ("losses", losses_table(rows))],
+                     ("measures", measures_table(measured)), ("worst", worst_table(rows))],
               ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))]}
     made = {}
     for path, of_page in tables.items():

@@ -31,9 +31,12 @@ class LevelKernel {
         scale_ = 1 / (2 * k_pi * integral);
     }
     double operator()(double c) const { return c > 0 ? scale_ * c / elementary::square(1 + a_ - (1 - a_) * c) : 0; }
-    /// A density over all directions that is high where K is: (a / π) (1 + a − (1 − a) c)⁻².
-    double density(double c) const { return a_ / (k_pi * elementary::square(1 + a_ - (1 - a_) * c)); }
-    /// The cosine to the axis within which the given fraction of the density lies.
+    /// K / (other + count D) for a factor of the balance heuristic, where D, a density over all directions that is high
+    /// where K is, is (a / π) (1 + a − (1 − a) c)⁻².
+    double over_densities(double c, double other, double count) const {
+        return scale_ * std::max(c, 0.0) / (other * elementary::square(1 + a_ - (1 - a_) * c) + count * a_ / k_pi);
+    }
+    /// The cosine to the axis within which the given fraction of D lies.
     double cosine(double fraction) const { return (1 - fraction - a_ * fraction) / (1 - fraction + a_ * fraction); }
 
   private:
@@ -271,17 +274,15 @@ std::vector<Light> place_lights(const PreparedBrdf& brdf, const Vec3f& wv, const
 Vec3d radiance_under(const Light& light, const AveragedBrdf& brdf, const Vec3f& wv,
                      const std::vector<Reflected>& reflected) {
     const auto& [kernel, samples] = light_kernels()[light.size];
-    const auto combined_density = [](double brdf_density, double light_density) {
-        return k_view_samples * brdf_density + k_light_samples * light_density;
+    const auto balanced = [&kernel](double c, double density) {
+        return kernel.over_densities(c, k_view_samples * density, k_light_samples);
     };
     Vec3d sum{};
     for (const auto& [w, share, density] : reflected) {
         // An isotropic BRDF is symmetric about the plane of incidence.
         const double along = w.x * light.centre.x + w.z * light.centre.z, across = w.y * light.centre.y;
-        for (const double c : {along + across, along - across})
-            if (c > 0)
-                sum = sum +
-                      0.5 * k_view_samples * density * kernel(c) / combined_density(density, kernel.density(c)) * share;
+        sum = sum + 0.5 * k_view_samples * density *
+                        (balanced(along + across, density) + balanced(along - across, density)) * share;
     }
     const Frame axes = frame_about(light.centre);
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -289,7 +290,7 @@ Vec3d radiance_under(const Light& light, const AveragedBrdf& brdf, const Vec3f& 
         if (!(w.z > 0)) continue;
         const auto [f, density] = brdf.at(int(i), w, wv);
         if (!is_finite(f)) continue;  // not measured
-        const double c = samples[i].w.z, scale = kernel(c) * double(w.z) / combined_density(density, kernel.density(c));
+        const double scale = balanced(samples[i].w.z, density) * double(w.z);
         sum = sum + scale * Vec3d{double(f.r), double(f.g), double(f.b)};
     }
     return sum;

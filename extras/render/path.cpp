@@ -180,14 +180,10 @@ class Tracer {
         Surface surface{};
         surface.position = interpolated(body.mesh->positions);
         surface.body_material = std::get_if<PreparedBsdf>(&scene_.materials[body.material]);
-        const auto place = [&]() -> Vec2f {
-            const auto& [a, b, c] = body.mesh->texture[hit.triangle];
-            return {weight * a.x + hit.u * b.x + hit.v * c.x, weight * a.y + hit.u * b.y + hit.v * c.y};
-        };
         if (const auto* map = std::get_if<PreparedMap>(&scene_.materials[body.material]))
-            surface.point_material = brdf_at(*map, place());
+            surface.point_material = brdf_at(*map, texture_at(*body.mesh, hit));
         else if (const auto* masked = std::get_if<MaskedMaterials>(&scene_.materials[body.material]))
-            surface.body_material = &masked->chosen(place(), random.next());
+            surface.body_material = &masked->chosen(texture_at(*body.mesh, hit), random.next());
         surface.geometric = dot(hit.geometric_normal, direction) < 0 ? hit.geometric_normal : -hit.geometric_normal;
         Vec3f normal = interpolated(body.mesh->normals);
         if (!(dot(normal, normal) > 1e-12f)) normal = surface.geometric;
@@ -294,17 +290,22 @@ class Tracer {
 
 }  // namespace
 
-const PreparedBsdf& MaskedMaterials::chosen(Vec2f uv, float selector) const {
+Rgb mask_shares(const Image& mask, std::size_t materials, Vec2f uv) {
     const auto wrapped = [](float at, int size) { return (int(at) % size + size) % size; };
     const float x = (uv.x - std::floor(uv.x)) * float(mask.width) - 0.5f,
                 y = (uv.y - std::floor(uv.y)) * float(mask.height) - 0.5f;
-    Rgb shares;
+    Rgb texel;
     for (const float column : {std::floor(x), std::floor(x) + 1})
         for (const float row : {std::floor(y), std::floor(y) + 1})
-            shares += ((1 - std::abs(x - column)) * (1 - std::abs(y - row))) *
-                      mask.at(wrapped(column, mask.width), wrapped(row, mask.height));
-    if (selector < shares.r) return of[1];
-    return of.size() > 2 && selector < shares.r + shares.g ? of[2] : of[0];
+            texel += ((1 - std::abs(x - column)) * (1 - std::abs(y - row))) *
+                     mask.at(wrapped(column, mask.width), wrapped(row, mask.height));
+    const float second = std::min(texel.r, 1.f), third = materials > 2 ? std::min(texel.g, 1 - second) : 0;
+    return {1 - second - third, second, third};
+}
+
+const PreparedBsdf& MaskedMaterials::chosen(Vec2f uv, float selector) const {
+    const Rgb shares = mask_shares(mask, of.size(), uv);
+    return of[selector < shares.g ? 1 : selector < shares.g + shares.b ? 2 : 0];
 }
 
 PathPicture render_paths(const PathScene& scene, const PathOptions& options) {

@@ -21,9 +21,12 @@ struct AreaLight {
     Rgb radiance;
 };
 
-/// Two or three materials, mixed at each point of a mesh with texture coordinates: red of the mask is the share of the
+/// The shares of the first, second and third of `materials`, two or three, at (u, v) of a mask: red is the share of the
 /// second, green that of the third, at most what the second leaves, and the first has the rest. The mask repeats, and is
 /// interpolated as a map is (prepared_map.h).
+Rgb mask_shares(const Image& mask, std::size_t materials, Vec2f uv);
+
+/// Two or three materials, mixed by `mask_shares` at each point of a mesh with texture coordinates.
 struct MaskedMaterials {
     std::vector<PreparedBsdf> of;
     Image mask;

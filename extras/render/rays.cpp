@@ -98,4 +98,10 @@ bool Rays::occluded(Vec3f origin, Vec3f direction, float distance) const {
     return ray.tfar < 0;
 }
 
+Vec2f texture_at(const Mesh& mesh, const Hit& hit) {
+    const auto& [a, b, c] = mesh.texture[hit.triangle];
+    const float weight = 1 - hit.u - hit.v;
+    return {weight * a.x + hit.u * b.x + hit.v * c.x, weight * a.y + hit.u * b.y + hit.v * c.y};
+}
+
 }  // namespace srbf

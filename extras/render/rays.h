@@ -17,6 +17,9 @@ struct Hit {
     Vec3f geometric_normal;  ///< unit normal of the triangle, on its counter-clockwise side
 };
 
+/// The texture coordinates of a mesh that has them at this hit.
+Vec2f texture_at(const Mesh& mesh, const Hit& hit);
+
 /// Meshes for ray intersection. Keeps references to them; they must outlive this object.
 class Rays {
   public:

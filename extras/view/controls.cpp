@@ -90,7 +90,7 @@ void Controls::draw_fit(Session& session) {
         sliding_.reset();
     }
     const bool is_busy = session.stage() != Stage::idle;
-    const char* const stage_names[] = {"", "fitting", "refining", "measuring"};
+    const char* const stage_names[] = {"", "editing", "fitting", "refining", "measuring"};
     if (is_busy) {
         const bool fits = session.stage() != Stage::measuring;
         ImGui::ProgressBar(fits ? float(session.fraction()) : 1.f, {-0.27f * ImGui::GetWindowWidth(), 0},
@@ -107,6 +107,40 @@ void Controls::draw_fit(Session& session) {
             fmt::format("{} fit in {:.2f} s", fitted->quick ? "quick" : "finished", fitted->seconds).c_str());
     else
         ImGui::TextColored(k_dim, "move a slider to fit the reference");
+}
+
+void Controls::draw_edit(Session& session) {
+    ImGui::SetNextItemOpen(ImGui::GetWindowHeight() > 40 * ImGui::GetFrameHeightWithSpacing(), ImGuiCond_Once);
+    if (!ImGui::CollapsingHeader("Edit")) return;
+    EditChoice choice = edit_sliding_.value_or(session.edit_choice());
+    bool changed = false, is_held = false;
+    const auto slider = [&](const char* text, float& value, float lower, float upper, const char* format, float none,
+                            ImGuiSliderFlags flags = 0) {
+        const bool is_changed = ImGui::SliderFloat(text, &value, lower, upper, format, flags);
+        is_held = is_held || ImGui::IsItemActive();
+        changed = changed || is_changed;
+        if (value == none) return;
+        ImGui::SameLine(ImGui::GetWindowWidth() - 1.6f * ImGui::GetFrameHeight());
+        ImGui::PushID(text);
+        if (ImGui::SmallButton("x")) value = none, changed = true;
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("reset");
+        ImGui::PopID();
+    };
+    constexpr ImGuiSliderFlags k_log = ImGuiSliderFlags_Logarithmic;
+    ImGui::BeginDisabled(!session.can_edit());
+    slider("roughness", choice.roughness, 1 / 3.f, 3, "\xC3\x97 %.2f", 1, k_log);
+    slider("highlight", choice.highlight, 0, 3, "\xC3\x97 %.2f", 1);
+    slider("its warmth", choice.highlight_warmth, -1, 1, "%+.2f", 0);
+    slider("body", choice.body, 0, 3, "\xC3\x97 %.2f", 1);
+    slider("its warmth##body", choice.body_warmth, -1, 1, "%+.2f", 0);
+    slider("saturation", choice.saturation, 0, 3, "\xC3\x97 %.2f", 1);
+    slider("hue", choice.hue, -180, 180, "%.0f\xC2\xB0", 0);
+    ImGui::EndDisabled();
+    if (changed) edit_sliding_ = choice;
+    if (edit_sliding_ && !is_held) {  // released
+        session.edit(*edit_sliding_);
+        edit_sliding_.reset();
+    }
 }
 
 void Controls::draw_save(const Session& session, DisplayState& display) {
@@ -158,6 +192,7 @@ void Controls::draw(Session& session, DisplayState& display, ImVec2 corner, ImVe
     draw_files(session);
     heading("Fit");
     draw_fit(session);
+    draw_edit(session);
     heading("Save");
     draw_save(session, display);
     heading("Picture");

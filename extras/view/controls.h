@@ -20,11 +20,13 @@ class Controls {
 
   private:
     void draw_fit(Session& session);
+    void draw_edit(Session& session);
     void draw_save(const Session& session, DisplayState& display);
     void draw_picture(DisplayState& display);
 
     std::string typed_mesh_, typed_model_, typed_environment_;
     std::optional<FitChoice> sliding_;  ///< while a slider is held
+    std::optional<EditChoice> edit_sliding_;
 };
 
 }  // namespace srbf

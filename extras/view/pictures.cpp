@@ -23,6 +23,7 @@ std::string name_of_fit(const Session& session) {
     if (!fitted) return session.stage() == Stage::idle ? "no fit" : "fitting ...";
     std::string text = fitted->from.empty() ? "fit" : std::filesystem::path(fitted->from).filename().string();
     text += fmt::format(", {} bytes", payload_bytes(fitted->model));
+    if (fitted->edit != EditChoice{}) text += ", edited";
     if (fitted->quick) text += session.stage() == Stage::idle ? " (quick)" : " (quick, refining ...)";
     return text;
 }

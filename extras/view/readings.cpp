@@ -99,6 +99,7 @@ void Readings::draw_verdict(const Session& session) const {
     const auto& fitted = session.fitted();
     write_wrapped(k_hint, "Visible error");
     if (!fitted) return ImGui::Text("none yet");
+    if (fitted->edit != EditChoice{}) return ImGui::TextWrapped("an edited model has none");
     if (!fitted->errors) return ImGui::Text("...");
     const Appearance& appearance = judged(*fitted->errors);
     ImGui::TextWrapped("%s",

@@ -8,6 +8,8 @@
 #include <map>
 #include <utility>
 
+#include "brdf/colour.h"
+#include "brdf/values.h"
 #include "fit/fit_options.h"
 #include "observe/objectives.h"
 #include "srbf/file.h"
@@ -49,7 +51,7 @@ class Session::Worker {
                 if (!wake_.wait(lock, stop, [&] { return next_.has_value(); })) return;
                 std::swap(job, next_);
             }
-            do_job(*job);
+            job->unedited ? edit(*job) : do_job(*job);
             report({job->number, Stage::idle, {}, {}});
         }
     }
@@ -85,6 +87,23 @@ class Session::Worker {
         if (!fitter(job).measure(outcome, request, progress.part(0.75, 1))) return;
         set_outcome(job, outcome, fitted);
         report({job.number, Stage::measuring, fitted, {}});
+    }
+
+    void edit(const Job& job) {
+        fraction_ = 0;
+        const ProgressToken progress = [&](const Progress& now) {
+            fraction_ = now.fraction;
+            return is_current(job);
+        };
+        auto model = edited(job.unedited->model, job.edit.edits(), {.progress = progress});
+        if (!model) {
+            if (model.error().code != ErrorCode::cancelled) report({job.number, Stage::idle, {}, model.error()});
+            return;
+        }
+        Fitted fitted = *job.unedited;
+        fitted.model = *std::move(model), fitted.edit = job.edit;
+        fitted.errors.reset();
+        report({job.number, Stage::editing, fitted, {}});
     }
 
     /// The fitter of the reference, kept because later fits reuse its observations.
@@ -146,6 +165,23 @@ FitRequest FitChoice::request() const {
                          {"objective", std::string(name(objective))}});
 }
 
+std::vector<Edit> EditChoice::edits() const {
+    const auto tint = [](float factor, float warmth) {
+        const Rgb colour{std::exp2(warmth), 1, std::exp2(-warmth)};
+        return scaled(float(double(factor) / luminance(colour)), colour);
+    };
+    std::vector<Edit> edits;
+    const EditChoice none;
+    if (roughness != none.roughness) edits.emplace_back(Roughen{double(roughness)});
+    const Tint tints{tint(highlight, highlight_warmth), tint(body, body_warmth)};
+    const bool is_tinted =
+        highlight != none.highlight || highlight_warmth != 0 || body != none.body || body_warmth != 0;
+    if (is_tinted) edits.emplace_back(tints);
+    if (saturation != none.saturation) edits.emplace_back(Saturate{double(saturation)});
+    if (hue != none.hue) edits.emplace_back(TurnHue{double(hue)});
+    return edits;
+}
+
 Session::Session() : worker_(std::make_unique<Worker>()) {}
 Session::~Session() = default;
 
@@ -190,7 +226,7 @@ void Session::show_model(int subject) {
         choice_.variates = pm->variates;
     }
     submit(model);
-    fitted_ = Fitted{model, choice_, subjects_[std::size_t(subject)]->path, false, 0, {}, {}};
+    fitted_ = Fitted{model, choice_, subjects_[std::size_t(subject)]->path, false, 0, {}, {}, {}};
     is_replaced_ = true;
 }
 
@@ -202,15 +238,41 @@ void Session::choose(const FitChoice& choice) {
 }
 
 void Session::submit(std::optional<Model> model) {
-    clock_ = {};
-    stage_ = model ? Stage::measuring : Stage::fitting;
-    worker_->submit({++last_job_, subjects_[std::size_t(reference_)], choice_, std::move(model), clock_});
+    unedited_.reset(), edit_ = {};
+    const Stage stage = model ? Stage::measuring : Stage::fitting;
+    submit({.choice = choice_, .model = std::move(model)}, stage);
+}
+void Session::submit(Job job, Stage stage) {
+    clock_ = {}, stage_ = stage;
+    job.number = ++last_job_, job.reference = subjects_[std::size_t(reference_)], job.clock = clock_;
+    worker_->submit(std::move(job));
+}
+
+bool Session::can_edit() const {
+    return fitted_ && !fitted_->quick && std::holds_alternative<PmModel>(fitted_->model.model) &&
+           (stage_ == Stage::idle || stage_ == Stage::measuring || stage_ == Stage::editing);
+}
+
+void Session::edit(const EditChoice& choice) {
+    if (!can_edit() || choice == edit_) return;
+    if (!unedited_) unedited_ = fitted_;
+    edit_ = choice;
+    if (choice != EditChoice{})
+        return submit({.choice = choice_, .unedited = unedited_, .edit = choice}, Stage::editing);
+    fitted_ = std::exchange(unedited_, {});
+    is_replaced_ = true;
+    if (!fitted_->errors) return submit({.choice = choice_, .model = fitted_->model}, Stage::measuring);
+    worker_->cancel(++last_job_);
+    stage_ = Stage::idle;
 }
 
 void Session::cancel() {
     if (stage_ == Stage::idle) return;
     worker_->cancel(++last_job_);
-    say(stage_ == Stage::measuring ? "Measuring was cancelled." : "The fit was cancelled.");
+    say(stage_ == Stage::measuring ? "Measuring was cancelled."
+        : stage_ == Stage::editing ? "The edit was cancelled."
+                                   : "The fit was cancelled.");
+    if (stage_ == Stage::editing) edit_ = fitted_->edit;
     stage_ = Stage::idle;
 }
 
@@ -223,7 +285,8 @@ bool Session::poll() {
         if (!update.fitted) continue;
         if (fitted_ && !fitted_->from.empty() && update.stage == Stage::measuring) update.fitted->from = fitted_->from;
         const bool is_same = fitted_ && update.fitted->seconds == fitted_->seconds &&
-                             update.fitted->quick == fitted_->quick && update.fitted->from == fitted_->from;
+                             update.fitted->quick == fitted_->quick && update.fitted->from == fitted_->from &&
+                             update.fitted->edit == fitted_->edit;
         fitted_ = std::move(update.fitted);
         is_new = is_new || !is_same;
     }

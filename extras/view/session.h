@@ -10,6 +10,7 @@
 
 #include "app/load.h"
 #include "app/output.h"
+#include "srbf/edit.h"
 #include "srbf/fit.h"
 
 namespace srbf {
@@ -25,9 +26,18 @@ struct FitChoice {
 /// Upper limit of a slider. Fits with more lobes take too long for interaction.
 inline constexpr int k_most_chosen_lobes = 24;
 
+/// The choice of edits by the sliders. A warmth of ±1 multiplies red by 2^±1 and blue by the inverse, at the same
+/// luminance.
+struct EditChoice {
+    float roughness = 1, highlight = 1, highlight_warmth = 0, body = 1, body_warmth = 0, saturation = 1, hue = 0;
+    std::vector<Edit> edits() const;  ///< those that change something
+    friend bool operator==(const EditChoice&, const EditChoice&) = default;
+};
+
 /// State of the background work.
 enum class Stage {
     idle,
+    editing,    ///< another edit of the fit
     fitting,    ///< nothing for this choice is displayed yet
     refining,   ///< a quick fit is displayed
     measuring,  ///< the fit is final; its errors are not complete
@@ -41,7 +51,8 @@ struct Fitted {
     bool quick = false;  ///< true if a more accurate fit will follow
     double seconds = 0;  ///< time from the choice until the fit was complete
     std::optional<StopReason> stop;
-    std::optional<Comparison> errors;  ///< compared with the reference; none until they are evaluated
+    std::optional<Comparison> errors;  ///< compared with the reference; none until they are evaluated, or if edited
+    EditChoice edit;                   ///< what was done to the fit
 };
 
 /// The open subjects, one of which is the reference, and a fit that follows the choice in the background. All
@@ -67,6 +78,10 @@ class Session {
     /// Requests another fit. Work on older choices is cancelled.
     void choose(const FitChoice& choice);
     const FitChoice& choice() const { return choice_; }
+    /// Displays the fit with these edits instead of earlier ones. Another fit, reference or model has no edits.
+    void edit(const EditChoice& choice);
+    const EditChoice& edit_choice() const { return edit_; }
+    bool can_edit() const;  ///< a multivariate model is displayed that will not be replaced by a better fit
     /// Cancels the work. The display does not change.
     void cancel();
 
@@ -95,10 +110,12 @@ class Session {
   private:
     struct Job {
         int number = 0;
-        std::shared_ptr<const Subject> reference;
-        FitChoice choice;
-        std::optional<Model> model;  ///< set if only errors are evaluated
-        Stopwatch clock;
+        std::shared_ptr<const Subject> reference = {};
+        FitChoice choice = {};
+        std::optional<Model> model = {};      ///< set if only errors are evaluated
+        std::optional<Fitted> unedited = {};  ///< set if it is edited
+        EditChoice edit = {};
+        Stopwatch clock = {};
     };
     struct Update {
         int number = 0;
@@ -109,11 +126,14 @@ class Session {
     class Worker;
 
     void submit(std::optional<Model> model);
+    void submit(Job job, Stage stage);
 
     std::vector<std::shared_ptr<const Subject>> subjects_;
     int reference_ = -1;
     FitChoice choice_;
     std::optional<Fitted> fitted_;
+    std::optional<Fitted> unedited_;  ///< set while an edited model is displayed or computed
+    EditChoice edit_;
     bool is_replaced_ = false;  ///< true if `show_model` has replaced the fit since the last `poll`
     std::vector<Message> messages_;
     Stage stage_ = Stage::idle;

@@ -25,14 +25,13 @@ template <typename... F> struct Cases : F... { using F::operator()...; };
 
 std::string text(const Rgb& colour) { return fmt::format("{:g},{:g},{:g}", colour.r, colour.g, colour.b); }
 double least(const Rgb& c) { return double(std::min({c.r, c.g, c.b})); }
-double most(const Rgb& c) { return double(std::max({c.r, c.g, c.b})); }
 
 Result<Done> validate(const Edit& edit) {
     const auto require = [](const char* what, double found, double low, double high) {
         return require_range("edit", what, found, low, high);
     };
     const auto require_colour = [](const char* what, const Rgb& found, double high) -> Result<Done> {
-        if (is_finite(found) && least(found) >= 0 && most(found) <= high) return Done{};
+        if (is_finite(found) && least(found) >= 0 && largest_of(found) <= high) return Done{};
         return argument_error("edit", what, fmt::format("0 to {:g} in each channel", high), text(found));
     };
     return std::visit(Cases{[&](const Roughen& of) { return require("factor of the roughness", of.factor, 0.1, 10); },
@@ -85,6 +84,7 @@ struct Editor {
     /// The tint, with what it raises of highlight and body only as bright as the limit allows up to 75° from the normal:
     /// were single lobes lowered instead, the hue would change.
     Tint within_limit(const PmModel& model, const Tint& wanted) const {
+        if (largest_of(wanted.highlight) <= 1 && largest_of(wanted.body) <= 1) return wanted;
         const HighlightAndBody parts = separated(model);
         const std::array<Evaluate, 2> f{evaluator(parts.highlight), evaluator(parts.body)};
         const std::array<Rgb, 2> tint{wanted.highlight, wanted.body};
@@ -95,12 +95,12 @@ struct Editor {
             for (int c = 0; c < 3; ++c) {
                 double raised = 0, fixed = 0;
                 for (std::size_t k = 0; k < 2; ++k)
-                    (most(tint[k]) > 1 ? raised : fixed) += double(tint[k][c] * reflected[k][c]);
+                    (largest_of(tint[k]) > 1 ? raised : fixed) += double(tint[k][c] * reflected[k][c]);
                 if (raised > 0 && fixed + raised > limit)
                     share = std::min(share, std::max(limit - fixed, 0.0) / raised);
             }
         }
-        const auto within = [&](const Rgb& of) { return most(of) > 1 ? scaled(float(share), of) : of; };
+        const auto within = [&](const Rgb& of) { return largest_of(of) > 1 ? scaled(float(share), of) : of; };
         return {within(wanted.highlight), within(wanted.body)};
     }
     Result<PmModel> operator()(const PmModel& model, const Tint& of) const {

@@ -93,8 +93,8 @@ template <typename Colour> PmModel with_colours(PmModel model, const Colour& col
 
 HighlightAndBody separated(const PmModel& model) {
     const std::vector<double> of_body = body_shares(model);
-    return {with_colours(model, [&](std::size_t j, const Rgb& beta) { return mixed({}, beta, float(1 - of_body[j])); }),
-            with_colours(model, [&](std::size_t j, const Rgb& beta) { return mixed({}, beta, float(of_body[j])); })};
+    return {with_colours(model, [&](std::size_t j, const Rgb& beta) { return scaled(float(1 - of_body[j]), beta); }),
+            with_colours(model, [&](std::size_t j, const Rgb& beta) { return scaled(float(of_body[j]), beta); })};
 }
 
 PmModel tinted(PmModel model, const Tint& tint) {

@@ -61,7 +61,7 @@ Evaluate roughened(Evaluate highlight, double factor, double roughness) {
             highlight(from_l, from_v, f);
             for (std::size_t i = 0; i < f.size(); ++i) {
                 const auto by = above_horizon(wl[i], wv[i]) ? float(gain[i]) : 0;
-                f[i] = {by * f[i].r, by * f[i].g, by * f[i].b};
+                f[i] = scaled(by, f[i]);
             }
         };
 }

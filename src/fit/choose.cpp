@@ -14,7 +14,7 @@
 namespace srbf {
 namespace {
 
-/// Effort of a short fit.
+/// The rows of a short fit, and its work.
 struct ShortFit {
     std::size_t rows;
     int starts, perturbations;
@@ -81,12 +81,12 @@ class Search {
     const PmFitOptions& options() const { return options_; }
 
     /// Short fits in parallel, most promising first.
-    Result<std::vector<Trial>> fit_in_short(const std::vector<Trial>& models, const ShortFit& effort) {
-        const Observations some = beginning(observations_, effort.rows);
+    Result<std::vector<Trial>> fit_in_short(const std::vector<Trial>& models, const ShortFit& short_fit) {
+        const Observations some = beginning(observations_, short_fit.rows);
         std::vector<Result<Tried>> tried(models.size(), Error{});
         parallel_for(models.size(), options_.threads, [&](std::size_t i) {
             const PmFitOptions options = with_model(options_, models[i]);
-            tried[i] = attempt(some, quick_options(options, effort.starts, effort.perturbations), true);
+            tried[i] = attempt(some, quick_options(options, short_fit.starts, short_fit.perturbations), true);
         });
         std::vector<Trial> trials;
         for (const auto& one : tried) {

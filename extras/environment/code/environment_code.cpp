@@ -41,6 +41,12 @@ constexpr std::string_view k_light_whole =
     "Vec3 light_whole(Vec3 albedo) {\n"
     "    return Vec3(min(albedo.x, Real(1.0)), min(albedo.y, Real(1.0)), min(albedo.z, Real(1.0)));\n}\n";
 constexpr std::string_view k_light_whole_of_basis = "Vec3 light_whole(Vec3 albedo) { return albedo; }\n";
+constexpr std::string_view k_reflected =
+    "Vec3 reflected(Vec3 weight, Vec3 light) {\n"
+    "    return Vec3(weight.x * light.x, weight.y * light.y, weight.z * light.z);\n}\n";
+constexpr std::string_view k_reflected_by_host =
+    "// The product of a lobe's weight, in colours that the host may change, and the radiance. The host supplies it.\n"
+    "Vec3 reflected(Vec3 weight, Vec3 light);\n";
 /// The text for lobes that the host supplies.
 constexpr std::string_view k_light_of_host =
     "Vec3 light_between(int i, NodesAbout nodes) {\n"
@@ -131,6 +137,7 @@ std::map<std::string, std::string> light_entries(const EnvironmentCode& code, Co
     if (code.environment || code.area) add("environment_lobe");
     if (code.draws) add("environment_draw");
     if (code.texels) add("light_texel");
+    if (code.colours) add("reflected");
     if (code.area) add("area");
     if (code.environment && can_read_textures) add("radiance"), add("environment");
     if (code.draws && can_read_textures) add("radiance_over"), add("environment_sampled");
@@ -146,7 +153,8 @@ AddedCode added_of(const EnvironmentCode& code, const CodeOptions& options) {
         defines.insert({{"EXTENDED_NODES", std::to_string(ExtendedLight::k_views)},
                         {"EXTENDED_LOBES", std::to_string(light.code.lobes)},
                         {"EXTENDED_LEVELS", std::to_string(ExtendedLight::k_levels)}});
-        return (basis ? light_of_basis(*basis, light, program) : light_of(model, light, program)) + k_extended_text +
+        return (basis ? light_of_basis(*basis, light, program) : light_of(model, light, program)) +
+               std::string(light.code.colours ? k_reflected_by_host : k_reflected) + k_extended_text +
                (light.code.draws ? k_sampled_text : "");
     };
     return added;

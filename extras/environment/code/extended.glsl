@@ -4,6 +4,7 @@
 //   light_weight(k, whole, nodes, pm)  its weight R, G, B, where `whole` is the sum of all weights
 //   light_whole(albedo)                the sum of the weights of all lobes for this directional albedo
 //   light_width(nodes)                 the solid angle into which a view is reflected
+//   reflected(weight, light)           their product, channel by channel
 
 // A lobe of f_r cos(theta_l) over the light for a view. It reflects with `weight`, which may be negative, the
 // radiance in the direction `axis` of an environment that is filtered as for GGX of this roughness viewed along the
@@ -13,7 +14,6 @@ struct LightLobe {
     Real roughness;
     Vec3 weight;
 };
-Vec3 times(Vec3 a, Vec3 b) { return Vec3(a.x * b.x, a.y * b.y, a.z * b.z); }
 // A sum of lobes, clamped to 0: it can be slightly negative where nearly all light comes from a few directions.
 Vec3 not_negative(Vec3 sum) {
     return Vec3(max(sum.x, Real(0.0)), max(sum.y, Real(0.0)), max(sum.z, Real(0.0)));
@@ -61,10 +61,10 @@ Vec3 environment(Vec3 wv, Pm pm) {
     Vec3 cosine_weight = whole;
     for (int k = 1; k < EXTENDED_LOBES; ++k) {
         LightLobe lobe = lobe_about(wv, k, nodes, whole, pm);
-        sum = sum + times(lobe.weight, radiance(lobe.axis, lobe.roughness));
+        sum = sum + reflected(lobe.weight, radiance(lobe.axis, lobe.roughness));
         cosine_weight = cosine_weight - lobe.weight;
     }
-    return not_negative(sum + times(cosine_weight, radiance(Vec3(Real(0.0), Real(0.0), Real(1.0)), Real(1.0))));
+    return not_negative(sum + reflected(cosine_weight, radiance(Vec3(Real(0.0), Real(0.0), Real(1.0)), Real(1.0))));
 }
 
 // A polygon with up to five consecutive corners.

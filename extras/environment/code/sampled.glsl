@@ -36,7 +36,7 @@ Vec3 environment_sampled(Su su, Vec3 wv, int count, Pm pm) {
     for (int i = 0; i < count; ++i) {
         LightDraw draw = environment_draw(su, wv, i, count, pm);
         if (draw.direction.z > Real(0.0))
-            sum = sum + times(draw.weight, radiance_over(draw.direction, draw.solid_angle));
+            sum = sum + reflected(draw.weight, radiance_over(draw.direction, draw.solid_angle));
     }
     return sum;
 }

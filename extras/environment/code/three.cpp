@@ -44,6 +44,10 @@ std::string module_of(const std::string& functions, std::string_view imports, st
     text += classes;
     return text;
 }
+/// Macros that name what the module supplies to the functions of a model.
+std::string defines_of(const std::string& name) {
+    return fmt::format("#define {0}_radiance measured_radiance\n#define {0}_reflected measured_reflected\n", name);
+}
 /// A class that extends `base`; `more` is appended to the arguments of the constructor of `base`.
 std::string class_text(const std::string& name, std::string_view base, std::string_view more = "") {
     return fmt::format(
@@ -76,7 +80,7 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
     }
     const auto code =
         environment_code(models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
-                         {.environment = true, .area = true, .lobes = k_three_lobes, .texels = true});
+                         {.environment = true, .area = true, .lobes = k_three_lobes, .texels = true, .colours = true});
     if (!code) return code.error();
     std::string functions, texels;  // their environment is that of three
     std::string classes;
@@ -85,7 +89,7 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
     for (const NamedModel& named : models) {
         if (const auto distinct = defined.add(capitalised(named.name) + "Material", named.name); !distinct)
             return distinct.error();
-        functions += fmt::format("#define {}_radiance measured_radiance\n", named.name);
+        functions += defines_of(named.name);
         texels += fmt::format(
             "uniform highp sampler2D {0}_texels;\nvec3 {0}_light_texel(int i, int view) {{ return "
             "texelFetch({0}_texels, ivec2(i, view), 0).rgb; }}\n",
@@ -99,18 +103,18 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
 Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file, int threads) {
     const auto code =
         environment_map_code(map, name, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
-                             {.environment = true, .area = true, .levels = MapLevels::three});
+                             {.environment = true, .area = true, .levels = MapLevels::three, .colours = true});
     if (!code) return code.error();
     std::string classes = k_three_map_text;
     replace_all(classes, "FILE", fmt::format("./{}", file));
     replace_all(classes, "LOBES", fmt::format("{}", map.basis.lobes));
-    const std::string functions = fmt::format(
-        "#define {0}_radiance measured_radiance\n"
-        "uniform highp sampler2DArray measured_coefficients;\nuniform vec3 measured_scales[{1}];\n"
-        "varying vec2 measured_uv;\n"
-        "vec3 {0}_layer(int j, float u, float v) {{\n"
-        "    return measured_scales[j] * texture(measured_coefficients, vec3(u, v, float(j))).rgb;\n}}\n",
-        name, map.basis.lobes);
+    const std::string functions =
+        defines_of(name) +
+        fmt::format(
+            "uniform highp sampler2DArray measured_coefficients;\nuniform vec3 measured_scales[{1}];\n"
+            "varying vec2 measured_uv;\nvec3 {0}_layer(int j, float u, float v) {{\n"
+            "    return measured_scales[j] * texture(measured_coefficients, vec3(u, v, float(j))).rgb;\n}}\n",
+            name, map.basis.lobes);
     return module_of(functions + *code + fmt::format("{}_Coefficients measured_texel;\n", name),
                      " CompressedArrayTexture, HalfFloatType, RGBA_ASTC_4x4_Format, SRGBColorSpace, UnsignedByteType,",
                      classes + class_text(name, "MeasuredMap"));

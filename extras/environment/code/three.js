@@ -20,15 +20,16 @@ vec3 measured_radiance(vec3 direction, float roughness) {
         return vec3(0.0);
     #endif
 }
-${[...new Set(terms.map((term) => term.functions))].join('')}
 // The weight, colour and saturation of each term.
 float measured_weights[${terms.length}];
 uniform vec3 measured_colours[${terms.length}];
 uniform float measured_saturations[${terms.length}];
-vec3 measured_term(int i, vec3 reflected) {
-    vec3 grey = vec3(dot(reflected, vec3(0.2126, 0.7152, 0.0722)));
-    return measured_weights[i] * measured_colours[i] * max(mix(grey, reflected, measured_saturations[i]), 0.0);
+float measured_saturation;  // of the term that is evaluated
+vec3 measured_saturated(vec3 reflectance) {
+    return mix(vec3(dot(reflectance, vec3(0.2126, 0.7152, 0.0722))), reflectance, measured_saturation);
 }
+vec3 measured_reflected(vec3 weight, vec3 radiance) { return measured_saturated(weight) * radiance; }
+${[...new Set(terms.map((term) => term.functions))].join('')}
 // The frame around the normal, made visible to the viewer. x is along the tangent if the geometry has tangents
 // (define USE_TANGENT), otherwise along the circle of latitude around y.
 mat3 measured_frame_of(vec3 n, vec3 wv) {
@@ -46,8 +47,8 @@ void RE_Direct_Measured(const in IncidentLight directLight, const in vec3 geomet
                         const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
     mat3 frame = measured_frame_of(geometryNormal, geometryViewDir);
     vec3 wl = directLight.direction * frame, wv = geometryViewDir * frame;
-    vec3 f = ${sumOf(terms, 'brdf', 'wl, wv')};
-    reflectedLight.directDiffuse += max(wl.z, 0.0) * f * material.diffuseColor * directLight.color;
+    ${sumOf(terms, 'brdf', 'wl, wv')}
+    reflectedLight.directDiffuse += max(wl.z, 0.0) * reflected * material.diffuseColor * directLight.color;
 }
 #if NUM_RECT_AREA_LIGHTS > 0
 // A rectangular light emits to one side only.
@@ -60,7 +61,7 @@ void RE_Direct_RectArea_Measured(const in RectAreaLight rectAreaLight, const in 
     mat3 frame = measured_frame_of(geometryNormal, geometryViewDir);
     vec3 wv = geometryViewDir * frame, a = (middle - x - y) * frame, b = (middle + x - y) * frame,
          c = (middle + x + y) * frame, d = (middle - x + y) * frame;
-    vec3 reflected = ${sumOf(terms, 'area', 'wv, a, b, c, d')};
+    ${sumOf(terms, 'area', 'wv, a, b, c, d')}
     reflectedLight.directDiffuse += rectAreaLight.color * material.diffuseColor * reflected;
 }
 #endif
@@ -69,7 +70,7 @@ void RE_IndirectDiffuse_Measured(const in vec3 irradiance, const in vec3 geometr
                                  const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
     if (irradiance == vec3(0.0)) return;
     float cosine = saturate(dot(geometryNormal, geometryViewDir));
-    vec3 reflected = ${sumOf(terms, 'albedo', 'cosine')};
+    ${sumOf(terms, 'albedo', 'cosine')}
     reflectedLight.indirectDiffuse += irradiance * RECIPROCAL_PI * reflected * material.diffuseColor;
 }
 void RE_IndirectSpecular_Measured(const in vec3 radiance, const in vec3 irradiance, const in vec3 clearcoatRadiance,
@@ -78,7 +79,7 @@ void RE_IndirectSpecular_Measured(const in vec3 radiance, const in vec3 irradian
                                   const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
     measured_frame = measured_frame_of(geometryNormal, geometryViewDir);
     vec3 wv = geometryViewDir * measured_frame;
-    vec3 reflected = ${sumOf(terms, 'environment', 'wv')};
+    ${sumOf(terms, 'environment', 'wv')}
     reflectedLight.indirectDiffuse += reflected * material.diffuseColor;
 }
 #undef RE_Direct
@@ -90,9 +91,17 @@ void RE_IndirectSpecular_Measured(const in vec3 radiance, const in vec3 irradian
 #define RE_IndirectDiffuse RE_IndirectDiffuse_Measured
 #define RE_IndirectSpecular RE_IndirectSpecular_Measured
 `;
-// A function of every term with a weight, summed.
-const sumOf = (terms, what, inputs) => terms.map(({ reflectance, texel }, i) =>
-    `(measured_weights[${i}] > 0.0 ? measured_term(${i}, ${reflectance}_${what}(${inputs}${texel})) : vec3(0.0))`).join(' + ');
+// The statements that sum a function of all terms with a weight. An environment's functions saturate themselves, because
+// radiance has colours too.
+const sumOf = (terms, what, inputs) => 'vec3 reflected = vec3(0.0);' + terms.map(({ reflectance, texel }, i) => {
+    const value = `${reflectance}_${what}(${inputs}${texel})`;
+    return `
+    if (measured_weights[${i}] > 0.0) {
+        measured_saturation = measured_saturations[${i}];
+        reflected += measured_weights[${i}] * measured_colours[${i}] *
+                     ${what === 'environment' ? value : `max(measured_saturated(${value}), 0.0)`};
+    }`;
+}).join('');
 
 // The texels of NAME_light_texel, one row for each view. They are in a texture because some drivers index constants slowly.
 function lobesTexture(numbers) {

@@ -127,8 +127,12 @@ blend = chromium.run("""(() => {
     const mesh = new THREE.Mesh(geometry), sun = new THREE.DirectionalLight('white', 2), area = new THREE.RectAreaLight('orange', 3, 1, 1);
     sun.position.set(2, 4, 3), area.position.set(-2, 2, 2), area.lookAt(0, 0, 0);
     const sky = Uint16Array.from({ length: 4 * 32 * 16 }, (_, i) => THREE.DataUtils.toHalfFloat(i % 4 === 3 ? 1 : (i / 700) % 1));
-    scene.environment = new THREE.DataTexture(sky, 32, 16, THREE.RGBAFormat, THREE.HalfFloatType, THREE.EquirectangularReflectionMapping);
-    scene.environment.needsUpdate = true;
+    const environment = (texels) => {
+        const map = new THREE.DataTexture(texels, 32, 16, THREE.RGBAFormat, THREE.HalfFloatType, THREE.EquirectangularReflectionMapping);
+        map.needsUpdate = true;
+        return map;
+    };
+    scene.environment = environment(sky);
     scene.add(mesh, sun, area, new THREE.AmbientLight('white', 0.2));
     const camera = new THREE.PerspectiveCamera(40, 1, 0.1, 100);
     camera.position.set(0, 0, 3.5);
@@ -155,9 +159,15 @@ blend = chromium.run("""(() => {
     film.color.setRGB(0.5, 1, 0.25), by_shares.shares = [1, 0, 0];
     found.tint = apart(picture(by_shares), single[0].map((x, i) => x * [0.5, 1, 0.25, 1][i % 4]));
     found.tint_alone = apart(picture(film), single[0].map((x, i) => x * [0.5, 1, 0.25, 1][i % 4]));
+    // Without saturation a channel is what it is when all channels of the lights are as that one.
     film.color.set('white'), film.saturation = 0;
-    const grey = picture(by_shares);
-    found.grey = grey.reduce((most, x, i) => i % 4 > 2 ? most : Math.max(most, Math.abs(x - grey[i - i % 4])), 0);
+    const coloured = picture(by_shares), orange = area.color.clone(), white = single[0].reduce((most, x) => Math.max(most, x), 0);
+    found.grey = [0, 1, 2].reduce((most, c) => {
+        area.color.setScalar(orange.toArray()[c]);
+        scene.environment = environment(sky.map((_, i) => sky[i - i % 4 + (i % 4 < 3 ? c : 3)]));
+        const grey = picture(by_shares);
+        return coloured.reduce((found, x, i) => i % 4 > 2 ? found : Math.max(found, Math.abs(grey[i] - coloured[i - i % 4 + c])), most);
+    }, 0) / white;
     const compiled = renderer.info.programs.length - programs;
     renderer.dispose();
     const { chosen, ...worst } = found;

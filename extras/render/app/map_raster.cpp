@@ -25,10 +25,6 @@ RasterMap::Level halves_of(const MapLevel& level, std::size_t layers) {
 
 Result<std::vector<Rendering>> rasterize_maps(const Scene& scene, std::span<const Library* const> maps, int width,
                                               int height, int samples) {
-    if (scene.mesh.texture.empty())
-        return Error{
-            "render",           {}, "mesh of a map", "one with texture coordinates", "none of a corner at least",
-            ErrorCode::argument};
     std::vector<RasterMap> rasterized;
     for (const Library* map : maps) {
         if (const auto valid = check_layers(*map, "render"); !valid) return valid.error();

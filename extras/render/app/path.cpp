@@ -36,11 +36,20 @@ Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const Pa
     };
     if (command.scene_name != "object") return refuse("scene", "object", "room");
     if (command.draw == "cosine") return refuse("draws", "by the brdf", "by the cosine");
-    if (mesh.texture.empty()) return refuse("mesh", "one with texture coordinates", "none of a corner at least");
+    if (mesh.texture.empty()) return needs_texture(kind);
     return Done{};
 }
 
 }  // namespace
+
+Error needs_texture(const char* kind) {
+    return {"render",
+            {},
+            fmt::format("mesh of {}", kind),
+            "one with texture coordinates",
+            "none of a corner at least",
+            ErrorCode::argument};
+}
 
 Result<std::optional<Environment>> load_light(const std::string& name) {
     if (name == "none") return std::optional<Environment>();

@@ -66,8 +66,13 @@ Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Pictur
 Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictured> pictured,
                                        const RenderCommand& options) {
     if (const auto can_draw = check_drawing(); !can_draw) return can_draw.error();
-    std::vector<const Subject*> subjects;
+    std::vector<const Subject*> subjects;  // those of a mask are the first
     std::vector<const Library*> maps;
+    const auto* const masked = std::get_if<const MaskedSubjects*>(&pictured[0]);
+    if (masked) {
+        if (scene.mesh.texture.empty()) return needs_texture("a mask");
+        subjects = (*masked)->of;
+    }
     for (const Pictured& item : pictured) {
         if (const auto* subject = std::get_if<const Subject*>(&item)) subjects.push_back(*subject);
         if (const auto* map = std::get_if<const Library*>(&item)) maps.push_back(*map);
@@ -75,6 +80,7 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictu
     const auto refuse_map = [&](const char* what, const char* expected, const char* found) {
         return Error{options.files[0], {}, what, expected, found, ErrorCode::argument};
     };
+    if (!maps.empty() && scene.mesh.texture.empty()) return needs_texture("a map");
     if (!maps.empty() && !subjects.empty())
         return refuse_map("inputs of raster", "maps alone, or measurements and models", "both");
     const PathCommand& path_options = options.path;
@@ -95,6 +101,11 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictu
     auto renderings = maps.empty() ? rasterize(lit, subjects, options.width, options.height, light)
                                    : rasterize_maps(lit, maps, options.width, options.height, light.samples);
     if (!renderings) return renderings.error();
+    if (masked) {
+        const auto count = std::ptrdiff_t((*masked)->of.size());
+        (*renderings)[0] = mixed(scene, (*masked)->mask, std::span(*renderings).first(std::size_t(count)));
+        renderings->erase(renderings->begin() + 1, renderings->begin() + count);
+    }
     return RenderedPictures{*std::move(renderings), {}};
 }
 
@@ -355,11 +366,10 @@ void add_render(CommandLine& app, int& status) {
     const Option aov =
         sub.add_flag("--aov", command->aov,
                      "path: also write normal, albedo and depth: as channels of an .exr, or as further pictures");
-    const Option mask =
-        sub.add_option("--mask", command->mask,
-                       "path: one picture of two or three materials, mixed by this picture (.png, .jpg, .exr) at the "
-                       "mesh's\ntexture coordinates: red is the share of the second, green that of the third")
-            .type_name("FILE");
+    sub.add_option("--mask", command->mask,
+                   "One picture of two or three materials, mixed by this picture (.png, .jpg, .exr) at the "
+                   "mesh's\ntexture coordinates: red is the share of the second, green that of the third")
+        .type_name("FILE");
     sub.add_option("--compare", command->compare,
                    "Print PSNR, SSIM and FLIP against this reference, a BRDF to render or an .exr, and write "
                    "OUTPUT.difference.png")
@@ -368,7 +378,7 @@ void add_render(CommandLine& app, int& status) {
                             .type_name("FILE");
     const auto is_path = [command] { return command->renderer == "path"; };
     std::vector<Reading> readings = command->path.add_options(sub, about_mesh, is_path);
-    readings.push_back({{aov, mask}, "only with --renderer path", is_path});
+    readings.push_back({{aov}, "only with --renderer path", is_path});
     readings.push_back({{json}, "only with --compare", [command] { return !command->compare.empty(); }});
     sub.footer(
         "Examples:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf -o paper.png\n"

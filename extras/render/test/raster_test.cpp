@@ -467,9 +467,57 @@ TEST(Rasterize, AMapLooksAsTraced) {
         EXPECT_GT(count, 0.2 * size * size);
         EXPECT_LT(sum / count, 1.5) << size;
     }
-    Scene bare = scene_of(sphere(), {}, 1);
-    bare.mesh.texture.clear();
-    EXPECT_FALSE(rasterize_maps(bare, std::array{&coarse}, 8, 8, 1));
+}
+
+/// The picture of `srbf render` with these arguments, 64 pixels wide and high.
+Image rendered(const TemporaryFolder& folder, std::vector<std::string> arguments, const char* renderer) {
+    arguments.insert(arguments.begin(), "render");
+    for (const char* more : {"--size", "64x64", "--spp", "16", "-o", "x.exr", "--renderer"}) arguments.push_back(more);
+    arguments.push_back(renderer);
+    if (renderer == std::string("path")) arguments.insert(arguments.end(), {"--no-ground", "--no-occlusion"});
+    const ProgramRun made = run(folder, arguments);
+    EXPECT_EQ(made.status, 0) << made.err;
+    const auto bytes = read_file(folder / "x.exr");
+    return bytes ? *read_exr(*bytes, "x.exr") : Image(64, 64);
+}
+
+TEST(Render, MixesMaterialsByAMaskAsPathsDo) {
+    if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
+    const TemporaryFolder folder;
+    std::vector<std::string> command;
+    for (const auto& [name, colour] :
+         {std::pair("r.srbf", Rgb{0.8f, 0, 0}), {"g.srbf", {0, 0.8f, 0}}, {"b.srbf", {0, 0, 0.8f}}}) {
+        ASSERT_TRUE(save_model({GgxModel{colour, {{0.3f, {0.04f, 0.04f, 0.04f}, 1}}}, {}}, folder / name).ok());
+        command.push_back(name);
+    }
+    write(folder / "plane.obj",
+          "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
+    Image mask(4, 2);
+    for (std::size_t i = 0; i < 8; ++i) mask.pixels[i] = {float(i % 3) / 2, float(i % 2), 0};  // some exceed 1 together
+    ASSERT_TRUE(write_exr(4, 2, channels_of(mask), folder / "mask.exr").ok());
+    command.insert(command.end(), {"--mask", "mask.exr", "--mesh", "plane.obj", "--env", "none"});
+    const Image by_raster = rendered(folder, command, "raster"), by_paths = rendered(folder, command, "path");
+    double sum = 0, apart = 0;
+    for (std::size_t i = 0; i < by_raster.pixels.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            sum += double(by_paths.pixels[i][c]);
+            apart += std::abs(double(by_raster.pixels[i][c]) - double(by_paths.pixels[i][c]));
+        }
+    EXPECT_GT(sum, 100);
+    EXPECT_LT(apart, 0.15 * sum);  // sixteen paths a pixel choose among materials
+    for (int c = 0; c < 3; ++c) {
+        const auto total = [&](const Image& of) {
+            double energy = 0;
+            for (const Rgb& pixel : of.pixels) energy += double(pixel[c]);
+            return energy;
+        };
+        EXPECT_PRED3(near_relative, total(by_raster), total(by_paths), 0.02) << c;
+    }
+    write(folder / "plane.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n");
+    command.insert(command.begin(), "render"), command.insert(command.end(), {"--renderer", "raster", "-o", "x.exr"});
+    const ProgramRun refused = run(folder, command);
+    EXPECT_NE(refused.err.find("mesh of a mask: expected one with texture coordinates"), std::string::npos)
+        << refused.err;
 }
 
 TEST(Render, DrawsALightBehind) {
@@ -478,15 +526,7 @@ TEST(Render, DrawsALightBehind) {
     ASSERT_TRUE(save_model({rough_bsdf(), {}}, folder / "both.srbf").ok());
     ASSERT_TRUE(save_model(*rough_bsdf().part[0], folder / "front.srbf").ok());
     const auto render = [&](const char* file, const char* renderer) {
-        std::vector<std::string> command{"render",   file,     "--renderer", renderer, "--env", "none",
-                                         "--lights", "behind", "--mesh",     "sphere", "--spp", "16",
-                                         "--size",   "64x64",  "-o",         "x.exr"};
-        if (renderer == std::string("path")) command.insert(command.end(), {"--no-ground", "--no-occlusion"});
-        const ProgramRun made = run(folder, command);
-        EXPECT_EQ(made.status, 0) << made.err;
-        const auto bytes = read_file(folder / "x.exr");
-        if (!bytes) return Image(64, 64);
-        return *read_exr(*bytes, "x.exr");
+        return rendered(folder, {file, "--env", "none", "--lights", "behind", "--mesh", "sphere"}, renderer);
     };
     const Image by_raster = render("both.srbf", "raster"), by_paths = render("both.srbf", "path"),
                 opaque = render("front.srbf", "raster");

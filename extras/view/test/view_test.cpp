@@ -114,6 +114,41 @@ TEST(Session, CancelKeepsWhatIsOnDisplay) {
     EXPECT_EQ(session.fitted()->choice, k_small);
 }
 
+TEST(Session, EditsAreThoseOfTheLibrary) {
+    Session session;
+    ASSERT_TRUE(session.open(k_film));
+    session.choose(k_small);
+    EXPECT_FALSE(session.can_edit());
+    ASSERT_TRUE(wait_until_idle(session));
+    const Model fitted = session.fitted()->model;
+    EditChoice choice;
+    choice.highlight = 0.5f, choice.roughness = 1.5f;
+    for (const EditChoice& last : {EditChoice{.saturation = 0.5f}, choice}) {  // the second replaces the first
+        session.edit(last);
+        EXPECT_EQ(session.stage(), Stage::editing);
+        ASSERT_TRUE(wait_until_idle(session));
+        const auto expected = edited(fitted, last.edits());
+        ASSERT_TRUE(expected);
+        EXPECT_EQ(std::get<PmModel>(session.fitted()->model.model), std::get<PmModel>(expected->model));
+        EXPECT_EQ(session.fitted()->edit, last);
+        EXPECT_FALSE(session.fitted()->errors);
+    }
+    EXPECT_EQ(choice.edits().size(), 2u);
+    // A saved model says what was done; without edits the fit is as it was, errors included.
+    const TemporaryFolder folder;
+    ASSERT_TRUE(session.save(folder / "edited.srbf"));
+    EXPECT_TRUE(load_model(folder / "edited.srbf")->provenance.contains("edits"));
+    session.edit({});
+    EXPECT_EQ(session.stage(), Stage::idle);
+    EXPECT_TRUE(session.poll());
+    EXPECT_EQ(std::get<PmModel>(session.fitted()->model.model), std::get<PmModel>(fitted.model));
+    EXPECT_TRUE(session.fitted()->errors);
+    session.edit(choice);
+    session.choose({.lobes = 1, .variates = 1});  // another fit begins without edits
+    EXPECT_EQ(session.edit_choice(), EditChoice{});
+    ASSERT_TRUE(wait_until_idle(session));
+    EXPECT_EQ(session.fitted()->edit, EditChoice{});
+}
 TEST(Session, EndsInTheMiddleOfAFit) {
     Session session;
     ASSERT_TRUE(session.open(k_film));

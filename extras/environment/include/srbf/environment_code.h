@@ -23,24 +23,26 @@ struct EnvironmentCode {
     /// Vec3 NAME_light_texel(int i, int view). Lobe k > 0 has (p, roughness, width of the view) at i = 2 k - 2 and
     /// its fraction at i = 2 k - 1; from i = 2 `lobes` - 2 on follow the albedos (`light_texels`).
     bool texels = false;
+    /// The host supplies Vec3 NAME_reflected(Vec3 weight, Vec3 light): the product of a lobe's weight, in colours
+    /// that the host may change, and the radiance of the environment.
+    bool colours = false;
 };
 
 /// The text of `shading_code` with these functions of each model:
-///   Vec3 NAME_environment(Vec3 wv)     the radiance that leaves towards the viewer under an environment, for which
-/// the
-///                                      host supplies Vec3 NAME_radiance(Vec3 direction, float roughness); not for
-/// Metal,
-///                                      where functions access only textures that are their arguments
-///   Vec3 NAME_environment_sampled(Vec3 wv, int count)   the same from `count` samples of NAME_sample, for an
-/// unfiltered
-///                                      environment: the host supplies Vec3 NAME_radiance_over(Vec3 direction,
-///                                      float solid_angle), a look-up in its mip levels; not for Metal
-///   LightDraw NAME_environment_draw(Vec3 wv, int i, int count)   one of these samples: direction, solid angle
-/// [sr], weight
-///   Vec3 NAME_area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d)   the radiance that leaves towards the viewer from a
-///                                      quadrilateral of radiance 1, with corners relative to the point
-///   LightLobe NAME_environment_lobe(Vec3 wv, int k)   one of the `lobes` terms of that sum: axis, roughness and
-///                                      weight, see extended_light.h
+///   Vec3 NAME_environment(Vec3 wv)
+///       the radiance that leaves towards the viewer under an environment, for which the host supplies
+///       Vec3 NAME_radiance(Vec3 direction, float roughness); not for Metal, where functions access only textures that
+///       are their arguments
+///   Vec3 NAME_environment_sampled(Vec3 wv, int count)
+///       the same from `count` samples of NAME_sample, for an unfiltered environment: the host supplies
+///       Vec3 NAME_radiance_over(Vec3 direction, float solid_angle), a look-up in its mip levels; not for Metal
+///   LightDraw NAME_environment_draw(Vec3 wv, int i, int count)
+///       one of these samples: direction, solid angle [sr], weight
+///   Vec3 NAME_area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d)
+///       the radiance that leaves towards the viewer from a quadrilateral of radiance 1, with corners relative to the
+///       point
+///   LightLobe NAME_environment_lobe(Vec3 wv, int k)
+///       one of the `lobes` terms of that sum: axis, roughness and weight, see extended_light.h
 /// Errors: those of `shading_code`.
 Result<std::string> environment_code(std::span<const NamedModel> models, std::string_view prefix,
                                      const CodeOptions& options, const EnvironmentCode& added);

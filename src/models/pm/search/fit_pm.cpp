@@ -55,12 +55,12 @@ Result<Done> validate(const Observations& observations, const PmFitOptions& opti
 }
 
 /// Work of a fit in units of grown lobes and perturbations.
-struct Effort {
+struct Work {
     double search = 0, finish = 0, polish = 0;  ///< polish: work of each stage between the search and the last
     double total() const { return search + 2 * finish; }
 };
 bool is_polish(const Stage& stage) { return stage.kind == StageKind::by_pictures || stage.kind == StageKind::polish; }
-Effort effort_of(const Observations& observations, const PmFitOptions& options) {
+Work planned_work(const Observations& observations, const PmFitOptions& options) {
     int perturbations = 0, previous = 0, polishes = 0;
     for (const Stage& stage : schedule(!observations.views.empty())) {
         polishes += is_polish(stage);
@@ -96,7 +96,7 @@ class Fit {
         });
         std::ranges::stable_sort(candidates_, {}, &Candidate::loss);
         if (stage.kind == StageKind::by_pictures) last_steps_ = &stage;
-        if (is_polish(stage)) reporter_.advance("polishing", effort_.polish);
+        if (is_polish(stage)) reporter_.advance("polishing", work_.polish);
     }
     /// The last stage. It finishes the first candidate, and further ones that are nearly as good, and returns the
     /// best. For noisy tables it finishes all remaining candidates: albedos cost most then, and pictures do not
@@ -115,7 +115,7 @@ class Fit {
             PmFit next = srbf::finish(candidates_[i].lobes, weighted_observations(), factors, options_, reporter_);
             if (i == 0 || next.loss < fit.loss) fit = std::move(next);
         }
-        if (!reporter_.advance("polishing", effort_.finish)) fit.stop = StopReason::cancelled;
+        if (!reporter_.advance("polishing", work_.finish)) fit.stop = StopReason::cancelled;
         return fit;
     }
 
@@ -189,7 +189,7 @@ class Fit {
     Reporter& reporter_;
     std::vector<Candidate> candidates_;
     double log_peak_limit_ = log_peak_limit_of(options_);
-    Effort effort_ = effort_of(observations_, options_);
+    Work work_ = planned_work(observations_, options_);
     Subsets subsets_{observations_};
     Observations relit_;  ///< all observations, once their weights include directional lights; otherwise empty
     TermFactors factors_;
@@ -202,7 +202,7 @@ Result<PmFit> fit_pm(const Observations& observations, const PmFitOptions& optio
                      const PmModel* begin) {
     const StandardArithmetic mode;
     if (const auto valid = validate(observations, options); !valid) return valid.error();
-    Reporter reporter(progress, effort_of(observations, options).total());
+    Reporter reporter(progress, planned_work(observations, options).total());
     PmFit done;
     on_threads(options.threads, [&] {
         Fit fit(observations, options, begin, reporter);

@@ -15,6 +15,7 @@ inline LobeShape shape_of(const PmFitOptions& options) {
 }
 
 inline constexpr int k_most_starts = 1000;
+
 /// Default numbers of starts and perturbations. Fits with more lobes use fewer, because each takes longer and
 /// matters less.
 inline int starts_of(const PmFitOptions& options) {

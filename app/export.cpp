@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "app/astc.h"
 #include "app/commands.h"
 #include "app/export.h"
 #include "app/extra_exports.h"
@@ -92,13 +93,19 @@ NewFile file_of(const std::string& path, std::span<const std::byte> bytes) {
     return {path, {bytes.begin(), bytes.end()}};
 }
 
+std::vector<std::byte> texture_of(const ExportCommand& asked, const Library& map) {
+    return map_ktx2(map, asked.coefficients == "byte"   ? LayerNumbers::bytes
+                         : asked.coefficients == "astc" ? LayerNumbers::blocks
+                                                        : LayerNumbers::halves);
+}
+
 int write_map(const ExportCommand& asked, const TextKind& kind) {
     const std::string name = identifier(stem_of(asked.files[0])), texture = asked.beside(name + ".ktx2");
     const auto map = load_map(asked, kind.has_texture ? std::vector{texture} : std::vector<std::string>());
     if (!map) return complain(map.error());
     const auto written = within_memory(texture, [&]() -> Result<Done> {
         std::vector<NewFile> files;
-        if (kind.has_texture) files.push_back({texture, map_ktx2(*map)});
+        if (kind.has_texture) files.push_back({texture, texture_of(asked, *map)});
         const auto text = kind.map(asked, *map, name);
         if (!text) return text.error();
         files.push_back(file_of(asked.output, as_bytes(*text)));
@@ -115,6 +122,8 @@ int write_text(const ExportCommand& asked, const TextKind& kind) {
     }
     const auto models = load_models(asked.files);
     if (!models) return complain(models.error());
+    if (!asked.coefficients.empty())
+        return complain({asked.files[0], {}, "input", "a map (--coefficients)", "a model", ErrorCode::argument});
     const std::vector<NamedModel> models_by_name = names_of(*models), brdfs = with_parts(models_by_name);
     std::vector<std::string> outputs{asked.output};
     std::vector<NewFile> files;
@@ -135,7 +144,7 @@ int write_text(const ExportCommand& asked, const TextKind& kind) {
 int write_ktx2(const ExportCommand& asked) {
     const auto map = load_map(asked);
     if (!map) return complain(map.error());
-    const auto written = within_memory(asked.output, [&] { return write_file(asked.output, map_ktx2(*map)); });
+    const auto written = within_memory(asked.output, [&] { return write_file(asked.output, texture_of(asked, *map)); });
     return written ? int(k_done) : complain(written.error());
 }
 
@@ -160,6 +169,9 @@ CodeOptions code_options(const ExportCommand& asked, CodeLanguage language) {
     return options;
 }
 
+bool has_texture(const std::string& kind) {
+    return kind == "ktx2" || std::ranges::count(code_modules(), kind, &CodeModule::name) > 0;
+}
 bool is_code(const std::string& kind) { return code_language_named(kind).has_value(); }
 
 std::vector<TextKind> text_kinds() {
@@ -270,11 +282,23 @@ void add_export(CommandLine& app, int& status) {
                             .type_name("WHAT")
                             .one_at_a_time()
                             .one_of(features);
+    std::vector<std::string> numbers{"half", "byte"};
+    if (has_astc()) numbers.emplace_back("astc");
+    const Option coefficients =
+        sub.add_option(
+               "--coefficients", command->coefficients,
+               "Numbers in the texture of a map: half, 16-bit floats; byte, 8 bits coded as sRGB, with scales;\n"
+               "astc, these in compressed blocks of 4 x 4 texels (if built with libastcenc)")
+            .type_name("NUMBERS")
+            .default_text("half")
+            .one_of(numbers);
     sub.add_option("-o,--output", command->output, "The file to write").type_name("FILE").required();
     sub.footer(
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
         "  srbf export map.srbf --to ktx2 -o map.ktx2");
     exports.readings.push_back({{with}, "is for source code", [command] { return is_code(command->to); }});
+    exports.readings.push_back(
+        {{coefficients}, "is for the textures of maps", [command] { return has_texture(command->to); }});
     sub.callback([command, kinds = exports.kinds,
                   &status] { status = std::ranges::find(kinds, command->to, &ExportKind::name)->run(*command); },
                  exports.readings);

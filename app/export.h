@@ -13,6 +13,7 @@ namespace srbf {
 struct ExportCommand {
     std::vector<std::string> files, with;
     std::string to, output;
+    std::string coefficients;  ///< half, byte or astc, those in the texture of a map; empty: half
 
     /// The path of a file beside the output.
     std::string beside(const std::string& name) const;

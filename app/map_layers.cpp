@@ -8,18 +8,13 @@
 #include <span>
 #include <string_view>
 
+#include "app/astc.h"
 #include "base/half.h"
+#include "base/parallel.h"
+#include "brdf/colour.h"
 
 namespace srbf {
 namespace {
-
-/// The levels of a map, down to 1 × 1.
-std::vector<MapLevel> mip_levels(const Library& map) {
-    const auto width = std::size_t(map.width);
-    std::vector<MapLevel> levels{{width, map.count() / width, map.coefficient}};
-    while (levels.back().width * levels.back().height > 1) levels.push_back(coarser(levels.back()));
-    return levels;
-}
 
 class Container {
   public:
@@ -29,14 +24,17 @@ class Container {
     void add_words(std::span<const std::uint32_t> words) {
         for (const std::uint32_t word : words) add(word, 4);
     }
-    /// A key and its value, each terminated by a zero byte.
-    void add_metadata(std::string_view key, std::string_view text) {
-        add(key.size() + text.size() + 2, 4);
-        for (const std::string_view part : {key, text}) {
-            for (const char c : part) add(std::uint8_t(c), 1);
-            add(0, 1);
-        }
+    /// A key, terminated by a zero byte, and its value.
+    void add_metadata(std::string_view key, std::span<const std::byte> value) {
+        add(key.size() + 1 + value.size(), 4);
+        for (const char c : key) add(std::uint8_t(c), 1);
+        add(0, 1);
+        bytes.insert(bytes.end(), value.begin(), value.end());
         align(4);
+    }
+    /// A text, terminated by a zero byte too.
+    void add_metadata(std::string_view key, const char* text) {
+        add_metadata(key, std::as_bytes(std::span(text, std::string_view(text).size() + 1)));
     }
     void align(std::size_t multiple) { bytes.resize((bytes.size() + multiple - 1) / multiple * multiple); }
     void set(std::size_t offset, std::uint64_t number, std::size_t count) {
@@ -46,18 +44,98 @@ class Container {
     std::vector<std::byte> bytes;
 };
 
-/// The data format descriptor of a texel of four signed 16-bit floats (Khronos Data Format 1.3, section 5).
-std::vector<std::uint32_t> format_of_halves() {
-    constexpr std::uint32_t rgb_model = 1, rec709 = 1, linear = 1, version = 2, bytes_of_texel = 8;
-    constexpr std::uint32_t is_float = 0x80, is_signed = 0x40, alpha = 15;
-    constexpr std::uint32_t block = 24 + 4 * 16, minus_one = 0xbf800000, one = 0x3f800000;
-    std::vector<std::uint32_t> words{
-        4 + block, 0, version | block << 16, rgb_model | rec709 << 8 | linear << 16, 0, bytes_of_texel, 0};
-    for (std::uint32_t c = 0; c < 4; ++c) {
-        const std::uint32_t channel = (c < 3 ? c : alpha) | is_float | is_signed;
-        words.insert(words.end(), {16 * c | 15 << 16 | channel << 24, 0, minus_one, one});
+/// A texel of four equal numbers, or a block of texels, in the terms of KTX 2 and of the Khronos Data Format 1.3,
+/// section 5.
+struct TexelFormat {
+    struct Sample {
+        std::uint32_t bits, channel, least, most;  ///< the numbers for 0 or -1, and for 1
+    };
+    std::uint32_t vulkan;       ///< VkFormat
+    std::uint32_t number_size;  ///< bytes of a number
+    std::uint32_t model;        ///< 1: R, G, B, A; 162: ASTC
+    std::uint32_t transfer;     ///< 1: linear, 2: sRGB
+    std::uint32_t side, size;   ///< of a block: texels along a side, bytes
+    std::vector<Sample> samples;
+};
+TexelFormat format_of(LayerNumbers numbers) {
+    using Sample = TexelFormat::Sample;
+    const auto rgba = [](const Sample& rgb, std::uint32_t alpha) {
+        std::vector<Sample> samples(4, rgb);
+        for (std::uint32_t c = 0; c < 4; ++c) samples[c].channel |= c < 3 ? c : alpha;
+        return samples;
+    };
+    switch (numbers) {
+        case LayerNumbers::halves:  // R16G16B16A16_SFLOAT: signed floats
+            return {97, 2, 1, 1, 1, 8, rgba({16, 0xc0, 0xbf800000, 0x3f800000}, 15)};
+        case LayerNumbers::bytes:  // R8G8B8A8_SRGB with linear A
+            return {43, 1, 1, 2, 1, 4, rgba({8, 0, 0, 255}, 0x1f)};
+        case LayerNumbers::blocks:
+            break;  // ASTC_4x4_SRGB_BLOCK
+    }
+    return {158, 1, 162, 2, 4, 16, {{128, 0, 0, 0xffffffff}}};
+}
+
+std::vector<std::uint32_t> descriptor(const TexelFormat& format) {
+    constexpr std::uint32_t rec709 = 1, version = 2;
+    const auto block = std::uint32_t(24 + 16 * format.samples.size());
+    std::vector<std::uint32_t> words{4 + block,
+                                     0,
+                                     version | block << 16,
+                                     format.model | rec709 << 8 | format.transfer << 16,
+                                     (format.side - 1) * 0x101,
+                                     format.size,
+                                     0};
+    std::uint32_t offset = 0;
+    for (const auto& [bits, channel, least, most] : format.samples) {
+        words.insert(words.end(), {offset | (bits - 1) << 16 | channel << 24, 0, least, most});
+        offset += bits;
     }
     return words;
+}
+
+/// The byte whose value in sRGB is nearest to a number in [0, 1].
+class NearestSrgb {
+  public:
+    NearestSrgb() {
+        for (int k = 0; k < 255; ++k)
+            middle_[std::size_t(k)] = float((srgb_decoded(k / 255.0) + srgb_decoded((k + 1) / 255.0)) / 2);
+    }
+    std::uint64_t operator()(float x) const {
+        return std::uint64_t(std::ranges::upper_bound(middle_, x) - middle_.begin());
+    }
+
+  private:
+    std::array<float, 255> middle_;  ///< between a value and the next
+};
+
+/// Adds a layer, the coefficients of lobe j, as R, G, B and A = 1 in halves, or in bytes with a scale.
+void add_layer(Container& file, const MapLevel& level, std::size_t j, std::size_t J) {
+    for (std::size_t i = j; i < level.coefficient.size(); i += J) {
+        const auto& [r, g, b] = level.coefficient[i];
+        for (const float number : {r, g, b, 1.f}) file.add(to_half(number), 2);
+    }
+}
+void add_layer(Container& file, const MapLevel& level, std::size_t j, std::size_t J, const Rgb& scale) {
+    static const NearestSrgb nearest;
+    for (std::size_t i = j; i < level.coefficient.size(); i += J) {
+        for (int c = 0; c < 3; ++c) file.add(scale[c] > 0 ? nearest(level.coefficient[i][c] / scale[c]) : 0, 1);
+        file.add(255, 1);
+    }
+}
+
+/// The layers of each level in blocks.
+std::vector<std::vector<std::vector<std::byte>>> layers_in_blocks(const std::vector<MapLevel>& levels,
+                                                                  const std::vector<Rgb>& scales) {
+    const std::size_t J = scales.size();
+    std::vector layers(levels.size(), std::vector<std::vector<std::byte>>(J));
+    parallel_for(J, 0, [&](std::size_t j) {
+        for (std::size_t k = 0; k < levels.size(); ++k) {
+            Container texels;
+            add_layer(texels, levels[k], j, J, scales[j]);
+            layers[k][j] = astc_blocks(levels[k].width, levels[k].height, texels.bytes);
+        }
+    });
+    return layers;
 }
 
 }  // namespace
@@ -85,6 +163,13 @@ MapLevel coarser(const MapLevel& finer) {
     return level;
 }
 
+std::vector<MapLevel> mip_levels(const Library& map) {
+    const auto width = std::size_t(map.width);
+    std::vector<MapLevel> levels{{width, map.count() / width, map.coefficient}};
+    while (levels.back().width * levels.back().height > 1) levels.push_back(coarser(levels.back()));
+    return levels;
+}
+
 Result<Done> check_layers(const Library& library, const std::string& file_name) {
     const auto refused = [&](const char* what, std::string expected, std::string found) {
         return Error{file_name, {}, what, std::move(expected), std::move(found), ErrorCode::argument};
@@ -102,37 +187,55 @@ Result<Done> check_layers(const Library& library, const std::string& file_name) 
     return Done{};
 }
 
-std::vector<std::byte> map_ktx2(const Library& map) {
+std::vector<Rgb> layer_scales(const Library& map) {
+    std::vector<Rgb> scales(std::size_t(map.basis.lobes));
+    for (std::size_t i = 0; i < map.coefficient.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            float& largest = scales[i % scales.size()][c];
+            largest = std::max(largest, map.coefficient[i][c]);
+        }
+    return scales;
+}
+
+std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
     constexpr std::array<std::uint8_t, 12> identifier{0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb, '\r', '\n', 0x1a, '\n'};
-    constexpr std::uint32_t halves = 97, bytes_of_half = 2, faces = 1;  // VK_FORMAT_R16G16B16A16_SFLOAT
-    constexpr std::size_t index = 48, levels_offset = 80, bytes_of_level = 24, bytes_of_texel = 8;
+    constexpr std::size_t index = 48, levels_offset = 80, bytes_of_level = 24, faces = 1;
+    const TexelFormat format = format_of(numbers);
     const std::vector<MapLevel> levels = mip_levels(map);
     const auto J = std::size_t(map.basis.lobes);
+    const std::vector<Rgb> scales = layer_scales(map);
+    const bool is_half = numbers == LayerNumbers::halves, in_blocks = numbers == LayerNumbers::blocks;
+    const auto blocks =
+        in_blocks ? layers_in_blocks(levels, scales) : std::vector<std::vector<std::vector<std::byte>>>();
     Container file;
     for (const std::uint8_t byte : identifier) file.add(byte, 1);
-    file.add_words(std::array{halves, bytes_of_half, std::uint32_t(levels[0].width), std::uint32_t(levels[0].height),
-                              0u, std::uint32_t(J), faces, std::uint32_t(levels.size()), 0u});
+    for (const std::size_t number : {std::size_t(format.vulkan), std::size_t(format.number_size), levels[0].width,
+                                     levels[0].height, std::size_t(0), J, faces, levels.size(), std::size_t(0)})
+        file.add(number, 4);
     file.bytes.resize(levels_offset + bytes_of_level * levels.size());
     const auto add_part = [&](std::size_t offset, const auto& write) {
         const std::size_t begin = file.bytes.size();
         write();
         file.set(index + offset, begin, 4), file.set(index + offset + 4, file.bytes.size() - begin, 4);
     };
-    add_part(0, [&] { file.add_words(format_of_halves()); });
-    add_part(8, [&] { file.add_metadata("KTXorientation", "rd"), file.add_metadata("KTXwriter", "srbf"); });
-    file.align(bytes_of_texel);
+    add_part(0, [&] { file.add_words(descriptor(format)); });
+    add_part(8, [&] {
+        file.add_metadata("KTXorientation", "rd"), file.add_metadata("KTXwriter", "srbf");
+        if (!is_half) file.add_metadata(k_scale_key, std::as_bytes(std::span(scales)));
+    });
+    file.align(format.size);
     for (std::size_t k = levels.size(); k-- > 0;) {  // the smallest level comes first
-        const std::size_t texels = levels[k].width * levels[k].height, begin = file.bytes.size();
-        const std::size_t size = J * texels * bytes_of_texel;
+        const auto along = [&](std::size_t texels) { return (texels + format.side - 1) / format.side; };
+        const std::size_t begin = file.bytes.size(),
+                          size = J * along(levels[k].width) * along(levels[k].height) * format.size;
         for (const std::size_t member : {0, 1, 2})
             file.set(levels_offset + bytes_of_level * k + 8 * member, member == 0 ? begin : size, 8);
         file.bytes.reserve(begin + size);
-        for (std::size_t j = 0; j < J; ++j)
-            for (std::size_t t = 0; t < texels; ++t) {
-                const Rgb& coefficient = levels[k].coefficient[t * J + j];
-                for (const float number : {coefficient.r, coefficient.g, coefficient.b, 1.f})
-                    file.add(to_half(number), 2);
-            }
+        for (std::size_t j = 0; j < J; ++j) {
+            if (is_half) add_layer(file, levels[k], j, J);
+            if (numbers == LayerNumbers::bytes) add_layer(file, levels[k], j, J, scales[j]);
+            if (in_blocks) file.bytes.insert(file.bytes.end(), blocks[k][j].begin(), blocks[k][j].end());
+        }
     }
     return std::move(file.bytes);
 }

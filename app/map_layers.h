@@ -16,6 +16,8 @@ struct MapLevel {
 /// The next coarser level, of ⌊width/2⌋ × ⌊height/2⌋ texels and at least 1 × 1. A texel is the mean of the finer
 /// level over the texel's area, so its BRDF is the mean of the finer BRDFs there.
 MapLevel coarser(const MapLevel& finer);
+/// The map and its coarser levels, down to 1 × 1.
+std::vector<MapLevel> mip_levels(const Library& map);
 
 /// The number of layers of an array that OpenGL ES 3, WebGL 2, WebGPU, Vulkan and Direct3D 11 all guarantee.
 inline constexpr int k_most_layers = 256;
@@ -23,9 +25,19 @@ inline constexpr int k_most_layers = 256;
 /// or it has more than k_most_layers lobes.
 Result<Done> check_layers(const Library& library, const std::string& file_name);
 
+/// The largest coefficient of each lobe in the map, for R, G and B.
+std::vector<Rgb> layer_scales(const Library& map);
+
+/// How a texture holds coefficients. The means of levels are rounded only once.
+enum class LayerNumbers {
+    halves,  ///< 16-bit floats
+    bytes,   ///< 8 bits of a fraction of the lobe's scale (`layer_scales`), coded as sRGB
+    blocks,  ///< bytes in ASTC blocks of 4 × 4 texels, one byte a texel and lobe; requires `has_astc` (app/astc.h)
+};
 /// The map as a KTX 2 file (Khronos texture container 2.0): an uncompressed array of J layers with levels down to 1
-/// × 1. A layer holds the coefficients of a lobe as 16-bit floats R, G, B, and A = 1. Row 0 of the texels is the
-/// map's Y = 0.
-std::vector<std::byte> map_ktx2(const Library& map);
+/// × 1. A layer holds the coefficients of a lobe as R, G, B, and A = 1. Row 0 of the texels is the map's Y = 0. With
+/// bytes and blocks the metadata `k_scale_key` are the scales, 3 J 32-bit floats: R, G, B of each lobe.
+std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers = LayerNumbers::halves);
+inline constexpr const char* k_scale_key = "srbf.scale";
 
 }  // namespace srbf

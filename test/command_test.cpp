@@ -131,6 +131,16 @@ TEST_F(WithModel, export_writes_a_map_or_nothing) {
         EXPECT_EQ(contents(folder / "map.ktx2"), contents(folder / "o.ktx2"));
     }
     const Arguments code{"--to", "c", "-o", "x.h"}, layers{"--to", "ktx2", "-o", "x.ktx2"}, start{"export", "map.srbf"};
+    for (const char* numbers : {"half", "byte"})
+        EXPECT_EQ(run(folder, start + Arguments{"--to", "ktx2", "--coefficients", numbers, "-o", numbers}).status, 0);
+    EXPECT_EQ(contents(folder / "half"), contents(folder / "o.ktx2"));
+    EXPECT_LT(contents(folder / "byte").size(), contents(folder / "half").size());
+    expect_failure(2, start + layers + Arguments{"--coefficients", "none"}, "--coefficients");
+    expect_failure(2, start + code + Arguments{"--coefficients", "byte"}, "--coefficients");
+    if (is_offered({"three"}))
+        expect_failure(1,
+                       Arguments{"export", *fitted / "m.srbf", "--to", "three", "--coefficients", "byte", "-o", "x.js"},
+                       "--coefficients");
     expect_failure(1, start + Arguments{"--to", "three", "-o", "map.ktx2"}, "map.ktx2");
     expect_failure(1, start + code + Arguments{"--with", "sampling"}, "expected values, albedos and light");
     expect_failure(1, start + Arguments{"--to", "html", "-o", "x.html"}, "map.srbf#NAME");

@@ -114,6 +114,7 @@ const std::map<std::string, std::string> k_argument{
     {"--no-occlusion", ""},
     {"--to", "hlsl"},
     {"--with", "sampling"},
+    {"--coefficients", "byte"},
     {"--terms", "2"},
     {"--reference", "m.binary"},
     {"--roughen", "1.5"},

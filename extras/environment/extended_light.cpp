@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
@@ -527,6 +528,79 @@ MatrixXd shares_of(const std::vector<View>& views, const BlurredKernels& kernels
     return shares;
 }
 
+/// The cosine of a node's view in fits: at the horizon views have no limit, along the normal no plane of incidence.
+double fitted_cosine(std::size_t view) { return std::clamp(ExtendedLight::cosine(int(view)), 1e-4, 0.9999); }
+
+/// The light that a view reflects by each lobe of a model with coefficient 1.
+struct LobesOfView {
+    VectorXd albedo, width;  ///< J; widths as of ExtendedLight
+    MatrixXd radiance;       ///< lights × J
+};
+/// Three lobes of a model as the channels of a BRDF.
+PreparedBrdf three_lobes(PmModel model, std::size_t first) {
+    std::ranges::fill(model.coefficient, Rgb{});
+    for (std::size_t j = first; j < std::min(first + 3, model.coefficient.size()); ++j)
+        model.coefficient[j][int(j - first)] = 1;
+    return prepare(Model{std::move(model), {}});
+}
+/// Adds three lobes, of which the last ones may be missing.
+void add_lobes(const View& view, const AveragedBrdf& three, Eigen::Index first, LobesOfView& to) {
+    const Vec3f wv = to_float(view.wv);
+    const std::vector<Reflected> reflected = sample_reflected(three, wv);
+    const Rgb total = albedo(three.brdf(), wv.z);
+    Eigen::Array3d largest = Eigen::Array3d::Constant(1e-9);
+    for (const auto& [w, share, density] : reflected)
+        largest = largest.max(k_view_samples * density * Eigen::Array3d(share.x, share.y, share.z));
+    const Eigen::Index count = std::min<Eigen::Index>(3, to.albedo.size() - first);
+    for (Eigen::Index c = 0; c < count; ++c) {
+        to.albedo[first + c] = double(total[int(c)]);
+        to.width[first + c] = to.albedo[first + c] / largest[c];
+    }
+    for (Eigen::Index i = 0; i < to.radiance.rows(); ++i) {
+        const Vec3d sum = radiance_under(view.lights[std::size_t(i)], three, wv, reflected);
+        to.radiance.row(i).segment(first, count) = Eigen::RowVector3d(sum.x, sum.y, sum.z).head(count);
+    }
+}
+
+/// The view's errors for the channels `mix`, J × 3, of sums of lobes.
+void set_channels(View& view, const LobesOfView& lobes, const MatrixXd& mix) {
+    const Eigen::RowVector3d total = lobes.albedo.transpose() * mix;
+    const MatrixXd radiance = lobes.radiance * mix;
+    view.albedo = {float(total[0]), float(total[1]), float(total[2])};
+    for (Eigen::Index i = 0; i < radiance.rows(); ++i) {
+        const Eigen::RowVector3d lit = radiance.row(i) + k_ambient * total;
+        const Vec3d weight = view.lights[std::size_t(i)].share * error_weights({lit[0], lit[1], lit[2]});
+        view.weight.row(i) << weight.x, weight.y, weight.z;
+    }
+    view.radiance = view.weight.cwiseProduct(radiance);
+}
+/// Coefficients of three channels, a third of the lobes each by their width, so that the fit of axes and roughnesses
+/// suits broad and narrow lobes.
+MatrixXd thirds_by_width(const PmModel& model, const VectorXd& width) {
+    const auto J = std::size_t(width.size());
+    std::vector<std::size_t> order(J);
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, {}, [&](std::size_t j) { return width[Eigen::Index(j)]; });
+    MatrixXd mix = MatrixXd::Zero(Eigen::Index(J), 3);
+    for (std::size_t i = 0; i < J; ++i)
+        mix(Eigen::Index(order[i]), Eigen::Index(3 * i / J)) = double(luminance(model.coefficient[order[i]]));
+    return mix;
+}
+/// The view's errors for three lobes from `first` on, as if each were all that a typical material reflects: with its
+/// albedo, and relative to its radiance `typical`.
+void set_lobes(View& view, const LobesOfView& lobes, Eigen::Index first, const VectorXd& coefficient) {
+    const double total = coefficient.dot(lobes.albedo);
+    const VectorXd lit = (lobes.radiance * coefficient).array() + k_ambient * total;
+    view.albedo = {float(total), float(total), float(total)};
+    for (Eigen::Index c = 0; c < 3; ++c) {
+        const Eigen::Index j = std::min(first + c, lobes.albedo.size() - 1);
+        for (Eigen::Index i = 0; i < lit.size(); ++i)
+            view.weight(i, c) = view.lights[std::size_t(i)].share / std::max(lit[i], 1e-9);
+        view.radiance.col(c) =
+            total / std::max(lobes.albedo[j], 1e-9) * view.weight.col(c).cwiseProduct(lobes.radiance.col(j));
+    }
+}
+
 }  // namespace
 
 double ExtendedLight::cosine(int node) { return elevation_cosine(double(node) / (k_views - 1)); }
@@ -572,9 +646,7 @@ ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOption
     const BlurredKernels kernels(options.levels, options.threads);
     const AveragedBrdf averaged(brdf, options.isotropic);
     std::vector<View> views(ExtendedLight::k_views);
-    // At the horizon views have no limit, along the normal they have no plane of incidence.
-    const auto cosine = [](std::size_t v) { return std::clamp(ExtendedLight::cosine(int(v)), 1e-4, 0.9999); };
-    parallel_for(views.size(), options.threads, [&](std::size_t v) { views[v] = view_of(averaged, cosine(v)); });
+    parallel_for(views.size(), options.threads, [&](std::size_t v) { views[v] = view_of(averaged, fitted_cosine(v)); });
     const Tracks tracks(views, kernels, options.lobes, options.threads);
     const MatrixXd shares = shares_of(views, kernels, tracks);
     ExtendedLight light{options.lobes, {}, {}, brdf};
@@ -590,6 +662,44 @@ ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOption
                 light.lobe[first].weight[c] -= lobe.weight[c];
             }
         }
+    }
+    return light;
+}
+
+SharedLight shared_light(const PmModel& model, const ExtendedLightOptions& options) {
+    const BlurredKernels kernels(options.levels, options.threads);
+    const auto J = Eigen::Index(model.coefficient.size()), others = Eigen::Index(options.lobes - 1);
+    std::vector<PreparedBrdf> threes;
+    for (Eigen::Index j = 0; j < J; j += 3) threes.push_back(three_lobes(model, std::size_t(j)));
+    const PreparedBrdf typical = prepare(Model{model, {}});
+    std::vector<View> views(ExtendedLight::k_views);
+    std::vector<LobesOfView> lobes(views.size());
+    parallel_for(views.size(), options.threads, [&](std::size_t v) {
+        views[v] = view_of({typical, options.isotropic}, fitted_cosine(v));
+        lobes[v] = {VectorXd(J), VectorXd(J), MatrixXd(Eigen::Index(views[v].lights.size()), J)};
+        for (Eigen::Index j = 0; j < J; j += 3)
+            add_lobes(views[v], {threes[std::size_t(j / 3)], options.isotropic}, j, lobes[v]);
+    });
+    const MatrixXd thirds = thirds_by_width(model, lobes[views.size() / 2].width);
+    for (std::size_t v = 0; v < views.size(); ++v) set_channels(views[v], lobes[v], thirds);
+    const Tracks tracks(views, kernels, options.lobes, options.threads);
+
+    SharedLight light{options.lobes, {}, {}, {}};
+    light.weight.resize(views.size() * std::size_t(others * J));
+    VectorXd coefficient(J);
+    for (Eigen::Index j = 0; j < J; ++j) coefficient[j] = double(luminance(model.coefficient[std::size_t(j)]));
+    for (Eigen::Index first = 0; first < J; first += 3) {
+        for (std::size_t v = 0; v < views.size(); ++v) set_lobes(views[v], lobes[v], first, coefficient);
+        const MatrixXd shares = shares_of(views, kernels, tracks);
+        for (Eigen::Index i = 0; i < shares.rows(); ++i)
+            for (Eigen::Index j = first; j < std::min(first + 3, J); ++j)
+                light.weight[std::size_t(i * J + j)] =
+                    float(shares(i, j - first) * lobes[std::size_t(i / others)].albedo[j]);
+    }
+    for (std::size_t v = 0; v < views.size(); ++v) {
+        light.width.push_back(float(lobes[v].width.minCoeff()));
+        for (Eigen::Index k = 0; k < others; ++k)
+            light.shape.push_back({float(tracks[v][2 * k]), float(tracks[v][2 * k + 1])});
     }
     return light;
 }

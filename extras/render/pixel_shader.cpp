@@ -31,6 +31,20 @@ ShaderText shader_text(const Material& material, const ShaderOptions& requested)
             version + brdf_text(material, options.open) + pixel_text(options)};
 }
 
+ShaderText map_shader_text(const std::string& map_code, const ShaderOptions& options) {
+    // Half a level finer than one texel a pixel: linear filters are wider than a pixel.
+    const std::string version = version_text(options.dialect);
+    return {version + "#define TEXTURED\n" + k_surface_text,
+            version +
+                "precision highp sampler2DArray;\nuniform sampler2DArray map_layers;\nin vec2 surface_texture;\n"
+                "#define map_layer(j, u, v) texture(map_layers, vec3(u, v, float(j)), -0.5).rgb\n" +
+                brdf_text(Flat{}) + map_code +
+                "vec3 map_bsdf(vec3 wl, vec3 wv) {\n"
+                "    return map_brdf(wl, wv, map_coefficients(surface_texture.x, surface_texture.y));\n}\n"
+                "#define bsdf map_bsdf\n" +
+                pixel_text(options)};
+}
+
 ShaderText surface_shader_text(Dialect dialect) {
     return {version_text(dialect) + k_surface_text, version_text(dialect) + k_surface_pixel_text};
 }

@@ -8,16 +8,19 @@
 
 namespace srbf {
 
-Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
-                                         int samples) {
+namespace {
+
+template <typename M>
+Result<std::vector<Rendering>> rasterize_each(const Scene& scene, std::span<const M> materials, int width, int height,
+                                              int samples) {
     const auto context = OffscreenContext::make();
     if (!context) return context.error();
     const auto target = RasterTarget::make(width, height, samples, RasterTarget::Format::floats);
     if (!target) return target.error();
-    const RasterMesh mesh(scene.mesh);
+    const RasterMesh mesh(scene.mesh, std::is_same_v<M, RasterMap>);
     const RasterView view{scene.camera, double(width) / height, scene.lights, 1};
     std::vector<Rendering> renderings;
-    for (const Material& material_source : materials) {
+    for (const M& material_source : materials) {
         const auto material = RasterMaterial::make(material_source, {.dialect = context->dialect(),
                                                                      .output = PixelOutput::radiance,
                                                                      .lights = std::max(1, int(scene.lights.size()))});
@@ -35,6 +38,17 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Mat
         }
     }
     return renderings;
+}
+
+}  // namespace
+
+Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
+                                         int samples) {
+    return rasterize_each(scene, materials, width, height, samples);
+}
+Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const RasterMap> maps, int width, int height,
+                                         int samples) {
+    return rasterize_each(scene, maps, width, height, samples);
 }
 
 Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& environment,

@@ -1,9 +1,11 @@
 // Drawing with OpenGL 4.5 or OpenGL ES 3.0 in the current context, off screen or into a window's framebuffer.
 #pragma once
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -33,15 +35,17 @@ struct RasterView {
 /// A mesh in the buffers of the graphics library.
 class RasterMesh {
   public:
-    explicit RasterMesh(const Mesh& mesh);
+    /// `textured`: with texture coordinates, which the mesh must have.
+    explicit RasterMesh(const Mesh& mesh, bool textured = false);
     const Bounds& bounds() const { return bounds_; }
     /// Draws the mesh with the program in use, `program`, after setting its uniform `to_clip` for the view.
     void draw(const GlObject& program, const RasterView& view) const;
 
   private:
+    void load_corners(const Mesh& mesh);
     Bounds bounds_;
     int corners_ = 0;
-    GlObject vertices_, triangles_, array_;
+    GlObject vertices_, triangles_, array_;  ///< a textured mesh has each corner as a vertex, and no triangles_
 };
 
 /// An environment in textures of the graphics library.
@@ -91,11 +95,26 @@ class RasterSurface {
 
 class RasterTarget;
 
+/// A map of shared lobes: its code (`map_code` in GLSL, named "map"), and its coefficients.
+struct RasterMap {
+    /// A level of `layers` × height × width texels of R, G, B, A in 16-bit floats.
+    struct Level {
+        int width, height;
+        std::vector<std::uint16_t> halves;
+    };
+    std::string code;
+    int layers = 0;
+    std::vector<Level> levels;  ///< from the finest on
+};
+
 /// A material in the graphics library: a program and its numbers.
 class RasterMaterial {
   public:
     /// Errors: a model larger than the library's buffers or textures; a text that the library's compiler rejects.
     static Result<RasterMaterial> make(const Material& material, const ShaderOptions& options);
+
+    /// It repeats the map over a textured mesh. Requires PixelInput::triangles. Errors: as above.
+    static Result<RasterMaterial> make(const RasterMap& map, const ShaderOptions& options);
 
     /// Replaces the numbers by those of another model with the same text (`shader_text`). This costs only the
     /// upload of these bytes.
@@ -222,6 +241,10 @@ class RasterDevelopment {
 /// Pictures of the scene with each material: linear radiance and coverage, as from other renderers. Errors: as
 /// above.
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
+                                         int samples = 4);
+
+/// Pictures of the scene with each of the maps. Requires a mesh with texture coordinates.
+Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const RasterMap> maps, int width, int height,
                                          int samples = 4);
 
 /// A material, and the proposal from which its light is sampled.

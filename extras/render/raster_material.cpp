@@ -114,6 +114,33 @@ Result<RasterMaterial> RasterMaterial::make(const Material& material, const Shad
     return result;
 }
 
+Result<RasterMaterial> RasterMaterial::make(const RasterMap& map, const ShaderOptions& options) {
+    const auto& finest = map.levels[0];
+    const auto fits = check_gl_size("texels of a map along a side",
+                                    std::uint64_t(std::max(finest.width, finest.height)), GL_MAX_TEXTURE_SIZE);
+    if (!fits) return fits.error();
+    const auto layers = check_gl_size("lobes of a map", std::uint64_t(map.layers), GL_MAX_ARRAY_TEXTURE_LAYERS);
+    if (!layers) return layers.error();
+    auto program = new_program(map_shader_text(map.code, options));
+    if (!program) return program.error();
+    RasterMaterial result(*std::move(program));
+    result.no_array_ = new_array();
+    glUseProgram(result.program_.id());
+    Texture texture{new_texture(GL_TEXTURE_2D_ARRAY, GL_LINEAR), GL_TEXTURE_2D_ARRAY};
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+        glTexParameteri(GL_TEXTURE_2D_ARRAY, axis, GL_REPEAT);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, GLint(map.levels.size()) - 1);
+    for (std::size_t k = 0; k < map.levels.size(); ++k) {
+        const auto& [width, height, halves] = map.levels[k];
+        glTexImage3D(GL_TEXTURE_2D_ARRAY, GLint(k), GL_RGBA16F, width, height, map.layers, 0, GL_RGBA, GL_HALF_FLOAT,
+                     halves.data());
+        result.data_bytes_ += 2 * halves.size();
+    }
+    result.add_texture("map_layers", std::move(texture));
+    return result;
+}
+
 void RasterMaterial::update(const PmModel& model) {
     const auto numbers = pm_numbers(model, is_open_);
     assert(numbers.size() * sizeof(Float4) == data_bytes_);

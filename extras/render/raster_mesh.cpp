@@ -38,8 +38,13 @@ std::array<float, 16> to_clip(const RasterView& view, const Bounds& box) {
 
 }  // namespace
 
-RasterMesh::RasterMesh(const Mesh& mesh) : bounds_(srbf::bounds(mesh)), corners_(int(3 * mesh.triangles.size())) {
+RasterMesh::RasterMesh(const Mesh& mesh, bool textured)
+    : bounds_(srbf::bounds(mesh)), corners_(int(3 * mesh.triangles.size())) {
     assert(mesh.normals.size() == mesh.positions.size());
+    if (textured) {
+        load_corners(mesh);
+        return;
+    }
     array_ = new_array();
     glBindVertexArray(array_.id());
     std::vector<std::array<Vec3f, 2>> vertices(mesh.positions.size());
@@ -56,12 +61,38 @@ RasterMesh::RasterMesh(const Mesh& mesh) : bounds_(srbf::bounds(mesh)), corners_
     glBindVertexArray(0);
 }
 
+void RasterMesh::load_corners(const Mesh& mesh) {
+    assert(mesh.texture.size() == mesh.triangles.size());
+    struct Corner {
+        Vec3f position, normal;
+        Vec2f texture;
+    };
+    std::vector<Corner> corners;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t vertex = mesh.triangles[i][k];
+            corners.push_back({mesh.positions[vertex], mesh.normals[vertex], mesh.texture[i][k]});
+        }
+    array_ = new_array();
+    glBindVertexArray(array_.id());
+    vertices_ = new_buffer(GL_ARRAY_BUFFER, corners.data(), corners.size() * sizeof(Corner), GL_STATIC_DRAW);
+    for (const GLuint attribute : {0u, 1u, 2u}) {
+        glEnableVertexAttribArray(attribute);
+        glVertexAttribPointer(attribute, attribute == 2 ? 2 : 3, GL_FLOAT, GL_FALSE, sizeof(Corner),
+                              reinterpret_cast<const void*>(attribute * sizeof(Vec3f)));
+    }
+    glBindVertexArray(0);
+}
+
 void RasterMesh::draw(const GlObject& program, const RasterView& view) const {
     glUniformMatrix4fv(glGetUniformLocation(program.id(), "to_clip"), 1, GL_FALSE, to_clip(view, bounds_).data());
     glEnable(GL_DEPTH_TEST);
     if (!view.back_faces) glEnable(GL_CULL_FACE);
     glBindVertexArray(array_.id());
-    glDrawElements(GL_TRIANGLES, corners_, GL_UNSIGNED_INT, nullptr);
+    if (triangles_.id() != 0)
+        glDrawElements(GL_TRIANGLES, corners_, GL_UNSIGNED_INT, nullptr);
+    else
+        glDrawArrays(GL_TRIANGLES, 0, corners_);
     glBindVertexArray(0);
     glDisable(GL_CULL_FACE);
 }

@@ -239,6 +239,8 @@ Rgb to_rgb(std::span<const float> spectrum, std::span<const Rgb> weights) {
 
 double srgb_encoded(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * elementary::pow(x, 1 / 2.4) - 0.055; }
 
+double srgb_decoded(double x) { return x <= 0.04045 ? x / 12.92 : elementary::pow((x + 0.055) / 1.055, 2.4); }
+
 std::array<float, 18> reflectance_spectrum(const Rgb& colour) {
     std::array<float, 18> spectrum{};
     for (std::size_t i = 0; i < spectrum.size(); ++i)

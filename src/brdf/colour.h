@@ -21,6 +21,7 @@ Rgb to_rgb(const Xyz& colour);
 
 /// The transfer function of sRGB (IEC 61966-2-1) on [0,1]: 12.92 x if x ≤ 0.0031308, otherwise 1.055 x^(1/2.4) − 0.055.
 double srgb_encoded(double x);
+double srgb_decoded(double x);  ///< its inverse
 /// The neutral grey around the object of a picture (linear).
 inline constexpr float k_background = 0.16f;
 

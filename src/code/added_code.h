@@ -18,7 +18,8 @@ struct AddedCode {
     bool sampling = false, albedo = false;       ///< true if the functions call the core's functions for these
     std::string albedo_node = {};                ///< the text of `albedo_node`; empty for one that reads a table
     /// The text of the functions, which follows albedo.glsl. It adds its tables to `program`, and its numbers of the
-    /// model to `defines`. If `is_basis`, the coefficients of the model's lobes are arguments.
+    /// model to `defines`. If `is_basis`, the coefficients of the model's lobes are arguments, and those of `model` are
+    /// their means.
     std::function<std::string(const Model& model, bool is_basis, syntax::Program& program,
                               std::map<std::string, std::string>& defines)>
         text = {};
@@ -35,6 +36,8 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options,
                              const AddedCode& added);
 
+/// The lobes of a dense library with the mean coefficients of its materials.
+PmModel with_mean_coefficients(const Library& map);
 /// The albedo for the view of a node; at the horizon, for a view just above it.
 Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine);
 /// A model of lobe j alone, with coefficient 1.

@@ -579,6 +579,17 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     return syntax::whole_text(options.language, list, std::string(prefix) + "_BRDF", definitions);
 }
 
+PmModel with_mean_coefficients(const Library& map) {
+    PmModel model = map.basis;
+    const std::size_t J = model.coefficient.size();
+    std::vector<double> sum(3 * J);
+    for (std::size_t i = 0; i < map.coefficient.size(); ++i)
+        for (int c = 0; c < 3; ++c) sum[3 * (i % J) + std::size_t(c)] += double(map.coefficient[i][c]);
+    for (std::size_t i = 0; i < sum.size(); ++i)
+        model.coefficient[i / 3][int(i % 3)] = float(sum[i] / double(std::max<std::size_t>(map.count(), 1)));
+    return model;
+}
+
 Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options,
                              const AddedCode& added) {
     const auto refuse = [&](const char* what, const char* expected, const char* found) {
@@ -594,7 +605,7 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
         roots.push_back(root);
         list += fmt::format("{}{}_{}", list.empty() ? "" : ", ", name, printed_name);
     }
-    const Model basis{map.basis, {}};
+    const Model basis{with_mean_coefficients(map), {}};
     std::string description =
         fmt::format("{}: {} lobes of {} variates, form {}, {} bytes, which all materials share.", name, map.basis.lobes,
                     map.basis.variates, srbf::name(map.basis.form), basis_bytes(map));

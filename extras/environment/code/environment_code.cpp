@@ -86,36 +86,41 @@ std::string light_of(const Model& model, const LightOptions& options, Program& p
            "    return Vec3(whole.x * light_number(5 * k - 3, nodes), whole.y * light_number(5 * k - 2, nodes),\n"
            "                whole.z * light_number(5 * k - 1, nodes));\n}\n";
 }
-/// The text if the coefficients are arguments. Beside a common cosine there is one lobe for each lobe of the basis,
-/// j + 1 for lobe j, so that the sum is linear in the coefficients.
+/// The text if the coefficients, whose typical values are those of `basis`, are arguments. The lobes' weights are
+/// linear in them.
 std::string light_of_basis(const PmModel& basis, const LightOptions& options, Program& program) {
-    const auto J = std::size_t(basis.lobes), columns = 3 * J + 1;
+    const auto J = std::size_t(basis.lobes), others = std::size_t(options.code.lobes - 1),
+               columns = others * (2 + J) + 1;
     Table light{
-        "A row for each node: p, roughness and weight by its coefficient of each lobe after the first; the least "
+        "A row for each node: p, roughness and weights by the coefficients of each lobe after the first; the least "
         "width.",
         "light_lobes",
         {},
         columns};
-    if (options.has_lobes()) light.numbers.resize(columns * ExtendedLight::k_views);
-    for (std::size_t j = 0; j < J && !light.numbers.empty(); ++j) {
-        const Model single = lobe_alone(basis, j);
-        const ExtendedLight extended = extended_light(
-            prepare(single),
-            {.lobes = 2, .isotropic = is_isotropic(single), .levels = options.code.levels, .threads = options.threads});
-        for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
-            const ExtendedLight::Lobe& lobe = extended.lobe[2 * node + 1];
-            const float total = albedo_of_node(extended.brdf, ExtendedLight::cosine(int(node))).g;
-            float* const row = &light.numbers[columns * node];
-            row[3 * j] = lobe.axis, row[3 * j + 1] = lobe.roughness, row[3 * j + 2] = lobe.weight.g * total;
-            row[columns - 1] = j == 0 ? extended.width[node] : std::min(row[columns - 1], extended.width[node]);
+    if (options.has_lobes()) {
+        const SharedLight shared = shared_light(basis, {.lobes = options.code.lobes,
+                                                        .isotropic = is_isotropic(basis),
+                                                        .levels = options.code.levels,
+                                                        .threads = options.threads});
+        for (std::size_t i = 0; i < shared.shape.size(); ++i) {
+            light.numbers.insert(light.numbers.end(), {shared.shape[i].axis, shared.shape[i].roughness});
+            const auto weights = std::span(shared.weight).subspan(i * J, J);
+            light.numbers.insert(light.numbers.end(), weights.begin(), weights.end());
+            if (i % others == others - 1) light.numbers.push_back(shared.width[i / others]);
         }
     }
     program.tables.push_back(std::move(light));
     return light_number(columns) + light_width(columns - 1) + std::string(k_light_whole_of_basis) +
-           "Vec3 light_shape(int k, NodesAbout nodes) {\n"
-           "    return Vec3(light_number(3 * k - 3, nodes), light_number(3 * k - 2, nodes), Real(0.0));\n}\n"
-           "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
-           "    return light_number(3 * k - 1, nodes) * pm.lobe[k - 1];\n}\n";
+           fmt::format(
+               "Vec3 light_shape(int k, NodesAbout nodes) {{\n"
+               "    return Vec3(light_number({0} * k - {0}, nodes), light_number({0} * k - {0} + 1, nodes), "
+               "Real(0.0));\n}}\n"
+               "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {{\n"
+               "    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));\n"
+               "    for (int j = 0; j < {1}; ++j) sum = sum + light_number({0} * k - {0} + 2 + j, nodes) * "
+               "pm.lobe[j];\n"
+               "    return sum;\n}}\n",
+               2 + J, J);
 }
 
 constexpr const char* k_texel_of_host =
@@ -146,7 +151,7 @@ AddedCode added_of(const EnvironmentCode& code, const CodeOptions& options) {
     added.text = [light](const Model& model, bool of_basis, Program& program, auto& defines) {
         const auto* basis = of_basis ? &std::get<PmModel>(model.model) : nullptr;
         defines.insert({{"EXTENDED_NODES", std::to_string(ExtendedLight::k_views)},
-                        {"EXTENDED_LOBES", std::to_string(basis ? basis->lobes + 1 : light.code.lobes)},
+                        {"EXTENDED_LOBES", std::to_string(light.code.lobes)},
                         {"EXTENDED_LEVELS", std::to_string(ExtendedLight::k_levels)}});
         return (basis ? light_of_basis(*basis, light, program) : light_of(model, light, program)) +
                std::string(light.code.colours ? k_reflected_by_host : k_reflected) + k_extended_text +

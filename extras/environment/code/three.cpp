@@ -109,13 +109,15 @@ Result<std::string> three_map_module(const Library& map, const std::string& name
     replace_all(classes, "FILE", fmt::format("./{}", file));
     replace_all(classes, "LOBES", fmt::format("{}", map.basis.lobes));
     const std::string functions =
-        defines_of(name) + fmt::format(
-                               "uniform highp sampler2DArray measured_coefficients;\nvarying vec2 measured_uv;\n"
-                               "vec3 {0}_layer(int j, float u, float v) {{\n"
-                               "    return texture(measured_coefficients, vec3(u, v, float(j))).rgb;\n}}\n",
-                               name);
+        defines_of(name) +
+        fmt::format(
+            "uniform highp sampler2DArray measured_coefficients;\nuniform vec3 measured_scales[{1}];\n"
+            "varying vec2 measured_uv;\nvec3 {0}_layer(int j, float u, float v) {{\n"
+            "    return measured_scales[j] * texture(measured_coefficients, vec3(u, v, float(j))).rgb;\n}}\n",
+            name, map.basis.lobes);
     return module_of(functions + *code + fmt::format("{}_Coefficients measured_texel;\n", name),
-                     " CompressedArrayTexture, HalfFloatType,", classes + class_text(name, "MeasuredMap"));
+                     " CompressedArrayTexture, HalfFloatType, RGBA_ASTC_4x4_Format, SRGBColorSpace, UnsignedByteType,",
+                     classes + class_text(name, "MeasuredMap"));
 }
 
 }  // namespace srbf

@@ -31,11 +31,12 @@ template <typename G> double hemisphere_integral(const G& g, int rings = 400, in
     return sum * 2 * k_pi / (rings * double(azimuths));
 }
 
-/// What the lobes show of a radiance, green.
+/// What lobes show of a radiance, green.
 template <typename L>
-double looked_up(const ExtendedLight& light, const Vec3f& wv, const L& radiance, MapLevels levels = MapLevels::root) {
+double looked_up(const std::vector<ExtendedLight::Lobe>& lobes, const Vec3f& wv, const L& radiance,
+                 MapLevels levels = MapLevels::root) {
     double sum = 0;
-    for (const ExtendedLight::Lobe& lobe : lobes_at(light, wv.z)) {
+    for (const ExtendedLight::Lobe& lobe : lobes) {
         const Vec3d z = to_double(axis_of(lobe, wv)), x = normalize(cross(Vec3d{0, 1, 0}, z)), y = cross(z, x);
         sum += double(lobe.weight.g) * hemisphere_integral([&](const Vec3d& w) {
                    return radiance(w.x * x + w.y * y + w.z * z) *
@@ -43,6 +44,11 @@ double looked_up(const ExtendedLight& light, const Vec3f& wv, const L& radiance,
                });
     }
     return sum;
+}
+
+template <typename L>
+double looked_up(const ExtendedLight& light, const Vec3f& wv, const L& radiance, MapLevels levels = MapLevels::root) {
+    return looked_up(lobes_at(light, wv.z), wv, radiance, levels);
 }
 
 TEST(ExtendedLight, KernelsAreDensities) {
@@ -139,6 +145,39 @@ TEST(ExtendedLight, LambertIsTheCosine) {
         const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine};
         const double half = looked_up(light, wv, [&](const Vec3d& w) { return dot(w, away) > 0 ? 1.0 : 0; });
         EXPECT_NEAR(half, 0.25 * (1 + away.z), 0.005) << cosine;
+    }
+}
+
+// Of sums of lobes about the normal, whatever the coefficients are, under the same lights.
+TEST(ExtendedLight, SharedLobesReflectAnySum) {
+    std::mt19937_64 random(4);
+    PmModel basis = random_model(random, {true, false, 6, 3, 100, PmForm::extended});
+    const SharedLight shared = shared_light(basis);
+    const std::size_t others = std::size_t(shared.lobes - 1), J = basis.coefficient.size();
+    ASSERT_EQ(shared.weight.size(), ExtendedLight::k_views * others * J);
+    for (int sum = 0; sum < 3; ++sum) {
+        for (Rgb& beta : basis.coefficient) beta.r = beta.g = beta.b = float(sum == 0 ? 1 : uniform(random));
+        const PreparedBrdf brdf = prepare(Model{basis, {}});
+        for (const std::size_t view : {10, 18, 28}) {
+            const float cosine = float(ExtendedLight::cosine(int(view)));
+            const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine}, mirror{-wv.x, 0, wv.z};
+            const float whole = albedo(brdf, cosine).g;
+            std::vector<ExtendedLight::Lobe> lobes{{0, 1, {1, 1, 1}}};
+            for (std::size_t i = view * others; i < (view + 1) * others; ++i) {
+                float weight = 0;
+                for (std::size_t j = 0; j < J; ++j) weight += shared.weight[i * J + j] * basis.coefficient[j].g / whole;
+                lobes.push_back({shared.shape[i].axis, shared.shape[i].roughness, {0, weight, 0}});
+                lobes[0].weight.g -= weight;
+            }
+            for (const double width : {0.3, 1.0}) {
+                const auto of_box = [&](const Vec3d& w) {
+                    return dot(w, to_double(mirror)) > std::cos(width) ? 1.0 : 0;
+                };
+                const double box = hemisphere_integral(
+                    [&](const Vec3d& w) { return of_box(w) * double(value(brdf, to_float(w), wv).g) * w.z; });
+                EXPECT_NEAR(double(whole) * looked_up(lobes, wv, of_box), box, 0.05 * double(whole)) << cosine;
+            }
+        }
     }
 }
 

@@ -15,6 +15,7 @@
 #include "base/printable.h"
 #include "errors/likeness.h"
 #include "errors/picture_errors.h"
+#include "extras/render/app/map_raster.h"
 #include "extras/render/app/mask.h"
 #include "extras/render/app/mesh_options.h"
 #include "extras/render/app/path.h"
@@ -66,24 +67,26 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictu
                                        const RenderCommand& options) {
     if (const auto can_draw = check_drawing(); !can_draw) return can_draw.error();
     std::vector<const Subject*> subjects;  // those of a mask are the first
+    std::vector<const Library*> maps;
     const auto* const masked = std::get_if<const MaskedSubjects*>(&pictured[0]);
     if (masked) {
         if (scene.mesh.texture.empty()) return needs_texture("a mask");
         subjects = (*masked)->of;
     }
-    for (std::size_t i = masked ? 1 : 0; i < pictured.size(); ++i) {
-        const auto* subject = std::get_if<const Subject*>(&pictured[i]);
-        if (!subject)
-            return Error{i < options.files.size() ? options.files[i] : options.compare,
-                         {},
-                         "input of raster",
-                         "a measurement or model",
-                         "a map"};
-        subjects.push_back(*subject);
+    for (const Pictured& item : pictured) {
+        if (const auto* subject = std::get_if<const Subject*>(&item)) subjects.push_back(*subject);
+        if (const auto* map = std::get_if<const Library*>(&item)) maps.push_back(*map);
     }
+    const auto refuse_map = [&](const char* what, const char* expected, const char* found) {
+        return Error{options.files[0], {}, what, expected, found, ErrorCode::argument};
+    };
+    if (!maps.empty() && scene.mesh.texture.empty()) return needs_texture("a map");
+    if (!maps.empty() && !subjects.empty())
+        return refuse_map("inputs of raster", "maps alone, or measurements and models", "both");
     const PathCommand& path_options = options.path;
     const auto environment = load_light(path_options.environment.empty() ? "none" : path_options.environment);
     if (!environment) return environment.error();
+    if (!maps.empty() && *environment) return refuse_map("light of a map in raster", "--env none", "an environment");
     RasterLight light;
     ProgressLine line;
     if (*environment) {
@@ -95,7 +98,8 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictu
     Scene lit = scene;
     if (path_options.lights == "behind") lit.lights = {light_behind(scene.camera)};
     if (path_options.lights == "none" || (path_options.lights.empty() && *environment)) lit.lights.clear();
-    auto renderings = rasterize(lit, subjects, options.width, options.height, light);
+    auto renderings = maps.empty() ? rasterize(lit, subjects, options.width, options.height, light)
+                                   : rasterize_maps(lit, maps, options.width, options.height, light.samples);
     if (!renderings) return renderings.error();
     if (masked) {
         const auto count = std::ptrdiff_t((*masked)->of.size());

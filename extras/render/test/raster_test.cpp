@@ -7,6 +7,8 @@
 
 #include "base/half.h"
 #include "brdf/parts.h"
+#include "errors/sphere.h"
+#include "extras/render/app/map_raster.h"
 #include "extras/render/exr.h"
 #include "extras/render/shading.h"
 #include "measured/tables.h"
@@ -383,10 +385,10 @@ TEST(Render, WritesAPictureOfEachFileSideBySide) {
 constexpr int k_traced = 96;  // pixels across of pictures of paths
 
 /// Direct light by the path tracer.
-Rendering traced(const Scene& scene, const PreparedBsdf& brdf) {
-    const PathScene paths{{{&scene.mesh, 0}}, {brdf}, scene.camera, scene.lights, {}};
+template <typename M> Rendering traced(const Scene& scene, const M& material, int size = k_traced, int samples = 16) {
+    const PathScene paths{{{&scene.mesh, 0}}, {material}, scene.camera, scene.lights, {}};
     PathOptions options;
-    options.width = options.height = k_traced, options.samples = 16, options.bounces = 1, options.occlusion = false,
+    options.width = options.height = size, options.samples = samples, options.bounces = 1, options.occlusion = false,
     options.threads = 1;
     return render_paths(paths, options).rendering;
 }
@@ -432,6 +434,39 @@ TEST(Rasterize, BothSidesAreLitFromBothSides) {
             // Another model is told apart.
             EXPECT_LT(psnr_to(of_ggx, *scene, lobes), 30) << behind;
         }
+}
+
+/// A map near, where texels are larger than pixels, and far, where levels are looked up.
+TEST(Rasterize, AMapLooksAsTraced) {
+    if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
+    std::mt19937_64 random(3);
+    const RandomModelOptions lobes{.lobes = 4, .most_bandwidth = 60};
+    Library coarse = random_map(random, lobes, 16, 8), fine = random_map(random, lobes, 256, 128);
+    for (Library* map : {&coarse, &fine})  // a wave for each lobe and channel
+        for (std::size_t i = 0; i < map->coefficient.size(); ++i)
+            for (int c = 0; c < 3; ++c) {
+                const std::size_t t = i / 4, x = t % map->width, y = t / map->width, k = i % 4 + std::size_t(c);
+                const double phase = double((k + 1) * x + k * y) / double(map->width);
+                map->coefficient[i][c] = round_to_half(float(0.6 + 0.4 * elementary::sin(2 * k_pi * phase)));
+            }
+    for (const auto& [map, size, samples] : {std::tuple(&coarse, k_traced, 16), {&fine, 32, 256}}) {
+        const Scene scene = scene_of(sphere(), {}, 1);
+        const Rendering expected = traced(scene, prepare_map(*map, {.threads = 1}), size, samples);
+        const auto drawn = rasterize_maps(scene, std::array{map}, size, size, 4);
+        ASSERT_TRUE(drawn) << message(drawn.error());
+        const float exposure = automatic_exposure(expected.radiance);
+        double sum = 0, count = 0;
+        for (std::size_t i = 0; i < expected.coverage.size(); ++i) {
+            if (!(expected.coverage[i] == 1 && (*drawn)[0].coverage[i] == 1)) continue;
+            const auto seen = [&](Rgb radiance) {
+                for (int c = 0; c < 3; ++c) radiance[c] = std::min(exposure * radiance[c], 1.f);
+                return radiance;
+            };
+            sum += delta_e_itp(seen(expected.radiance.pixels[i]), seen((*drawn)[0].radiance.pixels[i])), ++count;
+        }
+        EXPECT_GT(count, 0.2 * size * size);
+        EXPECT_LT(sum / count, 1.5) << size;
+    }
 }
 
 /// The picture of `srbf render` with these arguments, 64 pixels wide and high.

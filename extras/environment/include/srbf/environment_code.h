@@ -47,8 +47,7 @@ struct EnvironmentCode {
 Result<std::string> environment_code(std::span<const NamedModel> models, std::string_view prefix,
                                      const CodeOptions& options, const EnvironmentCode& added);
 /// The text of `map_code` with these functions except the samples, and with the coefficients as the last argument.
-/// Environments have J + 1 lobes: the cosine around the normal and one for each lobe of the basis. Errors: those of
-/// `map_code`.
+/// The axes and roughnesses of its lobes are common to all materials (`SharedLight`). Errors: those of `map_code`.
 Result<std::string> environment_map_code(const Library& map, std::string_view name, const CodeOptions& options,
                                          const EnvironmentCode& added);
 

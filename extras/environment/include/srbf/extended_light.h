@@ -67,4 +67,19 @@ struct ExtendedLightOptions {
 /// radiance under them.
 ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOptions& options = {});
 
+/// The lobes of sums Σ_j β_j E_j of the lobes E_j of a model, for any β_j (the texels of a map). They share axes and
+/// roughnesses, and the weights are linear in β_j: weight_k = Σ_j β_j weight_jk. That of the first lobe, the cosine, is
+/// the albedo minus all others.
+struct SharedLight {
+    struct Shape {
+        float axis, roughness;
+    };
+    int lobes = 0;              ///< K, including the cosine
+    std::vector<Shape> shape;   ///< k_views × (K − 1), for k > 0
+    std::vector<float> weight;  ///< k_views × (K − 1) × J: weight_jk, for β_j = 1
+    std::vector<float> width;   ///< of each view, the least of the lobes' widths
+};
+/// The fit minimises errors relative to the radiance of `model`, whose coefficients are therefore typical ones.
+SharedLight shared_light(const PmModel& model, const ExtendedLightOptions& options = {});
+
 }  // namespace srbf

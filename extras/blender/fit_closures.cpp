@@ -128,17 +128,15 @@ class ClosureProblem {
         for (Eigen::Index k = 0; k < K; ++k) {
             const ClosureShape shape{q[std::size_t(6 * k)], q[std::size_t(6 * k + 1)], q[std::size_t(6 * k + 2)]};
             for (Eigen::Index i = 0; i < n; ++i) {
-                const double value = closure_value(shape, view.wl[std::size_t(i)], view.wv, view.blur[std::size_t(i)]);
-                values(k, i) = value;
+                const auto value_of = [&](const ClosureShape& of) {
+                    return closure_value(of, view.wl[std::size_t(i)], view.wv, view.blur[std::size_t(i)]);
+                };
+                const double value = values(k, i) = value_of(shape);
                 for (std::size_t p = 0; with_derivatives && p < 3; ++p) {
                     ClosureShape changed = shape;
                     changed[p] += k_shape_step;
                     values(parts + 3 * k + Eigen::Index(p), i) =
-                        value > 0
-                            ? (closure_value(changed, view.wl[std::size_t(i)], view.wv, view.blur[std::size_t(i)]) -
-                               value) /
-                                  k_shape_step
-                            : 0;
+                        value > 0 ? (value_of(changed) - value) / k_shape_step : 0;
                 }
             }
         }
@@ -511,9 +509,9 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
         ++layout.terms;
         ClosureProblem problem(views, layout, options.threads);
         // Steps converge slowly where the loss is linear, so the first ones are of a loss that is quadratic for longer.
-        const int steps = k + 1 < options.terms ? 24 : 90;
+        const int steps = k + 1 < options.terms ? 30 : options.ramp > 1 ? 50 : 80;  // with a ramp each takes longer
         problem.set_linear_from(3);
-        levenberg_marquardt(problem, x, {.max_iterations = steps / 4, .decrease_tolerance = k_tolerance});
+        levenberg_marquardt(problem, x, {.max_iterations = steps / 2, .decrease_tolerance = k_tolerance});
         problem.set_linear_from(1);
         const double loss =
             levenberg_marquardt(problem, x, {.max_iterations = steps, .decrease_tolerance = k_tolerance}).loss;

@@ -509,7 +509,7 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
         ++layout.terms;
         ClosureProblem problem(views, layout, options.threads);
         // Steps converge slowly where the loss is linear, so the first ones are of a loss that is quadratic for longer.
-        const int steps = k + 1 < options.terms ? 30 : options.ramp > 1 ? 50 : 80;  // with a ramp each takes longer
+        const int steps = (k + 1 < options.terms ? 30 : 80) / (options.ramp > 1 ? 2 : 1);  // a ramp makes them slower
         problem.set_linear_from(3);
         levenberg_marquardt(problem, x, {.max_iterations = steps / 2, .decrease_tolerance = k_tolerance});
         problem.set_linear_from(1);

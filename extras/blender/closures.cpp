@@ -10,6 +10,7 @@ namespace srbf {
 namespace {
 
 constexpr double k_least_cosine = 1e-3;  ///< of N'·wv, at which a term ends
+constexpr double k_most_exponent = 60;   ///< of D that is not 0
 
 /// Smith's Λ of Beckmann's distribution, by x = (α tan θ)².
 double smith_lambda(double x) {
@@ -20,18 +21,23 @@ double smith_lambda(double x) {
 
 }  // namespace
 
-double closure_value(const ClosureShape& shape, Vec3d wl, Vec3d wv) {
+double closure_value(const ClosureShape& shape, Vec3d wl, Vec3d wv, double blur) {
     const auto [slope, roughness, anisotropy] = shape;
     const double alpha = roughness * roughness, ratio = 1 - std::abs(anisotropy),
-                 ax = anisotropy < 0 ? alpha / ratio : alpha * ratio,
-                 ay = anisotropy < 0 ? alpha * ratio : alpha / ratio;
+                 along = anisotropy < 0 ? alpha / ratio : alpha * ratio,
+                 across = anisotropy < 0 ? alpha * ratio : alpha / ratio;
     const double cosine = 1 / std::sqrt(1 + slope * slope);
     const Vec3d normal{slope * cosine, 0, cosine}, tangent{cosine, 0, -slope * cosine};
     const double nv = dot(normal, wv), nl = dot(normal, wl);
     if (nv <= k_least_cosine || nl <= 0) return 0;
     const Vec3d h = normalize(wl + wv);
+    // A disc of solid angle A has the variance A / 4π along each axis, and α² is twice a variance; dω_h = dω_l / (4 h·wl).
+    const double added = std::sqrt(blur / (8 * k_pi * dot(h, wl))), ax = elementary::hypot(along, added),
+                 ay = elementary::hypot(across, added);
     const double nh = dot(normal, h), th = dot(tangent, h) / ax, bh = h.y / ay;
-    const double D = elementary::exp(-(th * th + bh * bh) / (nh * nh)) / (k_pi * ax * ay * nh * nh * nh * nh);
+    const double exponent = (th * th + bh * bh) / (nh * nh);
+    if (exponent > k_most_exponent) return 0;
+    const double D = elementary::exp(-exponent) / (k_pi * ax * ay * nh * nh * nh * nh);
     const auto lambda = [&](Vec3d w, double nw) {
         const double x = ax * dot(tangent, w), y = ay * w.y;
         return smith_lambda((x * x + y * y) / (nw * nw));

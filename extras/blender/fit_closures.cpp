@@ -21,9 +21,9 @@ namespace {
 
 // ---- The loss ----
 
-constexpr double k_least_alpha = 0.015, k_most_tilt = 1.5, k_beside_horizon = 0.01;  ///< [rad]
-constexpr double k_shape_step = 1e-4;                                                ///< of finite differences
-constexpr double k_least_weight = 1e-5;
+constexpr double k_least_alpha = 0.01, k_most_tilt = 1.5, k_beside_horizon = 0.01;  ///< [rad]
+constexpr double k_shape_step = 1e-4;                                               ///< of finite differences
+constexpr double k_least_weight = 1e-9;
 
 /// The unknowns at a knot: for each term the tilt ν of its normal, the logarithms of α along and across, and those of
 /// its weights; then the logarithms of the colours of the diffuse ramp. Terms and these colours are parts of the sum.
@@ -36,12 +36,15 @@ struct Layout {
     double theta(std::size_t knot) const { return k_pi / 2 * double(knot) / double(knots - 1); }
 };
 
-/// The loss of a sum of closures: the mean over pixels of 2 k (√(ΔE_ITP² + k²) − k), k = 1, and squared second
-/// differences between knots.
+/// The loss of a sum of closures: the mean over pixels of 2 k² (√(ΔE_ITP² / k² + 1) − 1), and squared second differences
+/// between knots.
 class ClosureProblem {
   public:
     ClosureProblem(const std::vector<MatchedView>& views, Layout layout, int threads)
         : views_(views), layout_(layout), threads_(threads) {}
+
+    /// Sets k: the ΔE_ITP from which on the loss of a pixel grows linearly.
+    void set_linear_from(double k) { linear_from_ = k; }
 
     double loss(const Eigen::VectorXd& x) {
         set(x);
@@ -84,7 +87,7 @@ class ClosureProblem {
     }
 
     Eigen::VectorXd lower(const Eigen::VectorXd& x) const {
-        return bounds(x, -k_most_tilt, elementary::log(k_least_alpha), elementary::log(1e-7));
+        return bounds(x, -k_most_tilt, elementary::log(k_least_alpha), elementary::log(1e-12));
     }
     Eigen::VectorXd upper(const Eigen::VectorXd& x) const {
         Eigen::VectorXd upper = bounds(x, k_most_tilt, 0, elementary::log(100.0));
@@ -125,14 +128,15 @@ class ClosureProblem {
         for (Eigen::Index k = 0; k < K; ++k) {
             const ClosureShape shape{q[std::size_t(6 * k)], q[std::size_t(6 * k + 1)], q[std::size_t(6 * k + 2)]};
             for (Eigen::Index i = 0; i < n; ++i) {
-                const double value = closure_value(shape, view.wl[std::size_t(i)], view.wv);
-                values(k, i) = value;
+                const auto value_of = [&](const ClosureShape& of) {
+                    return closure_value(of, view.wl[std::size_t(i)], view.wv, view.blur[std::size_t(i)]);
+                };
+                const double value = values(k, i) = value_of(shape);
                 for (std::size_t p = 0; with_derivatives && p < 3; ++p) {
                     ClosureShape changed = shape;
                     changed[p] += k_shape_step;
                     values(parts + 3 * k + Eigen::Index(p), i) =
-                        value > 0 ? (closure_value(changed, view.wl[std::size_t(i)], view.wv) - value) / k_shape_step
-                                  : 0;
+                        value > 0 ? (value_of(changed) - value) / k_shape_step : 0;
                 }
             }
         }
@@ -217,6 +221,8 @@ class ClosureProblem {
                 colour[c] += q[layout_.weight(part) + c] * sums(Eigen::Index(part), Eigen::Index(p));
         return colour;
     }
+    /// √(ΔE_ITP² / k² + 1) by ΔE_ITP².
+    double root_of(double square) const { return std::sqrt(square / elementary::square(linear_from_) + 1); }
     double loss_of_view(const MatchedView& view) const {
         const std::vector<double> q = between(view.theta);
         const Eigen::MatrixXd sums = pixel_sums(view, false);
@@ -226,7 +232,7 @@ class ClosureProblem {
             const Colour itp = Itp<double>(shown(colour_of_pixel(q, sums, p), pixel.limit)).value();
             double square = 0;
             for (std::size_t c = 0; c < 3; ++c) square += elementary::square(itp[c] - pixel.itp[c]);
-            loss += pixel.share * 2 * square / (std::sqrt(square + 1) + 1);
+            loss += pixel.share * 2 * square / (root_of(square) + 1);
         }
         return loss;
     }
@@ -246,7 +252,7 @@ class ClosureProblem {
             const auto jacobian = itp.jacobian();
             double square = 0;
             for (std::size_t c = 0; c < 3; ++c) square += elementary::square(itp.value()[c] - pixel.itp[c]);
-            const double root = std::sqrt(pixel.share / std::sqrt(square + 1));
+            const double root = std::sqrt(pixel.share / root_of(square));
             for (std::size_t i = 0; i < 3; ++i) {
                 const Eigen::Index row = 3 * column + Eigen::Index(i);
                 r[row] = root * (itp.value()[i] - pixel.itp[i]);
@@ -290,6 +296,7 @@ class ClosureProblem {
     const std::vector<MatchedView>& views_;
     Layout layout_;
     int threads_;
+    double linear_from_ = 1;
     std::vector<double> table_;  ///< parameters at the knots, in the order of the unknowns
 };
 
@@ -407,7 +414,7 @@ Eigen::VectorXd with_term(const std::vector<MatchedView>& views, Layout before, 
         Eigen::MatrixXd values(1, Eigen::Index(view.wl.size()));
         const ClosureShape shape = start.at(view.theta);
         for (std::size_t i = 0; i < view.wl.size(); ++i)
-            values(0, Eigen::Index(i)) = closure_value(shape, view.wl[i], view.wv);
+            values(0, Eigen::Index(i)) = closure_value(shape, view.wl[i], view.wv, view.blur[i]);
         Eigen::MatrixXd all = sums[v];
         all.row(parts) = ClosureProblem::summed_over_pixels(view, values);
         return best_weights(view, all);
@@ -492,17 +499,24 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
             return std::ranges::any_of(view.radiance, [](const Rgb& c) { return largest_of(c) > 0; });
         }))
         return no_data_error("fit", "values", "some above 0");
-    constexpr int k_steps = 20, k_last_steps = 40;
+    constexpr double k_tolerance = 1e-6;
     Eigen::VectorXd x = Eigen::VectorXd::Zero(Eigen::Index(layout.knots * layout.width()));
+    double least = std::numeric_limits<double>::infinity();
+    ClosureSum best;
     for (int k = 0; k < options.terms; ++k) {
         if (!progress.report("fitting closures", double(k) / double(options.terms))) return cancelled_error("fit");
         x = with_term(views, layout, x, options.threads);
         ++layout.terms;
         ClosureProblem problem(views, layout, options.threads);
-        const int steps = k + 1 < options.terms ? k_steps : k_last_steps;
-        levenberg_marquardt(problem, x, {.max_iterations = steps, .decrease_tolerance = 1e-5});
+        // Steps converge slowly where the loss is linear, so the first ones are of a loss that is quadratic for longer.
+        const int steps = (k + 1 < options.terms ? 30 : 80) / (options.ramp > 1 ? 2 : 1);  // a ramp makes them slower
+        problem.set_linear_from(3);
+        levenberg_marquardt(problem, x, {.max_iterations = steps / 2, .decrease_tolerance = k_tolerance});
+        problem.set_linear_from(1);
+        const double loss =
+            levenberg_marquardt(problem, x, {.max_iterations = steps, .decrease_tolerance = k_tolerance}).loss;
+        if (loss < least) least = loss, best = problem.sum(x);  // a further term can harm what is matched already
     }
-    ClosureSum best = ClosureProblem(views, layout, options.threads).sum(x);
     limit_albedos(best, options.threads);
     return best;
 }

@@ -16,7 +16,10 @@ namespace srbf {
 namespace {
 
 constexpr double k_last_view = 88.5 * k_degree, k_last_light = 88.9 * k_degree;
-constexpr int k_light_points = 300;        ///< directions to the light of each view
+constexpr int k_light_points = 440;   ///< directions to the light of a view, and more of others
+constexpr int k_further_points = 13;  ///< times 0 to 6, so that neighbouring views have other directions
+/// Of the solid angle of a direction, to which a closure is blurred: enough that none hides between directions.
+constexpr double k_blur = 0.1;
 constexpr double k_grazing_weight = 0.06;  ///< of a view, beside its share sin θv cos θv of a sphere's disc
 /// Weights of directional lights are the density of the points to this power; −1 would make them uniform over the
 /// hemisphere, and 0 prefer highlights.
@@ -42,15 +45,16 @@ std::vector<Lighting> extended_lights() {
 
 /// A view without pixels. Directions without a measurement are left out. Of a channel that reflects more than all
 /// light, as tables do towards the horizon, the values are divided by its albedo.
-MatchedView matched_view(const Evaluate& f, double theta, double azimuth) {
+MatchedView matched_view(const Evaluate& f, double theta, double azimuth, int count) {
     MatchedView view{theta,
                      elementary::sin(theta) * elementary::cos(theta) + k_grazing_weight,
                      {-elementary::sin(theta), 0, elementary::cos(theta)},
                      {},
                      {},
                      {},
+                     {},
                      {}};
-    const Quadrature points = MirrorMixture(k_last_light).quadrature(view.wv, k_light_points);
+    const Quadrature points = MirrorMixture(k_last_light).quadrature(view.wv, count);
     const double c = elementary::cos(azimuth), s = elementary::sin(azimuth);
     const auto turned = [&](Vec3d w) { return to_float(Vec3d{c * w.x - s * w.y, s * w.x + c * w.y, w.z}); };
     std::vector<Vec3f> wl;
@@ -63,6 +67,7 @@ MatchedView matched_view(const Evaluate& f, double theta, double azimuth) {
         for (int channel = 0; channel < 3; ++channel) radiance[channel] *= float(l.z);
         view.wl.push_back(l), view.radiance.push_back(radiance);
         view.pdf.push_back(1 / points.weight[i]);
+        view.blur.push_back(k_blur * points.weight[i]);
     }
     for (int channel = 0; channel < 3; ++channel) {
         double albedo = 0;
@@ -164,7 +169,8 @@ void add_extended_pixels(std::vector<MatchedView>& views) {
 std::vector<MatchedView> matched_views(const Evaluate& f, std::size_t count, int threads) {
     std::vector<MatchedView> views(count);
     parallel_for(count, threads, [&](std::size_t i) {
-        views[i] = matched_view(f, k_last_view * double(i) / double(count - 1), k_turn_of_views * double(i));
+        views[i] = matched_view(f, k_last_view * double(i) / double(count - 1), k_turn_of_views * double(i),
+                                k_light_points + k_further_points * int(i % 7));
     });
     std::erase_if(views, [](const MatchedView& view) { return view.wl.empty(); });
     add_directional_pixels(views);

@@ -24,6 +24,7 @@ struct MatchedView {
     Vec3d wv;
     std::vector<Vec3d> wl;
     std::vector<double> pdf;    ///< of the directions
+    std::vector<double> blur;   ///< solid angle of each, see `closure_value`
     std::vector<Rgb> radiance;  ///< f cosθl
     std::vector<MatchedPixel> pixels;
 };

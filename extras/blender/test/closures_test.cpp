@@ -9,6 +9,7 @@
 #include "extras/blender/closure_terms.h"
 #include "properties.h"
 #include "srbf/load.h"
+#include "srbf/models/openpbr.h"
 
 namespace srbf::closures_test {
 namespace {
@@ -123,6 +124,28 @@ TEST(Closures, ShowAMeasurementAndReflectNoMoreThanAllLight) {
     }
     for (const Closure& closure : fit->closures)
         for (int c = 0; c < 3; ++c) EXPECT_GE(closure.weight[c], 0);
+}
+
+/// A narrow highlight is not lost between directions of a fit, and further terms do not hide there.
+TEST(Closures, ShowMirrorLikeAndMatteSurfaces) {
+    struct Surface {
+        OpenPbrModel model;
+        double most_error;
+    };
+    for (const auto& [model, most_error] :
+         {Surface{{.base_color = {0.2f, 0.1f, 0.05f}, .specular_roughness = 0.14f}, 1},
+          Surface{{.base_color = {0, 0, 0}, .specular_roughness = 0.14f}, 6},
+          Surface{{.base_color = {0.8f, 0.4f, 0.1f}, .specular_weight = 0}, 0.2}}) {
+        const Evaluate surface = evaluator(model);
+        const auto fit = fit_closures(surface, {.terms = 2, .knots = 12});
+        ASSERT_TRUE(fit.ok());
+        const Evaluate fitted = evaluator(*fit);
+        EXPECT_LT(delta_e(surface, fitted), most_error);
+        for (const double theta : {5.0, 40.0, 65.0})
+            EXPECT_PRED3(near_relative, albedo(fitted, theta * k_degree, k_pi / 2).g,
+                         albedo(surface, theta * k_degree, k_pi / 2).g, 0.1)
+                << theta;
+    }
 }
 
 TEST(Closures, RefuseWhatCannotBeFitted) {

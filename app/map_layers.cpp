@@ -108,13 +108,7 @@ class NearestSrgb {
     std::array<float, 255> middle_;  ///< between a value and the next
 };
 
-/// Adds a layer, the coefficients of lobe j, as R, G, B and A = 1 in halves, or in bytes with a scale.
-void add_layer(Container& file, const MapLevel& level, std::size_t j, std::size_t J) {
-    for (std::size_t i = j; i < level.coefficient.size(); i += J) {
-        const auto& [r, g, b] = level.coefficient[i];
-        for (const float number : {r, g, b, 1.f}) file.add(to_half(number), 2);
-    }
-}
+/// Adds a layer, the coefficients of lobe j, as R, G, B and A = 1 in bytes with a scale.
 void add_layer(Container& file, const MapLevel& level, std::size_t j, std::size_t J, const Rgb& scale) {
     static const NearestSrgb nearest;
     for (std::size_t i = j; i < level.coefficient.size(); i += J) {
@@ -123,19 +117,29 @@ void add_layer(Container& file, const MapLevel& level, std::size_t j, std::size_
     }
 }
 
-/// The layers of each level in blocks.
-std::vector<std::vector<std::vector<std::byte>>> layers_in_blocks(const std::vector<MapLevel>& levels,
-                                                                  const std::vector<Rgb>& scales) {
-    const std::size_t J = scales.size();
-    std::vector layers(levels.size(), std::vector<std::vector<std::byte>>(J));
-    parallel_for(J, 0, [&](std::size_t j) {
-        for (std::size_t k = 0; k < levels.size(); ++k) {
-            Container texels;
-            add_layer(texels, levels[k], j, J, scales[j]);
-            layers[k][j] = astc_blocks(levels[k].width, levels[k].height, texels.bytes);
-        }
+void add_blocks(Container& file, const MapLevel& level, const std::vector<Rgb>& scales) {
+    std::vector<std::vector<std::byte>> layers(scales.size());
+    parallel_for(layers.size(), 0, [&](std::size_t j) {
+        Container texels;
+        add_layer(texels, level, j, layers.size(), scales[j]);
+        layers[j] = astc_blocks(level.width, level.height, texels.bytes);
     });
-    return layers;
+    for (const auto& layer : layers) file.bytes.insert(file.bytes.end(), layer.begin(), layer.end());
+}
+
+/// Adds all layers of a level.
+void add_level(Container& file, const MapLevel& level, LayerNumbers numbers, const std::vector<Rgb>& scales) {
+    switch (numbers) {
+        case LayerNumbers::halves:
+            for (const std::uint16_t half : layers_in_halves(level)) file.add(half, 2);
+            break;
+        case LayerNumbers::bytes:
+            for (std::size_t j = 0; j < scales.size(); ++j) add_layer(file, level, j, scales.size(), scales[j]);
+            break;
+        case LayerNumbers::blocks:
+            add_blocks(file, level, scales);
+            break;
+    }
 }
 
 }  // namespace
@@ -187,6 +191,18 @@ Result<Done> check_layers(const Library& library, const std::string& file_name) 
     return Done{};
 }
 
+std::vector<std::uint16_t> layers_in_halves(const MapLevel& level) {
+    const std::size_t J = level.coefficient.size() / (level.width * level.height);
+    std::vector<std::uint16_t> halves;
+    halves.reserve(4 * level.coefficient.size());
+    for (std::size_t j = 0; j < J; ++j)
+        for (std::size_t i = j; i < level.coefficient.size(); i += J) {
+            const auto& [r, g, b] = level.coefficient[i];
+            for (const float number : {r, g, b, 1.f}) halves.push_back(to_half(number));
+        }
+    return halves;
+}
+
 std::vector<Rgb> layer_scales(const Library& map) {
     std::vector<Rgb> scales(std::size_t(map.basis.lobes));
     for (std::size_t i = 0; i < map.coefficient.size(); ++i)
@@ -204,9 +220,6 @@ std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
     const std::vector<MapLevel> levels = mip_levels(map);
     const auto J = std::size_t(map.basis.lobes);
     const std::vector<Rgb> scales = layer_scales(map);
-    const bool is_half = numbers == LayerNumbers::halves, in_blocks = numbers == LayerNumbers::blocks;
-    const auto blocks =
-        in_blocks ? layers_in_blocks(levels, scales) : std::vector<std::vector<std::vector<std::byte>>>();
     Container file;
     for (const std::uint8_t byte : identifier) file.add(byte, 1);
     for (const std::size_t number : {std::size_t(format.vulkan), std::size_t(format.number_size), levels[0].width,
@@ -221,7 +234,7 @@ std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
     add_part(0, [&] { file.add_words(descriptor(format)); });
     add_part(8, [&] {
         file.add_metadata("KTXorientation", "rd"), file.add_metadata("KTXwriter", "srbf");
-        if (!is_half) file.add_metadata(k_scale_key, std::as_bytes(std::span(scales)));
+        if (numbers != LayerNumbers::halves) file.add_metadata(k_scale_key, std::as_bytes(std::span(scales)));
     });
     file.align(format.size);
     for (std::size_t k = levels.size(); k-- > 0;) {  // the smallest level comes first
@@ -231,11 +244,7 @@ std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
         for (const std::size_t member : {0, 1, 2})
             file.set(levels_offset + bytes_of_level * k + 8 * member, member == 0 ? begin : size, 8);
         file.bytes.reserve(begin + size);
-        for (std::size_t j = 0; j < J; ++j) {
-            if (is_half) add_layer(file, levels[k], j, J);
-            if (numbers == LayerNumbers::bytes) add_layer(file, levels[k], j, J, scales[j]);
-            if (in_blocks) file.bytes.insert(file.bytes.end(), blocks[k][j].begin(), blocks[k][j].end());
-        }
+        add_level(file, levels[k], numbers, scales);
     }
     return std::move(file.bytes);
 }

@@ -25,6 +25,8 @@ inline constexpr int k_most_layers = 256;
 /// or it has more than k_most_layers lobes.
 Result<Done> check_layers(const Library& library, const std::string& file_name);
 
+/// The layers of a level, one after the other: R, G, B and A = 1 of each texel as 16-bit floats.
+std::vector<std::uint16_t> layers_in_halves(const MapLevel& level);
 /// The largest coefficient of each lobe in the map, for R, G and B.
 std::vector<Rgb> layer_scales(const Library& map);
 

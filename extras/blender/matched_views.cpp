@@ -18,7 +18,7 @@ namespace {
 constexpr double k_last_view = 88.5 * k_degree, k_last_light = 88.9 * k_degree;
 constexpr int k_light_points = 440;   ///< directions to the light of a view, and more of others
 constexpr int k_further_points = 13;  ///< times 0 to 6, so that neighbouring views have other directions
-/// Of the solid angle of a direction, to which a closure is blurred: enough that none hides between directions.
+/// A closure is blurred to this share of a direction's solid angle: enough that none hides between directions.
 constexpr double k_blur = 0.1;
 constexpr double k_grazing_weight = 0.06;  ///< of a view, beside its share sin θv cos θv of a sphere's disc
 /// Weights of directional lights are the density of the points to this power; −1 would make them uniform over the

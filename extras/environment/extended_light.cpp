@@ -314,24 +314,42 @@ Vec3d error_weights(const Vec3d& radiance) {
     return {weight(radiance.x), weight(radiance.y), weight(radiance.z)};
 }
 
-View view_of(const AveragedBrdf& brdf, double cosine) {
-    View view;
-    view.wv = {std::sqrt(1 - cosine * cosine), 0, cosine};
-    const Vec3f wv = to_float(view.wv);
-    const std::vector<Reflected> reflected = sample_reflected(brdf, wv);
-    view.albedo = albedo(brdf.brdf(), float(cosine));
-    const Vec3d total{view.albedo.r, view.albedo.g, view.albedo.b}, ambient = k_ambient * total;
-    view.width = width_of(total, reflected);
-    view.lights = place_lights(brdf.brdf(), wv, reflected);
-    view.radiance.resize(Eigen::Index(view.lights.size()), 3);
-    view.weight.resize(Eigen::Index(view.lights.size()), 3);
+/// A view in the plane y = 0 with its lights, but without what it reflects.
+View view_with_lights(const AveragedBrdf& brdf, const Vec3d& wv, const std::vector<Reflected>& reflected) {
+    return {wv, {}, 0, place_lights(brdf.brdf(), to_float(wv), reflected), {}, {}};
+}
+/// The radiance under each of the view's lights: lights × 3.
+MatrixXd radiances_of(const View& view, const AveragedBrdf& brdf, const std::vector<Reflected>& reflected) {
+    MatrixXd radiances(Eigen::Index(view.lights.size()), 3);
     for (std::size_t i = 0; i < view.lights.size(); ++i) {
-        const Light& light = view.lights[i];
-        const Vec3d sum = radiance_under(light, brdf, wv, reflected);
-        const Vec3d weight = light.share * error_weights(sum + ambient);
-        view.weight.row(Eigen::Index(i)) << weight.x, weight.y, weight.z;
-        view.radiance.row(Eigen::Index(i)) << weight.x * sum.x, weight.y * sum.y, weight.z * sum.z;
+        const Vec3d sum = radiance_under(view.lights[i], brdf, to_float(view.wv), reflected);
+        radiances.row(Eigen::Index(i)) << sum.x, sum.y, sum.z;
     }
+    return radiances;
+}
+/// Sets what the view reflects: its albedo, and the radiance under each light.
+void set_reflected(View& view, const Vec3d& total, const MatrixXd& radiances) {
+    view.albedo = {float(total.x), float(total.y), float(total.z)};
+    view.weight.resize(radiances.rows(), 3);
+    for (Eigen::Index i = 0; i < radiances.rows(); ++i) {
+        const Vec3d sum{radiances(i, 0), radiances(i, 1), radiances(i, 2)};
+        const Vec3d weight = view.lights[std::size_t(i)].share * error_weights(sum + k_ambient * total);
+        view.weight.row(i) << weight.x, weight.y, weight.z;
+    }
+    view.radiance = view.weight.cwiseProduct(radiances);
+}
+
+/// The direction to the viewer at this cosine to the normal.
+Vec3d view_at(double cosine) { return {std::sqrt(1 - cosine * cosine), 0, cosine}; }
+
+View view_of(const AveragedBrdf& brdf, double cosine) {
+    const Vec3d wv = view_at(cosine);
+    const std::vector<Reflected> reflected = sample_reflected(brdf, to_float(wv));
+    View view = view_with_lights(brdf, wv, reflected);
+    const Rgb of_all = albedo(brdf.brdf(), float(cosine));
+    const Vec3d total{of_all.r, of_all.g, of_all.b};
+    view.width = width_of(total, reflected);
+    set_reflected(view, total, radiances_of(view, brdf, reflected));
     return view;
 }
 
@@ -556,23 +574,13 @@ void add_lobes(const View& view, const AveragedBrdf& three, Eigen::Index first, 
         to.albedo[first + c] = double(total[int(c)]);
         to.width[first + c] = to.albedo[first + c] / largest[c];
     }
-    for (Eigen::Index i = 0; i < to.radiance.rows(); ++i) {
-        const Vec3d sum = radiance_under(view.lights[std::size_t(i)], three, wv, reflected);
-        to.radiance.row(i).segment(first, count) = Eigen::RowVector3d(sum.x, sum.y, sum.z).head(count);
-    }
+    to.radiance.middleCols(first, count) = radiances_of(view, three, reflected).leftCols(count);
 }
 
 /// The view's errors for the channels `mix`, J × 3, of sums of lobes.
 void set_channels(View& view, const LobesOfView& lobes, const MatrixXd& mix) {
     const Eigen::RowVector3d total = lobes.albedo.transpose() * mix;
-    const MatrixXd radiance = lobes.radiance * mix;
-    view.albedo = {float(total[0]), float(total[1]), float(total[2])};
-    for (Eigen::Index i = 0; i < radiance.rows(); ++i) {
-        const Eigen::RowVector3d lit = radiance.row(i) + k_ambient * total;
-        const Vec3d weight = view.lights[std::size_t(i)].share * error_weights({lit[0], lit[1], lit[2]});
-        view.weight.row(i) << weight.x, weight.y, weight.z;
-    }
-    view.radiance = view.weight.cwiseProduct(radiance);
+    set_reflected(view, {total[0], total[1], total[2]}, lobes.radiance * mix);
 }
 /// Coefficients of three channels, a third of the lobes each by their width, so that the fit of axes and roughnesses
 /// suits broad and narrow lobes.
@@ -675,7 +683,9 @@ SharedLight shared_light(const PmModel& model, const ExtendedLightOptions& optio
     std::vector<View> views(ExtendedLight::k_views);
     std::vector<LobesOfView> lobes(views.size());
     parallel_for(views.size(), options.threads, [&](std::size_t v) {
-        views[v] = view_of({typical, options.isotropic}, fitted_cosine(v));
+        const AveragedBrdf averaged(typical, options.isotropic);
+        const Vec3d wv = view_at(fitted_cosine(v));
+        views[v] = view_with_lights(averaged, wv, sample_reflected(averaged, to_float(wv)));
         lobes[v] = {VectorXd(J), VectorXd(J), MatrixXd(Eigen::Index(views[v].lights.size()), J)};
         for (Eigen::Index j = 0; j < J; j += 3)
             add_lobes(views[v], {threes[std::size_t(j / 3)], options.isotropic}, j, lobes[v]);

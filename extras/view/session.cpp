@@ -61,12 +61,17 @@ class Session::Worker {
         updates_.push_back(std::move(update));
     }
 
-    void do_job(const Job& job) {
+    /// The progress of a job that begins, cancelled by newer ones.
+    ProgressToken progress_of(const Job& job) {
         fraction_ = 0;
-        const ProgressToken progress = [&](const Progress& now) {
+        return [&](const Progress& now) {
             fraction_ = now.fraction;
             return is_current(job);
         };
+    }
+
+    void do_job(const Job& job) {
+        const ProgressToken progress = progress_of(job);
         const FitRequest request = job.choice.request();
         Fitted fitted;
         fitted.choice = job.choice;
@@ -90,12 +95,7 @@ class Session::Worker {
     }
 
     void edit(const Job& job) {
-        fraction_ = 0;
-        const ProgressToken progress = [&](const Progress& now) {
-            fraction_ = now.fraction;
-            return is_current(job);
-        };
-        auto model = edited(job.unedited->model, job.edit.edits(), {.progress = progress});
+        auto model = edited(job.unedited->model, job.edit.edits(), {.progress = progress_of(job)});
         if (!model) {
             if (model.error().code != ErrorCode::cancelled) report({job.number, Stage::idle, {}, model.error()});
             return;

@@ -40,7 +40,5 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
 PmModel with_mean_coefficients(const Library& map);
 /// The albedo for the view of a node; at the horizon, for a view just above it.
 Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine);
-/// A model of lobe j alone, with coefficient 1.
-Model lobe_alone(PmModel basis, std::size_t j);
 
 }  // namespace srbf

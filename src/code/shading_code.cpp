@@ -219,6 +219,12 @@ std::string brdf_of(const Model& model, ParameterStorage storage, Program& progr
     return brdf_function(statements);
 }
 
+/// A model of lobe j alone, with coefficient 1.
+Model lobe_alone(PmModel basis, std::size_t j) {
+    basis.coefficient.assign(std::size_t(basis.lobes), Rgb{}), basis.coefficient[j] = {1, 1, 1};
+    return {std::move(basis), {}};
+}
+
 /// Directional albedos at the nodes. They are those of the model, whose values are the same on every processor,
 /// not of the faster functions for renderers.
 std::vector<Rgb> node_albedos(const Model& model) {
@@ -510,11 +516,6 @@ std::string identifier(std::string_view text) {
 }
 
 Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine) { return albedo(brdf, std::max(float(cosine), 1e-30f)); }
-
-Model lobe_alone(PmModel basis, std::size_t j) {
-    basis.coefficient.assign(std::size_t(basis.lobes), Rgb{}), basis.coefficient[j] = {1, 1, 1};
-    return {std::move(basis), {}};
-}
 
 std::optional<CodeLanguage> code_language_named(std::string_view name) {
     const auto row = std::ranges::find(k_code_languages, name, &CodeLanguageRow::name);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "brdf/colour.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -83,11 +84,8 @@ Triplet to_linear_rgb(const Triplet& relative) {
     return {3.240970 * x - 1.537383 * y - 0.498611 * z, -0.969244 * x + 1.875968 * y + 0.041555 * z,
             0.055630 * x - 0.203977 * y + 1.056972 * z};
 }
-double linear(double encoded) {
-    return encoded <= 0.04045 ? encoded / 12.92 : elementary::pow((encoded + 0.055) / 1.055, 2.4);
-}
 Triplet linear_rgb(const Rgb8& shown) {
-    return {linear(shown[0] / 255.0), linear(shown[1] / 255.0), linear(shown[2] / 255.0)};
+    return {srgb_decoded(shown[0] / 255.0), srgb_decoded(shown[1] / 255.0), srgb_decoded(shown[2] / 255.0)};
 }
 
 /// CIELAB with chroma scaled by L/100 (Hunt effect).

@@ -31,7 +31,7 @@ template <typename G> double hemisphere_integral(const G& g, int rings = 400, in
     return sum * 2 * k_pi / (rings * double(azimuths));
 }
 
-/// What lobes show of a radiance, green.
+/// The green of the radiance that lobes show.
 template <typename L>
 double looked_up(const std::vector<ExtendedLight::Lobe>& lobes, const Vec3f& wv, const L& radiance,
                  MapLevels levels = MapLevels::root) {
@@ -148,7 +148,7 @@ TEST(ExtendedLight, LambertIsTheCosine) {
     }
 }
 
-// Of sums of lobes about the normal, whatever the coefficients are, under the same lights.
+// These lights are shown by sums of lobes about the normal, whatever the coefficients are.
 TEST(ExtendedLight, SharedLobesReflectAnySum) {
     std::mt19937_64 random(4);
     PmModel basis = random_model(random, {true, false, 6, 3, 100, PmForm::extended});

@@ -391,7 +391,7 @@ void expect_filtered(const std::vector<Float4>& pixels, const MapScene& of, cons
     const bool in_blocks = of.json["module"] == "blocks";
     EXPECT_LT(found.delta_e, in_blocks && of.lod > 0 ? 5 : 1.5);  // neighbours differ more in a coarse level
     if (in_blocks) return;
-    // What textures' filters keep of their weights, and the half of a step of 8 bits.
+    // Textures' filters keep 8 bits of their weights; bytes are rounded by half a step.
     EXPECT_LT(found.most, found.largest * (of.json["module"] == "bytes" ? 1 / 128. : 1 / 256.));
 }
 

@@ -1,28 +1,12 @@
 #include "extras/render/app/map_raster.h"
 
 #include "app/map_layers.h"
-#include "base/half.h"
 #include "extras/render/raster.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {
 
 #ifdef SRBF_RASTER
-namespace {
-
-RasterMap::Level halves_of(const MapLevel& level, std::size_t layers) {
-    RasterMap::Level halves{int(level.width), int(level.height), {}};
-    halves.halves.reserve(4 * level.coefficient.size());
-    for (std::size_t j = 0; j < layers; ++j)
-        for (std::size_t i = j; i < level.coefficient.size(); i += layers) {
-            const auto& [r, g, b] = level.coefficient[i];
-            for (const float number : {r, g, b, 1.f}) halves.halves.push_back(to_half(number));
-        }
-    return halves;
-}
-
-}  // namespace
-
 Result<std::vector<Rendering>> rasterize_maps(const Scene& scene, std::span<const Library* const> maps, int width,
                                               int height, int samples) {
     std::vector<RasterMap> rasterized;
@@ -32,7 +16,7 @@ Result<std::vector<Rendering>> rasterize_maps(const Scene& scene, std::span<cons
         if (!code) return code.error();
         rasterized.push_back({*code, map->basis.lobes, {}});
         for (const MapLevel& level : mip_levels(*map))
-            rasterized.back().levels.push_back(halves_of(level, std::size_t(map->basis.lobes)));
+            rasterized.back().levels.push_back({int(level.width), int(level.height), layers_in_halves(level)});
     }
     return rasterize(scene, std::span<const RasterMap>(rasterized), width, height, samples);
 }

@@ -270,9 +270,8 @@ SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
     std::optional<double> roughen, saturate;
     std::optional<Tint> tint;
     const Json json = Json::parse(text, text + size, nullptr, false);
-    const Json fields = json.is_object() ? json : Json::object();
     bool is_read = json.is_object();
-    for (const auto& [key, of] : fields.items()) {
+    for (const auto& [key, of] : json.items()) {
         if ((key == "roughen" || key == "saturate") && of.is_number()) {
             (key == "roughen" ? roughen : saturate) = of.get<double>();
         } else if ((key == "highlight" || key == "body") && of.is_array() && of.size() == 3 &&

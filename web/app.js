@@ -133,7 +133,7 @@ function show_fit(report) {
 let shown = null, wanted = null, is_editing = false, applied = Promise.resolve();
 const editing = new_editing({
   preview(edit) {
-    if (!draws) return;
+    if (!draws || !viewer.previews()) return;
     if (shown !== "edit") viewer.set_material(2, { ...fitted.material, bytes: fitted.bytes_to_edit.slice() }, true), shown = "edit";
     viewer.set_edit(2, edit);
   },

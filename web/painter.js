@@ -7,7 +7,7 @@
 //   edit         `index`, `edit` of a material that shows edits: shares, roughness (factor, own), colours (two matrices)
 //   environment  `image` (width, height, texels)
 //   draw         `pictures`, each with `subject` (a material's index, or "difference" of the first two), width,
-//   height, scene; `is_quick`: one sample at first, since another picture follows
+//   height, scene; `is_quick`: as little as possible at first, since another picture may follow at once
 //   rest         `is_resting`: take few samples of a picture, because a fit is running
 //   lose         for tests: loses the context, or restores it
 // and posts { kind, .. }: picture (subject, image), drawn (number, samples, exposure), refused (subject, why), busy
@@ -23,6 +23,8 @@ if (!gl) return post({ kind: "none" }), null;
 const has_floats = gl.getExtension("EXT_color_buffer_float") !== null;
 const k_samples = 1024, k_samples_resting = 8; // of a picture whose scene does not change
 const k_difference_gain = 10;
+const k_quick = 10, k_coarsest = 8; // milliseconds for what a quick picture draws, and pixels that then share a width
+const k_calm = 150; // milliseconds after a quick picture until its details follow
 
 let data = null, descriptions = {}, image = null;
 // Objects of the context, which are lost with it.
@@ -113,7 +115,7 @@ function use_numbers({ program, location }, { block, vectors, vectors_name, node
   if (edit) {
     gl.uniform1fv(location("edited_shares"), edit.shares);
     gl.uniform2fv(location("edited_roughness"), edit.roughness);
-    gl.uniformMatrix3fv(location("edited_colours"), false, edit.colours);
+    gl.uniform1i(location("edited_part"), edit.part);
   }
   if (location("mixture_numbers")) gl.uniform4fv(location("mixture_numbers"), nodes);
   if (location("mixture_grain")) gl.uniform2fv(location("mixture_grain"), grains);
@@ -210,7 +212,8 @@ function draw_surface(scene, width, height, shift) {
   const fine = [2 * width, 2 * height];
   if (visible && (visible.width !== fine[0] || visible.height !== fine[1]))
     light.delete_buffer(gl, visible), visible = null;
-  visible ??= { ...light.new_buffer(gl, ...fine, 2, true), ...new_program(data.vertex, data.surface) };
+  visible ??= { ...light.new_buffer(gl, ...fine, 2, true), ...program_of(data.vertex, data.surface) };
+  visible.seen = null;
   gl.bindFramebuffer(gl.FRAMEBUFFER, visible.framebuffer);
   gl.viewport(0, 0, ...fine);
   gl.clearColor(0, 0, 0, 0);
@@ -248,15 +251,16 @@ function draw_sample(index, scene, count, source, target, shift) {
     ...textures }, materials[index].textures.length);
 }
 
+function prepare_environment() {
+  if (environment) return;
+  post({ kind: "environment" });
+  environment = light.new_environment(gl, image);
+}
 // The number of samples that the next picture adds: several at first, because a single sample is noisy.
 const samples_added = () => samples === 0 && !job.is_quick ? data.first_samples : 1;
 // Adds these samples and draws the mean so far.
 function draw_under_environment(index, scene, width, height) {
-  if (!environment) {
-    post({ kind: "environment" });
-    environment = light.new_environment(gl, image);
-  }
-  develop ??= new_program(data.whole, data.develop);
+  prepare_environment();
   const mean = means_of(index, width, height), end = samples + samples_added();
   for (let count = samples; count < end; ++count) {
     const shift = light.shift_of(count);
@@ -265,12 +269,122 @@ function draw_under_environment(index, scene, width, height) {
   }
   const picture = mean[end % 2];
   if (!is_exposed) exposure = light.exposure_of(gl, picture, visible, data.knee), is_exposed = true;
+  develop ??= new_program(data.whole, data.develop);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.useProgram(develop.program);
   gl.uniform3f(develop.location("background"), ...data.background);
   gl.uniform1f(develop.location("exposure"), exposure * scene.stops);
   gl.uniform1f(develop.location("full_scale"), 0);
   draw_whole(develop, { radiance: picture.textures[0], other: picture.textures[0] }, 0);
+}
+
+// ---- Edits -------------------------------------------------------------------------------------------------------
+
+// A material that shows edits has a picture each of its highlight, its body and what is around it. Tints and saturation are
+// linear maps of the first two, and another roughness changes the first alone. Under lights a picture is drawn once,
+// under an environment it is a mean of samples.
+//   key       what all three depend on
+//   parts     the number of samples, pixels per pixel of the whole picture, and the buffer of each
+//   duration  milliseconds that a sample of the highlight took at full size
+let edited = null;
+const k_highlight = 0, k_body = 1, k_around = 2;
+
+// Shows their sum, each part enlarged or reduced linearly to the picture's size. Must follow develop.glsl without its main.
+const k_sum_text = `
+uniform sampler2D highlight, body, around;
+uniform mat3 colours[2];
+uniform bool is_around, is_shown; // whether there is a picture of what is around; whether the sum is shown, or kept as it is
+uniform vec2 size;
+vec4 texel(sampler2D part, ivec2 at) { return texelFetch(part, clamp(at, ivec2(0), textureSize(part, 0) - 1), 0); }
+vec4 enlarged(sampler2D part) {
+    if (textureSize(part, 0) == ivec2(size)) return texelFetch(part, ivec2(gl_FragCoord.xy), 0);
+    vec2 at = gl_FragCoord.xy / size * vec2(textureSize(part, 0)) - 0.5, within = fract(at);
+    ivec2 first = ivec2(floor(at));
+    return mix(mix(texel(part, first), texel(part, first + ivec2(1, 0)), within.x),
+               mix(texel(part, first + ivec2(0, 1)), texel(part, first + ivec2(1, 1)), within.x), within.y);
+}
+void main() {
+    vec4 of_body = enlarged(body);
+    vec3 sum = colours[0] * enlarged(highlight).rgb + colours[1] * of_body.rgb;
+    if (is_around) sum += enlarged(around).rgb;
+    vec3 shown = displayed(sum / (is_around ? 1.0 : max(of_body.w, 1.0e-3)));
+    shown = vec3(srgb_transfer(shown.x), srgb_transfer(shown.y), srgb_transfer(shown.z));
+    pixel = vec4(is_shown ? is_around ? shown : mix(background, shown, of_body.w) : sum, 1.0);
+}`;
+
+// Adds a sample to a picture of radiances under an environment, or draws it under lights.
+function draw_part(index, which, scene, width, height) {
+  const part = edited.parts[which];
+  descriptions[index].edit.part = which;
+  if (scene.around) {
+    const mean = means_of(`${index} ${which}`, width, height), shift = light.shift_of(part.samples);
+    part.buffer = mean[(part.samples + 1) % 2];
+    const seen = JSON.stringify([edited.key, width, height, shift]); // the same for all parts
+    if (visible?.seen !== seen) draw_surface(scene, width, height, shift), visible.seen = seen;
+    gl.viewport(0, 0, width, height);
+    draw_sample(index, scene, part.samples, mean[part.samples % 2], part.buffer, shift);
+  } else {
+    const material = material_of(index), { text } = material.description;
+    if (part.buffer && (part.buffer.width !== width || part.buffer.height !== height)) light.delete_buffer(gl, part.buffer), part.buffer = null;
+    part.buffer ??= light.new_buffer(gl, width, height, 1, true);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, part.buffer.framebuffer);
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const radiances = material.radiances ??= program_of(data.vertex, text.replace("#define SHOWN 1", "#define SHOWN 0"));
+    use_material(index, radiances, scene);
+    draw_mesh(radiances, scene);
+  }
+  ++part.samples;
+}
+
+function draw_edited(index, scene, width, height) {
+  const { is_quick } = job, { edit } = descriptions[index], { mesh, eye, frame, directions, irradiances, turned, around } = scene;
+  const key = JSON.stringify([index, width, height, mesh, eye, frame, directions, irradiances, turned, around]);
+  if (edited?.key !== key) forget_edited(), edited = { key, parts: [0, 1, 2].map(() => ({ samples: 0, size: 0, buffer: null })), duration: 0 };
+  const { parts } = edited, is_rougher = edited.roughness !== edit.roughness[0], drawn = around ? parts : parts.slice(0, k_around);
+  // A calm picture under lights has four points in each pixel.
+  const whole = around || is_quick ? 1 : 2, coarse = 1 / Math.min(Math.max(Math.ceil(Math.sqrt(edited.duration / k_quick)), 1), k_coarsest);
+  for (const part of drawn) {
+    const is_new = part.samples === 0 || part === parts[k_highlight] && is_rougher;
+    const size = is_quick ? is_new ? part.samples > 0 ? coarse : whole : part.size : whole;
+    if (is_new || size !== part.size) part.samples = 0, part.size = size;
+  }
+  edited.roughness = edit.roughness[0];
+  if (around) prepare_environment();
+  const least = Math.min(...drawn.map(({ samples }) => samples));
+  for (const part of drawn) {
+    if (part.samples > least || least > 0 && (is_quick || !around)) continue;
+    const which = parts.indexOf(part), start = performance.now();
+    draw_part(index, which, scene, ...[width, height].map((n) => Math.max(Math.round(part.size * n), 1)));
+    finish(part.buffer);
+    if (which === k_highlight) edited.duration = (performance.now() - start) / part.size ** 2;
+  }
+  const sum = edited.sum ??= program_of(data.whole, data.develop.slice(0, data.develop.indexOf("void main()")) + k_sum_text);
+  const [highlight, body, beside] = parts.map(({ buffer }) => (buffer ?? parts[k_body].buffer).textures[0]);
+  const draw_sum = (framebuffer) => {
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    gl.viewport(0, 0, width, height);
+    gl.useProgram(sum.program);
+    gl.uniformMatrix3fv(sum.location("colours"), false, edit.colours);
+    gl.uniform1i(sum.location("is_around"), around);
+    gl.uniform1i(sum.location("is_shown"), framebuffer === null);
+    gl.uniform2f(sum.location("size"), width, height);
+    gl.uniform3f(sum.location("background"), ...data.background);
+    gl.uniform1f(sum.location("exposure"), around ? exposure * scene.stops : scene.exposure);
+    draw_whole(sum, { highlight, body, around: beside }, 0);
+  };
+  if (around && !is_exposed && !is_quick) {
+    const [radiances] = means_of(index, width, height);
+    draw_sum(radiances.framebuffer);
+    exposure = light.exposure_of(gl, radiances, visible, data.knee), is_exposed = true;
+  }
+  draw_sum(null);
+}
+function forget_edited() {
+  // Buffers of means are used again.
+  if (edited) for (const { buffer } of edited.parts) if (buffer?.depth) light.delete_buffer(gl, buffer);
+  edited = null;
 }
 
 
@@ -307,14 +421,14 @@ function draw_picture({ subject, width, height, scene }) {
   if (surface.width !== width || surface.height !== height) surface.width = width, surface.height = height;
   gl.viewport(0, 0, width, height);
   if (subject === "difference") return draw_difference();
-  (scene.around ? draw_under_environment : draw_under_lights)(subject, scene, width, height);
+  (descriptions[subject].edit ? draw_edited : scene.around ? draw_under_environment : draw_under_lights)(subject, scene, width, height);
   if (subject < 2) keep_picture(subject, width, height);
 }
 
-// Waits until the graphics card has finished.
-function finish() {
-  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+// Waits until the graphics card has finished what is shown, or a buffer of floats.
+function finish(buffer = null) {
+  gl.bindFramebuffer(gl.FRAMEBUFFER, buffer && buffer.framebuffer);
+  gl.readPixels(0, 0, 1, 1, gl.RGBA, buffer ? gl.FLOAT : gl.UNSIGNED_BYTE, new (buffer ? Float32Array : Uint8Array)(4));
 }
 
 // Draws one round of pictures. A difference needs the pictures of both materials.
@@ -345,21 +459,21 @@ function draw_all({ number, pictures }) {
   return drawn;
 }
 
-let job = null, is_due = false, loss = null;
+let job = null, timer = 0, loss = null;
 function draw_soon(milliseconds) {
-  if (is_due) return;
-  is_due = true;
-  setTimeout(() => {
-    is_due = false;
+  clearTimeout(timer);
+  timer = setTimeout(() => {
     if (!job || !data || gl.isContextLost()) return;
-    const current = job, start = performance.now();
-    const drawn = draw_all(current);
-    if (drawn && current.pictures[0].scene.around && samples < (is_resting ? k_samples_resting : k_samples) && job === current) draw_soon(Math.max(0, 16 - (performance.now() - start)));
+    const start = performance.now(), { is_quick } = job;
+    if (!draw_all(job)) return;
+    job.is_quick = false;
+    if (is_quick) draw_soon(k_calm);
+    else if (job.pictures[0].scene.around && samples < (is_resting ? k_samples_resting : k_samples)) draw_soon(Math.max(0, 16 - (performance.now() - start)));
   }, milliseconds);
 }
 
 function load() {
-  materials = {}, programs = new Map(), last_pictures = {}, environment = visible = develop = comparison = null, means = {}, meshes = {};
+  materials = {}, programs = new Map(), last_pictures = {}, environment = visible = develop = comparison = edited = null, means = {}, meshes = {};
   for (const name in data.meshes) meshes[name] = new_mesh(gl, data.meshes[name]);
   samples = 0;
 }
@@ -368,6 +482,7 @@ const actions = {
   common(message) { data = message.data, descriptions = {}, load(); },
   material({ index, material, is_edited }) {
     forget_material(index);
+    forget_edited();
     descriptions[index] = material && material.bytes ? JSON.parse(new TextDecoder().decode(material.bytes)) : material;
     if (is_edited) descriptions[index].text = descriptions[index].text.replace("#define SIDES", "#define PM_EDITED\n#define SIDES");
     samples = 0;
@@ -375,6 +490,7 @@ const actions = {
   },
   edit({ index, edit }) { if (descriptions[index]) descriptions[index].edit = edit; },
   environment(message) {
+    forget_edited();
     if (environment) for (const texture of Object.values(environment.textures)) gl.deleteTexture(texture);
     environment = null, image = message.image, is_exposed = false, samples = 0;
   },

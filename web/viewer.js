@@ -365,5 +365,5 @@ for (const button of document.querySelectorAll(".copy"))
 // While a fit is running, pictures take only a few samples.
 const rest = (is_resting) => painter?.send({ kind: "rest", is_resting });
 
-return { scene, start, rest, set_material, set_edit, show, settled, lose: (is_lost) => painter.send({ kind: "lose", is_lost }) };
+return { scene, start, rest, previews: () => has_floats, set_material, set_edit, show, settled, lose: (is_lost) => painter.send({ kind: "lose", is_lost }) };
 })();

@@ -202,6 +202,13 @@ Vec3 scattered_radiance(Vec3 position, vec4 normal, int index) {
     return sum;
 }
 
+// Whether the picture shows surfaces, or what is around them. Pictures of edits show them apart (srbf/shader.h).
+#ifdef PM_EDITED
+bool shows(bool surface) { return surface != (edited_part == 2); }
+#else
+bool shows(bool surface) { return true; }
+#endif
+
 // The radiance of point k of a pixel; point 0 is shown by every pixel.
 vec3 radiance_at(ivec2 pixel_, int k) {
     ivec2 first = ivec2(step(vec2(0.0), shift));
@@ -209,7 +216,9 @@ vec3 radiance_at(ivec2 pixel_, int k) {
     ivec2 texel = 2 * pixel_ + point;
     vec4 position = texelFetch(surface_positions, texel, 0);
     vec3 radiance;
-    if (position.w > 0.0) {
+    if (!shows(position.w > 0.0)) {
+        radiance = vec3(0.0);
+    } else if (position.w > 0.0) {
         // Each point has its own section of the sequence.
         radiance = scattered_radiance(position.xyz, texelFetch(surface_normals, texel, 0), sample_index + (k << 20));
     } else {

@@ -63,9 +63,9 @@ std::string version_text(Dialect dialect);
 /// axial or all general and have up to four, or five to eight, variates. A model that changes frequently then needs no
 /// new compilation. Other materials have their own text even with `open`.
 ///
-/// Behind a line `#define PM_EDITED`, the text of a multivariate model shows it edited: with the shares of `body_shares`
-/// (edit.h) as uniform vec4 edited_shares[], the factor of the highlight's roughness and its own α as vec2 edited_roughness,
-/// and mat3 edited_colours[2], what the colours of the highlight and of the body are multiplied by.
+/// Behind a line `#define PM_EDITED`, the text of a multivariate model is that of a part of it: int edited_part is 0 for the
+/// highlight, 1 for the body. Further uniforms are float edited_shares[], the shares of `body_shares` (edit.h), and vec2
+/// edited_roughness, the factor of the highlight's roughness and its own α. Tints and saturation are linear in both pictures.
 std::string brdf_text(const Material& material, bool open = false);
 inline constexpr int k_most_open_lobes = 32;
 

@@ -29,12 +29,9 @@ Real pm_weight_l(Pm pm, int n) { return pm_weights[n].x; }
 Real pm_weight_v(Pm pm, int n) { return pm_weights[n].y; }
 #ifdef PM_EDITED
 uniform float edited_shares[PM_LOBES];  // of each lobe, the share that belongs to the body
-uniform mat3 edited_colours[2];  // linear maps of the colours of the highlight and the body
-vec2 edited_parts = vec2(1.0);  // what is evaluated of the highlight and the body
+uniform int edited_part;                // what is shown: 0 the highlight, 1 the body
 Vec3 pm_coefficient(Pm pm, int j) {
-    vec3 colour = pm_colours[j].rgb;
-    Real body = edited_shares[j];
-    return edited_parts.x * (1.0 - body) * (edited_colours[0] * colour) + edited_parts.y * body * (edited_colours[1] * colour);
+    return (edited_part == 1 ? edited_shares[j] : 1.0 - edited_shares[j]) * pm_colours[j].rgb;
 }
 #else
 Vec3 pm_coefficient(Pm pm, int j) { return pm_colours[j].rgb; }

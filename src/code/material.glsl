@@ -4,22 +4,13 @@ bool is_measured = true;  // false if the last value is that of a masked cell; u
 // f_r(wl, wv) [1/sr] for R, G, B, of unit vectors in the local frame with wl.z, wv.z > 0.
 #if defined PM_EDITED
 #include "srbf/kernel/roughen.glsl"
-// An edit before its fit: the colours of host.glsl, and the highlight with another roughness (`Roughen` of srbf/edit.h).
+// A part of an edited model before its fit: the body, or the highlight with another roughness (`Roughen` of srbf/edit.h).
 uniform vec2 edited_roughness;  // the factor, and that of the model's own highlight
 Vec3 brdf(Vec3 wl, Vec3 wv) {
-    Vec3 value;
-    if (edited_roughness.x == 1.0) {
-        edited_parts = vec2(1.0);
-        value = pm_value(Pm(0), wl, wv);
-    } else {
-        DirectionPair from = with_slope_over(edited_roughness.x, wl, wv);
-        edited_parts = vec2(1.0, 0.0);
-        value = ggx_facets(wl, wv, edited_roughness.x * edited_roughness.y) /
-                ggx_facets(from.l, from.v, edited_roughness.y) * pm_value(Pm(0), from.l, from.v);
-        edited_parts = vec2(0.0, 1.0);
-        value = value + pm_value(Pm(0), wl, wv);
-    }
-    return max(value, vec3(0.0));
+    if (edited_part == 1 || edited_roughness.x == 1.0) return pm_value(Pm(0), wl, wv);
+    DirectionPair from = with_slope_over(edited_roughness.x, wl, wv);
+    return ggx_facets(wl, wv, edited_roughness.x * edited_roughness.y) / ggx_facets(from.l, from.v, edited_roughness.y) *
+           pm_value(Pm(0), from.l, from.v);
 }
 #elif defined PM_LOBES
 Vec3 brdf(Vec3 wl, Vec3 wv) { return pm_value(Pm(0), wl, wv); }

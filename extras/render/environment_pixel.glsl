@@ -202,7 +202,7 @@ Vec3 scattered_radiance(Vec3 position, vec4 normal, int index) {
     return sum;
 }
 
-// Whether the picture shows surfaces, or what is around them. Pictures of edits show them apart (srbf/shader.h).
+// Returns whether the picture shows surfaces, or what is around them. Pictures of edits show them apart (srbf/shader.h).
 #ifdef PM_EDITED
 bool shows(bool surface) { return surface != (edited_part == 2); }
 #else

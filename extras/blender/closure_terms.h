@@ -10,9 +10,27 @@ namespace srbf {
 /// Slope, roughness and anisotropy of a closure.
 using ClosureShape = std::array<double, 3>;
 
-/// D / (4 (N'·wv) (1 + Λ(wv) + Λ(wl))) in the frame in which the viewer is (−sin θv, 0, cos θv) and T = (1, 0, 0). D is
-/// blurred over `blur` [sr] about wl.
-double closure_value(const ClosureShape& shape, Vec3d wl, Vec3d wv, double blur = 0);
+/// A direction to the light, with what closures of all shapes need of it. Their D is blurred over `blur` [sr] about it.
+struct ClosureLight {
+    Vec3d wl, h;   ///< and the half vector
+    double added;  ///< to αx² and αy²
+    ClosureLight(Vec3d towards, Vec3d wv, double blur = 0);
+};
+
+/// A closure seen from wv, in the frame in which the viewer is (−sin θv, 0, cos θv) and T = (1, 0, 0).
+class ClosureTerm {
+  public:
+    ClosureTerm(const ClosureShape& shape, Vec3d wv);
+
+    /// D / (4 (N'·wv) (1 + Λ(wv) + Λ(wl))), and its derivatives by the shape if they are wanted.
+    double value(const ClosureLight& light, ClosureShape* derivatives = nullptr) const;
+
+  private:
+    Vec3d wv_, normal_, tangent_;
+    double along_, across_;  ///< αx², αy²
+    /// Derivatives of the angle of N' by the slope, of log αx² by the roughness, and of log αy² by the anisotropy.
+    ClosureShape chain_;
+};
 
 /// Colour j ≤ `count` of a diffuse ramp, as a share of π f cosθl: 1 at cosθl = j / count, 0 from its neighbours on.
 double ramp_share(std::size_t j, std::size_t count, double cos_light);

@@ -12,37 +12,61 @@ namespace {
 constexpr double k_least_cosine = 1e-3;  ///< of N'·wv, at which a term ends
 constexpr double k_most_exponent = 60;   ///< of D that is not 0
 
-/// Smith's Λ of Beckmann's distribution, by x = (α tan θ)².
-double smith_lambda(double x) {
-    if (x < 0.39) return 0;
-    const double v = 1 / std::sqrt(x);
-    return ((0.396 * v - 1.259) * v + 1) / ((2.181 * v + 3.535) * v);
-}
+/// Smith's Λ of Beckmann's distribution for a direction w, by x = (α tan θ)², and its derivatives by the angle of N' and
+/// the squares of α along and across.
+struct SmithLambda {
+    double value = 0, by_angle = 0, by_along = 0, by_across = 0;
+    SmithLambda(double along, double across, double nw, double tw, double bw) {
+        const double tan = tw / nw, side = bw / nw, x = along * tan * tan + across * side * side;
+        if (x < 0.39) return;
+        const double v = 1 / std::sqrt(x), above = (0.396 * v - 1.259) * v + 1, below = (2.181 * v + 3.535) * v;
+        value = above / below;
+        const double by_x = -0.5 * v * v * v * (0.792 * v - 1.259 - value * (4.362 * v + 3.535)) / below;
+        by_angle = -2 * tan * (along + x) * by_x;
+        by_along = tan * tan * by_x, by_across = side * side * by_x;
+    }
+};
 
 }  // namespace
 
-double closure_value(const ClosureShape& shape, Vec3d wl, Vec3d wv, double blur) {
+ClosureLight::ClosureLight(Vec3d towards, Vec3d wv, double blur)
+    : wl(towards),
+      h(normalize(towards + wv)),
+      // A disc of solid angle A has the variance A / 4π along each axis, and α² is twice a variance; dω_h = dω_l / (4 h·wl).
+      added(blur / (8 * k_pi * dot(h, wl))) {}
+
+ClosureTerm::ClosureTerm(const ClosureShape& shape, Vec3d wv) : wv_(wv) {
     const auto [slope, roughness, anisotropy] = shape;
-    const double alpha = roughness * roughness, ratio = 1 - std::abs(anisotropy),
-                 along = anisotropy < 0 ? alpha / ratio : alpha * ratio,
-                 across = anisotropy < 0 ? alpha * ratio : alpha / ratio;
+    const double alpha = roughness * roughness, ratio = 1 - std::abs(anisotropy);
+    along_ = elementary::square(anisotropy < 0 ? alpha / ratio : alpha * ratio);
+    across_ = elementary::square(anisotropy < 0 ? alpha * ratio : alpha / ratio);
     const double cosine = 1 / std::sqrt(1 + slope * slope);
-    const Vec3d normal{slope * cosine, 0, cosine}, tangent{cosine, 0, -slope * cosine};
-    const double nv = dot(normal, wv), nl = dot(normal, wl);
+    normal_ = {slope * cosine, 0, cosine}, tangent_ = {cosine, 0, -slope * cosine};
+    chain_ = {cosine * cosine, 4 / roughness, 2 / ratio};
+}
+
+double ClosureTerm::value(const ClosureLight& light, ClosureShape* derivatives) const {
+    if (derivatives) *derivatives = {};
+    const double nv = dot(normal_, wv_), nl = dot(normal_, light.wl);
     if (nv <= k_least_cosine || nl <= 0) return 0;
-    const Vec3d h = normalize(wl + wv);
-    // A disc of solid angle A has the variance A / 4π along each axis, and α² is twice a variance; dω_h = dω_l / (4 h·wl).
-    const double added = std::sqrt(blur / (8 * k_pi * dot(h, wl))), ax = elementary::hypot(along, added),
-                 ay = elementary::hypot(across, added);
-    const double nh = dot(normal, h), th = dot(tangent, h) / ax, bh = h.y / ay;
-    const double exponent = (th * th + bh * bh) / (nh * nh);
+    const double nh = dot(normal_, light.h), tan = dot(tangent_, light.h) / nh, side = light.h.y / nh,
+                 ax = along_ + light.added, ay = across_ + light.added;
+    const double exponent = tan * tan / ax + side * side / ay;
     if (exponent > k_most_exponent) return 0;
-    const double D = elementary::exp(-exponent) / (k_pi * ax * ay * nh * nh * nh * nh);
-    const auto lambda = [&](Vec3d w, double nw) {
-        const double x = ax * dot(tangent, w), y = ay * w.y;
-        return smith_lambda((x * x + y * y) / (nw * nw));
-    };
-    return D / (4 * nv * (1 + lambda(wv, nv) + lambda(wl, nl)));
+    const double D = elementary::exp(-exponent) / (k_pi * std::sqrt(ax * ay) * nh * nh * nh * nh),
+                 tv = dot(tangent_, wv_);
+    const SmithLambda of_viewer(ax, ay, nv, tv, wv_.y), of_light(ax, ay, nl, dot(tangent_, light.wl), light.wl.y);
+    const double masking = 1 + of_viewer.value + of_light.value, value = D / (4 * nv * masking);
+    if (derivatives) {
+        // of the logarithm
+        const double by_angle =
+            2 * tan * (1 / ax + exponent - 2) - tv / nv - (of_viewer.by_angle + of_light.by_angle) / masking;
+        const double by_along = (tan * tan / ax - 0.5) / ax - (of_viewer.by_along + of_light.by_along) / masking;
+        const double by_across = (side * side / ay - 0.5) / ay - (of_viewer.by_across + of_light.by_across) / masking;
+        *derivatives = {value * chain_[0] * by_angle, value * chain_[1] * (along_ * by_along + across_ * by_across),
+                        value * chain_[2] * (across_ * by_across - along_ * by_along)};
+    }
+    return value;
 }
 
 double ramp_share(std::size_t j, std::size_t count, double cos_light) {
@@ -73,7 +97,7 @@ Rgb value(const ClosureSum& sum, Vec3f wl, Vec3f wv) {
         const Closure &a = sum.closures[at.knot * sum.terms + k], &b = sum.closures[(at.knot + 1) * sum.terms + k];
         const ClosureShape shape{between(a.slope, b.slope), between(a.roughness, b.roughness),
                                  between(a.anisotropy, b.anisotropy)};
-        const double term = closure_value(shape, light, viewer) / light.z;
+        const double term = ClosureTerm(shape, viewer).value({light, viewer}) / light.z;
         for (std::size_t c = 0; c < 3; ++c) f[c] += between(a.weight[int(c)], b.weight[int(c)]) * term;
     }
     return {float(f[0]), float(f[1]), float(f[2])};

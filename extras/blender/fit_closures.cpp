@@ -22,7 +22,6 @@ namespace {
 // ---- The loss ----
 
 constexpr double k_least_alpha = 0.01, k_most_tilt = 1.5, k_beside_horizon = 0.01;  ///< [rad]
-constexpr double k_shape_step = 1e-4;                                               ///< of finite differences
 constexpr double k_least_weight = 1e-9;
 
 /// The unknowns at a knot: for each term the tilt ν of its normal, the logarithms of α along and across, and those of
@@ -120,24 +119,20 @@ class ClosureProblem {
     Eigen::MatrixXd pixel_sums(const MatchedView& view, bool with_derivatives) const {
         const std::vector<double> q = between(view.theta);
         const auto K = Eigen::Index(layout_.terms), parts = Eigen::Index(layout_.parts()),
-                   n = Eigen::Index(view.wl.size());
+                   n = Eigen::Index(view.lights.size());
         Eigen::MatrixXd values(parts + (with_derivatives ? 3 * K : 0), n);
         for (Eigen::Index i = 0; i < n; ++i)
             for (Eigen::Index j = 0; K + j < parts; ++j)
-                values(K + j, i) = ramp_share(std::size_t(j + 1), layout_.ramp, view.wl[std::size_t(i)].z) / k_pi;
+                values(K + j, i) =
+                    ramp_share(std::size_t(j + 1), layout_.ramp, view.lights[std::size_t(i)].wl.z) / k_pi;
         for (Eigen::Index k = 0; k < K; ++k) {
-            const ClosureShape shape{q[std::size_t(6 * k)], q[std::size_t(6 * k + 1)], q[std::size_t(6 * k + 2)]};
+            const ClosureTerm term({q[std::size_t(6 * k)], q[std::size_t(6 * k + 1)], q[std::size_t(6 * k + 2)]},
+                                   view.wv);
+            ClosureShape derivatives;
             for (Eigen::Index i = 0; i < n; ++i) {
-                const auto value_of = [&](const ClosureShape& of) {
-                    return closure_value(of, view.wl[std::size_t(i)], view.wv, view.blur[std::size_t(i)]);
-                };
-                const double value = values(k, i) = value_of(shape);
-                for (std::size_t p = 0; with_derivatives && p < 3; ++p) {
-                    ClosureShape changed = shape;
-                    changed[p] += k_shape_step;
-                    values(parts + 3 * k + Eigen::Index(p), i) =
-                        value > 0 ? (value_of(changed) - value) / k_shape_step : 0;
-                }
+                values(k, i) = term.value(view.lights[std::size_t(i)], with_derivatives ? &derivatives : nullptr);
+                for (std::size_t p = 0; with_derivatives && p < 3; ++p)
+                    values(parts + 3 * k + Eigen::Index(p), i) = derivatives[p];
             }
         }
         return summed_over_pixels(view, values);
@@ -146,9 +141,10 @@ class ClosureProblem {
         Eigen::MatrixXd sums(values.rows(), Eigen::Index(view.pixels.size()));
         for (std::size_t p = 0; p < view.pixels.size(); ++p) {
             const MatchedPixel& pixel = view.pixels[p];
-            const auto count = Eigen::Index(pixel.weight.size());
-            sums.col(Eigen::Index(p)) = values.middleCols(Eigen::Index(pixel.first), count) *
-                                        Eigen::Map<const Eigen::VectorXd>(pixel.weight.data(), count);
+            auto sum = sums.col(Eigen::Index(p));
+            sum = pixel.weight[0] * values.col(Eigen::Index(pixel.first));
+            for (std::size_t i = 1; i < pixel.weight.size(); ++i)
+                sum += pixel.weight[i] * values.col(Eigen::Index(pixel.first + i));
         }
         return sums;
     }
@@ -411,10 +407,9 @@ Eigen::VectorXd with_term(const std::vector<MatchedView>& views, Layout before, 
     });
     const auto solve = [&](std::size_t v, const StartingTerm& start) {
         const MatchedView& view = views[v];
-        Eigen::MatrixXd values(1, Eigen::Index(view.wl.size()));
-        const ClosureShape shape = start.at(view.theta);
-        for (std::size_t i = 0; i < view.wl.size(); ++i)
-            values(0, Eigen::Index(i)) = closure_value(shape, view.wl[i], view.wv, view.blur[i]);
+        Eigen::MatrixXd values(1, Eigen::Index(view.lights.size()));
+        const ClosureTerm term(start.at(view.theta), view.wv);
+        for (std::size_t i = 0; i < view.lights.size(); ++i) values(0, Eigen::Index(i)) = term.value(view.lights[i]);
         Eigen::MatrixXd all = sums[v];
         all.row(parts) = ClosureProblem::summed_over_pixels(view, values);
         return best_weights(view, all);

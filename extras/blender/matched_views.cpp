@@ -52,7 +52,6 @@ MatchedView matched_view(const Evaluate& f, double theta, double azimuth, int co
                      {},
                      {},
                      {},
-                     {},
                      {}};
     const Quadrature points = MirrorMixture(k_last_light).quadrature(view.wv, count);
     const double c = elementary::cos(azimuth), s = elementary::sin(azimuth);
@@ -65,13 +64,13 @@ MatchedView matched_view(const Evaluate& f, double theta, double azimuth, int co
         const Vec3d l = to_double(points.w[i]);
         Rgb radiance = non_negative(values[i]);
         for (int channel = 0; channel < 3; ++channel) radiance[channel] *= float(l.z);
-        view.wl.push_back(l), view.radiance.push_back(radiance);
+        view.lights.emplace_back(l, view.wv, k_blur * points.weight[i]);
         view.pdf.push_back(1 / points.weight[i]);
-        view.blur.push_back(k_blur * points.weight[i]);
+        view.radiance.push_back(radiance);
     }
     for (int channel = 0; channel < 3; ++channel) {
         double albedo = 0;
-        for (std::size_t i = 0; i < view.wl.size(); ++i) albedo += double(view.radiance[i][channel]) / view.pdf[i];
+        for (std::size_t i = 0; i < view.lights.size(); ++i) albedo += double(view.radiance[i][channel]) / view.pdf[i];
         for (Rgb& radiance : view.radiance) radiance[channel] /= float(std::max(albedo, 1.0));
     }
     return view;
@@ -83,10 +82,10 @@ class PhaseExposures {
     explicit PhaseExposures(const std::vector<MatchedView>& views) {
         std::array<std::vector<std::pair<double, double>>, k_phases> values;
         for (const MatchedView& view : views)
-            for (std::size_t i = 0; i < view.wl.size(); ++i)
+            for (std::size_t i = 0; i < view.lights.size(); ++i)
                 if (const double value = largest_of(view.radiance[i]); value > 0)
                     for (std::size_t k = 0; k < k_phases; ++k)
-                        if (std::abs(place(view.wl[i], view.wv) - double(k)) <= 1)
+                        if (std::abs(place(view.lights[i].wl, view.wv) - double(k)) <= 1)
                             values[k].emplace_back(value, view.weight / view.pdf[i]);
         double last = 1;
         for (std::size_t k = 0; k < k_phases; ++k) {
@@ -120,10 +119,10 @@ void add_directional_pixels(std::vector<MatchedView>& views) {
     double total = 0;
     for (MatchedView& view : views) {
         double sum = 0;
-        for (std::size_t i = 0; i < view.wl.size(); ++i) {
-            const double sine = std::sqrt(std::max(1 - elementary::square(dot(view.wl[i], view.wv)), 0.0)),
+        for (std::size_t i = 0; i < view.lights.size(); ++i) {
+            const double sine = std::sqrt(std::max(1 - elementary::square(dot(view.lights[i].wl, view.wv)), 0.0)),
                          share = elementary::pow(view.pdf[i], k_density_power) / std::max(sine, k_least_sine);
-            view.pixels.push_back({i, {exposures.at(view.wl[i], view.wv)}, view.weight * share});
+            view.pixels.push_back({i, {exposures.at(view.lights[i].wl, view.wv)}, view.weight * share});
             sum += share;
         }
         for (MatchedPixel& pixel : view.pixels) pixel.share /= sum;
@@ -150,8 +149,8 @@ void add_extended_pixels(std::vector<MatchedView>& views) {
                                                   : Vec3d{elementary::cos(azimuth), elementary::sin(azimuth), 0};
                 const Frame frame{away, cross(normal, away), normal};
                 MatchedPixel pixel{0, {}, view.weight / (total * double(azimuths))};
-                for (std::size_t i = 0; i < view.wl.size(); ++i)
-                    pixel.weight.push_back(double(radiance(light, frame.from(view.wl[i])).r) / view.pdf[i]);
+                for (std::size_t i = 0; i < view.lights.size(); ++i)
+                    pixel.weight.push_back(double(radiance(light, frame.from(view.lights[i].wl)).r) / view.pdf[i]);
                 const Colour colour = colour_of(view, pixel);
                 values.emplace_back(std::max({colour[0], colour[1], colour[2]}), view.weight);
                 view.pixels.push_back(std::move(pixel));
@@ -172,7 +171,7 @@ std::vector<MatchedView> matched_views(const Evaluate& f, std::size_t count, int
         views[i] = matched_view(f, k_last_view * double(i) / double(count - 1), k_turn_of_views * double(i),
                                 k_light_points + k_further_points * int(i % 7));
     });
-    std::erase_if(views, [](const MatchedView& view) { return view.wl.empty(); });
+    std::erase_if(views, [](const MatchedView& view) { return view.lights.empty(); });
     add_directional_pixels(views);
     add_extended_pixels(views);
     for (MatchedView& view : views)

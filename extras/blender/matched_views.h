@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "extras/blender/closure_terms.h"
 #include "srbf/brdf.h"
 
 namespace srbf {
@@ -18,13 +19,12 @@ struct MatchedPixel {
     double share;                     ///< of the loss
     Colour colour{}, limit{}, itp{};  ///< of the measurement, limit: see `shown`
 };
-/// The pixels of all lights at points of the sphere with one θv. The frame is that of `closure_value`.
+/// The pixels of all lights at points of the sphere with one θv. The frame is that of `ClosureTerm`.
 struct MatchedView {
     double theta, weight;
     Vec3d wv;
-    std::vector<Vec3d> wl;
-    std::vector<double> pdf;    ///< of the directions
-    std::vector<double> blur;   ///< solid angle of each, see `closure_value`
+    std::vector<ClosureLight> lights;
+    std::vector<double> pdf;    ///< of the directions to the light
     std::vector<Rgb> radiance;  ///< f cosθl
     std::vector<MatchedPixel> pixels;
 };

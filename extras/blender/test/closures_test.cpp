@@ -67,11 +67,39 @@ TEST(Closures, AreTiltedInThePlaneOfIncidence) {
                 Vec3d{std::cos(turn) * w.x - std::sin(turn) * w.y, std::sin(turn) * w.x + std::cos(turn) * w.y, w.z});
         };
         EXPECT_PRED3(near, value(sum, turned(wl), turned(wv)).r, found.r, 1e-4 * found.r + 1e-6);
-        const double term = closure_value({0.4f, 0.5, 0.3f}, {dot(wl, away), dot(wl, side), wl.z},
-                                          {-std::sin(theta), 0, std::cos(theta)});
+        const Vec3d light{dot(wl, away), dot(wl, side), wl.z}, viewer{-std::sin(theta), 0, std::cos(theta)};
+        const double term = ClosureTerm({0.4f, 0.5, 0.3f}, viewer).value({light, viewer});
         EXPECT_PRED3(near, found.r * wl.z, term, 1e-3 * term + 1e-6);
     }
     EXPECT_EQ(value(sum, {0, 0, -1}, {0, 0, 1}), Rgb{});
+}
+
+/// Derivatives of a term by its shape are those of differences, for directions with and without a blur.
+TEST(Closures, HaveTheDerivativesOfTheirShapes) {
+    std::mt19937_64 random(5);
+    int compared = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const double theta = 1.5 * uniform(random);
+        const Vec3d viewer{-std::sin(theta), 0, std::cos(theta)};
+        const ClosureLight light(random_direction(random, 0.01), viewer, i % 2 * 0.02);
+        const ClosureShape shape{2 * uniform(random) - 1, 0.2 + 0.8 * uniform(random), 1.6 * uniform(random) - 0.8};
+        ClosureShape found;
+        const double value = ClosureTerm(shape, viewer).value(light, &found);
+        EXPECT_EQ(value, ClosureTerm(shape, viewer).value(light));
+        for (std::size_t p = 0; p < 3; ++p) {
+            constexpr double k_step = 1e-5;
+            const auto changed = [&](double step) {
+                ClosureShape other = shape;
+                other[p] += step;
+                return ClosureTerm(other, viewer).value(light);
+            };
+            const double below = changed(-k_step), above = changed(k_step);
+            if (!(below > 0 && above > 0) || std::abs(shape[2]) < 2 * k_step) continue;
+            EXPECT_PRED3(near, found[p], (above - below) / (2 * k_step), 2e-3 * std::abs(found[p]) + 1e-4 * value);
+            ++compared;
+        }
+    }
+    EXPECT_GT(compared, 2000);
 }
 
 /// A ramp along cosθl is Lambert's BRDF, and a fit with a ramp is at least as near as one without.

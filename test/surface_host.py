@@ -17,7 +17,7 @@ SIZE, SAMPLES = 128, 128
 ELEVATION, FIELD, MARGIN = math.radians(15), math.radians(30), 0.04
 DISTANCE = math.hypot(1, 1 / (math.tan(FIELD / 2) * (1 - MARGIN)))
 program = sys.argv[1]
-environment = Path(__file__).resolve().parent.parent / "data/studio.hdr"
+studio = Path(__file__).resolve().parent.parent / "data/studio.hdr"
 
 
 def run(*words):
@@ -34,7 +34,7 @@ def pixels_of(path):
     return np.stack([np.asarray(of[c], dtype=float) for c in "RGB"], axis=-1)
 
 
-def drawn_by_cycles(script, out, lamp=None):
+def drawn_by_cycles(script, out, lamp=None, environment=studio):
     """The material of a script on a sphere in Cycles, under the environment, under a distant lamp of irradiance 1 in that
     direction, or with "furnace" under white light from all around."""
     import bpy
@@ -88,7 +88,7 @@ def drawn_by_cycles(script, out, lamp=None):
     return pixels_of(out)
 
 
-def drawn(subject, out):
+def drawn(subject, out, environment=studio):
     """By `srbf render`."""
     run("render", subject, "-o", out, "--mesh", "sphere", "--env", environment, "--no-ground", "--no-occlusion", "--size", f"{SIZE}x{SIZE}", "--spp", SAMPLES)
     return pixels_of(out)

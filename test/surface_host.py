@@ -12,7 +12,7 @@ MATERIALS = ["cc_ibiza_sunset_rgb", "cg_sunflower_rgb", "colodur_napoli_4f_rgb",
 HOST_WITHIN = 0.3  # of what the surface loses against the measurement
 BRUSHED = Path(__file__).resolve().parent / "models/1/pbr_brushed.srbf"  # a surface with anisotropy: a host draws it as `srbf render` does
 BRUSHED_WITHIN = 10  # ΔE_ITP; turned by 18° more it is 37
-SIZE, SAMPLES = 128, 128
+SIZE, SAMPLES = 64, 512
 # The camera of `srbf render`: 15° above the horizon, 30° wide, the sphere within a margin of 4 %.
 ELEVATION, FIELD, MARGIN = math.radians(15), math.radians(30), 0.04
 DISTANCE = math.hypot(1, 1 / (math.tan(FIELD / 2) * (1 - MARGIN)))

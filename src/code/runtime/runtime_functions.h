@@ -70,10 +70,12 @@ static srbf_brdf* srbf_read(srbf_file* file) {
         if (is_missing && result.is_two_sided && result.part[p ^ 1].model)
             part->model = result.part[p ^ 1].model, part->is_exchanged = p >= 2;
         if (part->model && !(is_missing && p == 1))
-            part->mixture = (srbf_mixture*)srbf_take(file, sizeof *part->mixture);
+            part->mixture = (srbf_mixture*)srbf_take(file, sizeof *part->mixture),
+            part->albedo = (float(*)[3])srbf_take(file, SRBF_ALBEDO_NODES * sizeof *part->albedo);
         if (part->mixture) srbf_reset(part->mixture);
     }
-    if (!result.part[1].mixture) result.part[1].mixture = result.part[0].mixture;
+    if (!result.part[1].mixture)
+        result.part[1].mixture = result.part[0].mixture, result.part[1].albedo = result.part[0].albedo;
     result.scratch = (float*)srbf_take(file, sizeof(srbf_points));
     if (!brdf || file->error) return 0;
     *brdf = result;

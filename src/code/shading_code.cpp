@@ -208,6 +208,19 @@ std::string brdf_function(const std::string& statements) {
            "        return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
            statements + "}\n";
 }
+constexpr const char* k_value_pdf_text = R"(
+// The BRDF and the density of samples, as multiple importance sampling needs them together.
+struct ValuePdf {
+    Vec3 value;
+    Real pdf;
+};
+ValuePdf value_pdf(Su su, Vec3 wl, Vec3 wv, Pm pm) {
+    ValuePdf both;
+    both.value = brdf(su, wl, wv, pm);
+    both.pdf = light_pdf(wl, wv);
+    return both;
+}
+)";
 std::string brdf_of(const Model& model, ParameterStorage storage, Program& program) {
     if (storage != ParameterStorage::tables)
         return brdf_function(formula_text(model, [](float x, auto, auto) { return real(x); }));
@@ -297,7 +310,7 @@ using Names = std::map<std::string, std::string>;
 Names entries(const CodeOptions& options, const AddedCode& added) {
     Names names = added.entries;
     names.insert({"brdf", "brdf"});
-    if (options.sampling) names.insert({{"sample_light", "sample"}, {"light_pdf", "pdf"}});
+    if (options.sampling) names.insert({{"sample_light", "sample"}, {"light_pdf", "pdf"}, {"value_pdf", "value_pdf"}});
     if (options.albedo) names.insert({"directional_albedo", "albedo"});
     return names;
 }
@@ -367,7 +380,8 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     syntax::parse(model_text.handle + model_text.accessors + k_handles, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(model_text.brdf, program, defines);
-    if (is_mixture) syntax::parse(mixture + k_mixture_text + nodes + k_albedo_text + more, program, defines);
+    if (is_mixture)
+        syntax::parse(mixture + k_mixture_text + k_value_pdf_text + nodes + k_albedo_text + more, program, defines);
     if (options.language == CodeLanguage::c && storage == ParameterStorage::constants) {
         if (const auto* pm = std::get_if<PmModel>(&model.model)) set_native(program, "pm_value", value_in_c(*pm));
         if (options.sampling) {

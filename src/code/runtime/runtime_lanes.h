@@ -6,7 +6,9 @@
 #else
 #define SRBF_INLINE SRBF_FN
 #endif
-#if defined __GNUC__ && !defined __clang__
+#ifdef __CUDACC__
+#define SRBF_UNROLL _Pragma("unroll")
+#elif defined __GNUC__ && !defined __clang__
 #define SRBF_UNROLL _Pragma("GCC unroll 8")
 #else
 #define SRBF_UNROLL
@@ -101,10 +103,9 @@ SRBF_FN float srbf_x_sum(srbf_x a) {
 #endif
 SRBF_FN srbf_x srbf_x_sqrt(srbf_x a) { return a * srbf_x_inversesqrt(a); }
 
-// 2^a by the nearest integer and a polynomial for the rest; relative error 2e-7. It is 0 from -127 down.
+// 2^a by the nearest integer and a polynomial for the rest, for |a| < 126; relative error 2e-7.
 SRBF_FN srbf_x srbf_x_exp2(srbf_x a) {
-    const srbf_x shift = srbf_x_of(12582912.0f), x = srbf_x_max(a, srbf_x_of(-127.0f)), sum = x + shift;
-    const srbf_x r = x - (sum - shift);
+    const srbf_x shift = srbf_x_of(12582912.0f), sum = a + shift, r = a - (sum - shift);
     srbf_x power = srbf_x_of(0.00132646454f) * r + srbf_x_of(0.00967157641f);
     power = (power * r + srbf_x_of(0.0555073452f)) * r + srbf_x_of(0.240222411f);
     power = (power * r + srbf_x_of(0.693146977f)) * r + srbf_x_of(1.0f);

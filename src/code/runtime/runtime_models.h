@@ -239,21 +239,21 @@ static void srbf_find_nearest(srbf_su su, srbf_vec3 w, int* nearest) {
 }
 
 // f(wl, wv) of a multivariate model. The forms that fits have by default have constant sizes.
-static srbf_vec3 srbf_pm_value(const srbf_model* model, srbf_vec3 wl, srbf_vec3 wv) {
+static srbf_vec3 srbf_pm_value(const srbf_model* model, const srbf_vec3* wl, const srbf_vec3* wv) {
+    const srbf_form form = model->pm;
 #ifndef __OPTIMIZE_SIZE__
-    const srbf_form form = model->pm, usual = {form.lobes, 3, 4, 1, 1}, measured = {form.lobes, 4, 4, 1, 0};
+    const srbf_form usual = {form.lobes, 3, 4, 1, 1}, measured = {form.lobes, 4, 4, 1, 0};
     if (form.axial && form.features == 4 && form.reciprocal && form.variates == 3)
-        return srbf_lobes_value(usual, model->lobes, wl, wv);
+        return srbf_lobes_value(usual, model->lobes, *wl, *wv);
     if (form.axial && form.features == 4 && !form.reciprocal && form.variates == 4)
-        return srbf_lobes_value(measured, model->lobes, wl, wv);
+        return srbf_lobes_value(measured, model->lobes, *wl, *wv);
 #endif
-    return srbf_lobes_value(model->pm, model->lobes, wl, wv);
+    return srbf_lobes_value(form, model->lobes, *wl, *wv);
 }
 
-// f(wl, wv) of a model above the horizon.
-static srbf_vec3 srbf_model_value(const srbf_model* model, srbf_vec3 wl, srbf_vec3 wv) {
+// f(wl, wv) of any other model above the horizon.
+static srbf_vec3 srbf_other_value(const srbf_model* model, srbf_vec3 wl, srbf_vec3 wv) {
     const srbf_vec3 l = model->is_exchanged ? wv : wl, v = model->is_exchanged ? wl : wv;
-    if (model->kind == SRBF_KIND_PM) return srbf_pm_value(model, wl, wv);
     if (model->kind == SRBF_KIND_SU) {
         const srbf_vec3 evaluated = model->su.of_lights ? wv : wl, sampled = model->su.of_lights ? wl : wv;
         int nearest[8];

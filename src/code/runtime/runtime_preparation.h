@@ -19,8 +19,9 @@ struct srbf_brdf {
     float* scratch;
 };
 
-static srbf_vec3 srbf_part_value(const srbf_part* part, srbf_vec3 wl, srbf_vec3 wv) {
-    return part->is_exchanged ? srbf_model_value(part->model, wv, wl) : srbf_model_value(part->model, wl, wv);
+SRBF_INLINE srbf_vec3 srbf_part_value(const srbf_part* part, srbf_vec3 wl, srbf_vec3 wv) {
+    const srbf_vec3 l = part->is_exchanged ? wv : wl, v = part->is_exchanged ? wl : wv;
+    return part->model->kind == SRBF_KIND_PM ? srbf_pm_value(part->model, &l, &v) : srbf_other_value(part->model, l, v);
 }
 
 // Sets a segment from the numbers at its ends.

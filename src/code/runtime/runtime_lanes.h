@@ -3,8 +3,10 @@
 #include <string.h>
 #ifdef __GNUC__
 #define SRBF_INLINE SRBF_FN __attribute__((always_inline))
+#define SRBF_APART static __attribute__((noinline))
 #else
 #define SRBF_INLINE SRBF_FN
+#define SRBF_APART static
 #endif
 #ifdef __CUDACC__
 #define SRBF_UNROLL _Pragma("unroll")

@@ -239,7 +239,7 @@ static void srbf_find_nearest(srbf_su su, srbf_vec3 w, int* nearest) {
 }
 
 // f(wl, wv) of a multivariate model. The forms that fits have by default have constant sizes.
-static srbf_vec3 srbf_pm_value(const srbf_model* model, const srbf_vec3* wl, const srbf_vec3* wv) {
+SRBF_APART srbf_vec3 srbf_pm_value(const srbf_model* model, const srbf_vec3* wl, const srbf_vec3* wv) {
     const srbf_form form = model->pm;
 #ifndef __OPTIMIZE_SIZE__
     const srbf_form usual = {form.lobes, 3, 4, 1, 1}, measured = {form.lobes, 4, 4, 1, 0};
@@ -252,7 +252,7 @@ static srbf_vec3 srbf_pm_value(const srbf_model* model, const srbf_vec3* wl, con
 }
 
 // f(wl, wv) of any other model above the horizon.
-static srbf_vec3 srbf_other_value(const srbf_model* model, srbf_vec3 wl, srbf_vec3 wv) {
+SRBF_APART srbf_vec3 srbf_other_value(const srbf_model* model, srbf_vec3 wl, srbf_vec3 wv) {
     const srbf_vec3 l = model->is_exchanged ? wv : wl, v = model->is_exchanged ? wl : wv;
     if (model->kind == SRBF_KIND_SU) {
         const srbf_vec3 evaluated = model->su.of_lights ? wv : wl, sampled = model->su.of_lights ? wl : wv;

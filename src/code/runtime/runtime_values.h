@@ -21,7 +21,7 @@ SRBF_INLINE srbf_vec3 srbf_lobes_value(srbf_form form, const float* number, srbf
     float each[3][SRBF_LANES];
     int j, n, k;
     SRBF_UNROLL
-    for (k = 0; k < count; ++k) further[k] = srbf_x_of(features.x[k]);
+    for (k = 0; k < 4; ++k) further[k] = srbf_x_of(features.x[k]);
     SRBF_UNROLL
     for (n = 0; n < variates + other; ++n) {
         if (n % SRBF_LANES == 0) {

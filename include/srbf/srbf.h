@@ -103,7 +103,7 @@ void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<con
 LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector);
 /// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
-/// What `value` and `pdf` return for a pair, as multiple importance sampling needs them together.
+/// The results of `value` and `pdf` for a pair. Multiple importance sampling needs both.
 struct ValuePdf {
     Rgb value;      ///< f_r [1/sr]
     float pdf = 0;  ///< [1/sr]

@@ -13,11 +13,6 @@
 namespace srbf {
 namespace {
 
-/// Functions of kernel.glsl beyond those of lobes and mixtures.
-const std::vector<std::string> k_functions{
-    "su_rotated_value",  "su_plain_value", "ggx_value", "openpbr_value", "openpbr_anisotropic_value",
-    "openpbr_roughness", "alpha_of",       "roughened", "facets_along",  "elevation_coordinate"};
-
 std::string table_text(const syntax::Table& table) {
     return syntax::Printer(CodeLanguage::c, {{table.name, "srbf_" + table.name}}).text(table) + "\n";
 }
@@ -58,11 +53,14 @@ std::string runtime_code() {
         "Lobes of directions: bandwidth and scale; of half vectors: bandwidth, and 1 if "
         "weighted by their visibility.",
         "component", slot_numbers(), 8};
+    const std::vector<std::string> functions{
+        "su_rotated_value",  "su_plain_value", "ggx_value", "openpbr_value", "openpbr_anisotropic_value",
+        "openpbr_roughness", "alpha_of",       "roughened", "facets_along",  "elevation_coordinate"};
     std::set<std::string> known;
     const std::string lobes = lobes_in_c(known), mixtures = mixtures_in_c(known);
     return k_runtime_interface_text + syntax::definitions_of_c() +
            fmt::format("#define SRBF_MOST_VARIATES {}\n\n", k_most_variates) + lobes + mixtures + k_runtime_host_text +
-           kernel_in_c(k_functions, "srbf_", false, known) + observer_text() + table_text(components) +
+           kernel_in_c(functions, "srbf_", false, known) + observer_text() + table_text(components) +
            parameters_text() + k_runtime_files_text + k_runtime_models_text + k_runtime_preparation_text +
            k_runtime_functions_text;
 }

@@ -393,7 +393,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     return program;
 }
 
-/// What the native definitions of models require.
+/// Returns the definitions that native ones of models require.
 std::string lanes_text(std::span<const NamedModel> models, const CodeOptions& options) {
     const auto is_pm = [](const NamedModel& named) { return std::holds_alternative<PmModel>(named.model->model); };
     if (options.language != CodeLanguage::c || !(options.sampling || std::ranges::any_of(models, is_pm))) return "";

@@ -9,8 +9,8 @@ typedef struct {
 SRBF_FN int srbf_rows_of_variate(srbf_form form) { return form.axial ? 2 : 4; }
 SRBF_FN int srbf_rows(srbf_form form) { return 4 + form.features + form.variates * srbf_rows_of_variate(form); }
 
-// pm_value of kernel.glsl, with variates in lanes, then lobes. x has in all lanes each variate's x, y, z, or of an axial
-// model its squared distances from +z and from -z; further has the features. Sizes that are constants make it faster.
+// pm_value of kernel.glsl, with variates in lanes, then lobes. x has in all lanes each variate's x, y, z, or of an
+// axial model its squared distances from +z and from -z; further has the features. Constant sizes make it faster.
 SRBF_INLINE srbf_vec3 srbf_lobes_value(srbf_form form, const float* number, srbf_vec3 wl, srbf_vec3 wv) {
     const int axial = form.axial, variates = form.variates, count = form.features;
     const int other = form.reciprocal ? variates : 0, columns = srbf_rows_of_variate(form);

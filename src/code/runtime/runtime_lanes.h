@@ -16,7 +16,8 @@
 #define SRBF_UNROLL
 #endif
 #if defined __GNUC__ && !defined __CUDACC__ && !defined SRBF_ONE_LANE
-#ifdef __AVX2__
+// GCC does not align the stack of Windows for eight.
+#if defined __AVX2__ && (!defined __MINGW32__ || defined __clang__)
 #define SRBF_LANES 8
 #else
 #define SRBF_LANES 4

@@ -272,8 +272,8 @@ void add_export(CommandLine& app, int& status) {
     for (const ExportKind& kind : exports.kinds) names.push_back(kind.name);
     sub.add_option("--to", command->to, exports.about + k_about_models).type_name("KIND").required().one_of(names);
     std::string about =
-        "sampling: also NAME_sample and NAME_pdf; albedo: also NAME_albedo, the fraction of light that\n"
-        "is reflected to a view; blend: also OUTPUT_brdf(wl, wv, weights) of two or three models, mixed by a mask";
+        "sampling: also NAME_sample, NAME_pdf and NAME_value_pdf; albedo: also NAME_albedo, the fraction of light\n"
+        "that is reflected to a view; blend: also OUTPUT_brdf(wl, wv, weights) of two or three models, mixed by a mask";
     for (const CodeFeature& feature : code_features()) {
         about += fmt::format(";\n{}: {}", feature.name, feature.summary);
         features.emplace_back(feature.name);

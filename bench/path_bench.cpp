@@ -130,6 +130,28 @@ template <typename P> void draw_and_density_of_one(benchmark::State& state, cons
         i = (i + 1) % samples().u.size();
     }
 }
+/// Value and density of the prepared fit apart, and in one call.
+template <typename Call> void both_of_pm(benchmark::State& state, const Call& call) {
+    const PreparedBrdf brdf = prepare(Model{film_pm(), {}}, ProposeOptions{});
+    std::size_t i = 0;
+    for (auto _ : state) {
+        call(brdf, samples().wl[i], samples().wv[i]);
+        i = (i + 1) % samples().u.size();
+    }
+}
+void value_and_density_of_pm(benchmark::State& state) {
+    both_of_pm(state, [](const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) {
+        benchmark::DoNotOptimize(value(brdf, wl, wv));
+        benchmark::DoNotOptimize(pdf(brdf, wl, wv));
+    });
+}
+void value_pdf_of_pm(benchmark::State& state) {
+    both_of_pm(state,
+               [](const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) { benchmark::DoNotOptimize(value_pdf(brdf, wl, wv)); });
+}
+BENCHMARK(value_and_density_of_pm);
+BENCHMARK(value_pdf_of_pm);
+
 /// Benchmarks of a mixture for each instruction set of this machine.
 const bool k_registered = [] {
     for (const Target target : hwy::SupportedAndGeneratedTargets()) {

@@ -185,8 +185,8 @@ inline Array albedo_rows(const PyBrdf& brdf, const Array& cosine) {
 
 /// The value at one pair of directions and the density of `sample` there: R, G, B, pdf [1/sr].
 inline std::array<float, 4> value_at(const PyBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
-    const Rgb f = value(brdf.prepared(), wl, wv);
-    return {f.r, f.g, f.b, pdf(brdf.prepared(), wl, wv)};
+    const ValuePdf both = value_pdf(brdf.prepared(), wl, wv);
+    return {both.value.r, both.value.g, both.value.b, both.pdf};
 }
 /// One sample: direction, weight, pdf.
 inline std::array<float, 7> sample_at(const PyBrdf& brdf, const Vec3f& wv, const Vec3f& u) {

@@ -139,6 +139,9 @@ TEST(Bsdf, SamplingIsThatOfItsDensity) {
                 continue;
             }
             EXPECT_PRED3(near_relative, drawn.pdf, pdf(bsdf, drawn.wl, wv), 1e-3);
+            const ValuePdf both = value_pdf(bsdf, drawn.wl, wv);
+            EXPECT_EQ(both.pdf, pdf(bsdf, drawn.wl, wv));
+            EXPECT_EQ(both.value, value(bsdf, drawn.wl, wv));
             observed[bins.index(to_double(drawn.wl))] += 1;
             scattered += double(drawn.weight.r), squares += std::pow(double(drawn.weight.r), 2);
         }

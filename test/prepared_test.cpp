@@ -420,6 +420,9 @@ TEST_F(Prepared, CopiesOutliveTheirSources) {
                 const Rgb f = value(*model, l, v), expected = value(reference, l, v);
                 for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6));
                 EXPECT_EQ(pdf(*model, l, v), pdf(proposal, l, v));
+                const ValuePdf both = value_pdf(*model, l, v);
+                EXPECT_EQ(both.value, f);
+                EXPECT_EQ(both.pdf, pdf(*model, l, v));
                 if (!(v.z > 0)) continue;
                 const Vec3f u = draw3();
                 const LightSample prepared_sample = sample(*model, v, {u.x, u.y}, u.z),

@@ -213,7 +213,7 @@ void expect_equal(const Answers& answers, const std::string& language) {
 /// Statements that evaluate a model: `write(k, vector, number)` stores answer k of three.
 std::string answer_text(std::size_t m, const std::string& zero, const auto& write) {
     const std::string name = name_of(m);
-    return write(0, name + "_brdf(wl, wv)", name + "_pdf(wl, wv)") +
+    return write(0, name + "_value_pdf(wl, wv).value", name + "_value_pdf(wl, wv).pdf") +
            write(1, fmt::format("{0}_sample(wv, u.x, u.y, u.z)", name),
                  fmt::format("{0}_pdf({0}_sample(wv, u.x, u.y, u.z), wv)", name)) +
            write(2, name + "_albedo(wv.z)", zero);

@@ -32,6 +32,7 @@ class PreparedBsdf {
     friend Rgb value(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);
     friend BsdfSample sample(const PreparedBsdf& bsdf, Vec3f wv, Vec2f u, float selector);
     friend float pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);
+    friend ValuePdf value_pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);
 
   private:
     /// The probabilities of sampling reflection, transmission and their beams, for a viewer.
@@ -53,6 +54,8 @@ BsdfSample sample(const PreparedBsdf& bsdf, Vec3f wv, Vec2f u, float selector);
 /// The density of scattered directions [1/sr]. ∫ pdf over the sphere is 1 minus the probabilities of beams and of
 /// samples without a direction.
 float pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);
+/// Both for a pair.
+ValuePdf value_pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);
 
 /// Prepares a model or a measurement, of a BRDF or a BSDF. Each part is prepared by `prepare` of prepared.h with
 /// its own sampling density: a BSDF with four parts takes four times as long as a BRDF. A part that also serves the

@@ -21,7 +21,7 @@ enum class CodeLanguage {
 
 struct CodeOptions {
     CodeLanguage language = CodeLanguage::glsl;
-    bool sampling = false;               ///< also NAME_sample and NAME_pdf
+    bool sampling = false;               ///< also NAME_sample, NAME_pdf and NAME_value_pdf
     bool albedo = false;                 ///< also NAME_albedo
     bool blend = false;                  ///< also functions that mix two or three models by a mask
     std::vector<std::string> with = {};  ///< also functions of extras: "environment"
@@ -42,6 +42,7 @@ std::string identifier(std::string_view text);
 ///   Vec3 NAME_sample(Vec3 wv, float u1, float u2, float selector)   a direction to the light, for u1, u2, selector
 ///                                      uniform in [0,1); z <= 0 where the draw has none
 ///   float NAME_pdf(Vec3 wl, Vec3 wv)   its density [1/sr], 0 where wl or wv is not above the horizon
+///   ValuePdf NAME_value_pdf(wl, wv)    both: value and pdf
 ///   Vec3 NAME_albedo(float cosine)     directional albedo of a view at that cosine to the normal
 /// of unit vectors in the local frame: z along the normal, and of anisotropic models x along the tangent. Vec3 is the
 /// language's vector of three floats, in C the structure srbf_vec3. The functions are printed from kernel.glsl, with

@@ -103,6 +103,12 @@ void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<con
 LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector);
 /// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
+/// The results of `value` and `pdf` for a pair. Multiple importance sampling needs both.
+struct ValuePdf {
+    Rgb value;      ///< f_r [1/sr]
+    float pdf = 0;  ///< [1/sr]
+};
+ValuePdf value_pdf(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv);
 
 /// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths. Of a view-by-view model whose
 /// sampled direction is the view it is interpolated, as the model is, from the integrals of the lobes: within 1 % or

@@ -1,24 +1,23 @@
 #include "srbf/file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "base/file_reader.h"
 #include "base/files.h"
+#include "base/system_files.h"
 #include "base/text.h"
 
 namespace srbf {
 
 namespace {
+
+namespace system = system_files;
 
 /// A file descriptor that is closed at the end of its scope.
 class Descriptor {
@@ -31,7 +30,7 @@ class Descriptor {
     int number() const { return number_; }
     /// Closes the file, also if a signal interrupts the call; returns 0 or errno. A full disk may be reported only
     /// here.
-    int close() { return number_ < 0 || ::close(std::exchange(number_, -1)) == 0 || errno == EINTR ? 0 : errno; }
+    int close() { return number_ < 0 || system::close(std::exchange(number_, -1)) == 0 || errno == EINTR ? 0 : errno; }
 
   private:
     int number_;
@@ -43,8 +42,11 @@ template <typename Call> auto uninterrupted(const Call& call) {
         if (const auto result = call(); result >= 0 || errno != EINTR) return result;
 }
 
-int open_file(const std::string& path, int flags, mode_t mode = 0) {
-    return uninterrupted([&] { return ::open(path.c_str(), flags | O_CLOEXEC, mode); });
+int open_file(const std::string& path, int flags, unsigned mode = 0) {
+    return uninterrupted([&] { return system::open(path, flags, mode); });
+}
+int open_folder(const std::string& path) {
+    return uninterrupted([&] { return system::open_folder(path); });
 }
 
 /// The system's text for an errno; empty for 0, which is success.
@@ -59,14 +61,14 @@ Error cannot_write(const std::string& path, std::string found) {
 
 /// Waits until the disk has the file's content; returns 0 or errno. Some file systems do not support this for folders.
 int synchronise(const Descriptor& file) {
-    const int failed = uninterrupted([&] { return ::fsync(file.number()); });
+    const int failed = uninterrupted([&] { return system::synchronise(file.number()); });
     return failed == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
 }
 
 /// Writes all bytes; returns 0 or errno.
 int write_all(const Descriptor& file, std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
-        const ssize_t written = uninterrupted([&] { return ::write(file.number(), bytes.data(), bytes.size()); });
+        const auto written = uninterrupted([&] { return system::write(file.number(), bytes.data(), bytes.size()); });
         if (written < 0) return errno;
         bytes = bytes.subspan(std::size_t(written));
     }
@@ -82,13 +84,13 @@ int write_and_close(Descriptor& file, const WriteContent& content, bool durable)
 }
 
 std::string folder_of(const std::string& path) {
-    const std::string folder = std::filesystem::path(path).parent_path().string();
+    const std::string folder = system::text_of(system::path_of(path).parent_path());
     return folder.empty() ? "." : folder;
 }
 
 /// Waits until the disk has the names in the folder of `path`; returns 0 or errno.
 int synchronise_folder_of(const std::string& path) {
-    const Descriptor folder(open_file(folder_of(path), O_RDONLY | O_DIRECTORY));
+    const Descriptor folder(open_folder(folder_of(path)));
     if (folder.number() < 0) return errno == EACCES ? 0 : errno;  // a folder may be writable but not readable
     return synchronise(folder);
 }
@@ -97,8 +99,8 @@ int synchronise_folder_of(const std::string& path) {
 /// at a time, and the files of the last one remain. Has no effect on file systems without such locks.
 class FolderLock {
   public:
-    explicit FolderLock(const std::string& path) : folder_(open_file(folder_of(path), O_RDONLY | O_DIRECTORY)) {
-        if (folder_.number() >= 0) (void)uninterrupted([&] { return ::flock(folder_.number(), LOCK_EX); });
+    explicit FolderLock(const std::string& path) : folder_(open_folder(folder_of(path))) {
+        if (folder_.number() >= 0) (void)uninterrupted([&] { return system::lock(folder_.number()); });
     }
 
   private:
@@ -106,10 +108,10 @@ class FolderLock {
 };
 
 /// A new file next to `target` with a unique name.
-Descriptor create_beside(const std::string& target, mode_t mode, std::string& name) {
+Descriptor create_beside(const std::string& target, unsigned mode, std::string& name) {
     for (int attempt = 0;; ++attempt) {
-        name = (std::filesystem::path(target).parent_path() / fmt::format(".srbf-{}-{}.tmp", ::getpid(), attempt))
-                   .string();
+        name = system::text_of(system::path_of(target).parent_path() /
+                               fmt::format(".srbf-{}-{}.tmp", system::process(), attempt));
         const int number = open_file(name, O_WRONLY | O_CREAT | O_EXCL, mode);
         if (number >= 0 || errno != EEXIST) return Descriptor(number);
     }
@@ -118,12 +120,12 @@ Descriptor create_beside(const std::string& target, mode_t mode, std::string& na
 /// The file that `path` names: follows a link, which a rename would otherwise replace.
 std::string target_of(const std::string& path) {
     std::error_code unresolved;
-    if (!std::filesystem::is_symlink(path, unresolved)) return path;
-    const std::filesystem::path link(path);
+    const std::filesystem::path link = system::path_of(path);
+    if (!std::filesystem::is_symlink(link, unresolved)) return path;
     const bool leads_somewhere = std::filesystem::exists(link, unresolved);
-    const std::string target = (leads_somewhere ? std::filesystem::canonical(link, unresolved)
-                                                : link.parent_path() / std::filesystem::read_symlink(link, unresolved))
-                                   .string();
+    const std::string target =
+        system::text_of(leads_somewhere ? std::filesystem::canonical(link, unresolved)
+                                        : link.parent_path() / std::filesystem::read_symlink(link, unresolved));
     return unresolved || target.empty() ? path : target;
 }
 
@@ -144,12 +146,12 @@ class Replacement {
           temporary_(std::exchange(other.temporary_, {})) {}
     Replacement& operator=(Replacement&&) = delete;
     ~Replacement() {
-        if (!temporary_.empty()) ::unlink(temporary_.c_str());
+        if (!temporary_.empty()) system::remove(temporary_);
     }
 
     Result<Done> publish() {
         if (temporary_.empty()) return Done{};  // a device was written directly
-        if (std::rename(temporary_.c_str(), target_.c_str()) != 0) return cannot_write(path_, reason(errno));
+        if (system::rename(temporary_, target_) != 0) return cannot_write(path_, reason(errno));
         temporary_.clear();
         return Done{};
     }
@@ -164,8 +166,8 @@ class Replacement {
 
     /// Returns the reason of a failure, or an empty string.
     std::string write(const WriteContent& content) {
-        struct stat status;
-        const bool exists = ::stat(path_.c_str(), &status) == 0;
+        system::Status status;
+        const bool exists = system::status(path_, status) == 0;
         if (exists && S_ISDIR(status.st_mode)) return "a folder";
         if (exists && !S_ISREG(status.st_mode)) {  // a device or a pipe is written directly
             Descriptor file(open_file(path_, O_WRONLY));
@@ -185,8 +187,8 @@ class Replacement {
 
 /// The bytes of an open file, to its end or one byte beyond `most`.
 Result<std::vector<std::byte>> read_open(const Descriptor& file, const std::string& path, const MostBytes& most) {
-    struct stat status;
-    if (::fstat(file.number(), &status) != 0) return cannot_read(path, reason(errno));
+    system::Status status;
+    if (system::status(file.number(), status) != 0) return cannot_read(path, reason(errno));
     if (S_ISDIR(status.st_mode)) return cannot_read(path, "a folder");
     const auto too_large = [&path] { return cannot_read(path, fmt::format("more than {} bytes", k_largest_file)); };
     const std::uint64_t size = S_ISREG(status.st_mode) ? std::uint64_t(status.st_size) : 0;
@@ -198,8 +200,8 @@ Result<std::vector<std::byte>> read_open(const Descriptor& file, const std::stri
     std::vector<std::byte> bytes(size > 0 ? expected(limit) : 1 << 16);
     bool is_head_complete = !most;
     for (std::size_t filled = 0;;) {
-        const ssize_t count =
-            uninterrupted([&] { return ::read(file.number(), bytes.data() + filled, bytes.size() - filled); });
+        const auto count =
+            uninterrupted([&] { return system::read(file.number(), bytes.data() + filled, bytes.size() - filled); });
         if (count < 0) return cannot_read(path, reason(errno));
         filled += std::size_t(count);
         if (!is_head_complete && filled >= k_head_bytes) {
@@ -249,14 +251,14 @@ FileReader::FileReader(FileReader&& other) noexcept
     : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
 
 FileReader::~FileReader() {
-    if (descriptor_ >= 0) ::close(descriptor_);
+    if (descriptor_ >= 0) system::close(descriptor_);
 }
 
 Result<std::size_t> FileReader::read(std::span<std::byte> bytes) {
     std::size_t filled = 0;
     while (filled < bytes.size()) {
-        const ssize_t count =
-            uninterrupted([&] { return ::read(descriptor_, bytes.data() + filled, bytes.size() - filled); });
+        const auto count =
+            uninterrupted([&] { return system::read(descriptor_, bytes.data() + filled, bytes.size() - filled); });
         if (count < 0) return cannot_read(path_, errno == EISDIR ? "a folder" : reason(errno));
         if (count == 0) break;
         filled += std::size_t(count);
@@ -268,8 +270,8 @@ Result<std::size_t> FileReader::read(std::uint64_t offset, std::span<std::byte> 
     std::size_t filled = 0;
     while (filled < bytes.size()) {
         const auto rest = bytes.subspan(filled);
-        const ssize_t count =
-            uninterrupted([&] { return ::pread(descriptor_, rest.data(), rest.size(), off_t(offset + filled)); });
+        const auto count =
+            uninterrupted([&] { return system::read_at(descriptor_, rest.data(), rest.size(), offset + filled); });
         if (count < 0) return cannot_read(path_, errno == EISDIR ? "a folder" : reason(errno));
         if (count == 0) break;
         filled += std::size_t(count);
@@ -351,7 +353,7 @@ Result<Done> write_files(std::span<const NewFile> files, const std::function<Res
 }
 
 Result<Done> rename_path(const std::string& from, const std::string& to) {
-    if (std::rename(from.c_str(), to.c_str()) != 0) return cannot_write(to, reason(errno));
+    if (system::rename(from, to) != 0) return cannot_write(to, reason(errno));
     if (const int code = synchronise_folder_of(to)) return cannot_write(to, reason(code));
     return Done{};
 }

@@ -393,7 +393,19 @@ std::string Printer::text(const Table& table) {
     return comment_text(table.comment, 0) + fmt::format(fmt::runtime(language_.table), name, size, numbers);
 }
 
+std::string Printer::native_text(const std::string& native) const {
+    std::string text;
+    for (std::size_t begin = 0; begin < native.size();) {
+        const std::size_t at = std::min(native.find('@', begin), native.size()), end = native.find('@', at + 1);
+        text += native.substr(begin, at - begin);
+        if (at < native.size()) text += printed_name(native.substr(at + 1, end - at - 1));
+        begin = at < native.size() ? end + 1 : at;
+    }
+    return text;
+}
+
 std::string Printer::text(const Function& function) {
+    if (!function.native.empty()) return comment_text(function.comment, 0) + native_text(function.native);
     std::set<std::string> changed;
     visit_statements(function.body, [&](const Statement& statement) {
         if (statement.kind == SKind::assign) changed.insert(assigned_variable(statement.values[0]));

@@ -15,7 +15,7 @@ struct Language;
 class Printer {
   public:
     Printer(CodeLanguage language, std::map<std::string, std::string> names);
-    /// C whose numbers are srbf_x4 (code/runtime/runtime_host.h): conditions on them choose lane by lane.
+    /// C whose numbers are srbf_x (code/runtime/runtime_lanes.h): conditions on them choose lane by lane.
     static Printer of_lanes(std::map<std::string, std::string> names);
 
     std::string text(const Structure& structure);
@@ -25,6 +25,7 @@ class Printer {
   private:
     Printer(const Language& language, std::map<std::string, std::string> names);
     std::string printed_name(const std::string& name) const;
+    std::string native_text(const std::string& native) const;
     std::string type_text(const Type& type) const;
     std::string declaration(const Type& type, const std::string& name) const;
     std::string call_text(const Expression& call);

@@ -14,6 +14,7 @@
 #include "code/bsdf_code.h"
 #include "code/defined_names.h"
 #include "code/extra_code.h"
+#include "code/lanes_code.h"
 #include "code/offered_code.h"
 #include "code/print.h"
 #include "code/print_python.h"
@@ -207,6 +208,19 @@ std::string brdf_function(const std::string& statements) {
            "        return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
            statements + "}\n";
 }
+constexpr const char* k_value_pdf_text = R"(
+// The BRDF and the density of samples, as multiple importance sampling needs them together.
+struct ValuePdf {
+    Vec3 value;
+    Real pdf;
+};
+ValuePdf value_pdf(Su su, Vec3 wl, Vec3 wv, Pm pm) {
+    ValuePdf both;
+    both.value = brdf(su, wl, wv, pm);
+    both.pdf = light_pdf(wl, wv);
+    return both;
+}
+)";
 std::string brdf_of(const Model& model, ParameterStorage storage, Program& program) {
     if (storage != ParameterStorage::tables)
         return brdf_function(formula_text(model, [](float x, auto, auto) { return real(x); }));
@@ -261,14 +275,16 @@ std::string albedo_node_text(const Model& model, ParameterStorage storage, bool 
         J);
 }
 
+/// The mixture that samples of a model follow; without sampling, one that nothing reads.
+MixtureProposal mixture_of(const Model& model, const CodeOptions& options) {
+    if (!options.sampling) return {};
+    const int azimuths = is_isotropic(model) ? 1 : k_anisotropic_azimuths;
+    return std::get<MixtureProposal>(propose(model, {azimuths, options.threads}));
+}
+
 /// The functions and the macro that mixture.glsl requires.
-std::string mixture_numbers_text(const Model& model, const CodeOptions& options, Program& program,
+std::string mixture_numbers_text(const MixtureProposal& mixture, const CodeOptions& options, Program& program,
                                  std::map<std::string, std::string>& defines) {
-    MixtureProposal mixture;
-    if (options.sampling) {
-        const int azimuths = is_isotropic(model) ? 1 : k_anisotropic_azimuths;
-        mixture = std::get<MixtureProposal>(propose(model, {azimuths, options.threads}));
-    }
     const bool has_facets = mixture.facets.has_value();
     Table nodes{fmt::format("The proposal, a row for each node: the weights of its lobes, their stretch and power{}.",
                             has_facets ? ", the weights and matrices of facets" : ""),
@@ -294,7 +310,7 @@ using Names = std::map<std::string, std::string>;
 Names entries(const CodeOptions& options, const AddedCode& added) {
     Names names = added.entries;
     names.insert({"brdf", "brdf"});
-    if (options.sampling) names.insert({{"sample_light", "sample"}, {"light_pdf", "pdf"}});
+    if (options.sampling) names.insert({{"sample_light", "sample"}, {"light_pdf", "pdf"}, {"value_pdf", "value_pdf"}});
     if (options.albedo) names.insert({"directional_albedo", "albedo"});
     return names;
 }
@@ -340,6 +356,12 @@ ModelText text_of(const Model& model, ParameterStorage storage, Program& program
     return text;
 }
 
+/// Replaces the body of a function by its definition in the printed language.
+void set_native(Program& program, std::string_view name, std::string native) {
+    syntax::Function& function = *std::ranges::find(program.functions, name, &syntax::Function::name);
+    function.body.clear(), function.native = std::move(native);
+}
+
 Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
                    const AddedCode& added = {}, ParameterStorage storage = ParameterStorage::constants) {
     Program program;
@@ -349,7 +371,8 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                                                {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
                                                {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
     const bool has_albedo = options.albedo || added.albedo, is_mixture = options.sampling || has_albedo;
-    const std::string mixture = is_mixture ? mixture_numbers_text(model, options, program, defines) : std::string(),
+    const MixtureProposal proposal = mixture_of(model, options);
+    const std::string mixture = is_mixture ? mixture_numbers_text(proposal, options, program, defines) : std::string(),
                       nodes = added.albedo_node.empty() ? albedo_node_text(model, storage, has_albedo, program)
                                                         : added.albedo_node,
                       more =
@@ -357,9 +380,26 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     syntax::parse(model_text.handle + model_text.accessors + k_handles, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(model_text.brdf, program, defines);
-    if (is_mixture) syntax::parse(mixture + k_mixture_text + nodes + k_albedo_text + more, program, defines);
+    if (is_mixture)
+        syntax::parse(mixture + k_mixture_text + k_value_pdf_text + nodes + k_albedo_text + more, program, defines);
+    if (options.language == CodeLanguage::c && storage == ParameterStorage::constants) {
+        if (const auto* pm = std::get_if<PmModel>(&model.model)) set_native(program, "pm_value", value_in_c(*pm));
+        if (options.sampling) {
+            set_native(program, "sample_light", mixture_in_c(proposal) + k_sample_in_c);
+            set_native(program, "light_pdf", k_pdf_in_c);
+        }
+    }
     syntax::specialise(program, roots);
     return program;
+}
+
+/// Returns the definitions that native ones of models require.
+std::string lanes_text(std::span<const NamedModel> models, const CodeOptions& options) {
+    const auto is_pm = [](const NamedModel& named) { return std::holds_alternative<PmModel>(named.model->model); };
+    if (options.language != CodeLanguage::c || !(options.sampling || std::ranges::any_of(models, is_pm))) return "";
+    std::set<std::string> known;
+    const std::string lobes = lobes_in_c(known);
+    return options.sampling ? lobes + mixtures_in_c(known) : lobes;
 }
 
 std::string kind_text(const Model& model) {
@@ -570,7 +610,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     }
     ProgramPrinter printer(std::move(programs), prefix, options.language, names);
     if (const auto distinct = printer.add_names(defined); !distinct) return distinct.error();
-    std::string definitions = printer.text() + bsdf_text;
+    std::string definitions = lanes_text(brdfs, options) + printer.text() + bsdf_text;
     if (options.blend) {
         const auto blend = blend_code(models, prefix, options, defined);
         if (!blend) return blend.error();

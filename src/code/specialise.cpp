@@ -152,7 +152,7 @@ template <typename Visit> void visit_calls(Program& program, const std::string& 
 /// Replaces parameters for which all calls pass the same number by that number.
 void replace_constant_parameters(Program& program, const std::vector<std::string>& roots) {
     for (Function& function : program.functions) {
-        if (std::ranges::find(roots, function.name) != roots.end()) continue;
+        if (std::ranges::find(roots, function.name) != roots.end() || !function.native.empty()) continue;
         std::vector<Expression*> calls;
         visit_calls(program, function.name, [&](Expression& call) { calls.push_back(&call); });
         for (std::size_t i = function.parameters.size(); i-- > 0 && !calls.empty();) {
@@ -170,7 +170,7 @@ void replace_constant_parameters(Program& program, const std::vector<std::string
 
 void remove_unread_parameters(Program& program, const std::vector<std::string>& roots) {
     for (Function& function : program.functions) {
-        if (std::ranges::find(roots, function.name) != roots.end()) continue;
+        if (std::ranges::find(roots, function.name) != roots.end() || !function.native.empty()) continue;
         std::set<std::string> read;
         visit_expressions(function.body, [&](const Expression& part) {
             if (part.kind == EKind::name) read.insert(part.text);

@@ -82,6 +82,8 @@ struct Function {
     std::vector<Variable> parameters;
     std::vector<Statement> body;  ///< empty for a root that the host supplies
     bool is_accessor = false;     ///< calls are replaced by the value that the function returns
+    /// The definition in the printed language instead of a body, with @NAME@ for the name of a function.
+    std::string native = {};
 };
 
 /// A program, in which everything is defined before its use.

@@ -178,6 +178,10 @@ LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector) 
     return sample(brdf, proposal(brdf), wv, u, selector);
 }
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) { return pdf(proposal(brdf), wl, wv); }
+ValuePdf value_pdf(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
+    if (!above_horizon(wl, wv)) return {};
+    return {value(brdf, wl, wv), pdf(proposal(brdf), wl, wv)};
+}
 
 Rgb albedo(const PreparedBrdf& brdf, float cos_v) {
     if (!(cos_v > 0)) return {};

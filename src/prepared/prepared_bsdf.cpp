@@ -114,11 +114,18 @@ BsdfSample sample(const PreparedBsdf& bsdf, Vec3f wv, Vec2f u, float selector) {
     return result;
 }
 
+ValuePdf value_pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {
+    const auto pair = to_part_frame(wl, wv);
+    if (!pair || !bsdf.parts_[std::size_t(pair->part)]) return {};
+    ValuePdf both = value_pdf(*bsdf.parts_[std::size_t(pair->part)], pair->wl, pair->wv);
+    both.pdf *= bsdf.chances(wv).part_chance[std::size_t(is_transmission(pair->part))];
+    return both;
+}
+
 float pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {
     const auto pair = to_part_frame(wl, wv);
     if (!pair || !bsdf.parts_[std::size_t(pair->part)]) return 0;
-    const auto chances = bsdf.chances(wv);
-    return chances.part_chance[std::size_t(is_transmission(pair->part))] *
+    return bsdf.chances(wv).part_chance[std::size_t(is_transmission(pair->part))] *
            pdf(*bsdf.parts_[std::size_t(pair->part)], pair->wl, pair->wv);
 }
 

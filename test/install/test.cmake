@@ -75,6 +75,12 @@ endif()
 used(${BUILD})
 run(${FOLDER}/prefix/bin/srbf info ${FOLDER}/paper.srbf)
 
+# As a part of a user's project, which compiles it; here, what the build has compiled is copied.
+run(${configure} -S ${SOURCE}/test/install/fetched -B ${FOLDER}/fetched -DFETCHCONTENT_SOURCE_DIR_SRBF=${SOURCE}
+    -DCCACHE=${SOURCE}/test/install/fetched/prebuilt.sh)
+run(${CMAKE_COMMAND} -E env PREBUILT=${BUILD} ${CMAKE_COMMAND} --build ${FOLDER}/fetched --target user)
+run(${FOLDER}/fetched/user ${paper} ${FOLDER}/fetched.srbf)
+
 try(${configure} -S ${SOURCE}/test/install -B ${FOLDER}/without -DCOMPONENTS=window)
 if(status EQUAL 0 OR NOT out MATCHES "no component 'window'")
   message(FATAL_ERROR "a component that there does not exist is found, or the error does not name it:\n${out}")

@@ -70,10 +70,12 @@ static srbf_brdf* srbf_read(srbf_file* file) {
         if (is_missing && result.is_two_sided && result.part[p ^ 1].model)
             part->model = result.part[p ^ 1].model, part->is_exchanged = p >= 2;
         if (part->model && !(is_missing && p == 1))
-            part->mixture = (srbf_mixture*)srbf_take(file, sizeof *part->mixture);
+            part->mixture = (srbf_mixture*)srbf_take(file, sizeof *part->mixture),
+            part->albedo = (float(*)[3])srbf_take(file, SRBF_ALBEDO_NODES * sizeof *part->albedo);
         if (part->mixture) srbf_reset(part->mixture);
     }
-    if (!result.part[1].mixture) result.part[1].mixture = result.part[0].mixture;
+    if (!result.part[1].mixture)
+        result.part[1].mixture = result.part[0].mixture, result.part[1].albedo = result.part[0].albedo;
     result.scratch = (float*)srbf_take(file, sizeof(srbf_points));
     if (!brdf || file->error) return 0;
     *brdf = result;
@@ -113,14 +115,15 @@ void srbf_prepare(srbf_brdf* brdf) {
 int srbf_is_two_sided(const srbf_brdf* brdf) { return brdf->is_two_sided; }
 
 // True if no direction lies in the surface. Sets the pair in the frame of a part, above its horizon.
-static int srbf_is_above(const srbf_brdf* brdf, const float wl[3], const float wv[3], srbf_vec3* l, srbf_vec3* v) {
+SRBF_INLINE int srbf_is_above(const srbf_brdf* brdf, const float wl[3], const float wv[3], srbf_vec3* l,
+                              srbf_vec3* v) {
     const float sum = (wl[0] + wl[1]) + (wv[0] + wv[1]) + (wl[2] + wv[2]);
     *l = srbf_vec3_of(wl[0], wl[1], brdf->is_two_sided ? fabsf(wl[2]) : wl[2]);
     *v = srbf_vec3_of(wv[0], wv[1], brdf->is_two_sided ? fabsf(wv[2]) : wv[2]);
     return l->z >= 1.17549435e-38f && v->z >= 1.17549435e-38f && sum - sum == 0.0f;
 }
 // The part that answers for the pair; -1 if there is none.
-static int srbf_part_of(const srbf_brdf* brdf, const float wl[3], const float wv[3], srbf_vec3* l, srbf_vec3* v) {
+SRBF_INLINE int srbf_part_of(const srbf_brdf* brdf, const float wl[3], const float wv[3], srbf_vec3* l, srbf_vec3* v) {
     const int is_back = wl[2] < 0.0f, part = is_back + 2 * (is_back != (wv[2] < 0.0f));
     return srbf_is_above(brdf, wl, wv, l, v) && brdf->part[part].model ? part : -1;
 }

@@ -4,7 +4,8 @@ typedef enum { SRBF_KIND_PM, SRBF_KIND_SU, SRBF_KIND_GGX, SRBF_KIND_OPENPBR } sr
 typedef struct {
     srbf_kind kind;
     int is_exchanged, has_film, is_anisotropic;
-    srbf_lobes pm;
+    srbf_form pm;
+    const float* lobes;
     srbf_view_lobes su;
     srbf_vec3 diffuse;
     srbf_GgxLobe ggx[2];
@@ -38,7 +39,7 @@ static float srbf_wavelength(const unsigned char** text, const unsigned char* en
     return x / srbf_max(unit, 1.0f);
 }
 // The place of a number of lobe j among the rows of its group.
-static int srbf_place(int j, int row, int rows) { return (j / SRBF_LANES * rows + row) * SRBF_LANES + j % SRBF_LANES; }
+static int srbf_place(int j, int row, int rows) { return (j / 8 * rows + row) * 8 + j % 8; }
 
 // Adds to the colours of lobes their spectra, which are linear between the wavelengths of a text: a sample counts by a
 // hat function, which is constant beyond the first and the last. R, G, B of white light are linear between rows of
@@ -70,9 +71,6 @@ static int srbf_add_spectra(srbf_file* file, const srbf_tensor* spectra, srbf_wo
            srbf_fail_at(file, SRBF_BAD_METADATA, text);
 }
 
-// The row of a variate's numbers.
-SRBF_FN int srbf_variate_row(const srbf_lobes* pm, int n) { return 4 + pm->features + (pm->axial ? 2 : 4) * n; }
-
 static int srbf_read_pm(srbf_file* file, const char* prefix, srbf_model* model) {
     static const char* const forms[] = {"source", "horizon", "extended", "reciprocal", 0};
     const float log2_e = 1.44269504f;
@@ -81,9 +79,10 @@ static int srbf_read_pm(srbf_file* file, const char* prefix, srbf_model* model) 
     const int is_spectral = srbf_metadata(file, prefix, "wavelengths");
     const srbf_word waves = file->word;
     const srbf_tensor *coefficient, *bandwidth, *parameterization, *scale = 0, *centre = 0, *exponent = 0;
-    srbf_lobes* pm = &model->pm;
+    srbf_form* pm = &model->pm;
     size_t lobes, variates, features, channels = 3, j, n, k;
     float* number;
+    int rows;
     if (file->error || !srbf_shape(file, prefix, "bandwidth", &lobes, &variates, 1024, SRBF_MOST_VARIATES)) return 0;
     if (is_spectral && !srbf_shape(file, prefix, "coefficient", &lobes, &channels, 1024, 4096)) return 0;
     features = form == 0 ? 0 : form == 1 ? 1 : 4;
@@ -95,38 +94,41 @@ static int srbf_read_pm(srbf_file* file, const char* prefix, srbf_model* model) 
     if (!axial) centre = srbf_need(file, prefix, "centre", lobes, variates, 2, -SRBF_MOST, SRBF_MOST);
     if (features) exponent = srbf_need(file, prefix, "exponent", lobes, features, 0, -SRBF_MOST, SRBF_MOST);
     if (file->error) return 0;
-    pm->groups = ((int)lobes + SRBF_LANES - 1) / SRBF_LANES, pm->variates = (int)variates, pm->features = (int)features;
-    pm->axial = axial, pm->reciprocal = form == 3, pm->rows = srbf_variate_row(pm, pm->variates);
+    pm->lobes = (int)lobes, pm->variates = (int)variates, pm->features = (int)features;
+    pm->axial = axial, pm->reciprocal = form == 3, rows = srbf_rows(*pm);
+    model->lobes = number =
+        (float*)srbf_take(file, (SRBF_FIRST_ROW + (lobes + 7) / 8 * 8 * (size_t)rows) * sizeof *number);
     for (n = 0; n < variates; ++n) {
-        pm->weight_l[n] = srbf_number(file, parameterization, 2 * n);
-        pm->weight_v[n] = srbf_number(file, parameterization, 2 * n + 1);
-        if (pm->weight_l[n] == 0.0f && pm->weight_v[n] == 0.0f)
-            return srbf_fail(file, SRBF_BAD_NUMBER, parameterization->begin);
+        const float a = srbf_number(file, parameterization, 2 * n), b = srbf_number(file, parameterization, 2 * n + 1);
+        if (a == 0.0f && b == 0.0f) return srbf_fail(file, SRBF_BAD_NUMBER, parameterization->begin);
+        if (!number) continue;
+        number[n] = a, number[16 + n] = b;
+        if (pm->reciprocal) number[variates + n] = b, number[16 + variates + n] = a;
     }
-    pm->number = number = (float*)srbf_take(file, (size_t)(pm->groups * pm->rows * SRBF_LANES) * sizeof *number);
     if (!number) return !file->error;
+    number += SRBF_FIRST_ROW;
     for (j = 0; j < lobes; ++j) {
-        float* lobe = number + srbf_place((int)j, 0, pm->rows);
+        float* lobe = number + srbf_place((int)j, 0, rows);
         if (scale) lobe[0] = log2_e * srbf_number(file, scale, j);
-        for (k = 0; k < 3 && !is_spectral; ++k) lobe[(1 + k) * SRBF_LANES] = srbf_number(file, coefficient, 3 * j + k);
+        for (k = 0; k < 3 && !is_spectral; ++k) lobe[8 * (1 + k)] = srbf_number(file, coefficient, 3 * j + k);
         for (k = 0; k < features; ++k) {
-            lobe[(4 + k) * SRBF_LANES] = log2_e * srbf_number(file, exponent, features * j + k);
-            if (k == 0 && lobe[4 * SRBF_LANES] < 0.0f) return srbf_fail(file, SRBF_BAD_NUMBER, exponent->begin);
+            lobe[8 * (4 + k)] = log2_e * srbf_number(file, exponent, features * j + k);
+            if (k == 0 && lobe[32] < 0.0f) return srbf_fail(file, SRBF_BAD_NUMBER, exponent->begin);
         }
         for (n = 0; n < variates; ++n) {
             const size_t i = j * variates + n;
             const float falloff = -0.5f * log2_e * srbf_number(file, bandwidth, i);
-            float* of = lobe + srbf_variate_row(pm, (int)n) * SRBF_LANES;
+            float* of = lobe + 8 * (4 + (int)features + (int)n * srbf_rows_of_variate(*pm));
             if (axial) {
-                of[0] = srbf_min(falloff, 0.0f), of[SRBF_LANES] = srbf_min(-falloff, 0.0f);
+                of[0] = srbf_min(falloff, 0.0f), of[8] = srbf_min(-falloff, 0.0f);
             } else {
                 const srbf_vec3 xi =
                     srbf_spherical(srbf_number(file, centre, 2 * i), srbf_number(file, centre, 2 * i + 1));
-                of[0] = falloff, of[SRBF_LANES] = xi.x, of[2 * SRBF_LANES] = xi.y, of[3 * SRBF_LANES] = xi.z;
+                of[0] = falloff, of[8] = xi.x, of[16] = xi.y, of[24] = xi.z;
             }
         }
     }
-    return !is_spectral || srbf_add_spectra(file, coefficient, waves, number, pm->rows);
+    return !is_spectral || srbf_add_spectra(file, coefficient, waves, number, rows);
 }
 
 static int srbf_read_su(srbf_file* file, const char* prefix, srbf_model* model) {
@@ -236,77 +238,22 @@ static void srbf_find_nearest(srbf_su su, srbf_vec3 w, int* nearest) {
         }
 }
 
-// pm_value of kernel.glsl, with variates in lanes, then lobes. Of (wl, wv) and (wv, wl), x has each variate's x, y, z,
-// or of an axial model its squared distances from +z and from -z, in all lanes. Sizes that are constants make it
-// faster.
-SRBF_INLINE srbf_vec3 srbf_sized_value(const srbf_lobes* pm, int axial, int reciprocal, int variates, int count,
-                                       srbf_vec3 wl, srbf_vec3 wv) {
-    const srbf_PmFeatures features = srbf_pm_further_features(count, wl, wv);
-    const srbf_x_vec3 l = srbf_x_all(wl), v = srbf_x_all(wv);
-    const float* group = pm->number;
-    srbf_x x[2][SRBF_MOST_VARIATES][3], further[4];
-    srbf_x_vec3 sum = srbf_x_all(srbf_vec3_of(0.0f, 0.0f, 0.0f));
-    float each[3][SRBF_LANES];
-    int j, n, k, side;
-    memset(each, 0, sizeof each);
-    for (k = 0; k < 4; ++k) further[k] = srbf_x_of(features.x[k]);
-    SRBF_UNROLL
-    for (side = 0; side <= reciprocal; ++side) SRBF_UNROLL
-    for (n = 0; n < variates; ++n) {
-        if (n % SRBF_LANES == 0) {
-            const srbf_x a = srbf_x_load((side ? pm->weight_v : pm->weight_l) + n);
-            const srbf_x b = srbf_x_load((side ? pm->weight_l : pm->weight_v) + n);
-            const srbf_x_AxialPsi at = srbf_x_axial_psi(l, v, a, b);
-            const srbf_x_vec3 psi = srbf_x_psi(l, v, a, b);
-            srbf_x_store(axial ? srbf_x_squared_distance_from_pole(at, srbf_x_of(1.0f)) : psi.x, each[0]);
-            srbf_x_store(axial ? srbf_x_squared_distance_from_pole(at, srbf_x_of(-1.0f)) : psi.y, each[1]);
-            if (!axial) srbf_x_store(psi.z, each[2]);
-        }
-        for (k = 0; k < 3; ++k) x[side][n][k] = srbf_x_of(each[k][n % SRBF_LANES]);
-    }
-    for (j = 0; j < pm->groups; ++j) {
-        const float* row = group + 4 * SRBF_LANES;
-        srbf_x exponent = srbf_x_load(group), exchanged, power;
-        SRBF_UNROLL
-        for (k = 0; k < count; ++k, row += SRBF_LANES) exponent = exponent + srbf_x_load(row) * further[k];
-        exchanged = exponent;
-        SRBF_UNROLL
-        for (n = 0; n < variates; ++n, row += (axial ? 2 : 4) * SRBF_LANES) {
-            const srbf_x first = srbf_x_load(row), second = srbf_x_load(row + SRBF_LANES);
-            const srbf_x *one = x[0][n], *other = x[reciprocal][n];
-            if (axial) {
-                exponent = exponent + first * one[0] + second * one[1];
-                exchanged = exchanged + first * other[0] + second * other[1];
-            } else {
-                const srbf_x_vec3 xi = srbf_x_rows(row + SRBF_LANES);
-                exponent = exponent + first * srbf_x_squared_distance(srbf_x_vec3_of(one[0], one[1], one[2]), xi);
-                exchanged =
-                    exchanged + first * srbf_x_squared_distance(srbf_x_vec3_of(other[0], other[1], other[2]), xi);
-            }
-        }
-        power = srbf_x_pm_power(exponent);
-        if (reciprocal) power = srbf_x_of(0.5f) * (power + srbf_x_pm_power(exchanged));
-        sum = srbf_x_add(sum, srbf_x_scale(power, srbf_x_rows(group + SRBF_LANES)));
-        group += pm->rows * SRBF_LANES;
-    }
-    return srbf_vec3_of(srbf_max(srbf_x_sum(sum.x), 0.0f), srbf_max(srbf_x_sum(sum.y), 0.0f),
-                        srbf_max(srbf_x_sum(sum.z), 0.0f));
-}
-// The values of the forms that fits have by default, and of any form.
-static srbf_vec3 srbf_pm_value(const srbf_lobes* pm, srbf_vec3 wl, srbf_vec3 wv) {
+// f(wl, wv) of a multivariate model. The forms that fits have by default have constant sizes.
+SRBF_APART srbf_vec3 srbf_pm_value(const srbf_model* model, const srbf_vec3* wl, const srbf_vec3* wv) {
+    const srbf_form form = model->pm;
 #ifndef __OPTIMIZE_SIZE__
-    if (pm->axial && pm->features == 4 && pm->reciprocal && pm->variates == 3)
-        return srbf_sized_value(pm, 1, 1, 3, 4, wl, wv);
-    if (pm->axial && pm->features == 4 && !pm->reciprocal && pm->variates == 4)
-        return srbf_sized_value(pm, 1, 0, 4, 4, wl, wv);
+    const srbf_form usual = {form.lobes, 3, 4, 1, 1}, measured = {form.lobes, 4, 4, 1, 0};
+    if (form.axial && form.features == 4 && form.reciprocal && form.variates == 3)
+        return srbf_lobes_value(usual, model->lobes, *wl, *wv);
+    if (form.axial && form.features == 4 && !form.reciprocal && form.variates == 4)
+        return srbf_lobes_value(measured, model->lobes, *wl, *wv);
 #endif
-    return srbf_sized_value(pm, pm->axial, pm->reciprocal, pm->variates, pm->features, wl, wv);
+    return srbf_lobes_value(form, model->lobes, *wl, *wv);
 }
 
-// f(wl, wv) of a model above the horizon.
-static srbf_vec3 srbf_model_value(const srbf_model* model, srbf_vec3 wl, srbf_vec3 wv) {
+// f(wl, wv) of any other model above the horizon.
+SRBF_APART srbf_vec3 srbf_other_value(const srbf_model* model, srbf_vec3 wl, srbf_vec3 wv) {
     const srbf_vec3 l = model->is_exchanged ? wv : wl, v = model->is_exchanged ? wl : wv;
-    if (model->kind == SRBF_KIND_PM) return srbf_pm_value(&model->pm, wl, wv);
     if (model->kind == SRBF_KIND_SU) {
         const srbf_vec3 evaluated = model->su.of_lights ? wv : wl, sampled = model->su.of_lights ? wl : wv;
         int nearest[8];

@@ -1,5 +1,48 @@
 // ---- Preparation ----
 
+#define SRBF_ALBEDO_NODES 33
+// One of the four parts of a surface: the model that answers for it, and how it is sampled.
+typedef struct {
+    const srbf_model* model;
+    int is_exchanged;
+    srbf_mixture* mixture;
+    float (*albedo)[3];  // of nodes
+} srbf_part;
+typedef struct {
+    int rings, nodes;
+    const float *theta, *azimuths, *share;
+} srbf_beam;
+struct srbf_brdf {
+    int is_two_sided;
+    srbf_part part[4];  // reflection at the front and the back, transmission of light from the front and from the back
+    srbf_beam beam[4];
+    float* scratch;
+};
+
+SRBF_INLINE srbf_vec3 srbf_part_value(const srbf_part* part, srbf_vec3 wl, srbf_vec3 wv) {
+    const srbf_vec3 l = part->is_exchanged ? wv : wl, v = part->is_exchanged ? wl : wv;
+    return part->model->kind == SRBF_KIND_PM ? srbf_pm_value(part->model, &l, &v) : srbf_other_value(part->model, l, v);
+}
+
+// Sets a segment from the numbers at its ends.
+static void srbf_set_segment(srbf_segment* segment, const float* low, const float* high) {
+    int k;
+    memset(segment, 0, sizeof *segment);
+    for (k = 0; k < SRBF_SLOTS; ++k) segment->half_bandwidth[k] = 8.0f;  // of slots without weight
+    for (k = 0; k < SRBF_NUMBERS; ++k) {
+        const int is_half = k >= SRBF_SLOTS;
+        int slot = k, i;
+        if (k < SRBF_FACET_SLOT) {
+            if (!(low[k] > 0.0f || high[k] > 0.0f)) continue;
+            i = is_half ? segment->halves++ : segment->directions++;
+            slot = is_half ? SRBF_SLOTS + i : i;
+            (is_half ? segment->half_bandwidth : segment->bandwidth)[i] = srbf_component(2 * k);
+            (is_half ? segment->weighted : segment->scale)[i] = srbf_component(2 * k + 1);
+        }
+        segment->number[0][slot] = low[k], segment->number[1][slot] = high[k];
+    }
+}
+
 // Points at a few views about a node, and the densities of all components at them. Each view has as many points.
 #define SRBF_MOST_POINTS 1152
 typedef struct {
@@ -168,7 +211,7 @@ static void srbf_make_albedos(const srbf_part* part) {
             srbf_part_sample(part, srbf_spherical(acosf(z), 1.57079633f * (float)(i % 4)), u, &light);
             for (c = 0; c < 3; ++c) sum[c] += (double)light.weight[c];
         }
-        for (c = 0; c < 3; ++c) part->mixture->albedo[node][c] = (float)(sum[c] / draws);
+        for (c = 0; c < 3; ++c) part->albedo[node][c] = (float)(sum[c] / draws);
     }
 }
 static void srbf_part_albedo(const srbf_part* part, float cosine, float rgb[3]) {
@@ -176,8 +219,8 @@ static void srbf_part_albedo(const srbf_part* part, float cosine, float rgb[3]) 
     const int below = (int)srbf_min(at, (float)(SRBF_ALBEDO_NODES - 2));
     int c;
     for (c = 0; c < 3; ++c) {
-        const float first = part->mixture->albedo[below][c];
-        rgb[c] = first + (at - (float)below) * (part->mixture->albedo[below + 1][c] - first);
+        const float first = part->albedo[below][c];
+        rgb[c] = first + (at - (float)below) * (part->albedo[below + 1][c] - first);
     }
 }
 

@@ -1,0 +1,161 @@
+// Time of a value, a density, both, and a sample with density and weight: of the library, of srbf_runtime.h and of
+// exported C, which gcc and clang compile for any x86-64 and for AVX2. The models are the default fit of the bundled
+// vinyl film and its fit as measured. Pairs are random, up to 80° from the normal. A thousand are timed together, so
+// that microseconds are the nanoseconds of one; `least` is the least of fifteen runs.
+#include <benchmark/benchmark.h>
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <numbers>
+#include <random>
+
+#include "srbf/fit.h"
+#include "srbf/measured.h"
+#include "srbf/prepared.h"
+#include "srbf/shading_code.h"
+#include "temporary_folder.h"
+
+namespace srbf {
+namespace {
+
+constexpr int k_pairs = 1000;  // the µs of all are the ns of one
+struct Pairs {
+    std::vector<Vec3f> wl, wv, u;
+    std::vector<float> results = std::vector<float>(k_pairs);
+};
+Pairs& pairs() {
+    static Pairs all = [] {
+        Pairs drawn;
+        std::mt19937 random(1);
+        std::uniform_real_distribution<float> uniform(0, 1);
+        const auto direction = [&] {
+            const float z = 0.17f + 0.83f * uniform(random), phi = 2 * std::numbers::pi_v<float> * uniform(random);
+            return Vec3f(std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z);
+        };
+        for (int i = 0; i < k_pairs; ++i) {
+            drawn.wl.push_back(direction()), drawn.wv.push_back(direction());
+            const float x = uniform(random), y = uniform(random), z = uniform(random);
+            drawn.u.push_back({x, y, z});
+        }
+        return drawn;
+    }();
+    return all;
+}
+
+/// A function of all pairs that stores a number of each; it has `first` (wl, or of samples u) and wv.
+using Run = void (*)(const void* brdf, int count, const float* first, const float* wv, float* results);
+constexpr const char* k_names[] = {"value", "density", "both", "sample"};
+
+template <typename Each> void for_pairs(int count, const float* first, const float* wv, float* results, Each each) {
+    for (int i = 0; i < count; ++i, first += 3, wv += 3)
+        results[i] = each(Vec3f(first[0], first[1], first[2]), Vec3f(wv[0], wv[1], wv[2]));
+}
+constexpr Run k_library[] = {
+    [](const void* brdf, int n, const float* l, const float* v, float* to) {
+        for_pairs(n, l, v, to,
+                  [&](auto wl, auto wv) { return value(*static_cast<const PreparedBrdf*>(brdf), wl, wv).r; });
+    },
+    [](const void* brdf, int n, const float* l, const float* v, float* to) {
+        for_pairs(n, l, v, to, [&](auto wl, auto wv) { return pdf(*static_cast<const PreparedBrdf*>(brdf), wl, wv); });
+    },
+    [](const void* brdf, int n, const float* l, const float* v, float* to) {
+        for_pairs(n, l, v, to, [&](auto wl, auto wv) {
+            const ValuePdf both = value_pdf(*static_cast<const PreparedBrdf*>(brdf), wl, wv);
+            return both.value.r + both.pdf;
+        });
+    },
+    [](const void* brdf, int n, const float* u, const float* v, float* to) {
+        for_pairs(n, u, v, to, [&](auto number, auto wv) {
+            const LightSample light =
+                sample(*static_cast<const PreparedBrdf*>(brdf), wv, {number.x, number.y}, number.z);
+            return light.weight.r + light.pdf;
+        });
+    },
+};
+
+#define SRBF_LOOP(name, number)                                                  \
+    "void " name                                                                 \
+    "(const srbf_brdf* b, int n, const float* w, const float* v, float* to) {\n" \
+    "    int i;\n    for (i = 0; i < n; ++i, w += 3, v += 3) {\n        " number "\n    }\n}\n"
+const std::string k_runtime = "#define SRBF_RUNTIME_IMPLEMENTATION\n#include \"srbf_runtime.h\"\n" SRBF_LOOP(
+    "value", "float f[3]; srbf_value(b, w, v, f); to[i] = f[0];") SRBF_LOOP("density", "to[i] = srbf_pdf(b, w, v);")
+    SRBF_LOOP("both", "float f[3]; to[i] = srbf_value_pdf(b, w, v, f); to[i] += f[0];")
+        SRBF_LOOP("sample", "srbf_light s; srbf_sample(b, v, w, &s); to[i] = s.pdf + s.weight[0];");
+const std::string k_code =
+    "typedef void srbf_brdf;\n#include \"m.h\"\n#define V(w) srbf_vec3_of((w)[0], (w)[1], (w)[2])\n" SRBF_LOOP(
+        "value", "to[i] = m_brdf(V(w), V(v)).x;") SRBF_LOOP("density", "to[i] = m_pdf(V(w), V(v));")
+        SRBF_LOOP("both", "m_ValuePdf f = m_value_pdf(V(w), V(v)); to[i] = f.value.x + f.pdf;")
+            SRBF_LOOP("sample",
+                      "const srbf_vec3 l = m_sample(V(v), w[0], w[1], w[2]);\n"
+                      "        const m_ValuePdf f = m_value_pdf(l, V(v));\n"
+                      "        to[i] = l.z > 0 ? f.value.x * l.z / f.pdf + f.pdf : 0;");
+
+void add(const std::string& name, std::size_t k, Run run, const void* brdf) {
+    benchmark::RegisterBenchmark((std::string(k_names[k]) + "/" + name).c_str(),
+                                 [=](benchmark::State& state) {
+                                     const auto& first = k == 3 ? pairs().u : pairs().wl;
+                                     for (auto _ : state)
+                                         run(brdf, k_pairs, &first[0].x, &pairs().wv[0].x, pairs().results.data());
+                                 })
+        ->Unit(benchmark::kMicrosecond)
+        ->Repetitions(15)
+        ->ReportAggregatesOnly()
+        ->ComputeStatistics("least", [](const std::vector<double>& times) { return std::ranges::min(times); });
+}
+
+/// A model with the memory of srbf_runtime.h, which lasts as long as the program.
+void add_model(const std::string& name, const Model& model, const TemporaryFolder& folder) {
+    static std::vector<PreparedBrdf> prepared;
+    prepared.reserve(2), prepared.push_back(prepare(model, ProposeOptions{}));
+    const NamedModel named{"m", &model};
+    write(folder / "m.h", *shading_code(std::span(&named, 1), "m", {.language = CodeLanguage::c, .sampling = true}));
+    if (!save_model(model, (folder / "m.srbf").string())) std::abort();
+    const std::string bytes = contents(folder / "m.srbf");
+    std::vector<std::pair<std::string, void*>> libraries;
+    for (const std::string compiler : {"gcc", "clang"})
+        for (const std::string options : {"-O2", "-O2 -march=x86-64-v3"})
+            for (const std::string source : {"runtime", "code"}) {
+                const std::string file = (folder / (name + source + compiler + options + ".so")).string();
+                const std::string command = compiler + " " + options + " -shared -fPIC '" +
+                                            (folder / (source + ".c")).string() + "' -o '" + file + "' -lm";
+                if (std::system(command.c_str()) != 0) continue;
+                libraries.emplace_back(name + "/" + source + "/" + compiler + " " + options,
+                                       ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL));
+            }
+    for (std::size_t k = 0; k < std::size(k_names); ++k) {
+        add(name + "/library", k, k_library[k], &prepared.back());
+        for (const auto& [of, library] : libraries) {
+            void* brdf = nullptr;
+            const auto function = [&]<typename F>(F*& f, const char* of) {
+                f = reinterpret_cast<F*>(::dlsym(library, of));
+            };
+            std::size_t (*needed)(const void*, std::size_t);
+            int (*open)(const void*, std::size_t, void*, std::size_t, void**, std::size_t*);
+            void (*prepare_model)(void*);
+            function(needed, "srbf_memory_needed"), function(open, "srbf_open"),
+                function(prepare_model, "srbf_prepare");
+            if (needed) {
+                const std::size_t size = needed(bytes.data(), bytes.size());
+                open(bytes.data(), bytes.size(), std::malloc(size), size, &brdf, nullptr);
+                prepare_model(brdf);
+            }
+            Run run;
+            function(reinterpret_cast<std::remove_pointer_t<Run>*&>(run), k_names[k]);
+            add(of, k, run, brdf);
+        }
+    }
+}
+
+const bool k_registered = [] {
+    const TemporaryFolder folder;
+    write(folder / "srbf_runtime.h", runtime_code());
+    write(folder / "runtime.c", k_runtime), write(folder / "code.c", k_code);
+    const Measured film = *load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
+    add_model("default", fit(film, {})->model, folder);
+    add_model("measured", fit(film, {.model = PmRequest{.form = PmForm::extended}})->model, folder);
+    return true;
+}();
+
+}  // namespace
+}  // namespace srbf

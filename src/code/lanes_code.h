@@ -1,0 +1,33 @@
+// C of models whose lobes are the lanes of vectors: what srbf_runtime.h and exported C share.
+#pragma once
+#include <set>
+#include <string>
+#include <vector>
+
+#include "srbf/models/pm.h"
+#include "srbf/sampling.h"
+
+namespace srbf {
+
+/// The definitions that these functions of kernel.glsl need, in C and with this prefix, of numbers or of vectors of
+/// them. Those in `known` are left out, and all are added to it.
+std::string kernel_in_c(const std::vector<std::string>& functions, const std::string& prefix, bool has_lanes,
+                        std::set<std::string>& known);
+
+/// Vectors and the values of multivariate models; densities and samples of mixtures. Each has a guard, so that a
+/// program may have it several times. The names of their functions are added to `known`.
+std::string lobes_in_c(std::set<std::string>& known);
+std::string mixtures_in_c(std::set<std::string>& known);
+
+/// Bandwidth and scale, or of half-vector lobes the factor of their power, in each slot of a mixture's lobes; 0 in
+/// empty slots.
+std::vector<float> slot_numbers();
+
+/// The text of pm_value for a model, and of a mixture's numbers, which precede sample_light; then of sample_light and
+/// light_pdf. @NAME@ is the name of a function in the printed program.
+std::string value_in_c(const PmModel& model);
+std::string mixture_in_c(const MixtureProposal& mixture);
+extern const char* const k_sample_in_c;
+extern const char* const k_pdf_in_c;
+
+}  // namespace srbf

@@ -1,0 +1,162 @@
+#!/usr/bin/env python3
+"""The programs of examples/hosts: each draws a sphere of the bundled materials under a lamp by exported code or a model, and its picture is
+that of the model itself, within a mean ΔE_ITP of 1. Each host is skipped where it is not installed; the last line counts those that ran.
+Arguments: the program, a folder with peers/ beside it, and, if given, a folder for the pictures and the names of some hosts.
+"""
+import base64
+import functools
+import http.server
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+here = Path(__file__).resolve()
+sys.path.insert(0, str(here.parent.parent))
+import lamp  # noqa: E402
+from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
+
+program, examples = os.path.abspath(sys.argv[1]), here.parents[2] / "examples/hosts"
+MATERIALS = {"film": "cc_ibiza_sunset_rgb", "paper": "paper_white_rgb"}
+WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]
+
+
+WEBPACK = """
+const modules = {}, loaded = {};
+function load(id) {
+    if (!(id in loaded)) modules[id].call((loaded[id] = { exports: {} }).exports, loaded[id], loaded[id].exports, load);
+    return loaded[id].exports;
+}
+load.o = (object, name) => Object.hasOwn(object, name);
+load.d = (exports, of) => Object.keys(of).forEach((name) => Object.defineProperty(exports, name, { enumerable: true, configurable: true, get: of[name] }));
+load.r = (exports) => Object.defineProperty(exports, "__esModule", { value: true });
+load.n = (module) => Object.assign(() => module.default ?? module, { a: module.default ?? module });
+load.g = window;
+self.webpackChunk_tiledb_inc_pybabylonjs = { push: ([, more]) => Object.assign(modules, more) };
+CHUNK
+"""
+
+
+def package(name):
+    """The folder of a Python package; None if it is not installed."""
+    found = importlib.util.find_spec(name)
+    return found and Path(found.submodule_search_locations[0])
+
+
+class Handler(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
+
+
+def by_page(flags, files):
+    """Draws by the page of an example, with these files of the host beside it by name and text, in Chromium."""
+    def draw(example, code, picture):
+        folder = Path(picture).parent
+        shutil.copy(example / "index.html", folder)
+        for name, text in files.items():
+            (folder / name).write_text(text, encoding="utf-8")
+        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=folder))
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        browser = Chromium(flags)
+        try:
+            browser.ask("Page.navigate", url=f"http://127.0.0.1:{server.server_port}/index.html")
+            browser.wait_for("Page.loadEventFired")
+            text = browser.run("""Promise.race([radiance, new Promise((_, no) => setTimeout(() => no("no picture"), 100000))]).then(({ buffer }) => {
+                let text = "";
+                for (const byte of new Uint8Array(buffer)) text += String.fromCharCode(byte);
+                return btoa(text);
+            })""")
+        except Exception:
+            print(browser.problems[:3])
+            raise
+        finally:
+            browser.close()
+            server.shutdown()
+        pixels = np.frombuffer(base64.b64decode(text), np.float32).reshape(lamp.SIZE, lamp.SIZE, 4)
+        np.save(picture, pixels[::-1, :, :3])
+    return draw
+
+
+def by_script(*words, file="sphere.py"):
+    """Draws by the script of an example."""
+    def draw(example, code, picture):
+        done = subprocess.run([*(words or [sys.executable]), example / file, code, picture], capture_output=True, text=True)
+        if done.returncode:
+            raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
+    return draw
+
+
+def three(files):
+    """Files of three.js by name, from a folder in peers/ beside the measurements that has all; None without one."""
+    for folder in Path(sys.argv[2]).parent.glob("peers/*"):
+        paths = [folder / f"three.{file}.js" for file in files]
+        if all(path.exists() for path in paths):
+            return {path.name: path.read_text(encoding="utf-8") for path in paths}
+    return None
+
+
+def babylon():
+    """Babylon.js as a script of its own, which pybabylonjs has within a module of its widget; None without it."""
+    folder = package("pybabylonjs") or here
+    text = "".join(path.read_text(encoding="utf-8") + ";\n" for path in folder.glob("labextension/static/*.js") if path.stat().st_size > 2e5)
+    whole = re.search(r"(\d+):\(\w,(\w),\w\)=>\{\"use strict\";\w\.r\(\2\),\w\.d\(\2,\{AbstractActionManager:", text)
+    return whole and WEBPACK.replace("CHUNK", text) + f"window.BABYLON = load({whole[1]});"
+
+
+def hosts():
+    """Of each example: its name, the version of the host or None, the kind of `srbf export` with the file's ending, and what draws."""
+    of = lambda name: version(name) if importlib.util.find_spec(name) else None  # noqa: E731
+    babylon_js = babylon()
+    for name, kind, flags, files in (("three_webgl", "three", WEBGL, ("module", "core")), ("three_webgpu", "three-webgpu", WEBGPU, ("webgpu", "core", "tsl"))):
+        texts = three(files)
+        yield name, texts and chromium() and re.search(r"REVISION = '(\w+)'", texts["three.core.js"])[1], (kind, ".js"), by_page(flags, texts)
+    yield "panda3d", of("panda3d"), ("glsl", ".glsl"), by_script()
+    yield "babylon", babylon_js and chromium() and re.search(r'"(7\.\d+\.\d+)"', babylon_js)[1], ("glsl", ".glsl"), by_page(WEBGL, {"babylon.js": babylon_js})
+    yield "pygfx", of("pygfx"), ("wgsl", ".wgsl"), by_script()
+
+
+failures, ran, rows, names = [], [], {material: [] for material in MATERIALS}, sys.argv[4:]
+with tempfile.TemporaryDirectory() as folder:
+    models, own = {}, {}
+    for material, measurement in MATERIALS.items():
+        models[material] = Path(folder, material, "material.srbf")
+        models[material].parent.mkdir()
+        subprocess.run([program, "fit", here.parents[2] / f"data/{measurement}.bsdf", "-o", models[material]], check=True, stdout=subprocess.DEVNULL)
+        own[material] = lamp.reference(program, models[material], folder)
+    for host, installed, (kind, ending), draw in hosts():
+        if names and host not in names:
+            continue
+        if not installed:
+            print(f"skipped: {host} is not installed")
+            continue
+        errors = []
+        for material, model in models.items():
+            there = Path(folder, host, material)
+            there.mkdir(parents=True)
+            code, picture = there / ("material" + ending), there / "picture.npy"
+            if kind:
+                subprocess.run([program, "export", model, "--to", kind, "-o", code], check=True)
+            else:
+                shutil.copy(model, code)
+            draw(examples / host, code, picture)
+            rows[material].append(np.load(picture).astype(float))
+            errors.append(lamp.apart(rows[material][-1], own[material]))
+        ran.append(host)
+        text = f"{host} {installed}: " + ", ".join(f"{material} {error:.2f}" for material, error in zip(MATERIALS, errors))
+        print("ok  " if max(errors) <= lamp.WITHIN else "BAD ", text, flush=True)
+        if max(errors) > lamp.WITHIN:
+            failures.append(host)
+    if len(sys.argv) > 3:
+        from PIL import Image
+        sheet = np.concatenate([lamp.beside(own[material], rows[material]) for material in MATERIALS])
+        Image.fromarray(sheet).save(Path(sys.argv[3], "hosts.png"))
+print(f"{len(ran)} hosts ran")
+sys.exit(bool(failures))

@@ -94,6 +94,19 @@ def by_script(*words, file="sphere.py"):
     return draw
 
 
+def by_godot(example, code, picture):
+    """Draws by the project of an example, in a copy of it."""
+    folder = Path(picture).parent
+    for file in example.iterdir():
+        shutil.copy(file, folder)
+    environment = {**os.environ, "HOME": str(folder), "LC_ALL": "C.UTF-8"}
+    done = subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 640x480x24", "godot3", "--path", folder, "-s", "sphere.gd", "--audio-driver", "Dummy",
+                           folder / "picture"], capture_output=True, text=True, env=environment, timeout=600)
+    if not (folder / "picture").exists():
+        raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
+    np.save(picture, np.fromfile(folder / "picture", np.float32).reshape(lamp.SIZE, lamp.SIZE, 4)[..., :3])
+
+
 def three(files):
     """Files of three.js by name, from a folder in peers/ beside the measurements that has all; None without one."""
     for folder in Path(sys.argv[2]).parent.glob("peers/*"):
@@ -120,6 +133,8 @@ def hosts():
         yield name, texts and chromium() and re.search(r"REVISION = '(\w+)'", texts["three.core.js"])[1], (kind, ".js"), by_page(flags, texts)
     yield "panda3d", of("panda3d"), ("glsl", ".glsl"), by_script()
     yield "babylon", babylon_js and chromium() and re.search(r'"(7\.\d+\.\d+)"', babylon_js)[1], ("glsl", ".glsl"), by_page(WEBGL, {"babylon.js": babylon_js})
+    godot = shutil.which("godot3") and shutil.which("xvfb-run") and subprocess.run(["godot3", "--version"], capture_output=True, text=True).stdout.strip()
+    yield "godot3", godot, ("glsl", ".glsl"), by_godot
     yield "pygfx", of("pygfx"), ("wgsl", ".wgsl"), by_script()
 
 

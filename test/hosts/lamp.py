@@ -85,13 +85,19 @@ def by_page(flags, files):
     return draw
 
 
-def by_script(*words, file="sphere.py"):
+def by_script(example, code, picture):
     """Draws by the script of an example."""
-    def draw(example, code, picture):
-        done = subprocess.run([*(words or [sys.executable]), example / file, code, picture], capture_output=True, text=True)
-        if done.returncode:
-            raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
-    return draw
+    done = subprocess.run([sys.executable, example / "sphere.py", code, picture], capture_output=True, text=True, timeout=600)
+    if done.returncode:
+        raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
+
+
+def by_c(example, code, picture):
+    folder = Path(picture).parent
+    shutil.copy(example / "sphere.c", folder)
+    subprocess.run(["cc", "-O2", "sphere.c", "-o", "sphere", "-lm"], cwd=folder, check=True)
+    pixels = subprocess.run([folder / "sphere"], check=True, stdout=subprocess.PIPE).stdout
+    np.save(picture, np.frombuffer(pixels, np.float32).reshape(lamp.SIZE, lamp.SIZE, 3))
 
 
 def by_godot(example, code, picture):
@@ -125,17 +131,24 @@ def babylon():
 
 
 def hosts():
-    """Of each example: its name, the version of the host or None, the kind of `srbf export` with the file's ending, and what draws."""
-    of = lambda name: version(name) if importlib.util.find_spec(name) else None  # noqa: E731
-    babylon_js = babylon()
+    """Of each example: its name, the version of the host or None, what `srbf export` writes for it, and what draws."""
+    def of(package, *needed):
+        return version(package) if all(map(importlib.util.find_spec, (package, *needed))) else None
+    compiler = shutil.which("cc") and subprocess.run(["cc", "--version"], capture_output=True, text=True).stdout.splitlines()[0]
+    yield "c", compiler, ("--to", "c"), ".h", by_c
     for name, kind, flags, files in (("three_webgl", "three", WEBGL, ("module", "core")), ("three_webgpu", "three-webgpu", WEBGPU, ("webgpu", "core", "tsl"))):
         texts = three(files)
-        yield name, texts and chromium() and re.search(r"REVISION = '(\w+)'", texts["three.core.js"])[1], (kind, ".js"), by_page(flags, texts)
-    yield "panda3d", of("panda3d"), ("glsl", ".glsl"), by_script()
-    yield "babylon", babylon_js and chromium() and re.search(r'"(7\.\d+\.\d+)"', babylon_js)[1], ("glsl", ".glsl"), by_page(WEBGL, {"babylon.js": babylon_js})
+        yield name, texts and chromium() and re.search(r"REVISION = '(\w+)'", texts["three.core.js"])[1], ("--to", kind), ".js", by_page(flags, texts)
+    bundle = babylon()
+    yield ("babylon", bundle and chromium() and re.search(r'"(7\.\d+\.\d+)"', bundle)[1], ("--to", "glsl"), ".glsl", by_page(WEBGL, {"babylon.js": bundle}))
     godot = shutil.which("godot3") and shutil.which("xvfb-run") and subprocess.run(["godot3", "--version"], capture_output=True, text=True).stdout.strip()
-    yield "godot3", godot, ("glsl", ".glsl"), by_godot
-    yield "pygfx", of("pygfx"), ("wgsl", ".wgsl"), by_script()
+    yield "godot3", godot, ("--to", "glsl"), ".glsl", by_godot
+    yield "panda3d", of("panda3d"), ("--to", "glsl"), ".glsl", by_script
+    yield "pygfx", of("pygfx"), ("--to", "wgsl"), ".wgsl", by_script
+    yield "slang", of("slangpy"), ("--to", "hlsl", "--with", "sampling"), ".hlsl", by_script
+    yield "radiance", of("pyradiance"), ("--to", "radiance"), ".cal", by_script
+    yield "raysect", of("raysect"), ("--to", "c"), ".h", by_script
+    yield "mitsuba", of("mitsuba", "srbf"), None, ".srbf", by_script
 
 
 failures, ran, rows, names = [], [], {material: [] for material in MATERIALS}, sys.argv[4:]
@@ -146,7 +159,7 @@ with tempfile.TemporaryDirectory() as folder:
         models[material].parent.mkdir()
         subprocess.run([program, "fit", here.parents[2] / f"data/{measurement}.bsdf", "-o", models[material]], check=True, stdout=subprocess.DEVNULL)
         own[material] = lamp.reference(program, models[material], folder)
-    for host, installed, (kind, ending), draw in hosts():
+    for host, installed, export, ending, draw in hosts():
         if names and host not in names:
             continue
         if not installed:
@@ -157,8 +170,8 @@ with tempfile.TemporaryDirectory() as folder:
             there = Path(folder, host, material)
             there.mkdir(parents=True)
             code, picture = there / ("material" + ending), there / "picture.npy"
-            if kind:
-                subprocess.run([program, "export", model, "--to", kind, "-o", code], check=True)
+            if export:
+                subprocess.run([program, "export", model, *export, "-o", code], check=True)
             else:
                 shutil.copy(model, code)
             draw(examples / host, code, picture)

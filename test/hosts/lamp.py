@@ -184,7 +184,7 @@ with tempfile.TemporaryDirectory() as folder:
             failures.append(host)
     if len(sys.argv) > 3:
         from PIL import Image
-        sheet = np.concatenate([lamp.beside(own[material], rows[material]) for material in MATERIALS])
-        Image.fromarray(sheet).save(Path(sys.argv[3], "hosts.png"))
+        sheet = Image.fromarray(np.concatenate([lamp.beside(own[material], rows[material]) for material in MATERIALS]))
+        sheet.resize([96 * length // lamp.SIZE for length in sheet.size], Image.Resampling.BOX).save(Path(sys.argv[3], "hosts.png"))
 print(f"{len(ran)} hosts ran")
 sys.exit(bool(failures))

@@ -207,7 +207,7 @@ const CodeExtra& code_of_environment() {
           "a module for three.js with a class NAMEMaterial of each model; of a map, which goes into\n"
           "NAME.ktx2 beside it, one with coefficients from textures; of a BSDF each part is a material",
           three_module, three_map_module},
-         {"three-webgpu", "the same of models for its WebGPURenderer", three_webgpu_module, nullptr}},
+         {"three-webgpu", "such a module of models for the WebGPURenderer of three.js", three_webgpu_module, nullptr}},
         light_functions};
     return extra;
 }

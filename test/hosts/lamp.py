@@ -132,8 +132,8 @@ def babylon():
 
 def hosts():
     """Of each example: its name, the version of the host or None, what `srbf export` writes for it, and what draws."""
-    def of(package, *needed):
-        return version(package) if all(map(importlib.util.find_spec, (package, *needed))) else None
+    def of(distribution, *modules):
+        return version(distribution) if all(map(importlib.util.find_spec, modules or (distribution,))) else None
     compiler = shutil.which("cc") and subprocess.run(["cc", "--version"], capture_output=True, text=True).stdout.splitlines()[0]
     yield "c", compiler, ("--to", "c"), ".h", by_c
     for name, kind, flags, files in (("three_webgl", "three", WEBGL, ("module", "core")), ("three_webgpu", "three-webgpu", WEBGPU, ("webgpu", "core", "tsl"))):
@@ -144,11 +144,12 @@ def hosts():
     godot = shutil.which("godot3") and shutil.which("xvfb-run") and subprocess.run(["godot3", "--version"], capture_output=True, text=True).stdout.strip()
     yield "godot3", godot, ("--to", "glsl"), ".glsl", by_godot
     yield "panda3d", of("panda3d"), ("--to", "glsl"), ".glsl", by_script
+    yield "materialx", of("materialx", "MaterialX", "moderngl"), ("--to", "glsl"), ".glsl", by_script
     yield "pygfx", of("pygfx"), ("--to", "wgsl"), ".wgsl", by_script
     yield "slang", of("slangpy"), ("--to", "hlsl", "--with", "sampling"), ".hlsl", by_script
     yield "radiance", of("pyradiance"), ("--to", "radiance"), ".cal", by_script
     yield "raysect", of("raysect"), ("--to", "c"), ".h", by_script
-    yield "mitsuba", of("mitsuba", "srbf"), None, ".srbf", by_script
+    yield "mitsuba", of("mitsuba", "mitsuba", "srbf"), None, ".srbf", by_script
 
 
 failures, ran, rows, names = [], [], {material: [] for material in MATERIALS}, sys.argv[4:]

@@ -101,6 +101,7 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
             named.name);
         classes += lobes_text(named, threads);
         classes += class_text(named.name, "MeasuredMaterial", fmt::format(", {{ lobes: {}_lobes }}", named.name));
+        classes += fmt::format("savedAs('{0}Material', {0}Material);\n", capitalised(named.name));
     }
     return module_of(functions + *code + texels, "", classes + k_three_blend_text);
 }

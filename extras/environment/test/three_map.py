@@ -72,6 +72,7 @@ checks = chromium.run("""(async () => {
     const scene = new THREE.Scene(), camera = new THREE.OrthographicCamera(-1, 1, 1, -1), lamp = new THREE.DirectionalLight('white', 2);
     camera.position.set(0.5, 0.5, 1), camera.lookAt(0, 0, 0), lamp.position.set(1, 2, 2);
     scene.add(new THREE.Mesh(new THREE.PlaneGeometry(), new AloneMaterial({ color: 'orange', saturation: 0.5 })), lamp);
+    scene.updateMatrixWorld();
     const renderer = new THREE.WebGLRenderer(), target = new THREE.WebGLRenderTarget(8, 8, { type: THREE.FloatType });
     const [saved, loaded] = [scene, new THREE.ObjectLoader().parse(JSON.parse(JSON.stringify(scene.toJSON())))].map((of) => {
         const pixels = new Float32Array(256);

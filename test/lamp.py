@@ -27,18 +27,26 @@ def points():
     return inside, normal, -ray
 
 
-def reference(program, model, folder):
-    """The picture by the values of `srbf eval`; the x axis of the surface is along its circles of latitude about y."""
-    inside, normal, viewer = points()
+def pairs():
+    """Directions to the lamp and to the viewer, [n, 6], at those pixels; the x axis of the surface is along its circles of latitude about y."""
+    _, normal, viewer = points()
     tangent = np.cross([0, 1, 0], normal)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     frame = np.stack([tangent, np.cross(normal, tangent), normal], axis=1)
-    pairs = np.concatenate([frame @ LAMP, (frame @ viewer[..., None])[..., 0]], axis=1)
-    np.savetxt(f"{folder}/pairs.csv", pairs, delimiter=",", header="wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", comments="", fmt="%.9g")
+    return np.concatenate([frame @ LAMP, (frame @ viewer[..., None])[..., 0]], axis=1)
+
+
+def reflected(program, model, directions, folder):
+    """The radiance [n, 3] for pairs of directions, by `srbf eval`."""
+    np.savetxt(f"{folder}/pairs.csv", directions, delimiter=",", header="wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", comments="", fmt="%.9g")
     lines = subprocess.run([program, "eval", model, "--pairs", f"{folder}/pairs.csv"], check=True, capture_output=True, text=True).stdout.split()
-    values = np.array([line.split(",")[6:9] for line in lines[1:]], dtype=float)
+    return IRRADIANCE * np.maximum(directions[:, 2:3], 0) * np.array([line.split(",")[6:9] for line in lines[1:]], dtype=float)
+
+
+def reference(program, model, folder):
+    """The picture by the values of the model."""
     picture = np.zeros((SIZE, SIZE, 3))
-    picture[inside] = IRRADIANCE * np.maximum(pairs[:, 2:3], 0) * values
+    picture[points()[0]] = reflected(program, model, pairs(), folder)
     return picture
 
 

@@ -85,11 +85,29 @@ def by_page(flags, files):
     return draw
 
 
-def by_script(example, code, picture):
+def by_script(example, code, picture, *more):
     """Draws by the script of an example."""
-    done = subprocess.run([sys.executable, example / "sphere.py", code, picture], capture_output=True, text=True, timeout=600)
+    done = subprocess.run([sys.executable, example / "sphere.py", code, picture, *more], capture_output=True, text=True, timeout=600)
     if done.returncode:
         raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
+
+
+def by_slang(example, code, picture):
+    """Draws, and compares derivatives by the direction to the light, along the sphere of directions, with differences of `srbf eval`."""
+    folder = Path(picture).parent
+    by_script(example, code, picture, "cpu", folder / "slopes.npy")
+    directions, step = lamp.pairs(), 1e-3
+    some = np.flatnonzero(directions[:, 2] * directions[:, 5] > 0.05)[::97]
+    wl, wv = directions[some, :3], directions[some, 3:]
+    along = np.cross(wl, [0.3, 0.5, 0.8])
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    moved = [np.hstack([np.cos(step) * wl + sign * np.sin(step) * along, wv]) for sign in (1, -1)]
+    up, down = (lamp.reflected(program, models[folder.name], of, folder).sum(1) for of in moved)
+    slopes = (np.load(folder / "slopes.npy")[lamp.points()[0]][some] * along).sum(1)
+    apart = np.median(np.abs(slopes - (up - down) / (2 * np.sin(step))) / (np.abs(slopes) + 1e-3))
+    if not apart < 1e-3:
+        raise RuntimeError(f"slang: derivatives differ from slopes by {apart:.1e} in the median")
+    print(f"     slang: derivatives differ from slopes by {apart:.1e} in the median")
 
 
 def by_c(example, code, picture):
@@ -146,7 +164,7 @@ def hosts():
     yield "panda3d", of("panda3d"), ("--to", "glsl"), ".glsl", by_script
     yield "materialx", of("materialx", "MaterialX", "moderngl"), ("--to", "glsl"), ".glsl", by_script
     yield "pygfx", of("pygfx"), ("--to", "wgsl"), ".wgsl", by_script
-    yield "slang", of("slangpy"), ("--to", "hlsl", "--with", "sampling"), ".hlsl", by_script
+    yield "slang", of("slangpy"), ("--to", "hlsl", "--with", "sampling"), ".hlsl", by_slang
     yield "radiance", of("pyradiance"), ("--to", "radiance"), ".cal", by_script
     yield "raysect", of("raysect"), ("--to", "c"), ".h", by_script
     yield "mitsuba", of("mitsuba", "mitsuba", "srbf"), None, ".srbf", by_script

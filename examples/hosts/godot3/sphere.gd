@@ -26,8 +26,8 @@ func replaced(text, pattern, by):
     return expression.sub(text, by, true)
 
 
-# The exported text in the language of Godot 3, which has no structures, macros and constants that are arrays: structures become
-# vectors, and a constant becomes a function of the index.
+# The exported text in the language of Godot 3, which has no structures, macros and constants that are arrays: structures
+# become vectors, and a constant becomes a function of the index.
 func code_of(path):
     var file = File.new()
     file.open(path, File.READ)

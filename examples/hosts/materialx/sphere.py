@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """A sphere of a measured material under a lamp, by the shader that MaterialX generates: sphere.py material.glsl PICTURE.npy
 
-Needs materialx, moderngl and numpy of PyPI, and OpenGL. The GLSL is written by `srbf export material.srbf --to glsl -o material.glsl`.
+Needs materialx, moderngl and numpy of PyPI, and OpenGL. The GLSL is written by
+`srbf export material.srbf --to glsl -o material.glsl`.
 """
 import shutil
 import sys

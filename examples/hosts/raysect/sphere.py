@@ -35,7 +35,7 @@ def compiled(header):
 
 
 class Measured(ContinuousBSDF):
-    """Directions are those of raysect: incoming is the one to the viewer, outgoing the one to the light, z is the normal."""
+    """raysect's incoming direction is the one to the viewer, the outgoing one that to the light; z is the normal."""
 
     def __init__(self, brdf):
         super().__init__()

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""A sphere of a measured material under a lamp, by a module of Slang: sphere.py material.hlsl PICTURE.npy [DEVICE [SLOPES.npy]]
+"""A sphere of a measured material under a lamp, by Slang: sphere.py material.hlsl PICTURE.npy [DEVICE [SLOPES.npy]]
 
-Needs slangpy and numpy of PyPI. DEVICE is one of slangpy's, cpu by default, which needs a C++ compiler. SLOPES are the derivatives by
-the direction to the light, by automatic differentiation. brdf.slang says how the HLSL is written.
+Needs slangpy and numpy of PyPI. DEVICE is one of slangpy's, cpu by default, which needs a C++ compiler. SLOPES are the
+derivatives by the direction to the light, by automatic differentiation. brdf.slang says how the HLSL is written.
 """
 import re
 import sys
@@ -15,7 +15,7 @@ SIZE = 256
 
 
 def differentiable(code):
-    """Marks functions, structures and loops as Slang demands it; loops that end at a variable have at most 64 steps here."""
+    """Marks functions, structures and loops as Slang demands it. Loops that end at a variable have at most 64 steps."""
     def bounded(loop):
         return f"[MaxIters({loop[1] if loop[1].isdigit() else 64})] {loop[0]}"
     code = re.sub(r"(?m)^((?:float\d?|material_\w+) material_\w+\()", r"[Differentiable] \1", code)

@@ -20,8 +20,9 @@ function nodesOf(name) {
     };
 }
 
-// The roughness at which release 185 looks up a map that is as blurred as the kernel of a lobe of roughness r. That release filters by a
-// chain of GGX convolutions, whose product is another kernel: fitted to the Legendre spectra of chains of 9 to 11 levels, within 0.03.
+// The roughness at which release 185 looks up a map that is as blurred as the kernel of a lobe of roughness r. That release
+// filters by a chain of GGX convolutions, whose product is another kernel. This is fitted to the Legendre spectra of chains
+// of 9 to 11 levels, within 0.03.
 const lookedUp = (r) => r.mul(float(1.4).sub(r.mul(0.15)).sub(r.pow(3).mul(0.3)));
 
 // Reflects the lights of three by the functions of a model. What all lights share is evaluated once for a pixel.
@@ -83,9 +84,10 @@ class MeasuredEnvironment extends EnvironmentNode {
     }
 }
 
-// A MeshStandardNodeMaterial with a measured reflectance under every light of three: environments (of the scene or its own), area
-// lights, ambient light and light probes too. Shadows, fog, occlusion, transparency, normal and bump maps are three's. Colours and
-// colour maps multiply the reflectance, and `saturation` multiplies its distance from grey. Roughness and metalness are not used.
+// A MeshStandardNodeMaterial with a measured reflectance under every light of three: environments (of the scene or its own),
+// area lights, ambient light and light probes too. Shadows, fog, occlusion, transparency, normal and bump maps are three's.
+// Colours and colour maps multiply the reflectance, and `saturation` multiplies its distance from grey. Roughness and
+// metalness are not used.
 class MeasuredMaterial extends MeshStandardNodeMaterial {
     constructor(nodes, { saturation = 1, ...parameters } = {}) {
         super();

@@ -3,9 +3,6 @@
 that of the model itself, within a mean ΔE_ITP of 1. Each host is skipped where it is not installed; the last line counts those that ran.
 Arguments: the program, a folder with peers/ beside it, and, if given, a folder for the pictures and the names of some hosts.
 """
-import base64
-import functools
-import http.server
 import importlib.util
 import os
 import re
@@ -13,7 +10,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import threading
 from importlib.metadata import version
 from pathlib import Path
 
@@ -22,11 +18,11 @@ import numpy as np
 here = Path(__file__).resolve()
 sys.path.insert(0, str(here.parent.parent))
 import lamp  # noqa: E402
-from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
+from chromium import WEBGL, program as chromium  # noqa: E402
+from served import WEBGPU, opened, picture as picture_of  # noqa: E402
 
 program, examples = os.path.abspath(sys.argv[1]), here.parents[2] / "examples/hosts"
 MATERIALS = {"film": "cc_ibiza_sunset_rgb", "paper": "paper_white_rgb"}
-WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]
 
 
 WEBPACK = """
@@ -51,11 +47,6 @@ def package(name):
     return found and Path(found.submodule_search_locations[0])
 
 
-class Handler(http.server.SimpleHTTPRequestHandler):
-    def log_message(self, *_):
-        pass
-
-
 def by_page(flags, files):
     """Draws by the page of an example, with these files of the host beside it by name and text, in Chromium."""
     def draw(example, code, picture):
@@ -63,25 +54,8 @@ def by_page(flags, files):
         shutil.copy(example / "index.html", folder)
         for name, text in files.items():
             (folder / name).write_text(text, encoding="utf-8")
-        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=folder))
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        browser = Chromium(flags)
-        try:
-            browser.ask("Page.navigate", url=f"http://127.0.0.1:{server.server_port}/index.html")
-            browser.wait_for("Page.loadEventFired")
-            text = browser.run("""Promise.race([radiance, new Promise((_, no) => setTimeout(() => no("no picture"), 100000))]).then(({ buffer }) => {
-                let text = "";
-                for (const byte of new Uint8Array(buffer)) text += String.fromCharCode(byte);
-                return btoa(text);
-            })""")
-        except Exception:
-            print(browser.problems[:3])
-            raise
-        finally:
-            browser.close()
-            server.shutdown()
-        pixels = np.frombuffer(base64.b64decode(text), np.float32).reshape(lamp.SIZE, lamp.SIZE, 4)
-        np.save(picture, pixels[::-1, :, :3])
+        with opened(folder, "index.html", flags) as browser:
+            np.save(picture, picture_of(browser, "radiance", lamp.SIZE))
     return draw
 
 

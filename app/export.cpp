@@ -170,7 +170,9 @@ CodeOptions code_options(const ExportCommand& asked, CodeLanguage language) {
 }
 
 bool has_texture(const std::string& kind) {
-    return kind == "ktx2" || std::ranges::count(code_modules(), kind, &CodeModule::name) > 0;
+    return kind == "ktx2" || std::ranges::any_of(code_modules(), [&](const CodeModule& module) {
+               return module.name == kind && module.map_text != nullptr;
+           });
 }
 bool is_code(const std::string& kind) { return code_language_named(kind).has_value(); }
 
@@ -185,12 +187,16 @@ std::vector<TextKind> text_kinds() {
              },
              [=](const auto& asked, const auto& map, auto& name) { return map_code(map, name, options(asked)); }});
     }
-    for (const CodeModule& row : code_modules())
-        kinds.push_back(
-            {std::string(row.name), std::string(row.summary), true,
-             [=](const auto&, const auto& models, auto& prefix) { return row.text(models, prefix, 0); },
-             [=](const auto&, const auto& map, auto& name) { return row.map_text(map, name, name + ".ktx2", 0); },
-             true});
+    for (const CodeModule& row : code_modules()) {
+        TextKind kind{std::string(row.name), std::string(row.summary), true,
+                      [=](const auto&, const auto& models, auto& prefix) { return row.text(models, prefix, 0); }};
+        kind.has_texture = row.map_text != nullptr;
+        if (kind.has_texture)
+            kind.map = [=](const auto&, const auto& map, auto& name) {
+                return row.map_text(map, name, name + ".ktx2", 0);
+            };
+        kinds.push_back(std::move(kind));
+    }
     kinds.push_back({"radiance",
                      "a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them", false,
                      [](const auto&, const auto& models, auto&) { return radiance_text(models); }});

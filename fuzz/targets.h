@@ -268,7 +268,7 @@ inline void add_conversions(Uses& uses) {
 inline Uses uses_of_models() {
     Uses uses;
     for (const std::string& kind : choices_of_export("--to"))
-        (kind == "html" || kind == "three" || kind == "blender" || kind == "osl" ? uses.slow : uses.quick)
+        (kind == "html" || kind.starts_with("three") || kind == "blender" || kind == "osl" ? uses.slow : uses.quick)
             .push_back({{"export", "in", "--to", kind}, ""});
     for (const std::string& extra : choices_of_export("--with"))
         uses.slow.push_back({{"export", "in", "--to", "c", "--with", extra}, ""});

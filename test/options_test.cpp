@@ -46,6 +46,7 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"a blend", "blend m.srbf m.srbf -o o.srbf"},
     {"code", "export m.srbf --to glsl -o o.glsl"},
     {"three.js", "export m.srbf --to three -o o.js"},
+    {"three.js for WebGPU", "export m.srbf --to three-webgpu -o o.js"},
     {"an environment", "export none.hdr --to dds -o o.dds"},
     {"a map's code", "export t.srbf --to glsl -o o.glsl"},
     {"a map's textures", "export t.srbf --to ktx2 -o o.ktx2"},

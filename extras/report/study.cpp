@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <ranges>
 
 #include "app/hash.h"
 #include "base/files.h"
@@ -239,7 +240,7 @@ class StudyMaker {
             if (const auto done = add(folder_name(stem) + ending, title, shading_code(one, named.name, options)); !done)
                 return done;
         }
-        for (const CodeModule& module : code_modules())
+        for (const CodeModule& module : code_modules() | std::views::take(1))  // others differ in the renderer alone
             if (const auto done =
                     add(folder_name(stem) + ".js", "three.js", module.text(one, named.name, options_.threads));
                 !done)

@@ -64,7 +64,13 @@ std::string cal_functions(const std::string& name, const PmModel& model) {
         text += fmt::format("{}_x{}({})={};\n", name, k + 1, k_pair, feature_texts[std::size_t(k)]);
     std::array<std::string, 3> sums;
     for (int j = 0; j < model.lobes; ++j) {
-        text += fmt::format("{}_lobe{}({})=exp({});\n", name, j + 1, k_pair, cal_exponent(name, model, j));
+        const std::string exponent = cal_exponent(name, model, j);
+        if (is_reciprocal(model.form))
+            text += fmt::format(
+                "{0}_one{1}({2})=exp({3});\n{0}_lobe{1}({2})=0.5*({0}_one{1}({2})+{0}_one{1}(vx,vy,vz,lx,ly,lz));\n",
+                name, j + 1, k_pair, exponent);
+        else
+            text += fmt::format("{}_lobe{}({})=exp({});\n", name, j + 1, k_pair, exponent);
         for (int c = 0; c < 3; ++c)
             sums[std::size_t(c)] +=
                 fmt::format("{}{}*{}_lobe{}({})", j ? "\n    +" : "",

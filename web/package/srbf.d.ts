@@ -37,7 +37,7 @@ export interface Report {
   smoothed?: Seen;
 }
 
-export type Language = "glsl" | "hlsl" | "wgsl" | "msl" | "c" | "three";
+export type Language = "glsl" | "hlsl" | "wgsl" | "msl" | "c" | "three" | "three-webgpu";
 
 /** A measurement or a model. */
 export interface Brdf {

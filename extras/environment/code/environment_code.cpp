@@ -206,7 +206,8 @@ const CodeExtra& code_of_environment() {
         {{"three",
           "a module for three.js with a class NAMEMaterial of each model; of a map, which goes into\n"
           "NAME.ktx2 beside it, one with coefficients from textures; of a BSDF each part is a material",
-          three_module, three_map_module}},
+          three_module, three_map_module},
+         {"three-webgpu", "such a module of models for the WebGPURenderer of three.js", three_webgpu_module, nullptr}},
         light_functions};
     return extra;
 }

@@ -48,6 +48,17 @@ std::string module_of(const std::string& functions, std::string_view imports, st
 std::string defines_of(const std::string& name) {
     return fmt::format("#define {0}_radiance measured_radiance\n#define {0}_reflected measured_reflected\n", name);
 }
+/// A view-by-view model or a BSDF, which have no material, is an error.
+Result<Done> check_materials(std::span<const NamedModel> models) {
+    for (const NamedModel& named : models) {
+        if (std::holds_alternative<SuModel>(named.model->model))
+            return Error{named.name,         {}, "model", "multivariate, or Lambert and GGX", "view by view",
+                         ErrorCode::argument};
+        if (std::holds_alternative<BsdfModel>(named.model->model))
+            return Error{named.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
+    }
+    return Done{};
+}
 /// A class that extends `base`; `more` is appended to the arguments of the constructor of `base`.
 std::string class_text(const std::string& name, std::string_view base, std::string_view more = "") {
     return fmt::format(
@@ -71,13 +82,7 @@ std::string lobes_text(const NamedModel& named, int threads) {
 }  // namespace
 
 Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads) {
-    for (const NamedModel& named : models) {
-        if (std::holds_alternative<SuModel>(named.model->model))
-            return Error{named.name,         {}, "model", "multivariate, or Lambert and GGX", "view by view",
-                         ErrorCode::argument};
-        if (std::holds_alternative<BsdfModel>(named.model->model))
-            return Error{named.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
-    }
+    if (const auto valid = check_materials(models); !valid) return valid.error();
     const auto code =
         environment_code(models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
                          {.environment = true, .area = true, .lobes = k_three_lobes, .texels = true, .colours = true});
@@ -96,8 +101,31 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
             named.name);
         classes += lobes_text(named, threads);
         classes += class_text(named.name, "MeasuredMaterial", fmt::format(", {{ lobes: {}_lobes }}", named.name));
+        classes += fmt::format("savedAs('{0}Material', {0}Material);\n", capitalised(named.name));
     }
     return module_of(functions + *code + texels, "", classes + k_three_blend_text);
+}
+
+Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std::string_view prefix, int threads) {
+    if (const auto valid = check_materials(models); !valid) return valid.error();
+    const auto code =
+        environment_code(models, prefix, {.language = CodeLanguage::wgsl, .albedo = true, .threads = threads},
+                         {.area = true, .lobes = k_three_lobes, .levels = MapLevels::three});
+    if (!code) return code.error();
+    std::string text = k_three_webgpu_text;
+    replace_all(text, "LOBES", std::to_string(k_three_lobes));
+    replace_all(text, "FUNCTIONS", in_template_literal(*code));
+    DefinedNames defined;
+    for (const char* own : {"MeasuredMaterial", "MeshStandardNodeMaterial"}) (void)defined.add(own, "the module");
+    for (const NamedModel& named : models) {
+        if (const auto distinct = defined.add(capitalised(named.name) + "Material", named.name); !distinct)
+            return distinct.error();
+        text += fmt::format(
+            "\nconst {0}_nodes = nodesOf('{0}');\nexport class {1}Material extends MeasuredMaterial {{\n"
+            "    constructor(parameters) {{\n        super({0}_nodes, parameters);\n    }}\n}}\n",
+            named.name, capitalised(named.name));
+    }
+    return text;
 }
 
 Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file, int threads) {

@@ -1,5 +1,5 @@
 // For three.js, release 187, and its WebGLRenderer.
-import { Color, DataTexture, FloatType, Matrix3, MeshStandardMaterial, RGBAFormat, REVISION } from 'three';
+import { Color, DataTexture, FloatType, MaterialLoader, Matrix3, MeshStandardMaterial, RGBAFormat, REVISION } from 'three';
 
 if (parseInt(REVISION) !== 187)
     console.warn(`three.js ${REVISION}: this material was written for release 187, and may ignore environments in others`);
@@ -160,9 +160,21 @@ class MeasuredMaterial extends MeshStandardMaterial {
     customProgramCacheKey() {
         return this.terms.map((term) => term.reflectance + term.functions).join() + this.onBeforeCompile;
     }
-    // The JSON of three has no reflectance: loading it yields a MeshStandardMaterial.
+    // The JSON of three names the class of a model, which a page that loads it imports. Of blends and maps loading it yields a
+    // MeshStandardMaterial.
     toJSON(meta) {
+        if (this.savedAs) return { ...super.toJSON(meta), type: this.savedAs, saturation: this.saturation };
         console.warn(`${this.constructor.name}: JSON does not keep the reflectance; construct the material after loading`);
         return super.toJSON(meta);
     }
+    fromJSON(json, textures) {
+        super.fromJSON(json, textures);
+        this.saturation = json.saturation ?? 1;
+        return this;
+    }
+}
+// Lets the loaders of three make materials of that name.
+function savedAs(name, material) {
+    Object.defineProperty(material.prototype, 'savedAs', { value: name });
+    MaterialLoader.registerMaterial?.(name, material);
 }

@@ -69,9 +69,20 @@ checks = chromium.run("""(async () => {
     const plain = new AloneMaterial(), changed = new AloneMaterial();
     changed.onBeforeCompile = (shader) => shader;
     console.warn = (text) => said.push(text);
-    new THREE.Mesh(new THREE.PlaneGeometry(), plain).toJSON();
+    const scene = new THREE.Scene(), camera = new THREE.OrthographicCamera(-1, 1, 1, -1), lamp = new THREE.DirectionalLight('white', 2);
+    camera.position.set(0.5, 0.5, 1), camera.lookAt(0, 0, 0), lamp.position.set(1, 2, 2);
+    scene.add(new THREE.Mesh(new THREE.PlaneGeometry(), new AloneMaterial({ color: 'orange', saturation: 0.5 })), lamp);
+    scene.updateMatrixWorld();
+    const renderer = new THREE.WebGLRenderer(), target = new THREE.WebGLRenderTarget(8, 8, { type: THREE.FloatType });
+    const [saved, loaded] = [scene, new THREE.ObjectLoader().parse(JSON.parse(JSON.stringify(scene.toJSON())))].map((of) => {
+        const pixels = new Float32Array(256);
+        renderer.setRenderTarget(target);
+        renderer.render(of, camera);
+        renderer.readRenderTargetPixels(target, 0, 0, 8, 8, pixels);
+        return pixels;
+    });
     console.warn = warn;
-    return { said, share_a_program: plain.customProgramCacheKey() === changed.customProgramCacheKey() };
+    return { said, is_loaded: saved[144] > 0 && saved.every((x, i) => x === loaded[i]), share_a_program: plain.customProgramCacheKey() === changed.customProgramCacheKey() };
 })()""")
 print(json.dumps({"problems": chromium.problems, **checks}))
 chromium.close()

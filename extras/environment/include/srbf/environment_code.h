@@ -62,7 +62,10 @@ LightTexels light_texels(const ExtendedLight& light);
 /// FilmMaterial for "film". It extends MeshStandardMaterial and reflects all lights of three.js by the model,
 /// including environment maps and area lights. Errors: those of `shading_code`.
 Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads = 0);
-/// A dense library (library.h) as such a module. It has a class, FilmMaterial for "film", whose `coefficients` are
+/// Such a module for the WebGPURenderer (run with release 185). Its classes extend MeshStandardNodeMaterial. Errors:
+/// those of `shading_code`.
+Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std::string_view prefix, int threads = 0);
+/// A dense library (library.h) as a module for WebGLRenderer. It has a class, FilmMaterial for "film", whose `coefficients` are
 /// a texture, and a function `loadCoefficients` that reads the texture from a KTX 2 file, by default `file` beside
 /// the module. Errors: those of `map_code`.
 Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file,

@@ -1,0 +1,183 @@
+#!/usr/bin/env python3
+"""The programs of examples/hosts: each draws a sphere of the bundled materials under a lamp by exported code or a model, and its picture is
+that of the model itself, within a mean ΔE_ITP of 1. Each host is skipped where it is not installed; the last line counts those that ran.
+Arguments: the program, a folder with peers/ beside it, and, if given, a folder for the pictures and the names of some hosts.
+"""
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+here = Path(__file__).resolve()
+sys.path.insert(0, str(here.parent.parent))
+import lamp  # noqa: E402
+from chromium import WEBGL, program as chromium  # noqa: E402
+from served import WEBGPU, opened, picture as picture_of  # noqa: E402
+
+program, examples = os.path.abspath(sys.argv[1]), here.parents[2] / "examples/hosts"
+MATERIALS = {"film": "cc_ibiza_sunset_rgb", "paper": "paper_white_rgb"}
+
+
+WEBPACK = """
+const modules = {}, loaded = {};
+function load(id) {
+    if (!(id in loaded)) modules[id].call((loaded[id] = { exports: {} }).exports, loaded[id], loaded[id].exports, load);
+    return loaded[id].exports;
+}
+load.o = (object, name) => Object.hasOwn(object, name);
+load.d = (exports, of) => Object.keys(of).forEach((name) => Object.defineProperty(exports, name, { enumerable: true, configurable: true, get: of[name] }));
+load.r = (exports) => Object.defineProperty(exports, "__esModule", { value: true });
+load.n = (module) => Object.assign(() => module.default ?? module, { a: module.default ?? module });
+load.g = window;
+self.webpackChunk_tiledb_inc_pybabylonjs = { push: ([, more]) => Object.assign(modules, more) };
+CHUNK
+"""
+
+
+def package(name):
+    """The folder of a Python package; None if it is not installed."""
+    found = importlib.util.find_spec(name)
+    return found and Path(found.submodule_search_locations[0])
+
+
+def by_page(flags, files):
+    """Draws by the page of an example, with these files of the host beside it by name and text, in Chromium."""
+    def draw(example, code, picture):
+        folder = Path(picture).parent
+        shutil.copy(example / "index.html", folder)
+        for name, text in files.items():
+            (folder / name).write_text(text, encoding="utf-8")
+        with opened(folder, "index.html", flags) as browser:
+            np.save(picture, picture_of(browser, "radiance", lamp.SIZE))
+    return draw
+
+
+def by_script(example, code, picture, *more):
+    """Draws by the script of an example."""
+    done = subprocess.run([sys.executable, example / "sphere.py", code, picture, *more], capture_output=True, text=True, timeout=600)
+    if done.returncode:
+        raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
+
+
+def by_slang(example, code, picture):
+    """Draws, and compares derivatives by the direction to the light, along the sphere of directions, with differences of `srbf eval`."""
+    folder = Path(picture).parent
+    by_script(example, code, picture, "cpu", folder / "slopes.npy")
+    directions, step = lamp.pairs(), 1e-3
+    some = np.flatnonzero(directions[:, 2] * directions[:, 5] > 0.05)[::97]
+    wl, wv = directions[some, :3], directions[some, 3:]
+    along = np.cross(wl, [0.3, 0.5, 0.8])
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    moved = [np.hstack([np.cos(step) * wl + sign * np.sin(step) * along, wv]) for sign in (1, -1)]
+    up, down = (lamp.reflected(program, models[folder.name], of, folder).sum(1) for of in moved)
+    slopes = (np.load(folder / "slopes.npy")[lamp.points()[0]][some] * along).sum(1)
+    apart = np.median(np.abs(slopes - (up - down) / (2 * np.sin(step))) / (np.abs(slopes) + 1e-3))
+    if not apart < 1e-3:
+        raise RuntimeError(f"slang: derivatives differ from slopes by {apart:.1e} in the median")
+    print(f"     slang: derivatives differ from slopes by {apart:.1e} in the median")
+
+
+def by_c(example, code, picture):
+    folder = Path(picture).parent
+    shutil.copy(example / "sphere.c", folder)
+    subprocess.run(["cc", "-O2", "sphere.c", "-o", "sphere", "-lm"], cwd=folder, check=True)
+    pixels = subprocess.run([folder / "sphere"], check=True, stdout=subprocess.PIPE).stdout
+    np.save(picture, np.frombuffer(pixels, np.float32).reshape(lamp.SIZE, lamp.SIZE, 3))
+
+
+def by_godot(example, code, picture):
+    """Draws by the project of an example, in a copy of it."""
+    folder = Path(picture).parent
+    for file in example.iterdir():
+        shutil.copy(file, folder)
+    environment = {**os.environ, "HOME": str(folder), "LC_ALL": "C.UTF-8"}
+    done = subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 640x480x24", "godot3", "--path", folder, "-s", "sphere.gd", "--audio-driver", "Dummy",
+                           folder / "picture"], capture_output=True, text=True, env=environment, timeout=600)
+    if not (folder / "picture").exists():
+        raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
+    np.save(picture, np.fromfile(folder / "picture", np.float32).reshape(lamp.SIZE, lamp.SIZE, 4)[..., :3])
+
+
+def three(files):
+    """Files of three.js by name, from a folder in peers/ beside the measurements that has all; None without one."""
+    for folder in Path(sys.argv[2]).parent.glob("peers/*"):
+        paths = [folder / f"three.{file}.js" for file in files]
+        if all(path.exists() for path in paths):
+            return {path.name: path.read_text(encoding="utf-8") for path in paths}
+    return None
+
+
+def babylon():
+    """Babylon.js as a script of its own, which pybabylonjs has within a module of its widget; None without it."""
+    folder = package("pybabylonjs") or here
+    text = "".join(path.read_text(encoding="utf-8") + ";\n" for path in folder.glob("labextension/static/*.js") if path.stat().st_size > 2e5)
+    whole = re.search(r"(\d+):\(\w,(\w),\w\)=>\{\"use strict\";\w\.r\(\2\),\w\.d\(\2,\{AbstractActionManager:", text)
+    return whole and WEBPACK.replace("CHUNK", text) + f"window.BABYLON = load({whole[1]});"
+
+
+def hosts():
+    """Of each example: its name, the version of the host or None, what `srbf export` writes for it, and what draws."""
+    def of(distribution, *modules):
+        return version(distribution) if all(map(importlib.util.find_spec, modules or (distribution,))) else None
+    compiler = shutil.which("cc") and subprocess.run(["cc", "--version"], capture_output=True, text=True).stdout.splitlines()[0]
+    yield "c", compiler, ("--to", "c"), ".h", by_c
+    for name, kind, flags, files in (("three_webgl", "three", WEBGL, ("module", "core")), ("three_webgpu", "three-webgpu", WEBGPU, ("webgpu", "core", "tsl"))):
+        texts = three(files)
+        yield name, texts and chromium() and re.search(r"REVISION = '(\w+)'", texts["three.core.js"])[1], ("--to", kind), ".js", by_page(flags, texts)
+    bundle = babylon()
+    yield ("babylon", bundle and chromium() and re.search(r'"(7\.\d+\.\d+)"', bundle)[1], ("--to", "glsl"), ".glsl", by_page(WEBGL, {"babylon.js": bundle}))
+    godot = shutil.which("godot3") and shutil.which("xvfb-run") and subprocess.run(["godot3", "--version"], capture_output=True, text=True).stdout.strip()
+    yield "godot3", godot, ("--to", "glsl"), ".glsl", by_godot
+    yield "panda3d", of("panda3d"), ("--to", "glsl"), ".glsl", by_script
+    yield "materialx", of("materialx", "MaterialX", "moderngl"), ("--to", "glsl"), ".glsl", by_script
+    yield "pygfx", of("pygfx"), ("--to", "wgsl"), ".wgsl", by_script
+    yield "slang", of("slangpy"), ("--to", "hlsl", "--with", "sampling"), ".hlsl", by_slang
+    yield "radiance", of("pyradiance"), ("--to", "radiance"), ".cal", by_script
+    yield "raysect", of("raysect"), ("--to", "c"), ".h", by_script
+    yield "mitsuba", of("mitsuba", "mitsuba", "srbf"), None, ".srbf", by_script
+
+
+failures, ran, rows, names = [], [], {material: [] for material in MATERIALS}, sys.argv[4:]
+with tempfile.TemporaryDirectory() as folder:
+    models, own = {}, {}
+    for material, measurement in MATERIALS.items():
+        models[material] = Path(folder, material, "material.srbf")
+        models[material].parent.mkdir()
+        subprocess.run([program, "fit", here.parents[2] / f"data/{measurement}.bsdf", "-o", models[material]], check=True, stdout=subprocess.DEVNULL)
+        own[material] = lamp.reference(program, models[material], folder)
+    for host, installed, export, ending, draw in hosts():
+        if names and host not in names:
+            continue
+        if not installed:
+            print(f"skipped: {host} is not installed")
+            continue
+        errors = []
+        for material, model in models.items():
+            there = Path(folder, host, material)
+            there.mkdir(parents=True)
+            code, picture = there / ("material" + ending), there / "picture.npy"
+            if export:
+                subprocess.run([program, "export", model, *export, "-o", code], check=True)
+            else:
+                shutil.copy(model, code)
+            draw(examples / host, code, picture)
+            rows[material].append(np.load(picture).astype(float))
+            errors.append(lamp.apart(rows[material][-1], own[material]))
+        ran.append(host)
+        text = f"{host} {installed}: " + ", ".join(f"{material} {error:.2f}" for material, error in zip(MATERIALS, errors))
+        print("ok  " if max(errors) <= lamp.WITHIN else "BAD ", text, flush=True)
+        if max(errors) > lamp.WITHIN:
+            failures.append(host)
+    if len(sys.argv) > 3:
+        from PIL import Image
+        sheet = Image.fromarray(np.concatenate([lamp.beside(own[material], rows[material]) for material in MATERIALS]))
+        sheet.resize([96 * length // lamp.SIZE for length in sheet.size], Image.Resampling.BOX).save(Path(sys.argv[3], "hosts.png"))
+print(f"{len(ran)} hosts ran")
+sys.exit(bool(failures))

@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""The two materials of three.js: WebGLRenderer's (release 187) and WebGPURenderer's (185), whose files are in peers/ beside the measurements, in
+Chromium; numpy and openexr of PyPI. Without one of them nothing is tried.
+
+Under four lamps, a rectangular and an ambient light both draw the same picture of the film and the paper, and under data/studio.hdr each is
+compared with a path-traced one. The times of frames are printed. Arguments: the program, a folder with peers/ beside it.
+"""
+import base64
+import importlib.util
+import json
+import math
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+here = Path(__file__).resolve()
+sys.path.insert(0, str(here.parent.parent))
+from chromium import program as chromium  # noqa: E402
+from seen import delta_e, hdr_of  # noqa: E402
+from served import WEBGPU, opened, picture  # noqa: E402
+from surface_host import DISTANCE, ELEVATION, FIELD, SIZE, drawn, environment, on_sphere, run  # noqa: E402
+
+SWIFTSHADER = ["--use-gl=angle", "--use-angle=swiftshader", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"]
+RENDERERS = {"WebGLRenderer": ("three", SWIFTSHADER, ("module", "core"), {"three": "./three.module.js"}),
+             "WebGPURenderer": ("three-webgpu", WEBGPU, ("webgpu", "core", "tsl"), {"three/webgpu": "./three.webgpu.js", "three/tsl": "./three.tsl.js"})}
+ALIKE, UNDER_STUDIO = 0.01, {"WebGLRenderer": 10, "WebGPURenderer": 30}  # ΔE_ITP
+LIGHTS = ["lamps", "rectangle", "ambient"]
+PAGE = """<!doctype html><script type="importmap">{ "imports": IMPORTS }</script><script type="module">
+import * as THREE from 'LIBRARY';
+import { MaterialMaterial } from './material.js';
+const gpu = 'LIBRARY' !== 'three', renderer = gpu ? new THREE.WebGPURenderer() : new THREE.WebGLRenderer();
+const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(FIELD, 1, 0.1, 100), texels = await (await fetch('studio.json')).json();
+camera.position.set(...EYE), camera.lookAt(0, 0, 0);
+const standard = gpu ? THREE.MeshStandardNodeMaterial : THREE.MeshStandardMaterial, materials = { ours: new MaterialMaterial(), standard: new standard() };
+const ball = new THREE.Mesh(new THREE.SphereGeometry(1, 192, 96));
+const studio = new THREE.DataTexture(new Float32Array(Uint8Array.from(atob(texels.rows), (c) => c.charCodeAt(0)).buffer), texels.width, texels.height,
+    THREE.RGBAFormat, THREE.FloatType, THREE.EquirectangularReflectionMapping);
+studio.minFilter = studio.magFilter = THREE.LinearFilter, studio.needsUpdate = true;
+if (gpu) {  // The tables are three's own for its materials, and not read here.
+    const none = new THREE.DataTexture(new Float32Array(4), 1, 1, THREE.RGBAFormat, THREE.FloatType);
+    THREE.RectAreaLightNode.setLTC({ LTC_FLOAT_1: none, LTC_FLOAT_2: none, LTC_HALF_1: none, LTC_HALF_2: none });
+    await renderer.init();
+}
+const lights = { ambient: [new THREE.AmbientLight('white', 1)], rectangle: [new THREE.RectAreaLight('white', 5, 1, 1)], studio: [],
+    lamps: [[-2, 2, 3], [2, 2, 3], [0, -1, 2], [1, 3, -1]].map((at) => { const lamp = new THREE.DirectionalLight('white', 2); lamp.position.set(...at); return lamp; }) };
+lights.rectangle[0].position.set(-1, 2, 3), lights.rectangle[0].lookAt(0, 0, 0);
+const target = new (gpu ? THREE.RenderTarget : THREE.WebGLRenderTarget)(SIZE, SIZE, { type: THREE.FloatType });
+window.drawn = async (material, light) => {
+    scene.clear(), scene.add(ball, ...lights[light]), ball.material = materials[material];
+    scene.environment = light === 'studio' ? studio : null, scene.environmentRotation.y = Math.PI / 2;  // its middle lies behind the sphere
+    renderer.setRenderTarget(target);
+    renderer.render(scene, camera);
+    let pixels = new Float32Array(4 * SIZE * SIZE);
+    if (!gpu) return renderer.readRenderTargetPixels(target, 0, 0, SIZE, SIZE, pixels), pixels;
+    pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, SIZE, SIZE);
+    return Float32Array.from(pixels, (_, i) => pixels[4 * SIZE * (SIZE - 1 - Math.floor(i / 4 / SIZE)) + i % (4 * SIZE)]);  // from below
+};
+window.milliseconds = async (material, light) => {
+    await drawn(material, light);
+    const start = performance.now();
+    for (let i = 0; i < 5; ++i) await drawn(material, light);
+    return (performance.now() - start) / 5;
+};
+window.isReady = true;
+</script>"""
+found = {name: next((folder for folder in Path(sys.argv[2]).parent.glob("peers/*") if all((folder / f"three.{file}.js").exists() for file in files)), None)
+         for name, (_, _, files, _) in RENDERERS.items()}
+if None in found.values() or chromium() is None or importlib.util.find_spec("OpenEXR") is None:
+    print("skipped: no three.js of both releases, no Chromium or no OpenEXR")
+    sys.exit(0)
+failures, inside, texels = [], on_sphere(), hdr_of(environment)
+
+
+def expect(holds, words):
+    print("ok  " if holds else "BAD ", words, flush=True)
+    if not holds:
+        failures.append(words)
+
+
+height, width = texels.shape[:2]
+rows = np.concatenate([texels[::-1], np.ones((height, width, 1))], axis=-1).astype(np.float32)  # the lowest row first
+studio = json.dumps({"rows": base64.b64encode(rows.tobytes()).decode(), "width": width, "height": height})
+with tempfile.TemporaryDirectory() as name:
+    for material in ("cc_ibiza_sunset_rgb", "paper_white_rgb"):
+        model, pictures = Path(name, "material.srbf"), {}
+        run("fit", here.parents[2] / f"data/{material}.bsdf", "-o", model)
+        traced = drawn(model, f"{name}/traced.exr")[inside]
+        for renderer, (kind, flags, files, imports) in RENDERERS.items():
+            site = Path(name, material, renderer)
+            site.mkdir(parents=True)
+            for file in files:
+                shutil.copy(found[renderer] / f"three.{file}.js", site)
+            run("export", model, "--to", kind, "-o", site / "material.js")
+            (site / "studio.json").write_text(studio)
+            texts = {"IMPORTS": json.dumps(imports), "LIBRARY": next(iter(imports)), "FIELD": str(math.degrees(FIELD)), "SIZE": str(SIZE),
+                     "EYE": str([0, DISTANCE * math.sin(ELEVATION), DISTANCE * math.cos(ELEVATION)])}
+            page = PAGE
+            for word, text in texts.items():
+                page = page.replace(word, text)
+            (site / "index.html").write_text(page)
+            with opened(site, "index.html", flags) as browser:
+                browser.run("new Promise((done) => { const wait = () => window.isReady ? done() : setTimeout(wait, 50); wait(); })")
+                for light in [*LIGHTS, "studio"]:
+                    pictures[renderer, light] = picture(browser, f"drawn('ours', '{light}')", SIZE)[inside]
+                    own, ours = (browser.run(f"milliseconds('{of}', '{light}')") for of in ("standard", "ours"))
+                    print(f"     {material}, {renderer}, {light}: {ours:.0f} ms, {ours / own:.1f} times as long as MeshStandardMaterial", flush=True)
+            apart = delta_e(pictures[renderer, "studio"], traced)
+            expect(apart <= UNDER_STUDIO[renderer], f"{material}, {renderer}, studio: against path tracing {apart:.2f}")
+        for light in LIGHTS:
+            apart = delta_e(pictures["WebGPURenderer", light], pictures["WebGLRenderer", light])
+            expect(apart <= ALIKE, f"{material}, {light}: between the renderers {apart:.4f}")
+sys.exit(bool(failures))

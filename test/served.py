@@ -1,0 +1,42 @@
+"""A page of a folder that is served, in Chromium."""
+import base64
+import contextlib
+import functools
+import http.server
+import threading
+
+import numpy as np
+
+from chromium import Chromium
+
+WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]
+
+
+class Handler(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
+
+
+@contextlib.contextmanager
+def opened(folder, page, flags):
+    """The browser, with that page of the folder."""
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=folder))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    browser = Chromium(flags)
+    try:
+        browser.ask("Page.navigate", url=f"http://127.0.0.1:{server.server_port}/{page}")
+        browser.wait_for("Page.loadEventFired")
+        yield browser
+    finally:
+        browser.close()
+        server.shutdown()
+
+
+def picture(browser, promise, size):
+    """Linear [size, size, 3], the highest row first, of a promise of float32 RGBA whose lowest row is the first; at most 100 seconds."""
+    text = browser.run(f"""Promise.race([{promise}, new Promise((_, no) => setTimeout(() => no("no picture"), 100000))]).then(({{ buffer }}) => {{
+        let text = "";
+        for (const byte of new Uint8Array(buffer)) text += String.fromCharCode(byte);
+        return btoa(text);
+    }})""")
+    return np.frombuffer(base64.b64decode(text), np.float32).reshape(size, size, 4)[::-1, :, :3].astype(float)

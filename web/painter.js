@@ -338,7 +338,8 @@ function draw_part(index, which, scene, width, height) {
   ++part.samples;
 }
 
-function draw_edited(index, scene, width, height) {
+// Draws what is missing of the parts, of a quick picture coarsely if it takes long, and another sample of all otherwise.
+function draw_parts(index, scene, width, height) {
   const { is_quick } = job, { edit } = descriptions[index], { mesh, eye, frame, directions, irradiances, turned, around } = scene;
   const key = JSON.stringify([index, width, height, mesh, eye, frame, directions, irradiances, turned, around]);
   if (edited?.key !== key) forget_edited(), edited = { key, parts: [0, 1, 2].map(() => ({ samples: 0, size: 0, buffer: null })), duration: 0 };
@@ -360,6 +361,11 @@ function draw_edited(index, scene, width, height) {
     finish(part.buffer);
     if (which === k_highlight) edited.duration = (performance.now() - start) / part.size ** 2;
   }
+}
+
+function draw_edited(index, scene, width, height) {
+  draw_parts(index, scene, width, height);
+  const { around } = scene, { edit } = descriptions[index], { parts } = edited;
   const sum = edited.sum ??= program_of(data.whole, data.develop.slice(0, data.develop.indexOf("void main()")) + k_sum_text);
   const [highlight, body, beside] = parts.map(({ buffer }) => (buffer ?? parts[k_body].buffer).textures[0]);
   const draw_sum = (framebuffer) => {
@@ -374,7 +380,7 @@ function draw_edited(index, scene, width, height) {
     gl.uniform1f(sum.location("exposure"), around ? exposure * scene.stops : scene.exposure);
     draw_whole(sum, { highlight, body, around: beside }, 0);
   };
-  if (around && !is_exposed && !is_quick) {
+  if (around && !is_exposed && !job.is_quick) {
     const [radiances] = means_of(index, width, height);
     draw_sum(radiances.framebuffer);
     exposure = light.exposure_of(gl, radiances, visible, data.knee), is_exposed = true;
@@ -386,7 +392,6 @@ function forget_edited() {
   if (edited) for (const { buffer } of edited.parts) if (buffer?.depth) light.delete_buffer(gl, buffer);
   edited = null;
 }
-
 
 // Keeps the last picture of a material as a texture.
 function keep_picture(index, width, height) {

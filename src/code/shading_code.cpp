@@ -402,6 +402,17 @@ std::string lanes_text(std::span<const NamedModel> models, const CodeOptions& op
     return options.sampling ? lobes + mixtures_in_c(known) : lobes;
 }
 
+/// The functions that a text in C defines.
+std::set<std::string> functions_in_c(const std::string& text) {
+    const std::string_view head = "\nSRBF_FN ";
+    std::set<std::string> names;
+    for (std::size_t at = text.find(head); at != text.npos; at = text.find(head, at + 1)) {
+        const std::size_t end = text.find('(', at), begin = text.rfind(' ', end) + 1;
+        names.insert(text.substr(begin, end - begin));
+    }
+    return names;
+}
+
 std::string kind_text(const Model& model) {
     if (const auto* pm = std::get_if<PmModel>(&model.model))
         return fmt::format("{} lobes of {} variates, form {}", pm->lobes, pm->variates, name(pm->form));
@@ -610,7 +621,10 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     }
     ProgramPrinter printer(std::move(programs), prefix, options.language, names);
     if (const auto distinct = printer.add_names(defined); !distinct) return distinct.error();
-    std::string definitions = lanes_text(brdfs, options) + printer.text() + bsdf_text;
+    const std::string lanes = lanes_text(brdfs, options);
+    for (const std::string& name : functions_in_c(lanes))
+        if (const auto distinct = defined.add(name, "the functions of srbf"); !distinct) return distinct.error();
+    std::string definitions = lanes + printer.text() + bsdf_text;
     if (options.blend) {
         const auto blend = blend_code(models, prefix, options, defined);
         if (!blend) return blend.error();

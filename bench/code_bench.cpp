@@ -125,10 +125,10 @@ void add_model(const std::string& name, const Model& model, const TemporaryFolde
             }
     for (std::size_t k = 0; k < std::size(k_names); ++k) {
         add(name + "/library", k, k_library[k], &prepared.back());
-        for (const auto& [of, library] : libraries) {
+        for (const auto& [compiled, library] : libraries) {
             void* brdf = nullptr;
-            const auto function = [&]<typename F>(F*& f, const char* of) {
-                f = reinterpret_cast<F*>(::dlsym(library, of));
+            const auto function = [&]<typename F>(F*& f, const char* symbol) {
+                f = reinterpret_cast<F*>(::dlsym(library, symbol));
             };
             std::size_t (*needed)(const void*, std::size_t);
             int (*open)(const void*, std::size_t, void*, std::size_t, void**, std::size_t*);
@@ -142,7 +142,7 @@ void add_model(const std::string& name, const Model& model, const TemporaryFolde
             }
             Run run;
             function(reinterpret_cast<std::remove_pointer_t<Run>*&>(run), k_names[k]);
-            add(of, k, run, brdf);
+            add(compiled, k, run, brdf);
         }
     }
 }

@@ -26,10 +26,12 @@ import rivals
 import srbf
 import stand_ins
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "docs", "figures"))
+import comparison  # noqa: E402
+from comparison import models_in, table, text  # noqa: E402
+
 DEFAULT = ["ggx-2", "srbf"]
-NAMES = {"ggx": "Lambert, 1 GGX", "ggx-2": "Lambert, 2 GGX", "openpbr": "OpenPBR", "srbf-4": "srbf, 4 lobes", "srbf": "srbf, the default",
-         "srbf-16": "srbf, 16 lobes", "as-measured-8": "srbf, as measured", "su": "srbf, view by view", "abc": "ABC", "sgd": "SGD",
-         "nbrdf": "NBRDF", "nps": "neural process"}
+NAMES = {model: name.strip("*") for model, (name, _) in comparison.MODELS.items()}
 COLOURS = ["#c0392b", "#2471a3", "#17a589", "#7d3c98", "#b7950b", "#5d6d7e", "#e67e22", "#1b2631"]
 RESULTS = ["database", "material", "model", "payload", "shared", *rivals.ERRORS]
 SECONDS = ["database", "material", "model", "read", "fit"]
@@ -146,18 +148,10 @@ def protocols(path, measured, brdf, environment, work):
             "pairs_smape": f"{np.nanmean((abs(f - g) / (f + g))[f + g > 0]):.6g}"}
 
 
-def text(value):
-    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
-
-
-def table(heads, lines):
-    return "\n".join("| " + " | ".join(line) + " |" for line in [heads, ["---"] * len(heads), *lines]) + "\n"
-
-
 def summary(rows, times):
     """A row for each model of these results."""
     lines = []
-    for model in sorted({row["model"] for row in rows}, key=list(NAMES).index):
+    for model in models_in(rows):
         of = [row for row in rows if row["model"] == model]
         errors = {key: [float(row[key]) for row in of] for key in rivals.ERRORS}
         shared = int(of[0]["shared"])
@@ -172,7 +166,7 @@ def summary(rows, times):
 
 def plot(rows):
     """ΔE_ITP of all materials by each model as an SVG: materials in the order of the default's error, errors on a logarithmic axis."""
-    models = sorted({row["model"] for row in rows}, key=list(NAMES).index)
+    models = models_in(rows)
     first = "srbf" if "srbf" in models else models[-1]
     rank = {tuple(row[k] for k in KEY[:2]): float(row["delta_e_itp"]) for row in rows if row["model"] == first}
     order = sorted(rank, key=rank.get)
@@ -201,28 +195,28 @@ def plot(rows):
 def write_page(folder, results, times, measured):
     rows = list(results.values())
     databases = sorted({row["database"] for row in rows})
-    parts = ["# Leaderboard\n", "Every measurement is fitted by each model without options. *ΔE_ITP* is the mean visible error of pictures of a sphere "
+    parts = ["# Leaderboard", "Every measurement is fitted by each model without options. *ΔE_ITP* is the mean visible error of pictures of a sphere "
              "under eight lightings, and *worst light* that of the worst of them; 1 is just noticeable. PSNR is better if larger, all others if "
-             "smaller. *Bytes* are the numbers of one material.\n", "![ΔE_ITP of each material](picture.svg)\n", summary(rows, times)]
+             "smaller. *Bytes* are the numbers of one material.", "![ΔE_ITP of each material](picture.svg)", summary(rows, times)]
     if len(databases) > 1:
         for database in databases:
-            parts += [f"## {database}\n", summary([row for row in rows if row["database"] == database], times)]
+            parts += [f"## {database}", summary([row for row in rows if row["database"] == database], times)]
     if measured:
         lines = []
-        for model in sorted({row["model"] for row in measured.values()}, key=list(NAMES).index):
+        for model in models_in(measured.values()):
             of = [row for row in measured.values() if row["model"] == model]
             lines.append([NAMES[model], str(len(of)), *(text(statistics.fmean(float(row[key]) for row in of)) for key in PROTOCOLS[4:])])
-        parts += ["## By the measures of publications\n", f"Means. A sphere of {SPHERE} × {SPHERE} pixels and {PATHS:,} paths under "
+        parts += ["## By the measures of publications", f"Means. A sphere of {SPHERE} × {SPHERE} pixels and {PATHS:,} paths under "
                   f"{', '.join(sorted({row['environment'] for row in measured.values()}))}, display values; and {PAIRS:,} pairs of cosine-weighted "
-                  "directions.\n", table(["model", "materials", "MAE", "PSNR, dB", "MAE of f", "SMAPE of f"], lines)]
-    names = sorted({row["model"] for row in rows}, key=list(NAMES).index)
+                  "directions.", table(["model", "materials", "MAE", "PSNR, dB", "MAE of f", "SMAPE of f"], lines)]
+    names = models_in(rows)
     by = {}
     for row in rows:
         by.setdefault((row["database"], row["material"]), {})[row["model"]] = text(float(row["delta_e_itp"]))
-    parts += ["## Materials\n", table(["database", "material", *(NAMES[name] for name in names)],
+    parts += ["## Materials", table(["database", "material", *(NAMES[name] for name in names)],
                                       [[*material, *(of.get(name, "") for name in names)] for material, of in sorted(by.items())])]
     with open(os.path.join(folder, "README.md"), "w", encoding="utf-8") as file:
-        file.write("\n".join(parts))
+        file.write("\n\n".join(parts) + "\n")
     with open(os.path.join(folder, "picture.svg"), "w", encoding="utf-8") as file:
         file.write(plot(rows))
 

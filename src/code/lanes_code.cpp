@@ -39,6 +39,21 @@ Real su_shape(Su su, int view, int j);
 int su_nearest(SuNearest nearest, int k);
 )";
 
+/// kernel.glsl behind the declarations of what it is supplied with.
+struct KernelProgram {
+    syntax::Program program;
+    std::vector<std::string> supplied;
+    KernelProgram() {
+        std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(k_most_variates)},
+                                                   {"SRBF_TERMS", std::to_string(k_terms.size())}};
+        syntax::parse(k_supplied, program, defines);
+        for (const syntax::Function& function : program.functions) supplied.push_back(function.name);
+        const std::string albedo = k_albedo_text;  // of which only the coordinate is used
+        syntax::parse(k_kernel_text, program, defines);
+        syntax::parse(albedo.substr(0, albedo.find("// The integral")), program, defines);
+    }
+};
+
 /// The numbers of a mixture by their slots in runtime_densities.h. Of the kernel's components, 0 and 1 are the cosines.
 constexpr std::size_t k_slots = SRBF_FIRST_HALF_VECTOR_LOBE, k_facet_slot = 2 * k_slots, k_slot_numbers = 3 * k_slots;
 using SlotNumbers = std::array<float, k_slot_numbers>;
@@ -91,18 +106,12 @@ std::string segment_text(const SlotNumbers& low, const SlotNumbers& high) {
 
 std::string kernel_in_c(const std::vector<std::string>& functions, const std::string& prefix, bool has_lanes,
                         std::set<std::string>& known) {
-    syntax::Program program;
-    std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(k_most_variates)},
-                                               {"SRBF_TERMS", std::to_string(k_terms.size())}};
-    syntax::parse(k_supplied, program, defines);
+    static const KernelProgram kernel;
+    syntax::Program program = kernel.program;
     std::vector<std::string> roots = functions;
     std::map<std::string, std::string> names{
         {"Pm", "srbf_pm"}, {"Su", "srbf_su"}, {"SuNearest", "srbf_su_nearest_views"}};
-    for (const syntax::Function& supplied : program.functions)
-        roots.push_back(supplied.name), names[supplied.name] = "srbf_" + supplied.name;
-    const std::string albedo = k_albedo_text;  // of which only the coordinate is used
-    syntax::parse(k_kernel_text, program, defines);
-    syntax::parse(albedo.substr(0, albedo.find("// The integral")), program, defines);
+    for (const std::string& supplied : kernel.supplied) roots.push_back(supplied), names[supplied] = "srbf_" + supplied;
     syntax::specialise(program, roots);
     for (const auto& structure : program.structures) names[structure.name] = prefix + structure.name;
     for (const auto& function : program.functions) names.try_emplace(function.name, prefix + function.name);

@@ -358,8 +358,7 @@ function draw_parts(index, scene, width, height) {
     if (part.samples > least || least > 0 && (is_quick || !around)) continue;
     const which = parts.indexOf(part), start = performance.now();
     draw_part(index, which, scene, ...[width, height].map((n) => Math.max(Math.round(part.size * n), 1)));
-    finish(part.buffer);
-    if (which === k_highlight) edited.duration = (performance.now() - start) / part.size ** 2;
+    if (which === k_highlight) finish(part.buffer), edited.duration = (performance.now() - start) / part.size ** 2;
   }
 }
 

@@ -132,6 +132,29 @@ async function read_file(file) {
   }
 }
 
+// ---- A photographer's light --------------------------------------------------------------------------------------
+
+// A soft box, a strip of light on the opposite side from behind, and walls that are brighter above than below. All edges are
+// soft, so that few texels suffice.
+function soft_box() {
+  const width = 256, height = 128, texels = new Float32Array(3 * width * height), degree = Math.PI / 180;
+  // Azimuth from the viewer to the right, elevation, half the width and height, and radiance.
+  const lamps = [[-40, 42, 17, 13, 12], [140, 25, 5, 28, 7]].map((lamp) => lamp.map((x, i) => i < 4 ? x * degree : x));
+  const soft_step = (x) => { const t = Math.min(Math.max(0.5 + x / (8 * degree), 0), 1); return t * t * (3 - 2 * t); };
+  for (let y = 0, i = 0; y < height; ++y)
+    for (let x = 0; x < width; ++x, i += 3) {
+      const phi = ((x + 0.5) / width - 0.5) * 2 * Math.PI, theta = (y + 0.5) / height * Math.PI;
+      const azimuth = Math.PI - phi; // of the direction (sin θ sin φ, cos θ, −sin θ cos φ)
+      let radiance = 0.32 + 0.26 * Math.cos(theta);
+      for (const [towards, elevation, half_width, half_height, bright] of lamps) {
+        const turn = Math.atan2(Math.sin(azimuth - towards), Math.cos(azimuth - towards)) * Math.sin(theta);
+        radiance += bright * soft_step(half_width - Math.abs(turn)) * soft_step(half_height - Math.abs(Math.PI / 2 - theta - elevation));
+      }
+      texels.fill(radiance, i, i + 3);
+    }
+  return { width, height, texels };
+}
+
 // ---- Textures ----------------------------------------------------------------------------------------------------
 
 // The relative solid angle of a texel in each row.
@@ -282,6 +305,6 @@ function facing_azimuth({ width, height, texels }) {
   return Number.isFinite(current) ? target - current : 0;
 }
 
-return { read_file, decode_rgbe, new_environment, new_buffer, delete_buffer, shift_of, exposure_of, facing_azimuth };
+return { read_file, decode_rgbe, soft_box, new_environment, new_buffer, delete_buffer, shift_of, exposure_of, facing_azimuth };
 }
 const light = lighting();

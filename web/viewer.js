@@ -127,7 +127,8 @@ function draw_now() {
   for (const figure of figures) {
     const canvas = figure.querySelector("canvas"), { material } = figure.dataset;
     if (figure.hidden || !canvas || only !== null && material !== only) continue;
-    const width = Math.round(canvas.clientWidth * Math.min(window.devicePixelRatio, 2)), height = Math.round(width / data.aspect);
+    const aspect = document.fullscreenElement === section ? canvas.clientWidth / canvas.clientHeight : data.aspect;
+    const width = Math.round(canvas.clientWidth * Math.min(window.devicePixelRatio, 2)), height = Math.round(width / aspect);
     if (width) pictures.push({ subject: material === "difference" ? material : Number(material), width, height, scene: scene(width / height) });
   }
   painter.send({ kind: "draw", number: ++number, pictures: pictures.length ? pictures : [], is_new, exposes, is_quick: only !== null });
@@ -269,6 +270,12 @@ function show(which) {
   redraw();
 }
 
+// One picture on the whole screen, or the wipe if there are two to compare.
+function present() {
+  view.shown = is_available("difference") ? "wipe" : view.shown === "all" ? [...known][0] : view.shown;
+  section.requestFullscreen().catch(() => {}); // the browser may refuse
+}
+
 function listen() {
   for (const figure of figures) follow_pointer(figure.querySelector("canvas"));
   for (const button of section.querySelectorAll("[data-show]"))
@@ -282,6 +289,8 @@ function listen() {
       show("wipe");
     } else if (event.key === "f" && is_available("difference")) {
       show(view.shown === "0" ? "1" : "0");
+    } else if (event.key === "p" && document.fullscreenEnabled) {
+      present();
     }
   });
   controls.addEventListener("input", ({ target }) => {
@@ -300,6 +309,9 @@ function listen() {
     event.preventDefault(), event.stopPropagation();
     if (has_floats) open_environment(file);
   });
+  controls.full.hidden = !document.fullscreenEnabled;
+  controls.full.addEventListener("click", present);
+  section.addEventListener("fullscreenchange", redraw);
   // Puts the first light behind the object and turns the others off.
   controls.behind?.addEventListener("click", () => {
     const frame = axes(), [x, y, z] = data.light_behind;
@@ -329,13 +341,13 @@ async function start(common) {
   if (!draws) return painter = null, false;
   section.hidden = false;
   data = common;
+  images.soft = light.soft_box();
   images.studio = { ...data.environment, texels: light.decode_rgbe(Uint8Array.from(atob(data.environment.rgbe), (c) => c.charCodeAt(0))) };
   painter.send({ kind: "common", data });
   start_light();
   view = initial_view();
   listen();
-  facing = light.facing_azimuth(images.studio), view.turned = facing;
-  painter.send({ kind: "environment", image: images.studio });
+  change_environment();
   if (!has_floats) without_floats();
   return true;
 }

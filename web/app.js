@@ -100,6 +100,14 @@ function show_measurement(measurement) {
   viewer.set_material(1, null);
   viewer.set_material(0, measurement.material);
 }
+function show_model(model) {
+  $("about").textContent = `A model of ${grouped(model.bytes)} bytes. Drop its measurement to fit it anew.`;
+  set_shown("downloads", true);
+  if (!draws) return;
+  viewer.set_material(0, null);
+  viewer.set_material(1, model.material);
+  viewer.show("1");
+}
 function words_of({ seen, smoothed, samples, twoSided, energyError }) {
   if (twoSided) return `The reflected and transmitted light have an error of at most ${two_digits(energyError)} of the incident light.`;
   if (!smoothed)
@@ -189,19 +197,23 @@ async function open() {
   }
   return ask({ kind: "open", name: file.name, bytes: file.bytes });
 }
+function take_fit(result) {
+  fitted = result;
+  fitted.bytes_to_edit = result.material && result.material.bytes.slice(); // the painter takes the others
+}
 async function fit(mine) {
   started = performance.now();
   show_working("beginning");
   const lobes = Number($("lobes").value), was_touched = $("lobes").dataset.touched;
   const result = await step(mine, () => ask({ kind: "fit", name: file.name, options: was_touched ? { lobes } : {} }));
   if (!result || mine !== run) return;
-  fitted = result;
-  fitted.bytes_to_edit = result.material && result.material.bytes.slice(); // the painter takes the others
+  take_fit(result);
   show_working("");
   show_fit(result);
   begin_editing(result.highlight);
 }
-async function fit_measurement(name, bytes) {
+// Shows a measurement and fits it, or shows a model.
+async function show_file(name, bytes) {
   const mine = ++run;
   if (open_questions.size) ready = start_worker(); // the current job is obsolete
   file = { name, bytes }, fitted = null;
@@ -213,20 +225,27 @@ async function fit_measurement(name, bytes) {
   for (const id of ["about", "verdict", "sizes", "saved"]) $(id).textContent = "";
   $("verdict").className = "";
   show_working("reading");
-  const measurement = await step(mine, open);
+  const opened = await step(mine, open);
   if (mine !== run) return;
-  if (!measurement) return set_shown("state", false), set_shown("viewer", false);
+  if (!opened) return set_shown("state", false), set_shown("viewer", false);
   if (draws) set_shown("viewer", true);
-  show_measurement(measurement);
-  show_slices(measurement.slices);
-  await fit(mine);
+  set_shown("lobes_row", !opened.model);
+  show_slices(opened.slices);
+  if (!opened.model) {
+    show_measurement(opened);
+    return fit(mine);
+  }
+  take_fit(opened);
+  show_working("");
+  show_model(opened);
+  begin_editing(opened.highlight);
 }
 async function take_file(chosen) {
   const mine = ++run;
   fail("");
   if (chosen.size > k_max_bytes) return fail(`${chosen.name}: size: expected at most ${grouped(k_max_bytes)} bytes, found ${grouped(chosen.size)}`);
   const bytes = await chosen.arrayBuffer().catch((error) => (fail(`${chosen.name}: cannot be read: ${error.message}`), null));
-  if (bytes && mine === run) await fit_measurement(chosen.name, new Uint8Array(bytes));
+  if (bytes && mine === run) await show_file(chosen.name, new Uint8Array(bytes));
 }
 // Ends the worker at once. The next one reads the file again, for another number of lobes or to save.
 async function cancel() {
@@ -267,11 +286,18 @@ async function save({ save: what, ending }) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
 
-for (const button of document.querySelectorAll("[data-sample]"))
-  button.addEventListener("click", async () => {
-    const mine = ++run, bytes = await step(mine, () => load_data(button.dataset.sample));
-    if (bytes && mine === run) fit_measurement(button.dataset.sample, bytes);
-  });
+// Shows one of the page's own files.
+async function show_own(name) {
+  const mine = ++run, bytes = await step(mine, () => load_data(name));
+  if (bytes && mine === run) show_file(name, bytes);
+}
+for (const button of document.querySelectorAll("[data-sample]")) button.addEventListener("click", () => show_own(button.dataset.sample));
+// The address "#NAME" shows a material of the gallery, so that its link can be shared.
+function show_linked() {
+  const linked = [...document.querySelectorAll("#gallery a")].find((link) => link.hash === location.hash);
+  if (linked) show_own(`${linked.hash.slice(1)}.srbf`);
+}
+window.addEventListener("hashchange", show_linked);
 for (const button of document.querySelectorAll("[data-save]")) button.addEventListener("click", () => save(button.dataset));
 $("file").addEventListener("change", () => {
   if ($("file").files[0]) take_file($("file").files[0]);
@@ -290,7 +316,10 @@ document.addEventListener("drop", (event) => {
   document.body.classList.remove("over");
   if (event.dataTransfer.files[0]) take_file(event.dataTransfer.files[0]);
 });
-window.addEventListener("load", () => setTimeout(() => ensure_worker().catch((error) => error && fail(error.message)), 50)); // after the page is shown
+window.addEventListener("load", () => setTimeout(() => {
+  show_linked();
+  ensure_worker().catch((error) => error && fail(error.message));
+}, 50)); // after the page is shown
 
 return { take_file, save_as: (what, name) => ask({ kind: "save", what, name }), state: () => ({ file, fitted, edited, busy: open_questions.size }) };
 })();

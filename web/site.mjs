@@ -1,11 +1,11 @@
-// node site.mjs MODULE.wasm FOLDER VERSION: writes the page for any browser as one folder, and beside it the module
-// as a package.
-import { readFile, writeFile, mkdir, copyFile } from "node:fs/promises";
+// node site.mjs MODULE.wasm FOLDER VERSION PICTURES: writes the page for any browser as one folder, and beside it the module
+// as a package. PICTURES is a folder with NAME.png for each data/gallery/NAME.srbf.
+import { readFile, readdir, writeFile, mkdir, copyFile } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 
-const [module_file, folder, version] = process.argv.slice(2);
+const [module_file, folder, version, drawn] = process.argv.slice(2);
 const web = path.dirname(fileURLToPath(import.meta.url)), root = path.dirname(web);
 const text = (name) => readFile(path.join(web, name), "utf8");
 const filled = (template, parts) => template.replace(/{{(\w+)}}/g, (_, name) => parts[name]);
@@ -21,15 +21,23 @@ const viewer = filled(await text("pictures.html"), {
   pictures: pictures.map(([subject, name]) => figure(subject, name)).join(""), own_shape: "", behind: '<button type="button" name="behind">Light from behind</button>\n', picture_note: "",
 });
 await mkdir(path.join(folder, "data"), { recursive: true });
-await writeFile(path.join(folder, "index.html"), filled(await text("app.html"), { viewer, version }));
+const models = (await readdir(path.join(root, "data/gallery"))).filter((name) => name.endsWith(".srbf")).sort();
+let gallery = "";
+for (const name of models.map((name) => path.parse(name).name)) {
+  const title = name.replace(/_stand_in$/, " (stand-in)").replaceAll("_", " ");
+  gallery += `<li><a href="#${name}"><img src="data/${name}.png" width="120" height="120" alt="" loading="lazy">${title}</a></li>\n`;
+  await copyFile(path.join(drawn, name + ".png"), path.join(folder, "data", name + ".png"));
+}
+await writeFile(path.join(folder, "index.html"), filled(await text("app.html"), { viewer, version, gallery }));
 for (const name of ["style.css", "app.css", "light.js", "painter.js", "viewer.js", "binding.js", "working.js", "editing.js", "app.js"])
   await copyFile(path.join(web, name), path.join(folder, name));
 
 // Data as scripts, because a page opened from a disk may not fetch files.
 for (const [name, file] of [["module", module_file], ["studio", path.join(root, "data/studio.hdr")],
-  ...["cc_ibiza_sunset_rgb.bsdf", "paper_white_rgb.bsdf"].map((sample) => [sample, path.join(root, "data", sample)])]) {
+  ...["cc_ibiza_sunset_rgb.bsdf", "paper_white_rgb.bsdf"].map((sample) => [sample, path.join(root, "data", sample)]),
+  ...models.map((name) => [name, path.join(root, "data/gallery", name)])]) {
   const packed = gzipSync(await readFile(file), { level: 9 });
-  console.log(`${name}: ${packed.length} bytes compressed`);
+  if (!models.includes(name)) console.log(`${name}: ${packed.length} bytes compressed`);
   await writeFile(path.join(folder, "data", name + ".js"), `srbf_given("${name}", "${packed.toString("base64")}");\n`);
 }
 

@@ -29,8 +29,8 @@ const actions = {
     measured = model = edited = null;
     const opened = srbf.open(name, bytes);
     if (opened.model) {
-      srbf.close(opened.number);
-      throw new Error(`${name}: input: expected a measurement, found a fitted model`);
+      model = opened;
+      return { ...model, highlight: srbf.highlight(model.number), material: material_of(model), slices: srbf.slices(0, model.number) };
     }
     measured = opened;
     return { ...measured, material: material_of(measured), slices: srbf.slices(measured.number, 0) };
@@ -59,7 +59,7 @@ const actions = {
     const { number } = edited ?? model;
     const content = what === "srbf" ? srbf.model_file(number)
       : what === "table" ? srbf.table(number, name)
-      : what === "page" ? srbf.page(number, measured.number) : srbf.code(number, what);
+      : what === "page" ? srbf.page(number, measured?.number ?? 0) : srbf.code(number, what);
     return new Blob([content], { type: "application/octet-stream" });
   },
 };

@@ -122,6 +122,23 @@ def compared(page, file, folder):
             check(mine == written(path), f"{name} is not what the program writes: {mine}")
 
 
+def linked(page):
+    """A link of the gallery shows its model, which is saved as it is, and can be edited."""
+    chromium, links = page.chromium, page.chromium.run("[...document.querySelectorAll('#gallery a')].map((link) => link.hash.slice(1))")
+    models = sorted(path.stem for path in (root / "data/gallery").glob("*.srbf"))
+    check(links == models, f"the gallery has {links}")
+    name = models[-1] + ".srbf"
+    chromium.click("#gallery li:last-child a")
+    begun = time.time()
+    page.wait(name, lambda of: of["name"] == name)
+    chromium.run("viewer.settled()")
+    print(f"  {name}: the picture of a model after {time.time() - begun:.1f} s")
+    check(page.model() == (root / "data/gallery" / name).read_bytes(), f"{name} is not saved as it was opened")
+    shown = chromium.run("[...document.querySelectorAll('figure:not([hidden])')].map((figure) => figure.dataset.material).join()")
+    check(shown == "1", f"{name}: pictures {shown}")
+    check(not chromium.run("document.getElementById('editing').hidden"), f"{name} cannot be edited")
+
+
 def damaged(page, folder):
     """Files that are wrong: one line, as the program says it."""
     film = (root / "data/cc_ibiza_sunset_rgb.bsdf").read_bytes()
@@ -233,6 +250,7 @@ with tempfile.TemporaryDirectory() as name:
         time.sleep(1)
         page.longest_task()  # to look at what is saved takes longer than to save it
     edited(page, Path(name))
+    linked(page)
     damaged(page, Path(name))
     cancelled(page)
     replaced(page)

@@ -4,7 +4,12 @@ export interface PmFitOptions {
   model?: "pm" | "ggx";
   lobes?: number;
   variates?: number;
-  form?: "gaussian" | "horizon" | "extended";
+  /** Tables are fitted by "reciprocal". */
+  form?: "gaussian" | "horizon" | "extended" | "reciprocal";
+  /** Fits the table as it is, by a form that is not reciprocal. */
+  asMeasured?: boolean;
+  /** The largest directional albedo of each channel. */
+  albedoLimit?: number;
   objective?: "appearance" | "cosine" | "raw" | "log" | "cube-root" | "relative";
   seed?: number;
   /** Largest angle from the normal [degrees]. */

@@ -57,6 +57,35 @@ TEST(FitBatch, texels_do_not_depend_on_their_neighbours_threads_or_slabs) {
     EXPECT_EQ(streamed[1], (*all)[4].model);
 }
 
+TEST(FitBatch, lobes_of_examples_are_nearly_as_good_as_searches) {
+    const SharedPairs pairs = shared_pairs();
+    const std::vector<Rgb> f = blends(pairs, 9);
+    BatchOptions options;
+    const auto searched = fit_batch(pairs, f, options);
+    ASSERT_TRUE(searched);
+    for (const std::size_t t : {0, 4, 8}) options.examples.push_back((*searched)[t].model);
+    const auto fits = fit_batch(pairs, f, options);
+    ASSERT_TRUE(fits) << message(fits.error());
+    double of_examples = 0, of_searches = 0;
+    for (std::size_t t = 0; t < fits->size(); ++t) {
+        EXPECT_EQ((*fits)[t].state, TexelState::fitted);
+        of_examples += (*fits)[t].errors.cube_root_error_ratio;
+        of_searches += (*searched)[t].errors.cube_root_error_ratio;
+    }
+    EXPECT_LT(of_examples, 1.5 * of_searches);
+    const auto alone = fit_batch(pairs, std::span(f).subspan(3 * k_pairs, k_pairs), options);
+    ASSERT_TRUE(alone);
+    EXPECT_EQ(alone->front().model, (*fits)[3].model);
+    // Fewer values than numbers: coefficients of an example's lobes, or a constant.
+    std::vector<Rgb> few(f.begin(), f.begin() + k_pairs);
+    for (std::size_t i = 6; i < k_pairs; ++i) few[i].g = std::numeric_limits<float>::quiet_NaN();
+    const auto sparse = fit_batch(pairs, few, options);
+    ASSERT_TRUE(sparse);
+    EXPECT_EQ(sparse->front().state, TexelState::fitted);
+    options.examples.front().lobes = 2;
+    EXPECT_EQ(fit_batch(pairs, f, options).error().code, ErrorCode::argument);
+}
+
 /// Texels of one value with noise of 2 %: nothing rises between the samples, of which the nearest to the mirror direction
 /// are some degrees away; a texel with a highlight keeps it.
 TEST(FitBatch, matte_texels_have_no_highlights) {

@@ -96,6 +96,7 @@ const std::map<std::string, std::string> k_argument{
     {"--threads", "1"},
     {"--rgb-alone", ""},
     {"--basis", "2"},
+    {"--examples", "2"},
     {"--columns", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value"},
     {"--quantity", "factor"},
     {"--floor", "0.1"},

@@ -8,8 +8,10 @@
 #include "base/parallel.h"
 #include "base/reporter.h"
 #include "errors/measures.h"
+#include "fit/example_lobes.h"
 #include "fit/requests.h"
 #include "fit/texel_stream.h"
+#include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"
@@ -32,6 +34,7 @@ struct Batch {
     PmFitOptions options;
     bool all_above;            // the horizon
     ScatteredSamples samples;  // if so, of a texel that was measured at all pairs, without its values
+    ExampleLobes examples;     // from which fits start
 };
 
 Result<Batch> batch_of(const SharedPairs& pairs, const BatchOptions& options) {
@@ -41,11 +44,16 @@ Result<Batch> batch_of(const SharedPairs& pairs, const BatchOptions& options) {
     if (pairs.wl.empty() || pairs.wl.size() != pairs.wv.size())
         return refused("pairs of directions", "as many to the light as to the viewer, at least 1",
                        fmt::format("{} and {}", pairs.wl.size(), pairs.wv.size()));
-    Batch batch{pairs, options.request, {}, true, {}};
+    const PmFitOptions lobes = pm_options(options.request, pm->axial.value_or(pairs.isotropic), PmForm::extended);
+    for (const PmModel& example : options.examples)
+        if (example.form != lobes.form || example.lobes != lobes.lobes || example.variates != lobes.variates ||
+            example.axial != lobes.axial)
+            return refused("examples", "of the form and size of the fits", "others");
+    Batch batch{pairs, options.request, lobes, true, {}, {options.examples, lobes}};
     for (std::size_t i = 0; i < pairs.wl.size(); ++i)
         batch.all_above = batch.all_above && above_horizon(pairs.wl[i], pairs.wv[i]);
     batch.request.threads = 1;
-    batch.options = pm_options(batch.request, pm->axial.value_or(pairs.isotropic), PmForm::extended);
+    batch.options.threads = 1;
     batch.options.starts = options.starts, batch.options.perturbations = options.perturbations;
     batch.samples.isotropic = pairs.isotropic;
     batch.samples.wl = pairs.wl, batch.samples.wv = pairs.wv;
@@ -108,22 +116,42 @@ bool is_matte(const PmModel& matte, const PmModel& fitted, const Observations& s
     return loss_of(samples, evaluator(matte)) <= (1 + share) * loss_of(samples, evaluator(fitted));
 }
 
+/// The fit of samples with these observations: the model, or a constant in its place.
+TexelFit fitted_texel(const Batch& batch, const ScatteredSamples& samples, const Observations& observed, PmModel model,
+                      StopReason stop) {
+    TexelFit fit{std::move(model), TexelState::fitted, {}, stop, {}};
+    PmModel matte = matte_model(batch.options, observed);
+    if (is_matte(matte, fit.model, observed, 3 * samples.wl.size())) fit.model = std::move(matte);
+    fit.errors = measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit.model), batch.request.theta());
+    return fit;
+}
+
+TexelFit fit_from_examples(const Batch& batch, const ScatteredSamples& samples) {
+    const Objective objective = batch.request.objective;
+    Observations observed = observations_of(samples, samples_within(samples, batch.request.theta()), false, false);
+    observed.objective = objective;
+    observed.typical = typical_value(objective, observed.wl, observed.wv, observed.f, observed.weight);
+    if (!(observed.typical > 0))
+        return without(batch, TexelState::failed, no_data_error("samples", "values", "some above 0"));
+    weigh(objective, observed.typical, observed.wl, observed.wv, observed.f, observed.weight, 1);
+    observed.normalise();
+    auto [model, stop] = batch.examples.fit(observed);
+    return fitted_texel(batch, samples, observed, std::move(model), stop);
+}
+
 TexelFit fit_texel(const Batch& batch, std::span<const Rgb> f, const ProgressToken& progress) {
     const ScatteredSamples samples = samples_of(batch, f);
     if (samples.wl.empty()) return without(batch, TexelState::failed, no_data_error("texel", "values"));
     if (std::ranges::all_of(samples.colour, [](const Rgb& of) { return !(largest_of(of) > 0); }))
         return without(batch, TexelState::black, {});
+    if (!batch.examples.empty()) return fit_from_examples(batch, samples);
     ObserveSamplesOptions observing{batch.request.objective, batch.request.theta(), batch.request.seed};
     observing.threads = 1, observing.only_gap_filled = k_texel_pairs;
     const auto observed = observe(samples, observing, progress);
     if (!observed) return without(batch, TexelState::failed, observed.error());
     auto fitted = fit_pm(*observed, {batch.options, false}, progress);
     if (!fitted) return without(batch, TexelState::failed, fitted.error());
-    TexelFit fit{std::move(fitted->model), TexelState::fitted, {}, fitted->stop, {}};
-    PmModel matte = matte_model(batch.options, observed->samples);
-    if (is_matte(matte, fit.model, observed->samples, 3 * samples.wl.size())) fit.model = std::move(matte);
-    fit.errors = measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit.model), batch.request.theta());
-    return fit;
+    return fitted_texel(batch, samples, observed->samples, std::move(fitted->model), fitted->stop);
 }
 
 Result<std::vector<TexelFit>> fit_batch(const Batch& batch, std::span<const Rgb> f, int threads, Reporter& reporter) {

@@ -12,11 +12,11 @@ namespace srbf {
 namespace {
 
 struct MapOptions {
-    Option texels, pairs, output, resume, range, slab, lobes, basis, width;
+    Option texels, pairs, output, resume, range, slab, lobes, examples, basis, width;
     OptionsByName fit;
 };
 
-constexpr std::size_t k_max_slab_texels = std::size_t(1) << 20;
+constexpr std::size_t k_max_slab_texels = std::size_t(1) << 20, k_most_examples = 1024;
 
 /// Checks for FIRST:END with FIRST < END.
 Check texel_range() {
@@ -54,6 +54,13 @@ void add_own_lobes(const Subcommand& sub, MapCommand& command, MapOptions& optio
             .type_name("J")
             .check(within(1, k_most_fitted_lobes))
             .capture_default_str();
+    options.examples =
+        sub.add_option(
+               "--examples", command.examples,
+               "Search for the lobes of N texels alone, which span the map. Those of all others start from the\n"
+               "lobes of the most similar ones, and take a hundredth of the time")
+            .type_name("N")
+            .check(within(std::size_t(1), k_most_examples));
     const auto set_range = [&command](const std::string& text) {
         const auto colon = text.find(':');
         command.first = std::stoull(text.substr(0, colon));
@@ -82,7 +89,8 @@ void add_shared_lobes(const Subcommand& sub, MapCommand& command, MapOptions& op
 
 std::vector<Reading> map_readings(const MapOptions& options, const MapCommand& fit) {
     return {
-        {{options.lobes, options.fit.at("no_scale"), options.fit.at("objective"), options.range, options.slab},
+        {{options.lobes, options.examples, options.fit.at("no_scale"), options.fit.at("objective"), options.range,
+          options.slab},
          "not with --basis",
          [&] { return fit.basis == 0; }},
         {{options.width}, "only with --basis", [&] { return fit.basis > 0; }},
@@ -108,6 +116,7 @@ void add_map(CommandLine& app, int& status) {
         sub, fit.texts, {"form", "variates", "axial", "no_scale", "objective", "max_theta", "seed", "threads"});
     sub.footer(
         "Examples:\n  srbf map texels.npy --pairs pairs.csv -o slabs --resume\n"
+        "  srbf map texels.npy --pairs pairs.csv --examples 64 -o slabs --resume\n"
         "  srbf map texels.npy --pairs pairs.csv --basis 16 --width 512 -o map.srbf --resume");
     sub.callback(
         [sub, state, &status] {

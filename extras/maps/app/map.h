@@ -17,6 +17,7 @@ struct MapCommand {
     int lobes = std::get<LobeCount>(*std::get<PmRequest>(BatchOptions{}.request.model).size).lobes;
     int basis = 0;                    // number of lobes that the texels share; 0: each has its own
     std::size_t first = 0, last = 0;  // range of texels; last 0: all
+    std::size_t examples = 0;         // texels whose lobes are searched for, if not those of all
     std::size_t slab = TexelStream{}.slab, width = 0;
     bool resume = false;
 

@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "brdf/directions.h"
 #include "extras/maps/app/map.h"
+#include "extras/maps/app/spanning_texels.h"
 #include "extras/maps/app/texels.h"
 #include "fit/texel_stream.h"
 #include "srbf/file.h"
@@ -89,8 +90,9 @@ Result<Done> check_slabs(const MapCommand& fit, const std::string& stem, std::si
 /// The files of slabs. Reads texels, and writes the fits of a slab with the key of everything on which they depend.
 class Slabs {
   public:
-    Slabs(const MapCommand& fit, const Pairs& pairs, const Texels& texels)
+    Slabs(const MapCommand& fit, const Pairs& pairs, const Texels& texels, std::span<const PmModel> examples)
         : fit_(fit), pairs_(pairs), texels_(texels), common_key_("slab", fit.settings) {
+        for (const PmModel& example : examples) common_key_.add(write_model({example, {}}));
         common_key_.add(std::as_bytes(std::span(pairs.wl))), common_key_.add(std::as_bytes(std::span(pairs.wv)));
         common_key_.add(source());
     }
@@ -153,6 +155,20 @@ class Slabs {
     std::string key_;  // key of the slab that was read last
 };
 
+/// Fits of texels that span the map, by searches.
+Result<std::vector<PmModel>> searched_examples(const MapCommand& fit, const SharedPairs& pairs, const Texels& texels,
+                                               const ProgressToken& progress) {
+    const auto spanning = spanning_values(texels, pairs, fit.examples);
+    if (!spanning) return spanning.error();
+    BatchOptions options;
+    options.request = fit.request;
+    const auto fits = fit_batch(pairs, *spanning, options, progress);
+    if (!fits) return fits.error();
+    std::vector<PmModel> models;
+    for (const TexelFit& texel : *fits) models.push_back(texel.model);
+    return models;
+}
+
 int print_slabs(const MapCommand& fit, const SlabSummary& summary, double seconds) {
     const double count = double(summary.fitted + summary.kept);
     fmt::print("  {} texels fitted in {:.1f} s, {:.3g} a second; {} kept, {} black, {} failed\n",
@@ -182,7 +198,18 @@ int fit_slabs(const MapCommand& fit) {
                          ErrorCode::argument});
     if (const auto folder = make_folder(fit.output); !folder) return complain(folder.error());
 
-    Slabs slabs(fit, *pairs, *texels);
+    const Stopwatch watch;
+    ProgressLine line;
+    const ProgressToken show = [&](const Progress& now) { return line.show(now.stage, now.fraction), true; };
+    const SharedPairs shared{pairs->wl, pairs->wv, fit.lobe().axial.value_or(true)};
+    BatchOptions options;
+    options.request = fit.request;
+    if (fit.examples > 0) {
+        auto examples = searched_examples(fit, shared, *texels, show);
+        if (!examples) return complain(examples.error());
+        options.examples = *std::move(examples);
+    }
+    Slabs slabs(fit, *pairs, *texels, options.examples);
     const std::size_t end = fit.last > 0 ? fit.last : texels->count();
     if (const auto alike = check_slabs(fit, slabs.stem(), texels->count(), end); !alike) return complain(alike.error());
     TexelStream stream{fit.first, end, fit.slab, {}, {}, {}};
@@ -190,12 +217,7 @@ int fit_slabs(const MapCommand& fit) {
     stream.is_done = [&](std::size_t first, std::size_t count) { return slabs.is_done(first, count); };
     stream.take = [&](std::size_t first, std::span<const TexelFit> fits) { return slabs.take(first, fits); };
 
-    const Stopwatch watch;
-    ProgressLine line;
-    BatchOptions options;
-    options.request = fit.request;
-    const auto done = fit_batch({pairs->wl, pairs->wv, fit.lobe().axial.value_or(true)}, stream, options,
-                                [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+    const auto done = fit_batch(shared, stream, options, show);
     line.clear();
     if (!done) return complain(done.error());
     return print_slabs(fit, slabs.summary, watch.seconds());

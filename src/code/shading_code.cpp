@@ -390,6 +390,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
         }
     }
     syntax::specialise(program, roots);
+    if (added.unrolled) syntax::unroll(program, roots);
     return program;
 }
 

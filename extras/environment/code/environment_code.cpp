@@ -147,6 +147,7 @@ std::map<std::string, std::string> light_entries(const EnvironmentCode& code, Co
 AddedCode added_of(const EnvironmentCode& code, const CodeOptions& options) {
     const LightOptions light{code, options.threads};
     AddedCode added{light_entries(code, options.language), code.draws, light.has_lobes()};
+    added.unrolled = code.unrolled;
     if (code.texels) added.albedo_node = k_texel_of_host;
     added.text = [light](const Model& model, bool of_basis, Program& program, auto& defines) {
         const auto* basis = of_basis ? &std::get<PmModel>(model.model) : nullptr;

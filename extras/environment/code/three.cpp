@@ -83,9 +83,9 @@ std::string lobes_text(const NamedModel& named, int threads) {
 
 Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads) {
     if (const auto valid = check_materials(models); !valid) return valid.error();
-    const auto code =
-        environment_code(models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
-                         {.environment = true, .area = true, .lobes = k_three_lobes, .texels = true, .colours = true});
+    const auto code = environment_code(
+        models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
+        {.environment = true, .area = true, .lobes = k_three_lobes, .texels = true, .colours = true, .unrolled = true});
     if (!code) return code.error();
     std::string functions, texels;  // their environment is that of three
     std::string classes;
@@ -110,7 +110,7 @@ Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std:
     if (const auto valid = check_materials(models); !valid) return valid.error();
     const auto code =
         environment_code(models, prefix, {.language = CodeLanguage::wgsl, .albedo = true, .threads = threads},
-                         {.area = true, .lobes = k_three_lobes, .levels = MapLevels::three});
+                         {.area = true, .lobes = k_three_lobes, .levels = MapLevels::three, .unrolled = true});
     if (!code) return code.error();
     std::string text = k_three_webgpu_text;
     replace_all(text, "LOBES", std::to_string(k_three_lobes));
@@ -129,9 +129,9 @@ Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std:
 }
 
 Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file, int threads) {
-    const auto code =
-        environment_map_code(map, name, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
-                             {.environment = true, .area = true, .levels = MapLevels::three, .colours = true});
+    const auto code = environment_map_code(
+        map, name, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
+        {.environment = true, .area = true, .levels = MapLevels::three, .colours = true, .unrolled = true});
     if (!code) return code.error();
     std::string classes = k_three_map_text;
     replace_all(classes, "FILE", fmt::format("./{}", file));

@@ -26,6 +26,7 @@ struct EnvironmentCode {
     /// The host supplies Vec3 NAME_reflected(Vec3 weight, Vec3 light): the product of a lobe's weight, in colours
     /// that the host may change, and the radiance of the environment.
     bool colours = false;
+    bool unrolled = false;  ///< loops over lobes are unrolled, for compilers of shaders that do not
 };
 
 /// The text of `shading_code` with these functions of each model:

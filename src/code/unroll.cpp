@@ -57,6 +57,14 @@ std::vector<Statement> repetition(const Statement& loop, int index) {
     });
     return body;
 }
+/// True if a loop's variable is part of an index.
+bool indexes(const Statement& loop) {
+    bool is_index = false;
+    visit_expressions(loop.body, [&](const Expression& part) {
+        if (part.kind == EKind::index && uses_of(loop.name, part.parts[1]) > 0) is_index = true;
+    });
+    return is_index;
+}
 void unroll_loops(std::vector<Statement>& body) {
     std::vector<Statement> result;
     for (Statement& statement : body) {
@@ -64,7 +72,7 @@ void unroll_loops(std::vector<Statement>& body) {
         unroll_loops(statement.otherwise);
         std::optional<double> first, end;
         if (statement.kind == SKind::loop) first = literal(statement.values[0]), end = literal(statement.values[1]);
-        if (!first || !end || *end - *first > k_most_repeated) {
+        if (!first || !end || *end - *first > k_most_repeated || !indexes(statement)) {
             result.push_back(std::move(statement));
             continue;
         }

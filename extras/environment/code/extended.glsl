@@ -3,6 +3,7 @@
 //   light_shape(k, nodes)              (p, roughness, any)
 //   light_weight(k, whole, nodes, pm)  its weight R, G, B, where `whole` is the sum of all weights
 //   light_whole(albedo)                the sum of the weights of all lobes for this directional albedo
+//   light_roughness(k, of_view)        its roughness; of_view is that of light_shape
 //   light_width(nodes)                 the solid angle into which a view is reflected
 //   reflected(weight, light)           their product, channel by channel
 
@@ -69,8 +70,10 @@ Vec3 environment(Vec3 wv, Pm pm) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     if (wv.z <= Real(0.0)) return sum;
     LightLobes of_view = lobes_about(wv, pm);
-    for (int k = 0; k < EXTENDED_LOBES; ++k)
-        sum = sum + reflected(of_view.lobe[k].weight, radiance(of_view.lobe[k].axis, of_view.lobe[k].roughness));
+    sum = reflected(of_view.lobe[0].weight, radiance(of_view.lobe[0].axis, Real(1.0)));
+    for (int k = 1; k < EXTENDED_LOBES; ++k)
+        sum = sum + reflected(of_view.lobe[k].weight,
+                              radiance(of_view.lobe[k].axis, light_roughness(k, of_view.lobe[k].roughness)));
     return not_negative(sum);
 }
 
@@ -162,20 +165,32 @@ Real squared_size(Quadrilateral light) {
     return Real(2.0) - Real(2.0) * min(min(cosine_between(middle, light.a), cosine_between(middle, light.b)),
                                        min(cosine_between(middle, light.c), cosine_between(middle, light.d)));
 }
-// The fraction of a light of this squared size that is evaluated at points: all up to 3 times the reflected solid
-// angle, and nothing from 12 times on, where the points would be visible as dots.
+// The solid angle into which the lobes reflect: their sum divided by a bound of their largest value.
+Real width_of(LightLobes of_view) {
+    Real sum = Real(0.0);
+    Real largest = Real(1.0e-9);
+    for (int k = 0; k < EXTENDED_LOBES; ++k) {
+        Vec3 weight = of_view.lobe[k].weight;
+        Real stretch = stretch_of(of_view.lobe[k]);
+        Real total = weight.x + weight.y + weight.z;
+        sum = sum + total;
+        largest = largest + abs(total) * Real(0.31830989) * stretch * stretch;
+    }
+    return sum / largest;
+}
+// The fraction of a light of this squared size that is evaluated at points: all up to 1.5 times the reflected solid
+// angle, and nothing from 6 times on, where the points would be visible as dots.
 Real share_of_points(Real squared, Real width) {
-    Real x = min(max(Real(1.3333333) - squared / (Real(2.25) * min(Real(4.0) * width, Real(0.15))), Real(0.0)), Real(1.0));
+    Real x = min(max(Real(1.3333333) - squared / (Real(1.125) * min(Real(4.0) * width, Real(0.15))), Real(0.0)), Real(1.0));
     return x * x * (Real(3.0) - Real(2.0) * x);
 }
-// A node of the three-point Gauss rule on [0, 1], and its weight.
-Real gauss_node(int i) { return Real(0.5) + Real(0.38729833) * Real(i - 1); }
-Real gauss_weight(int i) { return i == 1 ? Real(0.44444444) : Real(0.27777778); }
+// A node of the two-point Gauss rule on [0, 1].
+Real gauss_node(int i) { return Real(0.21132487) + Real(0.57735027) * Real(i); }
 // The volume of the parallelepiped spanned by three vectors.
 Real volume(Vec3 a, Vec3 b, Vec3 c) {
     return a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x);
 }
-// The integral over the directions of a quadrilateral, from nine points, of what lobes lack of f_r cos(theta_l).
+// The integral over the directions of a quadrilateral, from four points, of what lobes lack of f_r cos(theta_l).
 Vec3 lacking(Su su, Vec3 wv, Quadrilateral light, LightLobes of_view, Pm pm) {
     Vec3 along = light.b - light.a;
     Vec3 across = light.d - light.a;
@@ -183,9 +198,9 @@ Vec3 lacking(Su su, Vec3 wv, Quadrilateral light, LightLobes of_view, Pm pm) {
     Real stretch[EXTENDED_LOBES];
     for (int k = 0; k < EXTENDED_LOBES; ++k) stretch[k] = stretch_of(of_view.lobe[k]);
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
-    for (int i = 0; i < 9; ++i) {
-        Real s = gauss_node(i / 3);
-        Real t = gauss_node(i - 3 * (i / 3));
+    for (int i = 0; i < 4; ++i) {
+        Real s = gauss_node(i / 2);
+        Real t = gauss_node(i - 2 * (i / 2));
         Vec3 p = light.a + s * along + t * across + s * t * askew;
         Real reciprocal = inversesqrt(max(dot(p, p), Real(1.0e-12)));
         Vec3 wl = reciprocal * p;
@@ -193,7 +208,7 @@ Vec3 lacking(Su su, Vec3 wv, Quadrilateral light, LightLobes of_view, Pm pm) {
         for (int k = 0; k < EXTENDED_LOBES; ++k)
             value = value - kernel_of(dot(of_view.lobe[k].axis, wl), stretch[k]) * of_view.lobe[k].weight;
         Real solid_angle = abs(volume(p, along + t * askew, across + s * askew)) * reciprocal * reciprocal * reciprocal;
-        sum = sum + gauss_weight(i / 3) * gauss_weight(i - 3 * (i / 3)) * solid_angle * value;
+        sum = sum + Real(0.25) * solid_angle * value;
     }
     return sum;
 }
@@ -211,7 +226,7 @@ Vec3 area(Su su, Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {
     LightLobes of_view = lobes_about(wv, pm);
     for (int k = 0; k < EXTENDED_LOBES; ++k) sum = sum + lobe_over(of_view.lobe[k], light) * of_view.lobe[k].weight;
     NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
-    Real share = share_of_points(squared_size(light), light_width(nodes));
+    Real share = share_of_points(squared_size(light), min(light_width(nodes), width_of(of_view)));
     if (share > Real(0.0)) sum = sum + share * lacking(su, wv, light, of_view, pm);
     return not_negative(sum);
 }

@@ -11,12 +11,12 @@ FUNCTIONS`;
 // `texel` is appended to the arguments of a reflectance's functions.
 const reflection = (terms) => /* glsl */ `
 mat3 measured_frame;  // from the frame around the normal to that of the view
+mat3 measured_in_map; // and to that of the environment
 vec3 measured_wv;     // to the viewer, in the frame around the normal
 // The environment, filtered by three as for GGX. Without an environment, the functions below are not called.
 vec3 measured_radiance(vec3 direction, float roughness) {
     #if defined(USE_ENVMAP) && defined(ENVMAP_TYPE_PMREM)
-        vec3 w = envMapRotation * transformDirectionByInverseViewMatrix(measured_frame * direction, viewMatrix);
-        return textureLod(envMap, w, roughnessToMip(roughness)).rgb * envMapIntensity;
+        return textureLod(envMap, measured_in_map * direction, roughnessToMip(roughness)).rgb * envMapIntensity;
     #else
         return vec3(0.0);
     #endif
@@ -76,6 +76,9 @@ void RE_IndirectSpecular_Measured(const in vec3 radiance, const in vec3 irradian
                                   const in vec3 geometryPosition, const in vec3 geometryNormal,
                                   const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
                                   const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
+    #ifdef USE_ENVMAP
+        measured_in_map = envMapRotation * transpose(mat3(viewMatrix)) * measured_frame;
+    #endif
     ${sumOf(terms, 'environment', 'measured_wv')}
     reflectedLight.indirectDiffuse += reflected * material.diffuseColor;
 }

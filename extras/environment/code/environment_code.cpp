@@ -156,6 +156,7 @@ std::map<std::string, std::string> light_entries(const EnvironmentCode& code, Co
     const auto add = [&](const char* name) { names.emplace(name, name); };
     const bool can_read_textures = syntax::reads_buffers(language);  // of the host, in a function
     if (code.environment || code.area) add("environment_lobe");
+    if (code.views) add("lobes_about");
     if (code.draws) add("environment_draw");
     if (code.texels) add("light_texel");
     if (code.texels && code.fixed) add("lobe_roughness");

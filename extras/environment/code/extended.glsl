@@ -57,8 +57,12 @@ LightLobes lobes_about(Vec3 wv, Pm pm) {
 }
 // Lobe k of them.
 LightLobe environment_lobe(Vec3 wv, int k, Pm pm) {
-    LightLobes of_view = lobes_about(wv, pm);
-    return of_view.lobe[k];
+    NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
+    Vec3 whole = reflected_of_one(wv, pm);
+    if (k > 0) return lobe_about(wv, k, nodes, whole, pm);
+    Vec3 cosine_weight = whole;
+    for (int j = 1; j < EXTENDED_LOBES; ++j) cosine_weight = cosine_weight - light_weight(j, whole, nodes, pm);
+    return cosine_lobe(cosine_weight);
 }
 
 // The radiance of the environment, which the host supplies: in a direction of the local frame, filtered as for GGX

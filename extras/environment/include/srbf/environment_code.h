@@ -17,6 +17,7 @@ struct EnvironmentCode {
     bool environment = false;            ///< NAME_environment and NAME_environment_lobe
     bool draws = false;                  ///< NAME_environment_sampled, NAME_environment_draw and those of sampling
     bool area = false;                   ///< NAME_area and NAME_environment_lobe
+    bool views = false;                  ///< NAME_lobes_about(wv), whose member `lobe` has all lobes of a view
     int lobes = 6;                       ///< number of look-ups for an environment, see extended_light.h
     MapLevels levels = MapLevels::root;  ///< levels of the map in which they are looked up
     bool fixed = false;  ///< the roughness of a lobe is the same for all views: some samplers are slow if it varies

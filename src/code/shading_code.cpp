@@ -507,10 +507,13 @@ class ProgramPrinter {
         Names texts;
         const std::size_t before = own_.size();
         for (const NamedProgram& named : programs_)
-            for (const syntax::Function& function : named.program.functions)
+            for (const syntax::Function& function : named.program.functions) {
+                for (const syntax::Variable& parameter : function.parameters)
+                    if (own_.contains(parameter.type.name)) own_.insert(function.name);
                 syntax::visit_expressions(function.body, [&](const syntax::Expression& part) {
                     if (own_.contains(part.text)) own_.insert(function.name);
                 });
+            }
         for (std::size_t i = 0; i < programs_.size(); ++i) {
             syntax::Printer printer(language_, names(i));
             for_each_definition(i, [&](const auto& definition) {

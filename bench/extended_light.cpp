@@ -46,21 +46,22 @@ struct ExportedLight {
     struct Pm {};
     struct Su {};
     const ExtendedLight& lobes;
-    int EXTENDED_LOBES;
+    static constexpr int EXTENDED_LOBES = k_most_extended_lobes;  ///< those that `lobes` lacks have weight 0
     static constexpr int EXTENDED_NODES = ExtendedLight::k_views, EXTENDED_LEVELS = ExtendedLight::k_levels;
     const PreparedBrdf& material;
     const FilteredEnvironment* map = nullptr;
     Frame map_axes{};
     static inline thread_local const Frame* surface = nullptr;  ///< the frame of the shaded point
-    ExportedLight(const PreparedBrdf& brdf, const ExtendedLight& light)
-        : lobes(light), EXTENDED_LOBES(light.lobes), material(brdf) {}
+    ExportedLight(const PreparedBrdf& brdf, const ExtendedLight& light) : lobes(light), material(brdf) {}
     template <typename Number> float between(NodesAbout nodes, const Number& number) {
         const float below = number(std::size_t(nodes.below)), above = number(std::size_t(nodes.below) + 1);
         return below + nodes.beyond * (above - below);
     }
-    const ExtendedLight::Lobe& lobe(int k, std::size_t node) {
-        return lobes.lobe[node * std::size_t(EXTENDED_LOBES) + std::size_t(k)];
+    ExtendedLight::Lobe lobe(int k, std::size_t node) {
+        if (k >= lobes.lobes) return {0, 1, {}};
+        return lobes.lobe[node * std::size_t(lobes.lobes) + std::size_t(k)];
     }
+    static float light_roughness(int, float of_view) { return of_view; }
     Vec3 light_shape(int k, NodesAbout nodes) {
         return {between(nodes, [&](std::size_t i) { return lobe(k, i).axis; }),
                 between(nodes, [&](std::size_t i) { return lobe(k, i).roughness; }), 0};

@@ -47,7 +47,7 @@ ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOption
     std::vector<LitView> views(ExtendedLight::k_views);
     parallel_for(views.size(), options.threads,
                  [&](std::size_t v) { views[v] = lit_view(averaged, fitted_cosine(v)); });
-    const LobeTracks tracks(views, kernels, options.lobes, options.threads);
+    const LobeTracks tracks(views, kernels, options.lobes, options.fixed, options.threads);
     const MatrixXd shares = shares_of(views, kernels, tracks);
     ExtendedLight light{options.lobes, {}, {}, brdf};
     const int others = options.lobes - 1;

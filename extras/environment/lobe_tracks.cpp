@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
@@ -37,6 +38,8 @@ double closeness(std::size_t node) {
 /// horizon, where an axis with |p| > 1 would move by many degrees when the view moves by one: |p| ≤ `k_most_beyond`
 /// / sinθv or 1.
 constexpr double k_most_axis = 1.3, k_most_beyond = 0.96;
+/// The factors by which roughnesses that all views share are changed, for as long as errors become smaller.
+constexpr std::array<double, 6> k_roughness_steps{1.4, 1.4, 1.2, 1.2, 1.1, 1.05};
 constexpr LevenbergMarquardtOptions k_steps{.max_iterations = 30, .decrease_tolerance = 1e-4};
 
 /// A least-squares problem in x = (p, r) of each lobe except the first: the squared errors of a view, plus
@@ -44,9 +47,11 @@ constexpr LevenbergMarquardtOptions k_steps{.max_iterations = 30, .decrease_tole
 /// weights are linear, and eliminated. The first lobe's weight is the remainder of the albedo.
 class ViewProblem {
   public:
-    ViewProblem(const LitView& view, const BlurredKernels& kernels, VectorXd near, double smoothness)
+    ViewProblem(const LitView& view, const BlurredKernels& kernels, VectorXd near, double smoothness,
+                bool fixed = false)
         : view_(view),
           kernels_(kernels),
+          fixed_(fixed),
           near_(std::move(near)),
           free_lobes_(int(near_.size()) / 2),
           smoothness_(repeat(near_, smoothness, smoothness)) {
@@ -76,7 +81,7 @@ class ViewProblem {
             for (int k = 0; k < free_lobes_; ++k) {
                 const auto weight = view_.weight.col(Eigen::Index(c));
                 J.col(2 * k).head(n) = weights[k] * weight.cwiseProduct(by_axis_.col(k + 1));
-                J.col(2 * k + 1).head(n) = weights[k] * weight.cwiseProduct(by_roughness_.col(k + 1));
+                if (!fixed_) J.col(2 * k + 1).head(n) = weights[k] * weight.cwiseProduct(by_roughness_.col(k + 1));
             }
             J -= A * gram.ldlt().solve(A.transpose() * J);  // the weights adapt
             H += J.transpose() * J;
@@ -145,6 +150,7 @@ class ViewProblem {
 
     const LitView& view_;
     const BlurredKernels& kernels_;
+    bool fixed_;  ///< roughnesses are those of `near`
     VectorXd near_;
     int free_lobes_;
     VectorXd smoothness_;
@@ -154,8 +160,9 @@ class ViewProblem {
 
 }  // namespace
 
-LobeTracks::LobeTracks(const std::vector<LitView>& views, const BlurredKernels& kernels, int lobes, int threads)
-    : views_(views), kernels_(kernels), threads_(threads), x_(views.size()) {
+LobeTracks::LobeTracks(const std::vector<LitView>& views, const BlurredKernels& kernels, int lobes, bool fixed,
+                       int threads)
+    : views_(views), kernels_(kernels), fixed_(fixed), threads_(threads), x_(views.size()) {
     // One view at 45 degrees is fitted from several starts; from there on, each view begins with its
     // neighbour's lobes.
     std::size_t first = 0;
@@ -163,12 +170,37 @@ LobeTracks::LobeTracks(const std::vector<LitView>& views, const BlurredKernels& 
     x_[first] = best_of_starts(views[first], lobes);
     for (std::size_t v = first + 1; v < views.size(); ++v) x_[v] = refine(v, x_[v - 1], x_[v - 1]);
     for (std::size_t v = first; v-- > 0;) x_[v] = refine(v, x_[v + 1], x_[v + 1]);
-    for (int sweep = 0; sweep < 2 * k_view_sweeps; ++sweep)  // even views, odd views
-        parallel_for(views.size() / 2, threads, [&](std::size_t i) {
-            const std::size_t v = 2 * i + std::size_t(sweep % 2), last = views_.size() - 1;
+    for (int i = 0; i < k_view_sweeps; ++i) {
+        if (fixed) search_roughnesses();
+        sweep();
+    }
+}
+void LobeTracks::sweep() {
+    for (const std::size_t parity : {0, 1})
+        parallel_for(views_.size() / 2, threads_, [&](std::size_t i) {
+            const std::size_t v = 2 * i + parity, last = views_.size() - 1;
             const VectorXd &below = x_[v == 0 ? 1 : v - 1], &above = x_[v == last ? last - 1 : v + 1];
             x_[v] = refine(v, x_[v], 0.5 * (below + above));
         });
+}
+double LobeTracks::loss() const {
+    std::vector<double> losses(views_.size());
+    parallel_for(views_.size(), threads_,
+                 [&](std::size_t v) { losses[v] = ViewProblem(views_[v], kernels_, x_[v], 0).loss(x_[v]); });
+    return std::accumulate(losses.begin(), losses.end(), 0.0);
+}
+void LobeTracks::search_roughnesses() {
+    double least = loss();
+    for (const double step : k_roughness_steps)
+        for (Eigen::Index i = 1; i < x_[0].size(); i += 2)
+            for (const double factor : {step, 1 / step}) {
+                const double before = x_[0][i],
+                             r = std::clamp(factor * before, double(ExtendedLight::k_least_roughness), 1.0);
+                for (VectorXd& x : x_) x[i] = r;
+                const double found = loss();
+                least = std::min(least, found);
+                for (VectorXd& x : x_) x[i] = found > least ? before : r;
+            }
 }
 VectorXd LobeTracks::best_of_starts(const LitView& view, int lobes) const {
     std::vector<std::pair<double, VectorXd>> starts(k_lobe_starts);
@@ -186,7 +218,7 @@ VectorXd LobeTracks::best_of_starts(const LitView& view, int lobes) const {
     return std::ranges::min(starts, {}, [](const auto& start) { return start.first; }).second;
 }
 VectorXd LobeTracks::refine(std::size_t v, VectorXd x, const VectorXd& near) const {
-    ViewProblem problem(views_[v], kernels_, near, k_smoothness * closeness(std::min(v, views_.size() - 2)));
+    ViewProblem problem(views_[v], kernels_, near, k_smoothness * closeness(std::min(v, views_.size() - 2)), fixed_);
     x = x.cwiseMax(problem.lower(x)).cwiseMin(problem.upper(x));
     levenberg_marquardt(problem, x, k_steps);
     return x;

@@ -7,18 +7,23 @@
 
 namespace srbf {
 
-/// The lobes' parameters x = (p, r), of each lobe except the first, for all views.
+/// The lobes' parameters x = (p, r), of each lobe except the first, for all views. If `fixed`, r is the same for all.
 class LobeTracks {
   public:
-    LobeTracks(const std::vector<LitView>& views, const BlurredKernels& kernels, int lobes, int threads);
+    LobeTracks(const std::vector<LitView>& views, const BlurredKernels& kernels, int lobes, bool fixed, int threads);
     const Eigen::VectorXd& operator[](std::size_t view) const { return x_[view]; }
 
   private:
     Eigen::VectorXd best_of_starts(const LitView& view, int lobes) const;
     Eigen::VectorXd refine(std::size_t v, Eigen::VectorXd x, const Eigen::VectorXd& near) const;
+    void sweep();
+    /// The sum of the views' losses without smoothness.
+    double loss() const;
+    void search_roughnesses();
 
     const std::vector<LitView>& views_;
     const BlurredKernels& kernels_;
+    bool fixed_;
     int threads_;
     std::vector<Eigen::VectorXd> x_;
 };

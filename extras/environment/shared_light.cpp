@@ -94,7 +94,7 @@ SharedLight shared_light(const PmModel& model, const ExtendedLightOptions& optio
     });
     const MatrixXd thirds = thirds_by_width(model, lobes[views.size() / 2].width);
     for (std::size_t v = 0; v < views.size(); ++v) set_channels(views[v], lobes[v], thirds);
-    const LobeTracks tracks(views, kernels, options.lobes, options.threads);
+    const LobeTracks tracks(views, kernels, options.lobes, options.fixed, options.threads);
 
     SharedLight light{options.lobes, {}, {}, {}};
     light.weight.resize(views.size() * std::size_t(others * J));

@@ -16,6 +16,7 @@ namespace srbf {
 struct AddedCode {
     std::map<std::string, std::string> entries;  ///< names in the kernel's language, and in the code
     bool sampling = false, albedo = false;       ///< true if the functions call the core's functions for these
+    bool unrolled = false;                       ///< true if loops over lobes and tables of their numbers are unrolled
     std::string albedo_node = {};                ///< the text of `albedo_node`; empty for one that reads a table
     /// The text of the functions, which follows albedo.glsl. It adds its tables to `program`, and its numbers of the
     /// model to `defines`. If `is_basis`, the coefficients of the model's lobes are arguments, and those of `model` are

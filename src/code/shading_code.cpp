@@ -390,6 +390,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
         }
     }
     syntax::specialise(program, roots);
+    if (added.unrolled) syntax::unroll(program, roots);
     return program;
 }
 
@@ -506,10 +507,13 @@ class ProgramPrinter {
         Names texts;
         const std::size_t before = own_.size();
         for (const NamedProgram& named : programs_)
-            for (const syntax::Function& function : named.program.functions)
+            for (const syntax::Function& function : named.program.functions) {
+                for (const syntax::Variable& parameter : function.parameters)
+                    if (own_.contains(parameter.type.name)) own_.insert(function.name);
                 syntax::visit_expressions(function.body, [&](const syntax::Expression& part) {
                     if (own_.contains(part.text)) own_.insert(function.name);
                 });
+            }
         for (std::size_t i = 0; i < programs_.size(); ++i) {
             syntax::Printer printer(language_, names(i));
             for_each_definition(i, [&](const auto& definition) {

@@ -3,7 +3,8 @@
 Chromium; numpy and openexr of PyPI. Without one of them nothing is tried.
 
 Under four lamps, a rectangular and an ambient light both draw the same picture of the film and the paper, and under data/studio.hdr each is
-compared with a path-traced one. The times of frames are printed. Arguments: the program, a folder with peers/ beside it.
+compared with a path-traced one. A second material on the page is another one, and one that is saved and loaded the same. The time of frames of
+256 x 256 pixels is printed: that of processors, which other programs hardly change. Arguments: the program, a folder with peers/ beside it.
 """
 import base64
 import importlib.util
@@ -21,7 +22,7 @@ sys.path.insert(0, str(here.parent.parent))
 from chromium import program as chromium  # noqa: E402
 from seen import delta_e, hdr_of  # noqa: E402
 from served import WEBGPU, opened, picture  # noqa: E402
-from surface_host import DISTANCE, ELEVATION, FIELD, SIZE, drawn, environment, on_sphere, run  # noqa: E402
+from surface_host import DISTANCE, ELEVATION, FIELD, SIZE, drawn, on_sphere, run, studio as environment  # noqa: E402
 
 SWIFTSHADER = ["--use-gl=angle", "--use-angle=swiftshader", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"]
 RENDERERS = {"WebGLRenderer": ("three", SWIFTSHADER, ("module", "core"), {"three": "./three.module.js"}),
@@ -30,11 +31,11 @@ ALIKE, UNDER_STUDIO = 0.01, {"WebGLRenderer": 10, "WebGPURenderer": 30}  # ΔE_I
 LIGHTS = ["lamps", "rectangle", "ambient"]
 PAGE = """<!doctype html><script type="importmap">{ "imports": IMPORTS }</script><script type="module">
 import * as THREE from 'LIBRARY';
-import { MaterialMaterial } from './material.js';
+import { MaterialMaterial, OtherMaterial } from './material.js';
 const gpu = 'LIBRARY' !== 'three', renderer = gpu ? new THREE.WebGPURenderer() : new THREE.WebGLRenderer();
 const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(FIELD, 1, 0.1, 100), texels = await (await fetch('studio.json')).json();
 camera.position.set(...EYE), camera.lookAt(0, 0, 0);
-const standard = gpu ? THREE.MeshStandardNodeMaterial : THREE.MeshStandardMaterial, materials = { ours: new MaterialMaterial(), standard: new standard() };
+const standard = gpu ? THREE.MeshStandardNodeMaterial : THREE.MeshStandardMaterial, materials = { ours: new MaterialMaterial(), other: new OtherMaterial(), standard: new standard() };
 const ball = new THREE.Mesh(new THREE.SphereGeometry(1, 192, 96));
 const studio = new THREE.DataTexture(new Float32Array(Uint8Array.from(atob(texels.rows), (c) => c.charCodeAt(0)).buffer), texels.width, texels.height,
     THREE.RGBAFormat, THREE.FloatType, THREE.EquirectangularReflectionMapping);
@@ -58,11 +59,15 @@ window.drawn = async (material, light) => {
     pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, SIZE, SIZE);
     return Float32Array.from(pixels, (_, i) => pixels[4 * SIZE * (SIZE - 1 - Math.floor(i / 4 / SIZE)) + i % (4 * SIZE)]);  // from below
 };
-window.milliseconds = async (material, light) => {
-    await drawn(material, light);
-    const start = performance.now();
-    for (let i = 0; i < 5; ++i) await drawn(material, light);
-    return (performance.now() - start) / 5;
+window.frames = async (material, light, count) => {
+    target.setSize(256, 256);
+    for (let i = 0; i < count; ++i) await drawn(material, light);
+    target.setSize(SIZE, SIZE);
+};
+window.loaded = () => {
+    const loader = gpu ? new THREE.NodeObjectLoader().setNodeMaterials({ MaterialMaterial }) : new THREE.ObjectLoader();
+    ball.material = new MaterialMaterial({ color: 'orange', saturation: 0.5 });
+    materials.saved = ball.material, materials.loaded = loader.parse(ball.toJSON()).material;
 };
 window.isReady = true;
 </script>"""
@@ -72,6 +77,23 @@ if None in found.values() or chromium() is None or importlib.util.find_spec("Ope
     print("skipped: no three.js of both releases, no Chromium or no OpenEXR")
     sys.exit(0)
 failures, inside, texels = [], on_sphere(), hdr_of(environment)
+
+
+def spent(browser):
+    """Milliseconds of processors that the browser's program of graphics has taken."""
+    commands = {path.parent: path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline") if path.exists()}
+    graphics, = (of for of, words in commands.items() if b"--type=gpu-process" in words and browser.profile.name.encode() in words)
+    return sum(int(path.read_text().split()[0]) for path in graphics.glob("task/*/schedstat")) / 1e6
+
+
+def milliseconds(browser, material, light):
+    """The least of four times of a frame."""
+    times = []
+    for _ in range(4):
+        start = spent(browser)
+        browser.run(f"frames('{material}', '{light}', 6)")
+        times.append((spent(browser) - start) / 6)
+    return min(times)
 
 
 def expect(holds, words):
@@ -85,15 +107,16 @@ rows = np.concatenate([texels[::-1], np.ones((height, width, 1))], axis=-1).asty
 studio = json.dumps({"rows": base64.b64encode(rows.tobytes()).decode(), "width": width, "height": height})
 with tempfile.TemporaryDirectory() as name:
     for material in ("cc_ibiza_sunset_rgb", "paper_white_rgb"):
-        model, pictures = Path(name, "material.srbf"), {}
+        model, other, pictures = Path(name, "material.srbf"), Path(name, "other.srbf"), {}
         run("fit", here.parents[2] / f"data/{material}.bsdf", "-o", model)
+        run("edit", model, "--hue", 120, "-o", other)
         traced = drawn(model, f"{name}/traced.exr")[inside]
         for renderer, (kind, flags, files, imports) in RENDERERS.items():
             site = Path(name, material, renderer)
             site.mkdir(parents=True)
             for file in files:
                 shutil.copy(found[renderer] / f"three.{file}.js", site)
-            run("export", model, "--to", kind, "-o", site / "material.js")
+            run("export", model, other, "--to", kind, "-o", site / "material.js")
             (site / "studio.json").write_text(studio)
             texts = {"IMPORTS": json.dumps(imports), "LIBRARY": next(iter(imports)), "FIELD": str(math.degrees(FIELD)), "SIZE": str(SIZE),
                      "EYE": str([0, DISTANCE * math.sin(ELEVATION), DISTANCE * math.cos(ELEVATION)])}
@@ -105,8 +128,15 @@ with tempfile.TemporaryDirectory() as name:
                 browser.run("new Promise((done) => { const wait = () => window.isReady ? done() : setTimeout(wait, 50); wait(); })")
                 for light in [*LIGHTS, "studio"]:
                     pictures[renderer, light] = picture(browser, f"drawn('ours', '{light}')", SIZE)[inside]
-                    own, ours = (browser.run(f"milliseconds('{of}', '{light}')") for of in ("standard", "ours"))
+                    own, ours = (milliseconds(browser, of, light) for of in ("standard", "ours"))
                     print(f"     {material}, {renderer}, {light}: {ours:.0f} ms, {ours / own:.1f} times as long as MeshStandardMaterial", flush=True)
+                browser.run("loaded()")
+                for of in ("other", "saved", "loaded"):
+                    pictures[renderer, of] = picture(browser, f"drawn('{of}', 'lamps')", SIZE)[inside]
+            apart = delta_e(pictures[renderer, "other"], pictures[renderer, "lamps"])
+            expect(apart > 5, f"{material}, {renderer}: between two materials of a page {apart:.2f}")
+            apart = delta_e(pictures[renderer, "loaded"], pictures[renderer, "saved"])
+            expect(apart == 0, f"{material}, {renderer}: between one that was saved and loaded {apart:.2f}")
             apart = delta_e(pictures[renderer, "studio"], traced)
             expect(apart <= UNDER_STUDIO[renderer], f"{material}, {renderer}, studio: against path tracing {apart:.2f}")
         for light in LIGHTS:

@@ -57,19 +57,34 @@ constexpr std::string_view k_light_of_host =
     "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
     "    Vec3 share = light_between(2 * k - 1, nodes);\n"
     "    return Vec3(share.x * whole.x, share.y * whole.y, share.z * whole.z);\n}\n";
+constexpr std::string_view k_varying = "Real light_roughness(int k, Real of_view) { return of_view; }\n";
+constexpr std::string_view k_fixed_of_host =
+    "// The roughness of lobe k > 0. The host supplies it.\nReal lobe_roughness(int k);\n"
+    "Real light_roughness(int k, Real of_view) { return lobe_roughness(k); }\n";
+/// The function for roughnesses that all views share, if the lobes have such.
+std::string light_roughness(std::vector<float> shared, const LightOptions& options, Program& program) {
+    if (!options.code.fixed) return std::string(k_varying);
+    program.tables.push_back({"The roughness of each lobe after the first.", "light_roughnesses", std::move(shared)});
+    return "Real light_roughness(int k, Real of_view) { return light_roughnesses[k - 1]; }\n";
+}
 /// The text that extended.glsl requires, to be parsed before it.
 std::string light_of(const Model& model, const LightOptions& options, Program& program) {
-    if (options.code.texels) return std::string(k_light_whole).append(k_light_of_host);
+    if (options.code.texels)
+        return std::string(k_light_whole)
+            .append(options.code.fixed ? k_fixed_of_host : k_varying)
+            .append(k_light_of_host);
     const auto others = std::size_t(options.code.lobes - 1);
     Table light{
         "A row for each node: p, roughness and share of the albedo (R, G, B) of each lobe after the first; width.",
         "light_lobes",
         {},
         5 * others + 1};
+    std::vector<float> roughnesses;
     if (options.has_lobes()) {
         const ExtendedLight extended = extended_light(prepare(model), {.lobes = options.code.lobes,
                                                                        .isotropic = is_isotropic(model),
                                                                        .levels = options.code.levels,
+                                                                       .fixed = options.code.fixed,
                                                                        .threads = options.threads});
         for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
             for (const auto& lobe : std::span(extended.lobe).subspan((others + 1) * node + 1, others))
@@ -77,9 +92,11 @@ std::string light_of(const Model& model, const LightOptions& options, Program& p
                                      {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
             light.numbers.push_back(extended.width[node]);
         }
+        for (std::size_t k = 1; k <= others; ++k) roughnesses.push_back(extended.lobe[k].roughness);
     }
     program.tables.push_back(std::move(light));
     return light_number(5 * others + 1) + light_width(5 * others) + std::string(k_light_whole) +
+           light_roughness(std::move(roughnesses), options, program) +
            "Vec3 light_shape(int k, NodesAbout nodes) {\n"
            "    return Vec3(light_number(5 * k - 5, nodes), light_number(5 * k - 4, nodes), Real(0.0));\n}\n"
            "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
@@ -97,20 +114,24 @@ std::string light_of_basis(const PmModel& basis, const LightOptions& options, Pr
         "light_lobes",
         {},
         columns};
+    std::vector<float> roughnesses;
     if (options.has_lobes()) {
         const SharedLight shared = shared_light(basis, {.lobes = options.code.lobes,
                                                         .isotropic = is_isotropic(basis),
                                                         .levels = options.code.levels,
+                                                        .fixed = options.code.fixed,
                                                         .threads = options.threads});
         for (std::size_t i = 0; i < shared.shape.size(); ++i) {
             light.numbers.insert(light.numbers.end(), {shared.shape[i].axis, shared.shape[i].roughness});
             const auto weights = std::span(shared.weight).subspan(i * J, J);
             light.numbers.insert(light.numbers.end(), weights.begin(), weights.end());
             if (i % others == others - 1) light.numbers.push_back(shared.width[i / others]);
+            if (i < others) roughnesses.push_back(shared.shape[i].roughness);
         }
     }
     program.tables.push_back(std::move(light));
     return light_number(columns) + light_width(columns - 1) + std::string(k_light_whole_of_basis) +
+           light_roughness(std::move(roughnesses), options, program) +
            fmt::format(
                "Vec3 light_shape(int k, NodesAbout nodes) {{\n"
                "    return Vec3(light_number({0} * k - {0}, nodes), light_number({0} * k - {0} + 1, nodes), "
@@ -135,8 +156,10 @@ std::map<std::string, std::string> light_entries(const EnvironmentCode& code, Co
     const auto add = [&](const char* name) { names.emplace(name, name); };
     const bool can_read_textures = syntax::reads_buffers(language);  // of the host, in a function
     if (code.environment || code.area) add("environment_lobe");
+    if (code.views) add("lobes_about");
     if (code.draws) add("environment_draw");
     if (code.texels) add("light_texel");
+    if (code.texels && code.fixed) add("lobe_roughness");
     if (code.colours) add("reflected");
     if (code.area) add("area");
     if (code.environment && can_read_textures) add("radiance"), add("environment");
@@ -147,6 +170,7 @@ std::map<std::string, std::string> light_entries(const EnvironmentCode& code, Co
 AddedCode added_of(const EnvironmentCode& code, const CodeOptions& options) {
     const LightOptions light{code, options.threads};
     AddedCode added{light_entries(code, options.language), code.draws, light.has_lobes()};
+    added.unrolled = code.unrolled;
     if (code.texels) added.albedo_node = k_texel_of_host;
     added.text = [light](const Model& model, bool of_basis, Program& program, auto& defines) {
         const auto* basis = of_basis ? &std::get<PmModel>(model.model) : nullptr;

@@ -3,6 +3,7 @@
 //   light_shape(k, nodes)              (p, roughness, any)
 //   light_weight(k, whole, nodes, pm)  its weight R, G, B, where `whole` is the sum of all weights
 //   light_whole(albedo)                the sum of the weights of all lobes for this directional albedo
+//   light_roughness(k, of_view)        its roughness; of_view is that of light_shape
 //   light_width(nodes)                 the solid angle into which a view is reflected
 //   reflected(weight, light)           their product, channel by channel
 
@@ -38,7 +39,23 @@ LightLobe cosine_lobe(Vec3 weight) {
     lobe.weight = weight;
     return lobe;
 }
-// Lobe k for a view wv above the horizon.
+// The lobes for a view wv above the horizon.
+struct LightLobes {
+    LightLobe lobe[EXTENDED_LOBES];
+};
+LightLobes lobes_about(Vec3 wv, Pm pm) {
+    NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
+    Vec3 whole = reflected_of_one(wv, pm);
+    Vec3 cosine_weight = whole;
+    LightLobes of_view;
+    for (int k = 1; k < EXTENDED_LOBES; ++k) {
+        of_view.lobe[k] = lobe_about(wv, k, nodes, whole, pm);
+        cosine_weight = cosine_weight - of_view.lobe[k].weight;
+    }
+    of_view.lobe[0] = cosine_lobe(cosine_weight);
+    return of_view;
+}
+// Lobe k of them.
 LightLobe environment_lobe(Vec3 wv, int k, Pm pm) {
     NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
     Vec3 whole = reflected_of_one(wv, pm);
@@ -56,150 +73,164 @@ Vec3 radiance(Vec3 direction, Real roughness);
 Vec3 environment(Vec3 wv, Pm pm) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     if (wv.z <= Real(0.0)) return sum;
-    NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
-    Vec3 whole = reflected_of_one(wv, pm);
-    Vec3 cosine_weight = whole;
-    for (int k = 1; k < EXTENDED_LOBES; ++k) {
-        LightLobe lobe = lobe_about(wv, k, nodes, whole, pm);
-        sum = sum + reflected(lobe.weight, radiance(lobe.axis, lobe.roughness));
-        cosine_weight = cosine_weight - lobe.weight;
-    }
-    return not_negative(sum + reflected(cosine_weight, radiance(Vec3(Real(0.0), Real(0.0), Real(1.0)), Real(1.0))));
+    LightLobes of_view = lobes_about(wv, pm);
+    sum = reflected(of_view.lobe[0].weight, radiance(of_view.lobe[0].axis, Real(1.0)));
+    for (int k = 1; k < EXTENDED_LOBES; ++k)
+        sum = sum + reflected(of_view.lobe[k].weight,
+                              radiance(of_view.lobe[k].axis, light_roughness(k, of_view.lobe[k].roughness)));
+    return not_negative(sum);
 }
 
-// A polygon with up to five consecutive corners.
-struct Polygon {
-    int count;
-    Vec3 corner[5];
+// The consecutive corners of a quadrilateral.
+struct Quadrilateral {
+    Vec3 a;
+    Vec3 b;
+    Vec3 c;
+    Vec3 d;
 };
-Polygon with_corner(Polygon polygon, Vec3 corner) {
-    Polygon extended = polygon;
-    extended.corner[polygon.count] = corner;
-    extended.count = polygon.count + 1;
+// An angle divided by 2 pi times its sine (Hill & Heitz 2016), within 2e-6.
+Real angle_over_sine(Real cosine) {
+    Real c = abs(cosine);
+    Real numerator = Real(0.8543985) + (Real(0.4965155) + Real(0.0145206) * c) * c;
+    Real sharp = numerator / (Real(3.4175940) + (Real(4.1616724) + c) * c);
+    return cosine > Real(0.0) ? sharp : Real(0.5) * inversesqrt(max(Real(1.0) - c * c, Real(1.0e-7))) - sharp;
+}
+// The z component of the unit vector orthogonal to two vectors, times the angle between them divided by 2 pi.
+Real sector(Vec3 a, Vec3 b) {
+    Real scale = inversesqrt(max(dot(a, a) * dot(b, b), Real(1.0e-30)));
+    return scale * (a.x * b.y - a.y * b.x) * angle_over_sine(scale * dot(a, b));
+}
+// The sum of the sectors of edges above the horizon z = 0, and the points where they cross it.
+struct Outline {
+    Real sum;
+    Vec3 down;
+    Vec3 up;
+};
+Outline with_edge(Outline outline, Vec3 a, Vec3 b) {
+    Outline extended = outline;
+    if (a.z <= Real(0.0) && b.z <= Real(0.0)) return extended;
+    Vec3 first = a;
+    Vec3 last = b;
+    if (a.z <= Real(0.0)) {
+        first = a + a.z / (a.z - b.z) * (b - a);
+        extended.up = first;
+    }
+    if (b.z <= Real(0.0)) {
+        last = a + a.z / (a.z - b.z) * (b - a);
+        extended.down = last;
+    }
+    extended.sum = outline.sum + sector(first, last);
     return extended;
 }
-// The part above z = 0 of a polygon with four corners.
-Polygon above_horizon(Polygon polygon) {
-    Polygon kept = polygon;
-    kept.count = 0;
-    for (int i = 0; i < polygon.count; ++i) {
-        Vec3 here = polygon.corner[i];
-        Vec3 next = polygon.corner[i + 1 < polygon.count ? i + 1 : 0];
-        if (here.z > Real(0.0)) kept = with_corner(kept, here);
-        if (here.z * next.z < Real(0.0)) kept = with_corner(kept, here + here.z / (here.z - next.z) * (next - here));
-    }
-    return kept;
-}
-// An angle divided by its sine.
-Real angle_over_sine(Real cosine) {
-    if (cosine > Real(0.999)) return Real(1.0) + (Real(1.0) - cosine) / Real(3.0);
-    Real least = max(cosine, Real(-0.99999));
-    return acos(least) / sqrt(Real(1.0) - least * least);
-}
-// The integral of cos(theta) / pi over the directions of a polygon above the horizon, from its edges (Lambert
+// The integral of cos(theta) / pi over the directions of a quadrilateral above the horizon, from its edges (Lambert
 // 1760).
-Real cosine_over(Polygon polygon) {
-    Real sum = Real(0.0);
-    for (int i = 0; i < polygon.count; ++i) {
-        Vec3 here = polygon.corner[i];
-        Vec3 next = polygon.corner[i + 1 < polygon.count ? i + 1 : 0];
-        Real scale = inversesqrt(max(dot(here, here) * dot(next, next), Real(1.0e-30)));
-        sum = sum + scale * (here.x * next.y - here.y * next.x) * angle_over_sine(scale * dot(here, next));
-    }
-    return abs(sum) * Real(0.15915494);
+Real cosine_over(Quadrilateral light) {
+    Outline outline;
+    outline.sum = Real(0.0);
+    outline.down = Vec3(Real(0.0), Real(0.0), Real(0.0));
+    outline.up = outline.down;
+    outline = with_edge(outline, light.a, light.b);
+    outline = with_edge(outline, light.b, light.c);
+    outline = with_edge(outline, light.c, light.d);
+    outline = with_edge(outline, light.d, light.a);
+    return abs(outline.sum + sector(outline.down, outline.up));
 }
-// The integral over a polygon of a lobe of weight 1: GGX's kernel of its roughness, without the levels of a map.
-// The kernel is nearly a cosine around the axis whose directions are contracted; instead the polygon's directions
-// are stretched (Heitz et al. 2016).
-Real lobe_over(LightLobe lobe, Polygon polygon) {
-    Vec3 axis = lobe.axis;
+// A lobe's kernel, GGX's of its roughness without the levels of a map, is nearly a cosine around the axis whose
+// directions are contracted by this factor across it (Heitz et al. 2016).
+Real stretch_of(LightLobe lobe) {
     Real r = max(lobe.roughness, Real(0.01));
-    Real stretch = sqrt(Real(1.0) + Real(3.0) * r * r * r) / (Real(2.0) * r * r);
-    Real x = axis.x;
-    Real y = axis.y;
-    Real s = Real(1.0) / (Real(1.0) + axis.z);
-    Polygon transformed = polygon;
-    for (int i = 0; i < polygon.count; ++i) {
-        Vec3 p = polygon.corner[i];
-        transformed.corner[i] = Vec3(stretch * dot(Vec3(Real(1.0) - x * x * s, -x * y * s, -x), p),
-                                     stretch * dot(Vec3(-x * y * s, Real(1.0) - y * y * s, -y), p), dot(axis, p));
-    }
-    return cosine_over(above_horizon(transformed));
+    return sqrt(Real(1.0) + Real(3.0) * r * r * r) / (Real(2.0) * r * r);
 }
+// The kernel in a direction at this cosine to the axis.
+Real kernel_of(Real cosine, Real stretch) {
+    Real along = max(cosine, Real(0.0));
+    Real squared = stretch * stretch * (Real(1.0) - along * along) + along * along;
+    return Real(0.31830989) * stretch * stretch * along / (squared * squared);
+}
+Vec3 widened(Vec3 p, Vec3 axis, Real stretch) {
+    Real across = (axis.x * p.x + axis.y * p.y) / (Real(1.0) + axis.z) + p.z;
+    return Vec3(stretch * (p.x - across * axis.x), stretch * (p.y - across * axis.y), dot(axis, p));
+}
+// The integral of the kernel over a quadrilateral, whose directions are stretched instead.
+Real lobe_over(LightLobe lobe, Quadrilateral light) {
+    Real stretch = stretch_of(lobe);
+    Quadrilateral wide;
+    wide.a = widened(light.a, lobe.axis, stretch);
+    wide.b = widened(light.b, lobe.axis, stretch);
+    wide.c = widened(light.c, lobe.axis, stretch);
+    wide.d = widened(light.d, lobe.axis, stretch);
+    return cosine_over(wide);
+}
+// The cosine of the angle between two vectors.
+Real cosine_between(Vec3 a, Vec3 b) { return inversesqrt(max(dot(a, a) * dot(b, b), Real(1.0e-30))) * dot(a, b); }
 // The largest squared distance of a light's corners from its middle, on the unit sphere.
-Real squared_size(Polygon polygon) {
-    Vec3 middle = polygon.corner[0] + polygon.corner[1] + polygon.corner[2] + polygon.corner[3];
-    Real least = Real(1.0);
-    for (int i = 0; i < 4; ++i) {
-        Vec3 corner = polygon.corner[i];
-        Real reciprocal = inversesqrt(max(dot(middle, middle) * dot(corner, corner), Real(1.0e-30)));
-        least = min(least, reciprocal * dot(middle, corner));
-    }
-    return Real(2.0) * (Real(1.0) - least);
+Real squared_size(Quadrilateral light) {
+    Vec3 middle = light.a + light.b + light.c + light.d;
+    return Real(2.0) - Real(2.0) * min(min(cosine_between(middle, light.a), cosine_between(middle, light.b)),
+                                       min(cosine_between(middle, light.c), cosine_between(middle, light.d)));
 }
-// The fraction of a light of this squared size that is evaluated at points: all up to 3 times the reflected solid
-// angle, and nothing from 12 times on, where the points would be visible as dots.
+// The solid angle into which the lobes reflect: their sum divided by a bound of their largest value.
+Real width_of(LightLobes of_view) {
+    Real sum = Real(0.0);
+    Real largest = Real(1.0e-9);
+    for (int k = 0; k < EXTENDED_LOBES; ++k) {
+        Vec3 weight = of_view.lobe[k].weight;
+        Real stretch = stretch_of(of_view.lobe[k]);
+        Real total = weight.x + weight.y + weight.z;
+        sum = sum + total;
+        largest = largest + abs(total) * Real(0.31830989) * stretch * stretch;
+    }
+    return sum / largest;
+}
+// The fraction of a light of this squared size that is evaluated at points: all up to 1.5 times the reflected solid
+// angle, and nothing from 6 times on, where the points would be visible as dots.
 Real share_of_points(Real squared, Real width) {
-    Real x = min(max(Real(1.3333333) - squared / (Real(2.25) * min(Real(4.0) * width, Real(0.15))), Real(0.0)), Real(1.0));
+    Real x = min(max(Real(1.3333333) - squared / (Real(1.125) * min(Real(4.0) * width, Real(0.15))), Real(0.0)), Real(1.0));
     return x * x * (Real(3.0) - Real(2.0) * x);
 }
-// A node of the three-point Gauss rule on [0, 1], and its weight.
-Real gauss_node(int i) { return Real(0.5) + Real(0.38729833) * Real(i - 1); }
-Real gauss_weight(int i) { return i == 1 ? Real(0.44444444) : Real(0.27777778); }
+// A node of the two-point Gauss rule on [0, 1].
+Real gauss_node(int i) { return Real(0.21132487) + Real(0.57735027) * Real(i); }
 // The volume of the parallelepiped spanned by three vectors.
 Real volume(Vec3 a, Vec3 b, Vec3 c) {
     return a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x);
 }
-// The integral of f_r cos(theta_l) over the directions of a quadrilateral, from nine points in each of parts x
-// parts cells.
-Vec3 by_points(Su su, Vec3 wv, Polygon polygon, int parts, Pm pm) {
-    Real part = Real(1.0) / Real(parts);
-    Vec3 along = polygon.corner[1] - polygon.corner[0];
-    Vec3 across = polygon.corner[3] - polygon.corner[0];
-    Vec3 askew = polygon.corner[2] - polygon.corner[3] - along;
+// The integral over the directions of a quadrilateral, from four points, of what lobes lack of f_r cos(theta_l).
+Vec3 lacking(Su su, Vec3 wv, Quadrilateral light, LightLobes of_view, Pm pm) {
+    Vec3 along = light.b - light.a;
+    Vec3 across = light.d - light.a;
+    Vec3 askew = light.c - light.d - along;
+    Real stretch[EXTENDED_LOBES];
+    for (int k = 0; k < EXTENDED_LOBES; ++k) stretch[k] = stretch_of(of_view.lobe[k]);
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
-    for (int i = 0; i < 3 * parts; ++i) {
-        for (int j = 0; j < 3 * parts; ++j) {
-            int node_i = i - 3 * (i / 3);
-            int node_j = j - 3 * (j / 3);
-            Real s = part * (Real(i / 3) + gauss_node(node_i));
-            Real t = part * (Real(j / 3) + gauss_node(node_j));
-            Vec3 p = polygon.corner[0] + s * along + t * across + s * t * askew;
-            Real reciprocal = inversesqrt(max(dot(p, p), Real(1.0e-12)));
-            Real solid_angle = abs(volume(p, along + t * askew, across + s * askew)) * reciprocal * reciprocal * reciprocal;
-            Vec3 wl = reciprocal * p;
-            Real weight = part * part * gauss_weight(node_i) * gauss_weight(node_j);
-            sum = sum + weight * solid_angle * max(wl.z, Real(0.0)) * brdf(su, wl, wv, pm);
-        }
+    for (int i = 0; i < 4; ++i) {
+        Real s = gauss_node(i / 2);
+        Real t = gauss_node(i - 2 * (i / 2));
+        Vec3 p = light.a + s * along + t * across + s * t * askew;
+        Real reciprocal = inversesqrt(max(dot(p, p), Real(1.0e-12)));
+        Vec3 wl = reciprocal * p;
+        Vec3 value = max(wl.z, Real(0.0)) * brdf(su, wl, wv, pm);
+        for (int k = 0; k < EXTENDED_LOBES; ++k)
+            value = value - kernel_of(dot(of_view.lobe[k].axis, wl), stretch[k]) * of_view.lobe[k].weight;
+        Real solid_angle = abs(volume(p, along + t * askew, across + s * askew)) * reciprocal * reciprocal * reciprocal;
+        sum = sum + Real(0.25) * solid_angle * value;
     }
     return sum;
 }
 // The radiance that leaves towards the viewer from a quadrilateral that emits radiance 1 at its front and back. Its
-// consecutive corners are relative to the point of the surface, in the local frame. A small light is evaluated at
-// points, because it shows f_r itself; others are the sum of the lobes.
+// consecutive corners are relative to the point of the surface, in the local frame. It is the sum of the lobes, and for
+// a small light also what they lack of f_r, at points.
 Vec3 area(Su su, Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     if (wv.z <= Real(0.0)) return sum;
-    Polygon light;
-    light.count = 4;
-    light.corner[0] = a;
-    light.corner[1] = b;
-    light.corner[2] = c;
-    light.corner[3] = d;
-    light.corner[4] = d;
+    Quadrilateral light;
+    light.a = a;
+    light.b = b;
+    light.c = c;
+    light.d = d;
+    LightLobes of_view = lobes_about(wv, pm);
+    for (int k = 0; k < EXTENDED_LOBES; ++k) sum = sum + lobe_over(of_view.lobe[k], light) * of_view.lobe[k].weight;
     NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
-    Real width = light_width(nodes);
-    Real squared = squared_size(light);
-    Real share = share_of_points(squared, width);
-    // Nine points are enough for a light smaller than the reflected solid angle.
-    if (share > Real(0.0)) sum = share * by_points(su, wv, light, squared < Real(0.75) * width ? 1 : 2, pm);
-    if (share >= Real(1.0)) return sum;
-    Vec3 whole = reflected_of_one(wv, pm);
-    Vec3 cosine_weight = whole;
-    for (int k = 1; k < EXTENDED_LOBES; ++k) {
-        LightLobe lobe = lobe_about(wv, k, nodes, whole, pm);
-        sum = sum + (Real(1.0) - share) * lobe_over(lobe, light) * lobe.weight;
-        cosine_weight = cosine_weight - lobe.weight;
-    }
-    return not_negative(sum + (Real(1.0) - share) * lobe_over(cosine_lobe(cosine_weight), light) * cosine_weight);
+    Real share = share_of_points(squared_size(light), min(light_width(nodes), width_of(of_view)));
+    if (share > Real(0.0)) sum = sum + share * lacking(su, wv, light, of_view, pm);
+    return not_negative(sum);
 }

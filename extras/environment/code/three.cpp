@@ -5,6 +5,7 @@
 
 #include "base/printable.h"
 #include "code/defined_names.h"
+#include "code/print.h"
 #include "extras/environment/texts.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/su/su_functions.h"
@@ -13,9 +14,8 @@
 namespace srbf {
 namespace {
 
-/// With this many lobes a frame takes up to twice the time of MeshStandardMaterial's; with five it takes 2.8 times,
-/// with six more than three times as long.
-constexpr int k_three_lobes = 4;
+/// With five a frame under an environment takes up to twice the time of MeshStandardMaterial's, with six longer.
+constexpr int k_three_lobes = 5;
 
 /// "CcIbizaSunset" for "cc_ibiza_sunset".
 std::string capitalised(const std::string& name) {
@@ -66,17 +66,29 @@ std::string class_text(const std::string& name, std::string_view base, std::stri
         "        super('{}', parameters{});\n    }}\n}}\n",
         capitalised(name), base, name, more);
 }
+ExtendedLight light_of(const NamedModel& named, int threads) {
+    return extended_light(prepare(*named.model), {.lobes = k_three_lobes,
+                                                  .isotropic = is_isotropic(*named.model),
+                                                  .levels = MapLevels::three,
+                                                  .fixed = true,
+                                                  .threads = threads});
+}
 /// The lobes of a model as a texture, for its class.
-std::string lobes_text(const NamedModel& named, int threads) {
-    const ExtendedLight light = extended_light(prepare(*named.model), {.lobes = k_three_lobes,
-                                                                       .isotropic = is_isotropic(*named.model),
-                                                                       .levels = MapLevels::three,
-                                                                       .threads = threads});
+std::string lobes_text(const std::string& name, const ExtendedLight& light) {
     const LightTexels texels = light_texels(light);
     std::string numbers;
     for (std::size_t i = 0; i < texels.numbers.size(); i += 3)
         numbers += fmt::format("    {}, {}, {},\n", texels.numbers[i], texels.numbers[i + 1], texels.numbers[i + 2]);
-    return fmt::format("\nconst {}_lobes = lobesTexture([\n{}]);\n", named.name, numbers);
+    return fmt::format("\nconst {}_lobes = lobesTexture([\n{}]);\n", name, numbers);
+}
+/// A macro of the roughnesses of a model's lobes. They are constant expressions, because some samplers of textures take
+/// several times as long if the level depends on the pixel.
+std::string roughnesses_text(const std::string& name, const ExtendedLight& light) {
+    std::string roughness = "1.0";
+    for (int k = light.lobes; --k > 0;)
+        roughness =
+            fmt::format("(k) == {} ? {} : {}", k, syntax::digits(light.lobe[std::size_t(k)].roughness), roughness);
+    return fmt::format("#define {}_lobe_roughness(k) ({})\n", name, roughness);
 }
 
 }  // namespace
@@ -85,7 +97,13 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
     if (const auto valid = check_materials(models); !valid) return valid.error();
     const auto code =
         environment_code(models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
-                         {.environment = true, .area = true, .lobes = k_three_lobes, .texels = true, .colours = true});
+                         {.environment = true,
+                          .area = true,
+                          .lobes = k_three_lobes,
+                          .fixed = true,
+                          .texels = true,
+                          .colours = true,
+                          .unrolled = true});
     if (!code) return code.error();
     std::string functions, texels;  // their environment is that of three
     std::string classes;
@@ -94,12 +112,13 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
     for (const NamedModel& named : models) {
         if (const auto distinct = defined.add(capitalised(named.name) + "Material", named.name); !distinct)
             return distinct.error();
-        functions += defines_of(named.name);
+        const ExtendedLight light = light_of(named, threads);
+        functions += defines_of(named.name) + roughnesses_text(named.name, light);
         texels += fmt::format(
             "uniform highp sampler2D {0}_texels;\nvec3 {0}_light_texel(int i, int view) {{ return "
             "texelFetch({0}_texels, ivec2(i, view), 0).rgb; }}\n",
             named.name);
-        classes += lobes_text(named, threads);
+        classes += lobes_text(named.name, light);
         classes += class_text(named.name, "MeasuredMaterial", fmt::format(", {{ lobes: {}_lobes }}", named.name));
         classes += fmt::format("savedAs('{0}Material', {0}Material);\n", capitalised(named.name));
     }
@@ -110,7 +129,12 @@ Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std:
     if (const auto valid = check_materials(models); !valid) return valid.error();
     const auto code =
         environment_code(models, prefix, {.language = CodeLanguage::wgsl, .albedo = true, .threads = threads},
-                         {.area = true, .lobes = k_three_lobes, .levels = MapLevels::three});
+                         {.area = true,
+                          .views = true,
+                          .lobes = k_three_lobes,
+                          .levels = MapLevels::three,
+                          .fixed = true,
+                          .unrolled = true});
     if (!code) return code.error();
     std::string text = k_three_webgpu_text;
     replace_all(text, "LOBES", std::to_string(k_three_lobes));
@@ -122,6 +146,7 @@ Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std:
             return distinct.error();
         text += fmt::format(
             "\nconst {0}_nodes = nodesOf('{0}');\nexport class {1}Material extends MeasuredMaterial {{\n"
+            "    static get type() {{\n        return '{1}Material';\n    }}\n"
             "    constructor(parameters) {{\n        super({0}_nodes, parameters);\n    }}\n}}\n",
             named.name, capitalised(named.name));
     }
@@ -131,7 +156,12 @@ Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std:
 Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file, int threads) {
     const auto code =
         environment_map_code(map, name, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
-                             {.environment = true, .area = true, .levels = MapLevels::three, .colours = true});
+                             {.environment = true,
+                              .area = true,
+                              .levels = MapLevels::three,
+                              .fixed = true,
+                              .colours = true,
+                              .unrolled = true});
     if (!code) return code.error();
     std::string classes = k_three_map_text;
     replace_all(classes, "FILE", fmt::format("./{}", file));

@@ -11,11 +11,12 @@ FUNCTIONS`;
 // `texel` is appended to the arguments of a reflectance's functions.
 const reflection = (terms) => /* glsl */ `
 mat3 measured_frame;  // from the frame around the normal to that of the view
+mat3 measured_in_map; // and to that of the environment
+vec3 measured_wv;     // to the viewer, in the frame around the normal
 // The environment, filtered by three as for GGX. Without an environment, the functions below are not called.
 vec3 measured_radiance(vec3 direction, float roughness) {
     #if defined(USE_ENVMAP) && defined(ENVMAP_TYPE_PMREM)
-        vec3 w = envMapRotation * transformDirectionByInverseViewMatrix(measured_frame * direction, viewMatrix);
-        return textureLod(envMap, w, roughnessToMip(roughness)).rgb * envMapIntensity;
+        return textureLod(envMap, measured_in_map * direction, roughnessToMip(roughness)).rgb * envMapIntensity;
     #else
         return vec3(0.0);
     #endif
@@ -45,9 +46,8 @@ mat3 measured_frame_of(vec3 n, vec3 wv) {
 void RE_Direct_Measured(const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal,
                         const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
                         const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
-    mat3 frame = measured_frame_of(geometryNormal, geometryViewDir);
-    vec3 wl = directLight.direction * frame, wv = geometryViewDir * frame;
-    ${sumOf(terms, 'brdf', 'wl, wv')}
+    vec3 wl = directLight.direction * measured_frame;
+    ${sumOf(terms, 'brdf', 'wl, measured_wv')}
     reflectedLight.directDiffuse += max(wl.z, 0.0) * reflected * material.diffuseColor * directLight.color;
 }
 #if NUM_RECT_AREA_LIGHTS > 0
@@ -58,10 +58,9 @@ void RE_Direct_RectArea_Measured(const in RectAreaLight rectAreaLight, const in 
                                  inout ReflectedLight reflectedLight) {
     vec3 middle = rectAreaLight.position - geometryPosition, x = rectAreaLight.halfWidth, y = rectAreaLight.halfHeight;
     if (dot(cross(x, y), middle) < 0.0) return;
-    mat3 frame = measured_frame_of(geometryNormal, geometryViewDir);
-    vec3 wv = geometryViewDir * frame, a = (middle - x - y) * frame, b = (middle + x - y) * frame,
-         c = (middle + x + y) * frame, d = (middle - x + y) * frame;
-    ${sumOf(terms, 'area', 'wv, a, b, c, d')}
+    middle = middle * measured_frame, x = x * measured_frame, y = y * measured_frame;
+    vec3 a = middle - x - y, b = middle + x - y, c = middle + x + y, d = middle - x + y;
+    ${sumOf(terms, 'area', 'measured_wv, a, b, c, d')}
     reflectedLight.directDiffuse += rectAreaLight.color * material.diffuseColor * reflected;
 }
 #endif
@@ -77,11 +76,15 @@ void RE_IndirectSpecular_Measured(const in vec3 radiance, const in vec3 irradian
                                   const in vec3 geometryPosition, const in vec3 geometryNormal,
                                   const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
                                   const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
-    measured_frame = measured_frame_of(geometryNormal, geometryViewDir);
-    vec3 wv = geometryViewDir * measured_frame;
-    ${sumOf(terms, 'environment', 'wv')}
+    #ifdef USE_ENVMAP
+        measured_in_map = envMapRotation * transpose(mat3(viewMatrix)) * measured_frame;
+    #endif
+    ${sumOf(terms, 'environment', 'measured_wv')}
     reflectedLight.indirectDiffuse += reflected * material.diffuseColor;
 }
+// What three looks up for its own formulas.
+#undef STANDARD
+#define getIBLRadiance(viewer, normal, roughness) vec3(0.0)
 #undef RE_Direct
 #undef RE_Direct_RectArea
 #undef RE_IndirectDiffuse
@@ -90,6 +93,12 @@ void RE_IndirectSpecular_Measured(const in vec3 radiance, const in vec3 irradian
 #define RE_Direct_RectArea RE_Direct_RectArea_Measured
 #define RE_IndirectDiffuse RE_IndirectDiffuse_Measured
 #define RE_IndirectSpecular RE_IndirectSpecular_Measured
+`;
+// The statements that set what all lights share.
+const view = `
+vec3 measured_view = isOrthographic ? vec3(0.0, 0.0, 1.0) : normalize(vViewPosition);
+measured_frame = measured_frame_of(normal, measured_view);
+measured_wv = measured_view * measured_frame;
 `;
 // The statements that sum a function of all terms with a weight. An environment's functions saturate themselves, because
 // radiance has colours too.
@@ -151,7 +160,7 @@ class MeasuredMaterial extends MeshStandardMaterial {
         shader.uniforms.measured_colours = { get value() { return terms.length > 1 ? terms.map((term) => term.color) : [white]; } };
         shader.uniforms.measured_saturations = { get value() { return terms.map((term) => term.saturation); } };
         shader.fragmentShader = after(shader.fragmentShader, '#include <lights_physical_pars_fragment>', reflection(terms));
-        shader.fragmentShader = after(shader.fragmentShader, '#include <lights_physical_fragment>', this.weights());
+        shader.fragmentShader = after(shader.fragmentShader, '#include <lights_physical_fragment>', view + this.weights());
     }
     // The statements that set the weights of the terms.
     weights() {

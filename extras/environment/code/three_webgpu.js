@@ -8,15 +8,21 @@ FUNCTIONS`);
 
 // The functions of a model as nodes.
 function nodesOf(name) {
-    const node = (head, body) => wgslFn(`fn three_${head.replace('(', `_of_${name}(`)} { ${body} }`, [functions]);
+    const view = wgsl(`var<private> three_shapes_of_${name}: array<vec4f, LOBES>;\nvar<private> three_weights_of_${name}: array<vec3f, LOBES>;\n`);
+    const node = (head, body) => wgslFn(`fn three_${head.replace('(', `_of_${name}(`)} { ${body} }`, [functions, view]);
     return {
         brdf: node('brdf(wl: vec3f, wv: vec3f) -> vec3f', `return ${name}_brdf(wl, wv);`),
         albedo: node('albedo(cosine: f32) -> vec3f', `return ${name}_albedo(cosine);`),
         area: node('area(wv: vec3f, a: vec3f, b: vec3f, c: vec3f, d: vec3f) -> vec3f', `return ${name}_area(wv, a, b, c, d);`),
-        // A term of the environment: its axis and roughness, and its weight.
-        shape: node('shape(wv: vec3f, k: i32) -> vec4f',
-            `let lobe = ${name}_environment_lobe(wv, k); return vec4f(lobe.axis, lobe.roughness);`),
-        weight: node('weight(wv: vec3f, k: i32) -> vec3f', `return ${name}_environment_lobe(wv, k).weight;`),
+        // The terms of the environment for a view, which this sets: their axes and roughnesses, and weights.
+        view: node('view(wv: vec3f) -> f32', `let lobes = ${name}_lobes_about(wv);
+            for (var k = 0; k < LOBES; k++) {
+                three_shapes_of_${name}[k] = vec4f(lobes.lobe[k].axis, lobes.lobe[k].roughness);
+                three_weights_of_${name}[k] = lobes.lobe[k].weight;
+            }
+            return 0.0;`),
+        shape: node('shape(k: i32, view: f32) -> vec4f', `return three_shapes_of_${name}[k];`),
+        weight: node('weight(k: i32, view: f32) -> vec3f', `return three_weights_of_${name}[k];`),
     };
 }
 
@@ -66,11 +72,12 @@ class MeasuredLighting extends LightingModel {
         reflectedLight.indirectDiffuse.mulAssign(ambientOcclusion);
     }
     reflectedEnvironment() {
+        const view = this.nodes.view(this.wv).toVar();
         let sum = vec3(0);
         for (let k = 0; k < LOBES; ++k) {
-            const shape = this.nodes.shape(this.wv, int(k)).toVar(), axis = this.frame.mul(shape.xyz).transformDirection(cameraViewMatrix);
+            const shape = this.nodes.shape(int(k), view).toVar(), axis = this.frame.mul(shape.xyz).transformDirection(cameraViewMatrix);
             const radiance = this.environment.context({ getUV: () => axis, getTextureLevel: () => lookedUp(shape.w) }).isolate();
-            sum = sum.add(this.saturated(this.nodes.weight(this.wv, int(k))).mul(radiance));
+            sum = sum.add(this.saturated(this.nodes.weight(int(k), view)).mul(radiance));
         }
         return sum.max(0).mul(materialEnvIntensity).mul(diffuseColor.rgb);
     }
@@ -95,10 +102,12 @@ class MeasuredMaterial extends MeshStandardNodeMaterial {
         this.saturation = saturation;
         this.setValues(parameters);
     }
-    copy(source) {
-        super.copy(source);
-        this.saturation = source.saturation ?? 1;
-        return this;
+    // With the user's data it is copied, saved and loaded.
+    get saturation() {
+        return this.userData.saturation ?? 1;
+    }
+    set saturation(value) {
+        this.userData.saturation = value;
     }
     setupEnvironment(builder) {
         const environment = super.setupEnvironment(builder);

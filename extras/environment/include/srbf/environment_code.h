@@ -17,15 +17,19 @@ struct EnvironmentCode {
     bool environment = false;            ///< NAME_environment and NAME_environment_lobe
     bool draws = false;                  ///< NAME_environment_sampled, NAME_environment_draw and those of sampling
     bool area = false;                   ///< NAME_area and NAME_environment_lobe
+    bool views = false;                  ///< NAME_lobes_about(wv), whose member `lobe` has all lobes of a view
     int lobes = 6;                       ///< number of look-ups for an environment, see extended_light.h
     MapLevels levels = MapLevels::root;  ///< levels of the map in which they are looked up
+    bool fixed = false;  ///< the roughness of a lobe is the same for all views: some samplers are slow if it varies
     /// The host supplies the lobes of a model for each of `ExtendedLight::k_views` views, for example in a texture:
     /// Vec3 NAME_light_texel(int i, int view). Lobe k > 0 has (p, roughness, width of the view) at i = 2 k - 2 and
-    /// its fraction at i = 2 k - 1; from i = 2 `lobes` - 2 on follow the albedos (`light_texels`).
+    /// its fraction at i = 2 k - 1; from i = 2 `lobes` - 2 on follow the albedos (`light_texels`). With `fixed` also
+    /// float NAME_lobe_roughness(int k).
     bool texels = false;
     /// The host supplies Vec3 NAME_reflected(Vec3 weight, Vec3 light): the product of a lobe's weight, in colours
     /// that the host may change, and the radiance of the environment.
     bool colours = false;
+    bool unrolled = false;  ///< loops over lobes are unrolled, for compilers of shaders that do not
 };
 
 /// The text of `shading_code` with these functions of each model:

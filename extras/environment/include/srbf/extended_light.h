@@ -61,7 +61,8 @@ struct ExtendedLightOptions {
     int lobes = 6;          ///< including the cosine, from `k_least_extended_lobes` to `k_most_extended_lobes`
     bool isotropic = true;  ///< otherwise the lobes are those of the BRDF's mean over azimuths
     MapLevels levels = MapLevels::root;
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    bool fixed = false;  ///< the roughness of a lobe is the same for all views
+    int threads = 0;     ///< 0: as many as the machine has; the result does not depend on it
 };
 /// The lobes of a BRDF. The fit minimises the error under lights of several sizes everywhere, relative to the
 /// radiance under them.

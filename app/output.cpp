@@ -1,7 +1,6 @@
 #include "app/output.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -12,6 +11,7 @@
 #include "app/hash.h"
 #include "base/files.h"
 #include "base/printable.h"
+#include "base/system_files.h"
 #include "base/text.h"
 #include "errors/measure_names.h"
 #include "errors/picture_errors.h"
@@ -39,7 +39,7 @@ Result<Done> check_output(const std::string& path) {
     if (type == fs::file_type::none) return refused("a file's name", code.message());
     if (type == fs::file_type::directory) return refused("a file's name", "a folder");
     if (path == "-") return refused("a file's name, or /dev/stdout", "-");
-    if (type != fs::file_type::not_found && access(path.c_str(), W_OK) != 0)
+    if (type != fs::file_type::not_found && !system_files::is_writable(path))
         return refused("a writable file", "one without write permission");
     // A device or a pipe is written directly.
     if (type != fs::file_type::not_found && type != fs::file_type::regular) return Done{};
@@ -148,7 +148,7 @@ Result<Done> make_folder(const std::string& path) {
         const std::string found = fs::exists(path, none) || !code ? "something else" : code.message();
         return Error{path, {}, "output", "a folder, or a new name", found};
     }
-    if (access(path.c_str(), W_OK) != 0)
+    if (!system_files::is_writable(path))
         return Error{path, {}, "output", "a writable folder", "one without write permission"};
     return Done{};
 }
@@ -160,7 +160,7 @@ Result<Done> flush_standard_output() {
 
 void ProgressLine::show(std::string_view stage, double fraction) {
     const double now = watch_.seconds();
-    if (now < 0.5 || (now - shown_ < 0.1 && stage == stage_) || isatty(STDERR_FILENO) == 0) return;
+    if (now < 0.5 || (now - shown_ < 0.1 && stage == stage_) || !system_files::is_terminal(2)) return;
     shown_ = now;
     stage_ = stage;
     visible_ = true;

@@ -61,6 +61,8 @@ inline int lock(int) { return 0; }
 inline int status(const std::string& path, Status& of) { return ::_wstat64(path_of(path).c_str(), &of); }
 inline int status(int file, Status& of) { return ::_fstat64(file, &of); }
 inline int process() { return ::_getpid(); }
+inline bool is_writable(const std::string& path) { return ::_waccess(path_of(path).c_str(), 2) == 0; }
+inline bool is_terminal(int file) { return ::_isatty(file) != 0; }
 inline void remove(const std::string& path) { ::_wunlink(path_of(path).c_str()); }
 /// Replaces what has the new name.
 inline int rename(const std::string& from, const std::string& to) {
@@ -90,6 +92,8 @@ inline int lock(int file) { return ::flock(file, LOCK_EX); }
 inline int status(const std::string& path, Status& of) { return ::stat(path.c_str(), &of); }
 inline int status(int file, Status& of) { return ::fstat(file, &of); }
 inline int process() { return ::getpid(); }
+inline bool is_writable(const std::string& path) { return ::access(path.c_str(), W_OK) == 0; }
+inline bool is_terminal(int file) { return ::isatty(file) != 0; }
 inline void remove(const std::string& path) { ::unlink(path.c_str()); }
 inline int rename(const std::string& from, const std::string& to) { return std::rename(from.c_str(), to.c_str()); }
 #endif

@@ -46,7 +46,8 @@ Result<Done> check_output(const std::string& path) {
     const fs::path folder = fs::weakly_canonical(fs::absolute(path, code), code).parent_path();
     if (!fs::is_directory(folder, code))
         return refused("a folder that exists", fmt::format("no '{}'", folder.string()));
-    if (access(folder.c_str(), W_OK) != 0) return refused("a writable folder", "one without write permission");
+    if (!system_files::is_writable(folder.string()))
+        return refused("a writable folder", "one without write permission");
     return Done{};
 }
 

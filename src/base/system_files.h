@@ -8,9 +8,10 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
-#include <filesystem>
 #include <mutex>
 #include <string>
+
+#include "base/paths.h"
 
 #ifdef _WIN32
 #ifndef NOMINMAX
@@ -29,11 +30,6 @@ namespace srbf::system_files {
 #ifdef _WIN32
 using Status = struct ::_stat64;
 
-inline std::filesystem::path path_of(const std::string& path) { return {std::u8string(path.begin(), path.end())}; }
-inline std::string text_of(const std::filesystem::path& path) {
-    const std::u8string text = path.u8string();
-    return {text.begin(), text.end()};
-}
 /// Folders cannot be opened; EACCES says so, as for a folder that is not readable.
 inline int open(const std::string& path, int flags, int mode) {
     return ::_wopen(path_of(path).c_str(), flags | _O_BINARY | _O_NOINHERIT, mode ? _S_IREAD | _S_IWRITE : 0);
@@ -75,8 +71,6 @@ inline int rename(const std::string& from, const std::string& to) {
 #else
 using Status = struct ::stat;
 
-inline std::filesystem::path path_of(const std::string& path) { return path; }
-inline std::string text_of(const std::filesystem::path& path) { return path.string(); }
 inline int open(const std::string& path, int flags, mode_t mode) {
     return ::open(path.c_str(), flags | O_CLOEXEC, mode);
 }

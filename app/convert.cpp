@@ -10,6 +10,7 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/read_options.h"
+#include "base/paths.h"
 #include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
@@ -35,7 +36,7 @@ std::string description_of(const Subject& subject) {
         return std::get<ScatteredSamples>(measured->table).description;
     if (measured && std::holds_alternative<BsdfTable>(measured->table))
         if (const auto& name = std::get<BsdfTable>(measured->table).description; !name.empty()) return name;
-    return std::filesystem::path(subject.path).stem().string();
+    return system_files::text_of(system_files::path_of(subject.path).stem());
 }
 
 /// The table without its noise, as fits see it, in the layout of MBSDF, which holds values below 0.

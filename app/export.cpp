@@ -16,6 +16,7 @@
 #include "app/output.h"
 #include "app/surface_files.h"
 #include "base/files.h"
+#include "base/paths.h"
 #include "base/printable.h"
 #include "code/offered_code.h"
 #include "srbf/file.h"
@@ -238,7 +239,7 @@ Exports core_exports() {
 }  // namespace
 
 std::string ExportCommand::beside(const std::string& name) const {
-    return (std::filesystem::path(output).parent_path() / name).string();
+    return system_files::text_of(system_files::path_of(output).parent_path() / system_files::path_of(name));
 }
 
 Result<std::vector<Subject>> load_models(const std::vector<std::string>& files) {

@@ -6,6 +6,7 @@
 #include "app/fit.h"
 #include "app/fit_options.h"
 #include "app/read_options.h"
+#include "base/paths.h"
 
 namespace srbf {
 namespace {
@@ -99,7 +100,8 @@ void add_fit(CommandLine& app, int& status) {
             } else {
                 command->fit.input = command->inputs[0];
                 if (command->fit.output.empty())
-                    command->fit.output = std::filesystem::path(command->fit.input).stem().string() + ".srbf";
+                    command->fit.output =
+                        system_files::text_of(system_files::path_of(command->fit.input).stem()) + ".srbf";
                 status = fit_file(command->fit);
             }
         },

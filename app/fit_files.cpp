@@ -14,6 +14,7 @@
 #include "app/hash.h"
 #include "app/jobs.h"
 #include "base/files.h"
+#include "base/paths.h"
 #include "base/printable.h"
 #include "measured/readers.h"
 #include "srbf/file.h"
@@ -21,7 +22,9 @@
 namespace srbf {
 namespace {
 
-namespace fs = std::filesystem;
+std::string in_folder(const std::string& folder, const std::string& name) {
+    return system_files::text_of(system_files::path_of(folder) / system_files::path_of(name));
+}
 
 constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
 
@@ -70,7 +73,7 @@ struct FileOfMany {
 /// report's key, a hash of the file's content, the options and the program's version, is the same.
 Result<State> fit_one(FileOfMany& file, const FolderFit& folder, const ProgressToken& progress) {
     ResultKey result_key("model", folder.settings);
-    result_key.add(fs::path(file.fit.input).filename().string());
+    result_key.add(system_files::text_of(system_files::path_of(file.fit.input).filename()));
     if (const auto bytes = read_input(file.fit.input, file.fit.read))
         result_key.add(*bytes);
     else
@@ -143,11 +146,11 @@ int fit_files(const FolderFit& folder) {
     std::map<std::string, std::string> input_of;
     for (const std::string& input : folder.inputs) {
         FileOfMany material;
-        material.name = fs::path(input).stem().string();
+        material.name = system_files::text_of(system_files::path_of(input).stem());
         material.fit = folder.each;
         material.fit.input = input;
-        material.fit.output = (fs::path(folder.folder) / (material.name + ".srbf")).string();
-        material.fit.json = (fs::path(folder.folder) / (material.name + ".json")).string();
+        material.fit.output = in_folder(folder.folder, material.name + ".srbf");
+        material.fit.json = in_folder(folder.folder, material.name + ".json");
         if (const auto [earlier, is_new] = input_of.try_emplace(material.name, input); !is_new)
             material.state = State::failed,
             material.error = message({input, {}, "model", "a name of its own", "that of " + earlier->second});

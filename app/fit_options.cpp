@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "base/paths.h"
+
 namespace srbf {
 namespace {
 
@@ -51,7 +53,7 @@ FitRequest requested(const Subcommand& sub, const FitTexts& texts) {
 
 bool is_folder(const std::string& output) {
     std::error_code ignored;
-    return output.ends_with('/') || std::filesystem::is_directory(output, ignored);
+    return output.ends_with('/') || std::filesystem::is_directory(system_files::path_of(output), ignored);
 }
 
 }  // namespace srbf

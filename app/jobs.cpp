@@ -1,7 +1,6 @@
 #include "app/jobs.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -9,13 +8,13 @@
 #include <system_error>
 #include <thread>
 
+#include "app/memory.h"
+
 namespace srbf {
 
 int jobs_within_memory(std::uint64_t max_count) {
     constexpr std::uint64_t k_job_memory = std::uint64_t(1) << 29;
-    const long pages = ::sysconf(_SC_AVPHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
-    const std::uint64_t memory = pages > 0 && page > 0 ? std::uint64_t(pages) * std::uint64_t(page) : 0;
-    return int(std::max<std::uint64_t>(std::min(max_count, memory / k_job_memory), 1));
+    return int(std::max<std::uint64_t>(std::min(max_count, free_memory() / k_job_memory), 1));
 }
 
 void in_jobs(std::size_t count, int jobs, const std::function<void(std::size_t)>& work) {

@@ -7,6 +7,7 @@
 
 #include "app/commands.h"
 #include "base/files.h"
+#include "base/paths.h"
 #include "base/printable.h"
 #include "brdf/channels.h"
 #include "brdf/directions.h"
@@ -72,7 +73,8 @@ Result<Subject> load_subject(const std::string& path, const ReadOptions& options
 Result<std::optional<Library>> library_in(const std::string& path) {
     using Found = Result<std::optional<Library>>;
     std::error_code code;
-    if (!std::filesystem::is_regular_file(path, code)) return std::optional<Library>();  // a pipe can be read only once
+    if (!std::filesystem::is_regular_file(system_files::path_of(path), code))
+        return std::optional<Library>();  // a pipe can be read only once
     return within_memory(path, [&]() -> Found {
         const auto bytes = read_file(path, all_if(is_safetensors));
         if (!bytes || !is_library(*bytes)) return std::optional<Library>();

@@ -1,6 +1,14 @@
 #include "app/memory.h"
 
+#ifdef _WIN32
+#ifndef NOMINMAX
+#define NOMINMAX
+#endif
+#include <windows.h>
+#else
 #include <sys/resource.h>
+#include <unistd.h>
+#endif
 
 #include <algorithm>
 
@@ -11,6 +19,24 @@ bool is_limited = false;
 
 }  // namespace
 
+#ifdef _WIN32
+void limit_memory(int megabytes) {
+    // A process that is in a job already gets one within it.
+    const HANDLE job = ::CreateJobObjectW(nullptr, nullptr);
+    JOBOBJECT_EXTENDED_LIMIT_INFORMATION limit{};
+    limit.BasicLimitInformation.LimitFlags = JOB_OBJECT_LIMIT_PROCESS_MEMORY;
+    limit.ProcessMemoryLimit = std::size_t(megabytes) << 20;
+    ::SetInformationJobObject(job, JobObjectExtendedLimitInformation, &limit, sizeof limit);
+    ::AssignProcessToJobObject(job, ::GetCurrentProcess());
+    is_limited = true;
+}
+
+std::uint64_t free_memory() {
+    MEMORYSTATUSEX status{};
+    status.dwLength = sizeof status;
+    return ::GlobalMemoryStatusEx(&status) ? status.ullAvailPhys : 0;
+}
+#else
 void limit_memory(int megabytes) {
     rlimit limit{};
     ::getrlimit(RLIMIT_DATA, &limit);
@@ -19,6 +45,12 @@ void limit_memory(int megabytes) {
     ::setrlimit(RLIMIT_DATA, &limit);  // lowering the limit is always permitted
     is_limited = true;
 }
+
+std::uint64_t free_memory() {
+    const long pages = ::sysconf(_SC_AVPHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
+    return pages > 0 && page > 0 ? std::uint64_t(pages) * std::uint64_t(page) : 0;
+}
+#endif
 
 Result<Done> check_drawing() {
     if (is_limited)

@@ -1,5 +1,7 @@
 // The memory limit of --max-memory.
 #pragma once
+#include <cstdint>
+
 #include "srbf/result.h"
 
 namespace srbf {
@@ -8,6 +10,9 @@ namespace srbf {
 /// the system do not count. Exceeding the limit ends in an error "out of memory". A limit can be lowered later but
 /// not raised.
 void limit_memory(int megabytes);
+
+/// The machine's free memory [bytes]; 0 if unknown.
+std::uint64_t free_memory();
 
 /// An error if memory is limited, since OpenGL's drivers then end the program by a signal.
 Result<Done> check_drawing();

@@ -1,7 +1,6 @@
 #include "app/output.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -12,6 +11,7 @@
 #include "app/hash.h"
 #include "base/files.h"
 #include "base/printable.h"
+#include "base/system_files.h"
 #include "base/text.h"
 #include "errors/measure_names.h"
 #include "errors/picture_errors.h"
@@ -23,7 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// True if two names refer to the same file, whether it exists or not. A device or a pipe may be named twice.
-bool is_same_file(const fs::path& a, const fs::path& b) {
+bool is_same_file(const std::string& first, const std::string& second) {
+    const fs::path a = system_files::path_of(first), b = system_files::path_of(second);
     std::error_code ignored;
     if (fs::is_other(a, ignored)) return false;
     return fs::equivalent(a, b, ignored) || fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
@@ -35,18 +36,19 @@ Result<Done> check_output(const std::string& path) {
         return Error{path, {}, "output", std::move(expected), std::move(found)};
     };
     std::error_code code;
-    const fs::file_type type = fs::status(path, code).type();
+    const fs::file_type type = fs::status(system_files::path_of(path), code).type();
     if (type == fs::file_type::none) return refused("a file's name", code.message());
     if (type == fs::file_type::directory) return refused("a file's name", "a folder");
     if (path == "-") return refused("a file's name, or /dev/stdout", "-");
-    if (type != fs::file_type::not_found && access(path.c_str(), W_OK) != 0)
+    if (type != fs::file_type::not_found && !system_files::is_writable(path))
         return refused("a writable file", "one without write permission");
     // A device or a pipe is written directly.
     if (type != fs::file_type::not_found && type != fs::file_type::regular) return Done{};
-    const fs::path folder = fs::weakly_canonical(fs::absolute(path, code), code).parent_path();
+    const fs::path folder = fs::weakly_canonical(fs::absolute(system_files::path_of(path), code), code).parent_path();
     if (!fs::is_directory(folder, code))
-        return refused("a folder that exists", fmt::format("no '{}'", folder.string()));
-    if (access(folder.c_str(), W_OK) != 0) return refused("a writable folder", "one without write permission");
+        return refused("a folder that exists", fmt::format("no '{}'", system_files::text_of(folder)));
+    if (!system_files::is_writable(system_files::text_of(folder)))
+        return refused("a writable folder", "one without write permission");
     return Done{};
 }
 
@@ -143,12 +145,13 @@ Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::ve
 
 Result<Done> make_folder(const std::string& path) {
     std::error_code code;
-    fs::create_directories(path, code);
-    if (std::error_code none; !fs::is_directory(path, none)) {
-        const std::string found = fs::exists(path, none) || !code ? "something else" : code.message();
+    const fs::path folder = system_files::path_of(path);
+    fs::create_directories(folder, code);
+    if (std::error_code none; !fs::is_directory(folder, none)) {
+        const std::string found = fs::exists(folder, none) || !code ? "something else" : code.message();
         return Error{path, {}, "output", "a folder, or a new name", found};
     }
-    if (access(path.c_str(), W_OK) != 0)
+    if (!system_files::is_writable(path))
         return Error{path, {}, "output", "a writable folder", "one without write permission"};
     return Done{};
 }
@@ -160,7 +163,7 @@ Result<Done> flush_standard_output() {
 
 void ProgressLine::show(std::string_view stage, double fraction) {
     const double now = watch_.seconds();
-    if (now < 0.5 || (now - shown_ < 0.1 && stage == stage_) || isatty(STDERR_FILENO) == 0) return;
+    if (now < 0.5 || (now - shown_ < 0.1 && stage == stage_) || !system_files::is_terminal(2)) return;
     shown_ = now;
     stage_ = stage;
     visible_ = true;

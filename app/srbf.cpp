@@ -76,7 +76,9 @@ void add_subcommands(CommandLine& app, int& status) {
 
 int run_program(int argc, char** argv) {
     std::set_terminate(end_without_memory);
+#ifdef SIGXFSZ
     std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of a file's size fails with EFBIG
+#endif
     CommandLine app(
         "srbf", "srbf " SRBF_VERSION " (" SRBF_DATE ")",
         "srbf: measured BRDFs as a few spherical radial basis functions.\n"

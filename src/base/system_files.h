@@ -8,9 +8,10 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
-#include <filesystem>
 #include <mutex>
 #include <string>
+
+#include "base/paths.h"
 
 #ifdef _WIN32
 #ifndef NOMINMAX
@@ -29,11 +30,6 @@ namespace srbf::system_files {
 #ifdef _WIN32
 using Status = struct ::_stat64;
 
-inline std::filesystem::path path_of(const std::string& path) { return {std::u8string(path.begin(), path.end())}; }
-inline std::string text_of(const std::filesystem::path& path) {
-    const std::u8string text = path.u8string();
-    return {text.begin(), text.end()};
-}
 /// Folders cannot be opened; EACCES says so, as for a folder that is not readable.
 inline int open(const std::string& path, int flags, int mode) {
     return ::_wopen(path_of(path).c_str(), flags | _O_BINARY | _O_NOINHERIT, mode ? _S_IREAD | _S_IWRITE : 0);
@@ -61,6 +57,8 @@ inline int lock(int) { return 0; }
 inline int status(const std::string& path, Status& of) { return ::_wstat64(path_of(path).c_str(), &of); }
 inline int status(int file, Status& of) { return ::_fstat64(file, &of); }
 inline int process() { return ::_getpid(); }
+inline bool is_writable(const std::string& path) { return ::_waccess(path_of(path).c_str(), 2) == 0; }
+inline bool is_terminal(int file) { return ::_isatty(file) != 0; }
 inline void remove(const std::string& path) { ::_wunlink(path_of(path).c_str()); }
 /// Replaces what has the new name.
 inline int rename(const std::string& from, const std::string& to) {
@@ -73,8 +71,6 @@ inline int rename(const std::string& from, const std::string& to) {
 #else
 using Status = struct ::stat;
 
-inline std::filesystem::path path_of(const std::string& path) { return path; }
-inline std::string text_of(const std::filesystem::path& path) { return path.string(); }
 inline int open(const std::string& path, int flags, mode_t mode) {
     return ::open(path.c_str(), flags | O_CLOEXEC, mode);
 }
@@ -90,6 +86,8 @@ inline int lock(int file) { return ::flock(file, LOCK_EX); }
 inline int status(const std::string& path, Status& of) { return ::stat(path.c_str(), &of); }
 inline int status(int file, Status& of) { return ::fstat(file, &of); }
 inline int process() { return ::getpid(); }
+inline bool is_writable(const std::string& path) { return ::access(path.c_str(), W_OK) == 0; }
+inline bool is_terminal(int file) { return ::isatty(file) != 0; }
 inline void remove(const std::string& path) { ::unlink(path.c_str()); }
 inline int rename(const std::string& from, const std::string& to) { return std::rename(from.c_str(), to.c_str()); }
 #endif

@@ -45,6 +45,8 @@ constexpr const char* k_opening_of_c = R"(#include <math.h>
 #define SRBF_VEC3
 #ifdef __CUDACC__
 #define SRBF_FN __host__ __device__ static inline
+#elif defined __GNUC__ && defined __OPTIMIZE_SIZE__
+#define SRBF_FN static __attribute__((unused))
 #else
 #define SRBF_FN static inline
 #endif
@@ -58,7 +60,14 @@ SRBF_FN srbf_vec3 srbf_scale(float s, srbf_vec3 a) { return srbf_vec3_of(s * a.x
 SRBF_FN float srbf_dot(srbf_vec3 a, srbf_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 SRBF_FN float srbf_min(float a, float b) { return a < b ? a : b; }
 SRBF_FN float srbf_max(float a, float b) { return a > b ? a : b; }
-SRBF_FN float srbf_inversesqrt(float x) { return 1.0f / sqrtf(x); }
+// The processor's instruction, without sqrtf's errno.
+#if defined __SSE__ && !defined __CUDACC__
+#include <xmmintrin.h>
+SRBF_FN float srbf_sqrt(float x) { return _mm_cvtss_f32(_mm_sqrt_ss(_mm_set_ss(x))); }
+#else
+SRBF_FN float srbf_sqrt(float x) { return sqrtf(x); }
+#endif
+SRBF_FN float srbf_inversesqrt(float x) { return 1.0f / srbf_sqrt(x); }
 #endif
 
 )";
@@ -99,7 +108,7 @@ const Language& row_of(CodeLanguage language) {
                     {"exp", "expf"},
                     {"exp2", "exp2f"},
                     {"log", "logf"},
-                    {"sqrt", "sqrtf"},
+                    {"sqrt", "srbf_sqrt"},
                     {"cos", "cosf"},
                     {"sin", "sinf"},
                     {"acos", "acosf"},

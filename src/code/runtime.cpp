@@ -1,6 +1,7 @@
 // srbf_runtime.h: kernel.glsl in C, twice (of a number, and of vectors), between texts that read files and call it.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <set>
 
 #include "brdf/colour.h"
@@ -13,37 +14,51 @@
 namespace srbf {
 namespace {
 
+/// The items of a list in C, with commas, in lines of 120 columns.
+std::string rows_of(const std::vector<std::string>& items) {
+    std::string rows, row;
+    for (const std::string& item : items) {
+        if (row.size() + item.size() > 114) rows += "    " + row + "\n", row.clear();
+        row += (row.empty() ? "" : " ") + item + ",";
+    }
+    return rows + "    " + row + "\n";
+}
+
 std::string table_text(const syntax::Table& table) {
     return syntax::Printer(CodeLanguage::c, {{table.name, "srbf_" + table.name}}).text(table) + "\n";
 }
 
-/// R, G, B of the spectrum that is 1 at one whole wavelength, every 5 nm: between them these are linear. Beyond, less
-/// than 2e-5 of the sums is left.
+/// R, G, B of the spectrum that is 1 at one whole wavelength, every 5 nm: between them these are linear. Beyond, and by
+/// rounding, 2e-5 of the sums is lost.
 std::string observer_text() {
     constexpr int first = 360, last = 780;
     std::vector<float> wavelengths;
-    for (int nm = 360; nm <= 830; ++nm) wavelengths.push_back(float(nm));
-    syntax::Table table{"R, G, B of a spectrum that is 1 within 1 nm, every 5 nm.", "observer", {}, 9};
+    for (int nm = first; nm <= 830; ++nm) wavelengths.push_back(float(nm));
     const std::vector<Rgb> weights = rgb_weights(wavelengths);
+    std::vector<std::string> numbers;
     for (int nm = first; nm <= last; nm += 5)
         for (int c = 0; c < 3; ++c)
-            table.numbers.push_back(std::stof(fmt::format("{:.4e}", weights[std::size_t(nm - 360)][c])));
-    return fmt::format("#define SRBF_FIRST_NM {}\n#define SRBF_LAST_NM {}\n", first, last) + table_text(table);
+            numbers.push_back(fmt::format("{}", std::lround(1e6 * double(weights[std::size_t(nm - first)][c]))));
+    return fmt::format(
+        "#define SRBF_FIRST_NM {}\n#define SRBF_LAST_NM {}\n"
+        "// R, G, B of a spectrum that is 1 within 1 nm, every 5 nm, in millionths.\n"
+        "static const short srbf_observer[{}] = {{\n{}}};\n\n",
+        first, last, numbers.size(), rows_of(numbers));
 }
 
 std::string parameters_text() {
-    std::string rows;
+    std::vector<std::string> rows;
     const OpenPbrModel defaults;
     for (const OpenPbrParameter& of : k_openpbr_parameters)
-        rows += fmt::format("    {{\"{}\", {}f, {}f, {}f, {}}},\n", of.name, syntax::digits(of.least),
-                            syntax::digits(of.most), syntax::digits(number(defaults, of, 0)), of.count());
+        rows.push_back(fmt::format("{{\"{}\", {}f, {}f, {}f, {}}}", of.name, syntax::digits(of.least),
+                                   syntax::digits(of.most), syntax::digits(number(defaults, of, 0)), of.count()));
     return fmt::format(
         "// The parameters of surfaces: name, range, default and count of numbers.\n"
         "#define SRBF_PARAMETERS {}\n"
         "typedef struct {{\n    const char* name;\n    float least, most, by_default;\n    int count;\n}} "
         "srbf_parameter;\n"
         "static const srbf_parameter srbf_parameters[SRBF_PARAMETERS] = {{\n{}}};\n\n",
-        k_openpbr_parameters.size(), rows);
+        k_openpbr_parameters.size(), rows_of(rows));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/files.h"
+#include "base/paths.h"
 #include "base/text.h"
 #include "measured/bytes.h"
 #include "measured/readers.h"
@@ -24,7 +25,7 @@ struct TexelName {
 std::optional<TexelName> parse_texel_name(const std::string& path) {
     const auto sign = path.rfind('#');
     std::error_code ignored;
-    if (sign == path.npos || std::filesystem::exists(path, ignored)) return {};
+    if (sign == path.npos || std::filesystem::exists(system_files::path_of(path), ignored)) return {};
     return TexelName{path.substr(0, sign), path.substr(sign + 1)};
 }
 

@@ -49,7 +49,7 @@ SRBF_FN void srbf_set_view(srbf_view* view, const srbf_mixture* mixture, const s
             srbf_x_of(view->number[SRBF_STRETCH + 1]) * srbf_x_load(segment->weighted + i));
 }
 SRBF_FN void srbf_view_of(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv) {
-    const float at = (1.0f - sqrtf(srbf_max(srbf_min(wv.z, 1.0f), 0.0f))) * (float)(SRBF_NODES - 1);
+    const float at = (1.0f - srbf_sqrt(srbf_max(srbf_min(wv.z, 1.0f), 0.0f))) * (float)(SRBF_NODES - 1);
     const int below = (int)srbf_min(at, (float)(SRBF_NODES - 2));
     srbf_set_view(view, mixture, &mixture->segment[below], wv, at - (float)below);
 }

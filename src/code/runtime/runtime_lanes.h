@@ -1,7 +1,7 @@
 // Vectors of floats, if the compiler has them: lobes and components of a density are computed SRBF_LANES at a time.
 // Without them, or with SRBF_ONE_LANE, each is computed alone by the same functions.
 #include <string.h>
-#ifdef __GNUC__
+#if defined __GNUC__ && !defined __OPTIMIZE_SIZE__
 #define SRBF_INLINE SRBF_FN __attribute__((always_inline))
 #define SRBF_APART static __attribute__((noinline))
 #else

@@ -61,11 +61,12 @@ static int srbf_add_spectra(srbf_file* file, const srbf_tensor* spectra, srbf_wo
             const float hat = is_constant ? 1.0f : 1.0f - (x - at) / ((x < at ? before : after) - at);
             for (c = 0; c < 3 && hat > 0.0f; ++c)
                 weight[c] +=
-                    (double)(hat * ((1.0f - share) * srbf_observer(row + c) + share * srbf_observer(next + c)));
+                    (double)(hat * ((1.0f - share) * srbf_observer[row + c] + share * srbf_observer[next + c]));
         }
         for (j = 0; j < spectra->extent[0]; ++j)
             for (c = 0; c < 3; ++c)
-                rgb[srbf_place((int)j, 1 + c, rows)] += (float)weight[c] * srbf_number(file, spectra, j * count + i);
+                rgb[srbf_place((int)j, 1 + c, rows)] +=
+                    (float)(1e-6 * weight[c]) * srbf_number(file, spectra, j * count + i);
     }
     return (i == count && srbf_wavelength(&text.text, end) == 0.0f && text.text == end) ||
            srbf_fail_at(file, SRBF_BAD_METADATA, text);
@@ -262,6 +263,8 @@ SRBF_APART srbf_vec3 srbf_other_value(const srbf_model* model, srbf_vec3 wl, srb
         return srbf_su_plain_value(&model->su, nearest, evaluated, sampled, model->su.neighbours);
     }
     if (model->kind == SRBF_KIND_GGX) return srbf_ggx_value(model->diffuse, model->ggx[0], model->ggx[1], wl, wv);
+#ifndef __OPTIMIZE_SIZE__
     if (!model->is_anisotropic && !model->has_film) return srbf_openpbr_value(model->surface, l, v);
+#endif
     return srbf_openpbr_anisotropic_value(model->surface, model->film, model->anisotropy, l, v);
 }

@@ -93,7 +93,7 @@ static float srbf_least_moment(const srbf_points* points, int steps, float weigh
                 srbf_x_store(srbf_x_load(slope + k) + share * srbf_x_load(density + k), slope + k);
         }
         if (step == steps) break;
-        for (k = 0, sum = 0.0f; k < SRBF_STRETCH; ++k) sum += slope[k] = weight[k] * sqrtf(slope[k]);
+        for (k = 0, sum = 0.0f; k < SRBF_STRETCH; ++k) sum += slope[k] = weight[k] * srbf_sqrt(slope[k]);
         for (k = 0; k < SRBF_STRETCH && sum > 0.0f; ++k) weight[k] = slope[k] / sum;
     }
     return moment;

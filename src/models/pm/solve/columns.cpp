@@ -121,7 +121,7 @@ HWY_INLINE void sum_lanes(const Batch (&x)[4], float* sums) {
 HWY_INLINE void sum_lanes(const Batch (&x)[4], float* sums) {
     const hn::CappedTag<float, 4> d;
     const hn::RepartitionToWide<decltype(d)> pairs;
-    const auto four = [&](Batch x) HWY_ATTR { return fold_to_four(Lanes(), x.v); };
+    const auto four = [](Batch lanes) HWY_ATTR { return fold_to_four(Lanes(), lanes.v); };
     const auto halves = [&](Batch a, Batch b) HWY_ATTR {  // a b a b
         const auto x4 = four(a), y4 = four(b);
         return hn::BitCast(pairs, hn::Add(hn::InterleaveLower(d, x4, y4), hn::InterleaveUpper(d, x4, y4)));

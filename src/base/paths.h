@@ -1,0 +1,19 @@
+// Paths of the standard library from texts of UTF-8, and back, which need a conversion on Windows.
+#pragma once
+#include <filesystem>
+#include <string>
+
+namespace srbf::system_files {
+
+#ifdef _WIN32
+inline std::filesystem::path path_of(const std::string& path) { return {std::u8string(path.begin(), path.end())}; }
+inline std::string text_of(const std::filesystem::path& path) {
+    const std::u8string text = path.u8string();
+    return {text.begin(), text.end()};
+}
+#else
+inline std::filesystem::path path_of(const std::string& path) { return path; }
+inline std::string text_of(const std::filesystem::path& path) { return path.string(); }
+#endif
+
+}  // namespace srbf::system_files

@@ -1,7 +1,7 @@
-"""Fits two analytic BRDFs of 2012 to measurements: python3 bench/classic_brdfs.py FILE...
+"""Fits rivals of our own making to measurements: python3 bench/classic_brdfs.py FILE...
 
-Prints the visible error of both BRDFs by each loss and weight below. Needs the package `srbf`
-(PYTHONPATH=build/release/python) and NumPy.
+Prints the visible error of two analytic BRDFs of 2012 by each loss and weight below. Needs the package `srbf`
+(PYTHONPATH=build/release/python) and NumPy. sized_brdfs.py has the models of any size.
 
 abc  the microfacet model of Löw, Kronander, Ynnerman and Unger, BRDF Models for Accurate and Efficient Rendering of
      Glossy Surfaces, 2012, https://doi.org/10.1145/2077341.2077350
@@ -14,8 +14,11 @@ import sys
 from typing import NamedTuple
 
 import numpy as np
+import sized_brdfs
 
-MAX_THETA = 80  # [degrees], for the pairs of a fit
+MAX_THETA = 80  # [degrees], for the pairs of a fit and for errors
+# [degrees], for the pairs of networks, which do anything beyond: the limit with the smaller visible error is taken.
+MAX_THETAS_OF_NETWORKS = (80, 88)
 PAIRS = 12_000  # before those beyond MAX_THETA are removed
 
 
@@ -141,6 +144,8 @@ class Sgd:
 
 
 MODELS = {"abc": Abc, "sgd": Sgd}
+SIZED = {**{f"gtr-{count}": sized_brdfs.Lobes(Parameter, count) for count in (1, 2, 3, 4, 6)},
+         **{f"network-{width}": sized_brdfs.Network(Parameter, width) for width in (4, 6)}}
 LOSSES = {  # the function of f that a fit compares, and its derivative
     "log": (lambda f, cos_l: np.log1p(f * cos_l), lambda f, cos_l: cos_l / (1 + f * cos_l)),  # the loss of Löw et al.
     "cube-root": (lambda f, cos_l: np.cbrt(f + 1e-4), lambda f, cos_l: np.cbrt(f + 1e-4) ** -2 / 3),
@@ -148,7 +153,8 @@ LOSSES = {  # the function of f that a fit compares, and its derivative
 # The power of the solid angle of a node in MERL's layout.
 WEIGHTS = {"solid-angle": 1, "between": 0.5, "table": 0}
 # The loss and weight with the smallest mean visible error of five measurements.
-CHOSEN = {"abc": ("cube-root", "between"), "sgd": ("cube-root", "solid-angle")}
+CHOSEN = {"abc": ("cube-root", "between"), "sgd": ("cube-root", "solid-angle"), "gtr": ("cube-root", "solid-angle"),
+          "network": ("cube-root", "between")}
 
 
 def with_scales(model, x, f, angle, diffuse, specular):
@@ -161,7 +167,7 @@ def with_scales(model, x, f, angle, diffuse, specular):
     return x
 
 
-def pairs():
+def pairs(max_theta):
     """Light and viewer [n, 3], and the solid angle of each pair. Pairs are uniform in √θh, θd and φd, as MERL's nodes."""
     n = np.arange(PAIRS)[:, None]
     u = (0.5 + n * 1.2207440846057596 ** -np.arange(1.0, 4)) % 1  # Roberts' sequence of three dimensions
@@ -171,7 +177,7 @@ def pairs():
     wl = np.stack([c * d[:, 0] + s * d[:, 2], d[:, 1], c * d[:, 2] - s * d[:, 0]], axis=1)
     wv = np.stack([-c * d[:, 0] + s * d[:, 2], -d[:, 1], c * d[:, 2] + s * d[:, 0]], axis=1)
     solid_angle = np.cos(theta_d) * np.sin(theta_d) * np.sin(theta_h) * u[:, 0]
-    inside = np.minimum(wl[:, 2], wv[:, 2]) > np.cos(np.radians(MAX_THETA))
+    inside = np.minimum(wl[:, 2], wv[:, 2]) > np.cos(np.radians(max_theta))
     return wl[inside], wv[inside], solid_angle[inside]
 
 
@@ -244,9 +250,17 @@ def fit_values(model, f, angle, weight, loss):
 
 def fit(measured, name, loss=None, weights=None):
     """Fits a model to a BRDF with `eval`. Returns f(wl, wv), and the size of its parameters as 16-bit floats in bytes."""
-    model = MODELS[name]
-    loss, weights = loss or CHOSEN[name][0], weights or CHOSEN[name][1]
-    wl, wv, solid_angle = pairs()
+    import srbf
+    limits = MAX_THETAS_OF_NETWORKS if name.startswith("network") else [MAX_THETA]
+    fits = [fit_within(measured, name, limit, loss, weights) for limit in limits]
+    return fits[0] if len(fits) == 1 else min(fits, key=lambda of: srbf.errors(measured, of[0], max_theta=MAX_THETA)["delta_e_itp"])
+
+
+def fit_within(measured, name, max_theta, loss, weights):
+    """Fits a model to pairs within `max_theta` [degrees]. Returns f(wl, wv), and the size of its parameters as 16-bit floats in bytes."""
+    model, (best_loss, best_weights) = {**MODELS, **SIZED}[name], CHOSEN[name.split("-")[0]]
+    loss, weights = loss or best_loss, weights or best_weights
+    wl, wv, solid_angle = pairs(max_theta)
     f = measured.eval(wl.astype(np.float32), wv.astype(np.float32)).astype(float)
     known = np.isfinite(f).all(axis=1)
     f, angle = np.maximum(f[known], 0), angles(wl[known], wv[known])

@@ -1,13 +1,14 @@
-"""Writes docs/comparison.csv: python3 bench/rivals.py FILE... [--networks FOLDER] [--codes FOLDER] > docs/comparison.csv
+"""Writes docs/comparison.csv: python3 bench/rivals.py FILE... [--networks FOLDER] [--codes FOLDER] [--tables FOLDER] > docs/comparison.csv
 
 Fits each measurement by each model, and compares them by the same measures. Needs the package `srbf`
-(PYTHONPATH=build/release/python) and NumPy. classic_brdfs.py fits the models `abc` and `sgd`. For two published models
-the authors' fits are read, for the materials that they have:
+(PYTHONPATH=build/release/python) and NumPy. classic_brdfs.py fits the models `abc` and `sgd`, and of RGL's files models of several
+sizes. For two published models the authors' fits are read, for the materials that they have:
 
 --networks FOLDER  networks of layers 6, 21, 21, 3 (Sztrajman, Rainer, Ritschel, Weyrich: Neural BRDF Representation
                    and Importance Sampling, 2021), in files that stand_ins.py describes
 --codes FOLDER     decoder.f32 and latents.txt: seven numbers for each material, and a shared decoder (Zheng, Zheng,
                    Wang, Zhao, Bao: A Compact Representation of Measured BRDFs Using Neural Processes, 2021)
+--tables FOLDER    tables of MERL's layout: of RGL's files rows of their principal components, by principal_components.py
 
 convert_networks.py converts the authors' files to these.
 """
@@ -19,6 +20,7 @@ import tempfile
 
 import classic_brdfs
 import numpy as np
+import principal_components
 import srbf
 import stand_ins
 
@@ -38,7 +40,9 @@ FITS = {  # options of srbf.fit
     "cube-root": {"as_measured": True, "objective": "cube-root"},
     "su": {"model": "su", "lobes": 5},
 }
-MODELS = [*FITS, *classic_brdfs.MODELS]
+SIZED = {f"srbf-{lobes}": {"lobes": lobes} for lobes in (1, 2, 6, 32)}  # of RGL's files alone
+COMPONENTS = (4, 8, 16)
+MODELS = [*FITS, *classic_brdfs.MODELS, *SIZED, *classic_brdfs.SIZED]
 KINDS = {  # names of materials
     "metal": "alum-bronze brass chrome-steel gold-metallic-paint3 grease-covered-steel nickel ilm_l3_37_metallic "
              "two-layer-silver",
@@ -118,7 +122,7 @@ def symmetric_error(measured, other, count=100_000):
     return float(np.nanmean((abs(f - g) / (f + g))[f + g > 0]))
 
 
-def rows_of(path, models, networks, codes, work):
+def rows_of(path, models, networks, codes, components, work):
     measured = srbf.load_measurement(path)
     name = os.path.basename(path).rsplit(".", 1)[0].removesuffix("_rgb")
     kind = KIND_OF.get(name, "other")
@@ -129,18 +133,27 @@ def rows_of(path, models, networks, codes, work):
         numbers += [symmetric_error(measured, function)] + [errors[key] for key in HELD_OUT]
         return [name, kind, model, payload, shared] + [f"{number:.6g}" for number in numbers]
 
+    of_rgl = path.endswith("_rgb.bsdf")
     for model in models:
-        if model in classic_brdfs.MODELS:
+        options = {**FITS, **SIZED}.get(model)
+        if not of_rgl and model in [*SIZED, *classic_brdfs.SIZED]:
+            continue
+        if options is None:
             value, payload = classic_brdfs.fit(measured, model)
             yield row(model, value, value, payload)
             continue
-        fitted = srbf.fit(measured, **FITS[model]).model
+        fitted = srbf.fit(measured, **options).model
         yield row(model, fitted, fitted.eval, fitted.nbytes)
-    layers = networks and path.endswith("_rgb.bsdf") and stand_ins.network_of(networks, name)
+    for count in COMPONENTS if components and of_rgl else ():
+        table = os.path.join(work, "table.binary")
+        sizes = components.fit(measured, count, table)
+        value = srbf.load_measurement(table)
+        yield row(f"pca-{count}", value, value.eval, *sizes)
+    layers = networks and of_rgl and stand_ins.network_of(networks, name)
     if layers:
         value = network(layers)
         yield row("nbrdf", value, value, 4 * 675)
-    if codes and path.endswith("_rgb.bsdf"):
+    if codes and of_rgl:
         value = decode(codes, name, work)
         yield row("nps", value, value, 4 * 7, os.path.getsize(os.path.join(codes, "decoder.f32")))
 
@@ -148,16 +161,18 @@ def rows_of(path, models, networks, codes, work):
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("files", nargs="+", metavar="FILE")
-    options.add_argument("--models", nargs="+", default=MODELS, choices=MODELS, metavar="NAME",
+    options.add_argument("--models", nargs="*", default=MODELS, choices=MODELS, metavar="NAME",
                          help="instead of all: " + " ".join(MODELS))
     options.add_argument("--networks", metavar="FOLDER")
     options.add_argument("--codes", metavar="FOLDER")
+    options.add_argument("--tables", metavar="FOLDER")
     arguments = options.parse_args()
     out = csv.writer(sys.stdout, lineterminator="\n")
     out.writerow(["material", "kind", "model", "payload", "shared"] + ERRORS + ["symmetric_error"] + HELD_OUT)
+    components = arguments.tables and principal_components.PrincipalComponents(arguments.tables)
     with tempfile.TemporaryDirectory() as work:
         for path in arguments.files:
-            out.writerows(rows_of(path, arguments.models, arguments.networks, arguments.codes, work))
+            out.writerows(rows_of(path, arguments.models, arguments.networks, arguments.codes, components, work))
             sys.stdout.flush()
 
 

@@ -17,7 +17,6 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 CSV, PAGE, PLOT = (os.path.join(HERE, "..", name) for name in ("basis.csv", "basis.md", "basis.svg"))
 OWN = {f"as-measured-{lobes}": f"{lobes} lobes" for lobes in (4, 8, 12, 16)}  # fits of their own in comparison.csv, of the form of libraries
 COLOURS = {16: "#b3d1ea", 32: "#6fa8d8", 64: "#2a6fb0", 128: "#123f6b", "own": "#c0392b", "neural": "#5d6d7e"}
-WORST = 5  # materials that a table lists
 WANTED = 1.5  # times the mean error of fits of 8 lobes
 
 
@@ -127,22 +126,13 @@ def errors_table(errors):
     return comparison.table(["", "bytes a material", "mean ΔE_ITP", "median", "of the mean of 8 own lobes"], lines)
 
 
-def worst_table(errors):
-    """The materials that lose most by shared lobes: by the difference to eight lobes of their own."""
-    keys = ["as-measured-8", "as-measured-16", (32, 16), (64, 16), (128, 16)]
-    of, own = errors.error[keys[-1]], errors.error["as-measured-8"]
-    order = sorted(of, key=lambda name: own[name] - of[name])[:WORST]
-    return comparison.table(["material"] + [name_of(key) for key in keys], [[name] + [f"{errors.error[key][name]:.3g}" for key in keys] for name in order])
-
-
 def main():
     if "--check" not in sys.argv and len(sys.argv) > 1:
         write_csv(sys.argv[1:])
     errors = Errors()
     with open(PAGE, encoding="utf-8") as file:
         page = file.read()
-    for name, table in [("errors", errors_table(errors)), ("worst", worst_table(errors))]:
-        page = comparison.replaced(page, name, table)
+    page = comparison.replaced(page, "errors", errors_table(errors))
     comparison.write_or_check({PAGE: page, PLOT: plot(errors)}, "basis")
 
 

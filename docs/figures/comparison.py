@@ -27,8 +27,15 @@ MODELS = {  # name, and in the plot the curve that it belongs to
     "as-measured-8": ("8 lobes, as measured", "as measured"),
     "su": ("view by view, 5 lobes", "view by view"),
 }
+SIZED = {  # in rows of the measurements alone: models of several sizes, and their curves
+    **{f"srbf-{lobes}": "srbf" for lobes in (1, 2, 6, 32)},
+    **{f"gtr-{lobes}": "GTR lobes" for lobes in (1, 2, 3, 4, 6)},
+    **{f"network-{width}": "small network" for width in (4, 6)},
+    **{f"pca-{count}": "principal components" for count in (4, 8, 16)},
+}
+CURVE_OF = {**{model: curve for model, (_, curve) in MODELS.items()}, **SIZED}
 COLOURS = {"srbf": "#c0392b", "as measured": "#e59866", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "ABC": "#b7950b",
-           "SGD": "#784212", "NBRDF": "#7d3c98", "neural process": "#5d6d7e"}
+           "SGD": "#784212", "NBRDF": "#7d3c98", "neural process": "#5d6d7e", "GTR lobes": "#5dade2", "small network": "#8e44ad", "principal components": "#7f8c8d"}
 SEEDED = "as-measured-8"  # fits that docs/accuracy.md has the errors of six seeds of
 NEURAL = {"nbrdf", "nps"}  # of which there are rows for the measurements alone
 MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
@@ -64,7 +71,7 @@ def of_measured(rows):
 
 
 def without_neural(rows):
-    return [row for row in rows if row["model"] not in NEURAL]
+    return [row for row in rows if row["model"] in MODELS and row["model"] not in NEURAL or row["model"] in OPTIONS]
 
 
 def models_in(rows):
@@ -116,6 +123,15 @@ def measured_table(rows):
         lines.append([material] + sum(cells, []))
     heads = [[MODELS[model][0]] + (["the same, median of six seeds"] if model == SEEDED else []) for model in models]
     return table(["measurement"] + sum(heads, []), lines)
+
+
+def bytes_table(rows):
+    """ΔE_ITP of the measurements by bytes: a line a curve."""
+    lines = []
+    for curve in COLOURS:
+        points = [f"{text(x)}: {text(y)}{f' (+ {text(shared)} shared)' if shared else ''}" for x, y, shared in points_of(rows, curve)]
+        lines.append([curve, " · ".join(points)])
+    return table(["models", "bytes: mean ΔE_ITP"], lines)
 
 
 def measures_table(rows):
@@ -196,10 +212,17 @@ def mark(x, y, colour, hollow=False):
     return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" {fill}/>'
 
 
+def points_of(rows, curve):
+    """Of a curve's models, by bytes: mean payload, mean ΔE_ITP and the bytes that materials share."""
+    present = {row["model"] for row in rows}
+    of_models = [of_model(rows, model) for model, own in CURVE_OF.items() if own == curve and model in present]
+    return sorted((mean(of, "payload"), mean(of, "delta_e_itp"), of[0]["shared"]) for of in of_models)
+
+
 def panel(rows, title, x0, y0, width, height):
     """ΔE_ITP over bytes, both logarithmic; the dashed line is 1. What models share is not in the bytes: a hollow mark names it."""
-    x = lambda value: x0 + width * (math.log10(value) - 1) / 4.3
-    y = lambda value: y0 + height * (1 - (math.log10(value) + 0.4) / 2)
+    x = lambda value: x0 + width * (math.log10(value) - 0.8) / 4.5
+    y = lambda value: y0 + height * (1 - (math.log10(value) + 0.4) / 2.05)
     parts = [f'<text x="{x0}" y="{y0 - 8}" font-weight="bold">{title}</text>',
              f'<rect x="{x0}" y="{y0}" width="{width}" height="{height}" fill="none" stroke="#999"/>']
     for value in (10, 100, 1000, 10_000, 100_000):
@@ -211,36 +234,31 @@ def panel(rows, title, x0, y0, width, height):
         parts.append(f'<path d="M{x0} {y(value):.1f}h{width}" stroke="{"#555" if value == 1 else "#eee"}"{dashes}/>'
                      f'<text x="{x0 - 6}" y="{y(value) + 4:.1f}" text-anchor="end">{value}</text>')
     for curve, colour in COLOURS.items():
-        points = []
-        for model in models_in(rows):
-            if MODELS[model][1] == curve:
-                of = of_model(rows, model)
-                points.append((x(mean(of, "payload")), y(mean(of, "delta_e_itp")), of[0]["shared"]))
+        points = [(x(size), y(error), shared) for size, error, shared in points_of(rows, curve)]
         line = " ".join(f"{a:.1f},{b:.1f}" for a, b, _ in points)
         parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
         for a, b, shared in points:
             parts.append(mark(a, b, colour, bool(shared)))
-            if shared:
-                parts.append(f'<text x="{a + 9:.1f}" y="{b + 4:.1f}" font-size="11" fill="{colour}">+ {text(shared)} shared</text>')
+        if points and points[-1][2]:
+            a, b, shared = points[-1]
+            parts.append(f'<text x="{a + 9:.1f}" y="{b + 4:.1f}" font-size="11" fill="{colour}">+ {text(shared)} shared</text>')
     return "\n".join(parts)
 
 
 def plot(rows):
     rest = without_neural(rows)
     kinds = sorted({row["kind"] for row in rows})
-    panels = [("five measurements", of_measured(rows))] + [(kind, [row for row in rest if row["kind"] == kind]) for kind in kinds]
-    parts = []
-    for i, (title, of) in enumerate(panels):
-        count = len(of_model(of, "srbf"))
-        name = title if i == 0 else f"{title} ({count})"
-        parts.append(panel(of, name, 50 + 290 * (i % 4), 40 + 240 * (i // 4), 230, 170))
+    parts = [panel(of_measured(rows), "five measurements", 50, 40, 470, 430)]
+    for i, kind in enumerate(kinds):
+        of = [row for row in rest if row["kind"] == kind]
+        parts.append(panel(of, f"{kind} ({len(of_model(of, 'srbf'))})", 580 + 215 * (i % 3), 40 + 250 * (i // 3), 165, 180))
     for i, (curve, colour) in enumerate(COLOURS.items()):
-        top = 300 + 24 * i
-        parts.append(mark(935, top - 4, colour, curve == "neural process") + f'<text x="948" y="{top}">{curve}</text>')
-    parts.append('<text x="600" y="500" text-anchor="middle">bytes of a material, without what materials share</text>')
-    parts.append('<text transform="translate(14 240) rotate(-90)" text-anchor="middle">mean ΔE_ITP</text>')
-    return ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1200 515" font-family="DejaVu Sans, Verdana, sans-serif" font-size="13" fill="#222">'
-            '<rect width="1200" height="515" fill="#fff"/>\n' + "\n".join(parts) + "\n</svg>\n")
+        left, top = 60 + 200 * (i % 6), 530 + 24 * (i // 6)
+        parts.append(mark(left, top - 4, colour, curve in ("neural process", "principal components")) + f'<text x="{left + 13}" y="{top}">{curve}</text>')
+    parts.append('<text x="600" y="508" text-anchor="middle">bytes of a material, without what materials share</text>')
+    parts.append('<text transform="translate(14 255) rotate(-90)" text-anchor="middle">mean ΔE_ITP</text>')
+    return ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1240 570" font-family="DejaVu Sans, Verdana, sans-serif" font-size="13" fill="#222">'
+            '<rect width="1240" height="570" fill="#fff"/>\n' + "\n".join(parts) + "\n</svg>\n")
 
 
 def replaced(page, name, table_of):
@@ -255,7 +273,7 @@ def replaced(page, name, table_of):
 def pages(rows):
     """The pages with their tables, by path."""
     measured, rest = of_measured(rows), without_neural(rows)
-    tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
+    tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("bytes", bytes_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
                      ("measures", measures_table(measured)), ("worst", worst_table(rows))],
               ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))]}
     made = {}

@@ -1,0 +1,107 @@
+"""Two families of BRDFs of any size, which classic_brdfs.py fits.
+
+gtr-K      a diffuse term and K microfacet lobes of generalised Trowbridge-Reitz (Burley, Physically-Based Shading at Disney,
+           2012): 3 + 8 K numbers
+network-N  a network of layers 4, N, N, 3: N² + 9 N + 3 numbers
+"""
+import numpy as np
+
+TINY = 1e-6  # relative step of differences
+
+
+class Lobes:
+    """f = kd / π + Σ_k (A_k + B_k (1 - cosθd)⁵) G D / (cosθl cosθv), with kd, A_k and B_k for each channel.
+
+    D = (α² / (α² cos²θh + sin²θh))^γ, and G = G1(θl) G1(θv) with Smith's G1 = 2 cosθ / (cosθ + √(α² + (1 - α²) cos²θ)).
+    """
+    joint = True
+
+    def __init__(self, parameter, count):
+        self.count = count
+        self.parameters = [parameter("kd", 0, 4, False)] * 3 + count * (
+            [parameter("A", 1e-6, 6e4, True)] * 3 + [parameter("B", 1e-6, 6e4, True)] * 3
+            + [parameter("alpha", 2e-3, 1.5, True), parameter("gamma", 0.3, 12, True)])
+
+    @staticmethod
+    def shape(alpha, gamma, angle):
+        a2 = alpha * alpha
+        masking = 1.0
+        for cosine in (angle.cos_l, angle.cos_v):
+            masking = masking * 2 / (cosine + np.sqrt(a2 + (1 - a2) * cosine ** 2))
+        return masking * (a2 / (1 + (a2 - 1) * angle.cos_h ** 2)) ** gamma
+
+    def value(self, x, angle, derivatives=False):
+        """f [n, 3], and if `derivatives` its derivatives by the coordinates of the fit, [3 + 8 K, n, 3]."""
+        f = np.tile(x[:3] / np.pi, (len(angle.cos_l), 1))
+        by = np.zeros((len(x),) + f.shape) if derivatives else None
+        fresnel = ((1 - angle.cos_d) ** 5)[:, None]
+        for k in range(self.count):
+            first = 3 + 8 * k
+            a, b, (alpha, gamma) = np.split(x[first:first + 8], [3, 6])
+            shape, colour = self.shape(alpha, gamma, angle)[:, None], a + b * fresnel
+            f += shape * colour
+            if not derivatives:
+                continue
+            for c in range(3):
+                by[first + c, :, c], by[first + 3 + c, :, c] = shape[:, 0] * a[c], shape[:, 0] * (b * fresnel)[:, c]
+            for i, moved in enumerate(((alpha * (1 + TINY), gamma), (alpha, gamma * (1 + TINY)))):
+                by[first + 6 + i] = (self.shape(*moved, angle)[:, None] - shape) / TINY * colour
+        if not derivatives:
+            return f
+        by[:3] = np.eye(3)[:, None] / np.pi
+        return f, by
+
+    def starts(self, f, angle):
+        """Lobes from wide to narrow, of which each has an equal share of the values near the mirror direction."""
+        diffuse = np.clip(np.pi * np.quantile(f[angle.cos_h < 0.8], 0.3, axis=0), 0, 4)
+        for widest in (0.7, 0.35):
+            for narrowest in (0.2, 0.06, 0.02, 0.006):
+                for gamma in (1.2, 2.5):
+                    alphas = np.geomspace(widest, narrowest, self.count) if self.count > 1 else [np.sqrt(widest * narrowest)]
+                    x = [diffuse]
+                    for alpha in alphas:
+                        shape = self.shape(alpha, gamma, angle)[:, None]
+                        scale = (np.cbrt(np.maximum(f - diffuse / np.pi, 0)).sum(axis=0) / np.cbrt(shape).sum()) ** 3 / self.count
+                        x += [np.clip(scale, 1e-5, 5e4), np.clip(scale, 1e-5, 5e4), [alpha, gamma]]
+                    yield np.concatenate(x)
+
+
+class Network:
+    """f = exp(W3 t(W2 t(W1 i + b1) + b2) + b3) with t = tanh, of the symmetric inputs i below."""
+    joint = True
+
+    def __init__(self, parameter, width):
+        self.layers = [(4, width), (width, width), (width, 3)]
+        count = sum((inputs + 1) * outputs for inputs, outputs in self.layers)
+        self.parameters = [parameter("weight", -60, 60, False)] * count
+
+    @staticmethod
+    def inputs(angle):
+        return np.stack([np.log(1 - angle.cos_h + 1e-4) / 4 + 1, 2 * angle.cos_d - 1, angle.cos_l + angle.cos_v - 1,
+                         2 * np.sqrt(angle.cos_l * angle.cos_v) - 1], axis=1)
+
+    def value(self, x, angle, derivatives=False):
+        """f [n, 3], and if `derivatives` its derivatives by the numbers of the network, [numbers, n, 3]."""
+        matrices, activations, first = [], [self.inputs(angle)], 0
+        for inputs, outputs in self.layers:
+            matrices.append(x[first:first + (inputs + 1) * outputs].reshape(inputs + 1, outputs))
+            first += (inputs + 1) * outputs
+            y = activations[-1] @ matrices[-1][:-1] + matrices[-1][-1]
+            activations.append(np.tanh(y) if len(matrices) < len(self.layers) else np.exp(np.clip(y, -30, 12)))
+        f = activations[-1]
+        if not derivatives:
+            return f
+        by, slopes = [], f[:, None, :] * np.eye(3)  # of f by the sums of the layer, [n, outputs, 3]
+        for matrix, before in zip(matrices[::-1], activations[-2::-1]):
+            ones = np.concatenate([before, np.ones((len(before), 1))], axis=1)
+            by.append((ones[:, :, None, None] * slopes[:, None]).reshape(len(f), -1, 3))
+            slopes = (1 - before ** 2)[:, :, None] * (matrix[:-1] @ slopes)
+        return f, np.concatenate(by[::-1], axis=1).transpose(1, 0, 2)
+
+    def starts(self, f, angle):
+        random = np.random.default_rng(1)
+        for _ in range(16):
+            x = [np.concatenate([random.standard_normal((inputs, outputs)) * np.sqrt(2 / inputs),
+                                 np.zeros((1, outputs))]).ravel() for inputs, outputs in self.layers]
+            x[-1][-3:] = np.log(np.maximum(np.median(f, axis=0), 1e-3))
+            yield np.concatenate(x)

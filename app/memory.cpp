@@ -1,16 +1,12 @@
 #include "app/memory.h"
 
-#ifdef _WIN32
-#ifndef NOMINMAX
-#define NOMINMAX
-#endif
-#include <windows.h>
-#else
-#include <sys/resource.h>
-#include <unistd.h>
-#endif
-
 #include <algorithm>
+
+#include "base/system_files.h"
+
+#ifndef _WIN32
+#include <sys/resource.h>
+#endif
 
 namespace srbf {
 namespace {

@@ -12,7 +12,7 @@ namespace {
 
 /// Over 64 blends of five measurements and 64 GGX materials, more candidates or steps lower no mean error by a tenth.
 constexpr std::size_t k_candidates = 4;
-constexpr int k_candidate_steps = 4, k_last_steps = 8;
+constexpr int k_candidate_steps = 4, k_steps_of_best = 8;
 
 /// Lobes with the loss of their best coefficients.
 struct Trial {
@@ -72,7 +72,7 @@ ExampleLobes::Fit ExampleLobes::fit(const Observations& samples) const {
     const double largest = largest_measured(samples);
     for (double& bright : limit) bright = k_most_excess * std::max(bright, largest);
     for (const Trial& trial : trials) {
-        const Trial last = after_steps(trial.lobes, k_last_steps);
+        const Trial last = after_steps(trial.lobes, k_steps_of_best);
         if (!(last.loss < loss_of_example)) continue;
         PmModel model = rounded(last);
         const std::vector<double> bright = brightness(model, grid_wl_, grid_wv_);

@@ -15,7 +15,7 @@ constexpr std::size_t k_candidates = 4;
 constexpr int k_candidate_steps = 4, k_steps_of_best = 8;
 
 /// Lobes with the loss of their best coefficients.
-struct Trial {
+struct Attempt {
     double loss;
     Lobes lobes;
     Stop stop = Stop::iterations;
@@ -47,32 +47,32 @@ ExampleLobes::Fit ExampleLobes::fit(const Observations& samples) const {
     const auto after_steps = [&](const Lobes& from, int steps) {
         LobeProblem problem(rows, shape, false, log_peak_limit_of(options_));
         Eigen::VectorXd x = pack(from);
-        if (steps == 0) return Trial{problem.loss(x), from};
+        if (steps == 0) return Attempt{problem.loss(x), from};
         const auto reached = levenberg_marquardt(problem, x, {.max_iterations = steps});
-        return Trial{reached.loss, unpack(x, shape), reached.stop};
+        return Attempt{reached.loss, unpack(x, shape), reached.stop};
     };
-    const auto rounded = [&](const Trial& trial) {
+    const auto rounded = [&](const Attempt& attempt) {
         LobeProblem problem(rows, shape, false, log_peak_limit_of(options_));
-        problem.loss(pack(trial.lobes));
-        const Lobes lobes = round_lobes(problem, trial.lobes, trial.loss);
+        problem.loss(pack(attempt.lobes));
+        const Lobes lobes = round_lobes(problem, attempt.lobes, attempt.loss);
         problem.loss(pack(lobes));
         return to_halves(to_model(problem, lobes, options_.log_scale), lobes);
     };
-    std::vector<Trial> trials;
-    for (const Lobes& start : starts_) trials.push_back(after_steps(start, 0));
-    std::ranges::stable_sort(trials, {}, &Trial::loss);
-    const double loss_of_example = trials.front().loss;
-    const Fit example{rounded(trials.front()), StopReason::iterations};
+    std::vector<Attempt> attempts;
+    for (const Lobes& start : starts_) attempts.push_back(after_steps(start, 0));
+    std::ranges::stable_sort(attempts, {}, &Attempt::loss);
+    const double loss_of_example = attempts.front().loss;
+    const Fit example{rounded(attempts.front()), StopReason::iterations};
     if (3 * samples.f.size() < parameter_count(options_)) return example;
 
-    trials.resize(std::min(trials.size(), k_candidates));
-    for (Trial& trial : trials) trial = after_steps(trial.lobes, k_candidate_steps);
-    std::ranges::stable_sort(trials, {}, &Trial::loss);
+    attempts.resize(std::min(attempts.size(), k_candidates));
+    for (Attempt& attempt : attempts) attempt = after_steps(attempt.lobes, k_candidate_steps);
+    std::ranges::stable_sort(attempts, {}, &Attempt::loss);
     std::vector<double> limit = brightness(example.model, grid_wl_, grid_wv_);
     const double largest = largest_measured(samples);
     for (double& bright : limit) bright = k_most_excess * std::max(bright, largest);
-    for (const Trial& trial : trials) {
-        const Trial last = after_steps(trial.lobes, k_steps_of_best);
+    for (const Attempt& attempt : attempts) {
+        const Attempt last = after_steps(attempt.lobes, k_steps_of_best);
         if (!(last.loss < loss_of_example)) continue;
         PmModel model = rounded(last);
         const std::vector<double> bright = brightness(model, grid_wl_, grid_wv_);

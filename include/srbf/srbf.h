@@ -41,7 +41,8 @@ struct FittedBrdf {
     std::size_t bytes;  ///< of the numbers of the model
     double delta_e;     ///< mean ΔE_ITP of pictures of a sphere against the measurement; 1 is just noticeable
 };
-/// Fits the model that `srbf fit` fits without options, in about a second on two cores. Errors: `measured` is a model, or
+/// Fits the model that `srbf fit` fits without options, in three to six seconds on two cores, a third of them for its
+/// error. Errors: `measured` is a model, or
 /// a two-sided measurement; there is nothing to fit.
 Result<FittedBrdf> fit(const LoadedBrdf& measured);
 
@@ -110,9 +111,9 @@ struct ValuePdf {
 };
 ValuePdf value_pdf(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv);
 
-/// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths. Of a view-by-view model whose
-/// sampled direction is the view it is interpolated, as the model is, from the integrals of the lobes: within 1 % or
-/// 0.002. Of any other BRDF it comes from 129 nodes: up to 85° within 1 % or 0.002 for fits of measured materials and
+/// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths. For a view-by-view model with
+/// sampled views it is interpolated, as the model is, from the integrals of the lobes: within 1 % or 0.002. For any
+/// other BRDF it comes from 129 nodes: up to 85° within 1 % or 0.002 for fits of measured materials and
 /// tables, with larger errors beyond, for narrow highlights and for scattered samples (docs/sampling.md). A cosine of
 /// 0, below it or NaN gives 0; above 1 counts as 1. The first call makes the nodes in about 0.3 s; others wait.
 Rgb albedo(const PreparedBrdf& brdf, float cos_v);

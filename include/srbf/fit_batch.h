@@ -25,7 +25,7 @@ struct BatchOptions {
     /// Starts and perturbations of each texel's search, which is shorter than that of a single fit.
     int starts = 3, perturbations = 4;
     /// Models of the same form and size. If there are some, fits start from the lobes of those that match a texel best, and
-    /// follow its samples alone in a few steps, a hundredth of the work of a search.
+    /// follow its samples alone in a few steps, a fortieth of the time of a search.
     std::vector<PmModel> examples = {};
 };
 

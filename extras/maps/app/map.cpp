@@ -58,7 +58,7 @@ void add_own_lobes(const Subcommand& sub, MapCommand& command, MapOptions& optio
         sub.add_option(
                "--examples", command.examples,
                "Search for the lobes of N texels alone, which span the map. Those of all others start from the\n"
-               "lobes of the most similar ones, and take a hundredth of the time")
+               "lobes of the most similar ones, and take a fortieth of the time")
             .type_name("N")
             .check(within(std::size_t(1), k_most_examples));
     const auto set_range = [&command](const std::string& text) {

@@ -36,7 +36,7 @@ std::string description_of(const Subject& subject) {
         return std::get<ScatteredSamples>(measured->table).description;
     if (measured && std::holds_alternative<BsdfTable>(measured->table))
         if (const auto& name = std::get<BsdfTable>(measured->table).description; !name.empty()) return name;
-    return system_files::text_of(system_files::path_of(subject.path).stem());
+    return system_files::stem(subject.path);
 }
 
 /// The table without its noise, as fits see it, in the layout of MBSDF, which holds values below 0.

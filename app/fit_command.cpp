@@ -99,9 +99,7 @@ void add_fit(CommandLine& app, int& status) {
                 status = fit_files({command->inputs, command->fit.output, command->fit, settings, command->resume});
             } else {
                 command->fit.input = command->inputs[0];
-                if (command->fit.output.empty())
-                    command->fit.output =
-                        system_files::text_of(system_files::path_of(command->fit.input).stem()) + ".srbf";
+                if (command->fit.output.empty()) command->fit.output = system_files::stem(command->fit.input) + ".srbf";
                 status = fit_file(command->fit);
             }
         },

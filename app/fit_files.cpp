@@ -146,7 +146,7 @@ int fit_files(const FolderFit& folder) {
     std::map<std::string, std::string> input_of;
     for (const std::string& input : folder.inputs) {
         FileOfMany material;
-        material.name = system_files::text_of(system_files::path_of(input).stem());
+        material.name = system_files::stem(input);
         material.fit = folder.each;
         material.fit.input = input;
         material.fit.output = in_folder(folder.folder, material.name + ".srbf");

@@ -70,8 +70,8 @@ def of_measured(rows):
     return [row for row in rows if row["material"] in MEASURED]
 
 
-def without_neural(rows):
-    return [row for row in rows if row["model"] in MODELS and row["model"] not in NEURAL or row["model"] in OPTIONS]
+def without_measured_alone(rows):
+    return [row for row in rows if row["model"] not in NEURAL and row["model"] not in SIZED]
 
 
 def models_in(rows):
@@ -246,7 +246,7 @@ def panel(rows, title, x0, y0, width, height):
 
 
 def plot(rows):
-    rest = without_neural(rows)
+    rest = without_measured_alone(rows)
     kinds = sorted({row["kind"] for row in rows})
     parts = [panel(of_measured(rows), "five measurements", 50, 40, 470, 430)]
     for i, kind in enumerate(kinds):
@@ -272,7 +272,7 @@ def replaced(page, name, table_of):
 
 def pages(rows):
     """The pages with their tables, by path."""
-    measured, rest = of_measured(rows), without_neural(rows)
+    measured, rest = of_measured(rows), without_measured_alone(rows)
     tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("bytes", bytes_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
                      ("measures", measures_table(measured)), ("worst", worst_table(rows))],
               ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))]}

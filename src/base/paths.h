@@ -16,4 +16,7 @@ inline std::filesystem::path path_of(const std::string& path) { return path; }
 inline std::string text_of(const std::filesystem::path& path) { return path.string(); }
 #endif
 
+/// A file's name without its folder and its last ending.
+inline std::string stem(const std::string& path) { return text_of(path_of(path).stem()); }
+
 }  // namespace srbf::system_files

@@ -133,8 +133,7 @@ TexelFit fit_from_examples(const Batch& batch, const ScatteredSamples& samples) 
     observed.typical = typical_value(objective, observed.wl, observed.wv, observed.f, observed.weight);
     if (!(observed.typical > 0))
         return without(batch, TexelState::failed, no_data_error("samples", "values", "some above 0"));
-    weigh(objective, observed.typical, observed.wl, observed.wv, observed.f, observed.weight, 1);
-    observed.normalise();
+    weigh_all(observed, 1);
     auto [model, stop] = batch.examples.fit(observed);
     return fitted_texel(batch, samples, observed, std::move(model), stop);
 }

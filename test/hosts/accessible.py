@@ -10,6 +10,21 @@ sys.path.insert(0, str(root / "test"))
 from chromium import WEBGL, Chromium  # noqa: E402
 
 SIZES = [(360, 740), (768, 1024), (1440, 900)]
+LEAST_CONTRAST = 4.5
+# Of texts in charts, whose background axe does not determine: their colour against the page's.
+CHARTS = """(() => {
+    const channels = (colour) => colour.match(/[\\d.]+/g).map(Number);
+    const luminance = (rgb) => rgb.slice(0, 3).map((c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
+        .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+    const behind = (element) => {
+        const colour = element ? channels(getComputedStyle(element).backgroundColor) : [255, 255, 255];
+        return colour[3] === 0 ? behind(element.parentElement) : colour;
+    };
+    return [...document.querySelectorAll("svg text")].map((text) => {
+        const [low, high] = [channels(getComputedStyle(text).fill), behind(text)].map(luminance).sort((a, b) => a - b);
+        return [(high + 0.05) / (low + 0.05), text.textContent.slice(0, 40)];
+    }).sort(([a], [b]) => a - b);
+})()"""
 RULES = "{ runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'] }"
 
 
@@ -44,7 +59,10 @@ def main(srbf):
                 print(f"{path.name} at {width} pixels: {passes} rules hold, {len(found)} are violated; not judged: {judged_by_eye}")
                 for rule, impact, elements in found:
                     print("  FAILED:", rule, impact, *elements[:4], sep="\n    ")
-                wrong += len(found)
+                charts = chromium.run(CHARTS)
+                if charts:
+                    print(f"  {len(charts)} texts of charts, contrast at least {charts[0][0]:.1f}: {charts[0][1]}")
+                wrong += len(found) + sum(contrast < LEAST_CONTRAST for contrast, _ in charts)
         chromium.close()
     return wrong > 0
 

@@ -167,8 +167,7 @@ def options_table(rows):
 
 
 SIZES = {"ggx-2": "Lambert and two GGX lobes", "openpbr": "parameters of OpenPBR", "srbf-4": "4 lobes", "srbf": "**9 lobes**", "srbf-16": "16 lobes",
-         "as-measured-4": "4 lobes, as measured", "as-measured-8": "8 lobes, as measured", "as-measured-12": "12 lobes, as measured",
-         "as-measured-16": "16 lobes, as measured"}
+         "as-measured-8": "8 lobes, as measured", "as-measured-16": "16 lobes, as measured"}
 
 
 def sizes_table(rows):

@@ -117,6 +117,7 @@ def name_of(key):
 
 
 def errors_table(errors):
+    """Of the libraries with 8 and 16 active lobes; the plot has all."""
     lines = []
     for key in [*OWN, *(key for key in errors.libraries if key[1] in (8, 16))]:
         payload, shared = errors.payload[key]

@@ -12,7 +12,7 @@ MATERIALS = ["cc_ibiza_sunset_rgb", "cg_sunflower_rgb", "colodur_napoli_4f_rgb",
 HOST_WITHIN = 0.3  # of what the surface loses against the measurement
 BRUSHED = Path(__file__).resolve().parent / "models/1/pbr_brushed.srbf"  # a surface with anisotropy: a host draws it as `srbf render` does
 BRUSHED_WITHIN = 10  # ΔE_ITP; turned by 18° more it is 37
-SIZE, SAMPLES = 64, 512
+SIZE, SAMPLES, COARSE = 64, 512, 4
 # The camera of `srbf render`: 15° above the horizon, 30° wide, the sphere within a margin of 4 %.
 ELEVATION, FIELD, MARGIN = math.radians(15), math.radians(30), 0.04
 DISTANCE = math.hypot(1, 1 / (math.tan(FIELD / 2) * (1 - MARGIN)))
@@ -98,6 +98,11 @@ def on_sphere():
     """The pixels that lie on the sphere whole."""
     at = (np.arange(SIZE) + 0.5) / SIZE * 2 - 1
     return math.tan(FIELD / 2) * np.hypot(*np.meshgrid(at, at)) < 0.97 / math.sqrt(DISTANCE**2 - 1)
+
+
+def coarse(picture):
+    """Means of COARSE x COARSE pixels."""
+    return picture.reshape(SIZE // COARSE, COARSE, SIZE // COARSE, COARSE, -1).mean(axis=(1, 3))
 
 
 def lost(reference, surface, host):

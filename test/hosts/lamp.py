@@ -22,6 +22,7 @@ from chromium import WEBGL, program as chromium  # noqa: E402
 from served import WEBGPU, opened, picture as picture_of  # noqa: E402
 
 program, examples = os.path.abspath(sys.argv[1]), here.parents[2] / "examples/hosts"
+FILAMENT = "/usr/include/filament-1.9"  # where Debian has its headers
 MATERIALS = {"film": "cc_ibiza_sunset_rgb", "paper": "paper_white_rgb"}
 
 
@@ -105,6 +106,20 @@ def by_godot(example, code, picture):
     np.save(picture, np.fromfile(folder / "picture", np.float32).reshape(lamp.SIZE, lamp.SIZE, 4)[..., :3])
 
 
+def by_filament(example, code, picture):
+    """Compiles the material and the program of an example, and draws in a display of its own."""
+    folder = Path(picture).parent
+    (folder / "measured.mat").write_text((example / "measured.mat").read_text(encoding="utf-8").replace("CODE", code.read_text(encoding="utf-8")))
+    libraries = [f"-lfilament{part}" for part in ("", "_geometry", "_utils", "_backend")]
+    for command in (["matc", "--api", "opengl", "--platform", "desktop", "-o", "measured.filamat", "measured.mat"],
+                    ["g++", "-std=c++17", "-O1", f"-I{FILAMENT}", example / "sphere.cpp", "-o", "sphere", *libraries],
+                    ["xvfb-run", "-a", "-s", "-screen 0 640x480x24", "./sphere", "measured.filamat", "picture"]):
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600)
+        if done.returncode:
+            raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
+    np.save(picture, np.fromfile(folder / "picture", np.float32).reshape(lamp.SIZE, lamp.SIZE, 4)[..., :3])
+
+
 def three(files):
     """Files of three.js by name, from a folder in peers/ beside the measurements that has all; None without one."""
     for folder in Path(sys.argv[2]).parent.glob("peers/*"):
@@ -135,6 +150,9 @@ def hosts():
     yield ("babylon", bundle and chromium() and re.search(r'"(7\.\d+\.\d+)"', bundle)[1], ("--to", "glsl"), ".glsl", by_page(WEBGL, {"babylon.js": bundle}))
     godot = shutil.which("godot3") and shutil.which("xvfb-run") and subprocess.run(["godot3", "--version"], capture_output=True, text=True).stdout.strip()
     yield "godot3", godot, ("--to", "glsl"), ".glsl", by_godot
+    filament = Path(FILAMENT).exists() and all(map(shutil.which, ("matc", "xvfb-run"))) and subprocess.run(
+        ["dpkg-query", "-W", "-f", "${Version}", "libfilament-dev"], capture_output=True, text=True).stdout
+    yield "filament", filament, ("--to", "glsl"), ".glsl", by_filament
     yield "panda3d", of("panda3d"), ("--to", "glsl"), ".glsl", by_script
     yield "materialx", of("materialx", "MaterialX", "moderngl"), ("--to", "glsl"), ".glsl", by_script
     yield "pygfx", of("pygfx"), ("--to", "wgsl"), ".wgsl", by_script

@@ -24,7 +24,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
 from seen import delta_e, displayed, exposure, hdr_of  # noqa: E402
-from surface_host import DISTANCE, ELEVATION, FIELD, SIZE, on_sphere, pixels_of, run  # noqa: E402
+from surface_host import DISTANCE, ELEVATION, FIELD, SIZE, coarse, on_sphere, pixels_of, run  # noqa: E402
 
 data = Path(sys.argv[2])
 three = data.parent / "peers/three"
@@ -33,7 +33,7 @@ if not three.exists() or chromium() is None or importlib.util.find_spec("OpenEXR
     sys.exit(0)
 
 ENVIRONMENTS, FITS = ["studio", "lobby", "sunset"], ["cc_ibiza_sunset_rgb", "paper_white_rgb", "vch_golden_yellow_rgb"]
-COARSE, PATHS = 4, 128  # pixels along one that is compared, of 2048 paths together
+PATHS = 128  # a pixel, of which 16 are compared as one
 FRAME, FRAMES, ROUNDS = 512, 10, 7
 # Of MeshStandardMaterial: colour, roughness, metalness.
 OWN = {
@@ -104,11 +104,6 @@ def write_ggx(path, colour, roughness, metalness):
     text = json.dumps(header).encode()
     text += b" " * (-len(text) % 8)
     Path(path).write_bytes(struct.pack("<Q", len(text)) + text + data)
-
-
-def coarse(picture):
-    """Means of COARSE x COARSE pixels."""
-    return picture.reshape(SIZE // COARSE, COARSE, SIZE // COARSE, COARSE, -1).mean(axis=(1, 3))
 
 
 def psnr(picture, reference):

@@ -2,9 +2,10 @@
 """The two materials of three.js: WebGLRenderer's (release 187) and WebGPURenderer's (185), whose files are in peers/ beside the measurements, in
 Chromium; numpy and openexr of PyPI. Without one of them nothing is tried.
 
-Under four lamps, a rectangular and an ambient light both draw the same picture of the film and the paper, and under data/studio.hdr each is
-compared with a path-traced one. A second material on the page is another one, and one that is saved and loaded the same. The time of frames of
-256 x 256 pixels is printed: that of processors, which other programs hardly change. Arguments: the program, a folder with peers/ beside it.
+Under four lamps and an ambient light both draw the same picture of the film and the paper, under a rectangular one nearly the same, and under
+three environments each is compared with path-traced ones, in means of 4 x 4 pixels. The WebGPURenderer's draws nearly the same of a cube texture of the studio, and of the map
+that three makes of it. A second material on the page is another one, and one that is saved and loaded the same. The time of frames of 256 x 256
+pixels is printed: that of processors, which other programs hardly change. Arguments: the program, a folder with peers/ beside it.
 """
 import base64
 import importlib.util
@@ -22,36 +23,45 @@ sys.path.insert(0, str(here.parent.parent))
 from chromium import program as chromium  # noqa: E402
 from seen import delta_e, hdr_of  # noqa: E402
 from served import WEBGPU, opened, picture  # noqa: E402
-from surface_host import DISTANCE, ELEVATION, FIELD, SIZE, drawn, on_sphere, run, studio as environment  # noqa: E402
+from surface_host import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere, run  # noqa: E402
 
 SWIFTSHADER = ["--use-gl=angle", "--use-angle=swiftshader", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"]
 RENDERERS = {"WebGLRenderer": ("three", SWIFTSHADER, ("module", "core"), {"three": "./three.module.js"}),
              "WebGPURenderer": ("three-webgpu", WEBGPU, ("webgpu", "core", "tsl"), {"three/webgpu": "./three.webgpu.js", "three/tsl": "./three.tsl.js"})}
-ALIKE, UNDER_STUDIO = 0.01, {"WebGLRenderer": 10, "WebGPURenderer": 30}  # ΔE_ITP
-LIGHTS = ["lamps", "rectangle", "ambient"]
+ENVIRONMENTS = {"studio": 8, "lobby": 3, "sunset": 3}  # and the ΔE_ITP against path tracing
+LIGHTS = {"lamps": 0.01, "rectangle": 2, "ambient": 0.01}  # and the ΔE_ITP between the renderers; their lobes differ
+OTHERS = {"cube": 1, "map": 30}  # textures that hold the studio, and how far pictures may be from those by the equirectangular one
 PAGE = """<!doctype html><script type="importmap">{ "imports": IMPORTS }</script><script type="module">
 import * as THREE from 'LIBRARY';
 import { MaterialMaterial, OtherMaterial } from './material.js';
 const gpu = 'LIBRARY' !== 'three', renderer = gpu ? new THREE.WebGPURenderer() : new THREE.WebGLRenderer();
-const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(FIELD, 1, 0.1, 100), texels = await (await fetch('studio.json')).json();
+const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(FIELD, 1, 0.1, 100), environments = {};
 camera.position.set(...EYE), camera.lookAt(0, 0, 0);
 const standard = gpu ? THREE.MeshStandardNodeMaterial : THREE.MeshStandardMaterial, materials = { ours: new MaterialMaterial(), other: new OtherMaterial(), standard: new standard() };
 const ball = new THREE.Mesh(new THREE.SphereGeometry(1, 192, 96));
-const studio = new THREE.DataTexture(new Float32Array(Uint8Array.from(atob(texels.rows), (c) => c.charCodeAt(0)).buffer), texels.width, texels.height,
-    THREE.RGBAFormat, THREE.FloatType, THREE.EquirectangularReflectionMapping);
-studio.minFilter = studio.magFilter = THREE.LinearFilter, studio.needsUpdate = true;
+for (const name of ENVIRONMENTS) {
+    const { rows, width, height } = await (await fetch(`${name}.json`)).json();
+    const texels = new Float32Array(Uint8Array.from(atob(rows), (c) => c.charCodeAt(0)).buffer);
+    environments[name] = new THREE.DataTexture(texels, width, height, THREE.RGBAFormat, THREE.FloatType, THREE.EquirectangularReflectionMapping);
+    environments[name].minFilter = environments[name].magFilter = THREE.LinearFilter, environments[name].needsUpdate = true;
+}
 if (gpu) {  // The tables are three's own for its materials, and not read here.
     const none = new THREE.DataTexture(new Float32Array(4), 1, 1, THREE.RGBAFormat, THREE.FloatType);
     THREE.RectAreaLightNode.setLTC({ LTC_FLOAT_1: none, LTC_FLOAT_2: none, LTC_HALF_1: none, LTC_HALF_2: none });
     await renderer.init();
 }
-const lights = { ambient: [new THREE.AmbientLight('white', 1)], rectangle: [new THREE.RectAreaLight('white', 5, 1, 1)], studio: [],
+const { studio } = environments;
+if (gpu) {
+    environments.cube = new THREE.CubeRenderTarget(512, { type: THREE.HalfFloatType }).fromEquirectangularTexture(renderer, studio).texture;
+    environments.map = new THREE.PMREMGenerator(renderer).fromEquirectangular(studio).texture;
+}
+const lights = { ambient: [new THREE.AmbientLight('white', 1)], rectangle: [new THREE.RectAreaLight('white', 5, 1, 1)], 
     lamps: [[-2, 2, 3], [2, 2, 3], [0, -1, 2], [1, 3, -1]].map((at) => { const lamp = new THREE.DirectionalLight('white', 2); lamp.position.set(...at); return lamp; }) };
 lights.rectangle[0].position.set(-1, 2, 3), lights.rectangle[0].lookAt(0, 0, 0);
 const target = new (gpu ? THREE.RenderTarget : THREE.WebGLRenderTarget)(SIZE, SIZE, { type: THREE.FloatType });
 window.drawn = async (material, light) => {
-    scene.clear(), scene.add(ball, ...lights[light]), ball.material = materials[material];
-    scene.environment = light === 'studio' ? studio : null, scene.environmentRotation.y = Math.PI / 2;  // its middle lies behind the sphere
+    scene.clear(), scene.add(ball, ...lights[light] ?? []), ball.material = materials[material];
+    scene.environment = environments[light] ?? null, scene.environmentRotation.y = Math.PI / 2;  // its middle lies behind the sphere
     renderer.setRenderTarget(target);
     renderer.render(scene, camera);
     let pixels = new Float32Array(4 * SIZE * SIZE);
@@ -76,13 +86,22 @@ found = {name: next((folder for folder in Path(sys.argv[2]).parent.glob("peers/*
 if None in found.values() or chromium() is None or importlib.util.find_spec("OpenEXR") is None:
     print("skipped: no three.js of both releases, no Chromium or no OpenEXR")
     sys.exit(0)
-failures, inside, texels = [], on_sphere(), hdr_of(environment)
+failures, inside = [], on_sphere()
+whole = coarse(inside)[..., 0] == 1
+
+
+def words_of(process):
+    """Its command line, empty if it has ended meanwhile."""
+    try:
+        return (process / "cmdline").read_bytes()
+    except OSError:
+        return b""
 
 
 def spent(browser):
     """Milliseconds of processors that the browser's program of graphics has taken."""
-    commands = {path.parent: path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline") if path.exists()}
-    graphics, = (of for of, words in commands.items() if b"--type=gpu-process" in words and browser.profile.name.encode() in words)
+    graphics, = (process for process in Path("/proc").glob("[0-9]*") if b"--type=gpu-process" in (words := words_of(process))
+                 and browser.profile.name.encode() in words)
     return sum(int(path.read_text().split()[0]) for path in graphics.glob("task/*/schedstat")) / 1e6
 
 
@@ -102,23 +121,30 @@ def expect(holds, words):
         failures.append(words)
 
 
-height, width = texels.shape[:2]
-rows = np.concatenate([texels[::-1], np.ones((height, width, 1))], axis=-1).astype(np.float32)  # the lowest row first
-studio = json.dumps({"rows": base64.b64encode(rows.tobytes()).decode(), "width": width, "height": height})
+def texels_of(path):
+    """An environment for the page."""
+    texels = hdr_of(path)
+    height, width = texels.shape[:2]
+    rows = np.concatenate([texels[::-1], np.ones((height, width, 1))], axis=-1).astype(np.float32)  # the lowest row first
+    return json.dumps({"rows": base64.b64encode(rows.tobytes()).decode(), "width": width, "height": height})
+
+
+environments = {name: Path(sys.argv[2], "hdr", name + ".hdr") for name in ENVIRONMENTS}
 with tempfile.TemporaryDirectory() as name:
     for material in ("cc_ibiza_sunset_rgb", "paper_white_rgb"):
         model, other, pictures = Path(name, "material.srbf"), Path(name, "other.srbf"), {}
         run("fit", here.parents[2] / f"data/{material}.bsdf", "-o", model)
         run("edit", model, "--hue", 120, "-o", other)
-        traced = drawn(model, f"{name}/traced.exr")[inside]
+        traced = {of: coarse(drawn(model, f"{name}/traced.exr", path))[whole] for of, path in environments.items()}
         for renderer, (kind, flags, files, imports) in RENDERERS.items():
             site = Path(name, material, renderer)
             site.mkdir(parents=True)
             for file in files:
                 shutil.copy(found[renderer] / f"three.{file}.js", site)
             run("export", model, other, "--to", kind, "-o", site / "material.js")
-            (site / "studio.json").write_text(studio)
-            texts = {"IMPORTS": json.dumps(imports), "LIBRARY": next(iter(imports)), "FIELD": str(math.degrees(FIELD)), "SIZE": str(SIZE),
+            for of, path in environments.items():
+                (site / f"{of}.json").write_text(texels_of(path))
+            texts = {"ENVIRONMENTS": json.dumps(list(ENVIRONMENTS)), "IMPORTS": json.dumps(imports), "LIBRARY": next(iter(imports)), "FIELD": str(math.degrees(FIELD)), "SIZE": str(SIZE),
                      "EYE": str([0, DISTANCE * math.sin(ELEVATION), DISTANCE * math.cos(ELEVATION)])}
             page = PAGE
             for word, text in texts.items():
@@ -126,20 +152,26 @@ with tempfile.TemporaryDirectory() as name:
             (site / "index.html").write_text(page)
             with opened(site, "index.html", flags) as browser:
                 browser.run("new Promise((done) => { const wait = () => window.isReady ? done() : setTimeout(wait, 50); wait(); })")
-                for light in [*LIGHTS, "studio"]:
-                    pictures[renderer, light] = picture(browser, f"drawn('ours', '{light}')", SIZE)[inside]
+                for light in [*LIGHTS, *ENVIRONMENTS]:
+                    pictures[renderer, light] = picture(browser, f"drawn('ours', '{light}')", SIZE)
+                    if light in ENVIRONMENTS and light != "studio":
+                        continue
                     own, ours = (milliseconds(browser, of, light) for of in ("standard", "ours"))
                     print(f"     {material}, {renderer}, {light}: {ours:.0f} ms, {ours / own:.1f} times as long as MeshStandardMaterial", flush=True)
+                for other, most in OTHERS.items() if kind == "three-webgpu" else []:
+                    apart = delta_e(picture(browser, f"drawn('ours', '{other}')", SIZE)[inside], pictures[renderer, "studio"][inside])
+                    expect(apart < most, f"{material}, {renderer}, studio: by a {other} {apart:.2f}")
                 browser.run("loaded()")
                 for of in ("other", "saved", "loaded"):
-                    pictures[renderer, of] = picture(browser, f"drawn('{of}', 'lamps')", SIZE)[inside]
-            apart = delta_e(pictures[renderer, "other"], pictures[renderer, "lamps"])
+                    pictures[renderer, of] = picture(browser, f"drawn('{of}', 'lamps')", SIZE)
+            apart = delta_e(pictures[renderer, "other"][inside], pictures[renderer, "lamps"][inside])
             expect(apart > 5, f"{material}, {renderer}: between two materials of a page {apart:.2f}")
-            apart = delta_e(pictures[renderer, "loaded"], pictures[renderer, "saved"])
+            apart = delta_e(pictures[renderer, "loaded"][inside], pictures[renderer, "saved"][inside])
             expect(apart == 0, f"{material}, {renderer}: between one that was saved and loaded {apart:.2f}")
-            apart = delta_e(pictures[renderer, "studio"], traced)
-            expect(apart <= UNDER_STUDIO[renderer], f"{material}, {renderer}, studio: against path tracing {apart:.2f}")
-        for light in LIGHTS:
-            apart = delta_e(pictures["WebGPURenderer", light], pictures["WebGLRenderer", light])
-            expect(apart <= ALIKE, f"{material}, {light}: between the renderers {apart:.4f}")
+            for of, most in ENVIRONMENTS.items():
+                apart = delta_e(coarse(pictures[renderer, of])[whole], traced[of])
+                expect(apart <= most, f"{material}, {renderer}, {of}: against path tracing {apart:.2f}")
+        for light, most in LIGHTS.items():
+            apart = delta_e(*(pictures[renderer, light][inside] for renderer in RENDERERS))
+            expect(apart <= most, f"{material}, {light}: between the renderers {apart:.4f}")
 sys.exit(bool(failures))

@@ -132,7 +132,6 @@ Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std:
                          {.area = true,
                           .views = true,
                           .lobes = k_three_lobes,
-                          .levels = MapLevels::three,
                           .fixed = true,
                           .unrolled = true});
     if (!code) return code.error();

@@ -1,7 +1,9 @@
 // For three.js and its WebGPURenderer; tried with release 185.
-import { EnvironmentNode, LightingModel, MeshStandardNodeMaterial } from 'three/webgpu';
-import { cameraViewMatrix, cross, diffuseColor, float, int, luminance, mat3, materialEnvIntensity, materialReference, mix, normalView, pmremTexture,
-         positionView, positionViewDirection, vec3, vec4, wgsl, wgslFn } from 'three/tsl';
+import { CubeUVReflectionMapping, EnvironmentNode, HalfFloatType, LightingModel, LinearMipmapLinearFilter, MeshStandardNodeMaterial,
+         NoBlending, NodeMaterial, QuadMesh, RendererUtils, RenderTarget, TextureNode } from 'three/webgpu';
+import { cameraViewMatrix, cross, cubeTexture, diffuseColor, equirectUV, int, luminance, mat3, materialEnvIntensity, materialEnvRotation,
+         materialReference, mix, normalView, pmremTexture, positionView, positionViewDirection, sampler, screenCoordinate, texture, vec2,
+         vec3, vec4, wgsl, wgslFn } from 'three/tsl';
 
 const functions = wgsl(/* wgsl */ `
 FUNCTIONS`);
@@ -26,10 +28,132 @@ function nodesOf(name) {
     };
 }
 
-// The roughness at which release 185 looks up a map that is as blurred as the kernel of a lobe of roughness r. That release
-// filters by a chain of GGX convolutions, whose product is another kernel. This is fitted to the Legendre spectra of chains
-// of 9 to 11 levels, within 0.03.
-const lookedUp = (r) => r.mul(float(1.4).sub(r.mul(0.15)).sub(r.pow(3).mul(0.3)));
+// Octahedral maps of an environment, y upwards. An atlas holds six levels, each in a border of one texel: level k is filtered for the
+// roughness r = (k / 5)^2 as engines filter for GGX seen along the normal.
+const octahedral = wgsl(/* wgsl */ `
+const srbf_side = array<f32, 6>(1024.0, 512.0, 256.0, 64.0, 64.0, 32.0);
+const srbf_corner = array<vec2f, 6>(vec2f(1.0), vec2f(1027.0, 1.0), vec2f(1027.0, 515.0), vec2f(1027.0, 773.0), vec2f(1027.0, 839.0),
+                                    vec2f(1027.0, 905.0));
+const srbf_atlas = vec2f(1540.0, 1026.0);
+fn srbf_signs(p: vec2f) -> vec2f { return select(vec2f(-1.0), vec2f(1.0), p >= vec2f(0.0)); }
+fn srbf_place(w: vec3f) -> vec2f {
+    let p = w.xz / (abs(w.x) + abs(w.y) + abs(w.z));
+    return 0.5 + 0.5 * select((1.0 - abs(p.yx)) * srbf_signs(p), p, w.y >= 0.0);
+}
+// The point of the octahedron |x| + |y| + |z| = 1 for a place in the unit square or, for the border, just beyond it.
+fn srbf_point(place: vec2f) -> vec3f {
+    var p = 2.0 * place - 1.0;
+    if (abs(p.x) > 1.0) { p = vec2f(sign(p.x) * (2.0 - abs(p.x)), -p.y); }
+    if (abs(p.y) > 1.0) { p = vec2f(-p.x, sign(p.y) * (2.0 - abs(p.y))); }
+    let y = 1.0 - abs(p.x) - abs(p.y);
+    let q = p - srbf_signs(p) * max(-y, 0.0);
+    return vec3f(q.x, y, q.y);
+}
+`);
+const octahedralDirection = wgslFn('fn srbf_direction(place: vec2f) -> vec3f { return normalize(srbf_point(place)); }', [octahedral]);
+// A texel of the atlas from an octahedral map with mip levels. The lobes of levels 0 and 1 are narrower than a texel. That of level 2 is
+// sampled, and each sample looks up the level whose texels have the solid angle in which one sample is expected. Those of the others are
+// sums over 64 x 64 texels.
+const filtered = wgslFn(/* wgsl */ `fn srbf_filtered(map: texture_2d<f32>, linear: sampler, pixel: vec2f) -> vec4f {
+    var level = select(1, 0, pixel.x < 1026.0);
+    while (level > 0 && level < 5 && pixel.y >= srbf_corner[level].y + srbf_side[level] + 1.0) { level++; }
+    let n = normalize(srbf_point((pixel - srbf_corner[level]) / srbf_side[level]));
+    if (level < 2) { return textureSampleLevel(map, linear, srbf_place(n), f32(level)); }
+    let alpha2 = pow(f32(level) / 5.0, 8.0);
+    var sum = vec4f(0.0);
+    if (level > 2) {
+        for (var i = 0; i < 4096; i++) {
+            let texel = vec2i(i % 64, i / 64);
+            let q = srbf_point((vec2f(texel) + 0.5) / 64.0);
+            let inverse = inverseSqrt(dot(q, q));
+            let z = inverse * dot(q, n);
+            let solid_angle = inverse * inverse * inverse;  // times 1024
+            let slope = 1.0 - 0.5 * (1.0 + z) * (1.0 - alpha2);
+            sum += max(z, 0.0) * solid_angle / (slope * slope) * vec4f(textureLoad(map, texel, 4).rgb, 1.0);
+        }
+        return vec4f(sum.rgb / sum.w, 1.0);
+    }
+    let x = normalize(select(cross(vec3f(0.0, 1.0, 0.0), n), cross(vec3f(1.0, 0.0, 0.0), n), abs(n.y) > 0.9));
+    let y = cross(n, x);
+    for (var i = 0u; i < SAMPLESu; i++) {
+        let u = (f32(i) + 0.5) / SAMPLES.0;
+        let phi = 6.2831853 * f32(reverseBits(i)) / 4294967296.0;
+        let sine2 = u * alpha2 / (1.0 - u + u * alpha2);  // of the half vector
+        let z = 1.0 - 2.0 * sine2;
+        if (z <= 0.0) { continue; }
+        let density = alpha2 / (12.566371 * pow(alpha2 + sine2 * (1.0 - alpha2), 2.0));
+        let mip = 0.5 * log2(max(1048576.0 / (25.132741 * SAMPLES.0 * density), 1.0));
+        let radius = 2.0 * sqrt(sine2 * (1.0 - sine2));
+        let w = radius * cos(phi) * x + radius * sin(phi) * y + z * n;
+        sum += z * vec4f(textureSampleLevel(map, linear, srbf_place(w), mip).rgb, 1.0);
+    }
+    return vec4f(sum.rgb / sum.w, 1.0);
+}`.replaceAll('SAMPLES', '256'), [octahedral]);
+const lookedUp = wgslFn(/* wgsl */ `fn srbf_looked_up(map: texture_2d<f32>, linear: sampler, w: vec3f, roughness: f32) -> vec3f {
+    let position = 5.0 * sqrt(roughness);
+    let level = i32(position);
+    let place = srbf_place(w);
+    let fine = textureSampleLevel(map, linear, (srbf_corner[level] + place * srbf_side[level]) / srbf_atlas, 0.0).rgb;
+    if (position == f32(level)) { return fine; }
+    let coarse = textureSampleLevel(map, linear, (srbf_corner[level + 1] + place * srbf_side[level + 1]) / srbf_atlas, 0.0).rgb;
+    return mix(fine, coarse, position - f32(level));
+}`, [octahedral]);
+
+const target = (width, height, mipmaps = {}) => new RenderTarget(width, height, { type: HalfFloatType, depthBuffer: false, ...mipmaps });
+// A pass over all pixels of a target.
+function drawn(renderer, into, node) {
+    const material = Object.assign(new NodeMaterial(), { fragmentNode: node, blending: NoBlending, depthTest: false, depthWrite: false });
+    renderer.setRenderTarget(into);
+    new QuadMesh(material).render(renderer);
+    material.dispose();
+}
+const isLoaded = ({ image, isCubeTexture, isRenderTargetTexture }) =>
+    isRenderTargetTexture || (isCubeTexture ? image.length === 6 && image.every(Boolean) : image?.height > 0);
+// The atlas of an environment, an equirectangular or a cube texture of three. It is filtered before the first frame that needs it, and again after a
+// change.
+class FilteredEnvironment extends TextureNode {
+    static get type() {
+        return 'FilteredEnvironment';
+    }
+    constructor(source) {
+        const atlas = target(1540, 1026);
+        super(atlas.texture);
+        Object.assign(this, { source, atlas, version: -1, updateBeforeType: 'render' });
+        source.addEventListener('dispose', () => atlas.dispose());
+    }
+    radiance(axis, roughness) {
+        return lookedUp({ map: this, linear: sampler(this), w: materialEnvRotation.mul(axis), roughness });
+    }
+    updateBefore({ renderer }) {
+        const { source, atlas } = this;
+        if (this.version === source.version || !isLoaded(source)) return;
+        this.version = source.version;
+        const state = RendererUtils.resetRendererState(renderer, {}), side = 1024;
+        const map = target(side, side, { generateMipmaps: true, minFilter: LinearMipmapLinearFilter });
+        let sum = vec3(0);
+        for (let i = 0; i < 16; ++i) {
+            const w = octahedralDirection(screenCoordinate.add(vec2((i % 4 - 1.5) / 4, (Math.floor(i / 4) - 1.5) / 4)).div(side));
+            sum = sum.add((source.isCubeTexture ? cubeTexture(source, w, 0) : texture(source, equirectUV(w), 0)).rgb.min(65504));
+        }
+        drawn(renderer, map, vec4(sum.div(16), 1));
+        const read = texture(map.texture);
+        drawn(renderer, atlas, filtered({ map: read, linear: sampler(read), pixel: screenCoordinate }));
+        RendererUtils.restoreRendererState(renderer, state);
+        map.dispose();
+    }
+}
+const environments = new WeakMap();  // of each renderer, by their textures
+function environmentOf(renderer, source) {
+    if (!environments.has(renderer)) environments.set(renderer, new WeakMap());
+    const known = environments.get(renderer);
+    if (!known.has(source)) known.set(source, new FilteredEnvironment(source));
+    return known.get(source);
+}
+// A node of three's own, such as a map that its PMREMGenerator made. Release 185 filters by a chain of convolutions, whose product is another kernel:
+// this is the roughness of the chain that is as blurred, fitted to the Legendre spectra of chains of 9 to 11 levels within 0.03.
+const byThree = (node) => ({
+    radiance: (axis, r) => node.context({ getUV: () => axis, getTextureLevel: () => r.mul(r.mul(-0.15).sub(r.pow(3).mul(0.3)).add(1.4)) }).isolate(),
+});
 
 // Reflects the lights of three by the functions of a model. What all lights share is evaluated once for a pixel.
 class MeasuredLighting extends LightingModel {
@@ -76,8 +200,7 @@ class MeasuredLighting extends LightingModel {
         let sum = vec3(0);
         for (let k = 0; k < LOBES; ++k) {
             const shape = this.nodes.shape(int(k), view).toVar(), axis = this.frame.mul(shape.xyz).transformDirection(cameraViewMatrix);
-            const radiance = this.environment.context({ getUV: () => axis, getTextureLevel: () => lookedUp(shape.w) }).isolate();
-            sum = sum.add(this.saturated(this.nodes.weight(int(k), view)).mul(radiance));
+            sum = sum.add(this.saturated(this.nodes.weight(int(k), view)).mul(this.environment.radiance(axis, shape.w)));
         }
         return sum.max(0).mul(materialEnvIntensity).mul(diffuseColor.rgb);
     }
@@ -85,9 +208,11 @@ class MeasuredLighting extends LightingModel {
 
 // Hands the environment to the lighting instead of looking it up about the mirror direction.
 class MeasuredEnvironment extends EnvironmentNode {
-    setup({ context, material }) {
-        const { envNode } = this, texture = envNode.isTextureNode ? envNode.value : envNode.isMaterialReferenceNode && material[envNode.property];
-        context.lightingModel.environment = texture ? pmremTexture(texture) : envNode;
+    setup({ context, material, renderer }) {
+        const { envNode } = this, source = envNode.isMaterialReferenceNode ? material[envNode.property] : envNode.value;
+        const isFiltered = source?.isPMREMTexture || source?.mapping === CubeUVReflectionMapping;
+        context.lightingModel.environment = source?.isTexture && !isFiltered ? environmentOf(renderer, source)
+            : byThree(source?.isTexture ? pmremTexture(source) : envNode);
     }
 }
 

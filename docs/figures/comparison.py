@@ -36,7 +36,6 @@ SIZED = {  # in rows of the measurements alone: models of several sizes, and the
 CURVE_OF = {**{model: curve for model, (_, curve) in MODELS.items()}, **SIZED}
 COLOURS = {"srbf": "#c0392b", "as measured": "#e59866", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "ABC": "#b7950b",
            "SGD": "#784212", "NBRDF": "#7d3c98", "neural process": "#5d6d7e", "GTR lobes": "#5dade2", "small network": "#8e44ad", "principal components": "#7f8c8d"}
-SEEDED = "as-measured-8"  # fits that docs/accuracy.md has the errors of six seeds of
 NEURAL = {"nbrdf", "nps"}  # of which there are rows for the measurements alone
 MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
 COLUMNS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms", "symmetric_error", "albedo_error"]
@@ -105,24 +104,14 @@ def kinds_table(rows):
     return table(["kind", "materials"] + [MODELS[model][0] for model in models], lines)
 
 
-def medians_of_seeds():
-    """Of fits as measured by measurement, as the table of seeds of docs/accuracy.md has them."""
-    with open(ACCURACY, encoding="utf-8") as file:
-        lines = file.read().split("| measurement | least | median | largest |")[1].splitlines()[2:]
-    cells = [line.split(" | ") for line in lines[:len(MEASURED)]]
-    return {line[0].removeprefix("| "): line[2] for line in cells}
-
-
 def measured_table(rows):
     """Their ΔE_ITP by all models."""
-    models, medians = models_in(rows), medians_of_seeds()
+    models = models_in(rows)
     lines = []
     for material in MEASURED:
         of = {row["model"]: row for row in rows if row["material"] == material}
-        cells = [[text(of[model]["delta_e_itp"])] + ([medians[material]] if model == SEEDED else []) for model in models]
-        lines.append([material] + sum(cells, []))
-    heads = [[MODELS[model][0]] + (["the same, median of six seeds"] if model == SEEDED else []) for model in models]
-    return table(["measurement"] + sum(heads, []), lines)
+        lines.append([material] + [text(of[model]["delta_e_itp"]) for model in models])
+    return table(["measurement"] + [MODELS[model][0] for model in models], lines)
 
 
 def bytes_table(rows):
@@ -178,8 +167,7 @@ def options_table(rows):
 
 
 SIZES = {"ggx-2": "Lambert and two GGX lobes", "openpbr": "parameters of OpenPBR", "srbf-4": "4 lobes", "srbf": "**9 lobes**", "srbf-16": "16 lobes",
-         "as-measured-4": "4 lobes, as measured", "as-measured-8": "8 lobes, as measured", "as-measured-12": "12 lobes, as measured",
-         "as-measured-16": "16 lobes, as measured"}
+         "as-measured-8": "8 lobes, as measured", "as-measured-16": "16 lobes, as measured"}
 
 
 def sizes_table(rows):

@@ -25,18 +25,19 @@ constexpr std::string_view name(Part part) { return k_part_names[std::size_t(par
 constexpr bool is_transmission(Part part) { return part >= Part::transmission_front; }
 constexpr bool is_back(Part part) { return part == Part::reflection_back || part == Part::transmission_back; }
 
-/// BRDFs, in the order of `Part`. An empty part is answered by its counterpart: transmission by reciprocity, with light
-/// and viewer exchanged; reflection as if front and back were alike. Without either the part is 0.
+/// BRDFs, in the order of `Part`. An empty part has the values of its counterpart. A transmission follows from the
+/// other one by reciprocity, with light and viewer exchanged. A reflection is that of the other side, as if front and
+/// back were alike. If both are empty, the part is 0.
 template <typename B> using Parts = std::array<std::shared_ptr<const B>, k_parts>;
 
 /// A part of a BSDF as a function in its own frame.
 Evaluate part_of(Evaluate bsdf, Part part);
 
-/// Light that is not scattered: in a part's frame the share τ(wl) [1] of the light from wl goes on in the mirror
-/// direction, which is straight through in a transmission. It is not a part of f, whose peak it would be without width:
+/// Light that is not scattered. In the frame of a part the share τ(wl) [1] of the light from wl goes on in the mirror
+/// direction, which is straight through in a transmission. A beam has no width, so it is not a part of f:
 ///   L(wv) = ∫ f(wl, wv) L(wl) |cosθl| dωl + τ(mirror(wv)) L(mirror(wv)).
-/// τ has nodes on rings of one θ each. It is linear in the azimuth between the nodes of a ring, and in θ between rings;
-/// constant before the first ring, 0 beyond 90°.
+/// τ has nodes on rings of one θ each. It is linear in the azimuth between the nodes of a ring, and linear in θ between
+/// rings. It is constant before the first ring, and 0 beyond 90°.
 struct Beam {
     std::vector<float> theta;        ///< of each ring [rad], increasing, 0..π/2
     std::vector<Rgb> share;          ///< of the nodes, ring by ring, 0..1 each

@@ -15,10 +15,11 @@ namespace [[gnu::visibility("default")]] srbf {
 /// 70° from the normal, divided by the same mean of Lambert's with the lobe's albedos at these views. 1 for a
 /// constant, about α² or less for facets.
 double spread(const PmModel& model, int lobe);
-/// The share of each lobe that belongs to the body; the rest belongs to the highlight. Lobes of less than the first
-/// spread are highlight, of at least the second body. Between them, if the body has at least a twentieth of the
-/// albedo, a lobe is body if its chromaticity is less than half as far from the body's as from the highlight's;
-/// otherwise the share is linear in the spread, from the first to 1. Without a body it is highlight.
+/// The share of each lobe that belongs to the body; the rest belongs to the highlight. A lobe whose `spread` is below
+/// `k_most_highlight_spread` is highlight. From `k_least_body_spread` on it is body. Between the two limits there are
+/// three cases. The lobe is highlight if the lobes that are body have less than a twentieth of the albedo. Otherwise it
+/// is body if its chromaticity is less than half as far from the body's as from the highlight's. Otherwise its share is
+/// linear in the spread, from 0 at the first limit to 1 at a spread of 1.
 inline constexpr double k_most_highlight_spread = 0.6, k_least_body_spread = 0.88;
 std::vector<double> body_shares(const PmModel& model);
 

@@ -41,19 +41,21 @@ struct Trial {
 struct LobeCount {
     int lobes = row_of(k_default_form).lobes;
 };
-/// Chooses J from 2, 3, 4, 6, 9 and 12: for a table the least product of bytes and held-out error; for samples the
-/// fewest lobes whose cross-validated error is within 3 % of the least, or with gaps filled the most they determine.
+/// Chooses J from 2, 3, 4, 6, 9 and 12. For a table it takes the least product of bytes and held-out error. For samples
+/// it takes the fewest lobes whose cross-validated error is within 3 % of the least, or, if their gaps are filled, the
+/// most lobes that the samples determine.
 struct AutomaticLobes {};
-/// A goal is looked for among all forms and sizes; of samples among the J above in the requested form.
+/// A goal is sought among all forms and sizes of a table. For samples it is sought among the numbers of lobes above, in
+/// the requested form.
 using PmSize = std::variant<LobeCount, AutomaticLobes, SizeGoal>;
 
 /// A parameterized multivariate model (PM).
 struct PmRequest {
     static constexpr std::string_view k_name = "pm";
     static constexpr std::string_view k_about = "parameterized multivariate SRBFs, one sum of lobes for the whole BRDF";
-    /// A reciprocal form is fitted to the reciprocal mean of a table, (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv +
-    /// cosθl): the mean of what reached the instrument. None: reciprocal for a table, extended for samples, for light
-    /// that passes through a surface, and for patches of directions.
+    /// The form of a lobe. If it is not set, a table is fitted by `reciprocal`, and samples, light that passes through
+    /// a surface and patches of directions by `extended`. A reciprocal form is fitted to the mean of what reached the
+    /// instrument, (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl).
     std::optional<PmForm> form = {};
     std::optional<int> variates = {};  ///< N, 1..k_most_variates; none: that of the form
     std::optional<PmSize> size = {};   ///< none: the number of the form for a table, automatic for samples

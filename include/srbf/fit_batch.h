@@ -43,12 +43,13 @@ struct TexelFit {
     std::optional<Error> failure;
 };
 
-/// Fits T texels: f is T × pairs [1/sr], NaN where nothing was measured. Lobes follow the samples, for an objective of
-/// pictures gap-filled as those of a single fit, at fewer pairs and without pictures; no fold is left out. A texel is a
-/// constant if its lobes lower the weighted squares about that by no more than three times what noise would. A texel's
-/// fit depends on its values, the pairs and the options alone, not on other texels or the number of threads. Errors:
-/// another number of values than whole texels; a request for another kind of model or without a number of lobes; a
-/// wrong option; cancelled.
+/// Fits T texels to f, which has T × pairs values [1/sr], NaN where nothing was measured. Lobes follow the samples. For
+/// an objective of pictures the gaps between the samples are filled as in a single fit, at fewer pairs, and the fit
+/// compares no pictures. No fold is left out. A texel becomes a constant if its lobes lower the weighted squares about
+/// the constant by no more than three times what noise would. The fit of a texel depends on its values, the pairs and
+/// the options alone, not on other texels or the number of threads.
+/// Errors: the values are not those of whole texels; the request is for another kind of model, or has no number of
+/// lobes; an option is wrong; the fit was cancelled.
 Result<std::vector<TexelFit>> fit_batch(const SharedPairs& pairs, std::span<const Rgb> f, const BatchOptions& options,
                                         const ProgressToken& progress = {});
 

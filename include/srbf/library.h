@@ -38,8 +38,9 @@ Model material(const Library& library, std::size_t t);
 /// The material that is named so: one of `names`; X,Y in a map; or an index.
 std::optional<std::size_t> find_material(const Library& library, std::string_view name);
 
-/// The file: the tensors of a model file for the lobes, but `coefficient` [T,K,3]; of a sparse library `index`, U16
-/// [T,K]; and `aux.error`, F16 [T]. Names are the metadata `names`, separated by line breaks, `width` that of a map.
+/// The file has the tensors of a model file for the lobes, with `coefficient` [T,K,3] instead of [J,3], and
+/// `aux.error`, F16 [T]. A sparse library also has `index`, U16 [T,K]. The metadata `names` has the names, separated by
+/// line breaks, and `width` the width of a map.
 std::vector<std::byte> write_library(const Library& library);
 /// Errors: as in `read_model`; an index that is not below J; another number of names than of materials.
 Result<Library> read_library(std::span<const std::byte> bytes, const std::string& file_name);

@@ -179,11 +179,13 @@ bool is_isotropic(const Measured& measured);
 /// A line for each thing that the reader masked or assumed beyond the format.
 std::vector<std::string> notes(const Measured& measured);
 
-/// f [1/sr] of unit vectors, which is not checked, by the look-up of the measurement's table, with light and viewer
-/// exchanged if `exchanged`: 0 if wl.z ≤ 0 or wv.z ≤ 0 (of a BSDF at either side f of the chosen band), NaN in every
-/// channel where nothing was measured, otherwise finite. Channels are negative where a saturated colour lies outside of
-/// the gamut. Tables are interpolated linearly: MERL's over the measured ones of eight nodes, UTIA's (extrapolated
-/// beyond 75°) and MBSDF's unless a node was not measured.
+/// f [1/sr] by a look-up in the measurement, with light and viewer exchanged if `exchanged`. The directions must be
+/// unit vectors, which is not checked.
+/// A BRDF is 0 if wl.z ≤ 0 or wv.z ≤ 0; a BSDF has the values of its chosen band on either side. Every channel is NaN
+/// where nothing was measured, and otherwise finite. A channel is negative where a saturated colour lies outside of the
+/// gamut.
+/// Tables are interpolated linearly. MERL's tables use the measured ones of eight nodes. UTIA's (extrapolated beyond
+/// 75°) and MBSDF's have no value if one of the nodes was not measured.
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
 
 /// `signed_value` of a table or a measurement, with negative channels set to 0.
@@ -215,10 +217,11 @@ enum class Quantity {
     cosine,  ///< corrected by the cosine, f cosθ_v [1/sr]
 };
 
-/// Statements about a file of samples that does not make them.
+/// Statements about a file of samples, for what the file itself does not say.
 struct ReadOptions {
-    /// Names of columns as in CSV, of rows of numbers, separated by blanks or commas, instead of those that the file has;
-    /// and constants, as phi_l_deg=180. With constants alone, and if it is empty, the file has names.
+    /// Names of the columns of a file of numbers, as a CSV file has them, separated by blanks or commas. They replace
+    /// the names in the file. An entry may also be a constant, such as phi_l_deg=180. If the text is empty or has
+    /// constants alone, the names are those of the file.
     std::string columns;
     Quantity quantity = Quantity::stated;
     /// Samples whose values are no more than this in any channel are masked: bounds, not measurements.

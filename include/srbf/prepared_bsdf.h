@@ -54,7 +54,7 @@ BsdfSample sample(const PreparedBsdf& bsdf, Vec3f wv, Vec2f u, float selector);
 /// The density of scattered directions [1/sr]. ∫ pdf over the sphere is 1 minus the probabilities of beams and of
 /// samples without a direction.
 float pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);
-/// Both for a pair.
+/// Returns both `value` and `pdf` of a pair.
 ValuePdf value_pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);
 
 /// Prepares a model or a measurement, of a BRDF or a BSDF. Each part is prepared by `prepare` of prepared.h with

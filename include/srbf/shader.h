@@ -84,8 +84,9 @@ struct Proposals {
 };
 /// The mixtures for a BSDF's parts; `bsdf` is asked at the front and the back.
 Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options);
-/// The numbers of mixtures' nodes, of each node in whole vectors of four, one mixture after the other; and of each
-/// mixture the cosine and sine of the azimuth of its axis, 0 and 0 without one.
+/// The numbers of mixtures, one mixture after the other. `nodes` has the numbers of each node, filled up to whole
+/// vectors of four. `grains` has the cosine and the sine of the azimuth of each mixture's axis, or 0 and 0 if it has
+/// none.
 struct ProposalNumbers {
     std::vector<float> nodes;
     std::vector<std::array<float, 2>> grains;
@@ -102,9 +103,10 @@ struct Uniform {
     std::string name;
     std::vector<Float4> numbers;
 };
-/// The numbers of a model of few, in the order in which `brdf_text` reads them: of Lambert and GGX `ggx_numbers`, kd,
-/// then α, F0 and F90 of each lobe; of a surface `openpbr_numbers`, those of kernel.glsl's OpenPbrSurface, of a surface
-/// with a film or anisotropy also those of OpenPbrFilm, and of one with anisotropy also those of OpenPbrAnisotropy.
+/// The numbers of a model that has few, in the order in which `brdf_text` reads them. The uniform of Lambert and GGX is
+/// `ggx_numbers`, with kd, then α, F0 and F90 of each lobe. The uniform of a surface is `openpbr_numbers`, with the
+/// numbers of OpenPbrSurface in kernel.glsl. A surface with a film or anisotropy adds those of OpenPbrFilm, and one
+/// with anisotropy also those of OpenPbrAnisotropy.
 Uniform uniform_of(const Material& material);
 
 /// The texels of a view-by-view model's textures, one row per view.

@@ -1,0 +1,27 @@
+"""Draws a ball of the material that paper.py makes, without a window: ball.png. Needs the package bpy; docs/tutorials/blender.md runs it."""
+import os
+
+import bpy
+
+bpy.ops.wm.read_factory_settings(use_empty=True)
+exec(open("paper.py", encoding="utf-8").read())
+bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48, radius=1)
+bpy.ops.object.shade_smooth()
+bpy.context.object.data.materials.append(bpy.data.materials["paper_white_rgb"])
+camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+camera.location, camera.rotation_euler = (0, -6.4, 0), (1.5708, 0, 0)
+lamp = bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "AREA"))
+lamp.location, lamp.rotation_euler, lamp.data.energy, lamp.data.size = (-3, -4, 4), (0.9, 0, -0.6), 220, 2
+for thing in (camera, lamp):
+    bpy.context.collection.objects.link(thing)
+scene = bpy.context.scene
+scene.world = bpy.data.worlds.new("room")
+scene.world.use_nodes = True
+scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.2, 0.2, 1)
+scene.camera, scene.render.engine, scene.cycles.samples = camera, "CYCLES", 64
+camera.data.lens = 85
+scene.view_settings.view_transform = "Standard"
+scene.render.resolution_x = scene.render.resolution_y = 512
+scene.render.filepath = os.path.abspath("ball.png")
+bpy.ops.render.render(write_still=True)
+print("drew ball.png with", bpy.data.materials[0].name)

@@ -130,12 +130,15 @@ class FilteredEnvironment extends TextureNode {
         this.version = source.version;
         const state = RendererUtils.resetRendererState(renderer, {}), side = 1024;
         const map = target(side, side, { generateMipmaps: true, minFilter: LinearMipmapLinearFilter });
+        // Points along a texel, so that the source's texels are not missed.
+        const width = source.isCubeTexture ? 4 * (source.image[0]?.width ?? source.image.width) : source.image.width;
+        const points = Math.min(Math.ceil(width / 2048), 4), offset = (i) => (i + 0.5) / points - 0.5;
         let sum = vec3(0);
-        for (let i = 0; i < 16; ++i) {
-            const w = octahedralDirection(screenCoordinate.add(vec2((i % 4 - 1.5) / 4, (Math.floor(i / 4) - 1.5) / 4)).div(side));
+        for (let i = 0; i < points ** 2; ++i) {
+            const w = octahedralDirection(screenCoordinate.add(vec2(offset(i % points), offset(Math.floor(i / points)))).div(side));
             sum = sum.add((source.isCubeTexture ? cubeTexture(source, w, 0) : texture(source, equirectUV(w), 0)).rgb.min(65504));
         }
-        drawn(renderer, map, vec4(sum.div(16), 1));
+        drawn(renderer, map, vec4(sum.div(points ** 2), 1));
         const read = texture(map.texture);
         drawn(renderer, atlas, filtered({ map: read, linear: sampler(read), pixel: screenCoordinate }));
         RendererUtils.restoreRendererState(renderer, state);

@@ -171,7 +171,7 @@ static int srbf_fail_tensor(srbf_file* file, const srbf_tensor* tensor) {
 // An extent of a tensor that determines the shapes of others; 0 is an error.
 static size_t srbf_extent(srbf_file* file, const char* name, int which, size_t most) {
     const srbf_tensor* tensor = srbf_find(file, name);
-    if (!tensor || tensor->extent[which] > most) return (size_t)srbf_fail_tensor(file, tensor);
+    if (!tensor || tensor->extent[which] - 1 >= most) return (size_t)srbf_fail_tensor(file, tensor);
     return tensor->extent[which];
 }
 // The tensor of this name and shape, all of whose numbers are between the bounds; null is an error.

@@ -161,7 +161,7 @@ static void srbf_part_sample(const srbf_part* part, srbf_vec3 wv, const float u[
     srbf_view_of(&view, &part->mixture, wv);
     wl = srbf_view_sample(&view, u[0], u[1], u[2]);
     memcpy(light->wl, &wl, sizeof wl);
-    if (wl.z >= 1.17549435e-38f) light->pdf = srbf_max(0.0f, srbf_view_pdf(&view, wl, 0));
+    if (wl.z >= 1.17549435e-38f) light->pdf = srbf_max(srbf_view_pdf(&view, wl, 0), 0.0f);
     if (!(light->pdf > 0.0f)) return;
     f = srbf_scale(wl.z / light->pdf, srbf_part_value(part, wl, wv));
     memcpy(light->weight, &f, sizeof f);

@@ -15,15 +15,17 @@ static float random_float(void) { return (float)random_number(1u << 20) / (float
 static void use_model(const srbf_brdf* brdf) {
     int i;
     for (i = 0; i < 4; ++i) {
-        float wv[3], u[3], rgb[3], pdf;
+        float wv[3], u[3], rgb[3], alone[3], pdf;
         srbf_light light;
         const float z = 2 * random_float() - 1, r = sqrtf(1 - z * z), phi = 6.2831853f * random_float();
         wv[0] = r * cosf(phi), wv[1] = r * sinf(phi), wv[2] = z;
         u[0] = random_float(), u[1] = random_float(), u[2] = random_float();
         srbf_sample(brdf, wv, u, &light);
         pdf = srbf_value_pdf(brdf, light.wl, wv, rgb);
-        if (!(pdf >= 0) || !(rgb[0] >= 0 && rgb[1] >= 0 && rgb[2] >= 0) || rgb[0] + rgb[1] + rgb[2] > 3e38f) {
-            fprintf(stderr, "pdf %g, value %g %g %g\n", pdf, rgb[0], rgb[1], rgb[2]);
+        srbf_value(brdf, light.wl, wv, alone);
+        if (!(pdf >= 0) || !(rgb[0] >= 0 && rgb[1] >= 0 && rgb[2] >= 0) || rgb[0] + rgb[1] + rgb[2] > 3e38f ||
+            memcmp(rgb, alone, sizeof rgb) != 0 || srbf_pdf(brdf, light.wl, wv) != pdf) {
+            fprintf(stderr, "pdf %g, value %g %g %g\n", (double)pdf, (double)rgb[0], (double)rgb[1], (double)rgb[2]);
             abort();
         }
         srbf_albedo(brdf, z, rgb);

@@ -176,7 +176,7 @@ LobeTracks::LobeTracks(const std::vector<LitView>& views, const BlurredKernels& 
     }
 }
 void LobeTracks::sweep() {
-    for (const std::size_t parity : {0, 1})
+    for (const std::size_t parity : {0u, 1u})
         parallel_for(views_.size() / 2, threads_, [&](std::size_t i) {
             const std::size_t v = 2 * i + parity, last = views_.size() - 1;
             const VectorXd &below = x_[v == 0 ? 1 : v - 1], &above = x_[v == last ? last - 1 : v + 1];

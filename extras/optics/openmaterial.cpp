@@ -99,7 +99,7 @@ struct OpenMaterialRows : JsonRows {
         // The light's azimuth is 0, and f is not negative. A direction at −θ lies at θ in the opposite half of its
         // plane.
         row[1] = 0, row[k_weight_column] = 1;
-        for (const std::size_t theta : {0, 2})
+        for (const std::size_t theta : {0u, 2u})
             if (row[theta] < 0) row[theta] = -row[theta], row[3] += float(k_pi);
         if (row[k_value_column] < 0) row[k_value_column] = k_nan;
         rows.push_back(row);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <span>
 
 #include "code/print.h"
 #include "code/texts.h"
@@ -72,34 +73,31 @@ SlotNumbers slots_of(const MixtureProposal& mixture, std::size_t node) {
     return numbers;
 }
 
-/// The initialiser of an array in C; an empty one is {0.0f}.
-std::string list_in_c(const std::vector<float>& numbers) {
+/// Numbers of an array in C, eight in a line.
+std::string rows_in_c(std::span<const float> numbers) {
     std::string text;
-    for (const float number : numbers) text += (text.empty() ? "" : ", ") + syntax::digits(number) + "f";
-    return "{" + (text.empty() ? "0.0f" : text) + "}";
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+        text += fmt::format("{}{}f{}", i % 8 ? " " : "        ", syntax::digits(numbers[i]), i % 8 < 7 ? "," : ",\n");
+    return text;
 }
 
-/// A segment of runtime_densities.h between two nodes.
-std::string segment_text(const SlotNumbers& low, const SlotNumbers& high) {
-    static const std::vector<float> parameters = slot_numbers();
-    std::array<std::vector<float>, 4> columns;  // bandwidths and scales of both kinds
-    std::array<std::vector<float>, 2> numbers;
-    for (std::size_t kind = 0; kind < 2; ++kind) {
-        for (std::size_t slot = kind * k_slots; slot < (kind + 1) * k_slots; ++slot) {
-            if (!(low[slot] > 0 || high[slot] > 0)) continue;
-            columns[2 * kind].push_back(parameters[2 * slot]);
-            columns[2 * kind + 1].push_back(parameters[2 * slot + 1]);
-            numbers[0].push_back(low[slot]), numbers[1].push_back(high[slot]);
-        }
-        for (auto& row : numbers) row.resize((kind + 1) * k_slots);
+/// A row has a number of each of eight slots: bandwidth, width, scale and rest of lobes of directions, then bandwidth of
+/// half-vector lobes and the factor of their power. Empty slots are 0.
+std::string slots_in_c() {
+    using K = Kernel<float>;
+    std::vector<float> numbers(6 * k_slots);
+    for (std::size_t slot = 0; slot < k_slots; ++slot) {
+        const auto set = [&](std::size_t row, float number) { numbers[row * k_slots + slot] = number; };
+        const int half = int(slot + k_slots);
+        set(4, K::proposal_bandwidth(half)), set(5, K::proposal_power(half, 1));
+        if (slot + 2 >= k_slots) continue;  // the kernel's first two components are the cosines
+        const auto lobe = K::mirror_lobe({0, 0, 1}, K::proposal_bandwidth(int(slot + 2)));
+        set(0, lobe.bandwidth), set(1, lobe.width), set(2, lobe.scale), set(3, lobe.rest);
     }
-    numbers[0].insert(numbers[0].end(), low.begin() + k_facet_slot, low.end());
-    numbers[1].insert(numbers[1].end(), high.begin() + k_facet_slot, high.end());
-    const std::size_t directions = columns[0].size(), halves = columns[2].size();
-    columns[2].resize(k_slots, 8);  // of slots without weight
-    return fmt::format("        {{{}, {}, {}, {}, {}, {},\n         {{{},\n          {}}}}},\n", directions, halves,
-                       list_in_c(columns[0]), list_in_c(columns[1]), list_in_c(columns[2]), list_in_c(columns[3]),
-                       list_in_c(numbers[0]), list_in_c(numbers[1]));
+    return fmt::format(
+        "SRBF_FN const float* srbf_slots(void) {{\n"
+        "    static const float numbers[{}] = {{\n{}    }};\n    return numbers;\n}}\n",
+        numbers.size(), rows_in_c(numbers));
 }
 
 }  // namespace
@@ -142,22 +140,7 @@ std::string mixtures_in_c(std::set<std::string>& known) {
                        "srbf_", false, known) +
            kernel_in_c({"stretch_along", "stretched", "half_vector_lobe", "half_vector", "reflected_pdf"}, "srbf_x_",
                        true, known) +
-           k_runtime_densities_text + "#endif\n\n";
-}
-
-std::vector<float> slot_numbers() {
-    using K = Kernel<float>;
-    std::vector<float> numbers;
-    for (int slot = 0; slot < 2 * SRBF_FIRST_HALF_VECTOR_LOBE; ++slot) {
-        const bool is_half = slot >= SRBF_FIRST_HALF_VECTOR_LOBE, is_empty = !is_half && slot > 5;
-        const int k = is_half ? slot : slot + 2;
-        const float bandwidth = is_empty ? 0 : K::proposal_bandwidth(k);
-        numbers.push_back(bandwidth);
-        numbers.push_back(is_half    ? K::proposal_power(k, 1)
-                          : is_empty ? 0
-                                     : K::mirror_lobe({0, 0, 1}, bandwidth).scale);
-    }
-    return numbers;
+           slots_in_c() + k_runtime_densities_text + "#endif\n\n";
 }
 
 std::string value_in_c(const PmModel& model) {
@@ -186,29 +169,31 @@ std::string value_in_c(const PmModel& model) {
                 add(falloff), add(xi.x), add(xi.y), add(xi.z);
         }
     }
-    std::string text;
-    for (std::size_t i = 0; i < numbers.size(); ++i)
-        text += fmt::format("{}{}f{}", i % 8 ? " " : "        ", syntax::digits(numbers[i]), i % 8 < 7 ? "," : ",\n");
     return fmt::format(
         "SRBF_FN srbf_vec3 @pm_value@(srbf_vec3 wl, srbf_vec3 wv) {{\n"
         "    static const float numbers[{}] = {{\n{}    }};\n"
         "    const srbf_form form = {{{}, {}, {}, {:d}, {:d}}};\n"
         "    return srbf_lobes_value(form, numbers, wl, wv);\n}}\n",
-        numbers.size(), text, lobes, variates, terms, model.axial, is_reciprocal(model.form));
+        numbers.size(), rows_in_c(numbers), lobes, variates, terms, model.axial, is_reciprocal(model.form));
 }
 
 std::string mixture_in_c(const MixtureProposal& mixture) {
-    std::string segments;
-    for (std::size_t node = 0; node + 1 < MixtureProposal::k_nodes; ++node)
-        segments += segment_text(slots_of(mixture, node), slots_of(mixture, node + 1));
+    std::string nodes;
+    for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
+        nodes += "        {\n" + rows_in_c(slots_of(mixture, node)) + "        },\n";
     const FacetTerms facets = mixture.facets.value_or(FacetTerms{});
-    const auto matrix = [](const Facets& of) { return list_in_c({of.xx, of.xy, of.yy}); };
+    const auto list = [](const auto&... numbers) {
+        std::string text;
+        ((text += (text.empty() ? "{" : ", ") + syntax::digits(numbers) + "f"), ...);
+        return text + "}";
+    };
+    const auto matrix = [&](const Facets& of) { return list(of.xx, of.xy, of.yy); };
     return fmt::format(
         "SRBF_FN const srbf_mixture* @sample_light@_mixture(void) {{\n"
         "    static const srbf_mixture mixture = {{{}, {}, {{{}, {}}}, {{\n{}    }}}};\n"
         "    return &mixture;\n}}\n",
-        list_in_c({mixture.cosine, mixture.sine}), mixture.facets ? facets.size() : 0, matrix(facets[0]),
-        matrix(facets[1]), segments);
+        list(mixture.cosine, mixture.sine), mixture.facets ? facets.size() : 0, matrix(facets[0]), matrix(facets[1]),
+        nodes);
 }
 
 const char* const k_sample_in_c =

@@ -19,10 +19,6 @@ std::string kernel_in_c(const std::vector<std::string>& functions, const std::st
 std::string lobes_in_c(std::set<std::string>& known);
 std::string mixtures_in_c(std::set<std::string>& known);
 
-/// Bandwidth and scale, or of half-vector lobes the factor of their power, in each slot of a mixture's lobes; 0 in
-/// empty slots.
-std::vector<float> slot_numbers();
-
 /// The text of pm_value for a model, and of a mixture's numbers, which precede sample_light; then of sample_light and
 /// light_pdf. @NAME@ is the name of a function in the printed program.
 std::string value_in_c(const PmModel& model);

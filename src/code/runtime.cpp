@@ -24,10 +24,6 @@ std::string rows_of(const std::vector<std::string>& items) {
     return rows + "    " + row + "\n";
 }
 
-std::string table_text(const syntax::Table& table) {
-    return syntax::Printer(CodeLanguage::c, {{table.name, "srbf_" + table.name}}).text(table) + "\n";
-}
-
 /// R, G, B of the spectrum that is 1 at one whole wavelength, every 5 nm: between them these are linear. Beyond, and by
 /// rounding, 2e-5 of the sums is lost.
 std::string observer_text() {
@@ -64,20 +60,15 @@ std::string parameters_text() {
 }  // namespace
 
 std::string runtime_code() {
-    const syntax::Table components{
-        "Lobes of directions: bandwidth and scale; of half vectors: bandwidth, and 1 if "
-        "weighted by their visibility.",
-        "component", slot_numbers(), 8};
     const std::vector<std::string> functions{
         "su_rotated_value",  "su_plain_value", "ggx_value", "openpbr_value", "openpbr_anisotropic_value",
-        "openpbr_roughness", "alpha_of",       "roughened", "facets_along",  "elevation_coordinate"};
+        "openpbr_roughness", "alpha_of",       "roughened", "facets_along"};
     std::set<std::string> known;
     const std::string lobes = lobes_in_c(known), mixtures = mixtures_in_c(known);
     return k_runtime_interface_text + syntax::definitions_of_c() +
            fmt::format("#define SRBF_MOST_VARIATES {}\n\n", k_most_variates) + lobes + mixtures + k_runtime_host_text +
-           kernel_in_c(functions, "srbf_", false, known) + observer_text() + table_text(components) +
-           parameters_text() + k_runtime_files_text + k_runtime_models_text + k_runtime_preparation_text +
-           k_runtime_functions_text;
+           kernel_in_c(functions, "srbf_", false, known) + observer_text() + parameters_text() + k_runtime_files_text +
+           k_runtime_models_text + k_runtime_preparation_text + k_runtime_functions_text;
 }
 
 }  // namespace srbf

@@ -14,11 +14,12 @@ typedef struct {
 } srbf_tensor;
 
 // A file that is read: its header up to `end` and the place there, tensors, the first error, and the caller's memory.
-// Without memory, what is needed is counted.
+// Without memory, what is needed is counted. Names of the model that is read have the prefix.
 typedef struct {
     const unsigned char* bytes;
     size_t size, at, end, metadata, number;
     srbf_word word;
+    const char* prefix;
     srbf_error error;
     size_t error_at;
     int tensors;
@@ -38,11 +39,9 @@ static int srbf_fail_at(srbf_file* file, srbf_error error, srbf_word word) {
 // The next `bytes` of the memory; null if it is too little or only counted.
 static void* srbf_take(srbf_file* file, size_t bytes) {
     char* taken = file->memory ? file->memory + file->used : 0;
-    bytes = (bytes + 15) / 16 * 16;
-    file->used += bytes;
-    if (!file->memory) return 0;
-    if (file->used <= file->capacity) return memset(taken, 0, bytes);
-    srbf_fail(file, SRBF_TOO_LITTLE_MEMORY, 0);
+    file->used += (bytes + 15) / 16 * 16;
+    if (taken && file->used <= file->capacity) return memset(taken, 0, bytes);
+    if (taken) srbf_fail(file, SRBF_TOO_LITTLE_MEMORY, 0);
     return 0;
 }
 
@@ -80,19 +79,19 @@ static int srbf_is(srbf_word word, const char* prefix, const char* name) {
 static int srbf_read_tensor(srbf_file* file, srbf_tensor* tensor) {
     size_t ends[4] = {1, 0, 0, 0};
     int token, i;
-    tensor->name = file->word, tensor->rank = -1;
+    tensor->name = file->word, tensor->rank = -1, tensor->count = 1;
     while ((token = srbf_token(file)) == '"') {
         const srbf_word key = file->word;
         const int is_shape = srbf_is(key, "", "shape");
         token = srbf_token(file);
         if (token == '"' && srbf_is(key, "", "dtype")) tensor->is_half = srbf_is(file->word, "", "F16");
         if (token != '[') continue;
+        if (is_shape) memset(tensor->extent, 0, sizeof tensor->extent);
         for (i = 0; (token = srbf_token(file)) == '0' && i < 4; ++i)
             (is_shape ? tensor->extent : ends)[i] = file->number;
         if (token != ']') break;
         if (is_shape) tensor->rank = i;
     }
-    tensor->count = 1;
     for (i = 0; i < tensor->rank && tensor->count > 0; ++i)
         tensor->count = tensor->extent[i] <= file->size / tensor->count ? tensor->count * tensor->extent[i] : 0;
     tensor->begin = file->end + ends[0];
@@ -126,32 +125,35 @@ static int srbf_read_header(srbf_file* file) {
 }
 
 // Sets the word of the metadata of this name; 0 if there is none.
-static int srbf_metadata(srbf_file* file, const char* prefix, const char* name) {
+static int srbf_metadata(srbf_file* file, const char* name) {
     int is_it = 0;
     for (file->at = file->metadata; file->metadata && !is_it && srbf_token(file) == '"';) {
-        is_it = srbf_is(file->word, prefix, name);
+        is_it = srbf_is(file->word, file->prefix, name);
         if (srbf_token(file) != '"') return 0;
     }
     return is_it;
 }
-// The index of the metadata's word in a list that ends with null; -1 is an error.
-static int srbf_choice(srbf_file* file, const char* prefix, const char* name, const char* const* words,
-                       srbf_error error) {
+// The index of the metadata's word in a list, whose words end with a blank; -1 is an error.
+static int srbf_choice(srbf_file* file, const char* name, const char* words, srbf_error error) {
     int i;
-    if (!srbf_metadata(file, prefix, name)) return srbf_fail(file, error, 8) - 1;
-    for (i = 0; words[i]; ++i)
-        if (srbf_is(file->word, "", words[i])) return i;
+    if (!srbf_metadata(file, name)) return srbf_fail(file, error, 8) - 1;
+    for (i = 0; *words; ++i) {
+        const size_t length = strcspn(words, " ");
+        if (length == file->word.length && memcmp(words, file->word.text, length) == 0) return i;
+        words += length + 1;
+    }
     return srbf_fail_at(file, error, file->word) - 1;
 }
 
-static srbf_tensor* srbf_find(srbf_file* file, const char* prefix, const char* name) {
+static srbf_tensor* srbf_find(srbf_file* file, const char* name) {
     int i;
     for (i = 0; i < file->tensors; ++i)
-        if (srbf_is(file->tensor[i].name, prefix, name)) return &file->tensor[i];
+        if (srbf_is(file->tensor[i].name, file->prefix, name)) return &file->tensor[i];
     return 0;
 }
+// A number of a tensor; 0 if there is no tensor.
 static float srbf_number(const srbf_file* file, const srbf_tensor* tensor, size_t i) {
-    const unsigned char* at = file->bytes + tensor->begin + 2 * i;
+    const unsigned char* at = tensor ? file->bytes + tensor->begin + 2 * i : (const unsigned char*)"\0";
     const unsigned half = at[0] | (unsigned)at[1] << 8;
     const unsigned bits = ((half & 0x8000u) << 16 | (half & 0x7fffu) << 13) + (112u << 23);
     float x;
@@ -159,30 +161,31 @@ static float srbf_number(const srbf_file* file, const srbf_tensor* tensor, size_
     memcpy(&x, &bits, sizeof x);
     return x;
 }
+static srbf_vec3 srbf_numbers(const srbf_file* file, const srbf_tensor* tensor, size_t i) {
+    return srbf_vec3_of(srbf_number(file, tensor, i), srbf_number(file, tensor, i + 1),
+                        srbf_number(file, tensor, i + 2));
+}
+static int srbf_fail_tensor(srbf_file* file, const srbf_tensor* tensor) {
+    return srbf_fail(file, SRBF_BAD_TENSOR, tensor ? (size_t)(tensor->name.text - file->bytes) : 8);
+}
+// An extent of a tensor that determines the shapes of others; 0 is an error.
+static size_t srbf_extent(srbf_file* file, const char* name, int which, size_t most) {
+    const srbf_tensor* tensor = srbf_find(file, name);
+    if (!tensor || tensor->extent[which] - 1 >= most) return (size_t)srbf_fail_tensor(file, tensor);
+    return tensor->extent[which];
+}
 // The tensor of this name and shape, all of whose numbers are between the bounds; null is an error.
-static srbf_tensor* srbf_need(srbf_file* file, const char* prefix, const char* name, size_t a, size_t b, size_t c,
-                              float least, float most) {
-    srbf_tensor* tensor = srbf_find(file, prefix, name);
-    const size_t extent[3] = {a, b, c};
-    const int rank = c ? 3 : b ? 2 : 1;
+static srbf_tensor* srbf_need(srbf_file* file, const char* name, size_t a, size_t b, size_t c, float least,
+                              float most) {
+    srbf_tensor* tensor = srbf_find(file, name);
+    const size_t extent[4] = {a, b, c, 0};
     size_t i;
-    if (!tensor || tensor->rank != rank || !tensor->is_half ||
-        memcmp(tensor->extent, extent, (size_t)rank * sizeof *extent) != 0)
-        return srbf_fail(file, SRBF_BAD_TENSOR, tensor ? (size_t)(tensor->name.text - file->bytes) : 8),
-               (srbf_tensor*)0;
+    if (!tensor || !tensor->is_half || memcmp(tensor->extent, extent, sizeof extent) != 0)
+        return srbf_fail_tensor(file, tensor), (srbf_tensor*)0;
     for (i = 0; i < tensor->count; ++i) {
         const float x = srbf_number(file, tensor, i);
         if (!(x >= least && x <= most)) return srbf_fail(file, SRBF_BAD_NUMBER, tensor->begin + 2 * i), (srbf_tensor*)0;
     }
     tensor->is_read = 1;
     return tensor;
-}
-// The shape of a tensor of a rank that determines the shapes of others, each extent at most so large.
-static int srbf_shape(srbf_file* file, const char* prefix, const char* name, size_t* a, size_t* b, size_t most_a,
-                      size_t most_b) {
-    const srbf_tensor* tensor = srbf_find(file, prefix, name);
-    if (!tensor) return srbf_fail(file, SRBF_BAD_TENSOR, 8);
-    *a = tensor->extent[0], *b = tensor->extent[1];
-    if (tensor->rank == (most_b ? 2 : 1) && *a <= most_a && *b <= most_b) return 1;
-    return srbf_fail_at(file, SRBF_BAD_TENSOR, tensor->name);
 }

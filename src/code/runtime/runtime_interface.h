@@ -4,12 +4,6 @@
 //
 // One source file of the program defines SRBF_RUNTIME_IMPLEMENTATION before it includes this header.
 //
-//   srbf_brdf* brdf;
-//   if (srbf_open(bytes, size, memory, srbf_memory_needed(bytes, size), &brdf, 0) == SRBF_OK) {
-//       srbf_prepare(brdf);                       /* for srbf_sample, srbf_pdf and srbf_albedo */
-//       srbf_value(brdf, wl, wv, rgb);
-//   }
-//
 // Directions are unit vectors (x, y, z) in the local frame, whose z is the shading normal; wl points to the light, wv
 // to the viewer. Lengths are not checked. Colours are R, G, B in linear sRGB.
 #ifndef SRBF_RUNTIME_H

@@ -46,56 +46,37 @@ SRBF_FN srbf_x_bits srbf_x_bits_of(srbf_x a) {
     memcpy(&bits, &a, sizeof bits);
     return bits;
 }
-SRBF_FN srbf_x srbf_x_of_bits(srbf_x_bits bits) {
-    srbf_x a;
-    memcpy(&a, &bits, sizeof a);
-    return a;
+SRBF_FN srbf_x srbf_x_of_bits(srbf_x_bits bits) { return srbf_x_load((const float*)(const void*)&bits); }
+
+SRBF_FN srbf_x srbf_x_of(float x) {
+    const srbf_x zero = {0.0f};
+    return x - zero;
 }
 
-// A number in all lanes, the sum of the lanes, minimum, maximum and 1 / sqrt(a), whose relative error is 3e-7 by steps
-// of Newton's method. At 0 it is finite.
+// Minimum, maximum, the sum of the lanes, and 1 / sqrt(a), whose relative error is 3e-7 by steps of Newton's method. At
+// 0 it is finite.
 #if SRBF_LANES > 1 && defined __SSE__
 #include <immintrin.h>
 #if SRBF_LANES == 8
 #define SRBF_X(name) _mm256_##name##_ps
+#define SRBF_X_HALF(a) _mm_add_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1))
 #else
 #define SRBF_X(name) _mm_##name##_ps
+#define SRBF_X_HALF(a) (a)
 #endif
-SRBF_FN srbf_x srbf_x_of(float x) { return SRBF_X(set1)(x); }
 SRBF_FN srbf_x srbf_x_min(srbf_x a, srbf_x b) { return SRBF_X(min)(a, b); }
 SRBF_FN srbf_x srbf_x_max(srbf_x a, srbf_x b) { return SRBF_X(max)(a, b); }
-SRBF_FN srbf_x srbf_x_inversesqrt(srbf_x a) {
-    const srbf_x y = SRBF_X(rsqrt)(srbf_x_max(a, srbf_x_of(1.17549435e-38f)));
-    return y * (srbf_x_of(1.5f) - srbf_x_of(0.5f) * a * y * y);
-}
-SRBF_FN __m128 srbf_x_half(srbf_x a) {
-#if SRBF_LANES == 8
-    return _mm_add_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
-#else
-    return a;
-#endif
-}
 SRBF_FN float srbf_x_sum(srbf_x a) {
-    const __m128 half = srbf_x_half(a), sum = _mm_add_ps(half, _mm_movehl_ps(half, half));
+    const __m128 half = SRBF_X_HALF(a), sum = _mm_add_ps(half, _mm_movehl_ps(half, half));
     return _mm_cvtss_f32(_mm_add_ss(sum, _mm_shuffle_ps(sum, sum, 1)));
 }
-#else
-SRBF_FN srbf_x srbf_x_of(float x) {
-    float all[SRBF_LANES];
-    int i;
-    for (i = 0; i < SRBF_LANES; ++i) all[i] = x;
-    return srbf_x_load(all);
+SRBF_FN srbf_x srbf_x_inversesqrt(srbf_x a) {
+    const srbf_x y = SRBF_X(rsqrt)(srbf_x_max(a, srbf_x_of(1.17549435e-38f)));
+    return y * (1.5f - 0.5f * a * y * y);
 }
+#else
 SRBF_FN srbf_x srbf_x_min(srbf_x a, srbf_x b) { return srbf_x_select(a < b, a, b); }
 SRBF_FN srbf_x srbf_x_max(srbf_x a, srbf_x b) { return srbf_x_select(a > b, a, b); }
-SRBF_FN srbf_x srbf_x_inversesqrt(srbf_x a) {
-    const srbf_x half = srbf_x_of(0.5f) * a, most = srbf_x_of(1.5f);
-    const srbf_x_bits shifted = srbf_x_bits_of(a) >> 1;
-    srbf_x y = srbf_x_of_bits(0x5f375a86u - shifted);
-    y = y * (most - half * y * y);
-    y = y * (most - half * y * y);
-    return y * (most - half * y * y);
-}
 SRBF_FN float srbf_x_sum(srbf_x a) {
     float all[SRBF_LANES], sum = 0.0f;
     int i;
@@ -103,18 +84,26 @@ SRBF_FN float srbf_x_sum(srbf_x a) {
     for (i = 0; i < SRBF_LANES; ++i) sum += all[i];
     return sum;
 }
+SRBF_FN srbf_x srbf_x_inversesqrt(srbf_x a) {
+    const srbf_x half = 0.5f * a;
+    const srbf_x_bits shifted = srbf_x_bits_of(a) >> 1;
+    srbf_x y = srbf_x_of_bits(0x5f375a86u - shifted);
+    int i;
+    for (i = 0; i < 3; ++i) y = y * (1.5f - half * y * y);
+    return y;
+}
 #endif
 SRBF_FN srbf_x srbf_x_sqrt(srbf_x a) { return a * srbf_x_inversesqrt(a); }
 
 // 2^a by the nearest integer and a polynomial for the rest, for |a| < 126; relative error 2e-7.
 SRBF_FN srbf_x srbf_x_exp2(srbf_x a) {
-    const srbf_x shift = srbf_x_of(12582912.0f), sum = a + shift, r = a - (sum - shift);
-    srbf_x power = srbf_x_of(0.00132646454f) * r + srbf_x_of(0.00967157641f);
-    power = (power * r + srbf_x_of(0.0555073452f)) * r + srbf_x_of(0.240222411f);
-    power = (power * r + srbf_x_of(0.693146977f)) * r + srbf_x_of(1.0f);
+    const srbf_x sum = a + 12582912.0f, r = a - (sum - 12582912.0f);
+    srbf_x power = 0.00132646454f * r + 0.00967157641f;
+    power = (power * r + 0.0555073452f) * r + 0.240222411f;
+    power = (power * r + 0.693146977f) * r + 1.0f;
     return srbf_x_of_bits(srbf_x_bits_of(power) + (srbf_x_bits_of(sum) << 23));
 }
-SRBF_FN srbf_x srbf_x_exp(srbf_x a) { return srbf_x_exp2(srbf_x_of(1.44269504f) * a); }
+SRBF_FN srbf_x srbf_x_exp(srbf_x a) { return srbf_x_exp2(1.44269504f * a); }
 
 typedef struct {
     srbf_x x, y, z;

@@ -3,7 +3,7 @@
 typedef enum { SRBF_KIND_PM, SRBF_KIND_SU, SRBF_KIND_GGX, SRBF_KIND_OPENPBR } srbf_kind;
 typedef struct {
     srbf_kind kind;
-    int is_exchanged, has_film, is_anisotropic;
+    int is_isotropic, is_exchanged, is_plain;  // plain: a surface without a film and with round facets
     srbf_form pm;
     const float* lobes;
     srbf_view_lobes su;
@@ -12,16 +12,12 @@ typedef struct {
     srbf_OpenPbrSurface surface;
     srbf_OpenPbrFilm film;
     srbf_OpenPbrAnisotropy anisotropy;
+    int facets;
+    srbf_Facets facet[2];
 } srbf_model;
-
-static const char* const srbf_truths[] = {"true", "false", 0};
 
 static srbf_vec3 srbf_spherical(float theta, float phi) {
     return srbf_vec3_of(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta));
-}
-static srbf_vec3 srbf_numbers(const srbf_file* file, const srbf_tensor* tensor, size_t i) {
-    return srbf_vec3_of(srbf_number(file, tensor, i), srbf_number(file, tensor, i + 1),
-                        srbf_number(file, tensor, i + 2));
 }
 
 // The next number of a text of wavelengths [nm], which blanks separate; 0 if there is none or it is malformed.
@@ -72,154 +68,152 @@ static int srbf_add_spectra(srbf_file* file, const srbf_tensor* spectra, srbf_wo
            srbf_fail_at(file, SRBF_BAD_METADATA, text);
 }
 
-static int srbf_read_pm(srbf_file* file, const char* prefix, srbf_model* model) {
-    static const char* const forms[] = {"source", "horizon", "extended", "reciprocal", 0};
+static int srbf_read_pm(srbf_file* file, srbf_model* model) {
     const float log2_e = 1.44269504f;
-    const int form = srbf_choice(file, prefix, "form", forms, SRBF_BAD_METADATA);
-    const int axial = srbf_choice(file, prefix, "axial", srbf_truths, SRBF_BAD_METADATA) == 0;
-    const int is_spectral = srbf_metadata(file, prefix, "wavelengths");
+    const int form = srbf_choice(file, "form", "source horizon extended reciprocal ", SRBF_BAD_METADATA);
+    const int axial = srbf_choice(file, "axial", "true false ", SRBF_BAD_METADATA) == 0;
+    const int is_spectral = srbf_metadata(file, "wavelengths");
     const srbf_word waves = file->word;
+    const size_t lobes = srbf_extent(file, "bandwidth", 0, 1024);
+    const size_t variates = srbf_extent(file, "bandwidth", 1, SRBF_MOST_VARIATES);
+    const size_t channels = is_spectral ? srbf_extent(file, "coefficient", 1, 4096) : 3;
+    const size_t features = form == 0 ? 0 : form == 1 ? 1 : 4;
     const srbf_tensor *coefficient, *bandwidth, *parameterization, *scale = 0, *centre = 0, *exponent = 0;
-    srbf_form* pm = &model->pm;
-    size_t lobes, variates, features, channels = 3, j, n, k;
+    const srbf_form pm = {(int)lobes, (int)variates, (int)features, axial, form == 3};
+    const int rows = srbf_rows(pm);
+    size_t j, n, k;
     float* number;
-    int rows;
-    if (file->error || !srbf_shape(file, prefix, "bandwidth", &lobes, &variates, 1024, SRBF_MOST_VARIATES)) return 0;
-    if (is_spectral && !srbf_shape(file, prefix, "coefficient", &lobes, &channels, 1024, 4096)) return 0;
-    features = form == 0 ? 0 : form == 1 ? 1 : 4;
-    coefficient = srbf_need(file, prefix, "coefficient", lobes, channels, 0, 0.0f, SRBF_MOST);
-    bandwidth = srbf_need(file, prefix, "bandwidth", lobes, variates, 0, axial ? -SRBF_MOST : 0.0f, SRBF_MOST);
-    parameterization = srbf_need(file, prefix, "parameterization", variates, 2, 0, -SRBF_MOST, SRBF_MOST);
-    if (features || srbf_find(file, prefix, "log_scale"))
-        scale = srbf_need(file, prefix, "log_scale", lobes, 0, 0, -SRBF_MOST, SRBF_MOST);
-    if (!axial) centre = srbf_need(file, prefix, "centre", lobes, variates, 2, -SRBF_MOST, SRBF_MOST);
-    if (features) exponent = srbf_need(file, prefix, "exponent", lobes, features, 0, -SRBF_MOST, SRBF_MOST);
+    coefficient = srbf_need(file, "coefficient", lobes, channels, 0, 0.0f, SRBF_MOST);
+    bandwidth = srbf_need(file, "bandwidth", lobes, variates, 0, axial ? -SRBF_MOST : 0.0f, SRBF_MOST);
+    parameterization = srbf_need(file, "parameterization", variates, 2, 0, -SRBF_MOST, SRBF_MOST);
+    if (features || srbf_find(file, "log_scale"))
+        scale = srbf_need(file, "log_scale", lobes, 0, 0, -SRBF_MOST, SRBF_MOST);
+    if (!axial) centre = srbf_need(file, "centre", lobes, variates, 2, -SRBF_MOST, SRBF_MOST);
+    if (features) exponent = srbf_need(file, "exponent", lobes, features, 0, -SRBF_MOST, SRBF_MOST);
     if (file->error) return 0;
-    pm->lobes = (int)lobes, pm->variates = (int)variates, pm->features = (int)features;
-    pm->axial = axial, pm->reciprocal = form == 3, rows = srbf_rows(*pm);
+    model->pm = pm, model->is_isotropic = axial;
+    for (n = 0; n < variates; ++n)
+        if (srbf_number(file, parameterization, 2 * n) == 0.0f &&
+            srbf_number(file, parameterization, 2 * n + 1) == 0.0f)
+            return srbf_fail(file, SRBF_BAD_NUMBER, parameterization->begin);
+    for (j = 0; j < lobes && features; ++j)
+        if (srbf_number(file, exponent, features * j) < 0.0f) return srbf_fail(file, SRBF_BAD_NUMBER, exponent->begin);
     model->lobes = number =
         (float*)srbf_take(file, (SRBF_FIRST_ROW + (lobes + 7) / 8 * 8 * (size_t)rows) * sizeof *number);
+    if (!number) return !file->error;
     for (n = 0; n < variates; ++n) {
         const float a = srbf_number(file, parameterization, 2 * n), b = srbf_number(file, parameterization, 2 * n + 1);
-        if (a == 0.0f && b == 0.0f) return srbf_fail(file, SRBF_BAD_NUMBER, parameterization->begin);
-        if (!number) continue;
         number[n] = a, number[16 + n] = b;
-        if (pm->reciprocal) number[variates + n] = b, number[16 + variates + n] = a;
+        if (pm.reciprocal) number[variates + n] = b, number[16 + variates + n] = a;
     }
-    if (!number) return !file->error;
     number += SRBF_FIRST_ROW;
     for (j = 0; j < lobes; ++j) {
-        float* lobe = number + srbf_place((int)j, 0, rows);
-        if (scale) lobe[0] = log2_e * srbf_number(file, scale, j);
-        for (k = 0; k < 3 && !is_spectral; ++k) lobe[8 * (1 + k)] = srbf_number(file, coefficient, 3 * j + k);
-        for (k = 0; k < features; ++k) {
-            lobe[8 * (4 + k)] = log2_e * srbf_number(file, exponent, features * j + k);
-            if (k == 0 && lobe[32] < 0.0f) return srbf_fail(file, SRBF_BAD_NUMBER, exponent->begin);
-        }
-        for (n = 0; n < variates; ++n) {
-            const size_t i = j * variates + n;
-            const float falloff = -0.5f * log2_e * srbf_number(file, bandwidth, i);
-            float* of = lobe + 8 * (4 + (int)features + (int)n * srbf_rows_of_variate(*pm));
-            if (axial) {
-                of[0] = srbf_min(falloff, 0.0f), of[8] = srbf_min(-falloff, 0.0f);
-            } else {
-                const srbf_vec3 xi =
-                    srbf_spherical(srbf_number(file, centre, 2 * i), srbf_number(file, centre, 2 * i + 1));
-                of[0] = falloff, of[8] = xi.x, of[16] = xi.y, of[24] = xi.z;
-            }
+        float* row = number + srbf_place((int)j, 0, rows);
+        *row = log2_e * srbf_number(file, scale, j);
+        for (k = 0; k < 3; ++k) *(row += 8) = is_spectral ? 0.0f : srbf_number(file, coefficient, 3 * j + k);
+        for (k = 0; k < features; ++k) *(row += 8) = log2_e * srbf_number(file, exponent, features * j + k);
+        for (n = j * variates; n < (j + 1) * variates; ++n) {
+            const float falloff = -0.5f * log2_e * srbf_number(file, bandwidth, n);
+            const srbf_vec3 xi = srbf_spherical(srbf_number(file, centre, 2 * n), srbf_number(file, centre, 2 * n + 1));
+            *(row += 8) = srbf_min(falloff, 0.0f);
+            *(row += 8) = axial ? srbf_min(-falloff, 0.0f) : xi.x;
+            if (!axial) row[8] = xi.y, row[16] = xi.z, row += 16;
         }
     }
     return !is_spectral || srbf_add_spectra(file, coefficient, waves, number, rows);
 }
 
-static int srbf_read_su(srbf_file* file, const char* prefix, srbf_model* model) {
-    static const char* const sampled[] = {"view", "light", 0};
-    static const char* const interpolations[] = {"rotated", "plain", 0};
-    static const char* const neighbours[] = {"1", "2", "3", "4", "5", "6", "7", 0};
-    const srbf_tensor *coefficient, *bandwidth, *centre, *shape = 0;
+static int srbf_read_su(srbf_file* file, srbf_model* model) {
     srbf_view_lobes* su = &model->su;
-    size_t views, lobes, i, j;
+    const size_t views = srbf_extent(file, "bandwidth", 0, 8192), lobes = srbf_extent(file, "bandwidth", 1, 64);
+    const srbf_tensor *coefficient, *bandwidth, *centre, *shape = 0;
+    size_t i, j;
     float* number;
-    su->of_lights = srbf_choice(file, prefix, "discretise", sampled, SRBF_BAD_METADATA);
-    su->is_plain = srbf_choice(file, prefix, "interpolation", interpolations, SRBF_BAD_METADATA);
-    su->neighbours = srbf_choice(file, prefix, "neighbours", neighbours, SRBF_BAD_METADATA) + 1;
-    if (file->error || !srbf_shape(file, prefix, "bandwidth", &views, &lobes, 8192, 64)) return 0;
-    coefficient = srbf_need(file, prefix, "coefficient", views, lobes, 3, 0.0f, SRBF_MOST);
-    bandwidth = srbf_need(file, prefix, "bandwidth", views, lobes, 0, 0.0f, SRBF_MOST);
-    centre = srbf_need(file, prefix, "centre", views, lobes, 2, -SRBF_MOST, SRBF_MOST);
-    if (srbf_find(file, prefix, "shape"))
-        shape = srbf_need(file, prefix, "shape", views, lobes, 0, -SRBF_MOST, SRBF_MOST);
-    if (views < 8 && !file->error) srbf_fail_at(file, SRBF_BAD_TENSOR, bandwidth->name);
+    su->of_lights = srbf_choice(file, "discretise", "view light ", SRBF_BAD_METADATA);
+    su->is_plain = srbf_choice(file, "interpolation", "rotated plain ", SRBF_BAD_METADATA);
+    su->neighbours = srbf_choice(file, "neighbours", "1 2 3 4 5 6 7 ", SRBF_BAD_METADATA) + 1;
+    su->views = (int)views, su->lobes = (int)lobes, model->is_isotropic = !su->is_plain;
+    coefficient = srbf_need(file, "coefficient", views, lobes, 3, 0.0f, SRBF_MOST);
+    bandwidth = srbf_need(file, "bandwidth", views, lobes, 0, 0.0f, SRBF_MOST);
+    centre = srbf_need(file, "centre", views, lobes, 2, -SRBF_MOST, SRBF_MOST);
+    if (srbf_find(file, "shape")) shape = srbf_need(file, "shape", views, lobes, 0, -SRBF_MOST, SRBF_MOST);
+    if (views < 8) srbf_fail_tensor(file, bandwidth);
     if (file->error) return 0;
-    su->views = (int)views, su->lobes = (int)lobes;
     su->number = number = (float*)srbf_take(file, views * (3 + 8 * lobes) * sizeof *number);
-    for (i = 0; number && i < views;
-         ++i) {  // the Fibonacci set of the hemisphere, and angles relative to the mirror direction
+    // Views are the Fibonacci set of the hemisphere, and angles are relative to the mirror direction.
+    for (i = 0; number && i < views; ++i) {
         const double z = ((double)i + 0.5) / (double)views, r = sqrt(1.0 - z * z), phi = 2.3999632297286533 * (double)i;
         const float theta0 = atan2f((float)r, (float)z), phi0 = atan2f(-(float)(r * sin(phi)), -(float)(r * cos(phi)));
         *number++ = (float)(r * cos(phi)), *number++ = (float)(r * sin(phi)), *number++ = (float)z;
         for (j = i * lobes; j < (i + 1) * lobes; ++j, number += 8) {
+            const float theta = theta0 + srbf_number(file, centre, 2 * j);
             const srbf_vec3 beta = srbf_numbers(file, coefficient, 3 * j);
-            const srbf_vec3 xi =
-                srbf_spherical(theta0 + srbf_number(file, centre, 2 * j), phi0 + srbf_number(file, centre, 2 * j + 1));
-            number[0] = beta.x, number[1] = beta.y, number[2] = beta.z, number[3] = srbf_number(file, bandwidth, j);
-            number[4] = xi.x, number[5] = xi.y, number[6] = xi.z,
-            number[7] = shape ? srbf_number(file, shape, j) : 0.0f;
+            const srbf_vec3 xi = srbf_spherical(theta, phi0 + srbf_number(file, centre, 2 * j + 1));
+            memcpy(number, &beta, sizeof beta), number[3] = srbf_number(file, bandwidth, j);
+            memcpy(number + 4, &xi, sizeof xi), number[7] = srbf_number(file, shape, j);
         }
     }
     return !file->error;
 }
 
-static int srbf_read_ggx(srbf_file* file, const char* prefix, srbf_model* model) {
-    const srbf_tensor *roughness, *diffuse, *f0, *f90;
-    size_t lobes, none, i;
-    if (!srbf_shape(file, prefix, "roughness", &lobes, &none, 2, 0)) return 0;
-    roughness = srbf_need(file, prefix, "roughness", lobes, 0, 0, 1.0f / 1024.0f, 1.0f);
-    diffuse = srbf_need(file, prefix, "diffuse", 3, 0, 0, 0.0f, SRBF_MOST);
-    f0 = srbf_need(file, prefix, "facing", lobes, 3, 0, 0.0f, SRBF_MOST);
-    f90 = srbf_need(file, prefix, "grazing", lobes, 0, 0, 0.0f, SRBF_MOST);
+static int srbf_read_ggx(srbf_file* file, srbf_model* model) {
+    const size_t lobes = srbf_extent(file, "roughness", 0, 2);
+    const srbf_tensor *diffuse = srbf_need(file, "diffuse", 3, 0, 0, 0.0f, SRBF_MOST),
+                      *roughness = srbf_need(file, "roughness", lobes, 0, 0, 1.0f / 1024.0f, 1.0f),
+                      *f0 = srbf_need(file, "facing", lobes, 3, 0, 0.0f, SRBF_MOST),
+                      *f90 = srbf_need(file, "grazing", lobes, 0, 0, 0.0f, SRBF_MOST);
+    size_t i;
     if (file->error) return 0;
-    model->diffuse = srbf_numbers(file, diffuse, 0), model->ggx[1].roughness = 1.0f;
-    for (i = 0; i < lobes; ++i) {
-        model->ggx[i].roughness = srbf_number(file, roughness, i), model->ggx[i].f90 = srbf_number(file, f90, i);
-        model->ggx[i].f0 = srbf_numbers(file, f0, 3 * i);
+    model->diffuse = srbf_numbers(file, diffuse, 0), model->is_isotropic = 1, model->facets = 2;
+    for (i = 0; i < 2; ++i) {
+        const float alpha = i < lobes ? srbf_number(file, roughness, i) : 1.0f;
+        model->ggx[i].roughness = alpha, model->facet[i] = srbf_facets_along(1.0f, 0.0f, alpha, alpha);
+        if (i == lobes) break;
+        model->ggx[i].f0 = srbf_numbers(file, f0, 3 * i), model->ggx[i].f90 = srbf_number(file, f90, i);
     }
     return 1;
 }
 
-static int srbf_read_openpbr(srbf_file* file, const char* prefix, srbf_model* model) {
-    float p[3 * SRBF_PARAMETERS];
+static int srbf_read_openpbr(srbf_file* file, srbf_model* model) {
+    const int has_film = srbf_find(file, "thin_film_weight") != 0;
+    const int is_anisotropic = srbf_find(file, "specular_roughness_anisotropy") != 0;
+    srbf_OpenPbrSurface* of = &model->surface;
+    srbf_OpenPbrAnisotropy* turned = &model->anisotropy;
+    srbf_OpenPbrRoughness base;
+    float p[3 * SRBF_PARAMETERS], coat, alpha;
     int i, c, n = 0;
-    model->is_exchanged = srbf_choice(file, prefix, "exchanged_surface", srbf_truths, SRBF_BAD_METADATA) == 0;
-    model->has_film = srbf_find(file, prefix, "thin_film_weight") != 0;
-    model->is_anisotropic = srbf_find(file, prefix, "specular_roughness_anisotropy") != 0;
+    model->is_exchanged = srbf_choice(file, "exchanged_surface", "true false ", SRBF_BAD_METADATA) == 0;
+    model->is_isotropic = !is_anisotropic, model->is_plain = !has_film && !is_anisotropic;
     for (i = 0; i < SRBF_PARAMETERS; ++i) {
-        const srbf_parameter* of = &srbf_parameters[i];
-        const int is_film = strncmp(of->name, "thin_film_", 10) == 0, is_turned = i >= SRBF_PARAMETERS - 2;
-        const int is_stored = is_film ? model->has_film : is_turned ? model->is_anisotropic : 1;
+        const srbf_parameter* row = &srbf_parameters[i];
+        const int is_film = strncmp(row->name, "thin_film_", 10) == 0, is_turned = i >= SRBF_PARAMETERS - 2;
+        const int is_stored = is_film ? has_film : is_turned ? is_anisotropic : 1;
         const srbf_tensor* tensor =
-            is_stored ? srbf_need(file, prefix, of->name, (size_t)of->count, 0, 0, of->least, of->most) : 0;
-        for (c = 0; c < of->count; ++c) p[n++] = tensor ? srbf_number(file, tensor, (size_t)c) : of->by_default;
+            is_stored ? srbf_need(file, row->name, (size_t)row->count, 0, 0, row->least, row->most) : 0;
+        for (c = 0; c < row->count; ++c) p[n++] = tensor ? srbf_number(file, tensor, (size_t)c) : row->by_default;
     }
     if (file->error) return 0;
     // The members of the structures are in the order of the parameters, after the weight of the base.
-    memcpy(&model->surface, p + 1, sizeof model->surface);
-    memcpy(&model->film, p + 1 + sizeof model->surface / sizeof *p, sizeof model->film);
-    model->surface.base_color = srbf_scale(p[0], model->surface.base_color);
-    model->anisotropy.amount = p[n - 2];
-    model->anisotropy.cosine = cosf(6.28318531f * p[n - 1]), model->anisotropy.sine = sinf(6.28318531f * p[n - 1]);
+    memcpy(of, p + 1, sizeof *of), memcpy(&model->film, p + 1 + sizeof *of / sizeof *p, sizeof model->film);
+    of->base_color = srbf_scale(p[0], of->base_color);
+    turned->amount = p[n - 2];
+    turned->cosine = cosf(6.28318531f * p[n - 1]), turned->sine = sinf(6.28318531f * p[n - 1]);
+    coat = srbf_alpha_of(of->coat_roughness);
+    alpha = srbf_alpha_of(srbf_roughened(of->specular_roughness, of->coat_roughness, of->coat_weight));
+    base = srbf_openpbr_roughness(alpha, turned->amount);
+    model->facets = of->coat_weight > 0.0f ? 2 : 1;
+    model->facet[0] = srbf_facets_along(turned->cosine, turned->sine, base.along, base.across);
+    model->facet[1] = srbf_facets_along(1.0f, 0.0f, coat, coat);
     return 1;
 }
 
-static int srbf_read_model(srbf_file* file, const char* prefix, srbf_model* model) {
-    static const char* const kinds[] = {"pm", "su", "ggx", "openpbr", "pbr", 0};
-    const int kind = srbf_choice(file, prefix, "model", kinds, SRBF_OTHER_KIND);
+static int srbf_read_model(srbf_file* file, srbf_model* model) {
+    static int (*const readers[])(srbf_file*, srbf_model*) = {srbf_read_pm, srbf_read_su, srbf_read_ggx,
+                                                              srbf_read_openpbr, srbf_read_openpbr};
+    const int kind = srbf_choice(file, "model", "pm su ggx openpbr pbr ", SRBF_OTHER_KIND);
     if (kind < 0) return 0;
     model->kind = kind < 4 ? (srbf_kind)kind : SRBF_KIND_OPENPBR;
-    return model->kind == SRBF_KIND_PM    ? srbf_read_pm(file, prefix, model)
-           : model->kind == SRBF_KIND_SU  ? srbf_read_su(file, prefix, model)
-           : model->kind == SRBF_KIND_GGX ? srbf_read_ggx(file, prefix, model)
-                                          : srbf_read_openpbr(file, prefix, model);
+    return readers[kind](file, model);
 }
 
 // The sampled views nearest to w, the nearest first: one more than the model's neighbours. The directions' z rises.
@@ -264,7 +258,7 @@ SRBF_APART srbf_vec3 srbf_other_value(const srbf_model* model, srbf_vec3 wl, srb
     }
     if (model->kind == SRBF_KIND_GGX) return srbf_ggx_value(model->diffuse, model->ggx[0], model->ggx[1], wl, wv);
 #ifndef __OPTIMIZE_SIZE__
-    if (!model->is_anisotropic && !model->has_film) return srbf_openpbr_value(model->surface, l, v);
+    if (model->is_plain) return srbf_openpbr_value(model->surface, l, v);
 #endif
     return srbf_openpbr_anisotropic_value(model->surface, model->film, model->anisotropy, l, v);
 }

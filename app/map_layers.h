@@ -41,5 +41,7 @@ enum class LayerNumbers {
 /// bytes and blocks the metadata `k_scale_key` are the scales, 3 J 32-bit floats: R, G, B of each lobe.
 std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers = LayerNumbers::halves);
 inline constexpr const char* k_scale_key = "srbf.scale";
+/// The map as a DDS file of Direct3D 10 and later: the same array of 16-bit floats with the same levels.
+std::vector<std::byte> map_dds(const Library& map);
 
 }  // namespace srbf

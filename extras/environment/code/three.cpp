@@ -158,6 +158,7 @@ Result<std::string> three_map_module(const Library& map, const std::string& name
         environment_map_code(map, name, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
                              {.environment = true,
                               .area = true,
+                              .lobes = k_three_lobes,
                               .levels = MapLevels::three,
                               .fixed = true,
                               .colours = true,

@@ -235,6 +235,13 @@ std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
     add_part(8, [&] {
         file.add_metadata("KTXorientation", "rd"), file.add_metadata("KTXwriter", "srbf");
         if (numbers != LayerNumbers::halves) file.add_metadata(k_scale_key, std::as_bytes(std::span(scales)));
+        if (numbers == LayerNumbers::blocks && levels.size() > k_first_coarse) {
+            Container coarse;
+            coarse.add(k_first_coarse, 4);
+            for (std::size_t k = k_first_coarse; k < levels.size(); ++k)
+                add_level(coarse, levels[k], LayerNumbers::bytes, scales);
+            file.add_metadata(k_coarse_key, coarse.bytes);
+        }
     });
     file.align(format.size);
     for (std::size_t k = levels.size(); k-- > 0;) {  // the smallest level comes first

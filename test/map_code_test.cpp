@@ -231,10 +231,12 @@ TEST_F(MapCode, BytesAreNearestFractionsOfTheScale) {
     }
 }
 
-/// Levels have whole blocks of 16 bytes.
+/// Levels have whole blocks of 16 bytes. The metadata has the coarse ones in bytes.
 TEST_F(MapCode, BlocksHaveSixteenBytes) {
     if (!has_astc()) GTEST_SKIP() << "built without libastcenc";
-    const auto texture = texture_of<std::uint8_t>(map_ktx2(map_of(true, 7, 5), LayerNumbers::blocks));
+    const Library map = map_of(true, 7, 5);
+    const auto texture = texture_of<std::uint8_t>(map_ktx2(map, LayerNumbers::blocks)),
+               of_bytes = texture_of<std::uint8_t>(map_ktx2(map, LayerNumbers::bytes));
     EXPECT_EQ(texture.header[0], 158u);
     const std::size_t J = texture.header[5];
     ASSERT_EQ(texture.levels.size(), 3u);
@@ -242,6 +244,9 @@ TEST_F(MapCode, BlocksHaveSixteenBytes) {
     EXPECT_EQ(texture.levels[1].size(), J * 16);
     EXPECT_EQ(texture.levels[2].size(), J * 16);
     EXPECT_EQ(texture.metadata.at(k_scale_key).size(), J * sizeof(Rgb));
+    EXPECT_EQ(texture.metadata.at(k_coarse_key),
+              std::string("\2\0\0\0", 4) + std::string(of_bytes.levels[2].begin(), of_bytes.levels[2].end()));
+    EXPECT_EQ(of_bytes.metadata.count(k_coarse_key), 0u);
 }
 
 /// Against data with noise of 2 %, as instruments have, coefficients in bytes have at most 1.1 times the error of those

@@ -126,7 +126,7 @@ PmModel matte_model(const PmFitOptions& of, const Observations& samples) {
 /// about a simpler model by no more than so many times that follow noise, and may rise where nothing is measured.
 constexpr double k_noise_of_lobes = 3;
 
-bool is_as_good(const Evaluate& simpler, const PmModel& fitted, const Observations& samples, std::size_t values) {
+bool explains_as_much(const Evaluate& simpler, const PmModel& fitted, const Observations& samples, std::size_t values) {
     const double share = k_noise_of_lobes * double(payload_bytes(fitted)) / 2 / double(values);
     return loss_of(samples, simpler) <= (1 + share) * loss_of(samples, evaluator(fitted));
 }
@@ -136,7 +136,7 @@ TexelFit fitted_texel(const Batch& batch, const ScatteredSamples& samples, const
                       StopReason stop) {
     TexelFit fit{std::move(model), TexelState::fitted, {}, stop, {}};
     PmModel matte = matte_model(batch.options, observed);
-    if (is_as_good(evaluator(matte), fit.model, observed, 3 * samples.wl.size())) fit.model = std::move(matte);
+    if (explains_as_much(evaluator(matte), fit.model, observed, 3 * samples.wl.size())) fit.model = std::move(matte);
     fit.errors = measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit.model), batch.request.theta());
     return fit;
 }
@@ -146,8 +146,8 @@ TexelFit fitted_texel(const Batch& batch, const ScatteredSamples& samples, const
 std::optional<Observations> expected_between(const Batch& batch, const Observations& samples, const PmModel& lobes) {
     const auto ggx = Kind<GgxModel>::fit(samples, {1}, {.threads = 1});
     if (!ggx) return {};
-    const Evaluate values = evaluator(Model{ggx->unrounded, {}});
-    if (!is_as_good(values, lobes, samples, 3 * samples.f.size())) return {};
+    const Evaluate values = evaluator(ggx->unrounded);
+    if (!explains_as_much(values, lobes, samples, 3 * samples.f.size())) return {};
     Observations between = batch.between;
     between.objective = samples.objective, between.typical = samples.typical;
     values(between.wl, between.wv, between.f);

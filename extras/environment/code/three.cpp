@@ -175,7 +175,8 @@ Result<std::string> three_map_module(const Library& map, const std::string& name
             "float measured_far; // the share of measured_coarse\n"
             "vec3 {0}_layer(int j, float u, float v) {{\n"
             "    vec3 at = vec3(u, v, float(j)), near = vec3(0.0), far = vec3(0.0);\n"
-            "    if (measured_first_coarse == 0.0) return measured_scales[j] * texture(measured_coefficients, at).rgb;\n"
+            "    if (measured_first_coarse == 0.0)\n"
+            "        return measured_scales[j] * texture(measured_coefficients, at).rgb;\n"
             "    if (measured_far < 1.0) near = textureGrad(measured_coefficients, at, measured_dx, measured_dy).rgb;\n"
             "    if (measured_far > 0.0) far = textureGrad(measured_coarse, at, measured_dx, measured_dy).rgb;\n"
             "    return measured_scales[j] * mix(near, far, measured_far);\n}}\n",

@@ -142,10 +142,12 @@ int write_text(const ExportCommand& asked, const TextKind& kind) {
     return written ? int(k_done) : complain(written.error());
 }
 
-int write_ktx2(const ExportCommand& asked) {
+int write_texture(const ExportCommand& asked) {
     const auto map = load_map(asked);
     if (!map) return complain(map.error());
-    const auto written = within_memory(asked.output, [&] { return write_file(asked.output, texture_of(asked, *map)); });
+    const auto written = within_memory(asked.output, [&] {
+        return write_file(asked.output, asked.to == "dds" ? map_dds(*map) : texture_of(asked, *map));
+    });
     return written ? int(k_done) : complain(written.error());
 }
 
@@ -218,8 +220,8 @@ constexpr const char* k_about_others =
     "mtlx, standard-surface, gltf, glb, usd, principled: a surface (fit --model openpbr) as a document of\n"
     "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"
     "the Principled material of Blender\n"
-    "ktx2: the coefficients of a map (srbf map --basis N --width W), as layers of a KTX 2 texture with its levels;\n"
-    "its code has NAME_brdf(wl, wv, NAME_coefficients(u, v))";
+    "ktx2, dds: the coefficients of a map (srbf map --basis N --width W), as layers of a texture of KTX 2 or\n"
+    "Direct3D with its levels; its code has NAME_brdf(wl, wv, NAME_coefficients(u, v))";
 constexpr const char* k_about_models =
     "\nThe numbers of a view-by-view model go into NAME.data beside the code. The functions of a BSDF are\n"
     "NAME_bsdf, for directions on either side, and NAME_beam, the fraction of light that passes unscattered";
@@ -231,7 +233,7 @@ Exports core_exports() {
         if (!kind.about.empty()) exports.about += "\n" + kind.name + ": " + kind.about;
         exports.kinds.push_back({kind.name, [kind](const ExportCommand& asked) { return write_text(asked, kind); }});
     }
-    exports.kinds.push_back({"ktx2", write_ktx2});
+    for (const char* name : {"ktx2", "dds"}) exports.kinds.push_back({name, write_texture});
     exports.about += std::string("\n") + k_about_others;
     return exports;
 }

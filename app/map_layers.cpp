@@ -235,6 +235,13 @@ std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
     add_part(8, [&] {
         file.add_metadata("KTXorientation", "rd"), file.add_metadata("KTXwriter", "srbf");
         if (numbers != LayerNumbers::halves) file.add_metadata(k_scale_key, std::as_bytes(std::span(scales)));
+        if (numbers == LayerNumbers::blocks && levels.size() > k_first_coarse) {
+            Container coarse;
+            coarse.add(k_first_coarse, 4);
+            for (std::size_t k = k_first_coarse; k < levels.size(); ++k)
+                add_level(coarse, levels[k], LayerNumbers::bytes, scales);
+            file.add_metadata(k_coarse_key, coarse.bytes);
+        }
     });
     file.align(format.size);
     for (std::size_t k = levels.size(); k-- > 0;) {  // the smallest level comes first
@@ -247,6 +254,31 @@ std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
         add_level(file, levels[k], numbers, scales);
     }
     return std::move(file.bytes);
+}
+
+std::vector<std::byte> map_dds(const Library& map) {
+    // DDS_HEADER with its DDS_PIXELFORMAT, and DDS_HEADER_DXT10, of Microsoft's "Programming Guide for DDS".
+    constexpr std::uint32_t caps_height_width_pitch_format_levels = 0x2100f, four_characters = 0x4, dx10 = 0x30315844,
+                            complex_texture_mipmap = 0x401008, r16g16b16a16_float = 10, texture_2d = 3, opaque = 3;
+    const std::vector<MapLevel> levels = mip_levels(map);
+    const auto J = std::size_t(map.basis.lobes);
+    const auto width = std::uint32_t(levels[0].width);
+    std::array<std::uint32_t, 37> header{
+        0x20534444, 124, caps_height_width_pitch_format_levels, std::uint32_t(levels[0].height), width,
+        8 * width,  0,   std::uint32_t(levels.size())};
+    header[19] = 32, header[20] = four_characters, header[21] = dx10, header[27] = complex_texture_mipmap;
+    header[32] = r16g16b16a16_float, header[33] = texture_2d, header[35] = std::uint32_t(J), header[36] = opaque;
+    std::vector<std::vector<std::uint16_t>> halves;
+    for (const MapLevel& level : levels) halves.push_back(layers_in_halves(level));
+    std::vector<std::byte> file;
+    const auto append = [&](const auto& numbers) {
+        const auto bytes = std::as_bytes(std::span(numbers));
+        file.insert(file.end(), bytes.begin(), bytes.end());
+    };
+    append(header);
+    for (std::size_t j = 0; j < J; ++j)  // all levels of a layer stand together
+        for (const auto& level : halves) append(std::span(level).subspan(j * (level.size() / J), level.size() / J));
+    return file;
 }
 
 }  // namespace srbf

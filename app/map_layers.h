@@ -41,5 +41,11 @@ enum class LayerNumbers {
 /// bytes and blocks the metadata `k_scale_key` are the scales, 3 J 32-bit floats: R, G, B of each lobe.
 std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers = LayerNumbers::halves);
 inline constexpr const char* k_scale_key = "srbf.scale";
+/// Neighbours in coarse levels differ too much for blocks. The metadata `k_coarse_key` of a file with blocks has the levels
+/// from `k_first_coarse` on in bytes too: this number in 32 bits, then one level after the other.
+inline constexpr const char* k_coarse_key = "srbf.coarse";
+inline constexpr std::size_t k_first_coarse = 2;
+/// The map as a DDS file of Direct3D 10 and later: the same array of 16-bit floats with the same levels.
+std::vector<std::byte> map_dds(const Library& map);
 
 }  // namespace srbf

@@ -5,9 +5,9 @@ python3 bench/texels.py make FOLDER --program SRBF --texels N [FILE...]
     within 78°, half of them with the light near the mirror direction, with noise of 2 %. If there are measurements, a
     texel blends them in random proportions. Otherwise it is a Lambert and a GGX lobe with random colour, roughness and
     reflectance at normal incidence.
-python3 bench/texels.py compare FOLDER MAP.srbf... --program SRBF [--sample 64]
-    prints for some of the texels the errors of MAP and of single fits (`srbf map` without --basis) against values
-    without noise at other pairs.
+python3 bench/texels.py compare FOLDER MAP... --program SRBF [--sample 64] [--texels N]
+    prints for some of the texels, or of the first N of them, the errors of MAP, a library or a folder of slabs (`--examples N -o MAP`), and of
+    single fits (`srbf map` without either) against values without noise at other pairs.
 """
 import argparse
 import json
@@ -119,10 +119,19 @@ def cube_root_error(f, g):
     return np.sum((np.cbrt(f) - np.cbrt(g)) ** 2) / np.sum(np.cbrt(f) ** 2)
 
 
-def compare(folder, program, maps, sample):
+def texel_of(path, t):
+    """The name of texel t in a library, or in a folder of slabs."""
+    if not os.path.isdir(path):
+        return f"{path}#{t}"
+    first = max(n for n in (int(name[-14:-5]) for name in os.listdir(path) if name.endswith(".srbf")) if n <= t)
+    return os.path.join(path, f"texels-{first:09}.srbf#{t - first}")
+
+
+def compare(folder, program, maps, sample, most):
     pairs, other = os.path.join(folder, "pairs.csv"), os.path.join(folder, "other.csv")
     texels = np.load(os.path.join(folder, "texels.npy"), mmap_mode="r")
-    which = (np.arange(sample) * 2 + 1) * len(texels) // (2 * sample)
+    count = min(len(texels), most)
+    which = (np.arange(sample) * 2 + 1) * count // (2 * sample)
     with open(os.path.join(folder, "files.json"), encoding="utf-8") as file:
         expected = materials(program, json.load(file), other).values(which)
     singles = os.path.join(folder, "sample.npy")
@@ -130,7 +139,7 @@ def compare(folder, program, maps, sample):
     command = [program, "map", singles, "--pairs", pairs, "-o", os.path.join(folder, "singles"), "--resume"]
     subprocess.run(command, check=True)
     columns = {"single fits": [os.path.join(folder, "singles", f"sample-000000000.srbf#{n}") for n in range(sample)]}
-    columns |= {path: [f"{path}#{t}" for t in which] for path in maps}
+    columns |= {path: [texel_of(path, t) for t in which] for path in maps}
     reference = None
     for name, models in columns.items():
         errors = np.array([cube_root_error(f, evaluate(program, model, other)) for f, model in zip(expected, models)])
@@ -153,7 +162,7 @@ def main():
     if arguments.work == "make":
         make(arguments.folder, arguments.program, arguments.files, arguments.texels)
     else:
-        compare(arguments.folder, arguments.program, arguments.files, arguments.sample)
+        compare(arguments.folder, arguments.program, arguments.files, arguments.sample, arguments.texels)
 
 
 if __name__ == "__main__":

@@ -119,7 +119,7 @@ TEST_F(WithModel, export_writes_a_map_or_nothing) {
     };
     Library map = random_map(random, {.lobes = 3}, 4, 2);
     save(map, "map.srbf");
-    for (const char* kind : {"glsl", "hlsl", "wgsl", "msl", "c", "ktx2", "exr", "three"}) {
+    for (const char* kind : {"glsl", "hlsl", "wgsl", "msl", "c", "ktx2", "dds", "exr", "three"}) {
         if (!is_offered({kind})) continue;
         const ProgramRun result = run(folder, {"export", "map.srbf", "--to", kind, "-o", std::string("o.") + kind});
         EXPECT_EQ(result.status, 0) << result.err;

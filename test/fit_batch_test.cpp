@@ -7,6 +7,7 @@
 
 #include "brdf/directions.h"
 #include "fit/texel_stream.h"
+#include "models/ggx/ggx_functions.h"
 #include "properties.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"
@@ -84,6 +85,37 @@ TEST(FitBatch, lobes_of_examples_are_nearly_as_good_as_searches) {
     EXPECT_EQ(sparse->front().state, TexelState::fitted);
     options.examples.front().lobes = 2;
     EXPECT_EQ(fit_batch(pairs, f, options).error().code, ErrorCode::argument);
+}
+
+/// Where a texel is Lambert and GGX, lobes from examples follow that between the samples rather than the samples' noise.
+TEST(FitBatch, lobes_of_examples_are_as_good_as_searches_between_the_samples_of_microfacets) {
+    const SharedPairs pairs = shared_pairs(), others = shared_pairs(2);
+    std::mt19937_64 random(4);
+    std::vector<Rgb> f;
+    std::vector<std::vector<Rgb>> expected(8);
+    for (std::size_t t = 0; t < expected.size(); ++t) {
+        const float x = float(t) / 8;
+        const GgxModel ggx{{0.5f - 0.4f * x, 0.3f, 0.1f + 0.4f * x}, {{0.1f + 0.4f * x, {0.05f, 0.2f * x, 0.1f}, 1}}};
+        for (std::size_t i = 0; i < k_pairs; ++i) {
+            f.push_back(value(ggx, pairs.wl[i], pairs.wv[i]));
+            for (int c = 0; c < 3; ++c) f.back()[c] *= float(0.96 + 0.08 * uniform(random));
+            expected[t].push_back(value(ggx, others.wl[i], others.wv[i]));
+        }
+    }
+    BatchOptions options;
+    const auto searched = fit_batch(pairs, f, options);
+    ASSERT_TRUE(searched);
+    for (const std::size_t t : {0, 4, 7}) options.examples.push_back((*searched)[t].model);
+    const auto fits = fit_batch(pairs, f, options);
+    ASSERT_TRUE(fits);
+    const auto error_of_all = [&](const std::vector<TexelFit>& of) {
+        double sum = 0;
+        for (std::size_t t = 0; t < of.size(); ++t)
+            sum += measure_samples(others.wl, others.wv, expected[t], evaluator(of[t].model), 75 * k_degree)
+                       .cube_root_error_ratio;
+        return sum;
+    };
+    EXPECT_LT(error_of_all(*fits), 1.2 * error_of_all(*searched));
 }
 
 /// Texels of one value with noise of 2 %: nothing rises between the samples, of which the nearest to the mirror direction

@@ -94,6 +94,39 @@ void expect_near(const Rgb& found, const Rgb& expected, float relative, const st
 
 class MapCode : public WrittenCode {};
 
+/// A DDS file holds the numbers of the KTX 2 file, all levels of a layer together. The words are those that Microsoft's
+/// documentation of DDS_HEADER and DDS_HEADER_DXT10 names.
+TEST_F(MapCode, DdsHoldsTheLayersWithTheirLevels) {
+    const Library map = map_of(true, 7, 5);
+    const std::vector<std::byte> bytes = map_dds(map);
+    const Texture texture = texture_of(map_ktx2(map));
+    ASSERT_GT(bytes.size(), 148u);
+    const auto word = [&](std::size_t at) {
+        std::uint32_t number;
+        std::memcpy(&number, &bytes[at], sizeof number);
+        return number;
+    };
+    EXPECT_EQ(std::memcmp(bytes.data(), "DDS ", 4), 0);
+    EXPECT_EQ(word(4), 124u);                 // dwSize
+    EXPECT_EQ(word(8) & 0x21007u, 0x21007u);  // DDSD_CAPS, _HEIGHT, _WIDTH, _PIXELFORMAT, _MIPMAPCOUNT
+    EXPECT_EQ(std::pair(word(12), word(16)), (std::pair{5u, 7u}));
+    EXPECT_EQ(word(28), texture.levels.size());
+    EXPECT_EQ(word(76), 32u);  // ddspf.dwSize
+    EXPECT_EQ(std::memcmp(&bytes[84], "DX10", 4), 0);
+    EXPECT_EQ(word(128), 10u);  // DXGI_FORMAT_R16G16B16A16_FLOAT
+    EXPECT_EQ(word(132), 3u);   // DDS_DIMENSION_TEXTURE2D
+    EXPECT_EQ(word(140), 5u);   // arraySize
+    std::size_t at = 148;
+    for (std::size_t j = 0; j < 5; ++j)
+        for (const auto& level : texture.levels) {
+            const std::size_t size = level.size() / 5 * sizeof level[0];
+            ASSERT_LE(at + size, bytes.size());
+            EXPECT_EQ(std::memcmp(&bytes[at], &level[j * level.size() / 5], size), 0);
+            at += size;
+        }
+    EXPECT_EQ(at, bytes.size());
+}
+
 TEST_F(MapCode, IsTheModelsOfTheTexels) {
     for (const bool axial : {true, false}) {
         const Library map = map_of(axial);
@@ -198,10 +231,12 @@ TEST_F(MapCode, BytesAreNearestFractionsOfTheScale) {
     }
 }
 
-/// Levels have whole blocks of 16 bytes.
+/// Levels have whole blocks of 16 bytes. The metadata has the coarse ones in bytes.
 TEST_F(MapCode, BlocksHaveSixteenBytes) {
     if (!has_astc()) GTEST_SKIP() << "built without libastcenc";
-    const auto texture = texture_of<std::uint8_t>(map_ktx2(map_of(true, 7, 5), LayerNumbers::blocks));
+    const Library map = map_of(true, 7, 5);
+    const auto texture = texture_of<std::uint8_t>(map_ktx2(map, LayerNumbers::blocks)),
+               of_bytes = texture_of<std::uint8_t>(map_ktx2(map, LayerNumbers::bytes));
     EXPECT_EQ(texture.header[0], 158u);
     const std::size_t J = texture.header[5];
     ASSERT_EQ(texture.levels.size(), 3u);
@@ -209,6 +244,9 @@ TEST_F(MapCode, BlocksHaveSixteenBytes) {
     EXPECT_EQ(texture.levels[1].size(), J * 16);
     EXPECT_EQ(texture.levels[2].size(), J * 16);
     EXPECT_EQ(texture.metadata.at(k_scale_key).size(), J * sizeof(Rgb));
+    EXPECT_EQ(texture.metadata.at(k_coarse_key),
+              std::string("\2\0\0\0", 4) + std::string(of_bytes.levels[2].begin(), of_bytes.levels[2].end()));
+    EXPECT_EQ(of_bytes.metadata.count(k_coarse_key), 0u);
 }
 
 /// Against data with noise of 2 %, as instruments have, coefficients in bytes have at most 1.1 times the error of those

@@ -50,6 +50,7 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"an environment", "export none.hdr --to dds -o o.dds"},
     {"a map's code", "export t.srbf --to glsl -o o.glsl"},
     {"a map's textures", "export t.srbf --to ktx2 -o o.ktx2"},
+    {"a map for Direct3D", "export t.srbf --to dds -o o.dds"},
     {"a surface", "export q.srbf --to mtlx -o o.mtlx"},
     {"nodes", "export m.srbf --to blender -o o.py --terms 1"},
     {"a shader of closures", "export m.srbf --to osl -o o.osl --terms 1"},

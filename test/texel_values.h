@@ -15,9 +15,9 @@ namespace srbf {
 inline constexpr std::size_t k_pairs = 150;
 
 /// Pairs within 75°, half of the lights uniform and half about the mirror direction.
-inline SharedPairs shared_pairs() {
+inline SharedPairs shared_pairs(std::uint64_t seed = 1) {
     SharedPairs pairs;
-    std::mt19937_64 random(1);
+    std::mt19937_64 random(seed);
     const double cap = 75 * k_degree;
     const MirrorMixture lights(cap);
     const auto in_cap = [&] {

@@ -96,6 +96,18 @@ Vec3d error_weights(const Vec3d& radiance) {
     return {weight(radiance.x), weight(radiance.y), weight(radiance.z)};
 }
 
+/// Sets what the view reflects: its albedo, and the radiance under each light.
+void set_reflected(LitView& view, const Vec3d& total, const MatrixXd& radiances) {
+    view.albedo = {float(total.x), float(total.y), float(total.z)};
+    view.weight.resize(radiances.rows(), 3);
+    for (Eigen::Index i = 0; i < radiances.rows(); ++i) {
+        const Vec3d sum{radiances(i, 0), radiances(i, 1), radiances(i, 2)};
+        const Vec3d weight = view.lights[std::size_t(i)].share * error_weights(sum + k_ambient * total);
+        view.weight.row(i) << weight.x, weight.y, weight.z;
+    }
+    view.radiance = view.weight.cwiseProduct(radiances);
+}
+
 }  // namespace
 
 std::vector<Reflected> sample_reflected(const AveragedBrdf& brdf, const Vec3f& wv) {
@@ -111,9 +123,6 @@ std::vector<Reflected> sample_reflected(const AveragedBrdf& brdf, const Vec3f& w
     return reflected;
 }
 
-LitView view_with_lights(const AveragedBrdf& brdf, const Vec3d& wv, const std::vector<Reflected>& reflected) {
-    return {wv, {}, 0, place_lights(brdf.brdf(), to_float(wv), reflected), {}, {}};
-}
 MatrixXd radiances_of(const LitView& view, const AveragedBrdf& brdf, const std::vector<Reflected>& reflected) {
     MatrixXd radiances(Eigen::Index(view.lights.size()), 3);
     for (std::size_t i = 0; i < view.lights.size(); ++i) {
@@ -122,23 +131,10 @@ MatrixXd radiances_of(const LitView& view, const AveragedBrdf& brdf, const std::
     }
     return radiances;
 }
-void set_reflected(LitView& view, const Vec3d& total, const MatrixXd& radiances) {
-    view.albedo = {float(total.x), float(total.y), float(total.z)};
-    view.weight.resize(radiances.rows(), 3);
-    for (Eigen::Index i = 0; i < radiances.rows(); ++i) {
-        const Vec3d sum{radiances(i, 0), radiances(i, 1), radiances(i, 2)};
-        const Vec3d weight = view.lights[std::size_t(i)].share * error_weights(sum + k_ambient * total);
-        view.weight.row(i) << weight.x, weight.y, weight.z;
-    }
-    view.radiance = view.weight.cwiseProduct(radiances);
-}
-
-Vec3d view_in_plane(double cosine) { return {std::sqrt(1 - cosine * cosine), 0, cosine}; }
-
 LitView lit_view(const AveragedBrdf& brdf, double cosine) {
-    const Vec3d wv = view_in_plane(cosine);
+    const Vec3d wv{std::sqrt(1 - cosine * cosine), 0, cosine};
     const std::vector<Reflected> reflected = sample_reflected(brdf, to_float(wv));
-    LitView view = view_with_lights(brdf, wv, reflected);
+    LitView view{wv, {}, 0, place_lights(brdf.brdf(), to_float(wv), reflected), {}, {}};
     const Rgb of_all = albedo(brdf.brdf(), float(cosine));
     const Vec3d total{of_all.r, of_all.g, of_all.b};
     view.width = width_of(total, reflected);

@@ -71,15 +71,9 @@ struct Reflected {
 };
 std::vector<Reflected> sample_reflected(const AveragedBrdf& brdf, const Vec3f& wv);
 
-/// A view in the plane y = 0 with its lights, but without what it reflects.
-LitView view_with_lights(const AveragedBrdf& brdf, const Vec3d& wv, const std::vector<Reflected>& reflected);
 /// The radiance under each of the view's lights: lights × 3.
 Eigen::MatrixXd radiances_of(const LitView& view, const AveragedBrdf& brdf, const std::vector<Reflected>& reflected);
-/// Sets what the view reflects: its albedo, and the radiance under each light.
-void set_reflected(LitView& view, const Vec3d& total, const Eigen::MatrixXd& radiances);
 
-/// The direction to the viewer at this cosine to the normal.
-Vec3d view_in_plane(double cosine);
 /// A view in the plane y = 0 with its lights and what it reflects, at this cosine to the normal.
 LitView lit_view(const AveragedBrdf& brdf, double cosine);
 /// The cosine of a node's view in fits: at the horizon views have no limit, along the normal no plane of incidence.

@@ -1,6 +1,5 @@
 #include <Eigen/Dense>
 #include <algorithm>
-#include <numeric>
 
 #include "base/parallel.h"
 #include "brdf/colour.h"
@@ -42,23 +41,6 @@ void add_lobes(const LitView& view, const AveragedBrdf& three, Eigen::Index firs
     to.radiance.middleCols(first, count) = radiances_of(view, three, reflected).leftCols(count);
 }
 
-/// The view's errors for the channels `mix`, J × 3, of sums of lobes.
-void set_channels(LitView& view, const LobesOfView& lobes, const MatrixXd& mix) {
-    const Eigen::RowVector3d total = lobes.albedo.transpose() * mix;
-    set_reflected(view, {total[0], total[1], total[2]}, lobes.radiance * mix);
-}
-/// Coefficients of three channels, a third of the lobes each by their width, so that the fit of axes and roughnesses
-/// suits broad and narrow lobes.
-MatrixXd thirds_by_width(const PmModel& model, const VectorXd& width) {
-    const auto J = std::size_t(width.size());
-    std::vector<std::size_t> order(J);
-    std::iota(order.begin(), order.end(), 0);
-    std::ranges::stable_sort(order, {}, [&](std::size_t j) { return width[Eigen::Index(j)]; });
-    MatrixXd mix = MatrixXd::Zero(Eigen::Index(J), 3);
-    for (std::size_t i = 0; i < J; ++i)
-        mix(Eigen::Index(order[i]), Eigen::Index(3 * i / J)) = double(luminance(model.coefficient[order[i]]));
-    return mix;
-}
 /// The view's errors for three lobes from `first` on, as if each were all that a typical material reflects: with its
 /// albedo, and relative to its radiance `typical`.
 void set_lobes(LitView& view, const LobesOfView& lobes, Eigen::Index first, const VectorXd& coefficient) {
@@ -86,14 +68,12 @@ SharedLight shared_light(const PmModel& model, const ExtendedLightOptions& optio
     std::vector<LobesOfView> lobes(views.size());
     parallel_for(views.size(), options.threads, [&](std::size_t v) {
         const AveragedBrdf averaged(typical, options.isotropic);
-        const Vec3d wv = view_in_plane(fitted_cosine(v));
-        views[v] = view_with_lights(averaged, wv, sample_reflected(averaged, to_float(wv)));
+        views[v] = lit_view(averaged, fitted_cosine(v));
         lobes[v] = {VectorXd(J), VectorXd(J), MatrixXd(Eigen::Index(views[v].lights.size()), J)};
         for (Eigen::Index j = 0; j < J; j += 3)
             add_lobes(views[v], {threes[std::size_t(j / 3)], options.isotropic}, j, lobes[v]);
     });
-    const MatrixXd thirds = thirds_by_width(model, lobes[views.size() / 2].width);
-    for (std::size_t v = 0; v < views.size(); ++v) set_channels(views[v], lobes[v], thirds);
+    // A map of one material has the axes and roughnesses of that material alone.
     const LobeTracks tracks(views, kernels, options.lobes, options.fixed, options.threads);
 
     SharedLight light{options.lobes, {}, {}, {}};

@@ -1,10 +1,13 @@
 // Adds one more sample of a pixel under an environment, and directional lights beside it. Must follow
 // proposal_text, shading.glsl, environment.glsl and LIGHTS. It covers the picture: where there is no surface it
-// shows the environment.
+// shows the environment. A material that varies defines PLACE(uv), which sets it to that of texture coordinates.
 out vec4 pixel;  // the mean of the samples so far
 
 uniform sampler2D surface_positions;  // at 2 x 2 points of each pixel
 uniform sampler2D surface_normals;
+#ifdef PLACE
+uniform sampler2D surface_places;
+#endif
 uniform sampler2D before;  // the mean without this sample
 uniform float share;  // weight of this sample in the mean: 1 for the first
 uniform int sample_index;
@@ -219,6 +222,9 @@ vec3 radiance_at(ivec2 pixel_, int k) {
     if (!shows(position.w > 0.0)) {
         radiance = vec3(0.0);
     } else if (position.w > 0.0) {
+#ifdef PLACE
+        PLACE(texelFetch(surface_places, texel, 0).xy);
+#endif
         // Each point has its own section of the sequence.
         radiance = scattered_radiance(position.xyz, texelFetch(surface_normals, texel, 0), sample_index + (k << 20));
     } else {

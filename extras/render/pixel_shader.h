@@ -53,14 +53,15 @@ struct ShaderText {
 /// uniforms `eye`, `light_direction`, `light_irradiance` and `exposure`; and those of `brdf_text`. Shaders with an
 /// environment have the inputs of environment_pixel.glsl, environment.glsl and `proposal_text`.
 ShaderText shader_text(const Material& material, const ShaderOptions& options);
-/// The shaders of a map of shared lobes, from its code (`map_code` in GLSL, named "map"), for PixelInput::triangles:
-/// attribute 2 is `texture_coordinates`, and the sampler `map_layers` has the coefficients.
+/// The shaders of a map of shared lobes, from its code (`map_code` in GLSL, named "map"), whose coefficients are in the
+/// sampler `map_layers`. For PixelInput::triangles attribute 2 is `texture_coordinates`; with an environment they are in
+/// the sampler `surface_places`.
 ShaderText map_shader_text(const std::string& map_code, const ShaderOptions& options);
 /// The part of a fragment shader that follows the text of a material: shading.glsl, and pixel.glsl or
 /// environment_pixel.glsl.
 std::string pixel_text(const ShaderOptions& options);
-/// The shaders of a `RasterSurface`: positions to colour 0, normals to colour 1.
-ShaderText surface_shader_text(Dialect dialect);
+/// The shaders of a `RasterSurface`: positions to colour 0, normals to colour 1, and texture coordinates to colour 2.
+ShaderText surface_shader_text(Dialect dialect, bool textured = false);
 /// The shaders of a `RasterDevelopment`, see extras/render/develop.glsl.
 ShaderText develop_shader_text(Dialect dialect);
 

@@ -40,31 +40,23 @@ Result<std::vector<Rendering>> rasterize_each(const Scene& scene, std::span<cons
     return renderings;
 }
 
-}  // namespace
-
-Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
-                                         int samples) {
-    return rasterize_each(scene, materials, width, height, samples);
-}
-Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const RasterMap> maps, int width, int height,
-                                         int samples) {
-    return rasterize_each(scene, maps, width, height, samples);
-}
-
-Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& environment,
-                                         std::span<const SampledMaterial> materials,
-                                         const EnvironmentOptions& options) {
+/// Under an environment, by a sample of every pixel after the other.
+template <typename M>
+Result<std::vector<Rendering>> rasterize_under(const Scene& scene, const Environment& environment,
+                                               std::span<const Sampled<M>> materials,
+                                               const EnvironmentOptions& options) {
+    constexpr bool is_map = std::is_same_v<M, RasterMap>;
     const int width = options.width, height = options.height;
     const auto context = OffscreenContext::make();
     if (!context) return context.error();
     const Dialect dialect = context->dialect();
     const auto light = RasterEnvironment::make(environment);
     if (!light) return light.error();
-    const auto surface = RasterSurface::make(dialect, width, height, RasterSurface::Points::four);
+    const auto surface = RasterSurface::make(dialect, width, height, RasterSurface::Points::four, is_map);
     if (!surface) return surface.error();
     std::vector<RasterMaterial> raster_materials;
     std::vector<RasterMean> means;
-    for (const SampledMaterial& sampled : materials) {
+    for (const Sampled<M>& sampled : materials) {
         auto material = RasterMaterial::make(
             sampled.material,
             {.dialect = dialect, .lights = std::max(1, int(scene.lights.size())), .environment = true});
@@ -75,7 +67,7 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& 
         if (!mean) return mean.error();
         means.push_back(*std::move(mean));
     }
-    const RasterMesh mesh(scene.mesh);
+    const RasterMesh mesh(scene.mesh, is_map);
     for (int i = 0; i < options.samples; ++i) {
         const RasterView view{.camera = scene.camera,
                               .aspect = double(width) / height,
@@ -97,6 +89,27 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& 
             rendering.radiance.pixels[i] = {pixels[i][0], pixels[i][1], pixels[i][2]};
     }
     return renderings;
+}
+
+}  // namespace
+
+Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
+                                         int samples) {
+    return rasterize_each(scene, materials, width, height, samples);
+}
+Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const RasterMap> maps, int width, int height,
+                                         int samples) {
+    return rasterize_each(scene, maps, width, height, samples);
+}
+
+Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& environment,
+                                         std::span<const SampledMaterial> materials,
+                                         const EnvironmentOptions& options) {
+    return rasterize_under(scene, environment, materials, options);
+}
+Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& environment,
+                                         std::span<const SampledMap> maps, const EnvironmentOptions& options) {
+    return rasterize_under(scene, environment, maps, options);
 }
 
 }  // namespace srbf

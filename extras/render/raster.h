@@ -73,8 +73,10 @@ struct EnvironmentLight {
 class RasterSurface {
   public:
     enum class Points { one = 1, four = 2 };
-    /// Errors: larger than the library's framebuffers; float formats that cannot be rendered to.
-    static Result<RasterSurface> make(Dialect dialect, int width, int height, Points points = Points::one);
+    /// `textured`: with texture coordinates, of meshes that were made so. Errors: larger than the library's framebuffers;
+    /// float formats that cannot be rendered to.
+    static Result<RasterSurface> make(Dialect dialect, int width, int height, Points points = Points::one,
+                                      bool textured = false);
     /// Draws the mesh. The view's shift is that of one point of a pixel; the others are half a pixel away from it.
     /// Restores the framebuffer binding and the viewport.
     void draw(const RasterMesh& mesh, const RasterView& view) const;
@@ -90,7 +92,7 @@ class RasterSurface {
     std::vector<Float4> read(unsigned colour) const;
     int width_ = 0, height_ = 0;  ///< size of the picture
     int along_ = 1;               ///< number of points along a side of a pixel
-    GlObject program_, positions_, normals_, depth_, framebuffer_;
+    GlObject program_, positions_, normals_, places_, depth_, framebuffer_;
 };
 
 class RasterTarget;
@@ -113,7 +115,7 @@ class RasterMaterial {
     /// Errors: a model larger than the library's buffers or textures; a text that the library's compiler rejects.
     static Result<RasterMaterial> make(const Material& material, const ShaderOptions& options);
 
-    /// It repeats the map over a textured mesh. Requires PixelInput::triangles. Errors: as above.
+    /// It repeats the map over a textured mesh. Requires PixelInput::triangles or an environment. Errors: as above.
     static Result<RasterMaterial> make(const RasterMap& map, const ShaderOptions& options);
 
     /// Replaces the numbers by those of another model with the same text (`shader_text`). This costs only the
@@ -248,10 +250,12 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Ras
                                          int samples = 4);
 
 /// A material, and the proposal from which its light is sampled.
-struct SampledMaterial {
-    Material material;
+template <typename M> struct Sampled {
+    M material;
     Proposals proposal;
 };
+using SampledMaterial = Sampled<Material>;
+using SampledMap = Sampled<RasterMap>;  ///< one proposal for all texels
 struct EnvironmentOptions {
     int width = 640, height = 480;
     int samples = 64;  ///< per pixel, at least 1
@@ -264,5 +268,8 @@ struct EnvironmentOptions {
 /// and ground. Further errors: an environment larger than the library's textures.
 Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& environment,
                                          std::span<const SampledMaterial> materials, const EnvironmentOptions& options);
+/// Requires a mesh with texture coordinates.
+Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& environment,
+                                         std::span<const SampledMap> maps, const EnvironmentOptions& options);
 
 }  // namespace srbf

@@ -234,6 +234,7 @@ void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view, 
     glDisable(GL_DEPTH_TEST);
     draw_whole({{"surface_positions", &surface.positions_},
                 {"surface_normals", &surface.normals_},
+                {"surface_places", &surface.places_},
                 {"before", &before.colour_},
                 {"environment", &environment.radiance_},
                 {"environment_columns", &environment.columns_},

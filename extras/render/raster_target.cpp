@@ -156,11 +156,12 @@ Image8 RasterTarget::read_bytes() const {
     return image;
 }
 
-Result<RasterSurface> RasterSurface::make(Dialect dialect, int picture_width, int picture_height, Points points) {
+Result<RasterSurface> RasterSurface::make(Dialect dialect, int picture_width, int picture_height, Points points,
+                                          bool textured) {
     assert(picture_width >= 1 && picture_height >= 1);
     const int width = int(points) * picture_width, height = int(points) * picture_height;
     if (auto fits = check_picture(width, height, true); !fits) return fits.error();
-    auto program = new_program(surface_shader_text(dialect));
+    auto program = new_program(surface_shader_text(dialect, textured));
     if (!program) return program.error();
     RasterSurface surface;
     surface.width_ = picture_width, surface.height_ = picture_height, surface.along_ = int(points);
@@ -170,14 +171,15 @@ Result<RasterSurface> RasterSurface::make(Dialect dialect, int picture_width, in
     glGenFramebuffers(1, &id);
     surface.framebuffer_ = {id, [](unsigned buffer) { glDeleteFramebuffers(1, &buffer); }};
     glBindFramebuffer(GL_FRAMEBUFFER, id);
-    std::array<GLenum, 2> colours{GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-    for (std::size_t i = 0; i < 2; ++i) {
-        GlObject& texture = i == 0 ? surface.positions_ : surface.normals_;
-        texture = new_texture(GL_TEXTURE_2D, GL_NEAREST);
+    std::vector<GLenum> colours;
+    for (GlObject* texture : {&surface.positions_, &surface.normals_, &surface.places_}) {
+        if (texture == &surface.places_ && !textured) continue;
+        *texture = new_texture(GL_TEXTURE_2D, GL_NEAREST);
         glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, width, height, 0, GL_RGBA, GL_FLOAT, nullptr);
-        glFramebufferTexture2D(GL_FRAMEBUFFER, colours[i], GL_TEXTURE_2D, texture.id(), 0);
+        colours.push_back(GLenum(GL_COLOR_ATTACHMENT0 + colours.size()));
+        glFramebufferTexture2D(GL_FRAMEBUFFER, colours.back(), GL_TEXTURE_2D, texture->id(), 0);
     }
-    glDrawBuffers(2, colours.data());
+    glDrawBuffers(GLsizei(colours.size()), colours.data());
     surface.depth_ = renderbuffer(GL_DEPTH_COMPONENT24, width, height, 1);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, surface.depth_.id());
     const auto complete = check_framebuffer(width, height);

@@ -41,8 +41,10 @@ ExampleLobes::ExampleLobes(std::span<const PmModel> examples, const PmFitOptions
     for (const DirectionPair& pair : horizon_grid()) grid_wl_.push_back(pair.wl), grid_wv_.push_back(pair.wv);
 }
 
-ExampleLobes::Fit ExampleLobes::fit(const Observations& samples) const {
-    const Rows rows(samples);
+ExampleLobes::Fit ExampleLobes::fit(const Observations& samples, const Observations& between) const {
+    Observations both = samples;
+    both.append(between);
+    const Rows rows(both);
     const LobeShape shape = shape_of(options_);
     const auto after_steps = [&](const Lobes& from, int steps) {
         LobeProblem problem(rows, shape, false, log_peak_limit_of(options_));

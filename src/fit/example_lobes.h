@@ -27,7 +27,8 @@ class ExampleLobes {
     /// best of them some more. At no pair of the horizon grid does the result exceed k_most_excess times the larger of
     /// the samples' largest f cosθl cosθv and of what the example has there; if it would, the next one is taken that is
     /// better than the example, and at last the example itself. With fewer values than numbers of the model nothing takes steps.
-    Fit fit(const Observations& samples) const;
+    /// The steps follow `between` too, values that are expected elsewhere.
+    Fit fit(const Observations& samples, const Observations& between = {}) const;
 
   private:
     PmFitOptions options_;

@@ -11,7 +11,10 @@
 #include "fit/example_lobes.h"
 #include "fit/requests.h"
 #include "fit/texel_stream.h"
+#include "models/ggx/ggx_kind.h"
+#include "observe/bound.h"
 #include "observe/pair_weights.h"
+#include "observe/pairs.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"
@@ -35,7 +38,18 @@ struct Batch {
     bool all_above;            // the horizon
     ScatteredSamples samples;  // if so, of a texel that was measured at all pairs, without its values
     ExampleLobes examples;     // from which fits start
+    Observations between;      // with examples: further pairs, without values
 };
+
+/// Pairs that are drawn as those of tables are. With 1024 the errors of 64 GGX materials are the same.
+constexpr std::size_t k_between_pairs = 256;
+Observations pairs_between(const FitRequest& request) {
+    const PairDraws draws(request.theta(), false, 0, std::mt19937_64(request.seed));
+    Observations between;
+    for (std::size_t i = 0; between.f.size() < k_between_pairs; ++i)
+        if (const auto drawn = draws.fitted(i)) between.add(drawn->pair.wl, drawn->pair.wv, {}, drawn->weight);
+    return between;
+}
 
 Result<Batch> batch_of(const SharedPairs& pairs, const BatchOptions& options) {
     const auto* pm = std::get_if<PmRequest>(&options.request.model);
@@ -49,7 +63,8 @@ Result<Batch> batch_of(const SharedPairs& pairs, const BatchOptions& options) {
         if (example.form != lobes.form || example.lobes != lobes.lobes || example.variates != lobes.variates ||
             example.axial != lobes.axial)
             return refused("examples", "of the form and size of the fits", "others");
-    Batch batch{pairs, options.request, lobes, true, {}, {options.examples, lobes}};
+    Batch batch{pairs, options.request, lobes, true, {}, {options.examples, lobes}, {}};
+    if (!batch.examples.empty()) batch.between = pairs_between(options.request);
     for (std::size_t i = 0; i < pairs.wl.size(); ++i)
         batch.all_above = batch.all_above && above_horizon(pairs.wl[i], pairs.wv[i]);
     batch.request.threads = 1;
@@ -108,12 +123,12 @@ PmModel matte_model(const PmFitOptions& of, const Observations& samples) {
 }
 
 /// The squares of noise fall by a share of P / n in the mean where P numbers are fitted to n samples. Lobes that lower those
-/// about a constant by no more than so many times that follow noise, and may rise where nothing is measured.
+/// about a simpler model by no more than so many times that follow noise, and may rise where nothing is measured.
 constexpr double k_noise_of_lobes = 3;
 
-bool is_matte(const PmModel& matte, const PmModel& fitted, const Observations& samples, std::size_t values) {
+bool explains_as_much(const Evaluate& simpler, const PmModel& fitted, const Observations& samples, std::size_t values) {
     const double share = k_noise_of_lobes * double(payload_bytes(fitted)) / 2 / double(values);
-    return loss_of(samples, evaluator(matte)) <= (1 + share) * loss_of(samples, evaluator(fitted));
+    return loss_of(samples, simpler) <= (1 + share) * loss_of(samples, evaluator(fitted));
 }
 
 /// The fit of samples with these observations: the model, or a constant in its place.
@@ -121,9 +136,28 @@ TexelFit fitted_texel(const Batch& batch, const ScatteredSamples& samples, const
                       StopReason stop) {
     TexelFit fit{std::move(model), TexelState::fitted, {}, stop, {}};
     PmModel matte = matte_model(batch.options, observed);
-    if (is_matte(matte, fit.model, observed, 3 * samples.wl.size())) fit.model = std::move(matte);
+    if (explains_as_much(evaluator(matte), fit.model, observed, 3 * samples.wl.size())) fit.model = std::move(matte);
     fit.errors = measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit.model), batch.request.theta());
     return fit;
+}
+
+/// Returns the values of Lambert and one lobe of GGX between the samples if they are as good at the samples as `lobes`.
+/// They weigh as much as the samples. Lobes that follow both follow less of the samples' noise.
+std::optional<Observations> expected_between(const Batch& batch, const Observations& samples, const PmModel& lobes) {
+    const auto ggx = Kind<GgxModel>::fit(samples, {1}, {.threads = 1});
+    if (!ggx) return {};
+    const Evaluate values = evaluator(ggx->unrounded);
+    if (!explains_as_much(values, lobes, samples, 3 * samples.f.size())) return {};
+    Observations between = batch.between;
+    between.objective = samples.objective, between.typical = samples.typical;
+    values(between.wl, between.wv, between.f);
+    const double most = k_most_excess * largest_measured(samples);
+    for (std::size_t i = 0; i < between.f.size(); ++i) {
+        const double bright = double(largest_of(between.f[i])) * bound_cosines(between.wl[i], between.wv[i]);
+        for (int c = 0; c < 3 && bright > most; ++c) between.f[i][c] *= float(most / bright);
+    }
+    weigh_all(between, 1);
+    return between;
 }
 
 TexelFit fit_from_examples(const Batch& batch, const ScatteredSamples& samples) {
@@ -134,8 +168,9 @@ TexelFit fit_from_examples(const Batch& batch, const ScatteredSamples& samples) 
     if (!(observed.typical > 0))
         return without(batch, TexelState::failed, no_data_error("samples", "values", "some above 0"));
     weigh_all(observed, 1);
-    auto [model, stop] = batch.examples.fit(observed);
-    return fitted_texel(batch, samples, observed, std::move(model), stop);
+    ExampleLobes::Fit fit = batch.examples.fit(observed);
+    if (const auto between = expected_between(batch, observed, fit.model)) fit = batch.examples.fit(observed, *between);
+    return fitted_texel(batch, samples, observed, std::move(fit.model), fit.stop);
 }
 
 TexelFit fit_texel(const Batch& batch, std::span<const Rgb> f, const ProgressToken& progress) {

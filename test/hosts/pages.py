@@ -20,7 +20,7 @@ from pathlib import Path
 root = Path(__file__).resolve().parents[2]
 program, measurements = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 documents = [root / "README.md", *sorted(root.glob("docs/*.md")), *sorted(root.glob("docs/tutorials/*.md"))]
-NEEDS = {"mitsuba": ["mitsuba"], "blender": ["bpy"]}
+NEEDS = {"mitsuba": ["mitsuba"], "blender": ["bpy"], "maps": ["OpenEXR"]}
 FORMULAS = ["math", ""]  # and diagrams: no code
 
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "app/commands.h"
@@ -40,11 +41,15 @@ int filter_environment(const ExportCommand& command) {
 }  // namespace
 
 void add_environment_exports(const Subcommand&, const ExportCommand&, Exports& exports) {
-    exports.kinds.push_back({"dds", filter_environment});
+    auto& dds = *std::ranges::find(exports.kinds, "dds", &ExportKind::name);
+    dds.run = [of_map = dds.run](const ExportCommand& command) {
+        const auto map = library_in(command.files[0]);
+        return !map || *map ? of_map(command) : filter_environment(command);
+    };
     exports.about +=
-        "\ndds: an environment (.hdr, .exr or studio), which is MODEL here, filtered for NAME_environment, a cube map "
-        "of\n"
-        "16-bit floats";
+        "\ndds also: an environment (.hdr, .exr or studio), which is MODEL here, filtered for NAME_environment, a "
+        "cube\n"
+        "map of 16-bit floats";
 }
 
 }  // namespace srbf

@@ -181,6 +181,34 @@ TEST(ExtendedLight, SharedLobesReflectAnySum) {
     }
 }
 
+// Of a map of one material the lobes are those of the material alone, with nearly the same weights.
+TEST(ExtendedLight, SharedLobesOfOneMaterialAreItsOwn) {
+    std::mt19937_64 random(5);
+    const PmModel basis = random_model(random, {true, false, 3, 3, 100, PmForm::extended});
+    const ExtendedLightOptions options{.lobes = 5, .levels = MapLevels::three, .fixed = true};
+    const PreparedBrdf brdf = prepare(Model{basis, {}});
+    const ExtendedLight own = extended_light(brdf, options);
+    const SharedLight shared = shared_light(basis, options);
+    const std::size_t others = 4, J = basis.coefficient.size();
+    double apart = 0, sum = 0;
+    for (std::size_t view = 0; view < ExtendedLight::k_views; ++view) {
+        const Rgb whole = albedo(brdf, float(ExtendedLight::cosine(int(view))));
+        for (std::size_t k = 0; k < others; ++k) {
+            const ExtendedLight::Lobe& lobe = own.lobe[view * (others + 1) + k + 1];
+            const std::size_t i = view * others + k;
+            EXPECT_EQ(shared.shape[i].axis, lobe.axis);
+            EXPECT_EQ(shared.shape[i].roughness, lobe.roughness);
+            for (int c = 0; c < 3; ++c) {
+                float weight = 0;
+                for (std::size_t j = 0; j < J; ++j) weight += shared.weight[i * J + j] * basis.coefficient[j][c];
+                apart += std::abs(double(weight - whole[c] * lobe.weight[c])), sum += double(whole[c]);
+            }
+        }
+    }
+    EXPECT_GT(sum, 0);
+    EXPECT_LT(apart, 0.1 * sum);
+}
+
 // An anisotropic BRDF is reflected by its mean over azimuths, and over the two halves beside the plane of incidence, in
 // which lobes lie.
 TEST(ExtendedLight, AnisotropicIsTheMeanOverAzimuths) {

@@ -3,16 +3,17 @@
 #include <span>
 #include <vector>
 
+#include "extras/render/app/raster.h"
 #include "extras/render/scene.h"
 #include "extras/render/tone.h"
 #include "srbf/library.h"
 
 namespace srbf {
 
-/// Renders the scene under its directional lights with each of the maps, whose levels are those of `map_ktx2`, linear
-/// between texels and levels. Requires a mesh with texture coordinates. Errors: those of `check_layers` and
-/// `rasterize`; a program built without this renderer.
+/// Renders the scene with each of the maps, linear between texels. Under directional lights alone the levels are those of
+/// `map_ktx2`; under an environment the samples of a pixel are all over it. Requires a mesh with texture coordinates.
+/// Errors: those of `check_layers` and `rasterize`; a program built without this renderer.
 Result<std::vector<Rendering>> rasterize_maps(const Scene& scene, std::span<const Library* const> maps, int width,
-                                              int height, int samples);
+                                              int height, const RasterLight& light);
 
 }  // namespace srbf

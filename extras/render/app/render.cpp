@@ -77,16 +77,13 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictu
         if (const auto* subject = std::get_if<const Subject*>(&item)) subjects.push_back(*subject);
         if (const auto* map = std::get_if<const Library*>(&item)) maps.push_back(*map);
     }
-    const auto refuse_map = [&](const char* what, const char* expected, const char* found) {
-        return Error{options.files[0], {}, what, expected, found, ErrorCode::argument};
-    };
     if (!maps.empty() && scene.mesh.texture.empty()) return needs_texture("a map");
     if (!maps.empty() && !subjects.empty())
-        return refuse_map("inputs of raster", "maps alone, or measurements and models", "both");
+        return Error{options.files[0],   {}, "inputs of raster", "maps alone, or measurements and models", "both",
+                     ErrorCode::argument};
     const PathCommand& path_options = options.path;
     const auto environment = load_light(path_options.environment.empty() ? "none" : path_options.environment);
     if (!environment) return environment.error();
-    if (!maps.empty() && *environment) return refuse_map("light of a map in raster", "--env none", "an environment");
     RasterLight light;
     ProgressLine line;
     if (*environment) {
@@ -99,7 +96,7 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictu
     if (path_options.lights == "behind") lit.lights = {light_behind(scene.camera)};
     if (path_options.lights == "none" || (path_options.lights.empty() && *environment)) lit.lights.clear();
     auto renderings = maps.empty() ? rasterize(lit, subjects, options.width, options.height, light)
-                                   : rasterize_maps(lit, maps, options.width, options.height, light.samples);
+                                   : rasterize_maps(lit, maps, options.width, options.height, light);
     if (!renderings) return renderings.error();
     if (masked) {
         const auto count = std::ptrdiff_t((*masked)->of.size());

@@ -385,8 +385,10 @@ TEST(Render, WritesAPictureOfEachFileSideBySide) {
 constexpr int k_traced = 96;  // pixels across of pictures of paths
 
 /// Direct light by the path tracer.
-template <typename M> Rendering traced(const Scene& scene, const M& material, int size = k_traced, int samples = 16) {
-    const PathScene paths{{{&scene.mesh, 0}}, {material}, scene.camera, scene.lights, {}};
+template <typename M>
+Rendering traced(const Scene& scene, const M& material, int size = k_traced, int samples = 16,
+                 const Environment* environment = nullptr) {
+    const PathScene paths{{{&scene.mesh, 0}}, {material}, scene.camera, scene.lights, {}, environment};
     PathOptions options;
     options.width = options.height = size, options.samples = samples, options.bounces = 1, options.occlusion = false,
     options.threads = 1;
@@ -436,7 +438,8 @@ TEST(Rasterize, BothSidesAreLitFromBothSides) {
         }
 }
 
-/// A map near, where texels are larger than pixels, and far, where levels are looked up.
+/// A map near, where texels are larger than pixels, and far, where levels are looked up; and under an environment beside
+/// the lamps.
 TEST(Rasterize, AMapLooksAsTraced) {
     if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
     std::mt19937_64 random(3);
@@ -449,10 +452,14 @@ TEST(Rasterize, AMapLooksAsTraced) {
                 const double phase = double((k + 1) * x + k * y) / double(map->width);
                 map->coefficient[i][c] = round_to_half(float(0.6 + 0.4 * elementary::sin(2 * k_pi * phase)));
             }
-    for (const auto& [map, size, samples] : {std::tuple(&coarse, k_traced, 16), {&fine, 32, 256}}) {
+    Image studio = load_environment("studio")->texels();
+    while (studio.width > 64) studio = halved(studio);
+    const Environment environment(studio), *const none = nullptr;
+    for (const auto& [map, size, samples, light] :
+         {std::tuple(&coarse, k_traced, 16, none), {&fine, 32, 256, none}, {&fine, 32, 1024, &environment}}) {
         const Scene scene = scene_of(sphere(), {}, 1);
-        const Rendering expected = traced(scene, prepare_map(*map, {.threads = 1}), size, samples);
-        const auto drawn = rasterize_maps(scene, std::array{map}, size, size, 4);
+        const Rendering expected = traced(scene, prepare_map(*map, {.threads = 1}), size, samples, light);
+        const auto drawn = rasterize_maps(scene, std::array{map}, size, size, {light, light ? 256 : 4, {}});
         ASSERT_TRUE(drawn) << message(drawn.error());
         const float exposure = automatic_exposure(expected.radiance);
         double sum = 0, count = 0;

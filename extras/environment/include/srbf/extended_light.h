@@ -80,7 +80,8 @@ struct SharedLight {
     std::vector<float> weight;  ///< k_views × (K − 1) × J: weight_jk, for β_j = 1
     std::vector<float> width;   ///< of each view, the least of the lobes' widths
 };
-/// The fit minimises errors relative to the radiance of `model`, whose coefficients are therefore typical ones.
+/// The axes and roughnesses are those of `extended_light` for `model`, and the weights minimise errors relative to its
+/// radiance: its coefficients are therefore typical ones.
 SharedLight shared_light(const PmModel& model, const ExtendedLightOptions& options = {});
 
 }  // namespace srbf

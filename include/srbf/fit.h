@@ -116,20 +116,25 @@ struct FitOutcome {
     std::uint64_t masked = 0;        ///< number of evaluated pairs where nothing was measured
     std::uint64_t clamped = 0;       ///< number of negative channel values among them; set to 0 unless they are noise
     double largest_albedo = 1;       ///< of a channel of what was fitted, at views up to 80°; 1 if that is larger
-    std::optional<Noise> noise;      ///< of a table; above 30 % the fit takes negative values for noise about a mean
-    std::uint64_t raw_bytes = 0;  ///< of f in floats at all pairs of 1536 (SU: sampled) directions, or at the samples
-    std::optional<int> empty_directions;   ///< SU: number of sampled directions without data
-    std::optional<std::uint64_t> samples;  ///< for scattered samples: number of samples within θmax
-    /// for scattered samples, PM: whether the fit follows values between them: gap-filled or interpolated
+    /// The noise of a table. If more than 30 % of pairs are negative (`Noise::negative`), the fit keeps negative values,
+    /// as noise about a mean.
+    std::optional<Noise> noise;
+    /// The bytes of the data as 32-bit floats: at all pairs of 1536 directions (SU: of the sampled ones), or at the
+    /// samples.
+    std::uint64_t raw_bytes = 0;
+    /// SU: the number of sampled directions without data.
+    std::optional<int> empty_directions;
+    /// Scattered samples: the number of samples within θmax.
+    std::optional<std::uint64_t> samples;
+    /// Scattered samples, PM: true if the fit follows values between the samples, gap-filled or interpolated.
     std::optional<bool> filled;
-    /// of gap-filled samples: what continues their highlights, as "neighbours" or "two lobes of GGX"; or "no highlight"
+    /// Gap-filled samples: what continues their highlights, "neighbours" or "two lobes of GGX", or "no highlight".
     std::string continued;
-    /// For scattered samples: the fits to all folds but one, and if gaps are filled, the cross-validated errors of
-    /// Lambert and at most one lobe of GGX.
+    /// Scattered samples: the fits to all folds but one.
     std::vector<Model> without_fold;
+    /// Scattered samples whose gaps are filled: the cross-validated errors of Lambert and at most one lobe of GGX.
     std::optional<Measures> ggx_heldout;
-    /// for scattered samples, objective `relative`: the number of angles of incidence, whose samples are in one fold
-    /// each
+    /// Scattered samples, objective `relative`: the number of angles of incidence. The samples of one are in one fold.
     int incidences = 0;
     std::vector<Trial> path;  ///< models that were tried in choosing the size
     bool reached = true;      ///< whether the requested size or ΔE_ITP was reached
@@ -139,9 +144,10 @@ struct FitOutcome {
     std::optional<Comparison> errors, unrounded_errors;
     /// Picture error between the measurement and its transpose f(wv, wl). Empty if the measurement is reciprocal.
     std::optional<Appearance> exchanged;
-    std::optional<Appearance>
-        against_mean;  ///< pictures of a reciprocal `model` against the mean that it was fitted to
-    std::optional<Appearance> against_smoothed;  ///< pictures of `model` against a noisy measurement smoothed
+    /// Picture error of a reciprocal `model` against the mean that it was fitted to.
+    std::optional<Appearance> against_mean;
+    /// Picture error of `model` against a noisy measurement that was smoothed.
+    std::optional<Appearance> against_smoothed;
 };
 
 /// Fits one BRDF repeatedly. It keeps the observations, so that later fits start at once. Not thread-safe. Errors of

@@ -29,6 +29,7 @@ struct LoadedBrdf {
     struct Contents;
     Shared<Contents> contents;
 };
+// Count the copies that share contents; Shared calls them.
 void add_use(const LoadedBrdf::Contents& of);
 void end_use(const LoadedBrdf::Contents& of);
 /// Reads a measurement of any format or a model file, recognised by its content. Errors: the file is unreadable, of no
@@ -42,8 +43,7 @@ struct FittedBrdf {
     double delta_e;     ///< mean ΔE_ITP of pictures of a sphere against the measurement; 1 is just noticeable
 };
 /// Fits the model that `srbf fit` fits without options, in three to six seconds on two cores, a third of them for its
-/// error. Errors: `measured` is a model, or
-/// a two-sided measurement; there is nothing to fit.
+/// error. Errors: `measured` is a model, or a two-sided measurement; there is nothing to fit.
 Result<FittedBrdf> fit(const LoadedBrdf& measured);
 
 /// Writes a model file, or leaves the previous file. Errors: `model` is a measurement; the file cannot be written.
@@ -78,15 +78,17 @@ class PreparedBrdf {
 
   private:
     Shared<Contents> contents_;
-    const void* held_;  // in them, as is its function
+    // The BRDF itself and its function, both of the contents.
+    const void* held_;
     Value value_;
 };
 void add_use(const PreparedBrdf::Contents& of);
 void end_use(const PreparedBrdf::Contents& of);
-/// Also computes a density to sample by, which takes about 75 ms of one processor core for a model.
+/// Also computes a density to sample by, which takes about 75 ms of one processor core for a model. For an anisotropic
+/// BRDF `prepare` of prepared.h takes azimuths too, and makes a better density.
 PreparedBrdf prepare(const LoadedBrdf& brdf);
 
-/// f_r(wl, wv) [1/sr], without the cosine: of a model within 1e-4 of its `value` or 1e-6 of its peak. It is 0 if wl.z
+/// f_r(wl, wv) [1/sr], without the cosine: of a model within 1e-4 of `value` of model.h or 1e-6 of its peak. It is 0 if wl.z
 /// or wv.z is 0, negative or subnormal, and NaN where a measurement has no value.
 inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
     if (!above_horizon(wl, wv)) return {};

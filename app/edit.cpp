@@ -81,7 +81,8 @@ int EditCommand::run() {
             if (shares[j] > 0)
                 of_body +=
                     fmt::format(" {}{}", j + 1, shares[j] < 1 ? fmt::format(" ({:.0f} %)", 100 * shares[j]) : "");
-        fmt::print("lobes of the body:{}; the others are the highlight\n", of_body.empty() ? " none" : of_body);
+        fmt::print("body: {} of {}; the other lobes are the highlight\n", of_body.empty() ? "none" : "lobe" + of_body,
+                   shares.size());
     }
     return write(std::move(result), input, output);
 }

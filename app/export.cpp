@@ -160,8 +160,15 @@ Result<std::string> surface(const ExportCommand& asked, const std::vector<NamedM
     const auto heldout = provenance.find("heldout_delta_e_itp");
     if (const auto entry = provenance.find("delta_e_itp"); text && entry != provenance.end())
         fmt::print(
-            "{}: ΔE_ITP {} against the measurement{}\n", printable(asked.output), printable(entry->second),
+            "{}: ΔE_ITP {} against the measurement, as srbf draws it{}\n", printable(asked.output),
+            printable(entry->second),
             heldout != provenance.end() ? fmt::format(", {} in cross-validation", printable(heldout->second)) : "");
+    const std::string_view parameters = asked.to == "glb" ? "gltf" : asked.to;
+    const auto fitted = provenance.find("surface");
+    const bool lacks_some = parameters == "gltf" || parameters == "principled";
+    if (text && lacks_some && fitted != provenance.end() && fitted->second != parameters)
+        fmt::print("{0}: the program lacks some parameters of {1}; a fit with --surface {0} has only its own\n",
+                   parameters, printable(fitted->second));
     return text;
 }
 

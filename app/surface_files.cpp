@@ -28,7 +28,7 @@ std::vector<std::string> notes(const NamedModel& named) {
         fmt::format("{}: written by srbf {}. Colours are linear, in Rec.709 primaries.", named.name, SRBF_VERSION)};
     const auto& provenance = named.model->provenance;
     for (const auto& [key, words] : {std::pair{"source", "Measurement"}, std::pair{"surface", "Fitted parameters of"},
-                                     std::pair{"delta_e_itp", "dE_ITP of pictures against the measurement"},
+                                     std::pair{"delta_e_itp", "dE_ITP against the measurement, as srbf draws it"},
                                      std::pair{"heldout_delta_e_itp", "dE_ITP of pictures in cross-validation"}})
         if (const auto entry = provenance.find(key); entry != provenance.end())
             lines.push_back(fmt::format("{}: {}", words, entry->second));

@@ -194,8 +194,13 @@ with tempfile.TemporaryDirectory() as folder:
         if max(errors) > lamp.WITHIN:
             failures.append(host)
     if len(sys.argv) > 3:
-        from PIL import Image
-        sheet = Image.fromarray(np.concatenate([lamp.beside(own[material], rows[material]) for material in MATERIALS]))
-        sheet.resize([96 * length // lamp.SIZE for length in sheet.size], Image.Resampling.BOX).save(Path(sys.argv[3], "hosts.png"))
+        from PIL import Image, ImageDraw
+        rows_of_spheres = Image.fromarray(np.concatenate([lamp.beside(own[material], rows[material]) for material in MATERIALS]))
+        spheres = rows_of_spheres.resize([96 * length // lamp.SIZE for length in rows_of_spheres.size], Image.Resampling.BOX)
+        sheet = Image.new("RGB", (spheres.width, spheres.height + 14), "white")
+        sheet.paste(spheres, (0, 14))
+        for i, label in enumerate(["model", *ran]):
+            ImageDraw.Draw(sheet).text((96 * i + 4, 1), label, fill="black")
+        sheet.save(Path(sys.argv[3], "hosts.png"))
 print(f"{len(ran)} hosts ran")
 sys.exit(bool(failures))

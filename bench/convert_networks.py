@@ -6,8 +6,8 @@ python3 bench/convert_networks.py nbrdf FILE.h5... OUT
 python3 bench/convert_networks.py nps FOLDER OUT
     converts the repository of Zheng et al. (Rendering-at-ZJU/NPs-BRDF) to OUT/decoder.f32 and OUT/latents.txt
 
-Needs NumPy and h5py. Tested only on synthetic files in Keras' layout of weights, not on the authors' files; shapes are
-checked.
+Needs NumPy and h5py. Run on all networks of Sztrajman et al., but for Zheng et al. only on synthetic files in Keras'
+layout of weights; shapes are checked.
 """
 import glob
 import os

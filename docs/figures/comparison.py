@@ -1,4 +1,4 @@
-"""The tables and the plot of docs/comparison.md, and a table each of docs/accuracy.md and docs/choosing.md, from docs/comparison.csv:
+"""The tables and the plot of docs/comparison.md, and a table each of docs/accuracy.md and docs/choosing.md, from docs/comparison.csv and held_out.csv:
 python3 docs/figures/comparison.py [--check]
 
 Writes docs/comparison.svg, and the tables of the pages after `<!-- NAME -->`. With --check nothing is written;
@@ -11,8 +11,8 @@ import statistics
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-CSV, PAGE, PLOT, ACCURACY, CHOOSING = (
-    os.path.join(HERE, "..", name) for name in ("comparison.csv", "comparison.md", "comparison.svg", "accuracy.md", "choosing.md"))
+CSV, HELD_OUT, PAGE, PLOT, ACCURACY, CHOOSING = (
+    os.path.join(HERE, "..", name) for name in ("comparison.csv", "held_out.csv", "comparison.md", "comparison.svg", "accuracy.md", "choosing.md"))
 MODELS = {  # name, and in the plot the curve that it belongs to
     "ggx": ("Lambert, 1 GGX", "GGX"),
     "ggx-2": ("Lambert, 2 GGX", "GGX"),
@@ -44,8 +44,8 @@ MEASURES = {"delta_e_itp": "ΔE_ITP, mean", "worst_delta_e_itp": "ΔE_ITP, worst
             "heldout_cube_root_error_ratio": "cube roots"}
 
 
-def read():
-    with open(CSV, encoding="utf-8") as file:
+def read(path=CSV):
+    with open(path, encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     for row in rows:
         for key in row.keys() - {"material", "kind", "model"}:
@@ -194,6 +194,14 @@ def stand_ins_table(rows):
     return table(["model", "mean of the stand-ins", "median", "smaller error on", "larger by more than a tenth on"], lines)
 
 
+def held_out_table(rows):
+    """Of the tables that no constant was chosen by."""
+    errors = {model: sorted(row["delta_e_itp"] for row in of_model(rows, model)) for model in models_in(rows)}
+    lines = [[MODELS[model][0]] + [text(value) for value in (statistics.fmean(of), statistics.median(of), of[len(of) * 95 // 100], of[-1])]
+             for model, of in errors.items()]
+    return table(["model", "mean", "median", "95 %", "largest"], lines)
+
+
 def mark(x, y, colour, hollow=False):
     """A disc; hollow: its model also needs numbers that materials share."""
     fill = f'fill="#fff" stroke="{colour}" stroke-width="2"' if hollow else f'fill="{colour}"'
@@ -262,7 +270,7 @@ def pages(rows):
     """The pages with their tables, by path."""
     measured, rest = of_measured(rows), without_measured_alone(rows)
     tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("bytes", bytes_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
-                     ("measures", measures_table(measured)), ("worst", worst_table(rows))],
+                     ("held out", held_out_table(read(HELD_OUT))), ("measures", measures_table(measured)), ("worst", worst_table(rows))],
               ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))]}
     made = {}
     for path, of_page in tables.items():

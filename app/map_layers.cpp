@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "app/astc.h"
+#include "base/dds.h"
 #include "base/half.h"
 #include "base/parallel.h"
 #include "brdf/colour.h"
@@ -257,17 +258,12 @@ std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
 }
 
 std::vector<std::byte> map_dds(const Library& map) {
-    // DDS_HEADER with its DDS_PIXELFORMAT, and DDS_HEADER_DXT10, of Microsoft's "Programming Guide for DDS".
-    constexpr std::uint32_t caps_height_width_pitch_format_levels = 0x2100f, four_characters = 0x4, dx10 = 0x30315844,
-                            complex_texture_mipmap = 0x401008, r16g16b16a16_float = 10, texture_2d = 3, opaque = 3;
+    constexpr std::uint32_t dx10 = 0x30315844, r16g16b16a16_float = 10, texture_2d = 3, opaque = 3;
     const std::vector<MapLevel> levels = mip_levels(map);
     const auto J = std::size_t(map.basis.lobes);
-    const auto width = std::uint32_t(levels[0].width);
-    std::array<std::uint32_t, 37> header{
-        0x20534444, 124, caps_height_width_pitch_format_levels, std::uint32_t(levels[0].height), width,
-        8 * width,  0,   std::uint32_t(levels.size())};
-    header[19] = 32, header[20] = four_characters, header[21] = dx10, header[27] = complex_texture_mipmap;
-    header[32] = r16g16b16a16_float, header[33] = texture_2d, header[35] = std::uint32_t(J), header[36] = opaque;
+    const auto header =
+        dds_header(std::uint32_t(levels[0].width), std::uint32_t(levels[0].height), std::uint32_t(levels.size()), dx10);
+    const std::array<std::uint32_t, 5> dxt10{r16g16b16a16_float, texture_2d, 0, std::uint32_t(J), opaque};
     std::vector<std::vector<std::uint16_t>> halves;
     for (const MapLevel& level : levels) halves.push_back(layers_in_halves(level));
     std::vector<std::byte> file;
@@ -275,7 +271,7 @@ std::vector<std::byte> map_dds(const Library& map) {
         const auto bytes = std::as_bytes(std::span(numbers));
         file.insert(file.end(), bytes.begin(), bytes.end());
     };
-    append(header);
+    append(header), append(dxt10);       // DDS_HEADER_DXT10
     for (std::size_t j = 0; j < J; ++j)  // all levels of a layer stand together
         for (const auto& level : halves) append(std::span(level).subspan(j * (level.size() / J), level.size() / J));
     return file;

@@ -1,4 +1,6 @@
 """What is seen of the difference of two pictures: ΔE_ITP (ITU-R BT.2124) on a display of 100 cd/m², as `srbf compare` has it."""
+import base64
+
 import numpy as np
 
 EXPOSED_AT, EXPOSED_TO = 0.9, 0.75  # this share of the reference's pixels lies below this share of the display's white
@@ -43,3 +45,11 @@ def hdr_of(path):
     height, width = int(words[1]), int(words[3])
     texels = np.frombuffer(content, np.uint8, offset=end + 1).reshape(height, width, 4)
     return texels[..., :3] * np.exp2(texels[..., 3].astype(float) - 136)[..., None]
+
+
+def equirectangular(path):
+    """A Radiance picture for a page of three.js: its rows as base64 of float32 RGBA, the lowest first, width and height."""
+    texels = hdr_of(path)
+    height, width = texels.shape[:2]
+    rows = np.concatenate([texels[::-1], np.ones((height, width, 1))], axis=-1).astype(np.float32)
+    return base64.b64encode(rows.tobytes()).decode(), width, height

@@ -23,7 +23,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
-from seen import delta_e, displayed, exposure, hdr_of  # noqa: E402
+from seen import delta_e, displayed, equirectangular, exposure  # noqa: E402
 from surface_host import DISTANCE, ELEVATION, FIELD, SIZE, coarse, on_sphere, pixels_of, run  # noqa: E402
 
 data = Path(sys.argv[2])
@@ -142,10 +142,8 @@ with tempfile.TemporaryDirectory() as folder:
         exported = {path: "".join(word.capitalize() for word in path.stem.replace("-", "_").split("_")) + "Material" for path in models}
         errors = {path: ([], []) for path in models}  # of the exported material, of three.js' own
         for environment in (data / f"hdr/{name}.hdr" for name in ENVIRONMENTS):
-            texels = hdr_of(environment)
-            height, width = texels.shape[:2]
-            rows = np.concatenate([texels[::-1], np.ones((height, width, 1))], axis=-1).astype(np.float32)  # the lowest row first
-            page.run(f"lit('{base64.b64encode(rows.tobytes()).decode()}', {width}, {height})")
+            rows, width, height = equirectangular(environment)
+            page.run(f"lit('{rows}', {width}, {height})")
             sheet = []
             for path in models:
                 picture = pictures / f"{path.stem}-{environment.stem}.exr"

@@ -7,7 +7,6 @@ three environments each is compared with path-traced ones, in means of 4 x 4 pix
 that three makes of it. A second material on the page is another one, and one that is saved and loaded the same. The time of frames of 256 x 256
 pixels is printed: that of processors, which other programs hardly change. Arguments: the program, a folder with peers/ beside it.
 """
-import base64
 import importlib.util
 import json
 import math
@@ -21,7 +20,7 @@ import numpy as np
 here = Path(__file__).resolve()
 sys.path.insert(0, str(here.parent.parent))
 from chromium import program as chromium  # noqa: E402
-from seen import delta_e, hdr_of  # noqa: E402
+from seen import delta_e, equirectangular  # noqa: E402
 from served import WEBGPU, opened, picture  # noqa: E402
 from surface_host import DISTANCE, ELEVATION, FIELD, SIZE, coarse, drawn, on_sphere, run  # noqa: E402
 
@@ -121,15 +120,8 @@ def expect(holds, words):
         failures.append(words)
 
 
-def texels_of(path):
-    """An environment for the page."""
-    texels = hdr_of(path)
-    height, width = texels.shape[:2]
-    rows = np.concatenate([texels[::-1], np.ones((height, width, 1))], axis=-1).astype(np.float32)  # the lowest row first
-    return json.dumps({"rows": base64.b64encode(rows.tobytes()).decode(), "width": width, "height": height})
-
-
 environments = {name: Path(sys.argv[2], "hdr", name + ".hdr") for name in ENVIRONMENTS}
+texels = {name: json.dumps(dict(zip(("rows", "width", "height"), equirectangular(path)))) for name, path in environments.items()}
 with tempfile.TemporaryDirectory() as name:
     for material in ("cc_ibiza_sunset_rgb", "paper_white_rgb"):
         model, other, pictures = Path(name, "material.srbf"), Path(name, "other.srbf"), {}
@@ -142,10 +134,10 @@ with tempfile.TemporaryDirectory() as name:
             for file in files:
                 shutil.copy(found[renderer] / f"three.{file}.js", site)
             run("export", model, other, "--to", kind, "-o", site / "material.js")
-            for of, path in environments.items():
-                (site / f"{of}.json").write_text(texels_of(path))
-            texts = {"ENVIRONMENTS": json.dumps(list(ENVIRONMENTS)), "IMPORTS": json.dumps(imports), "LIBRARY": next(iter(imports)), "FIELD": str(math.degrees(FIELD)), "SIZE": str(SIZE),
-                     "EYE": str([0, DISTANCE * math.sin(ELEVATION), DISTANCE * math.cos(ELEVATION)])}
+            for of, text in texels.items():
+                (site / f"{of}.json").write_text(text)
+            texts = {"ENVIRONMENTS": json.dumps(list(ENVIRONMENTS)), "IMPORTS": json.dumps(imports), "LIBRARY": next(iter(imports)),
+                     "FIELD": str(math.degrees(FIELD)), "SIZE": str(SIZE), "EYE": str([0, DISTANCE * math.sin(ELEVATION), DISTANCE * math.cos(ELEVATION)])}
             page = PAGE
             for word, text in texts.items():
                 page = page.replace(word, text)

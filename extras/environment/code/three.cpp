@@ -129,11 +129,7 @@ Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std:
     if (const auto valid = check_materials(models); !valid) return valid.error();
     const auto code =
         environment_code(models, prefix, {.language = CodeLanguage::wgsl, .albedo = true, .threads = threads},
-                         {.area = true,
-                          .views = true,
-                          .lobes = k_three_lobes,
-                          .fixed = true,
-                          .unrolled = true});
+                         {.area = true, .views = true, .lobes = k_three_lobes, .fixed = true, .unrolled = true});
     if (!code) return code.error();
     std::string text = k_three_webgpu_text;
     replace_all(text, "LOBES", std::to_string(k_three_lobes));

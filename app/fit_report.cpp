@@ -9,6 +9,7 @@
 #include "base/printable.h"
 #include "brdf/directions.h"
 #include "errors/measures.h"
+#include "errors/picture_errors.h"
 #include "fit/noise.h"
 #include "fit/request_traits.h"
 #include "measured/peak.h"
@@ -169,6 +170,9 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     fmt::print("  fitted    objective {}, directions within {:g}° of the normal, in {:.2f} s ({})\n",
                name(request.objective), degrees(outcome.max_theta), outcome.fit_seconds,
                outcome.stop ? name(*outcome.stop) : "solved");
+    const Appearance& pictures = judged(*outcome.errors);
+    fmt::print("  error     {}: ΔE_ITP {:.3g} in the mean of eight lights, {:.3g} under the worst\n",
+               words(verdict(pictures.mean)), pictures.mean.delta_e, pictures.worst_delta_e);
     const std::size_t payload = payload_bytes(outcome.model), auxiliary = auxiliary_bytes(outcome.model);
     const double ratio = double(measured.bytes) / double(payload);
     fmt::print("  stored    {} bytes (file {}), source file {} bytes{}, 1 : {}\n", grouped(payload),

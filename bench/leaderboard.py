@@ -8,7 +8,12 @@ protocols.csv     with --protocols: the measures of publications, see `protocols
 README.md         tables by database, with picture.svg; a database is a folder that holds measurements
 
 A run goes on where the last one into the same FOLDER ended. `./run leaderboard --merge FOLDER... -o FOLDER` makes one leaderboard of
-several, for instance of results that others sent. `rivals.py` describes --networks and --codes. Needs the package `srbf` and NumPy.
+several, for instance of results that others sent. Needs the package `srbf` and NumPy. Further options:
+
+--models NAME...  instead of ggx-2 and srbf; an unknown name lists all
+--networks FOLDER, --codes FOLDER  published models, see rivals.py
+--protocols       also the measures of publications, of the models of srbf; minutes a material
+--environment FILE  of the sphere of --protocols, instead of the studio
 """
 import argparse
 import csv
@@ -225,13 +230,12 @@ def main():
     options = argparse.ArgumentParser(prog="./run leaderboard", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("paths", nargs="+", metavar="FILE|FOLDER")
     options.add_argument("-o", "--output", default="build/leaderboard", metavar="FOLDER")
-    options.add_argument("--merge", action="store_true", help="the folders are results of this program")
-    options.add_argument("--models", nargs="+", default=DEFAULT, choices=[name for name in NAMES if name in rivals.MODELS], metavar="NAME",
-                         help=f"of {' '.join(name for name in NAMES if name in rivals.MODELS)}; by default {' '.join(DEFAULT)}")
+    options.add_argument("--merge", action="store_true")
+    options.add_argument("--models", nargs="+", default=DEFAULT, choices=[name for name in NAMES if name in rivals.MODELS], metavar="NAME")
     options.add_argument("--networks", metavar="FOLDER")
     options.add_argument("--codes", metavar="FOLDER")
-    options.add_argument("--protocols", action="store_true", help="also the measures of publications, of the models of srbf; minutes a material")
-    options.add_argument("--environment", default="studio", metavar="FILE", help="of the sphere of --protocols")
+    options.add_argument("--protocols", action="store_true")
+    options.add_argument("--environment", default="studio", metavar="FILE")
     arguments = options.parse_args()
     folder, files = arguments.output, {"results.csv": RESULTS, "seconds.csv": SECONDS, "protocols.csv": PROTOCOLS}
     os.makedirs(folder, exist_ok=True)

@@ -88,6 +88,7 @@ PmFit fit_round(const Observations& observations, Lobes& lobes, bool is_new, con
     // The nonlinear parameters are rounded, then the coefficients are solved again.
     const Lobes halves = round_lobes(problem, lobes, fit.unrounded_loss);
     fit.loss = problem.loss(pack(halves));
+    if (rows.views > 0) fit.delta_e = problem.delta_e();
     fit.model = to_halves(to_model(problem, halves, options.log_scale), halves);
     return fit;
 }
@@ -113,7 +114,8 @@ PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors,
         if (bound->excess(evaluator(fit.model)) <= 1) return fit;
         const double loss = loss_of(observations, evaluator(fit.model));
         fit.model = rounded(lowered_to(*bound, std::move(fit.model)));
-        if (loss > 0) fit.loss *= std::max(1.0, loss_of(observations, evaluator(fit.model)) / loss);
+        const double lowered = loss > 0 ? std::max(1.0, loss_of(observations, evaluator(fit.model)) / loss) : 1;
+        fit.loss *= lowered, fit.delta_e *= lowered;
         return fit;
     };
     Lobes first_lobes;

@@ -32,6 +32,9 @@ namespace {
 
 /// A candidate after the best one is finished only if its error is at most this fraction larger.
 constexpr double k_nearly_best = 0.01;
+/// If pictures of the best candidate have a larger ΔE_ITP, which is visible at once, all candidates that remain are
+/// finished: the last steps change such pictures much, and so the order of the candidates.
+constexpr double k_visible_at_once = 10;
 /// The cost of directional lights is relative to the loss of the pairs. Errors between the rows of the last stage
 /// count in that loss only up to this multiple of its least value: a lobe between the rows can raise it by
 /// thousands.
@@ -99,21 +102,23 @@ class Fit {
         if (is_polish(stage)) reporter_.advance("polishing", work_.polish);
     }
     /// The last stage. It finishes the first candidate, and further ones that are nearly as good, and returns the
-    /// best. For noisy tables it finishes all remaining candidates: albedos cost most then, and pictures do not
-    /// show which candidate can follow them.
+    /// best. It finishes all remaining candidates for noisy tables, where albedos cost most and pictures do not show
+    /// which candidate can follow them, and if pictures of the best one are far off.
     PmFit finish(const Stage& stage) {
         if (stage.adds_directional_lights) add_directional_lights(stage);
         if (!stage.pictures) sort_by_all_pairs();
-        const bool is_noisy = observations_.is_noisy();
-        if (!is_noisy) candidates_.resize(std::min(candidates_.size(), stage.max_candidates));
+        const bool is_open =
+            observations_.is_noisy() || (stage.pictures && candidates_.front().loss > k_visible_at_once);
+        if (!is_open) candidates_.resize(std::min(candidates_.size(), stage.max_candidates));
         PmFit fit;
         for (std::size_t i = 0; i < candidates_.size(); ++i) {
-            const bool may_be_best = i == 0 || is_noisy || candidates_[i].loss <= (1 + k_nearly_best) * fit.loss;
+            const bool may_be_best = i == 0 || is_open || candidates_[i].loss <= (1 + k_nearly_best) * fit.loss;
             if (!may_be_best || (i > 0 && reporter_.cancelled())) break;
             TermFactors factors = factors_;
             factors.integrals = subsets_.integral_importance(factors_.has_directional_lights);
             PmFit next = srbf::finish(candidates_[i].lobes, weighted_observations(), factors, options_, reporter_);
-            if (i == 0 || next.loss < fit.loss) fit = std::move(next);
+            const bool is_better = stage.pictures ? next.delta_e < fit.delta_e : next.loss < fit.loss;
+            if (i == 0 || is_better) fit = std::move(next);
         }
         if (!reporter_.advance("polishing", work_.finish)) fit.stop = StopReason::cancelled;
         return fit;

@@ -24,8 +24,8 @@ struct PmFitOptions {
     /// false bounds β.
     bool log_scale = true;
     /// Number of starts: independent growths of J lobes. The best four are polished and one to three of them
-    /// finished. For appearance, pictures choose among all of them, and one is finished. Default: 20, or 16 for 8
-    /// lobes and more.
+    /// finished. For appearance, pictures choose among all of them, and one is finished, or an eighth where pictures
+    /// are far off. Default: 20, or 16 for 8 lobes and more.
     std::optional<int> starts = {};
     /// Maximum number of perturbations of a candidate. Each replaces the least useful lobe; every fourth one
     /// replaces the least useful variate instead. All starts get a fifth of the perturbations, the better half
@@ -44,6 +44,7 @@ struct PmFitOptions {
 /// The loss is Σ w |f−f̂|² over the observations, including horizon pairs, exceeded bound pairs and integrals.
 struct PmFit : Fitted<PmModel> {
     StopReason stop = StopReason::converged;
+    double delta_e = 0;  ///< mean ΔE_ITP of the pixels of views, if there are any
 };
 
 /// Fits parameterized multivariate SRBFs by separable least squares. For given centres, bandwidths and

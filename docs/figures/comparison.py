@@ -24,7 +24,7 @@ MODELS = {  # name, and in the plot the curve that it belongs to
     "srbf-4": ("srbf, 4 lobes", "srbf"),
     "srbf": ("**srbf, 9 lobes**", "srbf"),
     "srbf-16": ("srbf, 16 lobes", "srbf"),
-    "as-measured-8": ("8 lobes, as measured", "as measured"),
+    "as-measured-8": ("8 lobes, not reciprocal", "not reciprocal"),
     "su": ("view by view, 5 lobes", "view by view"),
 }
 SIZED = {  # in rows of the measurements alone: models of several sizes, and their curves
@@ -34,7 +34,7 @@ SIZED = {  # in rows of the measurements alone: models of several sizes, and the
     **{f"pca-{count}": "principal components" for count in (4, 8, 16)},
 }
 CURVE_OF = {**{model: curve for model, (_, curve) in MODELS.items()}, **SIZED}
-COLOURS = {"srbf": "#c0392b", "as measured": "#e59866", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "ABC": "#b7950b",
+COLOURS = {"srbf": "#c0392b", "not reciprocal": "#e59866", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "ABC": "#b7950b",
            "SGD": "#784212", "NBRDF": "#7d3c98", "neural process": "#5d6d7e", "GTR lobes": "#5dade2", "small network": "#8e44ad", "principal components": "#7f8c8d"}
 NEURAL = {"nbrdf", "nps"}  # of which there are rows for the measurements alone
 MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
@@ -167,7 +167,7 @@ def options_table(rows):
 
 
 SIZES = {"ggx-2": "Lambert and two GGX lobes", "openpbr": "parameters of OpenPBR", "srbf-4": "4 lobes", "srbf": "**9 lobes**", "srbf-16": "16 lobes",
-         "as-measured-8": "8 lobes, as measured", "as-measured-16": "16 lobes, as measured"}
+         "as-measured-8": "8 lobes, not reciprocal", "as-measured-16": "16 lobes, not reciprocal"}
 
 
 def sizes_table(rows):

@@ -52,7 +52,8 @@ std::string work_of(const Stage& stage, const PmFitOptions& options) {
         case StageKind::by_pictures:
             return fmt::format("{} steps, ordered by delta E ITP", stage.steps);
         case StageKind::finish:
-            return "steps while they pay, rounding to 16 bits; bounds begin anew";
+            return fmt::format("steps while they pay, rounding to 16 bits; bounds begin anew{}",
+                               stage.pictures ? "; all that remain where pictures are far off" : "");
     }
     return "";
 }

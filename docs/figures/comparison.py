@@ -115,12 +115,29 @@ def measured_table(rows):
 
 
 def bytes_table(rows):
-    """ΔE_ITP of the measurements by bytes: a line a curve."""
+    """ΔE_ITP of the measurements by bytes: a line a curve of several sizes."""
     lines = []
-    for curve in COLOURS:
+    for curve in ["srbf", *(curve for curve in COLOURS if curve in SIZED.values() and curve != "srbf")]:
         points = [f"{text(x)}: {text(y)}{f' (+ {text(shared)} shared)' if shared else ''}" for x, y, shared in points_of(rows, curve)]
         lines.append([curve, " · ".join(points)])
     return table(["models", "bytes: mean ΔE_ITP"], lines)
+
+
+OF_EQUAL_BYTES = {"srbf-4": "srbf, 4 lobes", "gtr-6": "6 GTR lobes", "network-4": "small network, 4 neurons", "srbf-6": "srbf, 6 lobes",
+                  "network-6": "small network, 6 neurons", "cube-root": "8 lobes, not reciprocal, by `cube-root`", "srbf": "**srbf, 9 lobes**",
+                  "nbrdf": "NBRDF"}
+
+
+def equal_bytes_table(rows):
+    """All measures of models of similar sizes, means of the measurements."""
+    lines = []
+    for model, name in OF_EQUAL_BYTES.items():
+        of = of_model(rows, model)
+        lines.append([name, text(of[0]["payload"])] + [text(mean(of, key)) for key in MEASURES])
+    return table(["model", "bytes", *MEASURES.values()], lines)
+
+
+NETWORKS = {"nbrdf": "NBRDF", "nps": "neural process", "network-6": "small network, 186 bytes"}
 
 
 def measures_table(rows):
@@ -129,12 +146,12 @@ def measures_table(rows):
     for key, name in MEASURES.items():
         sign = -1 if key == "psnr" else 1
         cells = []
-        for model in sorted(NEURAL):
+        for model in NETWORKS:
             own, other = [{row["material"]: sign * row[key] for row in of_model(rows, of)} for of in ("srbf", model)]
             smaller = [material for material in MEASURED if other[material] < own[material]]
             cells.append(f"{len(smaller)}: {', '.join(smaller)}" if smaller else "0")
         lines.append([name] + cells)
-    return table(["measure"] + [MODELS[model][0] for model in sorted(NEURAL)], lines)
+    return table(["measure", *NETWORKS.values()], lines)
 
 
 def worst_table(rows):
@@ -269,7 +286,8 @@ def replaced(page, name, table_of):
 def pages(rows):
     """The pages with their tables, by path."""
     measured, rest = of_measured(rows), without_measured_alone(rows)
-    tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("bytes", bytes_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
+    tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("bytes", bytes_table(measured)),
+                     ("equal bytes", equal_bytes_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
                      ("held out", held_out_table(read(HELD_OUT))), ("measures", measures_table(measured)), ("worst", worst_table(rows))],
               ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))]}
     made = {}

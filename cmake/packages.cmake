@@ -19,7 +19,7 @@ foreach(component ${CPACK_COMPONENTS_ALL})
   install(FILES ${changes} DESTINATION ${documents} COMPONENT ${component} EXCLUDE_FROM_ALL OPTIONAL)
   string(TOUPPER ${component} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${folder_${component}})
-  set(CPACK_COMPONENT_${upper}_DESCRIPTION "A measured BRDF of a megabyte or more becomes a formula of 208 bytes,
+  set(CPACK_COMPONENT_${upper}_DESCRIPTION "A measured BRDF of a megabyte or more becomes a formula of 210 bytes,
 a few spherical radial basis functions, which is evaluated, importance
 sampled, rendered and exported as shading code.
 .

@@ -144,8 +144,9 @@ class Chromium:
         self.settle()
 
     def screenshot(self, path, whole=False):
-        """As PNG."""
-        answer = self.ask("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
+        """As PNG, or as JPEG by the path's ending."""
+        jpeg = {"format": "jpeg", "quality": 90} if str(path).endswith(".jpg") else {"format": "png"}
+        answer = self.ask("Page.captureScreenshot", captureBeyondViewport=whole, **jpeg)
         with open(path, "wb") as file:
             file.write(base64.b64decode(answer["data"]))
 

@@ -39,7 +39,7 @@ Error out_of_memory_error(std::string source) {
 }
 
 void misused(std::string_view what) {
-    std::fprintf(stderr, "srbf: a Result was used without looking: %.*s\n", int(what.size()), what.data());
+    std::fprintf(stderr, "srbf: misuse: %.*s\n", int(what.size()), what.data());
     std::abort();
 }
 

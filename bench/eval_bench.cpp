@@ -88,7 +88,7 @@ PmModel model_of(const benchmark::State& state) {
     return random_model(PmForm(state.range(0)), int(state.range(1)), int(state.range(2)), state.range(3) != 0);
 }
 void sizes(benchmark::internal::Benchmark* benchmark) {
-    benchmark->ArgNames({"form", "J", "N", "axial"});  // form: 0 gaussian, 1 horizon, 2 extended, 3 reciprocal
+    benchmark->ArgNames({"form", "J", "N", "axial"});     // form: 0 gaussian, 1 horizon, 2 extended, 3 reciprocal
     benchmark->Args({int(PmForm::reciprocal), 9, 3, 1});  // the default
     for (const int axial : {1, 0})
         for (const int form : {0, 1, 2})

@@ -32,6 +32,9 @@ constexpr double k_of_shortest = 0.75;
 /// promising, of kinds for which all trials are tried, and of full fits per doubling of the bytes.
 constexpr std::size_t k_some_kinds = 8, k_few_kinds = 2, k_most_full_fits = 3;
 constexpr std::size_t k_first_bytes = 32, k_conclusive_bytes = 64;
+/// Where no size is expected to reach the error, doubling the bytes is worth while if it lowers the error below this
+/// fraction.
+constexpr double k_worth_doubling = 0.9;
 
 /// Approximate progress after the short fits of each kind, and when the bytes have been doubled to the most.
 constexpr double k_done_by_shortest = 0.2, k_done_by_short = 0.4, k_done_by_doubling = 0.1, k_done_by_doublings = 0.6;
@@ -187,7 +190,8 @@ class SmallestWithin {
     SmallestWithin(Search& search, double error) : search_(search), error_(error), kinds_(kinds(search.options())) {}
 
     /// The bytes are doubled until shortest fits of the kinds' largest models predict that one may reach the error, or
-    /// that none would even if each further doubling lowered the error as much as the last one.
+    /// that none would even if each further doubling lowered the error as much as the last one. In that case bytes are
+    /// doubled as long as that lowers the error much.
     Result<Chosen> run() {
         double error_before = std::numeric_limits<double>::infinity();
         for (std::size_t before = 0, bytes = k_first_bytes; !reached(); before = bytes, bytes *= 2) {
@@ -196,7 +200,8 @@ class SmallestWithin {
             const double doublings = elementary::log2(double(k_most_chosen_bytes) / double(bytes)),
                          now = largest->front().error,
                          at_most = now * elementary::pow(std::min(now / error_before, 1.0), doublings);
-            const bool last = doublings < 1 || (before >= k_conclusive_bytes && k_of_shortest * at_most > error_);
+            const bool reachable = before < k_conclusive_bytes || k_of_shortest * at_most <= error_;
+            const bool last = doublings < 1 || (!reachable && now > k_worth_doubling * error_before);
             error_before = now;
             if (!search_.report(k_done_by_doubling * elementary::log2(double(2 * bytes) / double(k_first_bytes))))
                 break;

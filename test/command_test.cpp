@@ -438,7 +438,8 @@ TEST_F(WithModel, anisotropic_surfaces_are_exported_for_other_programs) {
 
 TEST_F(WithModel, a_surface_is_fitted_to_an_anisotropic_measurement) {
     write(folder / "a.bsdf", text_of(tensor_file(anisotropic_rgl())));
-    const ProgramRun result = run(folder, {"fit", "a.bsdf", "--model", "openpbr", "--surface", "gltf", "-o", "a.srbf"});
+    const ProgramRun result =
+        run(folder, {"fit", "a.bsdf", "--model", "openpbr", "--surface", "gltf", "--objective", "raw", "-o", "a.srbf"});
     ASSERT_EQ(result.status, 0) << result.err;
     EXPECT_TRUE(load_model(folder / "a.srbf").ok());
 }

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 #include "coat_walk.h"
 #include "edit/lobes.h"
 #include "edit/reshape.h"
@@ -86,7 +88,7 @@ TEST(Edit, RoughensFacetsExactly) {
 
 TEST(Edit, RoughenedFitsLookLikeRougherFacets) {
     for (const Material& material : k_materials)
-        for (const double factor : {0.7, 1.5, 2.0}) {
+        for (const double factor : {0.7, 2.0}) {
             GgxModel truth = material.truth;
             for (GgxModel::Lobe& lobe : truth.lobes) lobe.roughness *= float(factor);
             const Model rough = with_edit(material.fit(), Roughen{factor});
@@ -200,9 +202,18 @@ TEST(Edit, CoatsReflectAllThatWhiteBasesDo) {
     }
 }
 
+/// The fit of a material under a white coat of that roughness, made once.
+const Model& coated_fit(std::size_t material, double roughness) {
+    static std::map<std::pair<std::size_t, double>, Model> made;
+    const std::pair key(material, roughness);
+    if (!made.contains(key)) made[key] = with_edit(k_materials[material].fit(), Coat{roughness, 1.5, {1, 1, 1}});
+    return made[key];
+}
+
 TEST(Edit, CoatedFitsAreLawful) {
-    for (const Material& material : std::span(k_materials).first(2)) {
-        const Model coat = with_edit(material.fit(), Coat{0.1, 1.5, {1, 1, 1}});
+    for (const std::size_t m : {0, 1}) {
+        const Material& material = k_materials[m];
+        const Model& coat = coated_fit(m, 0.1);
         expect_lawful(coat);
         EXPECT_EQ(pm(coat).lobes, pm(material.fit()).lobes + 3);
         GgxModel wide = material.truth;
@@ -214,7 +225,7 @@ TEST(Edit, CoatedFitsAreLawful) {
 /// Against light that walks between interface and base, in bins of directions of which each gets hundreds of paths.
 TEST(Edit, CoatsLookLikeWalksBetweenTheirLayers) {
     constexpr int k_paths = 60000;
-    for (const auto& [material, roughness] : {std::pair(0, 0.1), {1, 0.1}, {1, 0.3}}) {
+    for (const auto& [material, roughness] : {std::pair(std::size_t(0), 0.1), {1, 0.1}, {1, 0.3}}) {
         const GgxModel& base = k_materials[material].truth;
         const Coat coat{roughness, 1.5, {1, 1, 1}};
         const WalkedCoat walked(CoatWalk(base, roughness, coat.ior), coated(evaluator(base), coat), k_paths);
@@ -222,7 +233,7 @@ TEST(Edit, CoatsLookLikeWalksBetweenTheirLayers) {
             for (std::size_t i = 0; i < f.size(); ++i) f[i] = walked.value(wl[i], wv[i]);
         };
         const Model fit = k_materials[material].fit();
-        const double error = visible_error(truth, evaluator(with_edit(fit, coat)));
+        const double error = visible_error(truth, evaluator(coated_fit(material, roughness)));
         EXPECT_LE(error, 4) << k_materials[material].name << ' ' << roughness;
         EXPECT_LT(error, 0.5 * visible_error(truth, evaluator(fit)));
         fmt::print("{} under a coat of {}: {:.2f}\n", k_materials[material].name, roughness, error);

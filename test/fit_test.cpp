@@ -256,6 +256,7 @@ TEST(Fit, AlbedoIsWithinItsLimit) {
         for (const bool axial : {true, false}) {
             PmFitOptions options = short_search(limit ? PmForm::extended : PmForm::reciprocal, 3, 2);
             options.axial = axial, options.albedo_limit = limit;
+            options.starts = options.perturbations = 2;
             const auto fit = fit_pm(*observe(rising, {}), options);
             ASSERT_TRUE(fit);
             for (const PmModel& model : {fit->model, fit->unrounded}) {

@@ -61,7 +61,7 @@ using Hostile = CommandLine;
 
 /// Many parts of a few bytes, each of which a library or a reader might store as an object.
 TEST_F(Hostile, SmallPartsStayWithinTheMemoryLimit) {
-    constexpr std::size_t size = k_is_sanitized ? 1'000'000 : 20'000'000;
+    constexpr std::size_t size = k_is_sanitized ? 1'000'000 : 8'000'000;
     struct File {
         std::string name, first, part, last;
     };
@@ -93,7 +93,7 @@ TEST_F(Hostile, SmallPartsStayWithinTheMemoryLimit) {
     EXPECT_LT(base, 64 << 20 << k_is_sanitized);
     const auto check = [&](const std::string& name) {
         SCOPED_TRACE(name);
-        const auto limit = 4 * std::int64_t(fs::file_size(folder / name)) + (std::int64_t(64) << 20);
+        const auto limit = 4 * std::int64_t(fs::file_size(folder / name)) + (std::int64_t(32) << 20);
         const std::int64_t used = peak_memory(folder, {"info", name}) - base;
         if (!k_is_sanitized) {
             EXPECT_LT(used, limit);

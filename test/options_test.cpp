@@ -160,8 +160,10 @@ bool prints_durations(const std::string& subcommand) {
 const std::set<std::string> k_without_effect{"--threads", "--resume", "--axial"};
 /// Options that all modes of a subcommand read in the same lines of code. They are tried only in the first mode
 /// that reads them.
-const std::set<std::string> k_tried_once{"--exchange", "--max-theta", "--seed", "--json", "--preview",
-                                         "--env",      "--mesh",      "--up",   "--size", "--lights"};
+const std::set<std::string> k_tried_once{
+    "--exchange",   "--max-theta", "--seed",   "--json",    "--preview",        "--env",       "--mesh",
+    "--up",         "--size",      "--lights", "--roughen", "--tint-highlight", "--tint-body", "--scale-highlight",
+    "--scale-body", "--saturate",  "--hue",    "--rotate",  "--reduce"};
 /// Options that are read but have no effect in a mode: axial lobes take fewer bytes anyway; MERL tables are
 /// reciprocal; the lights are outside the room and on a side without its window.
 const std::set<std::pair<std::string, std::string>> k_without_effect_in_mode{

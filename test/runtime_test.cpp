@@ -1,6 +1,7 @@
 // srbf_runtime.h, compiled as C: its values are the library's, its densities those of its samples, and no file is
 // unsafe.
 #include <filesystem>
+#include <map>
 #include <random>
 
 #include "compiled_code.h"
@@ -67,12 +68,17 @@ class RuntimeHeader : public WrittenCode {
   protected:
     RuntimeHeader() { written("srbf_runtime.h", runtime_code()); }
 
-    Runtime compiled_runtime(const std::string& options) {
+    /// Compiled once for all tests.
+    const Runtime& compiled_runtime(const std::string& options) {
+        static std::map<std::string, Runtime> made;
+        if (const auto at = made.find(options); at != made.end()) return at->second;
         void* library = compiled("gcc -std=c99 -O2 " + options, "runtime" + options, k_implementation);
+        ::dlopen(path("runtime" + options + ".so").c_str(),
+                 RTLD_NOW | RTLD_NOLOAD);  // so that it stays after this test
         const auto named = [&](auto& member, const char* name) {
             member = function<std::remove_pointer_t<std::remove_reference_t<decltype(member)>>>(library, name);
         };
-        Runtime runtime{};
+        Runtime& runtime = made[options];
         named(runtime.memory_needed, "srbf_memory_needed"), named(runtime.open, "srbf_open");
         named(runtime.prepare, "srbf_prepare"), named(runtime.value, "srbf_value");
         named(runtime.values, "srbf_values"), named(runtime.sample, "srbf_sample"), named(runtime.pdf, "srbf_pdf");
@@ -98,7 +104,7 @@ Vec3f direction(std::mt19937_64& random, int i) { return to_float(random_directi
 
 TEST_F(RuntimeHeader, ValuesAreThoseOfTheLibrary) {
     for (const char* options : {"", "-DSRBF_ONE_LANE"}) {
-        const Runtime runtime = compiled_runtime(options);
+        const Runtime& runtime = compiled_runtime(options);
         for (const Case& of : cases(runtime)) {
             if (!of.brdf) continue;
             std::mt19937_64 random(1);
@@ -114,7 +120,7 @@ TEST_F(RuntimeHeader, ValuesAreThoseOfTheLibrary) {
 }
 
 TEST_F(RuntimeHeader, IsZeroWhereADirectionIsNotAboveTheSurface) {
-    const Runtime runtime = compiled_runtime("");
+    const Runtime& runtime = compiled_runtime("");
     constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
     const Vec3f up{0, 0.6f, 0.8f};
     for (const Case& of : cases(runtime))
@@ -139,7 +145,7 @@ bool has_one_albedo(const Model& model) {
 
 // The density of samples is the one that is returned, before and after preparation; weights are f |cos| / pdf.
 TEST_F(RuntimeHeader, SamplesFollowTheirDensity) {
-    const Runtime runtime = compiled_runtime("");
+    const Runtime& runtime = compiled_runtime("");
     constexpr int draws = 4000;
     std::mt19937_64 random(2);
     std::vector<Case> all = cases(runtime);
@@ -184,7 +190,7 @@ TEST_F(RuntimeHeader, SamplesFollowTheirDensity) {
 }
 
 TEST_F(RuntimeHeader, AlbedosAreThoseOfTheLibrary) {
-    const Runtime runtime = compiled_runtime("");
+    const Runtime& runtime = compiled_runtime("");
     for (const Case& of : cases(runtime)) {
         if (!has_one_albedo(of.model)) continue;
         runtime.prepare(of.brdf);
@@ -200,7 +206,7 @@ TEST_F(RuntimeHeader, AlbedosAreThoseOfTheLibrary) {
 }
 
 TEST_F(RuntimeHeader, SaysHowMuchMemoryItNeeds) {
-    const Runtime runtime = compiled_runtime("");
+    const Runtime& runtime = compiled_runtime("");
     for (const Case& of : cases(runtime))
         for (std::size_t capacity = 0; capacity + 32 < of.memory.size(); capacity += of.memory.size() / 16) {
             std::vector<std::byte> memory(capacity);
@@ -213,7 +219,7 @@ TEST_F(RuntimeHeader, SaysHowMuchMemoryItNeeds) {
 
 // Every truncation is an error that lies within the file.
 TEST_F(RuntimeHeader, RefusesEveryTruncation) {
-    const Runtime runtime = compiled_runtime("");
+    const Runtime& runtime = compiled_runtime("");
     for (const Case& of : cases(runtime))
         for (std::size_t size = 0; size < of.bytes.size(); ++size) {
             std::vector<std::byte> memory(of.memory.size());

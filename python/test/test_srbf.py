@@ -37,7 +37,7 @@ def facets(paper):
 
 @pytest.fixture(scope="module", params=["gaussian", "horizon", "extended", "reciprocal", "general", "su", "ggx"])
 def model(request, paper):
-    options = {"su": {"model": "su", "lobes": 1}, "ggx": {"model": "ggx", "lobes": 2}, "general": {"axial": False, "lobes": 2, "variates": 2}}
+    options = {"su": {"model": "su", "lobes": 1}, "ggx": {"model": "ggx", "lobes": 2}, "general": {"axial": False, "lobes": 2, "variates": 2, "effort": 0.1}}
     return srbf.fit(paper, objective="cosine", **options.get(request.param, {"form": request.param, "lobes": 2, "variates": 2, "effort": 0.1})).model
 
 

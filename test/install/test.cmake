@@ -75,8 +75,13 @@ endif()
 used(${BUILD})
 run(${FOLDER}/prefix/bin/srbf info ${FOLDER}/paper.srbf)
 
-# As a part of a user's project, which compiles it; here, what the build has compiled is copied.
-run(${configure} -S ${SOURCE}/test/install/fetched -B ${FOLDER}/fetched -DFETCHCONTENT_SOURCE_DIR_SRBF=${SOURCE}
+# As a part of a user's project, which compiles it; here, what the build has compiled is copied. Files are joined as they are
+# there: a build without ccache joins them, as one does where ccache is switched off.
+set(joined)
+if(COMPILED_ONCE)
+  set(joined ${CMAKE_COMMAND} -E env CCACHE_DISABLE=1)
+endif()
+run(${joined} ${configure} -S ${SOURCE}/test/install/fetched -B ${FOLDER}/fetched -DFETCHCONTENT_SOURCE_DIR_SRBF=${SOURCE}
     -DCCACHE=${SOURCE}/test/install/fetched/prebuilt.sh)
 run(${CMAKE_COMMAND} -E env PREBUILT=${BUILD} ${CMAKE_COMMAND} --build ${FOLDER}/fetched --target user)
 run(${FOLDER}/fetched/user ${paper} ${FOLDER}/fetched.srbf)

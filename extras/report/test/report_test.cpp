@@ -22,7 +22,7 @@ using Files = std::map<fs::path, std::string>;
 /// Writes two small materials, whose names have no digits, and a file that is not a measurement.
 void write_materials(const TemporaryFolder& folder) {
     for (const double gloss : {1.0, 9.0})
-        write(folder / (gloss == 1 ? "matt.binary" : "krylon_blue.binary"),
+        write(folder / (gloss == 1 ? "nickel.binary" : "krylon_blue.binary"),
               text_of(merl_file({9, 6, 8}, [&](int h, int d, int, int c) {
                   return 0.1 + gloss * std::exp(-h * gloss) * (1 + c) + 0.01 * d;
               })));
@@ -46,8 +46,8 @@ bool contains_times(const fs::path& file) {
 }
 
 Arguments arguments(const std::string& output) {
-    return {"report",    "matt.binary", "broken.binary", "krylon_blue.binary",      "-o",
-            output,      "--least",     "--label",       "matt=stand-in & <so on>", "--note",
+    return {"report",    "nickel.binary", "broken.binary", "krylon_blue.binary",        "-o",
+            output,      "--least",       "--label",       "nickel=stand-in & <so on>", "--note",
             "Not <real>"};
 }
 
@@ -59,7 +59,7 @@ class Report : public testing::Test {
         first = run(*folder, arguments("whole"));
         const fs::path whole = folder->path / "whole";
         html = contents(whole / "index.html");
-        pages = {whole / "index.html", whole / "numbers.html", page_of("matt"), page_of("krylon_blue")};
+        pages = {whole / "index.html", whole / "numbers.html", page_of("nickel"), page_of("krylon_blue")};
     }
     /// The page of the material with this name.
     static fs::path page_of(const std::string& name) {
@@ -83,7 +83,7 @@ TEST_F(Report, OneMaterialThatFailsDoesNotStopTheOthers) {
     EXPECT_EQ(first.status, 1);
     EXPECT_TRUE(first.err.starts_with("srbf: broken.binary: ")) << first.err;
     EXPECT_EQ(first.err.find('\n'), first.err.size() - 1) << first.err;
-    for (const char* name : {"matt", "krylon_blue"})
+    for (const char* name : {"nickel", "krylon_blue"})
         EXPECT_NE(html.find(fmt::format("'>{}</a>", name)), html.npos) << name;
     EXPECT_NE(html.find("<b>broken</b>: broken.binary: "), html.npos);
     EXPECT_NE(contents(*folder / "whole" / "materials.csv").find("broken,,,broken.binary"), html.npos);
@@ -100,9 +100,9 @@ TEST_F(Report, WrongUseIsAnError) {
         EXPECT_EQ(done.status, 2) << done.err;
         EXPECT_NE(done.err.find(words), done.err.npos) << done.err;
     };
-    expect_wrong({"report", "matt.binary", "-o", "d", "--label", "n=stand-in"}, "--label");
+    expect_wrong({"report", "nickel.binary", "-o", "d", "--label", "n=stand-in"}, "--label");
     expect_wrong({"report", "", "-o", "d"}, "found an empty one");
-    expect_wrong({"report", "matt.binary", "-o", "-h"}, "--output: expected a text, found the option -h");
+    expect_wrong({"report", "nickel.binary", "-o", "-h"}, "--output: expected a text, found the option -h");
 }
 
 TEST_F(Report, NeedsNothingButItself) {
@@ -120,7 +120,7 @@ TEST_F(Report, NeedsNothingButItself) {
 }
 
 TEST_F(Report, GivesTheDefaultFitToOtherPrograms) {
-    for (const char* name : {"matt", "krylon_blue"}) {
+    for (const char* name : {"nickel", "krylon_blue"}) {
         const fs::path folder_path = page_of(name).parent_path();
         const std::string page = contents(folder_path / "index.html");
         for (const char* ending : {".glsl", ".hlsl", ".wgsl", ".metal", ".h", ".js"}) {
@@ -159,7 +159,7 @@ TEST_F(Report, IsShownByABrowser) {
     EXPECT_EQ(answers["blank"], 0);
     EXPECT_EQ(answers["plots"], nlohmann::json({0, 0, 2 + 6, 2 + 6}));
     // A click changes the order of the materials.
-    EXPECT_EQ(answers["by_name"], nlohmann::json({"krylon_blue", "matt"}));
+    EXPECT_EQ(answers["by_name"], nlohmann::json({"krylon_blue", "nickel"}));
     auto by_error = answers["by_error"];
     EXPECT_TRUE(std::ranges::is_sorted(by_error.get<std::vector<double>>())) << by_error;
 }
@@ -231,15 +231,15 @@ std::set<fs::path> completed_folders(const fs::path& report) {
 
 TEST_F(Report, SaysWhereNoFramesCanBeTimed) {
     const TemporaryFolder blind;
-    fs::copy(*folder / "matt.binary", blind / "matt.binary");
+    fs::copy(*folder / "nickel.binary", blind / "nickel.binary");
     for (const fs::path& done : completed_folders(folder->path / "whole"))
-        if (done.filename().string().starts_with("matt-")) {
+        if (done.filename().string().starts_with("nickel-")) {
             fs::create_directory(blind / "a");
             fs::copy(done, blind.path / "a" / done.filename(), fs::copy_options::recursive);
             fs::remove(blind.path / "a" / done.filename() / "frames.json");
         }
     ::setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/dev/null", 1);  // no library that draws
-    const ProgramRun done = run(blind, {"report", "matt.binary", "-o", "a", "--least"});
+    const ProgramRun done = run(blind, {"report", "nickel.binary", "-o", "a", "--least"});
     ::unsetenv("__EGL_VENDOR_LIBRARY_FILENAMES");
     EXPECT_EQ(done.status, 0) << done.err;
     const std::string page = contents(*completed_folders(blind / "a").begin() / "index.html");
@@ -251,23 +251,16 @@ TEST_F(Report, NamesTheSourcesRowsBesideItsOwnMaterials) {
     const std::string krylon = contents(page_of("krylon_blue"));
     EXPECT_NE(krylon.find("Tsai 2009, multivariate"), krylon.npos);
     EXPECT_NE(krylon.find("<data value='0.0102'>1.02 %</data>"), krylon.npos);
-    EXPECT_EQ(contents(page_of("matt")).find("Tsai 2009, "), krylon.npos);
-    // A file with the name of a material of Tsai 2009 is treated as that material, unless it is labelled. Its
-    // content is that of a completed material here.
+    EXPECT_EQ(contents(page_of("nickel")).find("Tsai 2009, "), krylon.npos);
+    // A file with the name of a material of Tsai 2009 is treated as that material, unless it is labelled, as above.
     const TemporaryFolder metal;
-    fs::copy(*folder / "matt.binary", metal / "nickel.binary");
-    for (const fs::path& done : completed_folders(folder->path / "whole"))
-        if (const std::string name = done.filename().string(); name.starts_with("matt-"))
-            fs::create_directory(metal / "a"),
-                fs::copy(done, metal.path / "a" / ("nickel-" + name.substr(5)), fs::copy_options::recursive);
-    const Arguments again{"report", "nickel.binary", "-o", "a", "--least"};
-    EXPECT_EQ(run(metal, again).status, 0);
-    const auto page = [&] { return contents(*completed_folders(metal / "a").begin() / "index.html"); };
-    EXPECT_NE(page().find("<data value='0.0044'>0.44 %</data>"), html.npos);
-    Arguments labelled = again;
-    labelled.insert(labelled.begin() + 1, {"--label", "nickel=stand-in"});
-    EXPECT_EQ(run(metal, labelled).status, 0);
-    EXPECT_EQ(page().find("Tsai 2009, "), html.npos);
+    fs::copy(*folder / "nickel.binary", metal / "nickel.binary");
+    const fs::path study = page_of("nickel").parent_path();
+    fs::create_directory(metal / "a");
+    fs::copy(study, metal.path / "a" / study.filename(), fs::copy_options::recursive);
+    EXPECT_EQ(run(metal, {"report", "nickel.binary", "-o", "a", "--least"}).status, 0);
+    const std::string page = contents(metal.path / "a" / study.filename() / "index.html");
+    EXPECT_NE(page.find("<data value='0.0044'>0.44 %</data>"), page.npos);
 }
 
 TEST_F(Report, GoesOnWhereItWasKilled) {
@@ -329,13 +322,13 @@ std::string started_study(const TemporaryFolder& folder, const Arguments& argume
 /// that was killed before it wrote its pages.
 TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
     const TemporaryFolder other;
-    fs::copy(*folder / "matt.binary", other / "matt.binary");
-    const fs::path study = page_of("matt").parent_path(), kept = other.path / "o" / study.filename();
+    fs::copy(*folder / "nickel.binary", other / "nickel.binary");
+    const fs::path study = page_of("nickel").parent_path(), kept = other.path / "o" / study.filename();
     fs::create_directory(other / "o");
     fs::copy(study, kept, fs::copy_options::recursive);
     fs::remove(kept / "index.html");
     write(other / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nf 1 2 3\nf 1 2 4\n# a\n");
-    const Arguments base{"report", "matt.binary", "-o", "o", "--least"};
+    const Arguments base{"report", "nickel.binary", "-o", "o", "--least"};
     EXPECT_EQ(started_study(other, base), "");
     const Files expected = files_of(other / "o");
 
@@ -345,8 +338,8 @@ TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
         const std::string name = started_study(other, arguments);
         EXPECT_TRUE(!name.empty() && keys.insert(key_of(name)).second) << fmt::format("{}", fmt::join(arguments, " "));
     };
-    const std::map<std::string, std::string> argument{{"--quick", ""},       {"--mesh", "m.obj"}, {"--up", "z"},
-                                                      {"--label", "matt=x"}, {"--note", "x"},     {"--threads", "1"},
+    const std::map<std::string, std::string> argument{{"--quick", ""},         {"--mesh", "m.obj"}, {"--up", "z"},
+                                                      {"--label", "nickel=x"}, {"--note", "x"},     {"--threads", "1"},
                                                       {"--jobs", "1"}};
     const std::set<std::string> changes_no_study{"--label", "--note", "--threads", "--jobs"};
     const auto options = long_options(other);
@@ -362,10 +355,10 @@ TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
         EXPECT_EQ(started_study(other, base), "");
         EXPECT_TRUE(files_of(other / "o") == expected) << option << " still has an effect in a run without it";
     }
-    expect_anew({"report", "matt.binary", "-o", "o"});
-    fs::copy(other / "matt.binary", other / "nickel.binary");
-    expect_anew({"report", "nickel.binary", "-o", "o", "--least"});
-    for (const char* file : {"m.obj", "matt.binary"}) {
+    expect_anew({"report", "nickel.binary", "-o", "o"});
+    fs::copy(other / "nickel.binary", other / "matt.binary");
+    expect_anew({"report", "matt.binary", "-o", "o", "--least"});
+    for (const char* file : {"m.obj", "nickel.binary"}) {
         std::string content = contents(other / file);
         content[content.size() - 2] = char(content[content.size() - 2] ^ 1);
         write(other / file, content);
@@ -380,15 +373,15 @@ TEST_F(Report, RefusesWhatItCannotUse) {
         EXPECT_EQ(run.status, status) << run.err;
         EXPECT_NE(run.err.find(named), run.err.npos) << run.err;
     };
-    refused({"matt.binary"}, 2, "--output");
+    refused({"nickel.binary"}, 2, "--output");
     refused({"-o", "x"}, 2, "FILE");
-    refused({"matt.binary", "-o", "matt.binary"}, 1, "matt.binary");
-    refused({"matt.binary", "-o", "x", "--mesh", "missing.ply"}, 1, "missing.ply");
+    refused({"nickel.binary", "-o", "nickel.binary"}, 1, "nickel.binary");
+    refused({"nickel.binary", "-o", "x", "--mesh", "missing.ply"}, 1, "missing.ply");
     const std::string stack = (fs::path(SRBF_SOURCE_DIR) / "fuzz" / "corpus" / "stack" / "small").string();
     refused({stack + "#0", "-o", "of_a_model"}, 1, "expected a measurement, found a fitted model");
     refused({stack + "#9", "-o", "of_a_model"}, 1, "texel: expected 0 to 1, found 9");
     refused({"missing.binary", "-o", "of_a_model"}, 1, "missing.binary: cannot be read");
-    refused({"matt.binary", "-o", "x", "--label", "no sign of equality"}, 2, "NAME=TEXT");
+    refused({"nickel.binary", "-o", "x", "--label", "no sign of equality"}, 2, "NAME=TEXT");
     EXPECT_FALSE(fs::exists(folder->path / "x" / "index.html"));
 }
 

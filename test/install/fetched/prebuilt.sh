@@ -1,5 +1,5 @@
 #!/bin/sh
-# prebuilt.sh COMPILER ARGUMENT..: copies the object file that the build in $PREBUILT has, if it has it, and otherwise compiles.
+# prebuilt.sh COMPILER ARGUMENT..: copies an object file of the library from the build in $PREBUILT, and compiles others.
 output= depfile= before=
 for argument; do
   case $before in -o) output=$argument ;; -MF) depfile=$argument ;; esac
@@ -7,6 +7,6 @@ for argument; do
 done
 object=$PREBUILT/CMakeFiles/${output#*/CMakeFiles/}
 case $output in
-  */CMakeFiles/srbf*.o) if [ -f "$object" ]; then echo "$output:" > "$depfile" && exec cp "$object" "$output"; fi ;;
+  */CMakeFiles/srbf*.o) echo "$output:" > "$depfile" && exec cp "$object" "$output" ;;
 esac
 exec "$@"

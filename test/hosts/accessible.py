@@ -50,7 +50,7 @@ def main(srbf):
         measured = root / "data/paper_white_rgb.bsdf"
         subprocess.run([srbf, "fit", measured, "-o", model], check=True, capture_output=True)
         subprocess.run([srbf, "export", model, "--to", "html", "--reference", measured, "-o", page], check=True, capture_output=True)
-        pages = [page] + [path for path in [root / "build/site/index.html", root / "build/site/gallery.html"] if path.exists()]
+        pages = [page] + [path for path in [root / "build/site/index.html", root / "build/site/gallery/index.html"] if path.exists()]
         source, chromium = axe(), Chromium(WEBGL)
         for path in pages:
             for width, height in SIZES:

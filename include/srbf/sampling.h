@@ -92,13 +92,16 @@ DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f
 
 /// A table of cells, for BRDFs whose highlights do not resemble lobes. One sample in twenty is drawn by the cosine
 /// instead. Each node belongs to one elevation of the view. It has densities in cells of the projected hemisphere,
-/// the unit disk of p = (wl.x, wl.y), where dp = cosθl dωl.
+/// the unit disk of p = (wl.x, wl.y), where dp = cosθl dωl. Views below `k_lowest_view` are left to a mixture: behind
+/// their mirror direction the disk ends after about cos²θv / 2, and a float does not resolve the cells there.
 struct TableProposal {
+    static constexpr float k_lowest_view = 0.03f;  ///< cosθv
     static constexpr int k_nodes = 49, k_sectors = 32, k_rings = 48;
     static constexpr float k_share = 0.95f;  ///< fraction of samples drawn by the table
     std::vector<float> density;              ///< of (turn, ρ²): nodes × sectors × rings
     /// running sums of probabilities, up to 1: over sectors (nodes × sectors), and over the rings of each sector
     std::vector<float> sector_sums, ring_sums;
+    MixtureProposal grazing;  ///< for views below `k_lowest_view`
 };
 Vec3f sample(const TableProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv);
@@ -117,9 +120,7 @@ inline constexpr int k_anisotropic_azimuths = 8;
 /// The mixture for a BRDF. At each node the weights minimise ∫ (f cosθl)² / pdf dωl, f in luminance, averaged over
 /// the views at the node and a third of the way to its neighbours. They result from 200 steps of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
-/// each of which lowers the integral (Silvey, Titterington & Torgersen 1978). If more than 2 % of the samples
-/// would be invalid at one elevation, the weights of the lobes that cause this are reduced, in at most ten steps
-/// (six with an axis). The cosine keeps a weight of 0.02.
+/// each of which lowers the integral (Silvey, Titterington & Torgersen 1978). The cosine keeps a weight of 0.02.
 ///
 /// In the plane of incidence, stretches 0.8^i and powers 0.8^(2 − 2j) are tried, i from −13 to 13 and j from 0 to 10;
 /// the chosen shape has the least integral among its neighbours. With an axis, the stretch is one of eight up to 16

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 #include <initializer_list>
-#include <numeric>
 #include <span>
 
 #include "base/parallel.h"
@@ -20,14 +19,8 @@ using K = Kernel<float>;
 
 constexpr int k_steps = 200;
 constexpr int k_points = 64;            // for each lobe and view
-constexpr double k_lowest_view = .001;  // cosθv of the last node: nothing is reflected at 0
+constexpr double k_lowest_view = 1e-4;  // cosθv of the last node: nothing is reflected at 0
 constexpr float k_least_weight = 1e-3f;
-/// The fraction of samples that may be lost at any elevation of a node, and the costs of losing all samples,
-/// relative to the second moment. They are tried one after the other until no more is lost.
-constexpr double k_most_lost = 0.02;
-constexpr double k_costs_of_loss[] = {0, 3, 5, 7, 10, 20, 40, 80, 160, 320, 640};
-/// Anisotropic BRDFs use only the first costs: larger ones double the variance at 75°.
-constexpr std::size_t k_costs_with_axis = 7;
 // The relative gains of the second moment that justify an anisotropy axis, and a step of a lobe's shape.
 constexpr double k_least_gain = 0.01, k_least_change = 0.002;
 
@@ -60,15 +53,12 @@ template <typename Sample> void add_lattice(int count, const Sample& sample, std
 }
 
 /// The weights of least variance over the points. Lobe 0 (the cosine) keeps `k_least_cosine`; without points it is
-/// alone. `lost`: the fraction of each lobe's samples that is lost.
-std::vector<float> best_weights(const SamplingPoints& points, std::size_t lobes, int steps,
-                                std::span<const double> lost = {}, double cost_of_loss = 0) {
+/// alone.
+std::vector<float> best_weights(const SamplingPoints& points, std::size_t lobes, int steps) {
     std::vector<float> weight(lobes, points.size() ? 1 / float(lobes) : 0);
     std::vector<double> slope(lobes);
     for (int step = 0; step < steps && points.size(); ++step) {
-        const double moment = set_slopes(points, weight, slope);
-        for (std::size_t k = 0; k < lost.size(); ++k)
-            slope[k] = std::max(slope[k] - cost_of_loss * lost[k] * moment, 0.0);
+        set_slopes(points, weight, slope);
         double sum = 0;
         for (std::size_t k = 0; k < lobes; ++k) sum += slope[k] = double(weight[k]) * std::sqrt(slope[k]);
         for (std::size_t k = 0; k < lobes; ++k) weight[k] = float(slope[k] / sum);
@@ -120,21 +110,6 @@ SamplingPoints make_points(const Evaluate& brdf, std::span<const Vec3f> views, i
     points.pad();
     set_densities(points, *shapes.begin());
     return points;
-}
-
-/// The fraction of each lobe's samples that have no direction, at the elevation of these views where it is largest.
-/// Each group of `azimuths` views has one elevation.
-std::vector<double> lost_draws(std::span<const Vec3f> views, std::size_t azimuths, const ProposalShape& shape) {
-    constexpr int count = 256;
-    std::vector<double> lost(MixtureProposal::k_lobes);
-    for (int k = SRBF_FIRST_HALF_VECTOR_LOBE; k < MixtureProposal::k_lobes; ++k)
-        for (std::size_t first = 0; first < views.size(); first += azimuths) {
-            std::vector<Vec3f> wl;
-            for (const Vec3f wv : views.subspan(first, azimuths)) add_draws(count, k, shape, wv, wl);
-            const double fraction = 1 - double(wl.size()) / (count * double(azimuths));
-            lost[std::size_t(k)] = std::max(lost[std::size_t(k)], fraction);
-        }
-    return lost;
 }
 
 /// Views at cosθv = z.
@@ -208,13 +183,7 @@ void make_node(const Evaluate& brdf, std::size_t node, int azimuths, MixtureProp
     // At the normal the plane of incidence is undefined.
     if (node > 0) shape = best_shape(brdf, views, shape);
     const SamplingPoints points = make_points(brdf, views, k_points, {shape});
-    const std::vector<double> lost = lost_draws(views, std::size_t(azimuths), shape);
-    std::vector<float> weight;
-    const std::span costs(k_costs_of_loss);
-    for (const double cost : costs.first(shape.has_axis() ? k_costs_with_axis : costs.size())) {
-        weight = best_weights(points, shape.components(), k_steps, lost, cost);
-        if (std::inner_product(lost.begin(), lost.end(), weight.begin(), 0.0) <= k_most_lost) break;
-    }
+    const std::vector<float> weight = best_weights(points, shape.components(), k_steps);
     proposal.set_weights(node, std::span(weight).first<MixtureProposal::k_lobes>());
     std::copy(weight.begin() + MixtureProposal::k_lobes, weight.end(), proposal.facet_weight[node].begin());
     proposal.stretch[node] = shape.stretch, proposal.power[node] = shape.power;

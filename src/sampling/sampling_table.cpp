@@ -204,6 +204,7 @@ Proposal refine(const Evaluate& brdf, const MixtureProposal& mixture, const Prop
     const double variance = largest_variance(brdf, mixture, options.threads);
     if (!(variance > options.most_variance)) return mixture;
     TableProposal table;
+    table.grazing = mixture;
     table.density.resize(k_table_nodes * k_cells);
     table.ring_sums.resize(k_table_nodes * k_cells);
     table.sector_sums.resize(k_table_nodes * k_sectors);
@@ -213,6 +214,7 @@ Proposal refine(const Evaluate& brdf, const MixtureProposal& mixture, const Prop
 }
 
 Vec3f sample(const TableProposal& proposal, Vec3f wv, Vec2f u, float selector) {
+    if (wv.z < TableProposal::k_lowest_view) return sample(proposal.grazing, wv, u, selector);
     constexpr float cosine_fraction = 1 - TableProposal::k_share;
     if (selector < cosine_fraction) return sample(CosineProposal{}, wv, u, 0);
     const NodePosition position = node_position(wv);
@@ -226,6 +228,7 @@ Vec3f sample(const TableProposal& proposal, Vec3f wv, Vec2f u, float selector) {
 }
 
 float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv) {
+    if (wv.z < TableProposal::k_lowest_view) return pdf(proposal.grazing, wl, wv);
     if (!above_horizon(wl, wv)) return 0;
     const NodePosition position = node_position(wv);
     const CellPoint point = cell_of(wl, wv);

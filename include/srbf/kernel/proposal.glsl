@@ -57,8 +57,9 @@ SRBF_FN GaussianProduct visible_lobe(Vec3 viewer, Real inverse, Real bandwidth, 
 }
 
 // For half vectors h from a stretched lobe: the unstretched direction g = M^-1 h / |M^-1 h|, and the factor that
-// converts the lobe's density there to the density of wl, 1 / (stretch |M^-1 h|^3) / (4 h . wl), where 2 h . wl =
-// |wl + wv|. Where wl = -wv there is no half vector, and the factor is 0.
+// converts the lobe's density there to the density of wl, 1 / (stretch |M^-1 h|^3) / (4 |h . wl|), where 2 |h . wl| =
+// |wl + wv|. h is above the horizon: where wl + wv is below it, h is opposite. Where wl = -wv there is no half vector,
+// and the factor is 0.
 struct HalfVector {
     Vec3 direction;
     Real factor;
@@ -69,25 +70,25 @@ SRBF_FN HalfVector half_vector(Vec3 wl, Vec3 wv, Stretch map) {
     Vec3 back = grown_along(sum, map.x, map.y, map.inverse_minus_1);
     Real reciprocal = inversesqrt(max(dot(back, back), Real(1.0e-20)));
     HalfVector h;
-    h.direction = reciprocal * back;
+    h.direction = (select(sum.z < Real(0.0), Real(-1.0), Real(1.0)) * reciprocal) * back;
     Real exists = select(Real(1.0e-12) < squared, Real(0.5), Real(0.0)) * map.inverse;
     h.factor = (exists * squared) * (reciprocal * reciprocal * reciprocal);
     return h;
 }
 
-// The density of wl = 2 (h . wv) h - wv [1/sr], with h from the stretched lobe weighted by visibility from wv.
+// The density of wl = 2 (h . wv) h - wv [1/sr], with h above the horizon from the stretched lobe weighted by visibility
+// from wv.
 SRBF_FN Real half_vector_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Stretch map, Real power) {
     HalfVector h = half_vector(wl, wv, map);
     GaussianProduct lobe = visible_lobe(stretched(wv, map), map.inverse, bandwidth, power);
     return vmf_pdf(h.direction, lobe.centre, lobe.bandwidth) * h.factor;
 }
 
-// The light direction wl whose half vector points along h, which may have any length. It is the zero vector where h
-// . wv <= 0, as there is no such direction.
+// The light direction wl that a facet with the normal h, of any length, reflects to the viewer, also if it faces away
+// from the viewer. The result is the zero vector where h.z <= 0.
 SRBF_FN Vec3 light_of(Vec3 h, Vec3 wv) {
-    Real along = dot(h, wv);
-    Real twice = Real(2.0) * along / max(dot(h, h), Real(1.0e-20));
-    return select(Real(0.0) < along, Real(1.0), Real(0.0)) * (twice * h - wv);
+    Real twice = Real(2.0) * dot(h, wv) / max(dot(h, h), Real(1.0e-20));
+    return select(Real(0.0) < h.z, Real(1.0), Real(0.0)) * (twice * h - wv);
 }
 
 // Samples half_vector_pdf. The result is the zero vector if there is no direction.

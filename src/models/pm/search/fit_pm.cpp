@@ -103,21 +103,22 @@ class Fit {
     }
     /// The last stage. It finishes the first candidate, and further ones that are nearly as good, and returns the
     /// best. It finishes all remaining candidates for noisy tables, where albedos cost most and pictures do not show
-    /// which candidate can follow them, and if pictures of the best one are far off.
+    /// which candidate can follow them, and if pictures of the best one are far off; then pictures choose.
     PmFit finish(const Stage& stage) {
         if (stage.adds_directional_lights) add_directional_lights(stage);
         if (!stage.pictures) sort_by_all_pairs();
-        const bool is_open =
-            observations_.is_noisy() || (stage.pictures && candidates_.front().loss > k_visible_at_once);
-        if (!is_open) candidates_.resize(std::min(candidates_.size(), stage.max_candidates));
+        const bool is_noisy = observations_.is_noisy();
+        const bool is_far_off = !is_noisy && stage.pictures && candidates_.front().loss > k_visible_at_once;
+        const bool finishes_all = is_noisy || is_far_off;
+        if (!finishes_all) candidates_.resize(std::min(candidates_.size(), stage.max_candidates));
         PmFit fit;
         for (std::size_t i = 0; i < candidates_.size(); ++i) {
-            const bool may_be_best = i == 0 || is_open || candidates_[i].loss <= (1 + k_nearly_best) * fit.loss;
+            const bool may_be_best = i == 0 || finishes_all || candidates_[i].loss <= (1 + k_nearly_best) * fit.loss;
             if (!may_be_best || (i > 0 && reporter_.cancelled())) break;
             TermFactors factors = factors_;
             factors.integrals = subsets_.integral_importance(factors_.has_directional_lights);
             PmFit next = srbf::finish(candidates_[i].lobes, weighted_observations(), factors, options_, reporter_);
-            const bool is_better = stage.pictures ? next.delta_e < fit.delta_e : next.loss < fit.loss;
+            const bool is_better = is_far_off ? next.delta_e < fit.delta_e : next.loss < fit.loss;
             if (i == 0 || is_better) fit = std::move(next);
         }
         if (!reporter_.advance("polishing", work_.finish)) fit.stop = StopReason::cancelled;

@@ -20,6 +20,7 @@
 
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
+#include "fit/noise.h"
 #include "srbf/fit.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
@@ -109,7 +110,7 @@ FitErrors fit_errors(const Measured& measured, const Evaluate& truth, int seeds)
         all.fit.delta_e += delta_e / seeds;
         all.fit.albedo.luminance = std::max(all.fit.albedo.luminance, albedo.luminance);
         all.fit.albedo.channel = std::max(all.fit.albedo.channel, albedo.channel);
-        all.share = outcome->noise ? outcome->noise->share() : 0;
+        all.share = outcome->noise ? share_of(*outcome->noise) : 0;
     }
     return all;
 }

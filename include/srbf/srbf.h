@@ -64,8 +64,9 @@ struct LightSample {
 
 /// A BRDF ready for a renderer: value, batch evaluation, importance sampling with its density, directional albedo. It is
 /// made by `prepare` from a model, a measurement or any other BRDF (prepared.h), of which it holds a copy; its own copies
-/// share that. Directions are unit vectors, which is not checked. Several threads may call all functions at once, and no
-/// result depends on whether the processor flushes subnormal numbers to 0.
+/// share that. Directions are unit vectors in the local frame, whose +z axis is the shading normal, and point away from
+/// the surface, which is not checked. Colours are linear sRGB. Several threads may call all functions at once, and no result
+/// depends on whether the processor flushes subnormal numbers to 0.
 class PreparedBrdf {
   public:
     /// Writes R, G, B of f_r and one number to spare to `colour`, which is aligned to 16 bytes.
@@ -84,12 +85,14 @@ class PreparedBrdf {
 };
 void add_use(const PreparedBrdf::Contents& of);
 void end_use(const PreparedBrdf::Contents& of);
-/// Also computes a density to sample by, which takes about 75 ms of one processor core for a model. For an anisotropic
-/// BRDF `prepare` of prepared.h takes azimuths too, and makes a better density.
+/// Of a surface with two sides it prepares the front. It also computes a density to sample by, which takes about 75 ms of
+/// processor time for a model, on all threads of the machine. `prepare` of prepared.h takes a number of threads, and the
+/// azimuths of an anisotropic BRDF, for a better density.
 PreparedBrdf prepare(const LoadedBrdf& brdf);
 
-/// f_r(wl, wv) [1/sr], without the cosine: of a model within 1e-4 of `value` of model.h or 1e-6 of its peak. It is 0 if wl.z
-/// or wv.z is 0, negative or subnormal, and NaN where a measurement has no value.
+/// f_r(wl, wv) [1/sr], without the cosine: of a model within 1e-4 of `value` of model.h or 1e-6 of its peak, whichever is larger.
+/// It is 0 if wl.z or wv.z is 0, negative or subnormal. It is NaN where a measurement has no value, which a renderer must
+/// take for 0; `sample`, `pdf` and `albedo` count it as 0.
 inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
     if (!above_horizon(wl, wv)) return {};
     alignas(16) float colour[4];
@@ -101,12 +104,13 @@ inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
 /// f_r at pairs of directions, in spans of one length.
 void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 
-/// Samples a direction to the light from independent numbers, uniform in [0,1): a point u and the selector of a lobe.
+/// Samples a direction to the light from independent numbers, uniform in [0,1): a point u, which may be stratified, and
+/// the selector of a lobe.
 /// The `pdf` of the result is 0 if wv.z ≤ 0, and if the sample has no direction.
 LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector);
 /// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
-/// The results of `value` and `pdf` for a pair. Multiple importance sampling needs both.
+/// The results of `value` and `pdf` for a pair, in the time of both. Multiple importance sampling needs them.
 struct ValuePdf {
     Rgb value;      ///< f_r [1/sr]
     float pdf = 0;  ///< [1/sr]

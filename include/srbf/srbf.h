@@ -49,8 +49,8 @@ Result<FittedBrdf> fit(const LoadedBrdf& measured);
 /// Writes a model file, or leaves the previous file. Errors: `model` is a measurement; the file cannot be written.
 Result<Done> save(const LoadedBrdf& model, const std::string& path);
 
-/// The functions of a model in "glsl", "hlsl", "wgsl", "msl" or "c": a text that stands alone, with NAME_brdf(wl, wv) for
-/// an identifier `name`. Of the component srbf::shader. Errors: `model` is a measurement; another language.
+/// The functions of a model in "glsl", "hlsl", "wgsl", "msl" or "c": a text that stands alone, with NAME_brdf(wl, wv)
+/// for an identifier `name`. Of the component srbf::shader. Errors: `model` is a measurement; another language.
 Result<std::string> shading_code(const LoadedBrdf& model, const std::string& name, std::string_view language);
 
 // ---- Evaluation and sampling ----
@@ -62,11 +62,11 @@ struct LightSample {
     float pdf = 0;  ///< [1/sr]; 0: the sample has no direction, and counts with the weight 0
 };
 
-/// A BRDF ready for a renderer: value, batch evaluation, importance sampling with its density, directional albedo. It is
-/// made by `prepare` from a model, a measurement or any other BRDF (prepared.h), of which it holds a copy; its own copies
-/// share that. Directions are unit vectors in the local frame, whose +z axis is the shading normal, and point away from
-/// the surface, which is not checked. Colours are linear sRGB. Several threads may call all functions at once, and no result
-/// depends on whether the processor flushes subnormal numbers to 0.
+/// A BRDF ready for a renderer: value, batch evaluation, importance sampling with its density, directional albedo. It
+/// is made by `prepare` from a model, a measurement or any other BRDF (prepared.h), of which it holds a copy; its own
+/// copies share that. Directions are unit vectors in the local frame, whose +z axis is the shading normal, and point
+/// away from the surface, which is not checked. Colours are linear sRGB. Several threads may call all functions at
+/// once, and no result depends on whether the processor flushes subnormal numbers to 0.
 class PreparedBrdf {
   public:
     /// Writes R, G, B of f_r and one number to spare to `colour`, which is aligned to 16 bytes.
@@ -85,14 +85,14 @@ class PreparedBrdf {
 };
 void add_use(const PreparedBrdf::Contents& of);
 void end_use(const PreparedBrdf::Contents& of);
-/// Prepares a model or a measurement, and the front alone of a surface with two sides. Also computes a density to sample
-/// by, which takes about 75 ms of processor time for a model, on all threads of the machine. `prepare` of prepared.h takes a number of threads, and the
-/// azimuths of an anisotropic BRDF, for a better density.
+/// Prepares a model or a measurement, and the front alone of a surface with two sides. Also computes a density to
+/// sample by, which takes about 75 ms of processor time for a model, on all threads of the machine. `prepare` of
+/// prepared.h takes a number of threads, and the azimuths of an anisotropic BRDF, for a better density.
 PreparedBrdf prepare(const LoadedBrdf& brdf);
 
-/// f_r(wl, wv) [1/sr], without the cosine: of a model within 1e-4 of `value` of model.h or 1e-6 of its peak, whichever is larger.
-/// It is 0 if wl.z or wv.z is 0, negative or subnormal. It is NaN where a measurement has no value, which a renderer must
-/// take for 0; `sample`, `pdf` and `albedo` count it as 0.
+/// f_r(wl, wv) [1/sr], without the cosine: of a model within 1e-4 of `value` of model.h or 1e-6 of its peak, whichever
+/// is larger. It is 0 if wl.z or wv.z is 0, negative or subnormal. It is NaN where a measurement has no value, which a
+/// renderer must take for 0; `sample`, `pdf` and `albedo` count it as 0.
 inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
     if (!above_horizon(wl, wv)) return {};
     alignas(16) float colour[4];

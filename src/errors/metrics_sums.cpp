@@ -74,6 +74,8 @@ struct LanesOfSum {
 struct SquareBatch {
     DoubleBatch error, reference;
 
+    // GCC for ARM does not compile a constructor of its own for the instruction set.
+    HWY_ATTR SquareBatch() : error(hn::Zero(Doubles())), reference(hn::Zero(Doubles())) {}
     HWY_INLINE void add(DoubleBatch weight, DoubleBatch squared_error, DoubleBatch squared_reference) {
         error = hn::Add(error, hn::Mul(weight, squared_error));
         reference = hn::Add(reference, hn::Mul(weight, squared_reference));
@@ -96,7 +98,6 @@ ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const
     std::array<LanesOfSquares, k_measures.size()> lanes;
     for (std::size_t lane = 0; lane < std::size(LanesOfSum().lanes); lane += hn::MaxLanes(d)) {
         SquareBatch sums[k_measures.size()];
-        for (SquareBatch& sum : sums) sum.error = sum.reference = hn::Zero(d);
         for (std::size_t i = lane; i < k_pair_block; i += std::size(LanesOfSum().lanes)) {
             const DoubleBatch w = load(weight, i), cos_l = load(cosines.light, i);
             const auto counts = hn::Gt(w, hn::Zero(d));

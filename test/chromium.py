@@ -151,4 +151,19 @@ class Chromium:
             file.write(base64.b64decode(answer["data"]))
 
 
+def picture(html, width, path, folder=None):
+    """Writes a picture of a whole page without scripts, `width` pixels wide; its files are of `folder`, or have whole paths."""
+    with tempfile.TemporaryDirectory() as work:
+        page = os.path.join(folder or work, "page.html")
+        with open(page, "w", encoding="utf-8") as file:
+            file.write(f'<!doctype html><meta charset="utf-8">{html}')
+        browser = Chromium(["--allow-file-access-from-files"])
+        try:
+            browser.size(width, 100)
+            browser.open(page)
+            browser.screenshot(path, whole=True)
+        finally:
+            browser.close()
+
+
 WEBGL = ["--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist"]

@@ -1,7 +1,6 @@
 """docs/edits.png: python3 docs/figures/edits.py STRIPS.png, ten rows of seven spheres, with the names of the edits beside them. Chromium sets the text."""
 import os
 import sys
-import tempfile
 
 here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "..", "..", "test"))
@@ -17,14 +16,4 @@ STYLE = f"""body {{ margin: 0; background: #757575; color: #fff; font: 17px Deja
 strips = os.path.abspath(sys.argv[1])
 rows = "".join(f'<div><p><span>{name}</span><span>{first}</span></p><svg width="{COLUMNS * PANEL}" height="{PANEL}"><image href="file://{strips}" '
                f'y="{-row * PANEL}"/></svg><p>{last}</p></div>' for row, (name, first, last) in enumerate(ROWS))
-with tempfile.TemporaryDirectory() as work:
-    path = os.path.join(work, "edits.html")
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(f'<!doctype html><meta charset="utf-8"><style>{STYLE}</style>{rows}')
-    browser = chromium.Chromium(["--allow-file-access-from-files"])
-    try:
-        browser.size(HEAD + COLUMNS * PANEL + END, 100)
-        browser.open(path)
-        browser.screenshot(os.path.join(here, "..", "edits.png"), whole=True)
-    finally:
-        browser.close()
+chromium.picture(f"<style>{STYLE}</style>{rows}", HEAD + COLUMNS * PANEL + END, os.path.join(here, "..", "edits.png"))

@@ -2,7 +2,6 @@
 test/hosts/principled.py write with a third argument, beside each other under the names of what they show. Chromium sets the text."""
 import os
 import sys
-import tempfile
 
 here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "..", "..", "test"))
@@ -33,18 +32,8 @@ def page_of(three, cycles):
     for row, name in enumerate(ROWS):
         cells = (cell(*of, row) if (row, column) not in EMPTY else "<td></td>" for column, of in enumerate(pictures))
         rows += f"<tr><td>{name}</td>" + "".join(cells) + "</tr>"
-    return f'<!doctype html><meta charset="utf-8"><style>{STYLE}</style><table>{heads}{rows}</table>'
+    return f'<style>{STYLE}</style><table>{heads}{rows}</table>'
 
 
 three, cycles = map(os.path.abspath, sys.argv[1:])
-with tempfile.TemporaryDirectory() as work:
-    path = os.path.join(work, "hosts.html")
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(page_of(three, cycles))
-    browser = chromium.Chromium(["--allow-file-access-from-files"])
-    try:
-        browser.size(HEAD + 9 * PANEL, 100)
-        browser.open(path)
-        browser.screenshot(os.path.join(here, "..", "surface_hosts.png"), whole=True)
-    finally:
-        browser.close()
+chromium.picture(page_of(three, cycles), HEAD + 9 * PANEL, os.path.join(here, "..", "surface_hosts.png"))

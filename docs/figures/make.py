@@ -49,16 +49,7 @@ def compose(materials, work, out):
 
     rows = "".join(f"<div><p>{name}</p>" + "".join(cell(stem, row, fit) for _, stem, _ in materials) + "</div>"
                    for row, (name, fit) in enumerate(ROWS))
-    page = os.path.join(work, "front.html")
-    with open(page, "w", encoding="utf-8") as file:
-        file.write(f'<!doctype html><meta charset="utf-8"><style>{STYLE}</style><div><p></p>{heads}</div>{rows}')
-    browser = chromium.Chromium([])
-    try:
-        browser.size(HEAD + len(materials) * PANEL, 100)
-        browser.open(page)
-        browser.screenshot(out, whole=True)
-    finally:
-        browser.close()
+    chromium.picture(f"<style>{STYLE}</style><div><p></p>{heads}</div>{rows}", HEAD + len(materials) * PANEL, out, work)
 
 
 program, out, *files = [word for word in sys.argv[1:] if word != "--compose"]

@@ -50,7 +50,11 @@ TEST_F(EnvironmentCodes, DrawsAreOfTheEnvironment) {
                 expected.b += weight * f.b;
         }
         answer(&wv.x, 64, &found.r), answer(&wv.x, 4096, &of_many.r);
-        for (int c = 0; c < 2; ++c) squares += elementary::square(double(found[c]) / double(expected[c]) - 1);
+        for (int c = 0; c < 2; ++c) {
+            const double error = double(found[c]) / double(expected[c]) - 1;
+            EXPECT_LT(std::abs(error), 0.12) << wv.z;
+            squares += elementary::square(error);
+        }
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(of_many[c], expected[c], 0.01f * expected[c]) << wv.z;
     }
     EXPECT_LT(std::sqrt(squares / (2 * k_views)), 0.03);
@@ -68,9 +72,16 @@ const ExtendedLight& light_of_glossy() {
 /// Under an environment that a host supplies, whose radiance tells where and how blurred it is asked.
 TEST_F(EnvironmentCodes, EnvironmentsAreThoseOfTheLibrary) {
     const NamedModel named{"glossy", &glossy()};
+    const auto text = [&](CodeLanguage language) {
+        return *shading_code(std::span(&named, 1), "glossy", {.language = language, .with = {"environment"}});
+    };
+    EXPECT_NE(text(CodeLanguage::wgsl).find("fn glossy_environment(wv: vec3f)"), std::string::npos);
+    const std::string metal = text(CodeLanguage::msl);
+    EXPECT_EQ(metal.find("glossy_environment("), std::string::npos);
+    EXPECT_NE(metal.find("glossy_environment_lobe("), std::string::npos);
     void* const library =
         compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "environment",
-                 *shading_code(std::span(&named, 1), "glossy", {.language = CodeLanguage::c, .with = {"environment"}}) +
+                 text(CodeLanguage::c) +
                      "static srbf_vec3 glossy_radiance(srbf_vec3 direction, float roughness) {\n"
                      "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, roughness);\n}\n"
                      "void answer(const float* v, float* to);\n"
@@ -261,37 +272,38 @@ std::size_t loops_of(const std::string& text) {
 /// Statements in the place of loops, with numbers in the place of tables, compute the same.
 TEST_F(EnvironmentCodes, UnrolledLoopsComputeTheSame) {
     std::mt19937_64 random(2);
-    PmModel lobes =
-        random_model(random, {.log_scale = true, .lobes = 4, .most_bandwidth = 40, .form = PmForm::reciprocal});
-    lobes.bandwidth[1] = 0, lobes.coefficient[2].g = 0;
-    const Model model{rounded(lobes), {}};
-    const NamedModel named{"film", &model};
-    std::string texts[2];
-    std::array<void (*)(const Vec3f*, const Vec3f*, Rgb*), 2> answers{};
-    for (const bool unrolled : {false, true}) {
-        texts[unrolled] = *environment_code(std::span(&named, 1), "film", {.language = CodeLanguage::c},
-                                            {.area = true, .fixed = true, .unrolled = unrolled});
-        void* const library =
-            compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror",
-                     unrolled ? "unrolled" : "loops",
-                     texts[unrolled] +
-                         "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
-                         "void answer(const float* v, const float* p, float* to);\n"
-                         "void answer(const float* v, const float* p, float* to) {\n"
-                         "    srbf_vec3 f = film_brdf(of(p), of(v));\n    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
-                         "    f = film_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
-                         "    to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
-        ASSERT_TRUE(library);
-        answers[unrolled] = function<void(const Vec3f*, const Vec3f*, Rgb*)>(library, "answer");
-    }
-    EXPECT_LT(loops_of(texts[1]), loops_of(texts[0]));
-    for (int i = 0; i < 50; ++i) {
-        const Vec3f wv = to_float(random_direction(random, 0.05));
-        const std::array<Vec3f, 4> corners = random_quadrilateral(random, 0.3).corners();
-        std::array<std::array<Rgb, 2>, 2> of;
-        for (const int k : {0, 1}) answers[std::size_t(k)](&wv, corners.data(), of[std::size_t(k)].data());
-        for (const int k : {0, 1})
-            expect_near_colour(of[1][std::size_t(k)], of[0][std::size_t(k)], 2e-4f, fmt::format("{} {}", k, i));
+    for (const PmForm form : {PmForm::extended, PmForm::reciprocal}) {
+        PmModel lobes = random_model(random, {.log_scale = true, .lobes = 4, .most_bandwidth = 40, .form = form});
+        lobes.bandwidth[1] = 0, lobes.coefficient[2].g = 0;
+        const Model model{rounded(lobes), {}};
+        const NamedModel named{"film", &model};
+        std::string texts[2];
+        std::array<void (*)(const Vec3f*, const Vec3f*, Rgb*), 2> answers{};
+        for (const bool unrolled : {false, true}) {
+            texts[unrolled] = *environment_code(std::span(&named, 1), "film", {.language = CodeLanguage::c},
+                                                {.area = true, .fixed = true, .unrolled = unrolled});
+            void* const library =
+                compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror",
+                         unrolled ? "unrolled" : "loops",
+                         texts[unrolled] +
+                             "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
+                             "void answer(const float* v, const float* p, float* to);\n"
+                             "void answer(const float* v, const float* p, float* to) {\n"
+                             "    srbf_vec3 f = film_brdf(of(p), of(v));\n    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
+                             "    f = film_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
+                             "    to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
+            ASSERT_TRUE(library);
+            answers[unrolled] = function<void(const Vec3f*, const Vec3f*, Rgb*)>(library, "answer");
+        }
+        EXPECT_LT(loops_of(texts[1]), loops_of(texts[0]));
+        for (int i = 0; i < 50; ++i) {
+            const Vec3f wv = to_float(random_direction(random, 0.05));
+            const std::array<Vec3f, 4> corners = random_quadrilateral(random, 0.3).corners();
+            std::array<std::array<Rgb, 2>, 2> of;
+            for (const int k : {0, 1}) answers[std::size_t(k)](&wv, corners.data(), of[std::size_t(k)].data());
+            for (const int k : {0, 1})
+                expect_near_colour(of[1][std::size_t(k)], of[0][std::size_t(k)], 2e-4f, fmt::format("{} {}", k, i));
+        }
     }
 }
 

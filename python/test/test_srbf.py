@@ -540,6 +540,7 @@ def run(notebook, monkeypatch, folder):
     return names
 
 
+@pytest.mark.host
 def test_the_notebook_runs(monkeypatch, tmp_path):
     assert run("first_steps.ipynb", monkeypatch, tmp_path)["fit"].model.nbytes == 210
 
@@ -563,6 +564,7 @@ def test_the_first_examples_run_as_they_stand(monkeypatch, tmp_path):
         (tmp_path / "film.srbf").unlink()
 
 
+@pytest.mark.host
 def test_the_package_and_the_documentation_are_typed(tmp_path):
     pytest.importorskip("mypy", reason="needs mypy")
     settings = str(DATA.parent / "pyproject.toml")

@@ -18,6 +18,7 @@ srbf_test(glsl                 one  unit)  # the kernels as shaders
 target_compile_definitions(shader_tests PRIVATE ${compilers})
 in_program(pictures)
 srbf_test(page                 one  program fit)
+in_host(page_in_browser page Page.DrawsInABrowserWhatTheDesktopDraws)
 if(EPOXY_LIBRARY)
   srbf_test(raster               one  program)
   srbf_test(raster_environment   one  program)

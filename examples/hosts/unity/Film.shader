@@ -14,6 +14,9 @@ Shader "Measured/Film"
     #include "UnityCG.cginc"
     #include "Lighting.cginc"
     #include "AutoLight.cginc"
+    #ifndef UNITY_SPECCUBE_LOD_STEPS
+    #define UNITY_SPECCUBE_LOD_STEPS 6  // the level of a reflection probe for roughness 1
+    #endif
 
     float4 _Tint;
     static float3x3 to_local;  // its rows are the axes of the surface's frame in world space; the last one is the normal

@@ -1,18 +1,21 @@
-"""Draws a ball of the material that paper.py makes, without a window: ball.png. Needs the package bpy; docs/tutorials/blender.md runs it."""
+"""Draws a ball of the material that film.py makes, without a window: ball.png. Needs the package bpy; docs/tutorials/blender.md runs it."""
 import os
 
 import bpy
 
 bpy.ops.wm.read_factory_settings(use_empty=True)
-exec(open("paper.py", encoding="utf-8").read())
+exec(open("film.py", encoding="utf-8").read())
 bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48, radius=1)
 bpy.ops.object.shade_smooth()
-bpy.context.object.data.materials.append(bpy.data.materials["paper_white_rgb"])
+bpy.context.object.data.materials.append(bpy.data.materials["cc_ibiza_sunset_rgb"])
 camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
 camera.location, camera.rotation_euler = (0, -6.4, 0), (1.5708, 0, 0)
-lamp = bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "AREA"))
-lamp.location, lamp.rotation_euler, lamp.data.energy, lamp.data.size = (-3, -4, 4), (0.9, 0, -0.6), 220, 2
-for thing in (camera, lamp):
+things = [camera]
+for place, turn, size in (((-3, -4, 4), (0.9, 0, -0.6), 2), ((4, 1, 0), (0, 1.57, 0.2), 3), ((-4, 3, 1), (0, -1.3, -0.6), 3)):  # one in front, two behind
+    lamp = bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "AREA"))
+    lamp.location, lamp.rotation_euler, lamp.data.energy, lamp.data.size = place, turn, 220, size
+    things.append(lamp)
+for thing in things:
     bpy.context.collection.objects.link(thing)
 scene = bpy.context.scene
 scene.world = bpy.data.worlds.new("room")

@@ -1,30 +1,84 @@
-"""The files of data/ready are what the program writes for the bundled film: test/hosts/ready.py PROGRAM; with --write they are written anew. Texts are
+"""The ready files of the bundled film are what the program writes: test/hosts/ready.py PROGRAM; with --write they are written anew. Texts are
 equal; numbers that are fitted to values of a renderer's arithmetic may differ in their last digits."""
+import base64
 import math
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import zlib
 from pathlib import Path
 
-program, data = Path(sys.argv[1]).resolve(), Path(__file__).resolve().parents[2] / "data"
+root = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(root / "web"), str(root / "test")]
+from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
+from packed import packed  # noqa: E402
+
+program, data = Path(sys.argv[1]).resolve(), root / "data"
 NUMBER = re.compile(r"-?\d+\.\d+(?:e[-+]?\d+)?")
 MEASURED = data / "cc_ibiza_sunset_rgb.bsdf"
-COMMANDS = [["fit", MEASURED, "-o", "film.srbf"], ["export", "film.srbf", "--to", "three", "-o", "film.js"],
-            ["export", "film.bsdf", "--to", "blender", "-o", "film.py"]]
+MODEL = ["export", "film.srbf", "--to"]
+COMMANDS = [["fit", MEASURED, "-o", "film.srbf"], [*MODEL, "three", "-o", "film.js"], ["export", "film.bsdf", "--to", "blender", "-o", "film.py"],
+            [*MODEL, "html", "--reference", MEASURED, "-o", "page.html"], [*MODEL, "hlsl", "--with", "environment", "-o", "film.hlsl"],
+            [*MODEL, "glsl", "--with", "albedo", "-o", "film.gdshaderinc"]]
+KEPT = {"film.js": data / "ready", "film.py": data / "ready", "film.html": data / "ready", "film.hlsl": root / "examples/hosts/unity",
+        "film.gdshaderinc": root / "examples/hosts/godot4"}
+
+
+def text_of(path):
+    """Of a packed page what is packed, without the numbers of shapes and of the measurement."""
+    text = path.read_text(encoding="utf-8")
+    found = re.search(r'<script id="packed" type="text/plain">(.*?)</script>', text)
+    return zlib.decompress(base64.b64decode(found[1])).split(b"\0", 1)[0].decode() if found else text
+
+
+# The number of colours of each picture that the page shows.
+DRAWN = """new Promise((done, failed) => {
+    setTimeout(() => failed("nothing was drawn"), 100000);
+    const canvases = () => [...document.querySelectorAll("figure canvas")];
+    const look = async () => {
+        if (typeof viewer === "undefined" || !canvases().length || canvases().some(({ width }) => width === 300)) return setTimeout(look, 200);
+        await viewer.settled();
+        done(canvases().map((canvas) => {
+            const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height }).getContext("2d");
+            copy.drawImage(canvas, 0, 0);
+            return new Set(new Uint32Array(copy.getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size;
+        }));
+    };
+    look();
+})"""
+
+
+def check_page(path):
+    """The packed page draws the measurement, the fit and their difference, and the browser reports no problem."""
+    browser = Chromium(WEBGL)
+    try:
+        browser.size(1100, 800)
+        browser.open(path)
+        colours = browser.run(DRAWN)
+        good = len(colours) == 3 and min(colours) > 1000 and not browser.problems
+        print(f"{path.name} in Chromium: {'draws' if good else 'FAILED:'} pictures of {colours} colours {browser.problems or ''}")
+        return good
+    finally:
+        browser.close()
+
+
 with tempfile.TemporaryDirectory() as folder:
     shutil.copy(MEASURED, Path(folder, "film.bsdf"))
     for command in COMMANDS:
         subprocess.run([program, *command], cwd=folder, check=True, stdout=subprocess.DEVNULL)
-    for name in ("film.js", "film.py"):
-        written, kept = Path(folder, name), data / "ready" / name
+    Path(folder, "film.html").write_text(packed(Path(folder, "page.html").read_text(encoding="utf-8")), encoding="utf-8")
+    for name, place in KEPT.items():
+        written, kept = Path(folder, name), place / name
         if "--write" in sys.argv:
             shutil.copy(written, kept)
-        texts = [path.read_text(encoding="utf-8") for path in (written, kept)]
+        texts = [text_of(path) for path in (written, kept)]
         numbers = [[float(number) for number in NUMBER.findall(text)] for text in texts]
         same = NUMBER.sub("#", texts[0]) == NUMBER.sub("#", texts[1]) and all(
             math.isclose(a, b, rel_tol=1e-3, abs_tol=1e-5) for a, b in zip(*numbers))
         print(f"{name}: {'as the program writes it' if same else 'FAILED: the program writes another: ready.py PROGRAM --write'}")
         if not same:
             sys.exit(1)
+if chromium() and not check_page(data / "ready/film.html"):
+    sys.exit(1)

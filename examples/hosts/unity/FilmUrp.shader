@@ -1,0 +1,120 @@
+// The measured vinyl film for Unity's Universal Render Pipeline. NOT RUN in Unity: written from its documentation, and compiled with
+// stand-ins for Unity's names (test/engine_shaders.py).
+//
+// Put this file and film.hlsl into one folder below Assets, and create a material of the shader "Measured/Film (URP)". The project must use
+// linear colours (Player Settings). For another model write film.hlsl anew: srbf export film.srbf --to hlsl --with environment -o film.hlsl
+Shader "Measured/Film (URP)"
+{
+    Properties
+    {
+        _Tint ("Tint", Color) = (1, 1, 1, 1)
+    }
+
+    SubShader
+    {
+        Tags { "RenderType" = "Opaque" "RenderPipeline" = "UniversalPipeline" }
+
+        Pass
+        {
+            Tags { "LightMode" = "UniversalForwardOnly" }  // which the deferred renderer draws too
+            HLSLPROGRAM
+            #pragma target 4.5
+            #pragma vertex vert
+            #pragma fragment frag
+            #pragma multi_compile _ _MAIN_LIGHT_SHADOWS _MAIN_LIGHT_SHADOWS_CASCADE
+            #pragma multi_compile _ _ADDITIONAL_LIGHTS
+            #pragma multi_compile _ _FORWARD_PLUS _CLUSTER_LIGHT_LOOP  // of Unity 6.0, and of later versions
+            #pragma multi_compile_fragment _ _ADDITIONAL_LIGHT_SHADOWS
+            #pragma multi_compile_fragment _ _SHADOWS_SOFT
+            #pragma multi_compile_fog
+            #include "Packages/com.unity.render-pipelines.universal/ShaderLibrary/Core.hlsl"
+            #include "Packages/com.unity.render-pipelines.universal/ShaderLibrary/Lighting.hlsl"
+
+            CBUFFER_START(UnityPerMaterial)
+            float4 _Tint;
+            CBUFFER_END
+            static float3x3 to_local;  // its rows are the axes of the surface's frame in world space; the last one is the normal
+
+            float3x3 frame_about(float3 n)
+            {
+                float3 t = normalize(abs(n.y) < 0.9 ? cross(float3(0, 1, 0), n) : cross(float3(1, 0, 0), n));
+                return float3x3(t, cross(n, t), n);
+            }
+
+            // The environment, filtered as for GGX of this roughness: the reflection probe, or for roughness 1 the ambient light and light
+            // probes, whose values are irradiance / pi.
+            float3 probe_radiance(float3 direction, float roughness)
+            {
+                float3 in_world = mul(direction, to_local);
+                if (roughness >= 1.0) return max(SampleSH(in_world), 0.0);
+                return GlossyEnvironmentReflection(in_world, roughness, 1.0);
+            }
+            #define film_radiance probe_radiance
+            #include "film.hlsl"
+
+            struct Attributes
+            {
+                float4 position : POSITION;
+                float3 normal : NORMAL;
+            };
+            struct Interpolated
+            {
+                float4 pos : SV_POSITION;
+                float3 position : TEXCOORD0;  // in world space
+                float3 normal : TEXCOORD1;
+                float fog : TEXCOORD2;
+            };
+
+            Interpolated vert(Attributes v)
+            {
+                Interpolated o;
+                o.position = TransformObjectToWorld(v.position.xyz);
+                o.pos = TransformWorldToHClip(o.position);
+                o.normal = TransformObjectToWorldNormal(v.normal);
+                o.fog = ComputeFogFactor(o.pos.z);
+                return o;
+            }
+
+            // Unity's own diffuse term lacks 1/pi, therefore the factor pi.
+            float3 reflected(Light light, float3 wv)
+            {
+                float3 wl = mul(to_local, light.direction);
+                return PI * film_brdf(wl, wv) * max(wl.z, 0.0) * light.color * light.distanceAttenuation * light.shadowAttenuation;
+            }
+
+            // Unity's loop about the additional lights reads a variable of this name.
+            float3 reflected_of_additional(InputData inputData, float3 wv)
+            {
+                float3 radiance = 0;
+                #if defined(_FORWARD_PLUS) || defined(_CLUSTER_LIGHT_LOOP)  // whose loop leaves out directional lights beside the main one
+                for (uint i = 0; i < min(URP_FP_DIRECTIONAL_LIGHTS_COUNT, MAX_VISIBLE_LIGHTS); ++i)
+                    radiance += reflected(GetAdditionalLight(i, inputData.positionWS, half4(1, 1, 1, 1)), wv);
+                #endif
+                uint count = GetAdditionalLightsCount();
+                LIGHT_LOOP_BEGIN(count)
+                    radiance += reflected(GetAdditionalLight(lightIndex, inputData.positionWS, half4(1, 1, 1, 1)), wv);
+                LIGHT_LOOP_END
+                return radiance;
+            }
+
+            float4 frag(Interpolated i) : SV_Target
+            {
+                // An interpolated normal may face away from the viewer; it is turned back.
+                float3 viewer = normalize(GetWorldSpaceViewDir(i.position)), normal = normalize(i.normal);
+                to_local = frame_about(normalize(normal + max(0.01 - dot(normal, viewer), 0.0) * viewer));
+                float3 wv = mul(to_local, viewer);
+                InputData inputData = (InputData)0;
+                inputData.positionWS = i.position;
+                inputData.normalizedScreenSpaceUV = GetNormalizedScreenSpaceUV(i.pos);
+                float3 radiance = film_environment(wv) + reflected(GetMainLight(TransformWorldToShadowCoord(i.position)), wv);
+                radiance += reflected_of_additional(inputData, wv);
+                return float4(MixFog(_Tint.rgb * radiance, i.fog), 1);
+            }
+            ENDHLSL
+        }
+
+        UsePass "Universal Render Pipeline/Lit/ShadowCaster"
+        UsePass "Universal Render Pipeline/Lit/DepthOnly"
+        UsePass "Universal Render Pipeline/Lit/DepthNormals"
+    }
+}

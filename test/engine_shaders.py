@@ -1,0 +1,143 @@
+"""Shaders for engines that no test runs compile with stand-ins for the engines' names: python3 test/engine_shaders.py GLSLANG.
+
+The stand-ins have the types that the engines' documentation gives. The shaders for Unity are compiled by their passes and stages, as HLSL;
+that for Godot as GLSL. test/hosts/engine_shaders.py runs both.
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "examples", "hosts")
+BUILT_IN = """
+#ifndef UNITY
+#define UNITY
+#define fixed min16float
+#define UNITY_PI 3.14159265359
+#define UNITY_SPECCUBE_LOD_STEPS 6
+#define UNITY_FOG_COORDS(n) float fogCoord : TEXCOORD##n;
+#define UNITY_SHADOW_COORDS(n) float4 _ShadowCoord : TEXCOORD##n;
+#define UNITY_INITIALIZE_OUTPUT(type, name) name = (type)0;
+#define UNITY_TRANSFER_SHADOW(o, uv) o._ShadowCoord = mul(unity_WorldToShadow, mul(unity_ObjectToWorld, v.vertex)) + uv.x;
+#define UNITY_TRANSFER_FOG(o, position) o.fogCoord = position.z;
+#define UNITY_APPLY_FOG_COLOR(coord, colour, fog) colour.rgb = lerp(fog.rgb, colour.rgb, saturate(coord));
+#define UNITY_APPLY_FOG(coord, colour) UNITY_APPLY_FOG_COLOR(coord, colour, unity_FogColor)
+#define UNITY_LIGHT_ATTENUATION(name, input, position) fixed name = input._ShadowCoord.x + 0 * position.x;
+#define UNITY_SAMPLE_TEXCUBE_LOD(name, direction, level) name.SampleLevel(sampler##name, direction, level)
+struct appdata_full { float4 vertex : POSITION; float3 normal : NORMAL; float4 texcoord1 : TEXCOORD1; };
+cbuffer Unity : register(b0) {
+    float4x4 unity_ObjectToWorld, unity_MatrixVP, unity_WorldToShadow;
+    float4 unity_SpecCube0_HDR, unity_FogColor, unity_Ambient, _WorldSpaceLightPos0, _LightColor0;
+    float3 _WorldSpaceCameraPos;
+};
+TextureCube unity_SpecCube0 : register(t1);
+SamplerState samplerunity_SpecCube0 : register(s2);
+float4 UnityObjectToClipPos(float4 p) { return mul(unity_MatrixVP, mul(unity_ObjectToWorld, p)); }
+float3 UnityObjectToWorldNormal(float3 n) { return mul((float3x3)unity_ObjectToWorld, n); }
+float3 UnityWorldSpaceViewDir(float3 p) { return _WorldSpaceCameraPos - p; }
+float3 UnityWorldSpaceLightDir(float3 p) { return _WorldSpaceLightPos0.xyz - p * _WorldSpaceLightPos0.w; }
+half3 ShadeSH9(half4 n) { return unity_Ambient.rgb * n.w; }
+half3 DecodeHDR(half4 texel, half4 hdr) { return texel.rgb * hdr.x; }
+#endif
+"""
+URP = """
+#ifndef UNITY
+#define UNITY
+#define PI 3.14159265359
+#define MAX_VISIBLE_LIGHTS 256
+#define URP_FP_DIRECTIONAL_LIGHTS_COUNT 1u
+#define CBUFFER_START(name) cbuffer name : register(b1) {
+#define CBUFFER_END };
+#define LIGHT_LOOP_BEGIN(count) for (uint lightIndex = 0u; lightIndex < count; ++lightIndex) {
+#define LIGHT_LOOP_END }
+struct InputData { float3 positionWS; float2 normalizedScreenSpaceUV; };
+struct Light { half3 direction, color; float distanceAttenuation; half shadowAttenuation; };
+cbuffer Unity : register(b0) {
+    float4x4 unity_ObjectToWorld, unity_MatrixVP, unity_WorldToShadow;
+    float4 unity_SpecCube0_HDR, unity_FogColor, unity_Ambient, _WorldSpaceLightPos0, _LightColor0;
+    float3 _WorldSpaceCameraPos;
+    float unity_Lights;
+};
+TextureCube unity_SpecCube0 : register(t1);
+SamplerState samplerunity_SpecCube0 : register(s2);
+float3 TransformObjectToWorld(float3 p) { return mul(unity_ObjectToWorld, float4(p, 1)).xyz; }
+float4 TransformWorldToHClip(float3 p) { return mul(unity_MatrixVP, float4(p, 1)); }
+float3 TransformObjectToWorldNormal(float3 n) { return mul((float3x3)unity_ObjectToWorld, n); }
+float4 TransformWorldToShadowCoord(float3 p) { return mul(unity_WorldToShadow, float4(p, 1)); }
+float3 GetWorldSpaceViewDir(float3 p) { return _WorldSpaceCameraPos - p; }
+float2 GetNormalizedScreenSpaceUV(float4 p) { return p.xy; }
+float ComputeFogFactor(float z) { return z; }
+float3 MixFog(float3 colour, float fog) { return lerp(unity_FogColor.rgb, colour, saturate(fog)); }
+half3 SampleSH(half3 n) { return unity_Ambient.rgb; }
+half3 GlossyEnvironmentReflection(half3 direction, half roughness, half occlusion) {
+    return unity_SpecCube0.SampleLevel(samplerunity_SpecCube0, direction, 6 * roughness).rgb * occlusion;
+}
+Light GetMainLight(float4 shadow) {
+    Light light;
+    light.direction = _WorldSpaceLightPos0.xyz, light.color = _LightColor0.rgb, light.distanceAttenuation = 1, light.shadowAttenuation = 1 + 0 * shadow.x;
+    return light;
+}
+Light GetAdditionalLight(uint i, float3 p, half4 mask) { return GetMainLight(float4(p, i)); }
+uint GetAdditionalLightsCount() { return uint(unity_Lights); }
+#endif
+"""
+PACKAGE = "Packages/com.unity.render-pipelines.universal/ShaderLibrary/"
+# Of each shader for Unity: the stand-ins, and the files in which it expects them.
+FOR_UNITY = {"Film": (BUILT_IN, ("UnityCG.cginc", "Lighting.cginc", "AutoLight.cginc")), "FilmUrp": (URP, (PACKAGE + "Core.hlsl", PACKAGE + "Lighting.hlsl"))}
+GODOT = """#version 330
+vec3 ALBEDO, DIFFUSE_LIGHT, SPECULAR_LIGHT = vec3(0.0);
+float SPECULAR, METALLIC, ROUGHNESS, ATTENUATION = 1.0;
+in vec3 NORMAL, VIEW, LIGHT, LIGHT_COLOR;
+layout(location = 0) out vec4 lamp;
+layout(location = 1) out vec4 albedo;
+"""
+
+
+def compile_text(glslang, path, text, *options):
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    done = subprocess.run([glslang, *options, path], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode:
+        sys.exit(f"{path}\n{done.stdout}")
+
+
+def read(*path):
+    with open(os.path.join(folder, *path), encoding="utf-8") as file:
+        return file.read()
+
+
+def compile_unity(glslang, work, shader):
+    """Compiles each stage of each pass, to work/passI.STAGE.spv, and returns the number of passes."""
+    names, files = FOR_UNITY[shader]
+    for name in files:
+        os.makedirs(os.path.dirname(os.path.join(work, name)), exist_ok=True)
+        with open(os.path.join(work, name), "w", encoding="utf-8") as file:
+            file.write(names)
+    text = read("unity", shader + ".shader")
+    shared = "".join(re.findall(r"^ *CGINCLUDE\n(.*?)^ *ENDCG", text, flags=re.M | re.S))
+    passes = re.findall(r"^ *(?:CG|HLSL)PROGRAM\n(.*?)^ *END(?:CG|HLSL)", text, flags=re.M | re.S)
+    for i, of_pass in enumerate(passes):
+        for stage, pragma in (("vert", "#pragma vertex vert"), ("frag", "#pragma fragment frag")):
+            assert pragma in of_pass
+            path = os.path.join(work, f"pass{i}.{stage}")
+            for keyword in ["", *re.findall(r"\b_FORWARD_PLUS\b", of_pass)[:1]]:
+                define = f"#define {keyword}\n" if keyword else ""
+                compile_text(glslang, path + ".hlsl", "#extension GL_GOOGLE_include_directive : enable\n" + define + shared + of_pass, "-D", "-V", "-S", stage,
+                             "-e", stage, "-o", path + ("2" if keyword else "") + ".spv", f"-I{work}", f"-I{folder}/unity")
+    return len(passes)
+
+
+def godot_text():
+    """A fragment shader whose outputs are the light of a lamp and ALBEDO. What Godot's language lacks of GLSL, Godot alone can tell."""
+    text = read("godot4", "film.gdshader").replace("shader_type spatial;", "").replace(" : source_color", "")
+    text = text.replace('#include "film.gdshaderinc"', read("godot4", "film.gdshaderinc"))
+    return GODOT + text + "void main() {\n    fragment();\n    light();\n    lamp = vec4(SPECULAR_LIGHT, 1.0);\n    albedo = vec4(ALBEDO, 1.0);\n}\n"
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as work:
+        for shader in FOR_UNITY:
+            print(f"Unity, {shader}.shader: {compile_unity(sys.argv[1], work, shader)} passes compile")
+        compile_text(sys.argv[1], os.path.join(work, "film.frag"), godot_text())
+        print("Godot 4: compiles")

@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""The shaders for Unity and Godot 4, with stand-ins for the engines' names, run in OpenGL: under a lamp a sphere of the film is that of the
+model, within a mean ΔE_ITP of 1, and under light from everywhere it reflects its albedo. The engines themselves are not run.
+Arguments: the program, and a folder that is not read.
+"""
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+here = Path(__file__).resolve()
+sys.path.insert(0, str(here.parent.parent))
+spec = importlib.util.spec_from_file_location("shaders", here.parent.parent / "engine_shaders.py")
+shaders = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(shaders)
+import lamp  # noqa: E402
+
+program, data = os.path.abspath(sys.argv[1]), here.parents[2] / "data"
+glslang, spirv_cross = shutil.which("glslangValidator"), shutil.which("spirv-cross")
+if not (glslang and spirv_cross and importlib.util.find_spec("moderngl")):
+    print("skipped: glslangValidator, spirv-cross or moderngl is not installed")
+    sys.exit()
+import moderngl  # noqa: E402
+
+VERTEX = """#version 450
+in vec2 at;
+in vec3 position, normal;
+NAMES
+void main() {
+    gl_Position = vec4(at, 0.0, 1.0);
+    SET
+}
+"""
+# Of the interpolated values of the shader for Unity the third is the fog's and the fourth is that of shadows; of Godot's all have names.
+UNITY = ("layout(location = 0) out vec3 a; layout(location = 1) out vec3 b; layout(location = 2) out float c; layout(location = 3) out vec4 d;",
+         "a = position; b = normal; c = 1.0; d = vec4(1.0);")
+GODOT = ("out vec3 NORMAL, VIEW, LIGHT, LIGHT_COLOR;",
+         f"NORMAL = normal; VIEW = normalize(vec3(0.0, 0.0, {lamp.DISTANCE}) - position); LIGHT = vec3({', '.join(map(str, lamp.LAMP))});"
+         f"LIGHT_COLOR = vec3({lamp.IRRADIANCE});")
+
+
+class Sphere:
+    """A pixel for each point of the sphere of radius 1 that a fragment shader draws."""
+
+    def __init__(self):
+        self.inside, normal, _ = lamp.points()
+        rows, columns = np.nonzero(self.inside)
+        at = np.stack([columns + 0.5, rows + 0.5], axis=1) / lamp.SIZE * 2 - 1
+        self.gl = moderngl.create_standalone_context(backend="egl")
+        self.vertices = self.gl.buffer(np.hstack([at, normal, normal]).astype("f4").tobytes())
+
+    def drawn(self, outputs, fragment, prepare=lambda gl, shader: None):
+        """What the shader gives there: two arrays [n, 3]."""
+        vertex = VERTEX.replace("NAMES", outputs[0]).replace("SET", outputs[1])
+        shader = self.gl.program(vertex_shader=vertex, fragment_shader=fragment)
+        targets = [self.gl.texture((lamp.SIZE, lamp.SIZE), 4, dtype="f4") for _ in range(2)]
+        self.gl.framebuffer(targets).use()
+        kept = prepare(self.gl, shader)
+        self.gl.vertex_array(shader, [(self.vertices, "2f 3f 3f", "at", "position", "normal")]).render(moderngl.POINTS)
+        del kept
+        return [np.frombuffer(target.read(), "f4").reshape(lamp.SIZE, lamp.SIZE, 4)[self.inside][:, :3].astype(float) for target in targets]
+
+
+def under(light, around):
+    """Sets Unity's names: a lamp in the direction of lamp.py, and the same radiance from everywhere."""
+    def prepare(gl, shader):
+        ones = np.ones(4)
+        block = np.concatenate([np.zeros(48), ones, ones, around * ones, lamp.LAMP, [0], light / np.pi * ones, [0, 0, lamp.DISTANCE, 0]])
+        numbers, tint = gl.buffer(block.astype("f4").tobytes()), gl.buffer(ones.astype("f4").tobytes())
+        cube = gl.texture_cube((1, 1), 4, np.full(24, around, "f4").tobytes(), dtype="f4")
+        for name, of, binding in (("Unity", numbers, 0), ("_Global", tint, 1), ("UnityPerMaterial", tint, 1)):
+            if name in shader:
+                shader[name].binding = binding
+                of.bind_to_uniform_block(binding)
+        cube.use(0)
+        return numbers, tint, cube
+    return prepare
+
+
+with tempfile.TemporaryDirectory() as folder:
+    model = Path(folder, "film.srbf")
+    subprocess.run([program, "fit", data / "cc_ibiza_sunset_rgb.bsdf", "-o", model], check=True, stdout=subprocess.DEVNULL)
+    exact = lamp.reference(program, model, folder)
+    unity = {}
+    for shader in shaders.FOR_UNITY:
+        shaders.compile_unity(glslang, folder, shader)
+        subprocess.run([spirv_cross, f"{folder}/pass0.frag.spv", "--version", "450", "--no-es", "--output", f"{folder}/unity.glsl"], check=True)
+        unity[shader] = Path(folder, "unity.glsl").read_text(encoding="utf-8")
+sphere = Sphere()
+in_godot, albedo = sphere.drawn(GODOT, shaders.godot_text())
+failures = 0
+
+
+def check(good, text):
+    global failures
+    print("ok  " if good else "BAD ", text)
+    failures += not good
+
+
+pictures = {"Godot 4": in_godot, **{f"Unity, {shader}": sphere.drawn(UNITY, text, under(lamp.IRRADIANCE, 0))[0] for shader, text in unity.items()}}
+for name, drawn in pictures.items():
+    picture = np.zeros_like(exact)
+    picture[sphere.inside] = drawn
+    error = lamp.apart(picture, exact)
+    check(error <= lamp.WITHIN, f"shader for {name}, with stand-ins: film {error:.2f}")
+for shader, text in unity.items():
+    around = np.abs(sphere.drawn(UNITY, text, under(0, 1))[0] - np.minimum(albedo, 1)).max()
+    check(around < 0.01, f"shader for Unity, {shader}, in white surroundings: differs from the albedo by {around:.4f} at most")
+sys.exit(bool(failures))

@@ -7,7 +7,7 @@ const set_shown = (id, shown) => { $(id).hidden = !shown; };
 // ---- The files of the folder -------------------------------------------------------------------------------------
 
 // A page opened from a disk may load scripts but not fetch data, so each file of `data` is a script that calls
-// srbf_given.
+// srbf_given. The page in one file has them as texts.
 const k_max_bytes = 2 ** 28, waiting = {};
 window.srbf_given = (name, text) => waiting[name].done(text);
 function load_data(name) {
@@ -15,6 +15,8 @@ function load_data(name) {
   const entry = waiting[name] = {};
   entry.promise = new Promise((done, failed) => {
     entry.done = done;
+    const inside = $(`data/${name}`);
+    if (inside) return done(inside.textContent);
     const script = document.createElement("script");
     script.src = `data/${name}.js`;
     script.onerror = () => failed(new Error(`data/${name}.js is missing beside this page`));

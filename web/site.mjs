@@ -1,5 +1,5 @@
-// node site.mjs MODULE.wasm FOLDER VERSION PICTURES: writes the page for any browser as one folder, and beside it the module
-// as a package. PICTURES is a folder with NAME.png for each data/gallery/NAME.srbf.
+// node site.mjs MODULE.wasm FOLDER VERSION PICTURES: writes the page for any browser as one folder, and beside it the page in one
+// file and the module as a package. PICTURES is a folder with NAME.png for each data/gallery/NAME.srbf.
 import { readFile, readdir, writeFile, mkdir, copyFile } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
 import path from "node:path";
@@ -28,18 +28,35 @@ for (const name of models.map((name) => path.parse(name).name)) {
   gallery += `<li><a href="#${name}"><img src="data/${name}.png" width="120" height="120" alt="" loading="lazy">${title}</a></li>\n`;
   await copyFile(path.join(drawn, name + ".png"), path.join(folder, "data", name + ".png"));
 }
-await writeFile(path.join(folder, "index.html"), filled(await text("app.html"), { viewer, version, gallery }));
-for (const name of ["style.css", "app.css", "light.js", "painter.js", "viewer.js", "binding.js", "working.js", "editing.js", "app.js"])
-  await copyFile(path.join(web, name), path.join(folder, name));
+const page = filled(await text("app.html"), { viewer, version, gallery });
+await writeFile(path.join(folder, "index.html"), page);
+const parts = {};
+for (const name of ["style.css", "app.css", "light.js", "painter.js", "viewer.js", "binding.js", "working.js", "editing.js", "app.js"]) {
+  parts[name] = await text(name);
+  await writeFile(path.join(folder, name), parts[name]);
+}
 
 // Data as scripts, because a page opened from a disk may not fetch files.
+let inside = "";
 for (const [name, file] of [["module", module_file], ["studio", path.join(root, "data/studio.hdr")],
   ...["cc_ibiza_sunset_rgb.bsdf", "paper_white_rgb.bsdf"].map((sample) => [sample, path.join(root, "data", sample)]),
   ...models.map((name) => [name, path.join(root, "data/gallery", name)])]) {
   const packed = gzipSync(await readFile(file), { level: 9 });
   if (!models.includes(name)) console.log(`${name}: ${packed.length} bytes compressed`);
-  await writeFile(path.join(folder, "data", name + ".js"), `srbf_given("${name}", "${packed.toString("base64")}");\n`);
+  const data = packed.toString("base64");
+  await writeFile(path.join(folder, "data", name + ".js"), `srbf_given("${name}", "${data}");\n`);
+  inside += `<script type="text/plain" id="data/${name}">${data}</script>\n`;
 }
+
+// The page in one file, with one picture of the gallery and without the report.
+const spheres = (await readFile(path.join(root, "data/gallery/gallery.jpg"))).toString("base64");
+const one_file = page.replaceAll(/<img[^>]*>/g, "").replace(/(<section id="gallery">[^]*?)<ul>/, (_, head) =>
+    `${head}<img src="data:image/jpeg;base64,${spheres}" style="width: min(100%, 40rem); aspect-ratio: auto" alt="Spheres of the materials, with their names">\n<ul>`)
+  .replace(/ <a href="gallery.*?<\/a>/, "").replace("One folder", "One file")
+  .replace(/<link rel="stylesheet" href="(.*?)">/g, (_, name) => `<style>\n${parts[name]}</style>`)
+  .replace('<script src="light.js">', () => inside + '<script src="light.js">')
+  .replace(/<script src="(.*?)"><\/script>/g, (_, name) => `<script>\n${parts[name].replaceAll("</script", "<\\/script")}</script>`);
+await writeFile(path.join(path.dirname(folder), "srbf.html"), one_file);
 
 // The package for scripts, ready to publish.
 const package_folder = path.join(path.dirname(folder), "npm");

@@ -1,9 +1,11 @@
 """The page of build/site in a browser, from the disk as a user has it: each kind of measurement is opened, fitted and saved, and what
-is saved is compared byte by byte with the program's files. Damaged files are refused with the program's words.
+is saved is compared byte by byte with the program's files. Damaged files are refused with the program's words. The page in one file of
+data/ready fits as the program does; --write puts the one of build/ there.
 
 SRBF_MEASUREMENTS: files or folders, separated by colons, to try beside the bundled ones."""
 import hashlib
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -36,10 +38,10 @@ def run(*arguments):
 
 
 class Page:
-    def __init__(self):
+    def __init__(self, path):
         self.chromium = Chromium(WEBGL)
         self.chromium.size(1280, 800)
-        self.chromium.open(root / "build/site/index.html")
+        self.chromium.open(path)
         # Tasks that keep the page from answering.
         self.chromium.run("""window.tasks = []; new PerformanceObserver((list) => {
             for (const e of list.getEntries()) tasks.push(e.duration); }).observe({ type: "longtask", buffered: true })""")
@@ -238,10 +240,25 @@ def files():
     return found
 
 
+def closed(page):
+    check(not page.chromium.problems, f"the browser's console: {page.chromium.problems}")
+    check(all(url.startswith(("file:", "blob:", "data:")) for url in page.chromium.requests), "something is asked of the network")
+    page.chromium.close()
+
+
+one_file = root / "data/ready/srbf.html"
+if "--write" in sys.argv:
+    shutil.copy(root / "build/srbf.html", one_file)
 if not program():
     print("no Chromium (Debian: chromium)")
     sys.exit(0)
-page = Page()
+page = Page(one_file)
+with tempfile.TemporaryDirectory() as name:
+    print("  the page in one file:")
+    compared(page, root / "data/cc_ibiza_sunset_rgb.bsdf", Path(name))
+    linked(page)
+closed(page)
+page = Page(root / "build/site/index.html")
 there = page.chromium.run("Math.round(performance.timing.loadEventEnd - performance.timing.navigationStart)")
 print(f"  the page is there after {there} ms")
 with tempfile.TemporaryDirectory() as name:
@@ -256,7 +273,5 @@ with tempfile.TemporaryDirectory() as name:
     replaced(page)
 longest = page.longest_task()
 check(longest <= LONGEST_TASK, f"the page does not answer for {longest} ms")
-check(not page.chromium.problems, f"the browser's console: {page.chromium.problems}")
-check(all(url.startswith(("file:", "blob:", "data:")) for url in page.chromium.requests), "something is asked of the network")
-page.chromium.close()
+closed(page)
 sys.exit(1 if failures else 0)

@@ -167,12 +167,9 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     const FitRequest& request = fit.request;
     fmt::print("{}  ({}, {} bytes)\n", printable(fit.input), measured.format, grouped(measured.bytes));
     fmt::print("  model     {}\n", summary(outcome.model));
-    // What is solved for microfacets has the weights of the objective's pairs alone.
-    const bool by_values =
-        std::holds_alternative<GgxRequest>(request.model) && request.objective == k_default_objective;
-    fmt::print("  fitted    objective {}{}, directions within {:g}° of the normal, in {:.2f} s ({})\n",
-               name(request.objective), by_values ? " by values, not by pictures" : "", degrees(outcome.max_theta),
-               outcome.fit_seconds, outcome.stop ? name(*outcome.stop) : "solved");
+    fmt::print("  fitted    objective {}, directions within {:g}° of the normal, in {:.2f} s ({})\n",
+               name(request.objective), degrees(outcome.max_theta), outcome.fit_seconds,
+               outcome.stop ? name(*outcome.stop) : "solved");
     const Appearance& pictures = judged(*outcome.errors);
     fmt::print("  error     {}: ΔE_ITP {:.3g} in the mean of eight lights, {:.3g} under the worst\n",
                words(verdict(pictures.mean)), pictures.mean.delta_e, pictures.worst_delta_e);

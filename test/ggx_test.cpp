@@ -3,6 +3,7 @@
 #include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "observe/objectives.h"
+#include "observe/surface_problem.h"
 #include "properties.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
@@ -92,6 +93,27 @@ TEST(Ggx, IsFittedBack) {
         EXPECT_TRUE(
             near(fit->unrounded.lobes[0].roughness, truth.lobes[0].roughness, 2e-3 * double(truth.lobes[0].roughness)));
     }
+}
+
+/// Two lobes are fitted back from their pictures. One lobe in their place looks more like them if pictures are observed.
+TEST(Ggx, IsFittedToWhatIsSeen) {
+    std::mt19937_64 random(5);
+    const GgxModel truth = random_ggx(random, 2);
+    const auto observed = observe(evaluator(truth), {.count = 8192});
+    ASSERT_TRUE(observed.ok() && !observed->views.empty());
+    Observations values = *observed;
+    values.views.clear();
+    const auto seen = [&](const Observations& fitted, int lobes) {
+        const auto fit = Kind<GgxModel>::fit(fitted, {lobes});
+        SurfaceData::Outputs colours;
+        std::vector<Rgb> f;
+        PixelSlopes slopes;
+        const SurfaceData data(*observed, 1);
+        data.compute_outputs(evaluator(fit->model), f, colours);
+        return data.loss(colours, slopes);
+    };
+    EXPECT_LT(seen(*observed, 2), 0.01);  // ΔE_ITP of 0.1
+    EXPECT_LT(seen(*observed, 1), 0.95 * seen(values, 1));
 }
 
 TEST(Ggx, FitScalesWithTheData) {

@@ -12,7 +12,7 @@
 #include "models/openpbr/openpbr_parameters.h"
 #include "observe/large_errors.h"
 #include "observe/pair_weights.h"
-#include "observe/pixels.h"
+#include "observe/surface_problem.h"
 
 namespace srbf {
 namespace {
@@ -85,213 +85,33 @@ OpenPbrModel default_surface(OpenPbrSurfaceKind kind) {
     return model;
 }
 
-constexpr double k_slope_step = 1e-3;  ///< step of x for finite differences
-
-/// The data of a fit, and its loss: the mean of ρ(ΔE_ITP) over pixels (see `Pixels`), or Σ w |f − f̂|² over pairs if no
-/// pictures are observed. The outputs of a surface are the colours of pixels or the values at pairs.
-class OpenPbrData {
-  public:
-    using Outputs = Aligned<float>;  ///< blocks with a column for each channel
-
-    /// Uses every n-th view. If there are no views, uses the first n-th part of the pairs.
-    OpenPbrData(const Observations& observations, std::size_t n) {
-        if (observations.views.empty())
-            add_pairs(observations, n);
-        else
-            add_views(observations, n);
-    }
-
-    static std::size_t index(std::size_t i, std::size_t c) { return (3 * (i / k_block) + c) * k_block + i % k_block; }
-    std::size_t count() const { return pixels_.count() > 0 ? pixels_.count() : f_.size(); }
-
-    void compute_outputs(const OpenPbrModel& model, std::vector<Rgb>& f, Outputs& outputs) const {
-        f.resize(wl_.size());
-        evaluate(model, wl_, wv_, f);
-        outputs.assign(3 * k_block * blocks_for(count()), 0);
-        for (std::size_t i = 0; i < count(); ++i) {
-            std::array<double, 3> sum{};
-            if (f_.size() > 0) {
-                for (int c = 0; c < 3; ++c) sum[std::size_t(c)] = double(f[i][c]);
-            } else {
-                const Pixel& pixel = pixel_[i];
-                for (std::size_t k = 0; k < pixel.count; ++k)
-                    for (int c = 0; c < 3; ++c)
-                        sum[std::size_t(c)] += double(light_[pixel.weight + k]) * double(f[pixel.first + k][c]);
-            }
-            for (std::size_t c = 0; c < 3; ++c) outputs[index(i, c)] = float(sum[c]);
-        }
-    }
-    double loss(const Outputs& outputs, PixelSlopes& slopes) const {
-        double sum = 0;
-        if (pixels_.count() == 0) {
-            for (std::size_t i = 0; i < f_.size(); ++i) sum += weight_[i] * squared_distance(f_[i], colour(outputs, i));
-            return sum;
-        }
-        for (std::size_t block = 0; block < pixels_.blocks(); ++block)
-            sum += pixels_.errors(block, columns(outputs, block), slopes);
-        return sum / double(pixels_.count());
-    }
-    /// JᵀJ and Jᵀr from the outputs and their derivatives by each variable.
-    void linearise(const Outputs& outputs, const std::vector<Outputs>& derivatives, PixelSlopes& slopes,
-                   Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
-        const auto n = Eigen::Index(derivatives.size());
-        H = Eigen::MatrixXd::Zero(n, n);
-        g = Eigen::VectorXd::Zero(n);
-        if (pixels_.count() == 0)
-            linearise_pairs(outputs, derivatives, H, g);
-        else
-            linearise_pixels(outputs, derivatives, slopes, H, g);
-        H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
-    }
-
-  private:
-    /// The rows of a pixel, and the index of its first weight.
-    struct Pixel {
-        std::size_t first, count, weight;
-    };
-
-    static Rgb colour(const Outputs& outputs, std::size_t i) {
-        return {outputs[index(i, 0)], outputs[index(i, 1)], outputs[index(i, 2)]};
-    }
-    static Pixels::Colours columns(const Outputs& outputs, std::size_t block) {
-        const float* const first = &outputs[3 * block * k_block];
-        return {first, first + k_block, first + 2 * k_block};
-    }
-
-    void add_views(const Observations& observations, std::size_t n) {
-        std::vector<Pixels::Triplet> reference;
-        for (std::size_t v = 0; v < observations.views.size(); v += n) {
-            const ObservedView& view = observations.views[v];
-            for (const ObservedPixel& pixel : view.pixels) {
-                pixel_.push_back({wl_.size() + pixel.first, pixel.weight.size(), light_.size()});
-                light_.insert(light_.end(), pixel.weight.begin(), pixel.weight.end());
-                Pixels::Triplet sum{};
-                for (std::size_t i = 0; i < pixel.weight.size(); ++i)
-                    for (int c = 0; c < 3; ++c)
-                        sum[std::size_t(c)] += double(pixel.weight[i]) * double(view.f[pixel.first + i][c]);
-                reference.push_back(sum);
-            }
-            wl_.insert(wl_.end(), view.wl.begin(), view.wl.end());
-            wv_.insert(wv_.end(), view.wl.size(), view.wv);
-        }
-        pixels_ = Pixels(reference);
-    }
-    void add_pairs(const Observations& observations, std::size_t n) {
-        const std::size_t fitted = std::min(observations.fitted_count(), k_most_pairs / n);
-        const auto end = [&](const auto& column) { return column.begin() + std::ptrdiff_t(fitted); };
-        wl_.assign(observations.wl.begin(), end(observations.wl));
-        wv_.assign(observations.wv.begin(), end(observations.wv));
-        f_.assign(observations.f.begin(), end(observations.f));
-        weight_.assign(observations.weight.begin(), end(observations.weight));
-    }
-
-    /// Adds a row of the Jacobian and its residual to the lower triangle of H, and to g.
-    static void add_row(const Eigen::VectorXd& row, double r, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-        for (Eigen::Index i = 0; i < row.size(); ++i) {
-            if (row[i] == 0) continue;
-            g[i] += row[i] * r;
-            for (Eigen::Index k = 0; k <= i; ++k) H(i, k) += row[i] * row[k];
-        }
-    }
-    void linearise_pairs(const Outputs& outputs, const std::vector<Outputs>& derivatives, Eigen::MatrixXd& H,
-                         Eigen::VectorXd& g) const {
-        Eigen::VectorXd row(g.size());
-        for (std::size_t i = 0; i < f_.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c) {
-                const double root = std::sqrt(weight_[i]);
-                for (std::size_t p = 0; p < derivatives.size(); ++p)
-                    row[Eigen::Index(p)] = root * double(derivatives[p][index(i, c)]);
-                add_row(row, root * double(outputs[index(i, c)] - f_[i][int(c)]), H, g);
-            }
-    }
-    void linearise_pixels(const Outputs& outputs, const std::vector<Outputs>& derivatives, PixelSlopes& slopes,
-                          Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
-        Eigen::VectorXd row(g.size());
-        const double share = 1 / double(pixels_.count());
-        for (std::size_t block = 0; block < pixels_.blocks(); ++block) {
-            pixels_.errors(block, columns(outputs, block), slopes);
-            for (std::size_t i = block * k_block; i < std::min((block + 1) * k_block, pixels_.count()); ++i)
-                for (std::size_t component = 0; component < 3; ++component) {
-                    const auto jacobian = slopes.jacobian_of(component);
-                    for (std::size_t p = 0; p < derivatives.size(); ++p) {
-                        double slope = 0;
-                        for (std::size_t c = 0; c < 3; ++c)
-                            slope += double(jacobian[c][i % k_block]) * double(derivatives[p][index(i, c)]);
-                        row[Eigen::Index(p)] = slope;
-                    }
-                    add_row(row, double(slopes.residual(component)[i % k_block]), H, g);
-                }
-        }
-        H *= share, g *= share;
-    }
-
-    static constexpr std::size_t k_most_pairs = 16384;
-    std::vector<Vec3f> wl_, wv_;
-    std::vector<Pixel> pixel_;
-    std::vector<float> light_;
-    Pixels pixels_;
-    // Values and weights of pairs, if no pictures are observed.
-    std::vector<Rgb> f_;
-    std::vector<double> weight_;
-};
-
-/// The loss as a function of the variables' x; other numbers are those of `fixed`. Derivatives are finite differences.
-class OpenPbrProblem {
-  public:
-    OpenPbrProblem(const OpenPbrData& data, std::vector<OpenPbrVariable> variables, const OpenPbrModel& fixed)
-        : data_(data), variables_(std::move(variables)), fixed_(fixed), derivatives_(variables_.size()) {}
+/// The variables of a search; other numbers of the surface are those of `fixed`.
+struct OpenPbrVariables {
+    std::vector<OpenPbrVariable> all;
+    OpenPbrModel fixed;
 
     OpenPbrModel model(const Eigen::VectorXd& x) const {
-        OpenPbrModel model = fixed_;
-        for (std::size_t i = 0; i < variables_.size(); ++i) {
-            const auto [parameter, c, least] = variables_[i];
+        OpenPbrModel model = fixed;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const auto [parameter, c, least] = all[i];
             const double root = x[Eigen::Index(i)], share = parameter->colour ? root * root : root;
             number(model, *parameter, c) = float(double(least) + share * double(parameter->most - least));
         }
         return model;
     }
     Eigen::VectorXd x_of(const OpenPbrModel& model) const {
-        Eigen::VectorXd x(Eigen::Index(variables_.size()));
-        for (std::size_t i = 0; i < variables_.size(); ++i) {
-            const auto [parameter, c, least] = variables_[i];
+        Eigen::VectorXd x(Eigen::Index(all.size()));
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const auto [parameter, c, least] = all[i];
             const double share =
                 std::max(double(number(model, *parameter, c) - least) / double(parameter->most - least), 0.0);
             x[Eigen::Index(i)] = parameter->colour ? std::sqrt(share) : share;
         }
         return x;
     }
-
-    double loss(const Eigen::VectorXd& x) { return loss(model(x)); }
-    double loss(const OpenPbrModel& model) {
-        data_.compute_outputs(model, f_, outputs_);
-        return data_.loss(outputs_, slopes_);
-    }
-    void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-        for (std::size_t i = 0; i < variables_.size(); ++i) {
-            Eigen::VectorXd changed = x;
-            double& variable = changed[Eigen::Index(i)];
-            const double step = variable + k_slope_step <= 1 ? k_slope_step : -k_slope_step;
-            variable += step;
-            OpenPbrData::Outputs& derivative = derivatives_[i];
-            data_.compute_outputs(model(changed), f_, derivative);
-            for (std::size_t k = 0; k < derivative.size(); ++k)
-                derivative[k] = float((double(derivative[k]) - double(outputs_[k])) / step);
-        }
-        data_.linearise(outputs_, derivatives_, slopes_, H, g);
-    }
-    Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Zero(x.size()); }
-    Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Ones(x.size()); }
-    Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Constant(x.size(), 0.25); }
-
-  private:
-    const OpenPbrData& data_;
-    std::vector<OpenPbrVariable> variables_;
-    OpenPbrModel fixed_;
-    std::vector<Rgb> f_;
-    OpenPbrData::Outputs outputs_;
-    std::vector<OpenPbrData::Outputs> derivatives_;  ///< of the outputs, by each variable
-    PixelSlopes slopes_;
+    Eigen::VectorXd most() const { return Eigen::VectorXd::Ones(Eigen::Index(all.size())); }
 };
+using OpenPbrProblem = SurfaceProblem<OpenPbrVariables>;
 
 /// An approximate diffuse colour: the albedo along the normal if it was observed, otherwise π times the mean value.
 Rgb typical_colour(const Observations& observations) {
@@ -376,7 +196,7 @@ std::vector<OpenPbrCandidate> add_films(std::span<const OpenPbrCandidate> best) 
     return all;
 }
 
-/// A round of the search: the number of candidates, the n of `OpenPbrData`, and the number of steps.
+/// A round of the search: the number of candidates, the n of `SurfaceData`, and the number of steps.
 struct OpenPbrRound {
     std::size_t candidates, n;
     int steps;
@@ -430,7 +250,7 @@ struct OpenPbrSolution {
     std::vector<OpenPbrVariable> variables;
 };
 /// Removes the parts without which the surface, once adapted, has at most 1.01 times its loss, or at most `most_loss`.
-void prune_parts(OpenPbrSolution& solution, const OpenPbrData& data, const OpenPbrModel& defaults, double most_loss) {
+void prune_parts(OpenPbrSolution& solution, const SurfaceData& data, const OpenPbrModel& defaults, double most_loss) {
     for (const OpenPbrPart& part : openpbr_parts(defaults)) {
         OpenPbrModel pruned = solution.best.model;
         for (const OpenPbrParameter& parameter : k_openpbr_parameters)
@@ -438,7 +258,7 @@ void prune_parts(OpenPbrSolution& solution, const OpenPbrData& data, const OpenP
                 number(pruned, parameter, c) = number(part.without, parameter, c);
         if (pruned == solution.best.model) continue;
         const auto variables = without(solution.variables, part.names);
-        OpenPbrProblem problem(data, variables, pruned);
+        OpenPbrProblem problem(data, {variables, pruned});
         Eigen::VectorXd x = problem.x_of(pruned);
         const double loss =
             levenberg_marquardt(problem, x, {.max_iterations = k_pruning_steps, .adapts_to_bounds = true}).loss;
@@ -485,7 +305,7 @@ class OpenPbrSearch {
         return solution;
     }
     /// The data of the last round.
-    OpenPbrData data() const { return OpenPbrData(weighed_, 1); }
+    SurfaceData data() const { return SurfaceData(weighed_, 1); }
 
   private:
     const std::vector<OpenPbrVariable>& variables_of(const OpenPbrCandidate& candidate) const {
@@ -494,9 +314,9 @@ class OpenPbrSearch {
     /// The initial surfaces in order of their loss.
     std::vector<OpenPbrCandidate> best_initial_surfaces(bool with_film) const {
         std::vector<OpenPbrCandidate> starts = initial_surfaces(observations_, with_film, !conditions_.is_isotropic);
-        const OpenPbrData data(weighed_, k_openpbr_rounds[0].n);
+        const SurfaceData data(weighed_, k_openpbr_rounds[0].n);
         parallel_for(starts.size(), conditions_.threads, [&](std::size_t i) {
-            OpenPbrProblem problem(data, variables_of(starts[i]), defaults_);
+            OpenPbrProblem problem(data, {variables_of(starts[i]), defaults_});
             starts[i].model = problem.model(problem.x_of(starts[i].model));  // defaults where its kind lacks parameters
             starts[i].loss = problem.loss(starts[i].model);
         });
@@ -506,11 +326,11 @@ class OpenPbrSearch {
     Result<Done> search(std::vector<OpenPbrCandidate>& candidates, std::span<const OpenPbrRound> rounds) {
         for (const OpenPbrRound& round : rounds) {
             if (!progress_.report("searching parameters", done_)) return cancelled_error("fit");
-            const OpenPbrData data(weighed_, round.n);
+            const SurfaceData data(weighed_, round.n);
             candidates.resize(std::min(candidates.size(), round.candidates));
             parallel_for(candidates.size(), conditions_.threads, [&](std::size_t i) {
                 OpenPbrCandidate& candidate = candidates[i];
-                OpenPbrProblem problem(data, variables_of(candidate), defaults_);
+                OpenPbrProblem problem(data, {variables_of(candidate), defaults_});
                 Eigen::VectorXd x = problem.x_of(candidate.model);
                 candidate.loss =
                     levenberg_marquardt(problem, x, {.max_iterations = round.steps, .adapts_to_bounds = true}).loss;
@@ -540,8 +360,8 @@ Result<Fitted<OpenPbrModel>> Kind<OpenPbrModel>::fit(const Observations& observa
     OpenPbrSearch search(observations, request, conditions, progress);
     const auto solution = search.solve();
     if (!solution) return solution.error();
-    const OpenPbrData data = search.data();
-    OpenPbrProblem problem(data, solution->variables, solution->best.model);
+    const SurfaceData data = search.data();
+    OpenPbrProblem problem(data, {solution->variables, solution->best.model});
     Fitted<OpenPbrModel> fit{{}, solution->best.model, 0, problem.loss(solution->best.model)};
     fit.model = rounded(fit.unrounded);
     fit.loss = problem.loss(fit.model);

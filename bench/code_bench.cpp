@@ -1,12 +1,15 @@
 // Time of a value, a density, both, and a sample with density and weight: of the library, of srbf_runtime.h and of
 // exported C, which gcc and clang compile for any x86-64 and for AVX2. The models are the default fit of the bundled
-// vinyl film and its fit as measured. Pairs are random, up to 80° from the normal. A thousand are timed together, so
-// that microseconds are the nanoseconds of one; `least` is the least of fifteen runs.
+// vinyl film and its fit as measured; of the library also its fits of Lambert with one and two GGX lobes, and the table
+// itself. Pairs are random, up to 80° from the normal. A thousand are timed together, so that microseconds are the
+// nanoseconds of one; `least` is the least of fifteen runs.
 #include <benchmark/benchmark.h>
 #include <dlfcn.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <list>
 #include <numbers>
 #include <random>
 
@@ -147,6 +150,12 @@ void add_model(const std::string& name, const Model& model, const TemporaryFolde
     }
 }
 
+void add_library(const std::string& name, const PreparedBrdf& brdf) {
+    static std::list<PreparedBrdf> prepared;
+    prepared.push_back(brdf);
+    for (std::size_t k = 0; k < std::size(k_names); ++k) add(name + "/library", k, k_library[k], &prepared.back());
+}
+
 const bool k_registered = [] {
     const TemporaryFolder folder;
     write(folder / "srbf_runtime.h", runtime_code());
@@ -154,6 +163,10 @@ const bool k_registered = [] {
     const Measured film = *load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
     add_model("default", fit(film, {})->model, folder);
     add_model("measured", fit(film, {.model = PmRequest{.form = PmForm::extended}})->model, folder);
+    for (const int lobes : {1, 2})
+        add_library(fmt::format("ggx{}", lobes),
+                    prepare(fit(film, {.model = GgxRequest{.lobes = lobes}})->model, ProposeOptions{}));
+    add_library("table", prepare(film, ProposeOptions{}));
     return true;
 }();
 

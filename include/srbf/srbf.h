@@ -1,5 +1,5 @@
-// The core on one page: load, fit, prepare, value, sample, pdf, albedo, save, export. The other headers have what stands
-// behind it: fit.h requests and errors of fits, model.h and measured.h what is stored, prepared.h BRDFs of your own.
+// The core on one page: load, fit, prepare, value, sample, pdf, albedo, save, export. The other headers declare the
+// details: fit.h requests and errors of fits, model.h and measured.h what is stored, prepared.h BRDFs of your own.
 #pragma once
 #include <cstddef>
 #include <cstring>
@@ -42,7 +42,7 @@ struct FittedBrdf {
     std::size_t bytes;  ///< of the numbers of the model
     double delta_e;     ///< mean ΔE_ITP of pictures of a sphere against the measurement; 1 is just noticeable
 };
-/// Fits the model that `srbf fit` fits without options, in three to six seconds on two cores, a third of them for its
+/// Fits the model that `srbf fit` fits without options, in about three seconds on two cores, half of them for the
 /// error. Errors: `measured` is a model, or a two-sided measurement; there is nothing to fit.
 Result<FittedBrdf> fit(const LoadedBrdf& measured);
 
@@ -50,7 +50,8 @@ Result<FittedBrdf> fit(const LoadedBrdf& measured);
 Result<Done> save(const LoadedBrdf& model, const std::string& path);
 
 /// The functions of a model in "glsl", "hlsl", "wgsl", "msl" or "c": a text that stands alone, with NAME_brdf(wl, wv)
-/// for an identifier `name`. Of the component srbf::shader. Errors: `model` is a measurement; another language.
+/// for an identifier `name`. A program that calls it also links srbf::shader. Errors: `model` is a measurement; another
+/// language.
 Result<std::string> shading_code(const LoadedBrdf& model, const std::string& name, std::string_view language);
 
 // ---- Evaluation and sampling ----
@@ -90,9 +91,9 @@ void end_use(const PreparedBrdf::Contents& of);
 /// prepared.h takes a number of threads, and the azimuths of an anisotropic BRDF, for a better density.
 PreparedBrdf prepare(const LoadedBrdf& brdf);
 
-/// f_r(wl, wv) [1/sr], without the cosine: of a model within 1e-4 of `value` of model.h or 1e-6 of its peak, whichever
-/// is larger. It is 0 if wl.z or wv.z is 0, negative or subnormal. It is NaN where a measurement has no value, which a
-/// renderer must take for 0; `sample`, `pdf` and `albedo` count it as 0.
+/// f_r(wl, wv) [1/sr], without the cosine. For a model it differs from `value` of model.h by at most 1e-4 of that value
+/// or 1e-6 of its peak, whichever is larger. It is 0 if wl.z or wv.z is 0, negative or subnormal. It is NaN where a
+/// measurement has no value, which a renderer must take for 0; `sample`, `pdf` and `albedo` count it as 0.
 inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
     if (!above_horizon(wl, wv)) return {};
     alignas(16) float colour[4];
@@ -101,7 +102,7 @@ inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
     std::memcpy(&f, colour, sizeof f);  // as it was stored
     return f;
 }
-/// f_r at pairs of directions, in spans of one length.
+/// f_r at pairs of directions. The program ends with a line and abort() if the spans differ in length.
 void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 
 /// Samples a direction to the light from independent numbers, uniform in [0,1): a point u, which may be stratified, and

@@ -3,7 +3,7 @@
 
 ```sh blocks are run by bash, in order; a ```text block is what the block before it prints, where `...` stands for anything; ```python
 without a file's name runs in one session for the page; any other block is a file, whose name its first line says in a comment. A block that is not run says
-why in the line above it: <!-- not run: ... -->. `data` is the folder of bundled measurements; OWN makes the files that a page takes as
+why in the line above it: <!-- not run: ... -->. `data` and `examples` are the folders of the clone; OWN makes the files that a page takes as
 its reader's. A page that needs a package of PyPI which this Python has not is named, and not run.
 Arguments: the program, a folder of measurements, and names of pages; all pages without these.
 """
@@ -60,7 +60,8 @@ OWN = {"materials/": materials, "texels.npy": texels, "scan.csv": chassis,
 
 def prepare(folder, page):
     """Makes the folder that a page begins in, and returns the environment: the program, its package, and where the library is installed."""
-    (folder / "data").symlink_to(root / "data")
+    for name in ("data", "examples"):
+        (folder / name).symlink_to(root / name)
     for name, make in OWN.items():
         if name in page.read_text(encoding="utf-8") and page.parent.name != "tutorials":
             make(folder, page)

@@ -449,13 +449,15 @@ MixtureProposal random_mixture(std::mt19937_64& random, bool is_grain) {
         }
         for (float& w : row) w /= sum;
         proposal.set_weights(node, row);
-        proposal.stretch[node] = is_grain ? 4 : 0.3f + float(uniform(random));
-        proposal.power[node] = 0.5f + 3 * float(uniform(random));
+        for (HalfVectorShape& shape : proposal.shape[node]) {
+            shape.stretch = is_grain ? 4 : 0.3f + float(uniform(random));
+            shape.power = 0.5f + 3 * float(uniform(random));
+        }
     }
     return proposal;
 }
 std::array<double, k_node_numbers> numbers_at(const MixtureProposal& proposal, double z) {
-    const double position = (1 - std::sqrt(z)) * (MixtureProposal::k_nodes - 1);
+    const double position = (1 - std::sqrt(std::sqrt(z))) / 0.9 * (MixtureProposal::k_nodes - 1);
     const int lower = std::min(int(position), MixtureProposal::k_nodes - 2);
     std::array<double, k_node_numbers> numbers;
     for (std::size_t k = 0; k < numbers.size(); ++k)
@@ -474,24 +476,29 @@ TEST_P(PreparedOn, DensityAndSamplesAgreeWithTheKernel) {
                 const Vec3f wv = to_float(random_direction(random_, 0.02)), u = draw3();
                 const Vec3d v = to_double(wv);
                 const auto weight = numbers_at(proposal, double(wv.z));
-                const auto map = D::stretch_along(is_grain ? Vec3d(0.6, 0.8, 0) : v, weight[MixtureProposal::k_lobes]);
-                const double power = weight[MixtureProposal::k_lobes + 1];
+                const auto map = [&](int lobe) {
+                    return D::stretch_along(is_grain ? Vec3d(0.6, 0.8, 0) : v,
+                                            weight[std::size_t(MixtureProposal::k_lobes + 2 * (lobe % 2))]);
+                };
+                const auto power = [&](int lobe) {
+                    return weight[std::size_t(MixtureProposal::k_lobes + 2 * (lobe % 2) + 1)];
+                };
                 double remaining = double(u.z);
                 int k = 0;
                 while (k + 1 < MixtureProposal::k_lobes && remaining >= weight[std::size_t(k)])
                     remaining -= weight[std::size_t(k++)];
                 const Vec3f wl = sample(proposal, wv, {u.x, u.y}, u.z);
-                const Vec3d expected = D::sample_proposal_lobe(k, v, map, power, double(u.x), double(u.y));
+                const Vec3d expected = D::sample_proposal_lobe(k, v, map(k), power(k), double(u.x), double(u.y));
                 const Vec3d difference = to_double(wl) - expected;
                 different += !near(std::sqrt(dot(difference, difference)), 0, 2e-3);
                 const DirectionSample sample_and_pdf = sample_with_pdf(proposal, wv, {u.x, u.y}, u.z);
                 EXPECT_TRUE(sample_and_pdf.wl == wl);
                 EXPECT_EQ(sample_and_pdf.pdf, pdf(proposal, wl, wv));
                 if (!(wl.z > 0)) continue;
-                const auto point = D::proposal_point(to_double(wl), v, map, power);
                 double density = 0;
                 for (int j = 0; j < MixtureProposal::k_lobes; ++j)
-                    density += weight[std::size_t(j)] * D::proposal_lobe_pdf(j, point);
+                    density += weight[std::size_t(j)] *
+                               D::proposal_lobe_pdf(j, D::proposal_point(to_double(wl), v, map(j), power(j)));
                 EXPECT_TRUE(near_relative(double(pdf(proposal, wl, wv)), density, 2e-3)) << n << ' ' << k;
             }
             EXPECT_LE(different, 2);  // where rounding selects another lobe

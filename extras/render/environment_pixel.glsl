@@ -83,8 +83,7 @@ float power_heuristic(float a, float b) { return 1.0 / (1.0 + (b / a) * (b / a))
 // their roughness. The mean luminance is added for light that this average misses.
 struct LitLobes {
     Vec3 wv;      // in the frame of the part
-    Stretch map;  // for half-vector lobes, like their power
-    float power;
+    NodesAbout nodes;
     float chance[MIXTURE_COMPONENTS];
 };
 LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
@@ -92,8 +91,7 @@ LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
     LitLobes lit;
     lit.wv = to_part(wv);
     NodesAbout nodes = mixture_nodes(lit.wv);
-    lit.map = mixture_stretch(lit.wv, nodes);
-    lit.power = mixture_power(nodes);
+    lit.nodes = nodes;
     vec2 above = environment_place(side * frame.normal);
     vec2 mirrored = environment_place(from_surface(frame, to_side(Vec3(-lit.wv.xy, lit.wv.z), side)));
     float mean = luminance(environment_radiance(vec2(0.5), 32.0));
@@ -134,14 +132,17 @@ Vec3 sample_lit(LitLobes lit, vec2 u) {
     if (lit.chance[chosen] <= 0.0) chosen = 0;  // a remainder left by rounding belongs to the cosine
     float u1 = min(remainder / lit.chance[chosen], 0.99999994);
     if (chosen >= SRBF_PROPOSAL_LOBES) return sample_facets(lit.wv, mixture_facets(chosen), u1, u.y);
-    return sample_proposal_lobe(chosen, lit.wv, lit.map, lit.power, u1, u.y);
+    return sample_proposal_lobe(chosen, lit.wv, mixture_stretch(chosen, lit.wv, lit.nodes),
+                                mixture_power(chosen, lit.nodes), u1, u.y);
 }
 // The density of sample_lit [1/sr].
 float lit_pdf(LitLobes lit, Vec3 wl) {
     if (wl.z <= 0.0 || lit.wv.z <= 0.0) return 0.0;
-    ProposalPoint terms = proposal_point(wl, lit.wv, lit.map, lit.power);
+    ProposalPoint terms[2];
+    for (int k = 0; k < 2; ++k)
+        terms[k] = proposal_point(wl, lit.wv, mixture_stretch(k, lit.wv, lit.nodes), mixture_power(k, lit.nodes));
     float sum = 0.0;
-    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum += lit.chance[k] * proposal_lobe_pdf(k, terms);
+    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum += lit.chance[k] * proposal_lobe_pdf(k, terms[k % 2]);
     for (int k = SRBF_PROPOSAL_LOBES; k < MIXTURE_COMPONENTS; ++k)
         sum += lit.chance[k] > 0.0 ? lit.chance[k] * facets_pdf(wl, lit.wv, mixture_facets(k)) : 0.0;
     return sum;

@@ -41,17 +41,23 @@ template <typename... Kinds> std::optional<FacetTerms> facets_of(const std::vari
     return std::visit([](const auto& kind) -> std::optional<FacetTerms> { return facets_of(kind); }, any);
 }
 
+/// The shape of half-vector lobes: they are `stretch` times as wide along a tangent as across it, and weighted by this
+/// power of their visibility to the viewer.
+struct HalfVectorShape {
+    float stretch = 1, power = 1;
+    bool operator==(const HalfVectorShape&) const = default;
+};
+
 /// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine and its square, lobes around the mirror
 /// direction, lobes of half vectors, and for BRDFs of facets their visible normals (Heitz 2018). The weights, and the
-/// stretch and power of the half-vector lobes, are linear in √cosθv between nodes. At the nodes they have the least
-/// variance for the BRDF.
+/// stretches and powers of the half-vector lobes, are linear in ∜cosθv between nodes, down to cosθv = 10⁻⁴.
 class MixtureProposal {
   public:
-    static constexpr int k_nodes = 13, k_lobes = 16;
+    static constexpr int k_nodes = 15, k_lobes = 16;
     static constexpr int k_components = k_lobes + int(std::tuple_size_v<FacetTerms>);
     using Row = std::array<float, k_lobes>;
 
-    /// The weights of the lobes at node i, where √cosθv = 1 − i / 12; with those of the facets they sum to 1.
+    /// The weights of the lobes at node i, where ∜cosθv = 1 − 0.9 i / 14; with those of the facets they sum to 1.
     const Row& weight(std::size_t node) const { return weight_[node]; }
     /// The running sums of the weights.
     const Row& running(std::size_t node) const { return running_[node]; }
@@ -61,9 +67,8 @@ class MixtureProposal {
     std::optional<FacetTerms> facets;
     std::array<std::array<float, 2>, k_nodes> facet_weight{};
 
-    /// For each node: half-vector lobes are `stretch` times as wide along a tangent as across it, and weighted by
-    /// this power of their visibility to the viewer.
-    std::array<float, k_nodes> stretch = ones(), power = ones();
+    /// For each node the shapes of half-vector lobes, of those with an even and of those with an odd number.
+    std::array<std::array<HalfVectorShape, 2>, k_nodes> shape{};
     /// Cosine and sine of the azimuth of an anisotropic BRDF's axis. If both are 0, lobes are stretched along the
     /// plane of incidence.
     float cosine = 0, sine = 0;
@@ -71,11 +76,6 @@ class MixtureProposal {
     bool has_axis() const { return cosine != 0 || sine != 0; }
 
   private:
-    static constexpr std::array<float, k_nodes> ones() {
-        std::array<float, k_nodes> values{};
-        values.fill(1);
-        return values;
-    }
     alignas(64) std::array<Row, k_nodes> weight_{}, running_{};
 };
 /// The selector chooses a lobe, and u a direction of it. The domain is that of every proposal, above.
@@ -122,9 +122,12 @@ inline constexpr int k_anisotropic_azimuths = 8;
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
 /// each of which lowers the integral (Silvey, Titterington & Torgersen 1978). The cosine keeps a weight of 0.02.
 ///
-/// In the plane of incidence, stretches 0.8^i and powers 0.8^(2 − 2j) are tried, i from −13 to 13 and j from 0 to 10;
-/// the chosen shape has the least integral among its neighbours. With an axis, the stretch is one of eight up to 16
-/// along one of 12 azimuths, with the least variance at views of 45°. Values that were not measured count as 0.
+/// In the plane of incidence, stretches 0.8^i and powers 0.8^(2 − 2j) are tried, i from −4 to 20 and j from 0 to 15.
+/// Candidates of each node are shapes with the least integral among their neighbours: one that all half-vector lobes
+/// share, two of which the odd lobes have another, and those found from the next node's. The candidates with the least
+/// sum of the integrals at the nodes and half way between them are chosen, where two shapes count 0.05 more. With an
+/// axis, the stretch is one of eight up to 16 along one of 12 azimuths, with the least variance at views of 45°. Values
+/// that were not measured count as 0.
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {});
 
 /// The proposal of a view-by-view model (Tsai 2009). It chooses a sampled view near wv by its interpolation weight,

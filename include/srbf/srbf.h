@@ -87,7 +87,7 @@ class PreparedBrdf {
 void add_use(const PreparedBrdf::Contents& of);
 void end_use(const PreparedBrdf::Contents& of);
 /// Prepares a model or a measurement, and the front alone of a surface with two sides. Also computes a density to
-/// sample by, which takes about 75 ms of processor time for a model, on all threads of the machine. `prepare` of
+/// sample by, which takes about 200 ms of processor time for a model, on all threads of the machine. `prepare` of
 /// prepared.h takes a number of threads, and the azimuths of an anisotropic BRDF, for a better density.
 PreparedBrdf prepare(const LoadedBrdf& brdf);
 

@@ -67,8 +67,10 @@ SlotNumbers slots_of(const MixtureProposal& mixture, std::size_t node) {
                             mixture.facet_weight[node][1],
                             weight[0],
                             weight[1],
-                            mixture.stretch[node],
-                            mixture.power[node]};
+                            mixture.shape[node][0].stretch,
+                            mixture.shape[node][0].power,
+                            mixture.shape[node][1].stretch,
+                            mixture.shape[node][1].power};
     std::ranges::copy(others, numbers.begin() + k_facet_slot);
     return numbers;
 }
@@ -82,14 +84,14 @@ std::string rows_in_c(std::span<const float> numbers) {
 }
 
 /// A row has a number of each of eight slots: bandwidth, width, scale and rest of lobes of directions, then bandwidth of
-/// half-vector lobes and the factor of their power. Empty slots are 0.
+/// half-vector lobes, and 1 for those with an odd number. Empty slots are 0.
 std::string slots_in_c() {
     using K = Kernel<float>;
     std::vector<float> numbers(6 * k_slots);
     for (std::size_t slot = 0; slot < k_slots; ++slot) {
         const auto set = [&](std::size_t row, float number) { numbers[row * k_slots + slot] = number; };
         const int half = int(slot + k_slots);
-        set(4, K::proposal_bandwidth(half)), set(5, K::proposal_power(half, 1));
+        set(4, K::proposal_bandwidth(half)), set(5, float(half % 2));
         if (slot + 2 >= k_slots) continue;  // the kernel's first two components are the cosines
         const auto lobe = K::mirror_lobe({0, 0, 1}, K::proposal_bandwidth(int(slot + 2)));
         set(0, lobe.bandwidth), set(1, lobe.width), set(2, lobe.scale), set(3, lobe.rest);
@@ -136,7 +138,7 @@ std::string lobes_in_c(std::set<std::string>& known) {
 std::string mixtures_in_c(std::set<std::string>& known) {
     return std::string("#ifndef SRBF_NODES\n") +
            kernel_in_c({"facets_pdf", "sample_facets", "sample_sharp_vmf", "below_power_cosine", "light_of",
-                        "grown_along", "reflected_up"},
+                        "grown_along", "reflected_up", "mixture_position"},
                        "srbf_", false, known) +
            kernel_in_c({"stretch_along", "stretched", "half_vector_lobe", "half_vector", "reflected_pdf"}, "srbf_x_",
                        true, known) +

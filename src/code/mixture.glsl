@@ -1,8 +1,8 @@
 // Samples a mixture of proposal lobes. This text follows kernel.glsl, and requires:
-//   mixture_number(node, i)  number i of a node of MIXTURE_NODES, which are uniform in sqrt(cos(theta_v)): the weights of
-//                            SRBF_PROPOSAL_LOBES lobes, then the stretch of half-vector lobes and their power; of
-//                            MIXTURE_COMPONENTS components the others are facets, with their weights, then their
-//                            matrices (xx, xy, yy)
+//   mixture_number(node, i)  number i of a node of MIXTURE_NODES, which are uniform in mixture_position(cos(theta_v)):
+//                            the weights of SRBF_PROPOSAL_LOBES lobes, then stretch and power of the even half-vector
+//                            lobes, and of the odd ones; of MIXTURE_COMPONENTS components the others are facets, with
+//                            their weights, then their matrices (xx, xy, yy)
 //   mixture_tangent(wv)      the tangent along which these lobes are stretched, of any length
 
 // The position of a coordinate from 0 to 1 between two of `count` nodes.
@@ -17,16 +17,16 @@ NodesAbout nodes_about(Real coordinate, int count) {
     nodes.beyond = at - Real(nodes.below);
     return nodes;
 }
-NodesAbout mixture_nodes(Vec3 wv) { return nodes_about(Real(1.0) - sqrt(max(wv.z, Real(0.0))), MIXTURE_NODES); }
+NodesAbout mixture_nodes(Vec3 wv) { return nodes_about(mixture_position(wv.z), MIXTURE_NODES); }
 Real mixture_between(int i, NodesAbout nodes) {
     Real below = mixture_number(nodes.below, i);
     Real above = mixture_number(nodes.below + 1, i);
     return below + nodes.beyond * (above - below);
 }
 
-Real mixture_weight(int k, NodesAbout nodes) { return mixture_between(k < SRBF_PROPOSAL_LOBES ? k : k + 2, nodes); }
+Real mixture_weight(int k, NodesAbout nodes) { return mixture_between(k < SRBF_PROPOSAL_LOBES ? k : k + 4, nodes); }
 Facets mixture_facets(int k) {
-    int first = SRBF_PROPOSAL_LOBES + 4 + 3 * (k - SRBF_PROPOSAL_LOBES);
+    int first = SRBF_PROPOSAL_LOBES + 6 + 3 * (k - SRBF_PROPOSAL_LOBES);
     Facets facets;
     facets.xx = mixture_number(0, first);
     facets.xy = mixture_number(0, first + 1);
@@ -47,15 +47,16 @@ int chosen_lobe(Vec3 wv, Real selector) {
     if (chosen >= MIXTURE_COMPONENTS) chosen = 0;
     return chosen;
 }
-Stretch mixture_stretch(Vec3 wv, NodesAbout nodes) {
-    return stretch_along(mixture_tangent(wv), mixture_between(SRBF_PROPOSAL_LOBES, nodes));
+// The stretch and the power of lobe k.
+Stretch mixture_stretch(int k, Vec3 wv, NodesAbout nodes) {
+    return stretch_along(mixture_tangent(wv), mixture_between(SRBF_PROPOSAL_LOBES + 2 * (k % 2), nodes));
 }
-Real mixture_power(NodesAbout nodes) { return mixture_between(SRBF_PROPOSAL_LOBES + 1, nodes); }
+Real mixture_power(int k, NodesAbout nodes) { return mixture_between(SRBF_PROPOSAL_LOBES + 2 * (k % 2) + 1, nodes); }
 Vec3 sample_of_lobe(int k, Vec3 wv, Real u1, Real u2) {
     if (SRBF_PROPOSAL_LOBES < MIXTURE_COMPONENTS && k >= SRBF_PROPOSAL_LOBES)
         return sample_facets(wv, mixture_facets(k), u1, u2);
     NodesAbout nodes = mixture_nodes(wv);
-    return sample_proposal_lobe(k, wv, mixture_stretch(wv, nodes), mixture_power(nodes), u1, u2);
+    return sample_proposal_lobe(k, wv, mixture_stretch(k, wv, nodes), mixture_power(k, nodes), u1, u2);
 }
 
 // A direction to the light for u1, u2 and selector uniform in [0,1). The sample is lost if z <= 0.
@@ -67,11 +68,13 @@ Vec3 sample_light(Vec3 wv, Real u1, Real u2, Real selector) {
 Real light_pdf(Vec3 wl, Vec3 wv) {
     if (!(Real(0.0) < wl.z && Real(0.0) < wv.z && dot(wl, wl) + dot(wv, wv) < Real(1.0e30))) return Real(0.0);
     NodesAbout nodes = mixture_nodes(wv);
-    ProposalPoint coordinates = proposal_point(wl, wv, mixture_stretch(wv, nodes), mixture_power(nodes));
+    ProposalPoint even = proposal_point(wl, wv, mixture_stretch(0, wv, nodes), mixture_power(0, nodes));
+    ProposalPoint odd = proposal_point(wl, wv, mixture_stretch(1, wv, nodes), mixture_power(1, nodes));
     Real sum = Real(0.0);
     for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
         Real weight = mixture_weight(k, nodes);
-        if (Real(0.0) < weight) sum = sum + weight * proposal_lobe_pdf(k, coordinates);
+        if (Real(0.0) < weight)
+            sum = sum + weight * (k % 2 == 0 ? proposal_lobe_pdf(k, even) : proposal_lobe_pdf(k, odd));
     }
     for (int k = SRBF_PROPOSAL_LOBES; k < MIXTURE_COMPONENTS; ++k)
         sum = sum + mixture_weight(k, nodes) * facets_pdf(wl, wv, mixture_facets(k));

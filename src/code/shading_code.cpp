@@ -286,7 +286,7 @@ MixtureProposal mixture_of(const Model& model, const CodeOptions& options) {
 std::string mixture_numbers_text(const MixtureProposal& mixture, const CodeOptions& options, Program& program,
                                  std::map<std::string, std::string>& defines) {
     const bool has_facets = mixture.facets.has_value();
-    Table nodes{fmt::format("The proposal, a row for each node: the weights of its lobes, their stretch and power{}.",
+    Table nodes{fmt::format("The proposal, a row for each node: weights of lobes, stretch and power of two shapes{}.",
                             has_facets ? ", the weights and matrices of facets" : ""),
                 "mixture_numbers",
                 {},

@@ -22,12 +22,13 @@ inline Vec3f tangent(const MixtureProposal& proposal, const Vec3f& wv) {
     return proposal.has_axis() ? Vec3f(proposal.cosine, proposal.sine, 0) : wv;
 }
 
-/// The numbers of a node: the weights of the lobes, their stretch and power; then of facets the weights and matrices.
-inline constexpr std::size_t k_lobe_numbers = MixtureProposal::k_lobes + 2, k_node_numbers = k_lobe_numbers + 8;
+/// The numbers of a node: the weights of the lobes, stretch and power of the even and of the odd ones; then of facets
+/// the weights and matrices.
+inline constexpr std::size_t k_lobe_numbers = MixtureProposal::k_lobes + 4, k_node_numbers = k_lobe_numbers + 8;
 inline std::array<float, k_node_numbers> numbers_of(const MixtureProposal& proposal, std::size_t node) {
     std::array<float, k_node_numbers> numbers;
     float* next = std::ranges::copy(proposal.weight(node), numbers.data()).out;
-    *next++ = proposal.stretch[node], *next++ = proposal.power[node];
+    for (const HalfVectorShape& shape : proposal.shape[node]) *next++ = shape.stretch, *next++ = shape.power;
     next = std::ranges::copy(proposal.facet_weight[node], next).out;
     for (const Facets& facets : proposal.facets.value_or(FacetTerms{}))
         *next++ = facets.xx, *next++ = facets.xy, *next++ = facets.yy;

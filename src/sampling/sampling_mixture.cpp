@@ -29,16 +29,15 @@ struct LobeTable {
     alignas(32) Row bandwidth, width, scale, rest;
     /// The polynomial in cosθl that multiplies their densities. At −cosθl only the constant is left.
     alignas(32) Row constant, linear, square;
-    /// Lobes of half vectors. `weighted` is 1, or 0 for the lobe that is not weighted by its visibility.
-    alignas(32) Row half_bandwidth, weighted;
+    /// Lobes of half vectors. `odd` is 1 for those with an odd number, which have a shape of their own, otherwise 0.
+    alignas(32) Row half_bandwidth, odd;
 };
 
 /// A view direction, with the parameters that the mixture interpolates for it.
 struct MixtureView {
-    Vec3f wv;
+    Vec3f wv, tangent;
     NodePosition nodes;
-    Kernel<float>::Stretch map;
-    float power;
+    std::array<HalfVectorShape, 2> shape;
 };
 
 }  // namespace srbf
@@ -75,17 +74,18 @@ HWY_INLINE LobeLanes broadcast_lobes(float x) { return broadcast<LobeLanes>(x); 
 HWY_INLINE NodePosition node_position(float z) {
     constexpr float last = MixtureProposal::k_nodes - 1;
     const FourLanes position =
-        min(max(broadcast<FourLanes>(last) * (FourLanes(1.0) - sqrt(broadcast<FourLanes>(z))), FourLanes(0.0)),
+        min(broadcast<FourLanes>(last) * Formulas<FourLanes, PmModel>::mixture_position(broadcast<FourLanes>(z)),
             broadcast<FourLanes>(last * (1 - 1e-7f)));
     return {std::size_t(int(hn::GetLane(position.v))), hn::GetLane((position - FourLanes(hn::Floor(position.v))).v)};
 }
 HWY_INLINE MixtureView view_of(const MixtureProposal& proposal, const Vec3f& wv) {
     const NodePosition nodes = node_position(wv.z);
-    const auto interpolate = [&](const auto& row) {
-        return row[nodes.below] + nodes.fraction * (row[nodes.below + 1] - row[nodes.below]);
+    const auto interpolate = [&](std::size_t i) -> HalfVectorShape {
+        const HalfVectorShape &low = proposal.shape[nodes.below][i], &high = proposal.shape[nodes.below + 1][i];
+        return {low.stretch + nodes.fraction * (high.stretch - low.stretch),
+                low.power + nodes.fraction * (high.power - low.power)};
     };
-    return {wv, nodes, Kernel<float>::stretch_along(tangent(proposal, wv), interpolate(proposal.stretch)),
-            interpolate(proposal.power)};
+    return {wv, tangent(proposal, wv), nodes, {interpolate(0), interpolate(1)}};
 }
 
 HWY_INLINE LobeLanes interpolate(const MixtureProposal::Row& low, const MixtureProposal::Row& high, float part,
@@ -105,21 +105,27 @@ HWY_INLINE float facet_weight(const MixtureProposal& proposal, const NodePositio
 struct MixtureAtView {
     using F = Formulas<LobeLanes, PmModel>;
     static constexpr int k_vectors = LobeTable::k_per_kind / int(sizeof(LobeLanes) / sizeof(float));  // of each kind
+    // Even and odd lobes alternate in a vector, so that all vectors have the same map; single lanes have two.
+    static constexpr int k_maps = k_vectors == LobeTable::k_per_kind ? 2 : 1;
     const LobeTable& table;
     Vec3<LobeLanes> viewer, specular;
-    typename F::Stretch map;
+    typename F::Stretch map[k_maps];
     typename F::ProposalLobe half[k_vectors];
 
     HWY_INLINE MixtureAtView(const LobeTable& lobes, const MixtureView& view)
-        : table(lobes),
-          viewer(broadcast<LobeLanes>(view.wv)),
-          specular(-viewer.x, -viewer.y, viewer.z),
-          map(broadcast<LobeLanes>(view.map)) {
-        const Vec3<LobeLanes> stretched = broadcast<LobeLanes>(Kernel<float>::stretched(view.wv, view.map));
+        : table(lobes), viewer(broadcast<LobeLanes>(view.wv)), specular(-viewer.x, -viewer.y, viewer.z) {
+        const auto& [even, other] = view.shape;
+        const Vec3<LobeLanes> tangent = broadcast<LobeLanes>(view.tangent);
         for (int i = 0; i < k_vectors; ++i) {
             const int k = i * int(LobeLanes::size());
-            const LobeLanes power = broadcast_lobes(view.power) * load_row(table.weighted, k);
-            half[i] = F::half_vector_lobe(stretched, map.inverse, load_row(table.half_bandwidth, k), power);
+            const LobeLanes odd = load_row(table.odd, k);
+            auto& own = map[i % k_maps];
+            if (i < k_maps)
+                own = F::stretch_along(
+                    tangent, broadcast_lobes(even.stretch) + odd * broadcast_lobes(other.stretch - even.stretch));
+            const LobeLanes power = broadcast_lobes(even.power) + odd * broadcast_lobes(other.power - even.power);
+            half[i] =
+                F::half_vector_lobe(F::stretched(viewer, own), own.inverse, load_row(table.half_bandwidth, k), power);
         }
     }
     HWY_INLINE F::ProposalLobe direction_lobe(int k) const {
@@ -133,8 +139,11 @@ HWY_INLINE float pdf_at_view(const MixtureProposal& proposal, const MixtureAtVie
     using F = MixtureAtView::F;
     const auto &low = proposal.weight(view.nodes.below), &high = proposal.weight(view.nodes.below + 1);
     const Vec3<LobeLanes> l = broadcast<LobeLanes>(wl), mirrored(l.x, l.y, -l.z);
-    const auto above = F::half_vector(l, mixture.viewer, mixture.map),
-               below = F::half_vector(mirrored, mixture.viewer, mixture.map);
+    typename F::HalfVector above[MixtureAtView::k_maps], below[MixtureAtView::k_maps];
+    for (int i = 0; i < MixtureAtView::k_maps; ++i) {
+        above[i] = F::half_vector(l, mixture.viewer, mixture.map[i]);
+        below[i] = F::half_vector(mirrored, mixture.viewer, mixture.map[i]);
+    }
     LobeLanes sum(0.0);
     for (int i = 0; i < MixtureAtView::k_vectors; ++i) {
         const int k = i * int(LobeLanes::size());
@@ -143,8 +152,9 @@ HWY_INLINE float pdf_at_view(const MixtureProposal& proposal, const MixtureAtVie
             constant + l.z * (load_row(mixture.table.linear, k) + l.z * load_row(mixture.table.square, k));
         sum = sum + interpolate(low, high, view.nodes.fraction, k) *
                         F::reflected_pdf(mixture.direction_lobe(k), {l, factor}, {mirrored, constant});
-        sum = sum + interpolate(low, high, view.nodes.fraction, LobeTable::k_per_kind + k) *
-                        F::reflected_pdf(mixture.half[i], above, below);
+        sum = sum +
+              interpolate(low, high, view.nodes.fraction, LobeTable::k_per_kind + k) *
+                  F::reflected_pdf(mixture.half[i], above[i % MixtureAtView::k_maps], below[i % MixtureAtView::k_maps]);
     }
     float pdf = sum.sum();
     for (std::size_t i = 0; proposal.facets && i < proposal.facets->size(); ++i)
@@ -177,8 +187,11 @@ HWY_INLINE DirectionSample make_sample(const Vec3f& wl, float pdf) {
 // The directions that all lobes sample around their centres, computed before one lobe is chosen.
 struct LobeSamples {
     alignas(32) float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], below[LobeTable::k_count];
+    alignas(32) float stretch_minus_1[LobeTable::k_per_kind];  // first of an even lobe, then of an odd one
 
     HWY_INLINE LobeSamples(const MixtureAtView& mixture, float u1) {
+        for (int i = 0; i < MixtureAtView::k_maps; ++i)
+            mixture.map[i].stretch_minus_1.store(stretch_minus_1 + i * int(LobeLanes::size()));
         for (int i = 0; i < MixtureAtView::k_vectors; ++i) {
             const int k = i * int(LobeLanes::size());
             set(k, mixture.direction_lobe(k), u1);
@@ -225,7 +238,9 @@ HWY_INLINE Vec3f sample_at_view(const MixtureProposal& proposal, const MixtureAt
                                      broadcast<FourLanes>(samples.z[k]));
         const Vec3<FourLanes> w = F::off_centre(centre, max(below, FourLanes(-2.0)), u2);
         const Vec3<FourLanes> light =
-            F::light_of(F::stretched(w, broadcast<FourLanes>(view.map)), broadcast<FourLanes>(view.wv));
+            F::light_of(F::grown_along(w, broadcast<FourLanes>(view.tangent.x), broadcast<FourLanes>(view.tangent.y),
+                                       broadcast<FourLanes>(samples.stretch_minus_1[k % 2])),
+                        broadcast<FourLanes>(view.wv));
         wl = F::reflected_up(
             select(broadcast<FourLanes>(LobeTable::k_per_kind - 1) < broadcast<FourLanes>(float(k)), light, w));
     }
@@ -256,22 +271,40 @@ void compute_densities(SamplingPoints& points, const ProposalShape& shape) {
         const Vec3<LobeLanes> wv = load(points.wv, i);
         const Vec3<LobeLanes> tangent =
             shape.has_axis() ? broadcast<LobeLanes>(Vec3f(shape.cosine, shape.sine, 0)) : wv;
-        const auto point =
-            F::proposal_point(load(points.wl, i), wv, F::stretch_along(tangent, broadcast_lobes(shape.stretch)),
-                              broadcast_lobes(shape.power));
-        for (int k = 0; k < LobeTable::k_count; ++k)
-            F::proposal_lobe_pdf(k, point).store(&points.density[std::size_t(k)][i]);
-        for (std::size_t k = LobeTable::k_count; k < points.density.size(); ++k) {
+        for (std::size_t parity = 0; parity < 2; ++parity) {
+            if (points.shape && points.shape->lobes[parity] == shape.lobes[parity]) continue;
+            const auto& [stretch, power] = shape.lobes[parity];
+            const auto point = F::proposal_point(
+                load(points.wl, i), wv, F::stretch_along(tangent, broadcast_lobes(stretch)), broadcast_lobes(power));
+            for (std::size_t k = points.shape ? LobeTable::k_per_kind + parity : parity; k < LobeTable::k_count; k += 2)
+                F::proposal_lobe_pdf(int(k), point).store(&points.density[k][i]);
+        }
+        for (std::size_t k = LobeTable::k_count; !points.shape && k < points.density.size(); ++k) {
             const Facets& facets = (*shape.facets)[k - LobeTable::k_count];
-            F::facets_pdf(point.wl, wv,
+            F::facets_pdf(load(points.wl, i), wv,
                           {broadcast_lobes(facets.xx), broadcast_lobes(facets.xy), broadcast_lobes(facets.yy)})
                 .store(&points.density[k][i]);
         }
     }
 }
 
+// Adds to `slope` the sums of lobes k to k + n - 1 over a block of points.
+template <int n>
+HWY_INLINE void add_slopes(const SamplingPoints& points, std::size_t k, std::size_t first, std::size_t count,
+                           const float* factor, double* slope) {
+    LobeLanes sum[n];
+    const float* density[n];
+    for (int j = 0; j < n; ++j) sum[j] = LobeLanes(0.0), density[j] = &points.density[k + std::size_t(j)][first];
+    for (std::size_t i = 0; i < count; i += LobeLanes::size()) {
+        const LobeLanes each = LobeLanes::load(factor + i);
+        for (int j = 0; j < n; ++j) sum[j] = sum[j] + each * LobeLanes::load(density[j] + i);
+    }
+    for (int j = 0; j < n; ++j) slope[k + std::size_t(j)] += double(sum[j].sum());
+}
+
 double compute_slopes(const SamplingPoints& points, const float* lobe_weight, double* slope) {
     constexpr std::size_t max_points = 256;  // number of points processed together
+    constexpr std::size_t vectors = SamplingPoints::k_block * sizeof(float) / sizeof(LobeLanes);
     const std::size_t lobes = points.density.size();
     HWY_ALIGN float factor[max_points];
     double moment = 0;
@@ -279,23 +312,28 @@ double compute_slopes(const SamplingPoints& points, const float* lobe_weight, do
     for (std::size_t first = 0; first < points.size(); first += max_points) {
         const std::size_t count = std::min(max_points, points.size() - first);
         LobeLanes sum(0.0);
-        for (std::size_t i = 0; i < count; i += LobeLanes::size()) {
-            LobeLanes pdf(0.0);
-            for (std::size_t k = 0; k < lobes; ++k)
-                pdf = pdf + broadcast_lobes(lobe_weight[k]) * LobeLanes::load(&points.density[k][first + i]);
-            pdf = max(pdf, broadcast_lobes(1e-15f));  // its square does not underflow
-            const LobeLanes ratio = LobeLanes::load(&points.weight[first + i]) / pdf;
-            sum = sum + ratio;
-            (ratio / pdf).store(factor + i);
+        for (std::size_t i = 0; i < count; i += SamplingPoints::k_block) {
+            LobeLanes pdf[vectors];
+            for (auto& p : pdf) p = LobeLanes(0.0);
+            for (std::size_t k = 0; k < lobes; ++k) {
+                const float* density = &points.density[k][first + i];
+                for (std::size_t j = 0; j < vectors; ++j)
+                    pdf[j] =
+                        pdf[j] + broadcast_lobes(lobe_weight[k]) * LobeLanes::load(density + j * LobeLanes::size());
+            }
+            for (std::size_t j = 0; j < vectors; ++j) {
+                const std::size_t at = i + j * LobeLanes::size();
+                pdf[j] = max(pdf[j], broadcast_lobes(1e-15f));  // its square does not underflow
+                const LobeLanes ratio = LobeLanes::load(&points.weight[first + at]) / pdf[j];
+                sum = sum + ratio;
+                (ratio / pdf[j]).store(factor + at);
+            }
         }
         moment += double(sum.sum());
-        for (std::size_t k = 0; k < lobes; ++k) {
-            LobeLanes block_slope(0.0);
-            for (std::size_t i = 0; i < count; i += LobeLanes::size())
-                block_slope =
-                    block_slope + LobeLanes::load(factor + i) * LobeLanes::load(&points.density[k][first + i]);
-            slope[k] += double(block_slope.sum());
-        }
+        // Several lobes at once, whose sums do not wait for each other.
+        std::size_t k = 0;
+        for (; k + 4 <= lobes; k += 4) add_slopes<4>(points, k, first, count, factor, slope);
+        for (; k < lobes; ++k) add_slopes<1>(points, k, first, count, factor, slope);
     }
     return moment;
 }
@@ -328,7 +366,7 @@ const LobeTable& lobe_table() {
             table.scale[i] = lobe.scale, table.rest[i] = lobe.rest;
             table.constant[i] = k > 1, table.linear[i] = k == 0, table.square[i] = k == 1;
             table.half_bandwidth[i] = K::proposal_bandwidth(LobeTable::k_per_kind + k);
-            table.weighted[i] = K::proposal_power(LobeTable::k_per_kind + k, 1);
+            table.odd[i] = float(k % 2);
         }
         return table;
     }();
@@ -349,6 +387,7 @@ void set_densities(SamplingPoints& points, const ProposalShape& shape) {
     points.density.resize(shape.components());
     for (auto& lobe_density : points.density) lobe_density.resize(points.size());
     HWY_DYNAMIC_DISPATCH(compute_densities)(points, shape);
+    points.shape = shape;
 }
 
 double set_slopes(const SamplingPoints& points, std::span<const float> lobe_weight, std::span<double> slope) {

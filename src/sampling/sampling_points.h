@@ -10,10 +10,10 @@
 
 namespace srbf {
 
-/// The shape of half-vector lobes. They are stretched along the tangent with this azimuth, or along the plane of
-/// incidence if `cosine` and `sine` are both 0, and weighted by this power of their visibility to the viewer.
+/// The shapes of half-vector lobes, of the even and of the odd ones. They are stretched along the tangent with this
+/// azimuth, or along the plane of incidence if `cosine` and `sine` are both 0.
 struct ProposalShape {
-    float stretch = 1, power = 1;
+    std::array<HalfVectorShape, 2> lobes;
     float cosine = 0, sine = 0;
     std::optional<FacetTerms> facets = {};  ///< sampled beside the lobes
 
@@ -26,17 +26,19 @@ struct ProposalShape {
 /// Pairs of directions with weights for the integral over dωl, and the densities of a mixture's components at them, as
 /// columns.
 struct SamplingPoints {
-    static constexpr std::size_t k_block = 16;  ///< the number of points is a multiple of this after padding
+    static constexpr std::size_t k_block = 32;  ///< the number of points is a multiple of this after padding
 
     std::array<Aligned<float>, 3> wl, wv;
     Aligned<float> weight;  ///< (f cosθl)² times the point's solid angle, relative to the squared albedo
     std::vector<Aligned<float>> density;  ///< components × points
+    std::optional<ProposalShape> shape;   ///< of the densities, once they are computed
 
     std::size_t size() const { return weight.size(); }
     void add(const Vec3f& l, const Vec3f& v, float point_weight) {
         wl[0].push_back(l.x), wl[1].push_back(l.y), wl[2].push_back(l.z);
         wv[0].push_back(v.x), wv[1].push_back(v.y), wv[2].push_back(v.z);
         weight.push_back(point_weight);
+        shape.reset();
     }
     Vec3f light(std::size_t i) const { return {wl[0][i], wl[1][i], wl[2][i]}; }
     /// Fills the last block with points of weight 0.
@@ -45,7 +47,8 @@ struct SamplingPoints {
     }
 };
 
-/// Computes the densities of MixtureProposal's components with this shape. The points must be padded.
+/// Computes the densities of MixtureProposal's components with this shape; those that are known are kept. The points
+/// must be padded.
 void set_densities(SamplingPoints& points, const ProposalShape& shape);
 /// slope_k = Σ_i weight_i density_ki / pdf_i², where pdf_i = Σ_k lobe_weight_k density_ki. Returns Σ_i weight_i /
 /// pdf_i. The points must be padded.

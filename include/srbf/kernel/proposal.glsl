@@ -152,18 +152,21 @@ SRBF_FN Real facets_pdf(Vec3 wl, Vec3 wv, Facets facets) {
 // Components of directions to the light are 0: the cosine; 1: its square; 2 to 7: lobes around the mirror
 // direction, with lambda = 4, 16, 64, 256 and, for highlights narrower than any half-vector lobe, 8 4^6 and 8 4^7.
 // Directions of these lobes below the horizon are reflected to above it, so that no sample is lost.
-// Components of half vectors are 8 to 14: lobes with lambda = 8, 32, .. 8 4^6, stretched, and weighted by a power
-// of their visibility; 15: such a lobe with lambda = 128, not weighted.
+// Components of half vectors are 8 to 15: lobes with lambda = 8, 32, .. 8 4^7, stretched, and weighted by a power
+// of their visibility. The even and the odd ones have a stretch and a power each.
 #define SRBF_PROPOSAL_LOBES 16
 #define SRBF_FIRST_HALF_VECTOR_LOBE 8
+// Where a view is between the nodes of a mixture, from 0 at the normal to 1 at cos(theta_v) = 0.1^4 and below.
+SRBF_FN Real mixture_position(Real z) {
+    Real root = sqrt(sqrt(max(z, Real(0.0))));
+    return min(max(Real(1.0) - root, Real(0.0)) * Real(1.0 / 0.9), Real(1.0));
+}
 SRBF_FN Real proposal_bandwidth(int k) {
     int power = k < 6 ? k - 1 : k < 8 ? k : k - 8;
     Real bandwidth = k < 6 ? Real(1.0) : Real(8.0);
     for (int i = 0; i < power; ++i) bandwidth = Real(4.0) * bandwidth;
-    if (k == 15) bandwidth = Real(128.0);
     return bandwidth;
 }
-SRBF_FN Real proposal_power(int k, Real power) { return k == 15 ? Real(0.0) : power; }
 // Common subexpressions of the components' densities at (wl, wv): wl above the horizon and mirrored at it, with
 // their half vectors.
 struct ProposalPoint {
@@ -233,7 +236,7 @@ SRBF_FN HalfVector itself(Vec3 direction) {
 SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint terms) {
     Real bandwidth = proposal_bandwidth(k);
     if (k >= SRBF_FIRST_HALF_VECTOR_LOBE)
-        return reflected_pdf(half_vector_lobe(terms.viewer, terms.inverse, bandwidth, proposal_power(k, terms.power)),
+        return reflected_pdf(half_vector_lobe(terms.viewer, terms.inverse, bandwidth, terms.power),
                              terms.above, terms.below);
     if (k > 1) return reflected_pdf(mirror_lobe(terms.specular, bandwidth), itself(terms.wl), itself(terms.mirrored));
     return power_cosine_pdf(terms.wl, k == 0 ? Real(1.0) : Real(2.0));
@@ -244,7 +247,7 @@ SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Stretch map, Real power, Real 
     Vec3 wl = off_centre(Vec3(Real(0.0), Real(0.0), Real(1.0)), below, u2);
     if (k >= SRBF_FIRST_HALF_VECTOR_LOBE) {
         ProposalLobe lobe =
-            half_vector_lobe(stretched(wv, map), map.inverse, proposal_bandwidth(k), proposal_power(k, power));
+            half_vector_lobe(stretched(wv, map), map.inverse, proposal_bandwidth(k), power);
         wl = light_of(stretched(sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2), map), wv);
     } else if (k > 1) {
         ProposalLobe lobe = mirror_lobe(Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k));

@@ -1,12 +1,15 @@
-// A mixture of components of kernel.glsl's proposal, whose weights are linear in sqrt(cos(theta_v)) between nodes.
-// Components have slots: lobes of directions, from 8 on lobes of half vectors, then facets, the cosine and its square.
-// After these follow the stretch and power of half-vector lobes.
-#define SRBF_NODES 13
+// A mixture of components of kernel.glsl's proposal, whose weights are linear in mixture_position(cos(theta_v)) between
+// nodes. Components have slots: lobes of directions, from 8 on lobes of half vectors, then facets, the cosine and its
+// square. After these follow stretch and power of the even half-vector lobes, and of the odd ones.
+#define SRBF_NODES 15
 #define SRBF_SLOTS 8
 #define SRBF_FACET_SLOT (2 * SRBF_SLOTS)
 #define SRBF_COSINE_SLOT (2 * SRBF_SLOTS + 2)
 #define SRBF_STRETCH (2 * SRBF_SLOTS + 4)
 #define SRBF_NUMBERS (3 * SRBF_SLOTS)
+// Even and odd half-vector lobes alternate in a vector; single lanes have two maps.
+#define SRBF_MAPS (SRBF_LANES > 1 ? 1 : 2)
+#define SRBF_MAP_OF(slot) ((slot) / SRBF_LANES % SRBF_MAPS)
 typedef struct {
     float axis[2];  // the tangent along which half-vector lobes are stretched; 0 for the viewer's
     int facets;
@@ -19,7 +22,7 @@ typedef struct {
     const srbf_mixture* mixture;
     srbf_vec3 wv;
     float number[SRBF_NUMBERS];
-    srbf_x_Stretch map;
+    srbf_x_Stretch map[2];
     int has_halves;
     srbf_x_ProposalLobe lobe[SRBF_FACET_SLOT / SRBF_LANES];  // of groups of slots that have weight
 } srbf_view;
@@ -33,24 +36,25 @@ SRBF_FN void srbf_set_view(srbf_view* view) {
     const int has_axis = axis[0] != 0.0f || axis[1] != 0.0f;
     const srbf_x_vec3 v = srbf_x_all(view->wv),
                       tangent = has_axis ? srbf_x_all(srbf_vec3_of(axis[0], axis[1], 0.0f)) : v;
-    const srbf_x power = srbf_x_of(view->number[SRBF_STRETCH + 1]);
+    const float* shape = view->number + SRBF_STRETCH;
     int i;
     view->has_halves = 0;
-    view->map = srbf_x_stretch_along(tangent, srbf_x_of(view->number[SRBF_STRETCH]));
     for (i = 0; i < SRBF_SLOTS; i += SRBF_LANES, slots += SRBF_LANES) {
+        const srbf_x odd = srbf_x_load(slots + 40), power = shape[1] + odd * (shape[3] - shape[1]);
         srbf_x_ProposalLobe* lobe = &view->lobe[i / SRBF_LANES];
+        srbf_x_Stretch* map = &view->map[SRBF_MAP_OF(i)];
+        if (i < SRBF_MAPS * SRBF_LANES) *map = srbf_x_stretch_along(tangent, shape[0] + odd * (shape[2] - shape[0]));
         lobe->centre = srbf_x_vec3_of(-v.x, -v.y, v.z), lobe->bandwidth = srbf_x_load(slots);
         lobe->width = srbf_x_load(slots + 8), lobe->scale = srbf_x_load(slots + 16);
         lobe->rest = srbf_x_load(slots + 24);
         if (!srbf_has_weight(view, SRBF_SLOTS + i)) continue;
         view->has_halves = 1;
         lobe[SRBF_SLOTS / SRBF_LANES] =
-            srbf_x_half_vector_lobe(srbf_x_stretched(v, view->map), view->map.inverse, srbf_x_load(slots + 32),
-                                    power * srbf_x_load(slots + 40));
+            srbf_x_half_vector_lobe(srbf_x_stretched(v, *map), map->inverse, srbf_x_load(slots + 32), power);
     }
 }
 SRBF_FN void srbf_view_of(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv) {
-    const float at = (1.0f - srbf_sqrt(srbf_max(srbf_min(wv.z, 1.0f), 0.0f))) * (float)(SRBF_NODES - 1);
+    const float at = srbf_mixture_position(wv.z) * (float)(SRBF_NODES - 1);
     const int below = (int)srbf_min(at, (float)(SRBF_NODES - 2));
     const srbf_x beyond = srbf_x_of(at - (float)below);
     const float* number = mixture->number[below];
@@ -67,17 +71,19 @@ SRBF_FN void srbf_view_of(srbf_view* view, const srbf_mixture* mixture, srbf_vec
 SRBF_FN float srbf_view_pdf(const srbf_view* view, srbf_vec3 wl, float* density) {
     const srbf_x_vec3 l = srbf_x_all(wl), v = srbf_x_all(view->wv), mirrored = srbf_x_vec3_of(l.x, l.y, -l.z);
     float pdf, others[4] = {0.0f, 0.0f, wl.z * 0.318309886f, wl.z * wl.z * 0.477464829f};
-    srbf_x_HalfVector above[2], below[2];  // of lobes of directions, and of half vectors
+    srbf_x_HalfVector above[3], below[3];  // of lobes of directions, and of half vectors
     srbf_x sum = srbf_x_of(0.0f);
     int i;
     above[0].direction = l, below[0].direction = mirrored, above[0].factor = below[0].factor = srbf_x_of(1.0f);
-    above[1] = above[0], below[1] = below[0];
-    if (view->has_halves)
-        above[1] = srbf_x_half_vector(l, v, view->map), below[1] = srbf_x_half_vector(mirrored, v, view->map);
+    above[1] = above[2] = above[0], below[1] = below[2] = below[0];
+    for (i = 0; i < SRBF_MAPS && view->has_halves; ++i) {
+        above[i + 1] = srbf_x_half_vector(l, v, view->map[i]);
+        below[i + 1] = srbf_x_half_vector(mirrored, v, view->map[i]);
+    }
     SRBF_UNROLL
     for (i = 0; i < SRBF_FACET_SLOT; i += SRBF_LANES) {
         if (srbf_has_weight(view, i)) {
-            const int kind = i / SRBF_SLOTS;
+            const int kind = i < SRBF_SLOTS ? 0 : 1 + SRBF_MAP_OF(i);
             const srbf_x each = srbf_x_reflected_pdf(view->lobe[i / SRBF_LANES], above[kind], below[kind]);
             sum = sum + srbf_x_load(view->number + i) * each;
             if (density) srbf_x_store(each, density + i);
@@ -99,14 +105,15 @@ SRBF_FN float srbf_lane(srbf_x x, int i) {
 SRBF_FN srbf_vec3 srbf_slot_sample(const srbf_view* view, int slot, float u1, float u2) {
     const int cosine = slot - SRBF_COSINE_SLOT, facet = slot - SRBF_FACET_SLOT, lane = slot % SRBF_LANES;
     const srbf_x_ProposalLobe* lobe = &view->lobe[facet < 0 ? slot / SRBF_LANES : 0];
-    const srbf_x_Stretch* map = &view->map;
+    const srbf_x_Stretch* map = &view->map[SRBF_MAP_OF(slot)];
     srbf_vec3 w = srbf_vec3_of(0.0f, 0.0f, 1.0f);
     if (cosine >= 0) return srbf_off_centre(w, srbf_below_power_cosine(1.0f / (float)(2 + cosine), u1), u2);
     if (facet >= 0) return srbf_sample_facets(view->wv, view->mixture->facet[facet], u1, u2);
     w = srbf_vec3_of(srbf_lane(lobe->centre.x, lane), srbf_lane(lobe->centre.y, lane), srbf_lane(lobe->centre.z, lane));
     w = srbf_sample_sharp_vmf(w, srbf_lane(lobe->width, lane), srbf_lane(lobe->rest, lane), u1, u2);
     if (slot >= SRBF_SLOTS) {
-        w = srbf_grown_along(w, srbf_lane(map->x, 0), srbf_lane(map->y, 0), srbf_lane(map->stretch_minus_1, 0));
+        w = srbf_grown_along(w, srbf_lane(map->x, lane), srbf_lane(map->y, lane),
+                             srbf_lane(map->stretch_minus_1, lane));
         w = srbf_light_of(w, view->wv);
     }
     return srbf_reflected_up(w);

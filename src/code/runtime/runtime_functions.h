@@ -63,7 +63,9 @@ static void srbf_read(srbf_file* file, srbf_brdf* brdf) {
         if (!part->model && brdf->is_two_sided) part->model = brdf->part[p ^ 1].model, part->is_exchanged = p >= 2;
         for (i = 0; i < SRBF_NODES; ++i) {  // the cosine alone
             float* number = part->mixture.number[i];
-            number[SRBF_COSINE_SLOT] = number[SRBF_STRETCH] = number[SRBF_STRETCH + 1] = 1.0f;
+            int k;
+            for (k = SRBF_STRETCH; k < SRBF_NUMBERS; ++k) number[k] = 1.0f;
+            number[SRBF_COSINE_SLOT] = 1.0f;
         }
     }
     brdf->points = (srbf_points*)srbf_take(file, sizeof *brdf->points);

@@ -34,14 +34,14 @@ SRBF_INLINE srbf_vec3 srbf_part_value(const srbf_part* part, srbf_vec3 wl, srbf_
 static float srbf_luminance(srbf_vec3 f) { return 0.2126f * f.x + 0.7152f * f.y + 0.0722f * f.z; }
 static float srbf_turns(double x) { return (float)(x - floor(x)); }
 
-// A view where all slots have weight, and half-vector lobes this stretch and power.
-static void srbf_set_shape(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv, const float shape[2]) {
+// A view where all slots have weight, and half-vector lobes these stretches and powers.
+static void srbf_set_shape(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv, const float shape[4]) {
     int k;
-    for (k = 0; k < SRBF_NUMBERS; ++k) view->number[k] = k < SRBF_STRETCH ? 1.0f : shape[(k - SRBF_STRETCH) % 2];
+    for (k = 0; k < SRBF_NUMBERS; ++k) view->number[k] = k < SRBF_STRETCH ? 1.0f : shape[k - SRBF_STRETCH];
     view->mixture = mixture, view->wv = wv;
     srbf_set_view(view);
 }
-static void srbf_set_densities(srbf_points* points, const srbf_mixture* mixture, const float shape[2]) {
+static void srbf_set_densities(srbf_points* points, const srbf_mixture* mixture, const float shape[4]) {
     srbf_view view;
     int i;
     for (i = 0; i < points->count; ++i) {
@@ -81,7 +81,7 @@ static float srbf_least_moment(const srbf_points* points, int steps, float weigh
 // Sets samples of all components in a wide and a narrow shape at the points' views, weighted by the square of
 // f cos(theta_l) over its integral.
 static void srbf_make_points(const srbf_part* part, srbf_points* points) {
-    static const float shapes[2][2] = {{1.0f, 1.0f}, {0.4f, 2.4f}};
+    static const float shapes[2][4] = {{1.0f, 1.0f, 1.0f, 1.0f}, {0.4f, 2.4f, 0.1f, 2.4f}};
     const int draws = SRBF_MOST_POINTS / (points->views * 2 * points->components), half = points->components * draws;
     double albedo = 0.0;
     srbf_view view;
@@ -116,34 +116,48 @@ static void srbf_make_points(const srbf_part* part, srbf_points* points) {
     }
 }
 
-// The numbers of a node: the shape by descent among powers of 0.64, then the weights of least variance.
+// Stretches 0.64^a and powers 0.64^(1 - b) of the even and of the odd lobes, from their steps a, b.
+static void srbf_shape_of(const int at[4], float shape[4]) {
+    int i;
+    for (i = 0; i < 4; ++i) shape[i] = powf(0.64f, (float)(i % 2 ? 1 - at[i] : at[i]));
+}
+// The numbers of a node: the shapes by descent, first of all lobes together, then of the odd and of the even ones; then
+// the weights of least variance.
 static void srbf_make_node(srbf_part* part, srbf_points* points, int node) {
-    static const int steps[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-    float *number = part->mixture.number[node], shape[2] = {1.0f, 1.0f}, least, moment, sum = 0.0f;
-    int i, best[2] = {0, node > 0}, is_better = node > 0;
+    float *number = part->mixture.number[node], shape[4], least, moment, sum = 0.0f;
+    int i, k, move, best[4] = {0, 1, 0, 1}, is_better = node > 0;
     points->views = part->model->is_isotropic ? 3 : 8;
     for (i = 0; i < points->views; ++i) {
         const float apart = points->views == 3 ? ((float)i - 1.0f) / 3.0f : 0.0f;
-        const float at = srbf_max(1.0f - ((float)node + apart) / (float)(SRBF_NODES - 1), 0.03162f);
+        const float at = srbf_min(srbf_max(((float)node + apart) / (float)(SRBF_NODES - 1), 0.0f), 1.0f);
+        const float root = 1.0f - 0.9f * at;  // the inverse of mixture_position
         const float phi = points->views == 3 ? 0.0f : 0.785398163f * (float)i;
-        points->view[i] = srbf_spherical(acosf(srbf_min(at * at, 1.0f)), phi);
+        points->view[i] = srbf_spherical(acosf(root * root * root * root), phi);
     }
     srbf_make_points(part, points);
+    srbf_shape_of(best, shape);
     srbf_set_densities(points, &part->mixture, shape);
     least = srbf_least_moment(points, 15, number);
     while (is_better) {
-        const int first = best[0], second = best[1];
+        int centre[4];
+        memcpy(centre, best, sizeof centre);
         is_better = 0;
-        for (i = 0; i < 4; ++i) {
-            const int a = first + steps[i][0], b = second + steps[i][1];
-            if (a < -6 || a > 6 || b < 0 || b > 5) continue;
-            shape[0] = powf(0.64f, (float)a), shape[1] = powf(0.64f, (float)(1 - b));
+        for (move = 0; move < 12; ++move) {  // of both, of the even and of the odd lobes: stretch or power up or down
+            int at[4];
+            memcpy(at, centre, sizeof at);
+            for (k = 0; k < 2; ++k)
+                if (move / 4 != 1 + k) at[2 * k + move % 2] += move / 2 % 2 ? 1 : -1;
+            for (k = 0; k < 2 && at[2 * k] >= -2 && at[2 * k] <= 10 && at[2 * k + 1] >= 0 && at[2 * k + 1] <= 7;) ++k;
+            if (k < 2) continue;
+            srbf_shape_of(at, shape);
             srbf_set_densities(points, &part->mixture, shape);
             moment = srbf_least_moment(points, 15, number);
-            if (moment < 0.998f * least) least = moment, best[0] = a, best[1] = b, is_better = 1;
+            if (moment < 0.998f * least) least = moment, memcpy(best, at, sizeof best), is_better = 1;
         }
     }
-    shape[0] = powf(0.64f, (float)best[0]), shape[1] = node > 0 ? powf(0.64f, (float)(1 - best[1])) : 1.0f;
+    srbf_shape_of(best, shape);
+    if (node == 0)
+        for (i = 0; i < 4; ++i) shape[i] = 1.0f;
     srbf_set_densities(points, &part->mixture, shape);
     srbf_least_moment(points, 60, number);
     number[SRBF_COSINE_SLOT] = srbf_max(number[SRBF_COSINE_SLOT], 0.02f);
@@ -152,7 +166,7 @@ static void srbf_make_node(srbf_part* part, srbf_points* points, int node) {
         sum += number[i];
     }
     for (i = 0; i < SRBF_STRETCH; ++i) number[i] /= sum;
-    number[SRBF_STRETCH] = shape[0], number[SRBF_STRETCH + 1] = shape[1];
+    memcpy(number + SRBF_STRETCH, shape, sizeof shape);
 }
 
 static void srbf_part_sample(const srbf_part* part, srbf_vec3 wv, const float u[3], srbf_light* light) {

@@ -68,7 +68,7 @@ Rgb reflected(const srbf::PreparedBrdf& brdf, const Frame& frame, Vec3f wv, bool
 int main(int count, char** arguments) {
     const int samples = count > 3 ? std::atoi(arguments[3]) : 32;
     if (count < 3 || samples < 1) return std::puts("usage: direct_light MODEL PICTURE.ppm [SAMPLES [alone]]"), 2;
-    const auto model = srbf::load(arguments[1]);  // a measurement will do, too
+    const auto model = srbf::load(arguments[1]);
     if (!model) return std::fprintf(stderr, "%s\n", message(model.error()).c_str()), 1;
     const srbf::PreparedBrdf brdf = prepare(*model);  // once; any number of threads may use it
 

@@ -18,7 +18,9 @@ const viewer = filled(await text("pictures.html"), {
   pictures_lead: "Drag a picture to turn the object; all of them follow.",
   choices: `<div class="choices" role="group" aria-label="Which pictures are shown">\n${button("all", "Side by side")}${button("wipe", "Wipe")}${
     pictures.map(([subject, name]) => button(subject, name)).join("")}</div>\n`,
-  pictures: pictures.map(([subject, name]) => figure(subject, name)).join(""), own_shape: "", behind: '<button type="button" name="behind">Light from behind</button>\n', picture_note: "",
+  pictures: pictures.map(([subject, name]) => figure(subject, name)).join(""), own_shape: "", behind: '<button type="button" name="behind">Light from behind</button>\n', 
+  picture_note: '<p class="note">The picture “measured” is drawn from a coarser table, in which light and viewer can be exchanged. The errors are ' +
+    "against the file, which need not be so.</p>\n",
 });
 await mkdir(path.join(folder, "data"), { recursive: true });
 const models = (await readdir(path.join(root, "data/gallery"))).filter((name) => name.endsWith(".srbf")).sort();

@@ -248,9 +248,9 @@ Result<GgxModel> fit_pixels(const Observations& observations, GgxProblem& pairs,
     constexpr struct {
         std::size_t kept, n;
         int steps;
-    } k_rounds[] = {{24, 8, 0}, {6, 4, 12}, {1, 1, 40}};
+    } rounds[] = {{24, 8, 0}, {6, 4, 12}, {1, 1, 40}};
     double done = 0.5;
-    for (const auto& [kept, n, steps] : k_rounds) {
+    for (const auto& [kept, n, steps] : rounds) {
         if (!progress.report("fitting pixels", done)) return cancelled_error("fit");
         look_alike(candidates, kept, pixels_and_pairs(observations, n, solved), variables, steps, threads);
         done += 0.15;

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/errors.h"
 #include "base/half.h"
@@ -211,7 +212,7 @@ struct GgxCandidate {
     double loss = 0;
 };
 
-/// Levenberg-Marquardt from each candidate, by every n-th view; the best ones, in order.
+/// Levenberg-Marquardt from each candidate. Keeps the best ones, in order of their loss.
 void look_alike(std::vector<GgxCandidate>& candidates, std::size_t kept, const SurfaceData& data,
                 const GgxVariables& variables, int steps, int threads) {
     parallel_for(candidates.size(), threads, [&](std::size_t i) {
@@ -226,20 +227,14 @@ void look_alike(std::vector<GgxCandidate>& candidates, std::size_t kept, const S
     candidates.resize(std::min(candidates.size(), kept));
 }
 
-/// The share of pairs in the loss, for the model that is solved for pairs; about that of the default fit. Without pairs the
-/// RMS of radiance is up to twice as large.
+/// The share of pairs in the loss, for the model that is solved for pairs; about that of the default fit. Without pairs
+/// the RMS of radiance is up to twice as large.
 constexpr double k_pair_share = 0.3;
-
-SurfaceData pixels_and_pairs(const Observations& observations, std::size_t n, const GgxModel& solved) {
-    SurfaceData data(observations, n);
-    data.add_pairs(observations, n, evaluator(solved), k_pair_share);
-    return data;
-}
 
 /// The model with the least loss of pixels and pairs, from `solved`, which is so for pairs, and from the solutions for
 /// pairs with each roughness of the grid.
-Result<GgxModel> fit_pixels(const Observations& observations, GgxProblem& pairs, const GgxModel& solved,
-                            double least_log, int threads, const ProgressToken& progress) {
+Result<Fitted<GgxModel>> fit_pixels(const Observations& observations, GgxProblem& pairs, const GgxModel& solved,
+                                    double least_log, int threads, const ProgressToken& progress) {
     const GgxVariables variables{least_log, solved.lobes.size()};
     std::vector<GgxCandidate> candidates{{solved}};
     for (const LogRoughness& log_alpha : roughness_grid(int(solved.lobes.size()), least_log))
@@ -250,12 +245,17 @@ Result<GgxModel> fit_pixels(const Observations& observations, GgxProblem& pairs,
         int steps;
     } rounds[] = {{24, 8, 0}, {6, 4, 12}, {1, 1, 40}};
     double done = 0.5;
+    std::optional<SurfaceData> data;
     for (const auto& [kept, n, steps] : rounds) {
         if (!progress.report("fitting pixels", done)) return cancelled_error("fit");
-        look_alike(candidates, kept, pixels_and_pairs(observations, n, solved), variables, steps, threads);
+        data.emplace(observations, n).add_pairs(observations, n, evaluator(solved), k_pair_share);
+        look_alike(candidates, kept, *data, variables, steps, threads);
         done += 0.15;
     }
-    return candidates[0].model;
+    GgxPictures problem(*data, variables);
+    const auto& [best, loss] = candidates[0];
+    const GgxModel model = rounded(best);
+    return Fitted<GgxModel>{model, best, problem.loss(model), loss};
 }
 
 }  // namespace
@@ -284,19 +284,9 @@ Result<Fitted<GgxModel>> Kind<GgxModel>::fit(const Observations& observations, c
         refine(all, log_alpha, least_log);
     }
     if (log_alpha.empty()) return Error{"fit", {}, "loss of every roughness", "a finite number", "none"};
+    if (!observations.views.empty())
+        return fit_pixels(weighed, sample, all.solve(log_alpha).model, least_log, conditions.threads, progress);
     Fitted<GgxModel> fit;
-    if (!observations.views.empty()) {
-        const GgxModel solved = all.solve(log_alpha).model;
-        const auto model = fit_pixels(weighed, sample, solved, least_log, conditions.threads, progress);
-        if (!model) return model.error();
-        const SurfaceData data = pixels_and_pairs(weighed, 1, solved);
-        GgxPictures problem(data, {least_log, model->lobes.size()});
-        fit.unrounded = *model;
-        fit.unrounded_loss = problem.loss(*model);
-        fit.model = rounded(*model);
-        fit.loss = problem.loss(fit.model);
-        return fit;
-    }
     auto [unrounded, unrounded_loss] = all.solve(log_alpha);
     fit.unrounded = std::move(unrounded);
     fit.unrounded_loss = unrounded_loss;

@@ -18,7 +18,7 @@
 namespace srbf {
 namespace {
 
-constexpr double k_cosines[] = {1, 0.5, 0.1, 0.03, 0.01, 0.003};
+constexpr double k_cosines[] = {1, 0.5, 0.25, 0.1, 0.03, 0.01, 0.003};
 
 /// Albedos at the views of `k_cosines`.
 struct Albedos {

@@ -62,7 +62,7 @@ std::string parameters_text() {
 std::string runtime_code() {
     const std::vector<std::string> functions{
         "su_rotated_value",  "su_plain_value", "ggx_value", "openpbr_value", "openpbr_anisotropic_value",
-        "openpbr_roughness", "alpha_of",       "roughened", "facets_along"};
+        "openpbr_roughness", "alpha_of",       "roughened", "facets_along",  "mixture_cosine"};
     std::set<std::string> known;
     const std::string lobes = lobes_in_c(known), mixtures = mixtures_in_c(known);
     return k_runtime_interface_text + syntax::definitions_of_c() +

@@ -54,4 +54,19 @@ void set_densities(SamplingPoints& points, const ProposalShape& shape);
 /// pdf_i. The points must be padded.
 double set_slopes(const SamplingPoints& points, std::span<const float> lobe_weight, std::span<double> slope);
 
+/// Points for these views, `count` for each of them and for each component of these shapes. Their densities are those
+/// of the first shape.
+SamplingPoints make_points(const Evaluate& brdf, std::span<const Vec3f> views, int count,
+                           std::span<const ProposalShape> shapes);
+
+std::vector<float> uniform_weights(std::size_t lobes);
+/// Moves weights towards those of least variance over the points. Returns the moment before the last step.
+double improve(const SamplingPoints& points, int steps, std::vector<float>& weight);
+/// Removes small weights; lobe 0 (the cosine) keeps `k_least_cosine`.
+std::vector<float> cleared(std::vector<float> weight);
+/// The weights of least variance over the points; without points the cosine is alone.
+std::vector<float> best_weights(const SamplingPoints& points, std::size_t lobes, int steps);
+/// The second moment of f cosθl / pdf for these weights, relative to the square of its mean.
+double moment_of(const SamplingPoints& points, std::span<const float> weight);
+
 }  // namespace srbf

@@ -161,6 +161,11 @@ SRBF_FN Real mixture_position(Real z) {
     Real root = sqrt(sqrt(max(z, Real(0.0))));
     return min(max(Real(1.0) - root, Real(0.0)) * Real(1.0 / 0.9), Real(1.0));
 }
+// Its inverse, cos(theta_v).
+SRBF_FN Real mixture_cosine(Real position) {
+    Real root = Real(1.0) - Real(0.9) * position;
+    return (root * root) * (root * root);
+}
 SRBF_FN Real proposal_bandwidth(int k) {
     int power = k < 6 ? k - 1 : k < 8 ? k : k - 8;
     Real bandwidth = k < 6 ? Real(1.0) : Real(8.0);

@@ -130,9 +130,8 @@ static void srbf_make_node(srbf_part* part, srbf_points* points, int node) {
     for (i = 0; i < points->views; ++i) {
         const float apart = points->views == 3 ? ((float)i - 1.0f) / 3.0f : 0.0f;
         const float at = srbf_min(srbf_max(((float)node + apart) / (float)(SRBF_NODES - 1), 0.0f), 1.0f);
-        const float root = 1.0f - 0.9f * at;  // the inverse of mixture_position
         const float phi = points->views == 3 ? 0.0f : 0.785398163f * (float)i;
-        points->view[i] = srbf_spherical(acosf(root * root * root * root), phi);
+        points->view[i] = srbf_spherical(acosf(srbf_mixture_cosine(at)), phi);
     }
     srbf_make_points(part, points);
     srbf_shape_of(best, shape);

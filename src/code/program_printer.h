@@ -1,0 +1,48 @@
+// Prints the programs of several models as one text.
+#pragma once
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "code/defined_names.h"
+#include "code/syntax.h"
+#include "srbf/shading_code.h"
+
+namespace srbf {
+
+/// Names of definitions: in the kernel's language, and in the code.
+using Names = std::map<std::string, std::string>;
+
+/// The program of a model, with its name and description.
+struct NamedProgram {
+    std::string name, description;
+    syntax::Program program;
+};
+
+/// Prints several programs, and definitions that they share once.
+class ProgramPrinter {
+  public:
+    /// `prefix` precedes the names of shared definitions, the name of its model those of the others. `entries` have
+    /// names of their own.
+    ProgramPrinter(std::vector<NamedProgram> programs, std::string_view prefix, CodeLanguage language, Names entries);
+
+    /// Adds the names of all definitions that are not shared.
+    Result<Done> add_names(DefinedNames& defined) const;
+    std::string text() const;
+
+  private:
+    Names names(std::size_t i) const;
+    /// Marks definitions as a model's own if they differ between models, or use a model's own definitions. Returns true
+    /// if it marked any.
+    bool separate();
+
+    std::vector<NamedProgram> programs_;
+    std::string prefix_;
+    CodeLanguage language_;
+    Names entries_;
+    std::set<std::string> own_;  ///< definitions that are not shared
+};
+
+}  // namespace srbf

@@ -1,4 +1,4 @@
-"""The tables and the plot of docs/comparison.md, and a table each of docs/accuracy.md and docs/choosing.md, from docs/comparison.csv and held_out.csv:
+"""The tables and the plot of docs/comparison.md, and a table each of docs/accuracy.md and docs/choosing.md, from docs/comparison.csv and further_tables.csv:
 python3 docs/figures/comparison.py [--check]
 
 Writes docs/comparison.svg, and the tables of the pages after `<!-- NAME -->`. With --check nothing is written;
@@ -11,8 +11,8 @@ import statistics
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-CSV, HELD_OUT, PAGE, PLOT, ACCURACY, CHOOSING = (
-    os.path.join(HERE, "..", name) for name in ("comparison.csv", "held_out.csv", "comparison.md", "comparison.svg", "accuracy.md", "choosing.md"))
+CSV, FURTHER, PAGE, PLOT, ACCURACY, CHOOSING = (
+    os.path.join(HERE, "..", name) for name in ("comparison.csv", "further_tables.csv", "comparison.md", "comparison.svg", "accuracy.md", "choosing.md"))
 MODELS = {  # name, and in the plot the curve that it belongs to
     "ggx": ("Lambert, 1 GGX", "GGX"),
     "ggx-2": ("Lambert, 2 GGX", "GGX"),
@@ -24,7 +24,7 @@ MODELS = {  # name, and in the plot the curve that it belongs to
     "srbf-4": ("srbf, 4 lobes", "srbf"),
     "srbf": ("**srbf, 9 lobes**", "srbf"),
     "srbf-16": ("srbf, 16 lobes", "srbf"),
-    "as-measured-8": ("8 lobes, not reciprocal", "not reciprocal"),
+    "as-measured-8": ("8 lobes, not reciprocal", "as measured"),
     "su": ("view by view, 5 lobes", "view by view"),
 }
 SIZED = {  # in rows of the measurements alone: models of several sizes, and their curves
@@ -33,9 +33,12 @@ SIZED = {  # in rows of the measurements alone: models of several sizes, and the
     **{f"network-{width}": "small network" for width in (4, 6)},
     **{f"pca-{count}": "principal components" for count in (4, 8, 16)},
 }
-CURVE_OF = {**{model: curve for model, (_, curve) in MODELS.items()}, **SIZED}
-COLOURS = {"srbf": "#c0392b", "not reciprocal": "#e59866", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "ABC": "#b7950b",
+PLOTTED = {**{f"as-measured-{lobes}": "as measured" for lobes in (4, 12, 16)}, "cube-root": "as measured, ∛f"}  # in no table by name
+CURVE_OF = {**{model: curve for model, (_, curve) in MODELS.items()}, **SIZED, **PLOTTED}
+COLOURS = {"srbf": "#c0392b", "as measured": "#e59866", "as measured, ∛f": "#e59866", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "ABC": "#b7950b",
            "SGD": "#784212", "NBRDF": "#7d3c98", "neural process": "#5d6d7e", "GTR lobes": "#5dade2", "small network": "#8e44ad", "principal components": "#7f8c8d"}
+SQUARES = {"as measured, ∛f", "ABC", "SGD", "GTR lobes", "small network"}  # curves of models that minimise errors of cube roots
+TRIANGLES = {"view by view", "NBRDF", "neural process", "principal components"}  # another loss without pixels
 NEURAL = {"nbrdf", "nps"}  # of which there are rows for the measurements alone
 MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
 COLUMNS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms", "symmetric_error", "albedo_error"]
@@ -157,7 +160,7 @@ def measures_table(rows):
 def worst_table(rows):
     """The materials that the default errs most on."""
     models = ["ggx-2", "openpbr", "srbf", "srbf-16", "as-measured-8", "su"]
-    order = sorted(of_model(rows, "srbf"), key=lambda row: -row["delta_e_itp"])[:6]
+    order = sorted(of_model(rows, "srbf"), key=lambda row: -row["delta_e_itp"])[:5]
     lines = []
     for row in order:
         of = {other["model"]: other["delta_e_itp"] for other in rows if other["material"] == row["material"]}
@@ -166,7 +169,7 @@ def worst_table(rows):
 
 
 OPTIONS = {"srbf": "**none**", "srbf-4": "`--lobes 4`", "srbf-16": "`--lobes 16`", "as-measured-8": "`--as-measured`",
-           "as-measured-4": "`--as-measured --lobes 4`", "as-measured-12": "`--as-measured --lobes 12`", "as-measured-16": "`--as-measured --lobes 16`",
+           "as-measured-16": "`--as-measured --lobes 16`",
            "cosine": "`--as-measured --objective cosine`", "log": "`--as-measured --objective log`",
            "cube-root": "`--as-measured --objective cube-root`", "su": "`--model su --lobes 5`", "openpbr": "`--model openpbr`", "ggx": "`--model ggx`"}
 
@@ -211,7 +214,7 @@ def stand_ins_table(rows):
     return table(["model", "mean of the stand-ins", "median", "smaller error on", "larger by more than a tenth on"], lines)
 
 
-def held_out_table(rows):
+def further_table(rows):
     """Of the tables that no constant was chosen by."""
     errors = {model: sorted(row["delta_e_itp"] for row in of_model(rows, model)) for model in models_in(rows)}
     lines = [[MODELS[model][0]] + [text(value) for value in (statistics.fmean(of), statistics.median(of), of[len(of) * 95 // 100], of[-1])]
@@ -219,9 +222,13 @@ def held_out_table(rows):
     return table(["model", "mean", "median", "95 %", "largest"], lines)
 
 
-def mark(x, y, colour, hollow=False):
-    """A disc; hollow: its model also needs numbers that materials share."""
+def mark(x, y, colour, curve, hollow=False):
+    """A disc, a square or a triangle by what the curve's models minimise; hollow: they also need numbers that materials share."""
     fill = f'fill="#fff" stroke="{colour}" stroke-width="2"' if hollow else f'fill="{colour}"'
+    if curve in SQUARES:
+        return f'<rect x="{x - 4:.1f}" y="{y - 4:.1f}" width="8" height="8" {fill}/>'
+    if curve in TRIANGLES:
+        return f'<path d="M{x:.1f} {y - 5:.1f}l5 9h-10z" {fill}/>'
     return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" {fill}/>'
 
 
@@ -251,7 +258,7 @@ def panel(rows, title, x0, y0, width, height):
         line = " ".join(f"{a:.1f},{b:.1f}" for a, b, _ in points)
         parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
         for a, b, shared in points:
-            parts.append(mark(a, b, colour, bool(shared)))
+            parts.append(mark(a, b, colour, curve, bool(shared)))
         if points and points[-1][2]:
             a, b, shared = points[-1]
             parts.append(f'<text x="{a + 9:.1f}" y="{b + 4:.1f}" font-size="11" fill="{colour}">+ {text(shared)} shared</text>')
@@ -266,12 +273,15 @@ def plot(rows):
         of = [row for row in rest if row["kind"] == kind]
         parts.append(panel(of, f"{kind} ({len(of_model(of, 'srbf'))})", 580 + 215 * (i % 3), 40 + 250 * (i // 3), 165, 180))
     for i, (curve, colour) in enumerate(COLOURS.items()):
-        left, top = 60 + 200 * (i % 6), 530 + 24 * (i // 6)
-        parts.append(mark(left, top - 4, colour, curve in ("neural process", "principal components")) + f'<text x="{left + 13}" y="{top}">{curve}</text>')
+        left, top = 60 + 181 * (i % 7), 530 + 24 * (i // 7)
+        parts.append(mark(left, top - 4, colour, curve, curve in ("neural process", "principal components")) + f'<text x="{left + 13}" y="{top}">{curve}</text>')
+    for i, (curve, loss) in enumerate({"srbf": "minimises pixels of pictures and values", "ABC": "minimises errors of cube roots",
+                                       "NBRDF": "minimises another loss of values"}.items()):
+        parts.append(mark(60 + 400 * i, 586, "#222", curve) + f'<text x="{73 + 400 * i}" y="590">{loss}</text>')
     parts.append('<text x="600" y="508" text-anchor="middle">bytes of a material, without what materials share</text>')
     parts.append('<text transform="translate(14 255) rotate(-90)" text-anchor="middle">mean ΔE_ITP</text>')
-    return ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1240 570" font-family="DejaVu Sans, Verdana, sans-serif" font-size="13" fill="#222">'
-            '<rect width="1240" height="570" fill="#fff"/>\n' + "\n".join(parts) + "\n</svg>\n")
+    return ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1240 605" font-family="DejaVu Sans, Verdana, sans-serif" font-size="13" fill="#222">'
+            '<rect width="1240" height="605" fill="#fff"/>\n' + "\n".join(parts) + "\n</svg>\n")
 
 
 def replaced(page, name, table_of):
@@ -288,7 +298,7 @@ def pages(rows):
     measured, rest = of_measured(rows), without_measured_alone(rows)
     tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("bytes", bytes_table(measured)),
                      ("equal bytes", equal_bytes_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
-                     ("held out", held_out_table(read(HELD_OUT))), ("measures", measures_table(measured)), ("worst", worst_table(rows))],
+                     ("further tables", further_table(read(FURTHER))), ("measures", measures_table(measured)), ("worst", worst_table(rows))],
               ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))]}
     made = {}
     for path, of_page in tables.items():

@@ -2,36 +2,21 @@
 // details: fit.h requests and errors of fits, model.h and measured.h what is stored, prepared.h BRDFs of your own.
 #pragma once
 #include <cstddef>
-#include <cstring>
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "srbf/handles.h"
 #include "srbf/result.h"
-#include "srbf/shared.h"
 #include "srbf/vec.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// True if both directions are above the horizon: every component is finite, and z is at least the least normal float,
-/// whether the processor takes subnormal numbers for 0 or not.
-inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
-    constexpr float least = std::numeric_limits<float>::min();
-    const float sum = (wl.x + wl.y) + (wv.x + wv.y) + (wl.z + wv.z);
-    return wl.z >= least && wv.z >= least && sum - sum == 0;  // ∞ − ∞ is no number
-}
+// Two types hold what functions take and return: a LoadedBrdf is a measurement or a fitted model, as it was read, and a
+// PreparedBrdf is a BRDF ready for a renderer. Copies of either share their content; load.h has that of the first.
 
 // ---- Files ----
 
-/// A measurement or a fitted model. load.h has its content. Copies share it.
-struct LoadedBrdf {
-    struct Contents;
-    Shared<Contents> contents;
-};
-// Count the copies that share contents; Shared calls them.
-void add_use(const LoadedBrdf::Contents& of);
-void end_use(const LoadedBrdf::Contents& of);
 /// Reads a measurement of any format or a model file, recognised by its content. Errors: the file is unreadable, of no
 /// known format or malformed.
 Result<LoadedBrdf> load(const std::string& path);
@@ -56,6 +41,10 @@ Result<std::string> shading_code(const LoadedBrdf& model, const std::string& nam
 
 // ---- Evaluation and sampling ----
 
+// Directions are unit vectors in the local frame, whose +z axis is the shading normal, and point away from the surface,
+// which is not checked. Colours are linear sRGB. Several threads may call all functions of a PreparedBrdf at once, and
+// no result depends on whether the processor flushes subnormal numbers to 0. prepared.h prepares any other BRDF, too.
+
 /// A sampled direction to the light.
 struct LightSample {
     Vec3f wl;       ///< unit vector with wl.z > 0 if pdf > 0; otherwise there is no direction, and wl must not be used
@@ -63,29 +52,6 @@ struct LightSample {
     float pdf = 0;  ///< [1/sr]; 0: the sample has no direction, and counts with the weight 0
 };
 
-/// A BRDF ready for a renderer: value, batch evaluation, importance sampling with its density, directional albedo. It
-/// is made by `prepare` from a model, a measurement or any other BRDF (prepared.h), of which it holds a copy; its own
-/// copies share that. Directions are unit vectors in the local frame, whose +z axis is the shading normal, and point
-/// away from the surface, which is not checked. Colours are linear sRGB. Several threads may call all functions at
-/// once, and no result depends on whether the processor flushes subnormal numbers to 0.
-class PreparedBrdf {
-  public:
-    /// Writes R, G, B of f_r and one number to spare to `colour`, which is aligned to 16 bytes.
-    using Value = void (*)(const void* brdf, const Vec3f& wl, const Vec3f& wv, float* colour);
-    struct Contents;  ///< Value and the rest for one type of BRDF
-    explicit PreparedBrdf(Shared<Contents> contents);
-
-    const Contents& contents() const { return *contents_; }
-    friend Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv);
-
-  private:
-    Shared<Contents> contents_;
-    // The BRDF itself and its function, both of the contents.
-    const void* held_;
-    Value value_;
-};
-void add_use(const PreparedBrdf::Contents& of);
-void end_use(const PreparedBrdf::Contents& of);
 /// Prepares a model or a measurement, and the front alone of a surface with two sides. Also computes a density to
 /// sample by, which takes about 200 ms of processor time for a model, on all threads of the machine. `prepare` of
 /// prepared.h takes a number of threads, and the azimuths of an anisotropic BRDF, for a better density.
@@ -94,20 +60,12 @@ PreparedBrdf prepare(const LoadedBrdf& brdf);
 /// f_r(wl, wv) [1/sr], without the cosine. For a model it differs from `value` of model.h by at most 1e-4 of that value
 /// or 1e-6 of its peak, whichever is larger. It is 0 if wl.z or wv.z is 0, negative or subnormal. It is NaN where a
 /// measurement has no value, which a renderer must take for 0; `sample`, `pdf` and `albedo` count it as 0.
-inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
-    if (!above_horizon(wl, wv)) return {};
-    alignas(16) float colour[4];
-    brdf.value_(brdf.held_, wl, wv, colour);
-    Rgb f;
-    std::memcpy(&f, colour, sizeof f);  // as it was stored
-    return f;
-}
+inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) { return brdf.at(wl, wv); }
 /// f_r at pairs of directions. The program ends with a line and abort() if the spans differ in length.
 void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 
 /// Samples a direction to the light from independent numbers, uniform in [0,1): a point u, which may be stratified, and
-/// the selector of a lobe.
-/// The `pdf` of the result is 0 if wv.z ≤ 0, and if the sample has no direction.
+/// the selector of a lobe. The `pdf` of the result is 0 if wv.z ≤ 0, and if the sample has no direction.
 LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector);
 /// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);

@@ -1,0 +1,57 @@
+// The two types of srbf.h as the compiler needs them. Programs include srbf.h, and need no other name of this header.
+#pragma once
+#include <cstring>
+#include <limits>
+
+#include "srbf/shared.h"
+#include "srbf/vec.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// True if both directions are above the horizon: every component is finite, and z is at least the least normal float,
+/// whether the processor takes subnormal numbers for 0 or not.
+inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
+    constexpr float least = std::numeric_limits<float>::min();
+    const float sum = (wl.x + wl.y) + (wv.x + wv.y) + (wl.z + wv.z);
+    return wl.z >= least && wv.z >= least && sum - sum == 0;  // ∞ − ∞ is no number
+}
+
+/// A measurement or a fitted model. load.h has its content, which copies share.
+struct LoadedBrdf {
+    struct Contents;
+    Shared<Contents> contents;
+};
+
+/// A BRDF ready for a renderer, which `prepare` makes. Copies share its contents.
+class PreparedBrdf {
+  public:
+    /// Writes R, G, B of f_r and one number to spare to `colour`, which is aligned to 16 bytes.
+    using Value = void (*)(const void* brdf, const Vec3f& wl, const Vec3f& wv, float* colour);
+    struct Contents;  ///< Value and the rest for one type of BRDF
+    explicit PreparedBrdf(Shared<Contents> contents);
+
+    const Contents& contents() const { return *contents_; }
+    /// The `value` of srbf.h.
+    Rgb at(const Vec3f& wl, const Vec3f& wv) const {
+        if (!above_horizon(wl, wv)) return {};
+        alignas(16) float colour[4];
+        value_(held_, wl, wv, colour);
+        Rgb f;
+        std::memcpy(&f, colour, sizeof f);  // as it was stored
+        return f;
+    }
+
+  private:
+    Shared<Contents> contents_;
+    // The BRDF itself and its function, both of the contents.
+    const void* held_;
+    Value value_;
+};
+
+// Count the copies that share contents; Shared calls them.
+void add_use(const LoadedBrdf::Contents& of);
+void end_use(const LoadedBrdf::Contents& of);
+void add_use(const PreparedBrdf::Contents& of);
+void end_use(const PreparedBrdf::Contents& of);
+
+}  // namespace srbf

@@ -130,18 +130,6 @@ INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
                                          Bound{"paper_white_rgb", 1.43, 0.0916, 0.0084}),
                          [](const auto& one) { return std::string(one.param.name); });
 
-/// The same number of bytes, by what is seen: better than an objective of numbers.
-TEST(Fitting, LooksMoreAlikeThanTheLeastSquares) {
-    const char* const film = "cc_ibiza_sunset_rgb";
-    FitRequest request;
-    request.objective = Objective::cosine;
-    const auto numbers = fit(bundled(film), request);
-    ASSERT_TRUE(numbers);
-    const Appearance &by_pictures = *default_fit(film).against_mean, &by_numbers = *numbers->against_mean;
-    EXPECT_LT(by_pictures.mean.delta_e, 0.85 * by_numbers.mean.delta_e);
-    EXPECT_LT(by_pictures.worst_delta_e, by_numbers.worst_delta_e);
-}
-
 /// The film with more lobes, and view by view.
 TEST(Fitting, LargerModelsErrNoMoreThanTheyDid) {
     const Measured measured = bundled("cc_ibiza_sunset_rgb");
@@ -150,7 +138,6 @@ TEST(Fitting, LargerModelsErrNoMoreThanTheyDid) {
         std::size_t bytes;
         double delta_e, rms;  // 1.1 times the measured values
     } expected[] = {
-        {{.model = PmRequest{.size = LobeCount{12}, .effort = 0.25}}, 276, 6.1, 0.105},
         {{.model = PmRequest{.form = PmForm::extended, .size = LobeCount{12}, .effort = 0.25}}, 304, 4.70, 0.0864},
         {{.model = SuRequest{.lobes = 5, .directions = 384}}, 23040, 6.25, 0.0851}};
     for (const auto& of : expected) {

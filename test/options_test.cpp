@@ -18,12 +18,12 @@ const std::string k_folder = "fit m.binary -o o/ --model su --directions 8 --lob
 /// Modes of subcommands: a name, and arguments to which each option is added. The quickest mode of a subcommand comes
 /// first. Modes that would be slow have a missing input, so that no option is read.
 const std::pair<const char*, std::string> k_modes[] = {
-    {"a table", "fit m.binary -o o.srbf --effort 0.01 " + k_fit},
+    {"a folder", k_folder},
     {"view by view", "fit m.binary -o o.srbf --model su --directions 8 --lobes 1 --objective raw"},
+    {"a table", "fit m.binary -o o.srbf --effort 0.01 " + k_fit},
     {"a goal", "fit m.binary -o o.srbf --objective raw --budget 24 --effort 0.01"},
     {"ggx", "fit m.binary -o o.srbf --model ggx --objective raw"},
     {"openpbr", "fit m.binary -o o.srbf --model openpbr --surface principled --objective raw"},
-    {"a folder", k_folder},
     {"texels", "map t.npy --pairs p.csv -o d " + k_fit},
     {"a map of shared lobes", "map t.npy --pairs p.csv --basis 2 --variates 1 -o o.srbf"},
     {"a library", "basis m.binary -o o.srbf --lobes 2 --active 1 --variates 1"},
@@ -161,9 +161,11 @@ const std::set<std::string> k_without_effect{"--threads", "--resume", "--axial"}
 /// Options that all modes of a subcommand read in the same lines of code. They are tried only in the first mode
 /// that reads them.
 const std::set<std::string> k_tried_once{
-    "--exchange",   "--max-theta", "--seed",   "--json",    "--preview",        "--env",       "--mesh",
-    "--up",         "--size",      "--lights", "--roughen", "--tint-highlight", "--tint-body", "--scale-highlight",
-    "--scale-body", "--saturate",  "--hue",    "--rotate",  "--reduce"};
+    "--exchange",      "--max-theta",  "--seed",    "--json",           "--preview",     "--discretise",
+    "--interpolation", "--with-index", "--form",    "--no-axial",       "--as-measured", "--albedo-limit",
+    "--env",           "--mesh",       "--up",      "--size",           "--lights",      "--compare",
+    "--aov",           "--bounces",    "--roughen", "--tint-highlight", "--tint-body",   "--scale-highlight",
+    "--scale-body",    "--saturate",   "--hue",     "--rotate",         "--reduce"};
 /// Options that are read but have no effect in a mode: axial lobes take fewer bytes anyway; MERL tables are
 /// reciprocal; the lights are outside the room and on a side without its window.
 const std::set<std::pair<std::string, std::string>> k_without_effect_in_mode{

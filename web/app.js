@@ -3,6 +3,7 @@
 const app = (() => {
 const $ = (id) => document.getElementById(id);
 const set_shown = (id, shown) => { $(id).hidden = !shown; };
+const show_downloads = (shown) => { for (const id of ["saving", "downloads"]) set_shown(id, shown); };
 
 // ---- The files of the folder -------------------------------------------------------------------------------------
 
@@ -38,7 +39,7 @@ function start_worker() {
   const mine = worker = new Worker(url);
   worker.onmessage = ({ data }) => {
     if (mine !== worker) return;
-    if ("progress" in data) return is_editing ? show_edit_progress(data) : show_progress(data);
+    if ("progress" in data) return (saving ? show_saving : is_editing ? show_edit_progress : show_progress)(data);
     if ("draft" in data) return show_draft(data.draft);
     const question = open_questions.get(data.id);
     open_questions.delete(data.id);
@@ -65,7 +66,7 @@ const ensure_worker = () => ready ??= start_worker();
 // ---- The display -------------------------------------------------------------------------------------------------
 
 const k_level = ["good", "good", "fair", "poor"];
-let file = null, fitted = null, edited = null, common = null, started = 0, draws = false, run = 0;
+let file = null, fitted = null, edited = null, common = null, started = 0, draws = false, run = 0, saving = ""; // the name of the file that is written
 
 const grouped = (n) => n.toLocaleString("en");
 const two_digits = (x) => Number(x.toPrecision(2)).toString();
@@ -82,6 +83,9 @@ function show_progress({ progress, stage }) {
 }
 function show_edit_progress({ progress }) {
   $("edit_status").textContent = `Computing the edited model, ${Math.round(100 * progress)} % …`;
+}
+function show_saving({ progress }) {
+  $("saved").textContent = `Writing ${saving}, ${Math.round(100 * progress)} % …`;
 }
 function show_working(stage) {
   set_shown("working", stage !== "");
@@ -104,7 +108,7 @@ function show_measurement(measurement) {
 }
 function show_model(model) {
   $("about").textContent = `A model of ${grouped(model.bytes)} bytes. Drop its measurement to fit it anew.`;
-  set_shown("downloads", true);
+  show_downloads(true);
   if (!draws) return;
   viewer.set_material(0, null);
   viewer.set_material(1, model.material);
@@ -132,7 +136,7 @@ function show_fit(report) {
   const ratio = grouped(Math.round(report.sourceBytes / report.bytes));
   $("sizes").textContent =
     `${grouped(report.bytes)} bytes instead of ${grouped(report.sourceBytes)}: 1/${ratio}. Fitted in ${report.seconds.toFixed(1)} s.`;
-  set_shown("downloads", true);
+  show_downloads(true);
   show_slices(report.slices);
   if (draws) viewer.set_material(1, report.material);
 }
@@ -221,7 +225,7 @@ async function show_file(name, bytes) {
   file = { name, bytes }, fitted = null;
   begin_editing(null);
   fail("");
-  for (const id of ["downloads", "plots"]) set_shown(id, false);
+  show_downloads(false), set_shown("plots", false);
   set_shown("state", true);
   $("name").textContent = stem(name);
   for (const id of ["about", "verdict", "sizes", "saved"]) $(id).textContent = "";
@@ -256,7 +260,7 @@ async function cancel() {
   show_working("");
   $("verdict").textContent = "Cancelled. Move the slider to fit again.";
   $("verdict").className = "";
-  set_shown("downloads", false);
+  show_downloads(false);
   begin_editing(null);
   await step(mine, open);
 }
@@ -272,14 +276,16 @@ async function change_lobes() {
   }
   await fit(mine);
 }
-async function save({ save: what, ending }) {
+async function save({ save: what, ending, next }) {
   const mine = run;
   await applied;
   if (mine !== run) return;
   const name = stem(file.name) + (edited ? "_edited" : "") + ending;
   $("saved").textContent = `Writing ${name} …`;
+  saving = name;
   const content = await step(mine, () => ask({ kind: "save", what, name }));
-  $("saved").textContent = content === null ? "" : `Saved ${name}.`;
+  saving = "";
+  $("saved").textContent = content === null ? "" : `Saved ${name}.${next ? ` ${next}` : ""}`;
   if (content === null) return;
   const link = document.createElement("a");
   link.href = URL.createObjectURL(content);
@@ -291,7 +297,10 @@ async function save({ save: what, ending }) {
 // Shows one of the page's own files.
 async function show_own(name) {
   const mine = ++run, bytes = await step(mine, () => load_data(name));
-  if (bytes && mine === run) show_file(name, bytes);
+  if (!bytes || mine !== run) return;
+  const shown_file = show_file(name, bytes);
+  $("state").scrollIntoView();
+  await shown_file;
 }
 for (const button of document.querySelectorAll("[data-sample]")) button.addEventListener("click", () => show_own(button.dataset.sample));
 // The address "#NAME" shows a material of the gallery, so that its link can be shared.

@@ -83,8 +83,9 @@ async function new_srbf(module, progress = () => true) {
     highlight: (number) => (check(c.srbf_highlight(number)), JSON.parse(text())),
     edit: (number, edits) => describe(check(with_bytes([JSON.stringify(edits)], (address, size) => c.srbf_edit(number, address, size)))),
     model_file: (number) => (check(c.srbf_model_file(number)), content()),
-    code: (number, language, sampling = false) =>
-      (check(with_bytes([language], (address, size) => c.srbf_code(number, address, size, sampling ? 1 : 0))), text()),
+    code: (number, language, { sampling = false, environment = false } = {}) =>
+      (check(with_bytes([language], (address, size) => c.srbf_code(number, address, size, sampling ? 1 : 0, environment ? 1 : 0))), text()),
+    blender: (number) => (check(c.srbf_blender(number)), text()), // of a measurement or a model
     table: (number, name) => (check(with_bytes([name], (address, size) => c.srbf_table(number, address, size))), content()),
     // f [1/sr] at pairs of directions: x, y, z of each in `wl` and `wv`, and R, G, B of each in the result.
     evaluate: (number, wl, wv) => {

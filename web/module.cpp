@@ -18,6 +18,7 @@
 #include "edit/lobes.h"
 #include "edit/reshape.h"
 #include "errors/picture_errors.h"
+#include "extras/blender/script.h"
 #include "extras/render/app/page_of.h"
 #include "extras/render/environment.h"
 #include "extras/render/material.h"
@@ -309,8 +310,9 @@ SRBF_EXPORT(model_file) int model_file(int number) {
     return model ? set_content(std::span<const std::byte>(write_model(*model))) : fail(unknown("that of a model"));
 }
 
-/// Shading code of a model: glsl, hlsl, wgsl, msl, c or three; `sampling` adds NAME_sample and NAME_pdf.
-SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, int sampling) {
+/// Shading code of a model: glsl, hlsl, wgsl, msl, c or three; `sampling` adds NAME_sample and NAME_pdf, `environment`
+/// NAME_environment.
+SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, int sampling, int environment) {
     const Subject* subject = subject_of(number);
     const Model* model = model_of(subject);
     if (!model) return fail(unknown("that of a model"));
@@ -325,9 +327,23 @@ SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, i
         }
         return set_result(module.text(named, named.size() == 1 ? named[0].name : name, 0));
     }
-    if (const auto known = code_language_named(to))
-        return set_result(shading_code(named, name, {.language = *known, .sampling = sampling != 0}));
+    if (const auto known = code_language_named(to)) {
+        CodeOptions options{.language = *known, .sampling = sampling != 0};
+        if (environment != 0) options.with = {"environment"};
+        return set_result(shading_code(named, name, options));
+    }
     return fail({"code", {}, "language", "three or " + code_language_names(), to, ErrorCode::argument});
+}
+
+/// A script that makes a material for Blender of a measurement or a model.
+SRBF_EXPORT(blender) int blender_material(int number) {
+    const Subject* subject = subject_of(number);
+    if (!subject) return fail(unknown("that of a measurement or a model"));
+    if (const auto valid = check_reflection(*subject, "blender"); !valid) return fail(valid.error());
+    auto sum = fit_closures(evaluator(*subject), {}, host_progress());
+    if (!sum) return fail(sum.error());
+    const NamedClosures material{identifier(stem_of(subject->path)), *std::move(sum)};
+    return set_content(std::string_view(blender_script({&material, 1})));
 }
 
 /// The subject as a table, for a file with this name.

@@ -1,11 +1,11 @@
-// node site.mjs MODULE.wasm FOLDER VERSION PICTURES: writes the page for any browser as one folder, and beside it the page in one
-// file and the module as a package. PICTURES is a folder with NAME.png for each data/gallery/NAME.srbf.
+// node site.mjs MODULE.wasm FOLDER VERSION: writes the page for any browser as one folder, and beside it the page in one file and
+// the module as a package.
 import { readFile, readdir, writeFile, mkdir, copyFile } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 
-const [module_file, folder, version, drawn] = process.argv.slice(2);
+const [module_file, folder, version] = process.argv.slice(2);
 const web = path.dirname(fileURLToPath(import.meta.url)), root = path.dirname(web);
 const text = (name) => readFile(path.join(web, name), "utf8");
 const filled = (template, parts) => template.replace(/{{(\w+)}}/g, (_, name) => parts[name]);
@@ -15,7 +15,7 @@ const button = (show, name) => `<button type="button" data-show="${show}" aria-p
 const figure = (subject, name) => `<figure data-material="${subject}"><canvas tabindex="0" aria-label="${name}"></canvas><figcaption>${name}</figcaption></figure>\n`;
 const pictures = [["0", "measured"], ["1", "fitted"], ["2", "edited"], ["difference", "difference × 10"]];
 const viewer = filled(await text("pictures.html"), {
-  pictures_lead: "Drag a picture to turn the object; all of them follow.",
+  pictures_lead: "Drag a picture to turn the object; all of them follow. Choose a light below, or drop your own .hdr file on the pictures.",
   choices: `<div class="choices" role="group" aria-label="Which pictures are shown">\n${button("all", "Side by side")}${button("wipe", "Wipe")}${
     pictures.map(([subject, name]) => button(subject, name)).join("")}</div>\n`,
   pictures: pictures.map(([subject, name]) => figure(subject, name)).join(""), own_shape: "", behind: '<button type="button" name="behind">Light from behind</button>\n', 
@@ -23,15 +23,29 @@ const viewer = filled(await text("pictures.html"), {
     "against the file, which need not be so.</p>\n",
 });
 await mkdir(path.join(folder, "data"), { recursive: true });
-const models = (await readdir(path.join(root, "data/gallery"))).filter((name) => name.endsWith(".srbf")).sort();
-let gallery = "";
-for (const name of models.map((name) => path.parse(name).name)) {
-  const title = name.replace(/_stand_in$/, " (stand-in)").replaceAll("_", " ");
-  gallery += `<li><a href="#${name}"><img src="data/${name}.png" width="120" height="120" alt="" loading="lazy">${title}</a></li>\n`;
-  await copyFile(path.join(drawn, name + ".png"), path.join(folder, "data", name + ".png"));
+// The ready models, in the order of their picture: measured ones first. A ball is a part of the picture.
+const k_columns = 5, k_rows = 4, k_row = 233, k_ball = 180; // rows have k_row pixels, of which k_ball show the ball
+const is_measured = (name) => !name.includes("_stand_in");
+const models = (await readdir(path.join(root, "data/gallery"))).filter((name) => name.endsWith(".srbf")).sort()
+  .sort((a, b) => is_measured(b) - is_measured(a));
+const balls = await readFile(path.join(root, "data/gallery/gallery.jpg"));
+// What a model's file says of its fit.
+async function provenance_of(name) {
+  const bytes = await readFile(path.join(root, "data/gallery", name));
+  return JSON.parse(bytes.subarray(8, 8 + Number(bytes.readBigUInt64LE()))).__metadata__;
 }
+let gallery = "";
+for (const [index, name] of models.entries()) {
+  const stem = path.parse(name).name, x = index % k_columns, y = Math.floor(index / k_columns);
+  const { delta_e_itp } = await provenance_of(name), shift = 100 * y * k_row / (k_rows * k_row - k_ball);
+  gallery += `<li><a href="#${stem}"><i style="background-position: ${100 * x / (k_columns - 1)}% ${shift.toFixed(2)}%"></i>` +
+    `${stem.replace(/_stand_in$/, "").replaceAll("_", " ")}<small>ΔE&nbsp;${Number(delta_e_itp).toFixed(1)}, ${
+      is_measured(name) ? "measured" : "from a network"}</small></a></li>\n`;
+}
+await writeFile(path.join(folder, "data", "gallery.jpg"), balls);
 const page = filled(await text("app.html"), { viewer, version, gallery });
-await writeFile(path.join(folder, "index.html"), page);
+const with_balls = (address) => page.replace("</head>", `<style>#gallery i { background-image: url(${address}) }</style>\n</head>`);
+await writeFile(path.join(folder, "index.html"), with_balls("data/gallery.jpg"));
 const parts = {};
 for (const name of ["style.css", "app.css", "light.js", "painter.js", "viewer.js", "binding.js", "working.js", "editing.js", "app.js"]) {
   parts[name] = await text(name);
@@ -50,10 +64,8 @@ for (const [name, file] of [["module", module_file], ["studio", path.join(root, 
   inside += `<script type="text/plain" id="data/${name}">${data}</script>\n`;
 }
 
-// The page in one file, with one picture of the gallery and without the report.
-const spheres = (await readFile(path.join(root, "data/gallery/gallery.jpg"))).toString("base64");
-const one_file = page.replaceAll(/<img[^>]*>/g, "").replace(/(<section id="gallery">[^]*?)<ul>/, (_, head) =>
-    `${head}<img src="data:image/jpeg;base64,${spheres}" style="width: min(100%, 40rem); aspect-ratio: auto" alt="Spheres of the materials, with their names">\n<ul>`)
+// The page in one file, without the report.
+const one_file = with_balls(`data:image/jpeg;base64,${balls.toString("base64")}`)
   .replace(/ <a href="gallery.*?<\/a>/, "").replace("One folder", "One file")
   .replace(/<link rel="stylesheet" href="(.*?)">/g, (_, name) => `<style>\n${parts[name]}</style>`)
   .replace('<script src="light.js">', () => inside + '<script src="light.js">')

@@ -56,10 +56,12 @@ const actions = {
   },
   // Returns a Blob, which the page receives without a copy.
   save({ what, name }) {
-    const { number } = edited ?? model;
+    const { number } = edited ?? model, is_table = measured && !measured.twoSided && measured.samples === null;
     const content = what === "srbf" ? srbf.model_file(number)
       : what === "table" ? srbf.table(number, name)
-      : what === "page" ? srbf.page(number, measured?.number ?? 0) : srbf.code(number, what);
+      : what === "page" ? srbf.page(number, measured?.number ?? 0)
+      : what === "blender" ? srbf.blender(!edited && is_table ? measured.number : number) // nearer to a measurement than to its fit
+      : what === "hlsl-environment" ? srbf.code(number, "hlsl", { environment: true }) : srbf.code(number, what);
     return new Blob([content], { type: "application/octet-stream" });
   },
 };

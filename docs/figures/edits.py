@@ -1,22 +1,56 @@
-"""docs/edits.png: python3 docs/figures/edits.py STRIPS.png, ten rows of seven spheres, with the names of the edits beside them and a frame
-about the sphere that is not edited. Chromium sets the text."""
+"""docs/edits.jpg: python3 docs/figures/edits.py SRBF OUT.jpg. Ten edits of ready models, in seven steps each. The program edits and draws the
+models under its studio light; Chromium sets the text, and a frame about the ball that is not edited."""
 import os
+import subprocess
 import sys
+import tempfile
 
 here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "..", "..", "test"))
 import chromium  # noqa: E402
 
-PANEL, COLUMNS, HEAD, END = 72, 7, 310, 80  # pixels of a sphere, spheres of a row, pixels of the names and of the last values
-# Name, first and last value, and the column of the sphere that is not edited.
-ROWS = [("film: roughness", "× 0.5", "× 3", None), ("golden yellow: roughness", "× 0.5", "× 3", None), ("film: tint of the highlight", "cool", "warm", 3),
-        ("film: highlight", "× 0", "× 3", 2), ("paper: body", "× 0", "× 2", 3), ("film: saturation", "0", "2", 3), ("film: hue", "−90°", "90°", 3),
-        ("film: coat of roughness", "0.02", "0.5", None), ("paper into golden yellow", "0", "1", None), ("metallic paint into film", "0", "1", None)]
-STYLE = f"""body {{ margin: 0; background: #757575; color: #fff; font: 17px DejaVu Sans, sans-serif }} div {{ display: flex; align-items: center }}
-    p {{ margin: 0; width: {HEAD}px; box-sizing: border-box; padding: 0 10px; display: flex; justify-content: space-between; gap: 8px }} span + span {{ white-space: nowrap }}
-    p + svg + p {{ width: {END}px }}"""
-strips = os.path.abspath(sys.argv[1])
-frame = lambda at: "" if at is None else f'<rect x="{at * PANEL + 1}" y="1" width="{PANEL - 2}" height="{PANEL - 2}" fill="none" stroke="#fff" stroke-width="2"/>'
-rows = "".join(f'<div><p><span>{name}</span><span>{first}</span></p><svg width="{COLUMNS * PANEL}" height="{PANEL}"><image href="file://{strips}" '
-               f'y="{-row * PANEL}"/>{frame(unedited)}</svg><p>{last}</p></div>' for row, (name, first, last, unedited) in enumerate(ROWS))
-chromium.picture(f"<style>{STYLE}</style>{rows}", HEAD + COLUMNS * PANEL + END, os.path.join(here, "..", "edits.png"))
+PANEL, PATHS = 140, 96  # pixels of a panel, paths of a pixel
+HIDDEN = 14  # rows of a picture that are not shown, of the dark room above the horizon
+FILM, GOLD, PAPER, METAL = "cc_ibiza_sunset", "vch_golden_yellow", "paper_white", "ilm_l3_37_metallic_stand_in"
+ROUGHER, COATS, SHARES = [0.5, 0.7, 1, 1.5, 2, 2.5, 3], [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5], [i / 6 for i in range(7)]
+
+
+def tint(i):
+    """From cool to warm; white for i = 3."""
+    return f"{2 ** ((i - 3) / 5):.2f},1,{2 ** ((3 - i) / 5):.2f}"
+
+
+# The name, the model, the options of each step, the values below the balls, and the step that is not edited.
+ROWS = [(name, model, [[option, str(value)] for value in values], [text(value) for value in values], unedited) for name, model, option, values, text, unedited in (
+    ("Roughness of the film, --roughen", FILM, "--roughen", ROUGHER, "× {}".format, 2),
+    ("Roughness of golden yellow, --roughen", GOLD, "--roughen", ROUGHER, "× {}".format, 2),
+    ("Colour of the film's highlight, --tint-highlight R,G,B", FILM, "--tint-highlight", [tint(i) for i in range(7)], "{}".format, 3),
+    ("Brightness of the film's highlight, --scale-highlight", FILM, "--scale-highlight", [0, 0.5, 1, 1.5, 2, 2.5, 3], "× {}".format, 2),
+    ("Brightness of the paper's body, --scale-body", PAPER, "--scale-body", [i / 3 for i in range(7)], "× {:.2g}".format, 3),
+    ("Saturation of the film, --saturate", FILM, "--saturate", [i / 3 for i in range(7)], "{:.2g}".format, 3),
+    ("Hue of the film, --hue", FILM, "--hue", [30 * i for i in range(-3, 4)], "{}°".format, 3),
+    ("A clear coat on the film, from smooth to rough, --coat", FILM, "--coat", COATS, "{}".format, None),
+    ("Paper into golden yellow, srbf blend --mix", (PAPER, GOLD), "--mix", SHARES, "{:.2g}".format, None),
+    ("Silver paint into the film, srbf blend --mix", (METAL, FILM), "--mix", SHARES, "{:.2g}".format, None))]
+STYLE = f"""body {{ margin: 0; background: #fff; color: #222; font: 17px DejaVu Sans, sans-serif }} p {{ margin: 0; padding: 12px 6px 4px }}
+    div {{ display: flex }} figure {{ margin: 0; width: {PANEL}px; text-align: center; font-size: 15px }} figcaption {{ padding: 3px 0 }}
+    i {{ display: block; height: {PANEL - HIDDEN}px; }} .unedited i {{ outline: 4px solid #c40; outline-offset: -4px }} .unedited {{ font-weight: bold }}"""
+
+program, out = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+ready = lambda name: os.path.join(here, "..", "..", "data", "gallery", name + ".srbf")
+with tempfile.TemporaryDirectory() as work:
+    run = lambda *arguments: subprocess.run([program, *arguments], check=True, stdout=subprocess.DEVNULL, cwd=work)
+    page = ""
+    for row, (name, model, steps, values, unedited) in enumerate(ROWS):
+        models = [ready(part) for part in (model if isinstance(model, tuple) else (model,))]
+        edited = [f"{row}_{step}.srbf" for step in range(len(steps))]
+        for options, path in zip(steps, edited):
+            run("edit" if len(models) == 1 else "blend", *models, *options, "-o", path)
+        # The first picture, which is not shown, sets the exposure of the row.
+        run("render", models[0], *edited, "--size", f"{PANEL}x{PANEL}", "--spp", str(PATHS), "-o", f"{row}.png")
+        figures = ""
+        for step, value in enumerate(values):
+            figures += (f'<figure{" class=unedited" if step == unedited else ""}><i style="background: url({row}.png) {-(step + 1) * PANEL}px {-HIDDEN}px"></i>'
+                        f"<figcaption>{value}</figcaption></figure>")
+        page += f"<p>{name}</p><div>{figures}</div>"
+    chromium.picture(f"<style>{STYLE}</style>{page}", 7 * PANEL, out, work)

@@ -4,7 +4,9 @@ data/ready fits as the program does; --write puts the one of build/ there.
 
 SRBF_MEASUREMENTS: files or folders, separated by colons, to try beside the bundled ones."""
 import hashlib
+import math
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -20,10 +22,9 @@ srbf = root / "build/release/srbf"
 failures = []
 LONGEST_TASK, CANCELLED_WITHIN, MOST_MEMORY = 100, 1, 300 * 2**20  # milliseconds; seconds; bytes of the module
 PATIENCE = 400  # seconds until a fit counts as failed
-SAVED = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("wgsl", ".wgsl"), ("msl", ".metal"), ("c", ".h"), ("three", ".js"),
+SAVED = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("hlsl-environment", ".hlsl"), ("wgsl", ".wgsl"), ("msl", ".metal"), ("c", ".h"), ("three", ".js"),
          ("table", ".binary"), ("table", ".bsdf"), ("table", ".mbsdf")]
-
-
+NUMBER = re.compile(r"-?\d+\.?\d*(?:e[-+]?\d+)?")
 SLIDERS = ["roughen", "highlight", "highlight_warmth", "body", "body_warmth", "saturate"]
 
 
@@ -114,20 +115,36 @@ def compared(page, file, folder):
     for what, ending in SAVED:
         name = file.stem + ending
         mine, path = page.saved(what, name), folder / name
-        said = run("convert", model, "-o", path) if what == "table" else run("export", model, "--to", what, "-o", path)
+        language, *added = what.split("-")
+        exported = ["export", model, "--to", language, "-o", path] + ["--with"] * len(added) + added
+        said = run("convert", model, "-o", path) if what == "table" else run(*exported)
         if said.returncode != 0:
             check(mine.startswith("error "), f"{name}: the program refuses it: {said.stderr.strip()}")
-        elif ending in (".binary", ".bsdf", ".mbsdf", ".js") and mine != written(path):
+        elif (added or ending in (".binary", ".bsdf", ".mbsdf", ".js")) and mine != written(path):
             print(f"  note: {name} differs in bytes")  # fused arithmetic of pictures
             check(not mine.startswith("error "), f"{name}: {mine}")
         else:
             check(mine == written(path), f"{name} is not what the program writes: {mine}")
 
 
-def linked(page):
+def for_blender(page, subject, folder):
+    """The script for Blender is what the program writes of this subject; fitted numbers, which are of the order of 1, differ little."""
+    begun = time.time()
+    mine = page.chromium.run("app.save_as('blender', '').then((content) => content.text())")
+    seconds, path = time.time() - begun, folder / "theirs.py"
+    said = run("export", subject, "--to", "blender", "-o", path)
+    check(said.returncode == 0, said.stderr)
+    texts = [mine, path.read_text(encoding="utf-8")]
+    numbers = [[float(number) for number in NUMBER.findall(text)] for text in texts]
+    same = NUMBER.sub("#", texts[0]) == NUMBER.sub("#", texts[1]) and all(math.isclose(a, b, abs_tol=0.01) for a, b in zip(*numbers))
+    check(same, f"the script for Blender is not that of {subject.name}")
+    print(f"  {subject.name}: a script for Blender after {seconds:.1f} s, {'byte by byte' if texts[0] == texts[1] else 'nearly'} that of the program")
+
+
+def linked(page, folder):
     """A link of the gallery shows its model, which is saved as it is, and can be edited."""
     chromium, links = page.chromium, page.chromium.run("[...document.querySelectorAll('#gallery a')].map((link) => link.hash.slice(1))")
-    models = sorted(path.stem for path in (root / "data/gallery").glob("*.srbf"))
+    models = sorted((path.stem for path in (root / "data/gallery").glob("*.srbf")), key=lambda stem: ("_stand_in" in stem, stem))
     check(links == models, f"the gallery has {links}")
     name = models[-1] + ".srbf"
     chromium.click("#gallery li:last-child a")
@@ -139,6 +156,8 @@ def linked(page):
     shown = chromium.run("[...document.querySelectorAll('figure:not([hidden])')].map((figure) => figure.dataset.material).join()")
     check(shown == "1", f"{name}: pictures {shown}")
     check(not chromium.run("document.getElementById('editing').hidden"), f"{name} cannot be edited")
+    check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"), f"{name} is shown below the window")
+    for_blender(page, root / "data/gallery" / name, folder)
 
 
 def damaged(page, folder):
@@ -255,8 +274,10 @@ if not program():
 page = Page(one_file)
 with tempfile.TemporaryDirectory() as name:
     print("  the page in one file:")
-    compared(page, root / "data/cc_ibiza_sunset_rgb.bsdf", Path(name))
-    linked(page)
+    film = root / "data/cc_ibiza_sunset_rgb.bsdf"
+    compared(page, film, Path(name))
+    for_blender(page, film, Path(name))
+    linked(page, Path(name))
 closed(page)
 page = Page(root / "build/site/index.html")
 there = page.chromium.run("Math.round(performance.timing.loadEventEnd - performance.timing.navigationStart)")
@@ -267,7 +288,7 @@ with tempfile.TemporaryDirectory() as name:
         time.sleep(1)
         page.longest_task()  # to look at what is saved takes longer than to save it
     edited(page, Path(name))
-    linked(page)
+    linked(page, Path(name))
     damaged(page, Path(name))
     cancelled(page)
     replaced(page)

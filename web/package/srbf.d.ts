@@ -50,6 +50,8 @@ export interface Brdf {
   evaluate(wl: ArrayLike<number>, wv: ArrayLike<number>): Float32Array;
   /** The bytes of a table, for a file with this name: .binary (MERL), .bsdf (RGL), .mbsdf (MDL) or .csv. */
   table(name: string): Uint8Array;
+  /** A script in Python that makes a material for Blender (Cycles). It takes about 12 seconds. Throws for scattered samples, and for reflection and transmission. */
+  blender(): string;
   /** Frees the memory of the BRDF. */
   close(): void;
 }
@@ -59,8 +61,8 @@ export interface Model extends Brdf {
   report?: Report;
   /** The bytes of a model file (.srbf). */
   file(): Uint8Array;
-  /** Shading code with NAME_brdf(wl, wv), where NAME is from the file's name; `sampling` adds NAME_sample and NAME_pdf. */
-  code(language: Language, options?: { sampling?: boolean }): string;
+  /** Shading code with NAME_brdf(wl, wv), where NAME is from the file's name; `sampling` adds NAME_sample and NAME_pdf, `environment` NAME_environment. */
+  code(language: Language, options?: { sampling?: boolean; environment?: boolean }): string;
 }
 
 /** Fits a model to the bytes of a measurement with this name. Throws an Error of one line: file, offset, what, expected, found. */

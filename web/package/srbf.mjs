@@ -17,9 +17,10 @@ function brdf(srbf, { number, model, ...rest }) {
   const common = {
     evaluate: (wl, wv) => srbf.evaluate(number, wl, wv),
     table: (name) => srbf.table(number, name),
+    blender: () => srbf.blender(number),
     close: () => srbf.close(number),
   };
-  return model === false ? common : { ...common, file: () => srbf.model_file(number), code: (language, { sampling = false } = {}) => srbf.code(number, language, sampling), ...rest };
+  return model === false ? common : { ...common, file: () => srbf.model_file(number), code: (language, options = {}) => srbf.code(number, language, options), ...rest };
 }
 
 export async function open(bytes, name = "measurement") {

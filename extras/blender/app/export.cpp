@@ -13,6 +13,7 @@
 #include "blender/script_text.h"
 #include "errors/picture_errors.h"
 #include "extras/blender/closures.h"
+#include "extras/blender/script.h"
 #include "measured/isotropy.h"
 #include "srbf/file.h"
 #include "srbf/objective.h"
@@ -21,20 +22,11 @@
 namespace srbf {
 namespace {
 
-/// The subject of a material; an error if its reflection is not a BRDF as a function of any two directions.
+/// The subject of a material.
 Result<Subject> load_reflection(const std::string& file, const std::string& to) {
     auto subject = load_subject(file);
     if (!subject) return subject;
-    const auto refused = [&](const char* expected, const char* found) {
-        return Error{file, {}, "input for " + to, expected, found, ErrorCode::argument};
-    };
-    if (is_two_sided(subject->content)) return refused("a BRDF", "reflection and transmission");
-    if (const auto* model = std::get_if<Model>(&subject->content)) {
-        if (std::holds_alternative<OpenPbrModel>(model->model))
-            return refused("a measurement or another model", "a surface, which --to principled writes");
-    } else if (std::holds_alternative<ScatteredSamples>(std::get<Measured>(subject->content).table)) {
-        return refused("a table or a model", "scattered samples, which srbf fit fits first");
-    }
+    if (const auto valid = check_reflection(*subject, to); !valid) return valid.error();
     return subject;
 }
 
@@ -48,28 +40,6 @@ std::vector<std::string> material_names(const std::vector<std::string>& files) {
         names.push_back(name);
     }
     return names;
-}
-
-/// The texels of the tables, a column for each knot. A term has a row with its shape and one with its weights; then a
-/// row for each colour of the diffuse ramp.
-std::string texels(const ClosureSum& sum) {
-    std::string text;
-    const auto add_row = [&](const auto& texel_of) {
-        text += "\n        ";
-        for (std::size_t i = 0; i < sum.knots(); ++i) {
-            const Rgb texel = texel_of(i);
-            text += fmt::format("{:.5g}, {:.5g}, {:.5g}, ", texel.r, texel.g, texel.b);
-        }
-        text.pop_back();
-    };
-    for (std::size_t k = 0; k < sum.terms; ++k) {
-        const auto closure = [&](std::size_t i) { return sum.closures[i * sum.terms + k]; };
-        add_row([&](std::size_t i) { return Rgb{closure(i).slope, closure(i).roughness, closure(i).anisotropy}; });
-        add_row([&](std::size_t i) { return closure(i).weight; });
-    }
-    for (std::size_t j = 0; j < sum.ramp; ++j) add_row([&](std::size_t i) { return sum.diffuse[i * sum.ramp + j]; });
-    text.pop_back();
-    return text;
 }
 
 /// Fits the subject and prints the visible error.
@@ -91,11 +61,6 @@ Result<ClosureSum> fit_and_report(const Subject& subject, const std::string& nam
                errors.worst_delta_e);
     return sum;
 }
-
-struct NamedClosures {
-    std::string name;
-    ClosureSum sum;
-};
 
 Result<std::vector<NamedClosures>> fitted_closures(const ExportCommand& command, const ClosureFitOptions& options) {
     std::vector<Subject> subjects;
@@ -123,18 +88,7 @@ int write_text(const ExportCommand& command, const std::string& text) {
 int write_script(const ExportCommand& command, int terms) {
     const auto materials = fitted_closures(command, {.terms = terms});
     if (!materials) return complain(materials.error());
-    std::string text =
-        "# Written by srbf " SRBF_VERSION
-        ": materials for Cycles, Blender 4.5 or later. Run it in Blender: the selected objects get\n"
-        "# the materials. With the name of a .blend file after \"--\" it writes that file, where they are assets with\n"
-        "# previews. A script that imports it calls measured_materials().\n"
-        "# Name, angles of the viewer from 0 to 90 degrees, terms, and the tables over these angles: for each term a "
-        "row of\n"
-        "# slope, roughness and anisotropy, and one of weights in linear Rec.709; then the diffuse colour.\n"
-        "_MEASURED = [\n";
-    for (const auto& [name, sum] : *materials)
-        text += fmt::format("    (\"{}\", {}, {}, [{}\n    ]),\n", name, sum.knots(), sum.terms, texels(sum));
-    return write_text(command, text + "]\n" + k_nodes_text);
+    return write_text(command, blender_script(*materials));
 }
 
 int write_shader(const ExportCommand& command, int terms) {
@@ -148,7 +102,7 @@ int write_shader(const ExportCommand& command, int terms) {
     const auto materials = fitted_closures(command, {.terms = terms, .ramp = k_ramp_of_osl});
     if (!materials) return complain(materials.error());
     const auto& [name, sum] = materials->front();
-    const std::string table = texels(sum);
+    const std::string table = table_text(sum);
     return write_text(
         command,
         "// Written by srbf " SRBF_VERSION

@@ -281,7 +281,7 @@ TEST_F(EnvironmentCodes, UnrolledLoopsComputeTheSame) {
         std::array<void (*)(const Vec3f*, const Vec3f*, Rgb*), 2> answers{};
         for (const bool unrolled : {false, true}) {
             texts[unrolled] = *environment_code(std::span(&named, 1), "film", {.language = CodeLanguage::c},
-                                                {.area = true, .fixed = true, .unrolled = unrolled});
+                                                {.area = true, .lobes = 3, .fixed = true, .unrolled = unrolled});
             void* const library =
                 compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror",
                          unrolled ? "unrolled" : "loops",

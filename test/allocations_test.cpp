@@ -45,11 +45,7 @@ template <typename Action> bool fails(std::size_t at, const Action& action) {
 
 /// A run for each allocation of each file takes time in their number's square: after the first ones, one of these many
 /// fails.
-#ifdef __SANITIZE_ADDRESS__
 constexpr std::size_t k_step = 61;
-#else
-constexpr std::size_t k_step = 17;
-#endif
 
 TEST(Allocations, ThatFailEndAReader) {
     const auto folders = corpora();

@@ -71,7 +71,9 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
         if (is_offered({"render"})) done({"render", file, "-o", "x.png", "--size", "4x4", "--spp", "1"});
         if (file.find("srbf") != file.npos && file.find(".csv") == file.npos)
             done({"export", file, "--to", "c", "-o", "x.h"});
-        else if (file.find("eval") == file.npos || file == "eval_spectral.srbf.csv")
+        else if (!file.ends_with(".csv"))
+            done(k_quick_fit + Arguments{file, "-o", "x.srbf"});
+        else if (file == "eval_spectral.srbf.csv")
             done({"fit", file, "--model", "ggx", "--objective", "raw", "-o", "x.srbf"});
     }
     if (!is_offered({"render"})) return;

@@ -38,9 +38,10 @@ class WrittenCode : public testing::Test {
     }
 
     /// The library of this C or C++, loaded until the test ends; null, and a failure, where there is none.
-    void* compiled(const std::string& compiler, const std::string& name, const std::string& text) {
+    void* compiled(const std::string& compiler, const std::string& name, const std::string& text,
+                   const std::string& level = "-O1") {
         const std::string source = written(name + ".c", text), file = path(name + ".so");
-        EXPECT_TRUE(runs(fmt::format("{} -O1 -shared -fPIC '{}' -o '{}' -lm", compiler, source, file)));
+        EXPECT_TRUE(runs(fmt::format("{} {} -shared -fPIC '{}' -o '{}' -lm", compiler, level, source, file)));
         void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
         if (library)
             loaded_.push_back(library);

@@ -143,7 +143,7 @@ TEST(Fit, ScalesWithItsData) {
 
 TEST(Fit, DoesNotDependOnTheUnitOfTheData) {
     const Evaluate paper = signed_evaluator(bundled("paper_white_rgb"));
-    const PmFitOptions options{.lobes = 2, .variates = 2};
+    const PmFitOptions options{.lobes = 2, .variates = 2, .starts = 4, .perturbations = 4};
     std::vector<double> losses;
     for (const float unit : {1e-20f, 1.f, 1e20f}) {
         const auto scaled = [&](auto wl, auto wv, auto f) {
@@ -252,23 +252,21 @@ TEST(Fit, AlbedoIsWithinItsLimit) {
         }
     };
     ASSERT_GT(albedo(rising, 86 * k_degree, k_pi / 2).r, 1.05);
-    for (const std::optional<double> limit : {std::optional<double>(), std::optional<double>(0.5)})
-        for (const bool axial : {true, false}) {
-            PmFitOptions options = short_search(limit ? PmForm::extended : PmForm::reciprocal, 3, 2);
-            options.axial = axial, options.albedo_limit = limit;
-            options.starts = options.perturbations = 2;
-            const auto fit = fit_pm(*observe(rising, {}), options);
-            ASSERT_TRUE(fit);
-            for (const PmModel& model : {fit->model, fit->unrounded}) {
-                for (const double cosine : {1.0, 0.6, 0.3, 0.11, 0.06, 0.03, 0.008, 0.003, 0.001}) {
-                    const Rgb a = albedo(evaluator(model), elementary::acos(cosine), k_pi / 2);
-                    EXPECT_LE(largest_of(a), 1.005 * limit.value_or(1)) << cosine;
-                }
+    for (const std::optional<double> limit : {std::optional<double>(), std::optional<double>(0.5)}) {
+        PmFitOptions options = short_search(limit ? PmForm::extended : PmForm::reciprocal, 3, 2);
+        options.axial = limit.has_value(), options.albedo_limit = limit;
+        options.starts = options.perturbations = 2;
+        const auto fit = fit_pm(*observe(rising, {}), options);
+        ASSERT_TRUE(fit);
+        for (const PmModel& model : {fit->model, fit->unrounded})
+            for (const double cosine : {1.0, 0.6, 0.3, 0.11, 0.06, 0.03, 0.008, 0.003, 0.001}) {
+                const Rgb a = albedo(evaluator(model), elementary::acos(cosine), k_pi / 2);
+                EXPECT_LE(largest_of(a), 1.005 * limit.value_or(1)) << cosine;
             }
-            if (!limit) {
-                EXPECT_GT(albedo(evaluator(fit->model), 30 * k_degree, k_pi / 2).r, 0.6);
-            }
+        if (!limit) {
+            EXPECT_GT(albedo(evaluator(fit->model), 30 * k_degree, k_pi / 2).r, 0.6);
         }
+    }
 }
 
 /// The mean is reciprocal, equal to a reciprocal function, and where one value is missing, equal to the other.

@@ -155,8 +155,7 @@ def test_a_fit_tells_what_the_program_tells(paper):
     assert srbf.errors(paper, paper)["delta_e_itp"] == 0
 
 
-def test_errors_of_functions_are_those_of_their_values(paper):
-    facets = srbf.fit(paper, model="ggx").model
+def test_errors_of_functions_are_those_of_their_values(paper, facets):
     model_errors, function_errors = srbf.errors(paper, facets), srbf.errors(paper, lambda wl, wv: facets.eval(wl, wv))
     for name in ("delta_e_itp", "rms", "heldout_squared_error_ratio_cosine", "albedo_error"):
         assert function_errors[name] == pytest.approx(model_errors[name], rel=1e-3)

@@ -28,3 +28,16 @@ if(SHARED OR POSITION_INDEPENDENT)
   configured(${FOLDER}/whole_shared -DBUILD_SHARED_LIBS=ON)
   used(${FOLDER}/whole_shared library development)  # its program is not built
 endif()
+
+# What draws with environments, which takes long to filter.
+find_program(XVFB xvfb-run)
+run(${BUILD}/srbf export --help)
+if(XVFB AND EXISTS ${FOLDER}/examples/environment_light AND out MATCHES "NAME_environment" AND out MATCHES "dds:")
+  run(${BUILD}/srbf export ${FOLDER}/paper.srbf --to glsl --with environment -o ${FOLDER}/paper.glsl)
+  run(${BUILD}/srbf export studio --to dds -o ${FOLDER}/studio.dds)
+  run(${XVFB} -a ${FOLDER}/examples/environment_light ${FOLDER}/paper.glsl ${FOLDER}/studio.dds ${FOLDER}/paper.png)
+  file(SIZE ${FOLDER}/paper.png bytes)
+  if(bytes LESS 20000)
+    message(FATAL_ERROR "not the picture of a sphere: ${bytes} bytes")
+  endif()
+endif()

@@ -198,9 +198,9 @@ TEST_F(EnvironmentCodes, AreaLightsAreIntegralsOfTheLobes) {
     EXPECT_NEAR(green({0, 0, 1}, sky), double(albedo(brdf, 1).g), 0.01);
 }
 
-Library map_of(std::size_t width) {
+Library map_of(int lobes, std::size_t width) {
     std::mt19937_64 random(1);
-    return random_map(random, {true, true, 5, 3, 60, PmForm::extended}, width, 1);
+    return random_map(random, {true, true, lobes, 3, 60, PmForm::extended}, width, 1);
 }
 std::string lit_code(const Library& map, CodeLanguage language) {
     const auto text = map_code(map, "map", {.language = language, .albedo = true, .with = {"environment", "area"}});
@@ -213,7 +213,7 @@ void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, c
 /// The radiance of an even environment is reflected by the albedo, and that of a large quadrilateral near the surface; both
 /// of a mean of coefficients is the mean.
 TEST_F(EnvironmentCodes, LightOfMapsIsLinear) {
-    const Library map = map_of(2);
+    const Library map = map_of(5, 2);
     void* const library =
         compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "light",
                  lit_code(map, CodeLanguage::c) +
@@ -255,7 +255,7 @@ TEST_F(EnvironmentCodes, LightOfMapsCompiles) {
     EXPECT_TRUE(compiles_as_glsl(
         "light.frag",
         "#version 300 es\nprecision highp float;\nuniform highp sampler2DArray layers;\n" +
-            lit_code(map_of(1), CodeLanguage::glsl) +
+            lit_code(map_of(1, 1), CodeLanguage::glsl) +
             "vec3 map_layer(int j, float u, float v) { return texture(layers, vec3(u, v, float(j))).rgb; }\n"
             "vec3 map_radiance(vec3 w, float roughness) { return w; }\n"
             "in vec3 a, b; in vec2 uv; out vec4 c;\n"
@@ -281,7 +281,7 @@ TEST_F(EnvironmentCodes, UnrolledLoopsComputeTheSame) {
         std::array<void (*)(const Vec3f*, const Vec3f*, Rgb*), 2> answers{};
         for (const bool unrolled : {false, true}) {
             texts[unrolled] = *environment_code(std::span(&named, 1), "film", {.language = CodeLanguage::c},
-                                                {.area = true, .fixed = true, .unrolled = unrolled});
+                                                {.area = true, .lobes = 3, .fixed = true, .unrolled = unrolled});
             void* const library =
                 compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror",
                          unrolled ? "unrolled" : "loops",
@@ -314,7 +314,7 @@ TEST_F(EnvironmentCodes, WhatIsNotOfferedIsRefused) {
         ASSERT_FALSE(text);
         EXPECT_EQ(text.error().code, ErrorCode::argument);
     }
-    EXPECT_FALSE(map_code(map_of(1), "map", {.with = {"environment-draws"}}));
+    EXPECT_FALSE(map_code(map_of(1, 1), "map", {.with = {"environment-draws"}}));
 }
 
 }  // namespace

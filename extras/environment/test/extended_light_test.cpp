@@ -19,7 +19,7 @@ const Model& plastic() {
 }
 
 /// ∫ g(w) dω over the hemisphere about z, by midpoints that are uniform in √(1 − cosθ) and φ.
-template <typename G> double hemisphere_integral(const G& g, int rings = 400, int azimuths = 400) {
+template <typename G> double hemisphere_integral(const G& g, int rings = 200, int azimuths = 200) {
     double sum = 0;
     for (int i = 0; i < rings; ++i) {
         const double u = (i + 0.5) / rings, c = 1 - u * u, s = std::sqrt(1 - c * c);

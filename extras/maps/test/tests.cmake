@@ -1,6 +1,6 @@
-in_program(maps -O1)
+in_program(extras -O1)
 srbf_test(basis                all  fit)
 srbf_test(texel_coefficients   all  unit)
-in_program(texel_files)
+in_program(extras_program)
 srbf_test(texel_files          all  program fit input)
 filtered(texel_files Npy.*)

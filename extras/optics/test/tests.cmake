@@ -1,4 +1,4 @@
-in_program(optics SANITIZED)
+in_program(extras_files SANITIZED)
 srbf_test(scatter              one  unit input)
 filtered(scatter -*.WriteReadIdentity)
-target_link_libraries(optics_tests PRIVATE srbf::optics)
+target_link_libraries(extras_files_tests PRIVATE srbf::optics)

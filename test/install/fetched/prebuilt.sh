@@ -1,5 +1,5 @@
 #!/bin/sh
-# prebuilt.sh COMPILER ARGUMENT..: copies an object file of the library from the build in $PREBUILT, and compiles others.
+# prebuilt.sh COMPILER ARGUMENT..: copies an object file of the library, or its compiled headers, from the build in $PREBUILT, and compiles others.
 output= depfile= before=
 for argument; do
   case $before in -o) output=$argument ;; -MF) depfile=$argument ;; esac
@@ -7,6 +7,6 @@ for argument; do
 done
 object=$PREBUILT/CMakeFiles/${output#*/CMakeFiles/}
 case $output in
-  */CMakeFiles/srbf*.o) echo "$output:" > "$depfile" && exec cp "$object" "$output" ;;
+  */CMakeFiles/srbf*.o | */CMakeFiles/srbf*.gch) echo "$output:" > "$depfile" && exec cp "$object" "$output" ;;
 esac
 exec "$@"

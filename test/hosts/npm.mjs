@@ -11,8 +11,8 @@ const { fit, open } = await import(path.join(root, "build/npm/srbf.mjs"));
 const program = (...all) => execFileSync(path.join(root, "build/release/srbf"), all, { stdio: "pipe" });
 const paper = path.join(root, "data/paper_white_rgb.bsdf"), bytes = readFileSync(paper), name = "paper_white_rgb.bsdf";
 
-// Without the lobes for environments, which are found by what renderers evaluate: their digits depend on the processor.
-const without_lobes = (code) => code.replace(/(light_lobes\[\d+\] = float\[\]?\d*\]?\()[^)]*\)/g, "$1)");
+// A three.js module has lobes for environments, which are found by what renderers evaluate: their numbers depend on the processor.
+const compared = (code, language) => language === "three" ? code.replace(/-?\d+\.?\d*(e[-+]?\d+)?/g, "#") : code;
 
 const stages = [];
 const model = await fit(bytes, { name, lobes: 2, progress: (stage, fraction) => void stages.push(fraction) });
@@ -22,7 +22,7 @@ assert.deepEqual(Buffer.from(model.file()), file, "the model's file");
 for (const language of ["glsl", "hlsl", "wgsl", "msl", "c", "three"]) {
   const at = path.join(folder, language);
   program("export", path.join(folder, "paper_white_rgb.srbf"), "--to", language, "-o", at);
-  assert.equal(without_lobes(model.code(language)), without_lobes(readFileSync(at, "utf8")), language);
+  assert.equal(compared(model.code(language), language), compared(readFileSync(at, "utf8"), language), language);
 }
 assert(stages.length > 10 && stages.every((x, i) => i === 0 || x >= stages[i - 1]) && stages.at(-1) <= 1, "progress");
 assert.equal(model.report.bytes, file.length - 8 - Number(file.readBigUint64LE()), "the report's bytes");

@@ -29,8 +29,8 @@ assert.equal(model.report.bytes, file.length - 8 - Number(file.readBigUint64LE()
 const again = await open(file, "paper_white_rgb.srbf"), wl = [0, 0, 1, 0.6, 0, 0.8], wv = [0.6, 0, 0.8, 0, 0, 1];
 assert.deepEqual(again.evaluate(wl, wv), model.evaluate(wl, wv));
 assert(model.evaluate(wl, wv).every((f) => f > 0.1 && f < 1), "paper is white");
-await assert.rejects(fit(bytes, { name, lobe: 3 }), /options: names: expected/);
-await assert.rejects(fit(bytes, { name, lobes: 0 }), /options: lobes: expected a whole number 1 to 64, found 0/);
+await assert.rejects(fit(bytes, { name, lobe: 3 }), /options: expected model/);
+await assert.rejects(fit(bytes, { name, lobes: 0 }), /options: lobes: expected 1 to 64 or auto, found 0/);
 await assert.rejects(fit(bytes, { name, progress: () => false }), /cancelled/);
 await assert.rejects(open(bytes.subarray(0, 1000), name), /^Error: paper_white_rgb.bsdf: /);
 

@@ -247,11 +247,6 @@ const std::vector<Row>& rows() {
              return g.pm_line(samples_of(g.film, 300, false), 3, k_default_objective,
                               {.form = PmForm::extended, .effort = 0.3});
          }},
-        {"film-samples-cube-root",
-         [](const G& g) {
-             return g.pm_line(samples_of(g.film, 300, false), 2, Objective::cube_root,
-                              {.form = PmForm::extended, .effort = 0.2});
-         }},
         {"film-spectra",
          [](const G& g) {
              FitRequest request = g.request({.size = LobeCount{2}, .effort = 0.2}, Objective::cosine);

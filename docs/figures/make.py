@@ -1,9 +1,8 @@
-"""The picture of the front page: python3 docs/figures/make.py SRBF OUT.jpg [YELLOW METAL] [--compose], as `./run figures` calls it.
+"""The picture of the front page: python3 docs/figures/make.py SRBF OUT.jpg [YELLOW SUNFLOWER] [--compose], as `./run figures` calls it.
 
-The bundled film and paper, each measured, fitted by srbf and fitted by Lambert and two GGX lobes, on the same object under the same
-environment, with the visible error of each fit; between them another film and a metal, if their files are given. Those of docs/front.jpg
-are vch_golden_yellow of the RGL database, and a stand-in: a table of MERL's layout, computed from the network that Sztrajman et al.
-published for brass. Chromium sets the text. With --compose only the text is set, about pictures drawn before.
+The bundled film and paper, each measured, fitted by srbf and fitted by Lambert and two GGX lobes, on the same object under three lamps,
+with the visible error of each fit; between them two more films, if their files are given. Those of docs/front.jpg are vch_golden_yellow
+and cg_sunflower of the RGL database. Chromium sets the text. With --compose only the text is set, about pictures drawn before.
 """
 import json
 import os
@@ -17,12 +16,12 @@ import chromium  # noqa: E402
 
 PANEL = 360  # pixels a side
 HIDDEN, SHOWN = 37, 323  # rows of a picture that are not shown, of the dark room above the horizon, and those that are
-PATHS = 128  # a pixel
+PATHS = 256  # a pixel
 HEAD = 150  # pixels of the names of the rows
-FILM = ("Vinyl film", "cc_ibiza_sunset", os.path.join(data, "cc_ibiza_sunset_rgb.bsdf"))
+FILM = ("Colour-shifting film", "cc_ibiza_sunset", os.path.join(data, "cc_ibiza_sunset_rgb.bsdf"))
 PAPER = ("White paper", "paper_white", os.path.join(data, "paper_white_rgb.bsdf"))
-GIVEN = [("Yellow film", "yellow"), ("Brass (stand-in)", "metal")]
-ROWS = [("the table", ""), ("srbf,<br>210 bytes", ""), ("Lambert,<br>two GGX,<br>26 bytes", "_ggx")]
+GIVEN = [("Metallic film", "yellow"), ("Glossy film", "sunflower")]
+ROWS = [("measured", ""), ("srbf,<br>210 bytes", ""), ("Lambert,<br>two GGX,<br>26 bytes", "_ggx")]
 STYLE = f"""body {{ margin: 0; background: #fff; color: #222; font: 24px DejaVu Sans, sans-serif }} div {{ display: flex; align-items: center }}
     b {{ width: {PANEL}px; text-align: center; font-weight: normal; padding: 10px 0 }} p {{ width: {HEAD}px; margin: 0; padding-left: 10px;
     box-sizing: border-box }} i {{ width: {PANEL}px; height: {SHOWN}px; position: relative; font-style: normal }} u {{ position: absolute; left: 8px;
@@ -34,7 +33,7 @@ def draw(program, materials, work):
     for _, stem, measured in materials:
         run("fit", measured, "-o", stem + ".srbf", "--json", stem + ".json")
         run("fit", measured, "--model", "ggx", "--lobes", "2", "-o", stem + "_ggx.srbf", "--json", stem + "_ggx.json")
-        run("render", measured, stem + ".srbf", stem + "_ggx.srbf", "--size", f"{PANEL}x{PANEL}", "--spp", str(PATHS), "-o", stem + ".png")
+        run("render", measured, stem + ".srbf", stem + "_ggx.srbf", "--env", "none", "--lights", "three", "--size", f"{PANEL}x{PANEL}", "--spp", str(PATHS), "-o", stem + ".png")
 
 
 def compose(materials, work, out):

@@ -19,19 +19,24 @@ constexpr double k_least_clamped = 0.01;
 constexpr double k_second_difference_variance = 1.5;
 
 double normal_density(double t) { return elementary::exp(-t * t / 2) / std::sqrt(2 * k_pi); }
-/// Φ(−t) of the normal distribution, within 7.5e-8 (Abramowitz & Stegun 1964, 26.2.17).
-double normal_tail(double t) {
-    if (t < 0) return 1 - normal_tail(-t);
+/// Φ(−t) of the normal distribution with its density at t, within 7.5e-8 (Abramowitz & Stegun 1964, 26.2.17).
+double normal_tail(double t, double density) {
+    if (t < 0) return 1 - normal_tail(-t, density);
     constexpr double b[] = {1.330274429, -1.821255978, 1.781477937, -0.356563782, 0.319381530};
     const double k = 1 / (1 + 0.2316419 * t);
     double sum = 0;
     for (const double x : b) sum = (sum + x) * k;
-    return normal_density(t) * sum;
+    return density * sum;
 }
 
-/// Moments of max(0, t + n) of a normal n of variance 1.
-double mean_at(double t) { return normal_density(t) + t * normal_tail(-t); }
-double square_at(double t) { return (1 + t * t) * normal_tail(-t) + t * normal_density(t); }
+/// The mean and the mean square of max(0, t + n) of a normal n of variance 1.
+struct ClampedMoments {
+    double mean, square;
+};
+ClampedMoments clamped_moments(double t) {
+    const double density = normal_density(t), above = normal_tail(-t, density);
+    return {density + t * above, (1 + t * t) * above + t * density};
+}
 
 /// The t at which a decreasing function reaches a value, or an end of [−3, k_unclamped].
 template <typename Function> double argument_of(const Function& decreasing, double value) {
@@ -45,9 +50,12 @@ template <typename Function> double argument_of(const Function& decreasing, doub
 
 /// σ of samples with this mean and variance.
 double deviation_of(double mean, double variance) {
-    const double t = argument_of([](double x) { return square_at(x) / elementary::square(mean_at(x)) - 1; },
-                                 variance / (mean * mean));
-    return t > 0.99 * k_unclamped ? std::sqrt(variance) : mean / mean_at(t);
+    const auto relative_variance = [](double x) {
+        const ClampedMoments moments = clamped_moments(x);
+        return moments.square / elementary::square(moments.mean) - 1;
+    };
+    const double t = argument_of(relative_variance, variance / (mean * mean));
+    return t > 0.99 * k_unclamped ? std::sqrt(variance) : mean / clamped_moments(t).mean;
 }
 
 /// Samples in rows along which the azimuth rises.
@@ -115,15 +123,15 @@ Rgb clamped_deviation(const Measured& measured) {
 
 float clamped_excess(float m, float deviation) {
     if (!(deviation > 0)) return 0;
-    const double t = double(m) / double(deviation);
-    return float(double(deviation) * (normal_density(t) - t * normal_tail(t)));
+    const double t = double(m) / double(deviation), density = normal_density(t);
+    return float(double(deviation) * (density - t * normal_tail(t, density)));
 }
 
 float unclamped(float mean, float deviation) {
     if (!(deviation > 0)) return mean;
     const double of_mean = double(mean) / double(deviation);
     if (of_mean >= k_unclamped) return mean;
-    const double t = argument_of([](double x) { return -mean_at(x); }, -of_mean);
+    const double t = argument_of([](double x) { return -clamped_moments(x).mean; }, -of_mean);
     return float(std::max(t, 0.0) * double(deviation));
 }
 

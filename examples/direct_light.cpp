@@ -46,7 +46,7 @@ Rgb reflected(const srbf::PreparedBrdf& brdf, const Frame& frame, Vec3f wv, bool
     // A direction sampled by the model, with f cos(theta_l) / pdf. If it hits the window, it shares the window's light
     // with the sample below, in proportion to their densities (the balance heuristic).
     const float u = random(), v = random(), selector = random();
-    const srbf::LightSample s = sample(brdf, wv, {u, v}, selector);
+    const srbf::LightSample s = srbf::sample(brdf, wv, {u, v}, selector);
     if (s.pdf > 0) {
         const Vec3f w = frame.to_world(s.wl);
         const bool hits = dot(w, k_window.z) > k_cosine;
@@ -59,8 +59,8 @@ Rgb reflected(const srbf::PreparedBrdf& brdf, const Frame& frame, Vec3f wv, bool
     const float x = random(), y = random();
     const Vec3f wl = frame.to_local(sample_window(x, y));
     if (wl.z > 0) {
-        const srbf::ValuePdf f = value_pdf(brdf, wl, wv);
-        add(k_radiance * wl.z / (k_window_pdf + f.pdf), f.value);
+        const srbf::ValuePdf f = srbf::value_pdf(brdf, wl, wv);  // NaN where a measurement has no value
+        if (f.value.g >= 0) add(k_radiance * wl.z / (k_window_pdf + f.pdf), f.value);
     }
     return sum;
 }
@@ -70,7 +70,7 @@ int main(int count, char** arguments) {
     if (count < 3 || samples < 1) return std::puts("usage: direct_light MODEL PICTURE.ppm [SAMPLES [alone]]"), 2;
     const auto model = srbf::load(arguments[1]);
     if (!model) return std::fprintf(stderr, "%s\n", message(model.error()).c_str()), 1;
-    const srbf::PreparedBrdf brdf = prepare(*model);  // once; any number of threads may use it
+    const srbf::PreparedBrdf brdf = srbf::prepare(*model);  // once; any number of threads may use it
 
     constexpr int k_size = 200;
     Random random;

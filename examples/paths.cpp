@@ -62,12 +62,12 @@ template <typename Random> Rgb trace(const srbf::PreparedBrdf& brdf, Vec3f at, V
         const float z = 1 - random() * (1 - k_cosine), r = std::sqrt(1 - z * z), phi = 2 * k_pi * random();
         const Vec3f to_sun = k_sun.to_world({r * std::cos(phi), r * std::sin(phi), z}), wl = frame.to_local(to_sun);
         if (wl.z > 0 && intersect(at, to_sun).distance == 0) {
-            const srbf::ValuePdf f = value_pdf(brdf, wl, wv);
-            sum = sum + k_radiance * wl.z / (k_sun_pdf + f.pdf) * through * f.value;
+            const srbf::ValuePdf f = srbf::value_pdf(brdf, wl, wv);  // NaN where a measurement has no value
+            if (f.value.g >= 0) sum = sum + k_radiance * wl.z / (k_sun_pdf + f.pdf) * through * f.value;
         }
         // The path goes on in a direction that the model samples. It ends by chance if it carries little light.
         const float x = random(), y = random(), selector = random();
-        const srbf::LightSample s = sample(brdf, wv, {x, y}, selector);
+        const srbf::LightSample s = srbf::sample(brdf, wv, {x, y}, selector);
         if (!(s.pdf > 0)) return sum;
         through = through * s.weight;
         const float survival = std::min(0.95f, std::max({through.r, through.g, through.b}));
@@ -81,7 +81,7 @@ int main(int count, char** arguments) {
     if (count < 3 || samples < 1) return std::puts("usage: paths MODEL PICTURE.ppm [SAMPLES]"), 2;
     const auto model = srbf::load(arguments[1]);
     if (!model) return std::fprintf(stderr, "%s\n", message(model.error()).c_str()), 1;
-    const srbf::PreparedBrdf brdf = prepare(*model);
+    const srbf::PreparedBrdf brdf = srbf::prepare(*model);
 
     constexpr int k_width = 320, k_height = 240;
     std::mt19937 engine(1);

@@ -5,7 +5,7 @@
 #include "srbf/srbf.h"
 
 int failed(const srbf::Error& error) {  // of which file, at which offset, what was expected, and what was found
-    std::fprintf(stderr, "%s\n", message(error).c_str());
+    std::fprintf(stderr, "%s\n", srbf::message(error).c_str());
     return 1;
 }
 
@@ -14,15 +14,15 @@ int main(int count, char** arguments) {
     if (!measured) return failed(measured.error());
     const auto fitted = srbf::fit(*measured);
     if (!fitted) return failed(fitted.error());
-    if (const auto done = save(fitted->model, "fitted.srbf"); !done) return failed(done.error());
+    if (const auto done = srbf::save(fitted->model, "fitted.srbf"); !done) return failed(done.error());
     std::printf("%zu bytes, visible error %.2f\n", fitted->bytes, fitted->delta_e);
 
-    const srbf::PreparedBrdf brdf = prepare(fitted->model);
+    const srbf::PreparedBrdf brdf = srbf::prepare(fitted->model);
     const srbf::Vec3f wv{0, 0.6f, 0.8f};
-    const srbf::LightSample light = sample(brdf, wv, {0.3f, 0.7f}, 0.5f);  // of numbers that are uniform in [0, 1)
-    std::printf("f %.4f, pdf %.4f, weight %.4f, albedo %.4f\n", double(value(brdf, light.wl, wv).g),
-                double(pdf(brdf, light.wl, wv)), double(light.weight.g), double(albedo(brdf, wv.z).g));
-    const auto code = shading_code(fitted->model, "paper", "glsl");
+    const srbf::LightSample light = srbf::sample(brdf, wv, {0.3f, 0.7f}, 0.5f);  // numbers uniform in [0, 1)
+    std::printf("f %.4f, pdf %.4f, weight %.4f, albedo %.4f\n", double(srbf::value(brdf, light.wl, wv).g),
+                double(srbf::pdf(brdf, light.wl, wv)), double(light.weight.g), double(srbf::albedo(brdf, wv.z).g));
+    const auto code = srbf::shading_code(fitted->model, "paper", "glsl");
     if (!code) return failed(code.error());
     std::puts(code->c_str());
 }

@@ -24,7 +24,7 @@ Result<LoadedBrdf> load(const std::string& path);
 /// A model with its size and its error.
 struct FittedBrdf {
     LoadedBrdf model;
-    std::size_t bytes;  ///< of the numbers of the model
+    std::size_t bytes;  ///< size of the model's numbers in bytes, without the file's header
     double delta_e;     ///< mean ΔE_ITP of pictures of a sphere against the measurement; 1 is just noticeable
 };
 /// Fits the model that `srbf fit` fits without options, in about three seconds on two cores, half of them for the
@@ -53,8 +53,8 @@ struct LightSample {
 };
 
 /// Prepares a model or a measurement, and the front alone of a surface with two sides. Also computes a density to
-/// sample by, which takes about 200 ms of processor time for a model, on all threads of the machine. `prepare` of
-/// prepared.h takes a number of threads, and the azimuths of an anisotropic BRDF, for a better density.
+/// sample by, in about 200 ms of processor time for a model, on all threads of the machine. `prepare` of prepared.h
+/// takes what load_model or load_measured reads, a number of threads, and azimuths for an anisotropic BRDF.
 PreparedBrdf prepare(const LoadedBrdf& brdf);
 
 /// f_r(wl, wv) [1/sr], without the cosine. For a model it differs from `value` of model.h by at most 1e-4 of that value
@@ -71,7 +71,7 @@ LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector);
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
 /// The results of `value` and `pdf` for a pair, in the time of both. Multiple importance sampling needs them.
 struct ValuePdf {
-    Rgb value;      ///< f_r [1/sr]
+    Rgb value;      ///< f_r [1/sr], or NaN where a measurement has no value, as `value` returns
     float pdf = 0;  ///< [1/sr]
 };
 ValuePdf value_pdf(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv);

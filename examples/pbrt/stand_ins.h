@@ -1,0 +1,65 @@
+// The least of pbrt-v4 that srbf_pbrt.h needs, for the test where pbrt is not installed. Do not copy it into pbrt.
+#pragma once
+#include <optional>
+#include <string>
+
+namespace pstd = std;
+namespace pbrt {
+
+using Float = float;
+struct Point2f {
+    Float x, y;
+};
+struct Vector3f {
+    Float x, y, z;
+    Vector3f(Float of_x, Float of_y, Float of_z) : x(of_x), y(of_y), z(of_z) {}
+};
+inline bool SameHemisphere(Vector3f w, Vector3f wp) { return w.z * wp.z > 0; }
+
+/// Three wavelengths, at which the spectrum of a colour has its three values.
+struct SampledWavelengths {};
+struct RGB {
+    Float of[3];
+    RGB(Float r, Float g, Float b) : of{r, g, b} {}
+    explicit RGB(Float grey) : of{grey, grey, grey} {}
+    Float operator[](int i) const { return of[i]; }
+};
+using SampledSpectrum = RGB;
+struct RGBColorSpace {
+    static inline const RGBColorSpace* sRGB = nullptr;
+};
+struct RGBUnboundedSpectrum {
+    RGB rgb;
+    RGBUnboundedSpectrum(const RGBColorSpace&, RGB of) : rgb(of) {}
+    SampledSpectrum Sample(const SampledWavelengths&) const { return rgb; }
+};
+
+enum class TransportMode { Radiance, Importance };
+enum class BxDFReflTransFlags { Reflection = 1, All = 3 };
+enum class BxDFFlags { GlossyReflection = 9 };
+inline int operator&(BxDFReflTransFlags a, BxDFReflTransFlags b) { return int(a) & int(b); }
+struct BSDFSample {
+    SampledSpectrum f;
+    Vector3f wi;
+    Float pdf;
+    BxDFFlags flags;
+    BSDFSample(SampledSpectrum of, Vector3f to, Float density, BxDFFlags kind)
+        : f(of), wi(to), pdf(density), flags(kind) {}
+};
+
+struct MaterialEvalContext {};
+struct FloatTexture {};
+class Image;
+struct FileLoc {};
+struct Allocator {
+    template <typename T, typename... Of> T* new_object(Of... of) { return new T(of...); }
+};
+struct TextureParameterDictionary {
+    std::string GetOneString(const std::string&, const std::string& otherwise) const { return otherwise; }
+    bool GetOneBool(const std::string&, bool otherwise) const { return otherwise; }
+    FloatTexture GetFloatTextureOrNull(const std::string&, Allocator) const { return {}; }
+};
+inline std::string ResolveFilename(const std::string& name) { return name; }
+inline void ErrorExit(const FileLoc*, const char*, const std::string&) {}
+
+}  // namespace pbrt

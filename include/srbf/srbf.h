@@ -53,7 +53,7 @@ struct LightSample {
 };
 
 /// Prepares a model or a measurement, and the front alone of a surface with two sides. Also computes a density to
-/// sample by, in about 200 ms of processor time for a model, on all threads of the machine. `prepare` of prepared.h
+/// sample by, in about 100 ms of processor time for a model, on all threads of the machine. `prepare` of prepared.h
 /// takes what load_model or load_measured reads, a number of threads, and azimuths for an anisotropic BRDF.
 PreparedBrdf prepare(const LoadedBrdf& brdf);
 

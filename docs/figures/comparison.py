@@ -39,6 +39,7 @@ COLOURS = {"srbf": "#c0392b", "as measured": "#e59866", "as measured, ∛f": "#e
            "SGD": "#784212", "NBRDF": "#7d3c98", "neural process": "#5d6d7e", "GTR lobes": "#5dade2", "small network": "#8e44ad", "principal components": "#7f8c8d"}
 SQUARES = {"as measured, ∛f", "ABC", "SGD", "GTR lobes", "small network"}  # curves of models that minimise errors of cube roots
 TRIANGLES = {"view by view", "NBRDF", "neural process", "principal components"}  # another loss without pixels
+MEANS_ALONE = {"as-measured-16": "16 lobes, not reciprocal"}  # in the table of means
 NEURAL = {"nbrdf", "nps"}  # of which there are rows for the measurements alone
 MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
 COLUMNS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms", "symmetric_error", "albedo_error"]
@@ -88,11 +89,12 @@ def mean(rows, key):
 def means_table(rows):
     """A row a model: its bytes, and the means of its errors."""
     lines = []
-    for model in models_in(rows):
+    names = {**{model: MODELS[model][0] for model in models_in(rows)}, **MEANS_ALONE}
+    for model, name in names.items():
         of = of_model(rows, model)
         shared = f" + {text(of[0]['shared'])} shared" if of[0]["shared"] else ""
         payload = text(max(row["payload"] for row in of))
-        lines.append([MODELS[model][0], payload + shared] + [text(mean(of, key)) for key in COLUMNS])
+        lines.append([name, payload + shared] + [text(mean(of, key)) for key in COLUMNS])
     return table(["model", "bytes", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS", "symmetric", "albedo"], lines)
 
 

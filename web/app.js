@@ -106,8 +106,10 @@ function show_measurement(measurement) {
   viewer.set_material(1, null);
   viewer.set_material(0, measurement.material);
 }
-function show_model(model) {
-  $("about").textContent = `A model of ${grouped(model.bytes)} bytes. Drop its measurement to fit it anew.`;
+// `about`: what the page knows of a ready material; null: of a file.
+function show_model(model, about) {
+  $("about").textContent = about ? `${stem(file.name)}, ${grouped(model.bytes)} bytes. ${about}`
+    : `A model of ${grouped(model.bytes)} bytes. Drop its measurement to fit it anew.`;
   show_downloads(true);
   if (!draws) return;
   viewer.set_material(0, null);
@@ -152,15 +154,15 @@ const editing = new_editing({
     viewer.set_edit(2, edit);
   },
   // One edit at a time; of those that come meanwhile the last counts.
-  apply(edits) {
-    wanted = edits;
+  apply(edits, words) {
+    wanted = { edits, words };
     if (!is_editing) applied = apply_wanted(run);
   },
 });
 async function apply_wanted(mine) {
   is_editing = true;
   while (wanted && mine === run) {
-    const edits = wanted;
+    const { edits, words } = wanted;
     wanted = edited = null;
     $("edit_status").textContent = "Computing the edited model …";
     const result = await step(mine, () => ask({ kind: "edit", name: file.name, edits }));
@@ -168,7 +170,7 @@ async function apply_wanted(mine) {
     if (!result) $("edit_status").textContent = "";
     if (!result) continue;
     edited = result.edits ? result : null;
-    $("edit_status").textContent = edited ? `Edited: ${edited.edits}. ${grouped(edited.bytes)} bytes. The downloads are of the edited material.` : "";
+    $("edit_status").textContent = edited ? `Edited: ${words}. ${grouped(edited.bytes)} bytes.` : "";
     if (draws) viewer.set_material(2, edited && edited.material), shown = edited && "model";
   }
   is_editing = false;
@@ -200,6 +202,7 @@ async function open() {
     $("viewer").dataset.tried = "yes";
     draws = await viewer.start(common);
     set_shown("without", !draws);
+    if (draws) document.querySelector("#viewer .pictures").after($("editing")); // so that sliders and pictures are on one screen
   }
   return ask({ kind: "open", name: file.name, bytes: file.bytes });
 }
@@ -218,8 +221,8 @@ async function fit(mine) {
   show_fit(result);
   begin_editing(result.highlight);
 }
-// Shows a measurement and fits it, or shows a model.
-async function show_file(name, bytes) {
+// Shows a measurement and fits it, or shows a model; `link` is that of a ready material.
+async function show_file(name, bytes, link) {
   const mine = ++run;
   if (open_questions.size) ready = start_worker(); // the current job is obsolete
   file = { name, bytes }, fitted = null;
@@ -227,7 +230,7 @@ async function show_file(name, bytes) {
   fail("");
   show_downloads(false), set_shown("plots", false);
   set_shown("state", true);
-  $("name").textContent = stem(name);
+  $("name").textContent = link?.dataset.kind ?? stem(name);
   for (const id of ["about", "verdict", "sizes", "saved"]) $(id).textContent = "";
   $("verdict").className = "";
   show_working("reading");
@@ -236,6 +239,7 @@ async function show_file(name, bytes) {
   if (!opened) return set_shown("state", false), set_shown("viewer", false);
   if (draws) set_shown("viewer", true);
   set_shown("lobes_row", !opened.model);
+  for (const element of document.querySelectorAll(".compared")) element.hidden = opened.model;
   show_slices(opened.slices);
   if (!opened.model) {
     show_measurement(opened);
@@ -243,12 +247,13 @@ async function show_file(name, bytes) {
   }
   take_fit(opened);
   show_working("");
-  show_model(opened);
+  show_model(opened, link?.dataset.about);
   begin_editing(opened.highlight);
 }
 async function take_file(chosen) {
   const mine = ++run;
   fail("");
+  forget_link();
   if (chosen.size > k_max_bytes) return fail(`${chosen.name}: size: expected at most ${grouped(k_max_bytes)} bytes, found ${grouped(chosen.size)}`);
   const bytes = await chosen.arrayBuffer().catch((error) => (fail(`${chosen.name}: cannot be read: ${error.message}`), null));
   if (bytes && mine === run) await show_file(chosen.name, new Uint8Array(bytes));
@@ -276,39 +281,55 @@ async function change_lobes() {
   }
   await fit(mine);
 }
-async function save({ save: what, ending, next }) {
+// What to do with the file that was saved. The pattern `name` finds a name in it that the instructions use.
+async function instructions({ next = "", name: pattern }, file_name, { content, error }) {
+  const parts = { file: file_name, name: pattern && (await content.text()).match(pattern)?.[1] };
+  const of = error && (error.isOfModel ? "the model, on top of that of the fit" : "the measurement");
+  return (error ? ` Its error is ΔE_ITP ${two_digits(error.deltaE)} against ${of}.` : "") + ` ${next.replace(/{(file|name)}/g, (_, part) => parts[part])}`;
+}
+async function save(button) {
+  const { save: what, ending } = button;
   const mine = run;
   await applied;
   if (mine !== run) return;
   const name = stem(file.name) + (edited ? "_edited" : "") + ending;
   $("saved").textContent = `Writing ${name} …`;
   saving = name;
-  const content = await step(mine, () => ask({ kind: "save", what, name }));
+  const written = await step(mine, () => ask({ kind: "save", what, name }));
   saving = "";
-  $("saved").textContent = content === null ? "" : `Saved ${name}.${next ? ` ${next}` : ""}`;
-  if (content === null) return;
+  $("saved").textContent = written ? `Saved ${name}.${await instructions(button, name, written)}` : "";
+  if (!written) return;
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(content);
+  link.href = URL.createObjectURL(written.content);
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
 
 // Shows one of the page's own files.
-async function show_own(name) {
+async function show_own(name, link) {
   const mine = ++run, bytes = await step(mine, () => load_data(name));
   if (!bytes || mine !== run) return;
-  const shown_file = show_file(name, bytes);
+  const shown_file = show_file(name, bytes, link);
   $("state").scrollIntoView();
   await shown_file;
 }
-for (const button of document.querySelectorAll("[data-sample]")) button.addEventListener("click", () => show_own(button.dataset.sample));
+for (const button of document.querySelectorAll("[data-sample]")) button.addEventListener("click", () => {
+  forget_link();
+  show_own(button.dataset.sample);
+});
 // The address "#NAME" shows a material of the gallery, so that its link can be shared.
+const links = [...document.querySelectorAll("#gallery a")], linked = () => links.find((link) => link.hash === location.hash);
 function show_linked() {
-  const linked = [...document.querySelectorAll("#gallery a")].find((link) => link.hash === location.hash);
-  if (linked) show_own(`${linked.hash.slice(1)}.srbf`);
+  const link = linked();
+  if (link) show_own(`${link.hash.slice(1)}.srbf`, link);
+}
+function forget_link() {
+  if (linked()) history.replaceState(null, "", location.pathname + location.search);
 }
 window.addEventListener("hashchange", show_linked);
+// A click on the ball that is shown changes no address.
+for (const link of links) link.addEventListener("click", () => { if (link === linked()) show_linked(); });
 for (const button of document.querySelectorAll("[data-save]")) button.addEventListener("click", () => save(button.dataset));
 $("file").addEventListener("change", () => {
   if ($("file").files[0]) take_file($("file").files[0]);
@@ -332,5 +353,5 @@ window.addEventListener("load", () => setTimeout(() => {
   ensure_worker().catch((error) => error && fail(error.message));
 }, 50)); // after the page is shown
 
-return { take_file, save_as: (what, name) => ask({ kind: "save", what, name }), state: () => ({ file, fitted, edited, busy: open_questions.size }) };
+return { take_file, save_as: (what, name) => ask({ kind: "save", what, name }).then(({ content }) => content), state: () => ({ file, fitted, edited, busy: open_questions.size }) };
 })();

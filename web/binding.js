@@ -86,6 +86,7 @@ async function new_srbf(module, progress = () => true) {
     code: (number, language, { sampling = false, environment = false } = {}) =>
       (check(with_bytes([language], (address, size) => c.srbf_code(number, address, size, sampling ? 1 : 0, environment ? 1 : 0))), text()),
     blender: (number) => (check(c.srbf_blender(number)), text()), // of a measurement or a model
+    blender_error: (number) => (check(c.srbf_blender_error(number)), JSON.parse(text())), // ΔE_ITP of that script against it
     table: (number, name) => (check(with_bytes([name], (address, size) => c.srbf_table(number, address, size))), content()),
     // f [1/sr] at pairs of directions: x, y, z of each in `wl` and `wv`, and R, G, B of each in the result.
     evaluate: (number, wl, wv) => {

@@ -1,8 +1,8 @@
 // The sliders that edit the fitted model. While one moves, the shader shows the edit of the fitted model; then the worker
 // computes the edited model.
 "use strict";
-// `apply(edits)` computes and shows the edited model, or without edits forgets it; `preview(edit)` shows an edit of the
-// painter before.
+// `apply(edits, words)` computes and shows the edited model, or without edits forgets it; `preview(edit)` shows an edit of
+// the painter before.
 function new_editing({ apply, preview }) {
 const form = document.querySelector("#editing form"), inputs = [...form.querySelectorAll("input")];
 const value = (name) => Number(form.elements[name].value);
@@ -20,7 +20,7 @@ const texts = {
   roughen: () => `× ${factor("roughen").toFixed(2)}`, highlight: () => `× ${factor("highlight").toFixed(2)}`, body: () => `× ${factor("body").toFixed(2)}`,
   saturate: () => `× ${saturation().toFixed(2)}`,
 };
-const warmth_text = (x) => x === 0 ? "as it is" : x < 0 ? `cooler ${Math.round(-100 * x)} %` : `warmer ${Math.round(100 * x)} %`;
+const warmth_text = (x) => x === 0 ? "as it is" : x < 0 ? `${Math.round(-100 * x)} % cooler` : `${Math.round(100 * x)} % warmer`;
 
 // The edits for the library, those alone that change something.
 function edits() {
@@ -31,6 +31,9 @@ function edits() {
   if (is_changed("saturate")) of.saturate = saturation();
   return of;
 }
+// The same in the words of the sliders.
+const words = () => inputs.filter((input) => value(input.name) !== 0)
+  .map((input) => `${input.labels[0].textContent.toLowerCase()} ${input.nextElementSibling.value}`).join(", ");
 // The same for the painter: a matrix, column by column, tints and then saturates.
 function edit() {
   const s = saturation(), matrix = (tint) => [0, 1, 2].flatMap((column) =>
@@ -49,13 +52,13 @@ function change() {
 }
 for (const input of inputs) {
   input.addEventListener("input", change);
-  input.addEventListener("change", () => apply(edits()));
+  input.addEventListener("change", () => apply(edits(), words()));
 }
 for (const button of form.querySelectorAll("[data-reset]"))
   button.addEventListener("click", () => {
     form.elements[button.dataset.reset].value = 0;
     change();
-    apply(edits());
+    apply(edits(), words());
   });
 form.addEventListener("submit", (event) => event.preventDefault());
 

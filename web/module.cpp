@@ -24,6 +24,7 @@
 #include "extras/render/material.h"
 #include "extras/render/slices.h"
 #include "fit/fit_options.h"
+#include "measured/isotropy.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "observe/objectives.h"
 #include "prepared/table_file.h"
@@ -32,6 +33,7 @@
 #include "srbf/fit.h"
 #include "srbf/fit_bsdf.h"
 #include "srbf/metrics.h"
+#include "srbf/objective.h"
 #include "srbf/shading_code.h"
 
 #define SRBF_EXPORT(name) __attribute__((export_name("srbf_" #name)))
@@ -48,7 +50,8 @@ std::vector<std::unique_ptr<Subject>> g_subjects;
 /// Fitters of the open measurements, kept because later fits reuse the observations.
 std::map<int, Fitter> g_fitters;
 std::vector<std::byte> g_content;
-Image g_studio(1, 1);  // until the host sets the bundled environment
+Image g_studio(1, 1);   // until the host sets the bundled environment
+ClosureSum g_closures;  // of the last script for Blender
 
 int set_content(std::span<const std::byte> bytes) {
     g_content.assign(bytes.begin(), bytes.end());
@@ -342,8 +345,17 @@ SRBF_EXPORT(blender) int blender_material(int number) {
     if (const auto valid = check_reflection(*subject, "blender"); !valid) return fail(valid.error());
     auto sum = fit_closures(evaluator(*subject), {}, host_progress());
     if (!sum) return fail(sum.error());
-    const NamedClosures material{identifier(stem_of(subject->path)), *std::move(sum)};
+    g_closures = *std::move(sum);
+    const NamedClosures material{identifier(stem_of(subject->path)), g_closures};
     return set_content(std::string_view(blender_script({&material, 1})));
+}
+/// The mean ΔE_ITP of pictures of the last of these scripts against its subject. The content is that number as JSON.
+SRBF_EXPORT(blender_error) int blender_error(int number) {
+    const Subject* subject = subject_of(number);
+    if (!subject || g_closures.knots() == 0) return fail(unknown("that of a script's measurement or model"));
+    const Evaluate f = evaluator(*subject), fitted = evaluator(g_closures);
+    const bool isotropic = is_isotropic(f, default_max_theta(k_default_objective));
+    return set_json(compare_pictures(f, {&fitted, 1}, 0, {}, k_sphere_pixels, isotropic)[0].mean.delta_e);
 }
 
 /// The subject as a table, for a file with this name.

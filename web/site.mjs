@@ -15,11 +15,11 @@ const button = (show, name) => `<button type="button" data-show="${show}" aria-p
 const figure = (subject, name) => `<figure data-material="${subject}"><canvas tabindex="0" aria-label="${name}"></canvas><figcaption>${name}</figcaption></figure>\n`;
 const pictures = [["0", "measured"], ["1", "fitted"], ["2", "edited"], ["difference", "difference × 10"]];
 const viewer = filled(await text("pictures.html"), {
-  pictures_lead: "Drag a picture to turn the object; all of them follow. Choose a light below, or drop your own .hdr file on the pictures.",
+  pictures_lead: "Drag a picture to turn the object. Choose a light below, or drop your own .hdr file on a picture.",
   choices: `<div class="choices" role="group" aria-label="Which pictures are shown">\n${button("all", "Side by side")}${button("wipe", "Wipe")}${
     pictures.map(([subject, name]) => button(subject, name)).join("")}</div>\n`,
   pictures: pictures.map(([subject, name]) => figure(subject, name)).join(""), own_shape: "", behind: '<button type="button" name="behind">Light from behind</button>\n', 
-  picture_note: '<p class="note">The picture “measured” is drawn from a coarser table, in which light and viewer can be exchanged. The errors are ' +
+  picture_note: '<p class="note compared">The picture “measured” is drawn from a coarser table, in which light and viewer can be exchanged. The errors are ' +
     "against the file, which need not be so.</p>\n",
 });
 await mkdir(path.join(folder, "data"), { recursive: true });
@@ -29,17 +29,17 @@ const is_measured = (name) => !name.includes("_stand_in");
 const models = (await readdir(path.join(root, "data/gallery"))).filter((name) => name.endsWith(".srbf")).sort()
   .sort((a, b) => is_measured(b) - is_measured(a));
 const balls = await readFile(path.join(root, "data/gallery/gallery.jpg"));
-// What a model's file says of its fit.
-async function provenance_of(name) {
-  const bytes = await readFile(path.join(root, "data/gallery", name));
-  return JSON.parse(bytes.subarray(8, 8 + Number(bytes.readBigUInt64LE()))).__metadata__;
-}
+// The table of data/README.md: kind, what the model was fitted to, its error, and its licence.
+const described = new Map([...(await readFile(path.join(root, "data/README.md"), "utf8")).matchAll(/^\| (\w+) \| (.+) \| (.+) \| ([\d.]+) \| (\w+) \|$/gm)]
+  .map(([, name, kind, source, error, licence]) => [name, { kind: kind[0].toUpperCase() + kind.slice(1), source, error, licence }]));
+const terms = (licence) => licence === "ask" ? "We do not know whether you may ship it; ask the authors of the network." : `It is under ${licence}, free for any use.`;
+const attribute = (text) => text.replaceAll("&", "&amp;").replaceAll('"', "&quot;");
 let gallery = "";
 for (const [index, name] of models.entries()) {
-  const stem = path.parse(name).name, x = index % k_columns, y = Math.floor(index / k_columns);
-  const { delta_e_itp } = await provenance_of(name), shift = 100 * y * k_row / (k_rows * k_row - k_ball);
-  gallery += `<li><a href="#${stem}"><i style="background-position: ${100 * x / (k_columns - 1)}% ${shift.toFixed(2)}%"></i>` +
-    `${stem.replace(/_stand_in$/, "").replaceAll("_", " ")}<small>ΔE&nbsp;${Number(delta_e_itp).toFixed(1)}, ${
+  const stem = path.parse(name).name, x = index % k_columns, shift = 100 * Math.floor(index / k_columns) * k_row / (k_rows * k_row - k_ball);
+  const { kind, source, error, licence } = described.get(stem);
+  gallery += `<li><a href="#${stem}" data-kind="${attribute(kind)}" data-about="${attribute(`ΔE ${error} against ${source}. ${terms(licence)}`)}"><i style="` +
+    `background-position: ${100 * x / (k_columns - 1)}% ${shift.toFixed(2)}%"></i>${kind}<small>ΔE&nbsp;${error}, ${
       is_measured(name) ? "measured" : "from a network"}</small></a></li>\n`;
 }
 await writeFile(path.join(folder, "data", "gallery.jpg"), balls);

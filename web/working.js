@@ -54,15 +54,17 @@ const actions = {
     if (Object.keys(edits).length) edited = srbf.edit(model.number, edits);
     return edited ? { ...edited, material: material_of(edited) } : {};
   },
-  // Returns a Blob, which the page receives without a copy.
+  // The content is a Blob, which the page receives without a copy. A material for Blender has an error of its own.
   save({ what, name }) {
     const { number } = edited ?? model, is_table = measured && !measured.twoSided && measured.samples === null;
+    const for_blender = !edited && is_table ? measured.number : number; // nearer to a measurement than to its fit
     const content = what === "srbf" ? srbf.model_file(number)
       : what === "table" ? srbf.table(number, name)
       : what === "page" ? srbf.page(number, measured?.number ?? 0)
-      : what === "blender" ? srbf.blender(!edited && is_table ? measured.number : number) // nearer to a measurement than to its fit
+      : what === "blender" ? srbf.blender(for_blender)
       : what === "hlsl-environment" ? srbf.code(number, "hlsl", { environment: true }) : srbf.code(number, what);
-    return new Blob([content], { type: "application/octet-stream" });
+    const error = what === "blender" ? { deltaE: srbf.blender_error(for_blender), isOfModel: for_blender === number } : null;
+    return { content: new Blob([content], { type: "application/octet-stream" }), error };
   },
 };
 

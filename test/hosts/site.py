@@ -141,6 +141,14 @@ def for_blender(page, subject, folder):
     print(f"  {subject.name}: a script for Blender after {seconds:.1f} s, {'byte by byte' if texts[0] == texts[1] else 'nearly'} that of the program")
 
 
+def on_one_screen(page, material):
+    """All sliders are on the screen with the whole picture of this material."""
+    low, high = page.chromium.run(f"""(() => {{ document.getElementById("edit_roughen").scrollIntoView({{ block: "center" }});
+        const boxes = [...document.querySelectorAll("#editing input, figure[data-material='{material}'] canvas")].map((e) => e.getBoundingClientRect());
+        return [Math.min(...boxes.map((box) => box.top)), Math.max(...boxes.map((box) => box.bottom))]; }})()""")
+    check(high - low <= 800, f"sliders and picture take {high - low:.0f} pixels")
+
+
 def linked(page, folder):
     """A link of the gallery shows its model, which is saved as it is, and can be edited."""
     chromium, links = page.chromium, page.chromium.run("[...document.querySelectorAll('#gallery a')].map((link) => link.hash.slice(1))")
@@ -157,7 +165,18 @@ def linked(page, folder):
     check(shown == "1", f"{name}: pictures {shown}")
     check(not chromium.run("document.getElementById('editing').hidden"), f"{name} cannot be edited")
     check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"), f"{name} is shown below the window")
+    about = chromium.run("document.getElementById('about').textContent")
+    check("ΔE 3.1 against a table from a neural network" in about and "ask the authors" in about, f"{name} is described by {about!r}")
+    check(chromium.run("[...document.querySelectorAll('.compared')].every((e) => e.hidden)"), f"{name}: the page talks of a measurement")
+    on_one_screen(page, "1")
     for_blender(page, root / "data/gallery" / name, folder)
+    # The same ball again, after another file.
+    page.give(root / "data/paper_white_rgb.csv")
+    page.wait("another file", lambda of: of["name"] == "paper_white_rgb.csv" or of["working"])
+    chromium.click("#gallery li:last-child a")
+    page.wait(f"{name} again", lambda of: of["name"] == name)
+    chromium.click("#gallery li:last-child a")
+    check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"), "a second click on a ball shows nothing")
 
 
 def damaged(page, folder):
@@ -227,11 +246,12 @@ def edited(page, folder):
     for slider in SLIDERS:
         chromium.drag(f"#edit_{slider}", 25, 0)
     begun = time.time()
-    while not status().startswith("Edited: roughen") or "saturate" not in status():
+    while not all(word in status() for word in ("Edited: roughness of the highlight ×", "% warmer", "saturation")):
         check(time.time() - begun < PATIENCE, f"no edited model: {status()!r}")
         if time.time() - begun >= PATIENCE:
             return
         time.sleep(0.2)
+    on_one_screen(page, "2")
     print(f"  {status()} It was there {time.time() - begun:.1f} s after the last drag.")
     if os.environ.get("SRBF_SCREENSHOT"):
         chromium.screenshot(os.environ["SRBF_SCREENSHOT"], whole=True)

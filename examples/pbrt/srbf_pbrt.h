@@ -28,8 +28,8 @@
 namespace pbrt {
 
 /// pbrt's wo points to the viewer and its wi to the light. The TransportMode is not used, which is correct for
-/// reciprocal models only: with a model of `srbf fit --as-measured`, light paths of BDPT and SPPM need the directions
-/// exchanged.
+/// reciprocal models only: with a measurement, or with a model of `srbf fit --as-measured`, light paths of BDPT and SPPM
+/// need the directions exchanged.
 class SrbfBxDF {
   public:
     SrbfBxDF() = default;

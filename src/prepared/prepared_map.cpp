@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -45,7 +44,7 @@ struct PreparedMap::Contents {
 };
 
 PreparedMap prepare_map(const Library& map, const ProposeOptions& caller_options) {
-    assert(map.dense() && map.width > 0);
+    if (!map.dense() || map.width == 0) misused("prepare_map: expected a map with all coefficients");
     ProposeOptions options = caller_options;
     options.most_variance = std::numeric_limits<double>::infinity();  // mixtures only, because they are blended
     const auto J = std::size_t(map.basis.lobes), width = std::size_t(map.width);

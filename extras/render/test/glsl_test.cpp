@@ -101,7 +101,7 @@ void main() {
     f += visible_lobe(stretched(wv, map), map.inverse, 8.0, 2.0).centre;
     f += half_vector_pdf(wl, wv, 8.0, map, 2.0) * grown_along(wl, u.x, u.y, sample_below(0.1, 0.0, u.x));
     f += sample_half_vector(wv, 8.0, map, 2.0, u.x, u.y) *
-         proposal_lobe_pdf(5, proposal_point(wl, wv, map, 2.0)) * proposal_bandwidth(1) * mixture_position(u.x);
+         proposal_lobe_pdf(5, proposal_point(wl, wv, map, 2.0)) * proposal_bandwidth(1) * mixture_cosine(mixture_position(u.x));
     f += sample_proposal_lobe(2, wv, map, 2.0, u.x, u.y) * half_vector(wl, wv, map).factor;
     f += reflected_pdf(mirror_lobe(wl, 4.0), itself(wl), half_vector(wl, wv, map)) *
          half_vector_lobe(wv, 1.0, 8.0, 1.0).centre;

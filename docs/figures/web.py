@@ -1,4 +1,5 @@
-"""docs/web.jpg: python3 docs/figures/web.py. Chromium opens the page that fits, data/ready/srbf.html, and fits the bundled film."""
+"""docs/web.jpg: python3 docs/figures/web.py. Chromium opens the page that fits, data/ready/srbf.html, clicks the ball of the film, and
+makes its highlight rougher."""
 import os
 import sys
 import time
@@ -7,18 +8,26 @@ here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "..", "..", "test"))
 from chromium import WEBGL, Chromium  # noqa: E402
 
-PATIENCE = 600  # seconds until a fit counts as failed
-FITTED = "document.getElementById('working').hidden && !!app.state().fitted && !!document.getElementById('verdict').textContent"
+PATIENCE = 600  # seconds until a picture counts as missing
 page = Chromium(WEBGL)
-try:
-    page.size(1100, 735)
-    page.open(os.path.join(here, "..", "..", "data", "ready", "srbf.html"))
-    page.click("[data-sample='cc_ibiza_sunset_rgb.bsdf']")
+
+
+def wait(shown):
     begun = time.time()
-    while not page.run(FITTED):
+    while not page.run(shown):
         if time.time() - begun > PATIENCE:
-            sys.exit("nothing was fitted")
+            sys.exit("nothing was shown")
         time.sleep(1)
+
+
+try:
+    page.size(1280, 800)
+    page.open(os.path.join(here, "..", "..", "data", "ready", "srbf.html"))
+    page.click("#gallery a[href='#cc_ibiza_sunset']")
+    wait("document.getElementById('working').hidden && !document.getElementById('editing').hidden")
+    page.run("""(() => { const slider = document.getElementById("edit_roughen"); slider.value = 0.5;
+        for (const kind of ["input", "change"]) slider.dispatchEvent(new Event(kind, { bubbles: true })); })()""")
+    wait("document.getElementById('edit_status').textContent.length > 0")
     time.sleep(60)  # pictures become less noisy
     page.run("document.getElementById('state').scrollIntoView()")
     page.settle()

@@ -2,10 +2,12 @@
 
 Fits every measurement by each model and writes into FOLDER (build/leaderboard):
 
-results.csv       a row for each material and model; the same bytes on every machine
+results.csv       a row for each material and model
 seconds.csv       how long reading and fitting took
 protocols.csv     with --protocols: the measures of publications, see `protocols`
 README.md         tables by database, with picture.svg; a database is a folder that holds measurements
+
+All but the seconds has the same bytes on every machine.
 
 A run goes on where the last one into the same FOLDER ended. `./run leaderboard --merge FOLDER... -o FOLDER` makes one leaderboard of
 several, for instance of results that others sent. Needs the package `srbf` and NumPy. Further options:
@@ -153,7 +155,7 @@ def protocols(path, measured, brdf, environment, work):
             "pairs_smape": f"{np.nanmean((abs(f - g) / (f + g))[f + g > 0]):.6g}"}
 
 
-def summary(rows, times):
+def summary(rows):
     """A row for each model of these results."""
     lines = []
     for model in models_in(rows):
@@ -161,12 +163,10 @@ def summary(rows, times):
         errors = {key: [float(row[key]) for row in of] for key in rivals.ERRORS}
         shared = int(of[0]["shared"])
         size = text(max(int(row["payload"]) for row in of)) + (f" + {text(shared)} shared" if shared else "")
-        seconds = [float(times[key]["read"]) + float(times[key]["fit"]) for row in of if (key := tuple(row[k] for k in KEY)) in times]
         seen = errors["delta_e_itp"]
         lines.append([NAMES[model], size, str(len(of)), *map(text, (statistics.fmean(seen), statistics.median(seen), max(seen))),
-                      *(text(statistics.fmean(errors[key])) for key in ("worst_delta_e_itp", "flip", "psnr", "rms")),
-                      f"{statistics.fmean(seconds):.1f}" if seconds else ""])
-    return table(["model", "bytes", "materials", "ΔE_ITP, mean", "median", "worst", "worst light", "ꟻLIP", "PSNR, dB", "RMS", "seconds"], lines)
+                      *(text(statistics.fmean(errors[key])) for key in ("worst_delta_e_itp", "flip", "psnr", "rms"))])
+    return table(["model", "bytes", "materials", "ΔE_ITP, mean", "median", "worst", "worst light", "ꟻLIP", "PSNR, dB", "RMS"], lines)
 
 
 def plot(rows):
@@ -197,15 +197,15 @@ def plot(rows):
     return "\n".join(out) + "\n"
 
 
-def write_page(folder, results, times, measured):
+def write_page(folder, results, measured):
     rows = list(results.values())
     databases = sorted({row["database"] for row in rows})
     parts = ["# Leaderboard", "Every measurement is fitted by each model without options. *ΔE_ITP* is the mean visible error of pictures of a sphere "
              "under eight lightings, and *worst light* that of the worst of them; 1 is just noticeable. PSNR is better if larger, all others if "
-             "smaller. *Bytes* are the numbers of one material.", "![ΔE_ITP of each material](picture.svg)", summary(rows, times)]
+             "smaller. *Bytes* are the numbers of one material.", "![ΔE_ITP of each material](picture.svg)", summary(rows)]
     if len(databases) > 1:
         for database in databases:
-            parts += [f"## {database}", summary([row for row in rows if row["database"] == database], times)]
+            parts += [f"## {database}", summary([row for row in rows if row["database"] == database])]
     if measured:
         lines = []
         for model in models_in(measured.values()):
@@ -290,7 +290,7 @@ def main():
     if not results:
         sys.exit("no measurement could be read")
     save()
-    write_page(folder, results, times, measured_by)
+    write_page(folder, results, measured_by)
     print(f"{folder}/README.md")
 
 

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 
-folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "examples", "hosts")
+root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 BUILT_IN = """
 #ifndef UNITY
 #define UNITY
@@ -84,7 +84,7 @@ uint GetAdditionalLightsCount() { return uint(unity_Lights); }
 """
 PACKAGE = "Packages/com.unity.render-pipelines.universal/ShaderLibrary/"
 # Of each shader for Unity: the stand-ins, and the files in which it expects them.
-FOR_UNITY = {"Film": (BUILT_IN, ("UnityCG.cginc", "Lighting.cginc", "AutoLight.cginc")), "FilmUrp": (URP, (PACKAGE + "Core.hlsl", PACKAGE + "Lighting.hlsl"))}
+FOR_UNITY = {"film_built_in": (BUILT_IN, ("UnityCG.cginc", "Lighting.cginc", "AutoLight.cginc")), "film": (URP, (PACKAGE + "Core.hlsl", PACKAGE + "Lighting.hlsl"))}
 GODOT = """#version 330
 vec3 ALBEDO, DIFFUSE_LIGHT, SPECULAR_LIGHT = vec3(0.0);
 float SPECULAR, METALLIC, ROUGHNESS, ATTENUATION = 1.0;
@@ -103,7 +103,7 @@ def compile_text(glslang, path, text, *options):
 
 
 def read(*path):
-    with open(os.path.join(folder, *path), encoding="utf-8") as file:
+    with open(os.path.join(root, *path), encoding="utf-8") as file:
         return file.read()
 
 
@@ -114,7 +114,7 @@ def compile_unity(glslang, work, shader):
         os.makedirs(os.path.dirname(os.path.join(work, name)), exist_ok=True)
         with open(os.path.join(work, name), "w", encoding="utf-8") as file:
             file.write(names)
-    text = read("unity", shader + ".shader")
+    text = read("data", "ready", shader + ".shader")
     shared = "".join(re.findall(r"^ *CGINCLUDE\n(.*?)^ *ENDCG", text, flags=re.M | re.S))
     passes = re.findall(r"^ *(?:CG|HLSL)PROGRAM\n(.*?)^ *END(?:CG|HLSL)", text, flags=re.M | re.S)
     for i, of_pass in enumerate(passes):
@@ -124,14 +124,14 @@ def compile_unity(glslang, work, shader):
             for keyword in ["", *re.findall(r"\b_FORWARD_PLUS\b", of_pass)[:1]]:
                 define = f"#define {keyword}\n" if keyword else ""
                 compile_text(glslang, path + ".hlsl", "#extension GL_GOOGLE_include_directive : enable\n" + define + shared + of_pass, "-D", "-V", "-S", stage,
-                             "-e", stage, "-o", path + ("2" if keyword else "") + ".spv", f"-I{work}", f"-I{folder}/unity")
+                             "-e", stage, "-o", path + ("2" if keyword else "") + ".spv", f"-I{work}")
     return len(passes)
 
 
 def godot_text():
     """A fragment shader whose outputs are the light of a lamp and ALBEDO. What Godot's language lacks of GLSL, Godot alone can tell."""
-    text = read("godot4", "film.gdshader").replace("shader_type spatial;", "").replace(" : source_color", "")
-    text = text.replace('#include "film.gdshaderinc"', read("godot4", "film.gdshaderinc"))
+    text = read("examples", "hosts", "godot4", "film.gdshader").replace("shader_type spatial;", "").replace(" : source_color", "")
+    text = text.replace('#include "film.gdshaderinc"', read("examples", "hosts", "godot4", "film.gdshaderinc"))
     return GODOT + text + "void main() {\n    fragment();\n    light();\n    lamp = vec4(SPECULAR_LIGHT, 1.0);\n    albedo = vec4(ALBEDO, 1.0);\n}\n"
 
 

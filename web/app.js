@@ -221,6 +221,13 @@ async function fit(mine) {
   show_fit(result);
   begin_editing(result.highlight);
 }
+// The name of a file. A ready material has its stored picture beside it, before the page draws its own.
+function show_name(name, link) {
+  $("name").textContent = link?.dataset.kind ?? stem(name);
+  set_shown("stored", Boolean(link));
+  if (link) $("stored").style.backgroundPosition = link.querySelector("i").style.backgroundPosition;
+  set_shown("state", true);
+}
 // Shows a measurement and fits it, or shows a model; `link` is that of a ready material.
 async function show_file(name, bytes, link) {
   const mine = ++run;
@@ -229,8 +236,7 @@ async function show_file(name, bytes, link) {
   begin_editing(null);
   fail("");
   show_downloads(false), set_shown("plots", false);
-  set_shown("state", true);
-  $("name").textContent = link?.dataset.kind ?? stem(name);
+  show_name(name, link);
   for (const id of ["about", "verdict", "sizes", "saved"]) $(id).textContent = "";
   $("verdict").className = "";
   show_working("reading");
@@ -348,6 +354,7 @@ document.addEventListener("drop", (event) => {
   document.body.classList.remove("over");
   if (event.dataTransfer.files[0]) take_file(event.dataTransfer.files[0]);
 });
+if (linked()) show_name("", linked());
 window.addEventListener("load", () => setTimeout(() => {
   show_linked();
   ensure_worker().catch((error) => error && fail(error.message));

@@ -313,7 +313,7 @@ SRBF_EXPORT(model_file) int model_file(int number) {
     return model ? set_content(std::span<const std::byte>(write_model(*model))) : fail(unknown("that of a model"));
 }
 
-/// Shading code of a model: glsl, hlsl, wgsl, msl, c or three; `sampling` adds NAME_sample and NAME_pdf, `environment`
+/// Shading code of a model: glsl, hlsl, wgsl, msl, c, three or unity; `sampling` adds NAME_sample and NAME_pdf, `environment`
 /// NAME_environment.
 SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, int sampling, int environment) {
     const Subject* subject = subject_of(number);
@@ -335,7 +335,7 @@ SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, i
         if (environment != 0) options.with = {"environment"};
         return set_result(shading_code(named, name, options));
     }
-    return fail({"code", {}, "language", "three or " + code_language_names(), to, ErrorCode::argument});
+    return fail({"code", {}, "language", "three, unity or " + code_language_names(), to, ErrorCode::argument});
 }
 
 /// A script that makes a material for Blender of a measurement or a model.

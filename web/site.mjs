@@ -44,7 +44,7 @@ for (const [index, name] of models.entries()) {
 }
 await writeFile(path.join(folder, "data", "gallery.jpg"), balls);
 const page = filled(await text("app.html"), { viewer, version, gallery });
-const with_balls = (address) => page.replace("</head>", `<style>#gallery i { background-image: url(${address}) }</style>\n</head>`);
+const with_balls = (address) => page.replace("</head>", `<style>#gallery i, #stored { background-image: url(${address}) }</style>\n</head>`);
 await writeFile(path.join(folder, "index.html"), with_balls("data/gallery.jpg"));
 const parts = {};
 for (const name of ["style.css", "app.css", "light.js", "painter.js", "viewer.js", "binding.js", "working.js", "editing.js", "app.js"]) {

@@ -62,7 +62,7 @@ const actions = {
       : what === "table" ? srbf.table(number, name)
       : what === "page" ? srbf.page(number, measured?.number ?? 0)
       : what === "blender" ? srbf.blender(for_blender)
-      : what === "hlsl-environment" ? srbf.code(number, "hlsl", { environment: true }) : srbf.code(number, what);
+      : srbf.code(number, what);
     const error = what === "blender" ? { deltaE: srbf.blender_error(for_blender), isOfModel: for_blender === number } : null;
     return { content: new Blob([content], { type: "application/octet-stream" }), error };
   },

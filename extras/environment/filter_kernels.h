@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -24,12 +25,21 @@ class LevelKernel {
     /// K / (other + count D) for a factor of the balance heuristic, where D, a density over all directions that is high
     /// where K is, is (a / π) (1 + a − (1 − a) c)⁻².
     double over_densities(double c, double other, double count) const {
-        return scale_ * std::max(c, 0.0) / (other * elementary::square(1 + a_ - (1 - a_) * c) + count * a_ / k_pi);
+        return scale_ * std::max(c, 0.0) / densities(c, other, count);
+    }
+    /// The sum of that at two cosines, with one division.
+    double over_densities(double c0, double c1, double other, double count) const {
+        const double D0 = densities(c0, other, count), D1 = densities(c1, other, count);
+        return 0.5 * scale_ * ((c0 + std::abs(c0)) * D1 + (c1 + std::abs(c1)) * D0) / (D0 * D1);  // without branches
     }
     /// The cosine to the axis within which the given fraction of D lies.
     double cosine(double fraction) const { return (1 - fraction - a_ * fraction) / (1 - fraction + a_ * fraction); }
 
   private:
+    /// (other + count D) (1 + a − (1 − a) c)²
+    double densities(double c, double other, double count) const {
+        return other * elementary::square(1 + a_ - (1 - a_) * c) + count * a_ / k_pi;
+    }
     double a_, scale_ = 0;
 };
 

@@ -1,6 +1,7 @@
 #include "extras/environment/lit_views.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/r_sequence.h"
@@ -51,28 +52,51 @@ std::vector<KernelLight> place_lights(const PreparedBrdf& brdf, const Vec3f& wv,
     return lights;
 }
 
+/// Samples of the reflected light as columns, for compilers that vectorise loops over them: directions, k_view_samples
+/// times the density, and half of its product with the share.
+struct ReflectedBlock {
+    static constexpr std::size_t k_size = 8;
+    std::array<double, k_size> x{}, y{}, z{}, densities{}, r{}, g{}, b{};
+};
+std::vector<ReflectedBlock> blocks_of(const std::vector<Reflected>& reflected) {
+    constexpr std::size_t n = ReflectedBlock::k_size;
+    std::vector<ReflectedBlock> blocks((reflected.size() + n - 1) / n);
+    for (std::size_t i = 0; i < reflected.size(); ++i) {
+        const auto& [w, share, density] = reflected[i];
+        auto& [x, y, z, densities, r, g, b] = blocks[i / n];
+        const std::size_t j = i % n;
+        densities[j] = k_view_samples * density;
+        const Vec3d part = 0.5 * densities[j] * share;
+        x[j] = w.x, y[j] = w.y, z[j] = w.z, r[j] = part.x, g[j] = part.y, b[j] = part.z;
+    }
+    return blocks;
+}
+
 /// ∫ K(size, centre · w) f cosθ dω from samples of the BRDF and of the light, combined with the balance heuristic
 /// (Veach & Guibas 1995): samples of the BRDF alone rarely hit a small light, and their noise would be fitted.
 Vec3d radiance_under(const KernelLight& light, const AveragedBrdf& brdf, const Vec3f& wv,
-                     const std::vector<Reflected>& reflected) {
+                     const std::vector<ReflectedBlock>& reflected) {
     const auto& [kernel, samples] = light_kernels()[light.size];
-    const auto balanced = [&kernel](double c, double density) {
-        return kernel.over_densities(c, k_view_samples * density, k_light_samples);
-    };
+    const Vec3d c = light.centre;
+    ReflectedBlock sums;
+    for (const auto& [x, y, z, densities, r, g, b] : reflected)
+        for (std::size_t j = 0; j < ReflectedBlock::k_size; ++j) {
+            // An isotropic BRDF is symmetric about the plane of incidence.
+            const double along = x[j] * c.x + z[j] * c.z, across = y[j] * c.y;
+            const double balanced =
+                kernel.over_densities(along + across, along - across, densities[j], k_light_samples);
+            sums.r[j] += balanced * r[j], sums.g[j] += balanced * g[j], sums.b[j] += balanced * b[j];
+        }
     Vec3d sum{};
-    for (const auto& [w, share, density] : reflected) {
-        // An isotropic BRDF is symmetric about the plane of incidence.
-        const double along = w.x * light.centre.x + w.z * light.centre.z, across = w.y * light.centre.y;
-        sum = sum + 0.5 * k_view_samples * density *
-                        (balanced(along + across, density) + balanced(along - across, density)) * share;
-    }
+    for (std::size_t j = 0; j < ReflectedBlock::k_size; ++j) sum = sum + Vec3d{sums.r[j], sums.g[j], sums.b[j]};
     const Frame axes = frame_about(light.centre);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const Vec3f w = to_float(axes.from(samples[i].w));
         if (!(w.z > 0)) continue;
         const auto [f, density] = brdf.at(int(i), w, wv);
         if (!is_finite(f)) continue;  // not measured
-        const double scale = balanced(samples[i].w.z, density) * double(w.z);
+        const double scale =
+            kernel.over_densities(samples[i].w.z, k_view_samples * density, k_light_samples) * double(w.z);
         sum = sum + scale * Vec3d{double(f.r), double(f.g), double(f.b)};
     }
     return sum;
@@ -125,8 +149,9 @@ std::vector<Reflected> sample_reflected(const AveragedBrdf& brdf, const Vec3f& w
 
 MatrixXd radiances_of(const LitView& view, const AveragedBrdf& brdf, const std::vector<Reflected>& reflected) {
     MatrixXd radiances(Eigen::Index(view.lights.size()), 3);
+    const auto blocks = blocks_of(reflected);
     for (std::size_t i = 0; i < view.lights.size(); ++i) {
-        const Vec3d sum = radiance_under(view.lights[i], brdf, to_float(view.wv), reflected);
+        const Vec3d sum = radiance_under(view.lights[i], brdf, to_float(view.wv), blocks);
         radiances.row(Eigen::Index(i)) << sum.x, sum.y, sum.z;
     }
     return radiances;

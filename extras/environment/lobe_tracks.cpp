@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
@@ -62,8 +63,11 @@ class ViewProblem {
 
     double loss(const VectorXd& x) {
         const auto n = Eigen::Index(view_.lights.size());
-        lobe_radiance_.resize(n, free_lobes_ + 1), by_axis_.resize(n, free_lobes_ + 1),
-            by_roughness_.resize(n, free_lobes_ + 1);
+        if (lobes_.empty()) {
+            lobes_.resize(std::size_t(free_lobes_) + 1);
+            for (MatrixXd* of_lobes : {&lobe_radiance_, &by_axis_, &by_roughness_})
+                of_lobes->resize(n, free_lobes_ + 1);
+        }
         for (int k = 0; k <= free_lobes_; ++k) k == 0 ? set_lobe(0, 0, 1) : set_lobe(k, x[2 * k - 2], x[2 * k - 1]);
         double sum = smoothness_.dot((x - near_).cwiseAbs2());
         for (int c = 0; c < 3; ++c) {
@@ -126,6 +130,7 @@ class ViewProblem {
         channel.error = channel.A * channel.weights - b;
     }
     void set_lobe(int k, double p, double r) {
+        if (std::exchange(lobes_[std::size_t(k)], std::pair(p, r)) == std::pair(p, r)) return;
         const double s = view_.wv.x, c = std::sqrt(std::max(1 - p * p * s * s, 1e-12));
         const Vec3d axis{-p * s, 0, c},
             by_p{-s, 0, -p * s * s / std::max(c, 0.05)};  // its slope at the horizon is infinite
@@ -154,6 +159,7 @@ class ViewProblem {
     VectorXd near_;
     int free_lobes_;
     VectorXd smoothness_;
+    std::vector<std::pair<double, double>> lobes_;     ///< p and r of the columns of the next three; r > 0 of those set
     MatrixXd lobe_radiance_, by_axis_, by_roughness_;  ///< lights × lobes, for weight 1
     std::array<Channel, 3> channels_;
 };
@@ -183,13 +189,14 @@ void LobeTracks::sweep() {
             x_[v] = refine(v, x_[v], 0.5 * (below + above));
         });
 }
-double LobeTracks::loss() const {
-    std::vector<double> losses(views_.size());
-    parallel_for(views_.size(), threads_,
-                 [&](std::size_t v) { losses[v] = ViewProblem(views_[v], kernels_, x_[v], 0).loss(x_[v]); });
-    return std::accumulate(losses.begin(), losses.end(), 0.0);
-}
 void LobeTracks::search_roughnesses() {
+    std::vector<ViewProblem> problems;
+    for (std::size_t v = 0; v < views_.size(); ++v) problems.emplace_back(views_[v], kernels_, x_[v], 0);
+    const auto loss = [&] {  // without smoothness
+        std::vector<double> losses(views_.size());
+        parallel_for(views_.size(), threads_, [&](std::size_t v) { losses[v] = problems[v].loss(x_[v]); });
+        return std::accumulate(losses.begin(), losses.end(), 0.0);
+    };
     double least = loss();
     for (const double step : k_roughness_steps)
         for (Eigen::Index i = 1; i < x_[0].size(); i += 2)

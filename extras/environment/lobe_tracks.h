@@ -17,8 +17,6 @@ class LobeTracks {
     Eigen::VectorXd best_of_starts(const LitView& view, int lobes) const;
     Eigen::VectorXd refine(std::size_t v, Eigen::VectorXd x, const Eigen::VectorXd& near) const;
     void sweep();
-    /// The sum of the views' losses without smoothness.
-    double loss() const;
     void search_roughnesses();
 
     const std::vector<LitView>& views_;

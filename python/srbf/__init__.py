@@ -472,7 +472,7 @@ def objectives() -> list[str]:
 
 
 def code_languages() -> list[str]:
-    """The names of the languages of `code`, except "three" and "three-webgpu"."""
+    """The names of the languages of `code`, except those of whole materials, such as "three"."""
     return _srbf.code_languages()
 
 
@@ -497,12 +497,12 @@ def convert(brdf: Brdf, path: Path, *, spectra: bool = True, threads: int = 0) -
     _srbf.convert(brdf._native, _file_name(path), _options.flag("spectra", spectra), _options.threads(threads))
 
 
-def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, Literal["three", "three-webgpu"]], *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:
-    """Source code that stands alone, in a language `to` of `code_languages()`, "three" or "three-webgpu", as `srbf export` writes it. The functions of a
+def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, Literal["three", "three-webgpu", "unity", "unity-built-in"]], *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:
+    """Source code that stands alone, in a language `to` of `code_languages()`, or "three", "three-webgpu", "unity" or "unity-built-in", as `srbf export` writes it. The functions of a
     single model are `name`_brdf and so on, or `name`_bsdf and `name`_beam for a BSDF. Several models have functions named by their keys,
     and `name` begins the names that they share."""
     named = {name: models} if isinstance(models, Model) else models
-    language = _options.one_of("to", to, ["three", "three-webgpu", *code_languages()])
+    language = _options.one_of("to", to, ["three", "three-webgpu", "unity", "unity-built-in", *code_languages()])
     return _srbf.code([model._native for model in named.values()], list(named), language, _srbf.identifier(name),
                       _options.flag("sampling", sampling), _options.flag("albedo", albedo))
 

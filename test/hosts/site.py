@@ -22,7 +22,7 @@ srbf = root / "build/release/srbf"
 failures = []
 LONGEST_TASK, CANCELLED_WITHIN, MOST_MEMORY = 100, 1, 300 * 2**20  # milliseconds; seconds; bytes of the module
 PATIENCE = 400  # seconds until a fit counts as failed
-SAVED = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("hlsl-environment", ".hlsl"), ("wgsl", ".wgsl"), ("msl", ".metal"), ("c", ".h"), ("three", ".js"),
+SAVED = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("unity", ".shader"), ("wgsl", ".wgsl"), ("msl", ".metal"), ("c", ".h"), ("three", ".js"),
          ("table", ".binary"), ("table", ".bsdf"), ("table", ".mbsdf")]
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e[-+]?\d+)?")
 SLIDERS = ["roughen", "highlight", "highlight_warmth", "body", "body_warmth", "saturate"]

@@ -42,7 +42,7 @@ export interface Report {
   smoothed?: Seen;
 }
 
-export type Language = "glsl" | "hlsl" | "wgsl" | "msl" | "c" | "three" | "three-webgpu";
+export type Language = "glsl" | "hlsl" | "wgsl" | "msl" | "c" | "three" | "three-webgpu" | "unity" | "unity-built-in";
 
 /** A measurement or a model. */
 export interface Brdf {

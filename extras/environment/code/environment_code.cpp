@@ -192,6 +192,13 @@ AddedCode light_functions(const CodeOptions& options) {
     return code.environment || code.draws || code.area ? added_of(code, options) : AddedCode{};
 }
 
+Result<std::string> for_unity_6(std::span<const NamedModel> models, std::string_view, int threads) {
+    return unity_shader(models, UnityPipeline::universal, threads);
+}
+Result<std::string> for_unity_built_in(std::span<const NamedModel> models, std::string_view, int threads) {
+    return unity_shader(models, UnityPipeline::built_in, threads);
+}
+
 }  // namespace
 
 Result<std::string> environment_code(std::span<const NamedModel> models, std::string_view prefix,
@@ -231,7 +238,9 @@ const CodeExtra& code_of_environment() {
           "a module for three.js with a class NAMEMaterial of each model; of a map, which goes into\n"
           "NAME.ktx2 beside it, one with coefficients from textures; of a BSDF each part is a material",
           three_module, three_map_module},
-         {"three-webgpu", "such a module of models for the WebGPURenderer of three.js", three_webgpu_module, nullptr}},
+         {"three-webgpu", "such a module of models for the WebGPURenderer of three.js", three_webgpu_module, nullptr},
+         {"unity", "a shader for the Universal Render Pipeline of Unity 6, not run in Unity", for_unity_6, nullptr},
+         {"unity-built-in", "such a shader for the built-in render pipeline", for_unity_built_in, nullptr}},
         light_functions};
     return extra;
 }

@@ -1,11 +1,10 @@
 // Models as materials of three.js.
 #include <fmt/format.h>
 
-#include <cctype>
-
 #include "base/printable.h"
 #include "code/defined_names.h"
 #include "code/print.h"
+#include "extras/environment/code/materials.h"
 #include "extras/environment/texts.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/su/su_functions.h"
@@ -16,23 +15,6 @@ namespace {
 
 /// With five a frame under an environment takes up to twice the time of MeshStandardMaterial's, with six longer.
 constexpr int k_three_lobes = 5;
-
-/// "CcIbizaSunset" for "cc_ibiza_sunset".
-std::string capitalised(const std::string& name) {
-    std::string words;
-    bool is_first = true;
-    for (const char c : name) {
-        if (c != '_') words += is_first ? char(std::toupper(static_cast<unsigned char>(c))) : c;
-        is_first = c == '_';
-    }
-    return words;
-}
-
-void replace_all(std::string& text, std::string_view place, const std::string& replacement) {
-    for (auto position = text.find(place); position != text.npos;
-         position = text.find(place, position + replacement.size()))
-        text.replace(position, place.size(), replacement);
-}
 
 /// The module with these functions. `imports` are further names from three, `classes` the text that extends its
 /// class.
@@ -47,17 +29,6 @@ std::string module_of(const std::string& functions, std::string_view imports, st
 /// Macros that name what the module supplies to the functions of a model.
 std::string defines_of(const std::string& name) {
     return fmt::format("#define {0}_radiance measured_radiance\n#define {0}_reflected measured_reflected\n", name);
-}
-/// A view-by-view model or a BSDF, which have no material, is an error.
-Result<Done> check_materials(std::span<const NamedModel> models) {
-    for (const NamedModel& named : models) {
-        if (std::holds_alternative<SuModel>(named.model->model))
-            return Error{named.name,         {}, "model", "multivariate, or Lambert and GGX", "view by view",
-                         ErrorCode::argument};
-        if (std::holds_alternative<BsdfModel>(named.model->model))
-            return Error{named.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
-    }
-    return Done{};
 }
 /// A class that extends `base`; `more` is appended to the arguments of the constructor of `base`.
 std::string class_text(const std::string& name, std::string_view base, std::string_view more = "") {

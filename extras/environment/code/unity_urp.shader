@@ -1,9 +1,9 @@
-// The measured vinyl film for Unity's Universal Render Pipeline. NOT RUN in Unity: written from its documentation, and compiled with
-// stand-ins for Unity's names (test/engine_shaders.py).
+// The measured material $NAME for Unity (Universal Render Pipeline, Unity 6). NOT RUN in Unity: it was written from Unity's documentation, and
+// compiled and drawn with functions that stand in for Unity's.
 //
-// Put this file and film.hlsl into one folder below Assets, and create a material of the shader "Measured/Film (URP)". The project must use
-// linear colours (Player Settings). For another model write film.hlsl anew: srbf export film.srbf --to hlsl --with environment -o film.hlsl
-Shader "Measured/Film (URP)"
+// Put this file into a folder below Assets, and create a material of the shader "Measured/$TITLE (URP)". The project must use linear
+// colours (Player Settings).
+Shader "Measured/$TITLE (URP)"
 {
     Properties
     {
@@ -49,8 +49,8 @@ Shader "Measured/Film (URP)"
                 if (roughness >= 1.0) return max(SampleSH(in_world), 0.0);
                 return GlossyEnvironmentReflection(in_world, roughness, 1.0);
             }
-            #define film_radiance probe_radiance
-            #include "film.hlsl"
+            #define $NAME_radiance probe_radiance
+$FUNCTIONS
 
             struct Attributes
             {
@@ -79,7 +79,7 @@ Shader "Measured/Film (URP)"
             float3 reflected(Light light, float3 wv)
             {
                 float3 wl = mul(to_local, light.direction);
-                return PI * film_brdf(wl, wv) * max(wl.z, 0.0) * light.color * light.distanceAttenuation * light.shadowAttenuation;
+                return PI * $NAME_brdf(wl, wv) * max(wl.z, 0.0) * light.color * light.distanceAttenuation * light.shadowAttenuation;
             }
 
             // Unity's loop about the additional lights reads a variable of this name.
@@ -106,7 +106,7 @@ Shader "Measured/Film (URP)"
                 InputData inputData = (InputData)0;
                 inputData.positionWS = i.position;
                 inputData.normalizedScreenSpaceUV = GetNormalizedScreenSpaceUV(i.pos);
-                float3 radiance = film_environment(wv) + reflected(GetMainLight(TransformWorldToShadowCoord(i.position)), wv);
+                float3 radiance = $NAME_environment(wv) + reflected(GetMainLight(TransformWorldToShadowCoord(i.position)), wv);
                 radiance += reflected_of_additional(inputData, wv);
                 return float4(MixFog(_Tint.rgb * radiance, i.fog), 1);
             }

@@ -1,9 +1,9 @@
-// The measured vinyl film for Unity's built-in render pipeline. NOT RUN in Unity: written from its documentation, and compiled with stand-ins
-// for Unity's names (test/engine_shaders.py).
+// The measured material $NAME for Unity (built-in render pipeline). NOT RUN in Unity: it was written from Unity's documentation, and
+// compiled and drawn with functions that stand in for Unity's.
 //
-// Put this file and film.hlsl into one folder below Assets, and create a material of the shader "Measured/Film". The project must use linear
-// colours (Player Settings). For another model write film.hlsl anew: srbf export film.srbf --to hlsl --with environment -o film.hlsl
-Shader "Measured/Film"
+// Put this file into a folder below Assets, and create a material of the shader "Measured/$TITLE". The project must use linear
+// colours (Player Settings).
+Shader "Measured/$TITLE"
 {
     Properties
     {
@@ -36,8 +36,8 @@ Shader "Measured/Film"
         float level = UNITY_SPECCUBE_LOD_STEPS * roughness * (1.7 - 0.7 * roughness);  // as Unity's own materials look it up
         return DecodeHDR(UNITY_SAMPLE_TEXCUBE_LOD(unity_SpecCube0, in_world, level), unity_SpecCube0_HDR);
     }
-    #define film_radiance probe_radiance
-    #include "film.hlsl"
+    #define $NAME_radiance probe_radiance
+$FUNCTIONS
 
     struct Interpolated
     {
@@ -73,7 +73,7 @@ Shader "Measured/Film"
     {
         UNITY_LIGHT_ATTENUATION(attenuation, i, i.position);
         float3 wl = mul(to_local, normalize(UnityWorldSpaceLightDir(i.position)));
-        return UNITY_PI * film_brdf(wl, wv) * max(wl.z, 0.0) * _LightColor0.rgb * attenuation;
+        return UNITY_PI * $NAME_brdf(wl, wv) * max(wl.z, 0.0) * _LightColor0.rgb * attenuation;
     }
     ENDCG
 
@@ -93,7 +93,7 @@ Shader "Measured/Film"
             float4 frag(Interpolated i) : SV_Target
             {
                 float3 wv = viewer_in_frame(i);
-                float4 colour = float4(_Tint.rgb * (reflected(i, wv) + film_environment(wv)), 1);
+                float4 colour = float4(_Tint.rgb * (reflected(i, wv) + $NAME_environment(wv)), 1);
                 UNITY_APPLY_FOG(i.fogCoord, colour);
                 return colour;
             }

@@ -224,7 +224,7 @@ async function fit(mine) {
 // The name of a file. A ready material has its stored picture beside it, before the page draws its own.
 function show_name(name, link) {
   $("name").textContent = link?.dataset.kind ?? stem(name);
-  set_shown("stored", Boolean(link));
+  set_shown("stored", Boolean(link)), set_shown("lobes_row", !link);
   if (link) $("stored").style.backgroundPosition = link.querySelector("i").style.backgroundPosition;
   set_shown("state", true);
 }

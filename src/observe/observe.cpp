@@ -23,8 +23,7 @@ constexpr std::size_t k_least_count = 1024, k_most_count = std::size_t(1) << 24;
 constexpr std::size_t k_pairs_per_horizon_pair = 7;
 /// The pool of pairs is this many times as large as the observations, at most k_most_pairs.
 constexpr std::size_t k_pool = 8, k_most_pairs = std::size_t(1) << 20;
-/// This fraction is chosen with probability proportional to Σ w |f|², the rest uniformly (docs/fitting.md,
-/// Selection).
+/// This fraction is chosen with probability proportional to Σ w |f|², the rest uniformly (docs/fitting.md, Pairs).
 constexpr double k_by_energy = 0.5;
 /// Number of pairs that one task evaluates.
 constexpr std::size_t k_part = 4096;

@@ -14,7 +14,7 @@ namespace srbf {
 namespace {
 
 /// Number of views, and of points for the extended lights of each. Eight times or half as many of either make no
-/// larger difference than another seed does (docs/fitting.md, Pictures).
+/// larger difference than another seed does.
 constexpr std::size_t k_views = 100;
 constexpr int k_points = 112;
 /// Angles between viewer and directional lights [degrees], unevenly spread over the whole range.

@@ -38,6 +38,8 @@ class PreparedBsdf {
     /// The probabilities of sampling reflection, transmission and their beams, for a viewer.
     struct Chances;
     Chances chances(Vec3f wv) const;
+    /// The probability that `sample` chooses this part, which must be there.
+    float chance(Part part, Vec3f wv) const;
 
     PreparedParts parts_;
     Beams beams_;

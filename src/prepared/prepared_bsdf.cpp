@@ -66,14 +66,12 @@ PreparedBsdf::Chances PreparedBsdf::chances(Vec3f wv) const {
     float sum = 0;
     for (std::size_t k = 0; k < 2; ++k) {
         const auto part = std::size_t(chances.part[k]);
-        // With a single choice, its albedo is irrelevant, and expensive to compute.
-        if (parts_[part])
-            chances.part_chance[k] = is_brdf_ ? 1 : float(luminance(albedo(*parts_[part], std::abs(wv.z))));
+        if (parts_[part]) chances.part_chance[k] = float(luminance(albedo(*parts_[part], std::abs(wv.z))));
         chances.beam[k] = share_at(beams_, chances.part[k], straight);
         chances.beam_chance[k] = float(luminance(chances.beam[k]));
         sum += chances.part_chance[k] + chances.beam_chance[k];
     }
-    if (is_brdf_ || !(sum > 0)) return chances;
+    if (!(sum > 0)) return chances;
     float total = 0;
     for (std::size_t k = 0; k < 2; ++k) {
         if (parts_[std::size_t(chances.part[k])])
@@ -84,11 +82,19 @@ PreparedBsdf::Chances PreparedBsdf::chances(Vec3f wv) const {
     return chances;
 }
 
+float PreparedBsdf::chance(Part part, Vec3f wv) const {
+    return is_brdf_ ? 1 : chances(wv).part_chance[std::size_t(is_transmission(part))];
+}
+
 BsdfSample sample(const PreparedBsdf& bsdf, Vec3f wv, Vec2f u, float selector) {
     BsdfSample result;
     const auto side = to_part_frame(wv, wv);
     if (!side) return result;
     const float viewer_side = wv.z < 0 ? -1.f : 1.f;
+    if (bsdf.is_brdf_) {  // nothing to choose
+        const LightSample light = sample(*bsdf.parts_[std::size_t(Part::reflection_front)], side->wv, u, selector);
+        return {to_side(light.wl, viewer_side), light.weight, light.pdf};
+    }
     const PreparedBsdf::Chances chances = bsdf.chances(wv);
     for (std::size_t k = 0; k < 2; ++k) {
         const float light_side = k == 0 ? viewer_side : -viewer_side;
@@ -117,16 +123,14 @@ BsdfSample sample(const PreparedBsdf& bsdf, Vec3f wv, Vec2f u, float selector) {
 ValuePdf value_pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {
     const auto pair = to_part_frame(wl, wv);
     if (!pair || !bsdf.parts_[std::size_t(pair->part)]) return {};
-    ValuePdf both = value_pdf(*bsdf.parts_[std::size_t(pair->part)], pair->wl, pair->wv);
-    both.pdf *= bsdf.chances(wv).part_chance[std::size_t(is_transmission(pair->part))];
-    return both;
+    const ValuePdf of_part = value_pdf(*bsdf.parts_[std::size_t(pair->part)], pair->wl, pair->wv);
+    return {of_part.value, bsdf.chance(pair->part, wv) * of_part.pdf};
 }
 
 float pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {
     const auto pair = to_part_frame(wl, wv);
     if (!pair || !bsdf.parts_[std::size_t(pair->part)]) return 0;
-    return bsdf.chances(wv).part_chance[std::size_t(is_transmission(pair->part))] *
-           pdf(*bsdf.parts_[std::size_t(pair->part)], pair->wl, pair->wv);
+    return bsdf.chance(pair->part, wv) * pdf(*bsdf.parts_[std::size_t(pair->part)], pair->wl, pair->wv);
 }
 
 PreparedBsdf prepare_bsdf(const Model& model, const ProposeOptions& options) {

@@ -1,0 +1,102 @@
+"""mitsuba_paths.py PROGRAM PLUGINS FILE.bsdf...: times and noise of paths in Mitsuba 3, scalar_rgb, with its own materials and with those of the
+compiled plugin of examples/mitsuba. PROGRAM is `srbf`, PLUGINS the folder in which the plugin was built, FILE an RGL file.
+
+A ball on a floor of the same material fills the picture; a window and a sky, or an environment, light it. For each material:
+  - microseconds of a path of one vertex and of at most five, the least of RUNS; each vertex asks for a value and its density in the direction of
+    a sampled light, and samples the material
+  - the relative variance of a path of at most five vertices, of luminance, and its product with the time: twice, as the mean variance of the
+    pixels over the square of their mean, where bright ones count most, and as the mean over the pixels of their relative variances
+  - the mean of the picture, and its distance from that of `measured` in units of their noise, RMS over pixels: about 1 for the same material.
+`measured` takes the first direction of a file for the viewer, so light and viewer are exchanged for srbf; its default fit is reciprocal.
+
+Use one core: taskset -c 1 python bench/mitsuba_paths.py .. Needs mitsuba of PyPI, and numpy."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+mi.set_variant("scalar_rgb")
+
+SIZE, PATHS, RUNS = 256, 16, 5
+Y, SQUARE = 4, 7  # of the channels that `moment` writes
+ENVIRONMENT = pathlib.Path(__file__).resolve().parent.parent / "data/studio.hdr"
+
+
+def grey(value):
+    return {"type": "rgb", "value": 3 * [value]}
+
+
+def scene_of(bsdf, lights, vertices):
+    at, flat = mi.ScalarTransform4f().look_at, mi.ScalarTransform4f().rotate([1, 0, 0], -90)
+    emitters = {"sky": {"type": "envmap", "filename": str(ENVIRONMENT)}} if lights == "environment" else {
+        "sky": {"type": "constant", "radiance": grey(0.3)},
+        "window": {"type": "rectangle", "to_world": at([-3, 4, 3], [0, 1, 0], [0, 1, 0]), "light": {"type": "area", "radiance": grey(9)}},
+    }
+    return mi.load_dict({
+        "type": "scene", **emitters,
+        # `moment` adds squares of colours to the film, and a film with them does not warn of negative values, which takes time.
+        "integrator": {"type": "moment", "nested": {"type": "path", "max_depth": vertices + 1, "rr_depth": 100}},
+        "floor": {"type": "rectangle", "to_world": flat @ mi.ScalarTransform4f().scale(50), "bsdf": bsdf},
+        "ball": {"type": "sphere", "center": [0, 1, 0], "bsdf": bsdf},
+        "camera": {"type": "perspective", "fov": 35, "to_world": at([0, 3, 5], [0, 0.8, 0], [0, 1, 0]),
+                   "film": {"type": "hdrfilm", "width": SIZE, "height": SIZE, "rfilter": {"type": "box"}, "pixel_format": "rgb",
+                            "component_format": "float32"}},
+    })
+
+
+def drawn(scene, seed):
+    """The seconds that a picture takes, and the picture: of luminance and of its square the mean over the paths of a pixel."""
+    begin = time.perf_counter()
+    picture = mi.render(scene, spp=PATHS, seed=seed)
+    took = time.perf_counter() - begin
+    return took, np.array(picture).astype(float)[..., [Y, SQUARE]]
+
+
+def materials_of(program, file, folder):
+    fits = {name: f"{folder}/{name}.srbf" for name in ("default", "exchanged")}
+    for name, options in (("default", []), ("exchanged", ["--as-measured", "--exchange"])):
+        subprocess.run([program, "fit", file, *options, "-o", fits[name]], check=True, stdout=subprocess.DEVNULL)
+    return {
+        "diffuse": {"type": "diffuse"},
+        "roughconductor, GGX": {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2},
+        "principled": {"type": "principled", "roughness": 0.4, "metallic": 0.5},
+        "measured": {"type": "measured", "filename": file},
+        "srbf, the file": {"type": "srbf_cpp", "filename": file, "exchange": True},
+        "srbf, default": {"type": "srbf_cpp", "filename": fits["default"]},
+        "srbf, --as-measured": {"type": "srbf_cpp", "filename": fits["exchanged"]},
+    }
+
+
+def compare(materials, lights):
+    scenes = {name: [scene_of(bsdf, lights, vertices) for vertices in (1, 5)] for name, bsdf in materials.items()}
+    runs = [[[drawn(scene, run) for scene in of] for of in scenes.values()] for run in range(RUNS)]
+    times = np.array([[[took for took, _ in of] for of in run] for run in runs]).min(0) * 1e6 / (SIZE * SIZE * PATHS)
+    mean, square = (np.mean([[of[1][1][..., i] for of in run] for run in runs], axis=0) for i in (0, 1))
+    variance = np.maximum(square - mean**2, 1e-9 * mean**2) * RUNS * PATHS / (RUNS * PATHS - 1)  # squares are rounded
+    measured = list(materials).index("measured")
+    for i, name in enumerate(materials):
+        relative = np.array([variance[i].mean() / mean[i].mean()**2, (variance[i] / mean[i]**2).mean()])
+        noise = np.sqrt((variance[i] + variance[measured]) / (RUNS * PATHS))
+        apart = np.sqrt((((mean[i] - mean[measured]) / noise) ** 2).mean())
+        numbers = *times[i], *relative, *(relative * times[i][1]), mean[i].mean(), apart
+        print(f"{name:20}" + "".join(f"{number:9.3f}" for number in numbers), flush=True)
+
+
+def main():
+    program, plugins, *files = sys.argv[1:]
+    dr.set_thread_count(1)
+    mi.file_resolver().append(plugins)
+    for file in files:
+        with tempfile.TemporaryDirectory() as folder:
+            materials = materials_of(program, file, folder)
+            for lights in ("window", "environment"):
+                print(f"{pathlib.Path(file).stem}, {lights}: us of one vertex, of five, variance of bright, of all, x us, x us, mean, distance")
+                compare(materials, lights)
+
+
+main()

@@ -1,4 +1,4 @@
-// The library in ten lines: fits a measurement, writes the model and its GLSL, and asks values and samples of it.
+// The library on one page: fits a measurement, writes the model and its GLSL, and asks values and samples of it.
 //   ten_lines paper_white_rgb.bsdf
 #include <cstdio>
 
@@ -20,8 +20,10 @@ int main(int count, char** arguments) {
     const srbf::PreparedBrdf brdf = srbf::prepare(fitted->model);
     const srbf::Vec3f wv{0, 0.6f, 0.8f};
     const srbf::LightSample light = srbf::sample(brdf, wv, {0.3f, 0.7f}, 0.5f);  // numbers uniform in [0, 1)
-    std::printf("f %.4f, pdf %.4f, weight %.4f, albedo %.4f\n", double(srbf::value(brdf, light.wl, wv).g),
-                double(srbf::pdf(brdf, light.wl, wv)), double(light.weight.g), double(srbf::albedo(brdf, wv.z).g));
+    if (light.pdf > 0)  // otherwise the sample has no direction
+        std::printf("f %.4f, pdf %.4f, weight %.4f\n", double(srbf::value(brdf, light.wl, wv).g), double(light.pdf),
+                    double(light.weight.g));
+    std::printf("albedo %.4f\n", double(srbf::albedo(brdf, wv.z).g));
     const auto code = srbf::shading_code(fitted->model, "paper", "glsl");
     if (!code) return failed(code.error());
     std::puts(code->c_str());

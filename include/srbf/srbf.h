@@ -58,7 +58,7 @@ struct LightSample {
 PreparedBrdf prepare(const LoadedBrdf& brdf);
 
 /// f_r(wl, wv) [1/sr], without the cosine. For a model it differs from `value` of model.h by at most 1e-4 of that value
-/// or 1e-6 of its peak, whichever is larger. It is 0 if wl.z or wv.z is 0, negative or subnormal. It is NaN where a
+/// or 1e-6 of its peak, whichever is larger. It is never negative, and 0 if wl.z or wv.z is 0, negative or subnormal. It is NaN where a
 /// measurement has no value, which a renderer must take for 0; `sample`, `pdf` and `albedo` count it as 0.
 inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) { return brdf.at(wl, wv); }
 /// f_r at pairs of directions. The program ends with a line and abort() if the spans differ in length.
@@ -69,7 +69,7 @@ void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<con
 LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector);
 /// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
-/// The results of `value` and `pdf` for a pair, in the time of both. Multiple importance sampling needs them.
+/// The results of `value` and `pdf` for a pair, as multiple importance sampling needs them. No faster than two calls.
 struct ValuePdf {
     Rgb value;      ///< f_r [1/sr], or NaN where a measurement has no value, as `value` returns
     float pdf = 0;  ///< [1/sr]

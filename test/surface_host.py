@@ -11,7 +11,7 @@ from seen import delta_e
 MATERIALS = ["cc_ibiza_sunset_rgb", "cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb", "vch_golden_yellow_rgb"]
 HOST_WITHIN = 0.3  # of what the surface loses against the measurement
 BRUSHED = Path(__file__).resolve().parent / "models/1/pbr_brushed.srbf"  # a surface with anisotropy: a host draws it as `srbf render` does
-BRUSHED_WITHIN = 10  # ΔE_ITP; turned by 18° more it is 37
+BRUSHED_WITHIN = 20  # ΔE_ITP; turned by 18° more it is 37
 SIZE, SAMPLES, COARSE = 64, 512, 4
 # The camera of `srbf render`: 15° above the horizon, 30° wide, the sphere within a margin of 4 %.
 ELEVATION, FIELD, MARGIN = math.radians(15), math.radians(30), 0.04

@@ -105,6 +105,15 @@ function show_measurement(measurement) {
   if (!draws) return;
   viewer.set_material(1, null);
   viewer.set_material(0, measurement.material);
+  show_drawing();
+}
+// Says that pictures are still to come, until the first of them is there.
+let drawing = 0;
+async function show_drawing() {
+  const mine = ++drawing, { classList } = $("viewer");
+  classList.add("drawing");
+  await viewer.settled();
+  if (mine === drawing) classList.remove("drawing");
 }
 // `about`: what the page knows of a ready material; null: of a file.
 function show_model(model, about) {
@@ -115,6 +124,7 @@ function show_model(model, about) {
   viewer.set_material(0, null);
   viewer.set_material(1, model.material);
   viewer.show("1");
+  show_drawing();
 }
 function words_of({ seen, smoothed, samples, twoSided, energyError }) {
   if (twoSided) return `The reflected and transmitted light have an error of at most ${two_digits(energyError)} of the incident light.`;
@@ -129,7 +139,9 @@ function show_draft(draft) {
   $("verdict").textContent = draft.last ? `The fit of ${grouped(draft.bytes)} bytes is shown. Its errors are being measured.`
     : `A first draft of ${grouped(draft.bytes)} bytes is shown. The fit goes on.`;
   show_slices(draft.slices);
-  if (draws) viewer.set_material(1, draft.material);
+  if (!draws) return;
+  viewer.set_material(1, draft.material);
+  show_drawing();
 }
 function show_fit(report) {
   const { seen, smoothed } = report, level = seen ? k_level[(smoothed ?? seen).level] : report.energyError <= 0.02 ? "good" : "fair";
@@ -293,7 +305,15 @@ async function instructions({ next = "", name: pattern }, file_name, { content, 
   const of = error && (error.isOfModel ? "the model, on top of that of the fit" : "the measurement");
   return (error ? ` Its error is ΔE_ITP ${two_digits(error.deltaE)} against ${of}.` : "") + ` ${next.replace(/{(file|name)}/g, (_, part) => parts[part])}`;
 }
+// Saves one file at a time, because all share a line for what is said of them.
 async function save(button) {
+  const buttons = [...document.querySelectorAll("[data-save]")];
+  for (const each of buttons) each.disabled = true;
+  await write_file(button.dataset);
+  for (const each of buttons) each.disabled = false;
+  if (document.activeElement === document.body) button.focus({ preventScroll: true }); // a disabled button loses the focus
+}
+async function write_file(button) {
   const { save: what, ending } = button;
   const mine = run;
   await applied;
@@ -325,7 +345,7 @@ for (const button of document.querySelectorAll("[data-sample]")) button.addEvent
   show_own(button.dataset.sample);
 });
 // The address "#NAME" shows a material of the gallery, so that its link can be shared.
-const links = [...document.querySelectorAll("#gallery a")], linked = () => links.find((link) => link.hash === location.hash);
+const links = [...document.querySelectorAll("#gallery li a")], linked = () => links.find((link) => link.hash === location.hash);
 function show_linked() {
   const link = linked();
   if (link) show_own(`${link.hash.slice(1)}.srbf`, link);
@@ -336,7 +356,7 @@ function forget_link() {
 window.addEventListener("hashchange", show_linked);
 // A click on the ball that is shown changes no address.
 for (const link of links) link.addEventListener("click", () => { if (link === linked()) show_linked(); });
-for (const button of document.querySelectorAll("[data-save]")) button.addEventListener("click", () => save(button.dataset));
+for (const button of document.querySelectorAll("[data-save]")) button.addEventListener("click", () => save(button));
 $("file").addEventListener("change", () => {
   if ($("file").files[0]) take_file($("file").files[0]);
   $("file").value = "";

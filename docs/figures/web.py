@@ -21,14 +21,14 @@ def wait(shown):
 
 
 try:
-    page.size(1280, 800)
+    page.size(1280, 900)
     page.open(os.path.join(here, "..", "..", "data", "ready", "srbf.html"))
     page.click("#gallery a[href='#cc_ibiza_sunset']")
     wait("document.getElementById('working').hidden && !document.getElementById('editing').hidden")
     page.run("""(() => { const slider = document.getElementById("edit_roughen"); slider.value = 0.5;
         for (const kind of ["input", "change"]) slider.dispatchEvent(new Event(kind, { bubbles: true })); })()""")
     wait("document.getElementById('edit_status').textContent.length > 0")
-    time.sleep(60)  # pictures become less noisy
+    time.sleep(100)  # pictures become less noisy
     page.run("document.getElementById('state').scrollIntoView()")
     page.settle()
     page.screenshot(os.path.join(here, "..", "web.jpg"))

@@ -149,7 +149,7 @@ def on_one_screen(page, material):
 
 def linked(page, folder):
     """A link of the gallery shows its model, which is saved as it is, and can be edited."""
-    chromium, links = page.chromium, page.chromium.run("[...document.querySelectorAll('#gallery a')].map((link) => link.hash.slice(1))")
+    chromium, links = page.chromium, page.chromium.run("[...document.querySelectorAll('#gallery li a')].map((link) => link.hash.slice(1))")
     models = sorted((path.stem for path in (root / "data/gallery").glob("*.srbf")), key=lambda stem: ("_stand_in" in stem, stem))
     check(links == models, f"the gallery has {links}")
     name = models[-1] + ".srbf"

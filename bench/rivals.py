@@ -5,7 +5,9 @@ Fits each measurement by each model, and compares them by the same measures. Nee
 sizes. For two published models the authors' fits are read, for the materials that they have:
 
 --networks FOLDER  networks of layers 6, 21, 21, 3 (Sztrajman, Rainer, Ritschel, Weyrich: Neural BRDF Representation
-                   and Importance Sampling, 2021), in files that stand_ins.py describes
+                   and Importance Sampling, 2021), in files that stand_ins.py describes: `nbrdf` as published, and
+                   `nbrdf-16` rounded to 16-bit floats
+--file-order       gives these networks light and viewer in the order of RGL's files, which is not that of their training
 --codes FOLDER     decoder.f32 and latents.txt: seven numbers for each material, and a shared decoder (Zheng, Zheng,
                    Wang, Zhao, Bao: A Compact Representation of Measured BRDFs Using Neural Processes, 2021)
 --tables FOLDER    tables of MERL's layout: of RGL's files rows of their principal components, by principal_components.py
@@ -74,9 +76,13 @@ def half_and_difference(wl, wv):
     return np.stack([sine, np.zeros_like(sine), half[:, 2]], axis=1), difference
 
 
-def network(layers):
+def network(layers, file_order=False):
     """A material's network as f(wl, wv). The authors took the first direction of RGL's files, the light, as the viewer."""
-    return lambda wl, wv: stand_ins.network_value(layers, *half_and_difference(wv.astype(float), wl.astype(float)))
+    def value(wl, wv):
+        first, second = (wl, wv) if file_order else (wv, wl)
+        return stand_ins.network_value(layers, *half_and_difference(first.astype(float), second.astype(float)))
+
+    return value
 
 
 def decode(folder, name, work):
@@ -122,7 +128,7 @@ def symmetric_error(measured, other, count=100_000):
     return float(np.nanmean((abs(f - g) / (f + g))[f + g > 0]))
 
 
-def rows_of(path, models, networks, codes, components, work):
+def rows_of(path, models, networks, file_order, codes, components, work):
     measured = srbf.load_measurement(path)
     name = os.path.basename(path).rsplit(".", 1)[0].removesuffix("_rgb")
     kind = KIND_OF.get(name, "other")
@@ -151,8 +157,9 @@ def rows_of(path, models, networks, codes, components, work):
         yield row(f"pca-{count}", value, value.eval, *sizes)
     layers = networks and of_rgl and stand_ins.network_of(networks, name)
     if layers:
-        value = network(layers)
-        yield row("nbrdf", value, value, 4 * 675)
+        for model, numbers, size in (("nbrdf", layers, 4), ("nbrdf-16", stand_ins.rounded(layers), 2)):
+            value = network(numbers, file_order)
+            yield row(model, value, value, size * 675)
     if codes and of_rgl:
         value = decode(codes, name, work)
         yield row("nps", value, value, 4 * 7, os.path.getsize(os.path.join(codes, "decoder.f32")))
@@ -164,6 +171,7 @@ def main():
     options.add_argument("--models", nargs="*", default=MODELS, choices=MODELS, metavar="NAME",
                          help="instead of all: " + " ".join(MODELS))
     options.add_argument("--networks", metavar="FOLDER")
+    options.add_argument("--file-order", action="store_true")
     options.add_argument("--codes", metavar="FOLDER")
     options.add_argument("--tables", metavar="FOLDER")
     arguments = options.parse_args()
@@ -172,7 +180,7 @@ def main():
     components = arguments.tables and principal_components.PrincipalComponents(arguments.tables)
     with tempfile.TemporaryDirectory() as work:
         for path in arguments.files:
-            out.writerows(rows_of(path, arguments.models, arguments.networks, arguments.codes, components, work))
+            out.writerows(rows_of(path, arguments.models, arguments.networks, arguments.file_order, arguments.codes, components, work))
             sys.stdout.flush()
 
 

@@ -43,6 +43,11 @@ def network_of(folder, name):
     return list(zip(arrays[0::2], arrays[1::2]))
 
 
+def rounded(layers):
+    """The layers with numbers that 16-bit floats have."""
+    return [(weights.astype(np.float16).astype(float), offsets.astype(np.float16).astype(float)) for weights, offsets in layers]
+
+
 def network_value(layers, half, difference):
     """f [1/sr] for n pairs, by the half vector at azimuth 0 and the light in its frame: two arrays [n, 3]."""
     x = np.concatenate([half, difference], axis=1)

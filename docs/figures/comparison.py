@@ -17,9 +17,9 @@ MODELS = {  # name, and in the plot the curve that it belongs to
     "ggx": ("Lambert, 1 GGX", "GGX"),
     "ggx-2": ("Lambert, 2 GGX", "GGX"),
     "abc": ("ABC", "ABC"),
-    "sgd": ("SGD", "SGD"),
+    "sgd": ("SGD", None),
     "openpbr": ("OpenPBR", "OpenPBR"),
-    "nbrdf": ("NBRDF", "NBRDF"),
+    "nbrdf": ("NBRDF", None),
     "nps": ("neural process", "neural process"),
     "srbf-4": ("srbf, 4 lobes", "srbf"),
     "srbf": ("**srbf, 9 lobes**", "srbf"),
@@ -33,14 +33,14 @@ SIZED = {  # in rows of the measurements alone: models of several sizes, and the
     **{f"network-{width}": "small network" for width in (4, 6)},
     **{f"pca-{count}": "principal components" for count in (4, 8, 16)},
 }
-PLOTTED = {**{f"as-measured-{lobes}": "as measured" for lobes in (4, 12, 16)}, "cube-root": "as measured, ∛f"}  # in no table by name
+PLOTTED = {"nbrdf-16": "NBRDF", **{f"as-measured-{lobes}": "as measured" for lobes in (4, 12, 16)}, "cube-root": "as measured, ∛f"}  # in no table by name
 CURVE_OF = {**{model: curve for model, (_, curve) in MODELS.items()}, **SIZED, **PLOTTED}
 COLOURS = {"srbf": "#c0392b", "as measured": "#e59866", "as measured, ∛f": "#e59866", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "ABC": "#b7950b",
-           "SGD": "#784212", "NBRDF": "#7d3c98", "neural process": "#5d6d7e", "GTR lobes": "#5dade2", "small network": "#8e44ad", "principal components": "#7f8c8d"}
-SQUARES = {"as measured, ∛f", "ABC", "SGD", "GTR lobes", "small network"}  # curves of models that minimise errors of cube roots
+           "NBRDF": "#7d3c98", "neural process": "#5d6d7e", "GTR lobes": "#5dade2", "small network": "#8e44ad", "principal components": "#7f8c8d"}
+SQUARES = {"as measured, ∛f", "ABC", "GTR lobes", "small network"}  # curves of models that minimise errors of cube roots
 TRIANGLES = {"view by view", "NBRDF", "neural process", "principal components"}  # another loss without pixels
-MEANS_ALONE = {"as-measured-16": "16 lobes, not reciprocal"}  # in the table of means
-NEURAL = {"nbrdf", "nps"}  # of which there are rows for the measurements alone
+MEANS_ALONE = {"as-measured-16": "16 lobes, not reciprocal", "nbrdf-16": "NBRDF, rounded to 16-bit floats"}  # in the table of means
+NEURAL = {"nbrdf", "nbrdf-16", "nps"}  # of which there are rows for the measurements alone
 MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
 COLUMNS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms", "symmetric_error", "albedo_error"]
 MEASURES = {"delta_e_itp": "ΔE_ITP, mean", "worst_delta_e_itp": "ΔE_ITP, worst light", "flip": "ꟻLIP", "psnr": "PSNR", "rms": "RMS",
@@ -130,16 +130,17 @@ def bytes_table(rows):
 
 OF_EQUAL_BYTES = {"srbf-4": "srbf, 4 lobes", "gtr-6": "6 GTR lobes", "network-4": "small network, 4 neurons", "srbf-6": "srbf, 6 lobes",
                   "network-6": "small network, 6 neurons", "cube-root": "8 lobes, not reciprocal, by `cube-root`", "srbf": "**srbf, 9 lobes**",
-                  "nbrdf": "NBRDF"}
+                  "nbrdf-16": "NBRDF, rounded"}
 
 
 def equal_bytes_table(rows):
-    """All measures of models of similar sizes, means of the measurements."""
+    """All measures of models of similar sizes, means of the measurements, and a median where one file makes the mean."""
     lines = []
     for model, name in OF_EQUAL_BYTES.items():
         of = of_model(rows, model)
-        lines.append([name, text(of[0]["payload"])] + [text(mean(of, key)) for key in MEASURES])
-    return table(["model", "bytes", *MEASURES.values()], lines)
+        median = statistics.median(row["heldout_squared_error_ratio_cosine"] for row in of)
+        lines.append([name, text(of[0]["payload"])] + [text(mean(of, key)) for key in MEASURES] + [text(median)])
+    return table(["model", "bytes", *MEASURES.values(), "squared error, median"], lines)
 
 
 NETWORKS = {"nbrdf": "NBRDF", "nps": "neural process", "network-6": "small network, 186 bytes"}
@@ -242,7 +243,7 @@ def points_of(rows, curve):
 
 
 def panel(rows, title, x0, y0, width, height):
-    """ΔE_ITP over bytes, both logarithmic; the dashed line is 1. What models share is not in the bytes: a hollow mark names it."""
+    """ΔE_ITP over bytes, both logarithmic. What models share is not in the bytes: a hollow mark names it."""
     x = lambda value: x0 + width * (math.log10(value) - 0.8) / 4.5
     y = lambda value: y0 + height * (1 - (math.log10(value) + 0.4) / 2.05)
     parts = [f'<text x="{x0}" y="{y0 - 8}" font-weight="bold">{title}</text>',
@@ -252,8 +253,7 @@ def panel(rows, title, x0, y0, width, height):
         parts.append(f'<path d="M{x(value):.1f} {y0}v{height}" stroke="#eee"/>'
                      f'<text x="{x(value):.1f}" y="{y0 + height + 15}" text-anchor="middle">{label}</text>')
     for value in (1, 3, 10, 30):
-        dashes = ' stroke-dasharray="5 4"' if value == 1 else ""
-        parts.append(f'<path d="M{x0} {y(value):.1f}h{width}" stroke="{"#555" if value == 1 else "#eee"}"{dashes}/>'
+        parts.append(f'<path d="M{x0} {y(value):.1f}h{width}" stroke="#eee"/>'
                      f'<text x="{x0 - 6}" y="{y(value) + 4:.1f}" text-anchor="end">{value}</text>')
     for curve, colour in COLOURS.items():
         points = [(x(size), y(error), shared) for size, error, shared in points_of(rows, curve)]

@@ -7,7 +7,7 @@ bpy.ops.wm.read_factory_settings(use_empty=True)
 exec(open("film.py", encoding="utf-8").read())
 bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48, radius=1)
 bpy.ops.object.shade_smooth()
-bpy.context.object.data.materials.append(bpy.data.materials["cc_ibiza_sunset_rgb"])
+bpy.context.object.data.materials.append(bpy.data.materials[0])
 camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
 camera.location, camera.rotation_euler = (0, -6.4, 0), (1.5708, 0, 0)
 things = [camera]

@@ -40,7 +40,7 @@ for (const [index, name] of models.entries()) {
   const { kind, source, error, licence } = described.get(stem);
   gallery += `<li><a href="#${stem}" data-kind="${attribute(kind)}" data-about="${attribute(`ΔE ${error} against ${source}. ${terms(licence)}`)}"><i style="` +
     `background-position: ${100 * x / (k_columns - 1)}% ${shift.toFixed(2)}%"></i>${kind}<small>ΔE&nbsp;${error}, ${
-      is_measured(name) ? "measured" : "from a network"}</small></a></li>\n`;
+      is_measured(name) ? "measured" : "from a network: ask before you ship"}</small></a></li>\n`;
 }
 await writeFile(path.join(folder, "data", "gallery.jpg"), balls);
 const page = filled(await text("app.html"), { viewer, version, gallery });

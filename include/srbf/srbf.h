@@ -58,8 +58,8 @@ struct LightSample {
 PreparedBrdf prepare(const LoadedBrdf& brdf);
 
 /// f_r(wl, wv) [1/sr], without the cosine. For a model it differs from `value` of model.h by at most 1e-4 of that value
-/// or 1e-6 of its peak, whichever is larger. It is never negative, and 0 if wl.z or wv.z is 0, negative or subnormal. It is NaN where a
-/// measurement has no value, which a renderer must take for 0; `sample`, `pdf` and `albedo` count it as 0.
+/// or 1e-6 of its peak, whichever is larger. It is never negative, and 0 if wl.z or wv.z is 0, negative or subnormal. It
+/// is NaN where a measurement has no value, which a renderer must take for 0; `sample`, `pdf` and `albedo` count it as 0.
 inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) { return brdf.at(wl, wv); }
 /// f_r at pairs of directions. The program ends with a line and abort() if the spans differ in length.
 void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);

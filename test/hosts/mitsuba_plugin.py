@@ -44,15 +44,18 @@ def run(*command):
         sys.exit(done.stdout[-3000:] + done.stderr[-3000:])
 
 
+def film_of(size):
+    return {"type": "hdrfilm", "width": size, "height": size, "pixel_format": "rgb", "component_format": "float32", "rfilter": {"type": "box"}}
+
+
 def picture_of(bsdf):
     def seen_from(origin):
         return mi.ScalarTransform4f().look_at(origin=origin, target=[0, 0, 0], up=[0, 1, 0])
-    film = {"type": "hdrfilm", "width": lamp.SIZE, "height": lamp.SIZE, "pixel_format": "rgb", "component_format": "float32", "rfilter": {"type": "box"}}
     return np.array(mi.render(mi.load_dict({
         "type": "scene", "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0},
         "lamp": {"type": "directional", "direction": list(-lamp.LAMP), "irradiance": {"type": "rgb", "value": lamp.IRRADIANCE}},
         "ball": {"type": "sphere", "bsdf": bsdf},
-        "camera": {"type": "perspective", "fov": math.degrees(2 * lamp.HALF_FIELD), "to_world": seen_from([0, 0, lamp.DISTANCE]), "film": film,
+        "camera": {"type": "perspective", "fov": math.degrees(2 * lamp.HALF_FIELD), "to_world": seen_from([0, 0, lamp.DISTANCE]), "film": film_of(lamp.SIZE),
                    "sampler": {"type": "stratified", "sample_count": 16}},
     })), dtype=float)
 
@@ -116,11 +119,10 @@ def check_samples(name, bsdf, wi):
 
 def seen_in_white(bsdf, wi):
     """The radiance (green) of a flat surface in white surroundings, by paths: its albedo for this viewer, with beams."""
-    film = {"type": "hdrfilm", "width": 8, "height": 8, "pixel_format": "rgb", "component_format": "float32", "rfilter": {"type": "box"}}
     return np.array(mi.render(mi.load_dict({
         "type": "scene", "integrator": {"type": "path", "max_depth": 3}, "sky": {"type": "constant", "radiance": {"type": "rgb", "value": 1}},
         "surface": {"type": "rectangle", "to_world": mi.ScalarTransform4f().scale(100), "bsdf": bsdf},
-        "camera": {"type": "orthographic", "film": film, "to_world": mi.ScalarTransform4f().look_at((10 * wi).tolist(), [0, 0, 0], [0, 1, 0])},
+        "camera": {"type": "orthographic", "film": film_of(8), "to_world": mi.ScalarTransform4f().look_at((10 * wi).tolist(), [0, 0, 0], [0, 1, 0])},
     }), spp=4096))[..., 1].mean()
 
 

@@ -395,12 +395,41 @@ void expect_filtered(const std::vector<Float4>& pixels, const MapScene& of, cons
     EXPECT_LT(found.most, found.largest * (of.json["module"] == "bytes" ? 1 / 128. : 1 / 256.));
 }
 
+/// The map with coefficients that change slowly from texel to texel.
+Library smoothed(Library map) {
+    for (std::size_t i = 0; i < map.coefficient.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            map.coefficient[i][c] = round_to_half(
+                float(0.6 + 0.4 * elementary::sin(double(i / 5 % 32 + i / 160) / 10 + double(i % 5) + 0.3 * c)));
+    return map;
+}
+
+/// The modules and the textures of the maps.
+void write_maps(const TemporaryFolder& folder, const Library& map, const Library& fine, const Library& smooth,
+                const Library& constant) {
+    write(folder / "map.js", *three_map_module(map, "map", "map.ktx2"));
+    write(folder / "constant.js", *three_map_module(constant, "constant", "constant.ktx2"));
+    const std::string module_of_fine = *three_map_module(fine, "fine", "fine.ktx2");
+    for (const std::string name : {"fine", "bytes", "blocks"}) {  // which differ in their textures
+        std::string text = module_of_fine;
+        write(folder / (name + ".js"), text.replace(text.find("fine.ktx2"), 4, name));
+    }
+    for (const auto& [name, of, numbers] :
+         {std::tuple("map", &map, LayerNumbers::halves),
+          {"fine", &fine, LayerNumbers::halves},
+          {"bytes", &fine, LayerNumbers::bytes},
+          {"blocks", &smooth, has_astc() ? LayerNumbers::blocks : LayerNumbers::halves},
+          {"constant", &constant, LayerNumbers::halves}})
+        ASSERT_TRUE(write_file((folder / fmt::format("{}.ktx2", name)).string(), map_ktx2(*of, numbers)));
+}
+
 TEST(Three, ShowsAMapAsItsTexels) {
     const fs::path three = shared_data().parent_path() / "peers" / "three";
     if (!fs::exists(three)) GTEST_SKIP() << "no three.js at " << three;
     std::mt19937_64 random(1);
     const RandomModelOptions lobes{.axial = false, .lobes = 5, .variates = 3, .most_bandwidth = 60};
-    const Library map = random_map(random, lobes, 8, 4), fine = random_map(random, lobes, 32, 32);
+    const Library map = random_map(random, lobes, 8, 4), fine = random_map(random, lobes, 32, 32),
+                  smooth = smoothed(fine);
     // Environments show no more of a material alone than all the light; of maps, whose sum is linear, they do.
     const Library constant = dark_constant(random, {.lobes = 5, .variates = 3, .most_bandwidth = 200});
     const Model alone = material(constant, 0);
@@ -409,26 +438,7 @@ TEST(Three, ShowsAMapAsItsTexels) {
     const TemporaryFolder folder;
     for (const char* name : {"three.module.js", "three.core.js"}) fs::copy_file(three / name, folder / name);
     write(folder / "alone.js", *three_module(std::span(&named, 1), "alone"));
-    Library smooth = fine;
-    for (std::size_t i = 0; i < smooth.coefficient.size(); ++i)
-        for (int c = 0; c < 3; ++c)
-            smooth.coefficient[i][c] = round_to_half(
-                float(0.6 + 0.4 * elementary::sin(double(i / 5 % 32 + i / 160) / 10 + double(i % 5) + 0.3 * c)));
-    write(folder / "map.js", *three_map_module(map, "map", "map.ktx2"));
-    write(folder / "constant.js", *three_map_module(constant, "constant", "constant.ktx2"));
-    const std::string module_of_fine = *three_map_module(fine, "fine", "fine.ktx2");
-    for (const std::string name : {"fine", "bytes", "blocks"}) {  // which differ in their textures
-        std::string text = module_of_fine;
-        write(folder / (name + ".js"), text.replace(text.find("fine.ktx2"), 4, name));
-    }
-    for (const auto& [name, of] :
-         {std::pair("map", &map), {"fine", &fine}, {"bytes", &fine}, {"blocks", &smooth}, {"constant", &constant}}) {
-        const std::string file = fmt::format("{}.ktx2", name);
-        const auto numbers = name == std::string("bytes")                  ? LayerNumbers::bytes
-                             : name == std::string("blocks") && has_astc() ? LayerNumbers::blocks
-                                                                           : LayerNumbers::halves;
-        ASSERT_TRUE(write_file((folder / file).string(), map_ktx2(*of, numbers)));
-    }
+    ASSERT_NO_FATAL_FAILURE(write_maps(folder, map, fine, smooth, constant));
     const std::vector<MapScene> scenes = map_scenes();
     Json all;
     for (const MapScene& of : scenes) all.push_back(of.json);

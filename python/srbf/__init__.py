@@ -11,7 +11,7 @@ import os
 import struct
 import warnings
 import zlib
-from typing import Any, Callable, Literal, Mapping, Optional, Sequence, TypeVar, Union
+from typing import Any, Callable, Mapping, Optional, Sequence, TypeVar, Union, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -38,7 +38,7 @@ class Error(ValueError):
 
 from . import _srbf  # noqa: E402  (_srbf raises Error)
 from . import _options  # noqa: E402
-from ._options import Language, Lighting, Path, Progress  # noqa: E402
+from ._options import HostMaterial, Language, Lighting, Path, Progress  # noqa: E402
 
 if int(np.__version__.split(".")[0]) >= 2 and not _srbf.knows_numpy_2:
     raise ImportError(f"srbf was built with a pybind11 before 2.12, which does not support NumPy {np.__version__}; build it with `pip install .`")
@@ -497,12 +497,12 @@ def convert(brdf: Brdf, path: Path, *, spectra: bool = True, threads: int = 0) -
     _srbf.convert(brdf._native, _file_name(path), _options.flag("spectra", spectra), _options.threads(threads))
 
 
-def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, Literal["three", "three-webgpu", "unity", "unity-built-in"]], *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:
-    """Source code that stands alone, in a language `to` of `code_languages()`, or "three", "three-webgpu", "unity" or "unity-built-in", as `srbf export` writes it. The functions of a
-    single model are `name`_brdf and so on, or `name`_bsdf and `name`_beam for a BSDF. Several models have functions named by their keys,
-    and `name` begins the names that they share."""
+def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, HostMaterial], *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:
+    """Source code that stands alone, in a language `to` of `code_languages()`, or a whole material, "three", "three-webgpu", "unity" or
+    "unity-built-in", as `srbf export` writes it. The functions of a single model are `name`_brdf and so on, or `name`_bsdf and `name`_beam
+    for a BSDF. Several models have functions named by their keys, and `name` begins the names that they share."""
     named = {name: models} if isinstance(models, Model) else models
-    language = _options.one_of("to", to, ["three", "three-webgpu", "unity", "unity-built-in", *code_languages()])
+    language = _options.one_of("to", to, [*get_args(HostMaterial), *code_languages()])
     return _srbf.code([model._native for model in named.values()], list(named), language, _srbf.identifier(name),
                       _options.flag("sampling", sampling), _options.flag("albedo", albedo))
 

@@ -1,4 +1,4 @@
-"""Draws a ball of the material that film.py makes, without a window: ball.png. Needs the package bpy; docs/tutorials/blender.md runs it."""
+"""Draws a ball of the material that film.py makes, without a window, and saves the scene: ball.png, film.blend. Needs the package bpy."""
 import os
 
 import bpy
@@ -28,3 +28,9 @@ scene.render.resolution_x = scene.render.resolution_y = 512
 scene.render.filepath = os.path.abspath("ball.png")
 bpy.ops.render.render(write_still=True)
 print("drew ball.png with", bpy.data.materials[0].name)
+
+scene.render.filepath = "//ball.png"
+for area in bpy.data.screens["Layout"].areas:
+    if area.type == "VIEW_3D":  # which shows the picture as soon as the file is opened
+        area.spaces.active.shading.type, area.spaces.active.region_3d.view_perspective = "RENDERED", "CAMERA"
+bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath("film.blend"), compress=True)

@@ -305,6 +305,12 @@ async function instructions({ next = "", name: pattern }, file_name, { content, 
   const of = error && (error.isOfModel ? "the model, on top of that of the fit" : "the measurement");
   return (error ? ` Its error is ΔE_ITP ${two_digits(error.deltaE)} against ${of}.` : "") + ` ${next.replace(/{(file|name)}/g, (_, part) => parts[part])}`;
 }
+// A material for Blender of a ball whose measurement the page has is made from the measurement.
+async function write(what, name) {
+  const measured = `${stem(file.name)}_rgb.bsdf`, has_measured = linked() && document.querySelector(`[data-sample="${measured}"]`);
+  const measurement = what === "blender" && has_measured && !edited ? { name: measured, bytes: await load_data(measured) } : null;
+  return ask({ kind: "save", what, name, measurement });
+}
 // Saves one file at a time, because all share a line for what is said of them.
 async function save(button) {
   const buttons = [...document.querySelectorAll("[data-save]")];
@@ -321,7 +327,7 @@ async function write_file(button) {
   const name = stem(file.name) + (edited ? "_edited" : "") + ending;
   $("saved").textContent = `Writing ${name} …`;
   saving = name;
-  const written = await step(mine, () => ask({ kind: "save", what, name }));
+  const written = await step(mine, () => write(what, name));
   saving = "";
   $("saved").textContent = written ? `Saved ${name}.${await instructions(button, name, written)}` : "";
   if (!written) return;
@@ -380,5 +386,5 @@ window.addEventListener("load", () => setTimeout(() => {
   ensure_worker().catch((error) => error && fail(error.message));
 }, 50)); // after the page is shown
 
-return { take_file, save_as: (what, name) => ask({ kind: "save", what, name }).then(({ content }) => content), state: () => ({ file, fitted, edited, busy: open_questions.size }) };
+return { take_file, save_as: (what, name) => write(what, name).then(({ content }) => content), state: () => ({ file, fitted, edited, busy: open_questions.size }) };
 })();

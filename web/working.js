@@ -55,15 +55,18 @@ const actions = {
     return edited ? { ...edited, material: material_of(edited) } : {};
   },
   // The content is a Blob, which the page receives without a copy. A material for Blender has an error of its own.
-  save({ what, name }) {
-    const { number } = edited ?? model, is_table = measured && !measured.twoSided && measured.samples === null;
-    const for_blender = !edited && is_table ? measured.number : number; // nearer to a measurement than to its fit
+  // `measurement`: name and packed bytes of what the model was fitted to, if the page has it; else null.
+  async save({ what, name, measurement }) {
+    const own = measurement && srbf.open(measurement.name, await unpack(measurement.bytes));
+    const { number } = edited ?? model, table = own ?? measured, is_table = table && !table.twoSided && table.samples === null;
+    const for_blender = !edited && is_table ? table.number : number; // nearer to a measurement than to its fit
     const content = what === "srbf" ? srbf.model_file(number)
       : what === "table" ? srbf.table(number, name)
       : what === "page" ? srbf.page(number, measured?.number ?? 0)
       : what === "blender" ? srbf.blender(for_blender)
       : srbf.code(number, what);
     const error = what === "blender" ? { deltaE: srbf.blender_error(for_blender), isOfModel: for_blender === number } : null;
+    if (own) srbf.close(own.number);
     return { content: new Blob([content], { type: "application/octet-stream" }), error };
   },
 };
@@ -84,7 +87,7 @@ onmessage = async ({ data }) => {
       return postMessage({ id, result: { module, studio, viewer: srbf.viewer_data() } });
     }
     if (typeof data.bytes === "string") data.bytes = await unpack(data.bytes);
-    const result = actions[kind](data);
+    const result = await actions[kind](data);
     postMessage({ id, result }, result.material ? [result.material.bytes.buffer] : []);
   } catch (error) {
     // After a trap the module's memory is inconsistent, so the page starts a new worker.

@@ -175,6 +175,9 @@ def linked(page, folder):
     page.wait(f"{name} again", lambda of: of["name"] == name)
     chromium.click("#gallery li:last-child a")
     check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"), "a second click on a ball shows nothing")
+    chromium.click("#gallery li:first-child a")
+    page.wait("the film's ball", lambda of: of["name"] == models[0] + ".srbf")
+    for_blender(page, root / "data/cc_ibiza_sunset_rgb.bsdf", folder)  # not of its model, as the page has the measurement
 
 
 def damaged(page, folder):

@@ -244,7 +244,7 @@ function show_name(name, link) {
 async function show_file(name, bytes, link) {
   const mine = ++run;
   if (open_questions.size) ready = start_worker(); // the current job is obsolete
-  file = { name, bytes }, fitted = null;
+  file = { name, bytes, is_ready: Boolean(link) }, fitted = null;
   begin_editing(null);
   fail("");
   show_downloads(false), set_shown("plots", false);
@@ -307,7 +307,7 @@ async function instructions({ next = "", name: pattern }, file_name, { content, 
 }
 // A material for Blender of a ball whose measurement the page has is made from the measurement.
 async function write(what, name) {
-  const measured = `${stem(file.name)}_rgb.bsdf`, has_measured = linked() && document.querySelector(`[data-sample="${measured}"]`);
+  const measured = `${stem(file.name)}_rgb.bsdf`, has_measured = file.is_ready && document.querySelector(`[data-sample="${measured}"]`);
   const measurement = what === "blender" && has_measured && !edited ? { name: measured, bytes: await load_data(measured) } : null;
   return ask({ kind: "save", what, name, measurement });
 }

@@ -70,8 +70,8 @@ Verdict verdict(const PictureErrors& errors) {
 }
 
 std::string_view words(Verdict verdict) {
-    constexpr std::array<std::string_view, k_verdicts> k_words{"hardly visible", "visible if looked for",
-                                                               "visible beside each other", "visible at once"};
+    constexpr std::array<std::string_view, k_verdicts> k_words{"hardly visible", "visible if you look for it",
+                                                               "visible side by side", "visible at once"};
     return k_words[std::size_t(verdict)];
 }
 

@@ -21,7 +21,7 @@ struct VerdictLimits {
 };
 inline constexpr std::array<VerdictLimits, k_verdicts - 1> k_verdict_limits{{{1, 0.03}, {3, 0.07}, {10, 0.15}}};
 Verdict verdict(const PictureErrors& errors);
-/// "hardly visible", "visible if looked for", "visible beside each other", "visible at once".
+/// "hardly visible", "visible if you look for it", "visible side by side", "visible at once".
 std::string_view words(Verdict verdict);
 
 /// Names of a picture's error in output.

@@ -76,7 +76,8 @@ class SrbfBxDF {
     bool two_sided_ = true;
 };
 
-/// Parameters: `filename`, a model file or a measurement; `twosided`, true without it; `displacement`.
+/// Parameters: `filename`, a model file or a measurement; `exchange`, false without it: light and viewer are exchanged,
+/// as pbrt's `measured` has them of an RGL file; `twosided`, true without it; `displacement`.
 class SrbfMaterial {
   public:
     using BxDF = SrbfBxDF;
@@ -88,7 +89,7 @@ class SrbfMaterial {
                                 Allocator alloc) {
         std::string error;
         const std::string file = ResolveFilename(parameters.GetOneString("filename", ""));
-        const srbf_plain::Brdf* brdf = srbf_plain::open(file, error);
+        const srbf_plain::Brdf* brdf = srbf_plain::open(file, parameters.GetOneBool("exchange", false), error);
         if (!brdf) ErrorExit(loc, "%s", error);
         return alloc.new_object<SrbfMaterial>(brdf, parameters.GetOneBool("twosided", true),
                                               parameters.GetFloatTextureOrNull("displacement", alloc), normal_map);

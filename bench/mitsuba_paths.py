@@ -121,7 +121,7 @@ def draw_equal_time(materials, to):
         grey = np.repeat(255 - 255 * np.minimum(apart / DARKEST, 1), 3).reshape(SIZE, SIZE, 3).astype(np.uint8)
         add(i, 1, grey if i else seen.displayed(file, exposed),
             f"its visible error without noise:\nmean {apart.mean():.1f}, black {DARKEST} or more" if i else f"measured, after\n{CONVERGED * PATHS} paths: almost no noise")
-    sheet.save(to, quality=80)
+    sheet.save(to, quality=50, optimize=True)
 
 
 def main():

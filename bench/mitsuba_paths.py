@@ -2,8 +2,8 @@
 compiled plugin of examples/mitsuba. PROGRAM is `srbf`, PLUGINS the folder in which the plugin was built, FILE an RGL file.
 
 A ball on a floor of the same material fills the picture; a window and a sky, or an environment, light it. For each material:
-  - microseconds of a path of one vertex and of at most five, the least of RUNS; each vertex asks for a value and its density in the direction of
-    a sampled light, and samples the material
+  - microseconds of processor time of a path of one vertex and of at most five, the least of RUNS; each vertex asks for a value and its density
+    in the direction of a sampled light, and samples the material
   - the relative variance of a path of at most five vertices, of luminance, and its product with the time: twice, as the mean variance of the
     pixels over the square of their mean, where bright ones count most, and as the mean over the pixels of their relative variances
   - the mean of the picture, and its distance from that of `measured` in units of their noise, RMS over pixels: about 1 for the same material.

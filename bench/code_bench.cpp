@@ -1,7 +1,8 @@
 // Time of a value, a density, both, and a sample with density and weight: of the library, of srbf_runtime.h and of
 // exported C, which gcc and clang compile for any x86-64 and for AVX2. The models are the default fit of the bundled
-// vinyl film and its fit as measured; of the library also its fits of Lambert with one and two GGX lobes, and the table
-// itself. Pairs are random, up to 80° from the normal. A thousand are timed together, so that microseconds are the
+// vinyl film and its fit as measured. The library is also timed with each instruction set of this machine: for default
+// fits of the five RGL files, for fits of the film as measured and by Lambert with one and two GGX lobes, and for its
+// table. Pairs are random, up to 80° from the normal. A thousand are timed together, so that microseconds are the
 // nanoseconds of one; `least` is the least of fifteen runs.
 #include <benchmark/benchmark.h>
 #include <dlfcn.h>
@@ -13,8 +14,10 @@
 #include <numbers>
 #include <random>
 
+#include "one_target.h"
 #include "srbf/fit.h"
 #include "srbf/measured.h"
+#include "srbf/model.h"
 #include "srbf/prepared.h"
 #include "srbf/shading_code.h"
 #include "temporary_folder.h"
@@ -94,9 +97,11 @@ const std::string k_code =
                       "        const m_ValuePdf f = m_value_pdf(l, V(v));\n"
                       "        to[i] = l.z > 0 ? f.value.x * l.z / f.pdf + f.pdf : 0;");
 
-void add(const std::string& name, std::size_t k, Run run, const void* brdf) {
+/// `target` is an instruction set for the library, or 0 for the best.
+void add(const std::string& name, std::size_t k, Run run, const void* brdf, Target target = 0) {
     benchmark::RegisterBenchmark((std::string(k_names[k]) + "/" + name).c_str(),
                                  [=](benchmark::State& state) {
+                                     const OneTarget one(target);
                                      const auto& first = k == 3 ? pairs().u : pairs().wl;
                                      for (auto _ : state)
                                          run(brdf, k_pairs, &first[0].x, &pairs().wv[0].x, pairs().results.data());
@@ -150,10 +155,15 @@ void add_model(const std::string& name, const Model& model, const TemporaryFolde
     }
 }
 
-void add_library(const std::string& name, const PreparedBrdf& brdf) {
+/// A model or a measurement, with each instruction set.
+template <typename B> void add_library(const std::string& name, const B& brdf) {
     static std::list<PreparedBrdf> prepared;
-    prepared.push_back(brdf);
-    for (std::size_t k = 0; k < std::size(k_names); ++k) add(name + "/library", k, k_library[k], &prepared.back());
+    for (const Target target : hwy::SupportedAndGeneratedTargets()) {
+        const OneTarget one(target);
+        prepared.push_back(prepare(brdf, ProposeOptions{}));
+        for (std::size_t k = 0; k < std::size(k_names); ++k)
+            add(fmt::format("{}/library {}", name, hwy::TargetName(target)), k, k_library[k], &prepared.back(), target);
+    }
 }
 
 const bool k_registered = [] {
@@ -162,11 +172,15 @@ const bool k_registered = [] {
     write(folder / "runtime.c", k_runtime), write(folder / "code.c", k_code);
     const Measured film = *load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
     add_model("default", fit(film, {})->model, folder);
-    add_model("measured", fit(film, {.model = PmRequest{.form = PmForm::extended}})->model, folder);
+    const Model as_measured = fit(film, {.model = PmRequest{.form = PmForm::extended}})->model;
+    add_model("measured", as_measured, folder);
+    for (const char* const name :
+         {"cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"})
+        add_library(name, *load_model(fmt::format("{}/data/gallery/{}.srbf", SRBF_SOURCE_DIR, name)));
+    add_library("measured", as_measured);
     for (const int lobes : {1, 2})
-        add_library(fmt::format("ggx{}", lobes),
-                    prepare(fit(film, {.model = GgxRequest{.lobes = lobes}})->model, ProposeOptions{}));
-    add_library("table", prepare(film, ProposeOptions{}));
+        add_library(fmt::format("ggx{}", lobes), fit(film, {.model = GgxRequest{.lobes = lobes}})->model);
+    add_library("table", film);
     return true;
 }();
 

@@ -2,12 +2,15 @@
 compiled plugin of examples/mitsuba. PROGRAM is `srbf`, PLUGINS the folder in which the plugin was built, FILE an RGL file.
 
 A ball on a floor of the same material fills the picture; a window and a sky, or an environment, light it. For each material:
-  - microseconds of a path of one vertex and of at most five, the least of RUNS; each vertex asks for a value and its density in the direction of
-    a sampled light, and samples the material
+  - microseconds of processor time of a path of one vertex and of at most five, the least of RUNS; each vertex asks for a value and its density
+    in the direction of a sampled light, and samples the material
   - the relative variance of a path of at most five vertices, of luminance, and its product with the time: twice, as the mean variance of the
     pixels over the square of their mean, where bright ones count most, and as the mean over the pixels of their relative variances
   - the mean of the picture, and its distance from that of `measured` in units of their noise, RMS over pixels: about 1 for the same material.
 `measured` takes the first direction of a file for the viewer, so light and viewer are exchanged for srbf; its default fit is reciprocal.
+
+With --picture TO.jpg before PROGRAM it draws `measured`, the default and Lambert with GGX after equal time instead; below them are the file
+itself and the visible errors of both models without noise. That needs Pillow, too.
 
 Use one core: taskset -c 1 python bench/mitsuba_paths.py .. Needs mitsuba of PyPI, and numpy."""
 import pathlib
@@ -22,7 +25,11 @@ import numpy as np
 
 mi.set_variant("scalar_rgb")
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "test"))
+import seen  # noqa: E402
+
 SIZE, PATHS, RUNS = 256, 16, 5
+EQUAL, CONVERGED, DARKEST = 8, 64, 40  # of a picture: paths of `measured`, runs without visible noise, the ΔE_ITP that is drawn black
 Y, SQUARE = 4, 7  # of the channels that `moment` writes
 ENVIRONMENT = pathlib.Path(__file__).resolve().parent.parent / "data/studio.hdr"
 
@@ -49,17 +56,17 @@ def scene_of(bsdf, lights, vertices):
     })
 
 
-def drawn(scene, seed):
-    """The seconds that a picture takes, and the picture: of luminance and of its square the mean over the paths of a pixel."""
-    begin = time.perf_counter()
-    picture = mi.render(scene, spp=PATHS, seed=seed)
-    took = time.perf_counter() - begin
-    return took, np.array(picture).astype(float)[..., [Y, SQUARE]]
+def drawn(scene, seed, paths=PATHS):
+    """The seconds of processor time that a picture takes, and the picture: of colour, luminance and its square the mean over the paths of a pixel."""
+    begin = time.process_time()
+    picture = mi.render(scene, spp=paths, seed=seed)
+    took = time.process_time() - begin
+    return took, np.array(picture).astype(float)[..., [0, 1, 2, Y, SQUARE]]
 
 
 def materials_of(program, file, folder):
-    fits = {name: f"{folder}/{name}.srbf" for name in ("default", "exchanged")}
-    for name, options in (("default", []), ("exchanged", ["--as-measured", "--exchange"])):
+    fits = {name: f"{folder}/{name}.srbf" for name in ("default", "exchanged", "ggx")}
+    for name, options in (("default", []), ("exchanged", ["--as-measured", "--exchange"]), ("ggx", ["--model", "ggx"])):
         subprocess.run([program, "fit", file, *options, "-o", fits[name]], check=True, stdout=subprocess.DEVNULL)
     return {
         "diffuse": {"type": "diffuse"},
@@ -69,6 +76,7 @@ def materials_of(program, file, folder):
         "srbf, the file": {"type": "srbf_cpp", "filename": file, "exchange": True},
         "srbf, default": {"type": "srbf_cpp", "filename": fits["default"]},
         "srbf, --as-measured": {"type": "srbf_cpp", "filename": fits["exchanged"]},
+        "srbf, --model ggx": {"type": "srbf_cpp", "filename": fits["ggx"]},
     }
 
 
@@ -76,7 +84,7 @@ def compare(materials, lights):
     scenes = {name: [scene_of(bsdf, lights, vertices) for vertices in (1, 5)] for name, bsdf in materials.items()}
     runs = [[[drawn(scene, run) for scene in of] for of in scenes.values()] for run in range(RUNS)]
     times = np.array([[[took for took, _ in of] for of in run] for run in runs]).min(0) * 1e6 / (SIZE * SIZE * PATHS)
-    mean, square = (np.mean([[of[1][1][..., i] for of in run] for run in runs], axis=0) for i in (0, 1))
+    mean, square = (np.mean([[of[1][1][..., i] for of in run] for run in runs], axis=0) for i in (3, 4))
     variance = np.maximum(square - mean**2, 1e-9 * mean**2) * RUNS * PATHS / (RUNS * PATHS - 1)  # squares are rounded
     measured = list(materials).index("measured")
     for i, name in enumerate(materials):
@@ -87,13 +95,47 @@ def compare(materials, lights):
         print(f"{name:20}" + "".join(f"{number:9.3f}" for number in numbers), flush=True)
 
 
+def draw_equal_time(materials, to):
+    from PIL import Image, ImageDraw, ImageFont
+
+    chosen = {"measured, by the file": "measured", "srbf, the default": "srbf, default", "Lambert and GGX": "srbf, --model ggx"}
+    scenes = [scene_of(materials[name], "window", 5) for name in chosen.values()]
+    runs = [[drawn(scene, run) for scene in scenes] for run in range(CONVERGED)]
+    seconds = np.array([[took for took, _ in run] for run in runs]).min(0)
+    converged = np.mean([[picture for _, picture in run] for run in runs], axis=0)[..., :4]
+    file, font = converged[0, ..., :3], ImageFont.load_default(15)
+    exposed = seen.exposure(file.reshape(-1, 3))
+    sheet = Image.new("RGB", (SIZE * len(chosen), 2 * (SIZE + 44)), "white")
+
+    def add(column, row, pixels, text):
+        sheet.paste(Image.fromarray(pixels), (column * SIZE, row * (SIZE + 44)))
+        ImageDraw.Draw(sheet).text((column * SIZE + 6, row * (SIZE + 44) + SIZE + 3), text, fill="black", font=font)
+
+    for i, label in enumerate(chosen):
+        paths = round(EQUAL * seconds[0] / seconds[i])
+        noisy = drawn(scenes[i], CONVERGED, paths)[1][..., :4]
+        noise = np.sqrt(((noisy / converged[i] - 1)[..., 3] ** 2).mean())
+        add(i, 0, seen.displayed(noisy[..., :3], exposed), f"{label}:\n{paths} paths in equal time, noise {100 * noise:.0f} %")
+        apart = np.linalg.norm(np.subtract(*(seen.itp(np.clip(exposed * of, 0, 1)) for of in (converged[i, ..., :3], file))), axis=-1)
+        print(f"{label}: {1e6 * seconds[i] / (SIZE * SIZE * PATHS):.2f} us, {paths} paths, noise {noise:.3f}, visible error {apart.mean():.1f}", flush=True)
+        grey = np.repeat(255 - 255 * np.minimum(apart / DARKEST, 1), 3).reshape(SIZE, SIZE, 3).astype(np.uint8)
+        add(i, 1, grey if i else seen.displayed(file, exposed),
+            f"its visible error without noise:\nmean {apart.mean():.1f}, black {DARKEST} or more" if i else f"measured, after\n{CONVERGED * PATHS} paths: almost no noise")
+    sheet.save(to, quality=50, optimize=True)
+
+
 def main():
-    program, plugins, *files = sys.argv[1:]
+    arguments = sys.argv[1:]
+    to = arguments[1] if arguments[0] == "--picture" else None
+    program, plugins, *files = arguments[2 if to else 0:]
     dr.set_thread_count(1)
     mi.file_resolver().append(plugins)
     for file in files:
         with tempfile.TemporaryDirectory() as folder:
             materials = materials_of(program, file, folder)
+            if to:
+                draw_equal_time(materials, to)
+                continue
             for lights in ("window", "environment"):
                 print(f"{pathlib.Path(file).stem}, {lights}: us of one vertex, of five, variance of bright, of all, x us, x us, mean, distance")
                 compare(materials, lights)

@@ -9,6 +9,8 @@
 // limit for 95 % of views is printed twice: of these views, a third of which are beyond 84°, and of views uniform in
 // solid angle, that is in cosθv:
 //   usage: sampling --horizon FILE...
+// The mean variance over 16 azimuths of the view, prepared without and with azimuths, for anisotropic files:
+//   usage: sampling --azimuths FILE...
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -197,14 +199,42 @@ Result<Done> print_horizon(std::span<char*> paths) {
     return Done{};
 }
 
+Result<Done> print_azimuths(std::span<char*> paths) {
+    constexpr int k_azimuths = 16;
+    fmt::print("file,azimuths");
+    for (const double theta : k_thetas) fmt::print(",{}°", theta);
+    fmt::print("\n");
+    for (const char* path : paths) {
+        const auto loaded = load_brdf(path);
+        if (!loaded) return loaded.error();
+        for (const int azimuths : {1, k_anisotropic_azimuths}) {
+            const PreparedBrdf brdf =
+                std::visit([&](const auto& kind) { return prepare(kind, {.azimuths = azimuths}); }, *loaded);
+            fmt::print("{},{}", std::filesystem::path(path).stem().string(), azimuths);
+            for (const double theta : k_thetas) {
+                double sum = 0;
+                for (int i = 0; i < k_azimuths; ++i) {
+                    const Vec3f wv = to_float(spherical(theta * k_degree, 2 * k_pi * (i + 0.5) / k_azimuths));
+                    sum += variance(evaluator(brdf), proposal(brdf), wv, 1 << 15);
+                }
+                fmt::print(",{:.3f}", sum / k_azimuths);
+            }
+            fmt::print("\n");
+        }
+    }
+    return Done{};
+}
+
 }  // namespace
 }  // namespace srbf
 
 int main(int argc, char** argv) {
     const std::string mode = argc > 1 ? argv[1] : "";
-    if (mode == "--views" || mode == "--horizon") {
+    if (mode == "--views" || mode == "--horizon" || mode == "--azimuths") {
         const std::span files(argv + 2, std::size_t(argc - 2));
-        const auto printed = mode == "--views" ? srbf::print_worst(files) : srbf::print_horizon(files);
+        const auto printed = mode == "--views"     ? srbf::print_worst(files)
+                             : mode == "--horizon" ? srbf::print_horizon(files)
+                                                   : srbf::print_azimuths(files);
         if (!printed) fmt::print(stderr, "{}\n", srbf::message(printed.error()));
         return printed ? 0 : 1;
     }

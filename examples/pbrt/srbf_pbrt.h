@@ -1,5 +1,6 @@
 // A model of srbf as a material of pbrt-v4: Material "srbf" "string filename" "film.srbf". C++17, and no header of srbf.
-// It is for pbrt's CPU build; its GPU build is not supported. To add it to pbrt:
+// It is for pbrt's CPU build, and was run in its commit 5f7a606; its GPU build is not supported. ball.pbrt is a scene.
+// To add it to pbrt:
 //   1. Copy srbf_plain.h, srbf_plain.cpp and this file into src/pbrt.
 //   2. base/bxdf.h and base/material.h: declare `class SrbfBxDF;` and `class SrbfMaterial;` before `class BxDF` and
 //      `class Material`, and add the names to the lists of types of their TaggedPointers.
@@ -12,6 +13,7 @@
 //        set_target_properties(srbf_plain PROPERTIES CXX_STANDARD 20)
 //        target_link_libraries(srbf_plain PRIVATE srbf::srbf)
 //        target_link_libraries(pbrt_lib PUBLIC srbf_plain)
+//      Pass -DCMAKE_PREFIX_PATH=PREFIX to CMake if srbf is not installed in /usr/local or /usr.
 #pragma once
 #include <pbrt/base/bxdf.h>
 #include <pbrt/base/material.h>
@@ -76,7 +78,8 @@ class SrbfBxDF {
     bool two_sided_ = true;
 };
 
-/// Parameters: `filename`, a model file or a measurement; `twosided`, true without it; `displacement`.
+/// Parameters: `filename`, a model file or a measurement; `exchange`, false without it: light and viewer are exchanged,
+/// as pbrt's `measured` has them of an RGL file; `twosided`, true without it; `displacement`.
 class SrbfMaterial {
   public:
     using BxDF = SrbfBxDF;
@@ -88,7 +91,7 @@ class SrbfMaterial {
                                 Allocator alloc) {
         std::string error;
         const std::string file = ResolveFilename(parameters.GetOneString("filename", ""));
-        const srbf_plain::Brdf* brdf = srbf_plain::open(file, error);
+        const srbf_plain::Brdf* brdf = srbf_plain::open(file, parameters.GetOneBool("exchange", false), error);
         if (!brdf) ErrorExit(loc, "%s", error);
         return alloc.new_object<SrbfMaterial>(brdf, parameters.GetOneBool("twosided", true),
                                               parameters.GetFloatTextureOrNull("displacement", alloc), normal_map);

@@ -1,7 +1,10 @@
 // C++20, and no header of pbrt.
 #include "srbf_plain.h"
 
-#include "srbf/srbf.h"
+#include <variant>
+
+#include "srbf/load.h"
+#include "srbf/prepared.h"
 
 struct srbf_plain::Brdf {
     srbf::PreparedBrdf prepared;
@@ -17,10 +20,14 @@ void store(srbf::Rgb colour, float scale, float f[3]) {
 
 }  // namespace
 
-const srbf_plain::Brdf* srbf_plain::open(const std::string& file, std::string& error) {
-    const auto loaded = srbf::load(file);
+const srbf_plain::Brdf* srbf_plain::open(const std::string& file, bool exchanged, std::string& error) {
+    auto loaded = srbf::load_brdf(file);
     if (!loaded) return error = message(loaded.error()), nullptr;
-    return new Brdf{srbf::prepare(*loaded)};
+    const auto prepared = [&](auto& brdf) {
+        if (exchanged) exchange(brdf);
+        return prepare(brdf, {.azimuths = is_isotropic(brdf) ? 1 : srbf::k_anisotropic_azimuths});
+    };
+    return new Brdf{std::visit(prepared, *loaded)};
 }
 
 void srbf_plain::value(const Brdf& brdf, const float wl[3], const float wv[3], float f[3]) {

@@ -6,8 +6,9 @@ namespace srbf_plain {
 
 /// A model or a measurement, ready for a renderer. It is never freed, as pbrt's own measured BRDFs.
 struct Brdf;
-/// Null if the file cannot be read; `error` then says why in one line. It takes about 100 ms of processor time.
-const Brdf* open(const std::string& file, std::string& error);
+/// Null if the file cannot be read; `error` then says why in one line. `exchanged` exchanges light and viewer. It takes
+/// about 100 ms of processor time, and for an anisotropic model 400 ms.
+const Brdf* open(const std::string& file, bool exchanged, std::string& error);
 
 // Unit vectors in the local frame: wl points to the light, wv to the viewer. Any number of threads may call these.
 

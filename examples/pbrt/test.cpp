@@ -12,7 +12,7 @@ int main(int count, char** arguments) {
     using namespace pbrt;
     if (count != 2) return std::puts("usage: pbrt_test MODEL"), 2;
     std::string error;
-    const srbf_plain::Brdf* brdf = srbf_plain::open(arguments[1], error);
+    const srbf_plain::Brdf* brdf = srbf_plain::open(arguments[1], false, error);
     if (!brdf) return std::fprintf(stderr, "%s\n", error.c_str()), 1;
     const SrbfMaterial material(brdf, true, {}, nullptr), front(brdf, false, {}, nullptr);
     SampledWavelengths lambda;

@@ -3,7 +3,8 @@
 build as it is installed, and run in scalar_rgb. Without the packages nothing is tried.
 
 Its picture of a sphere under a lamp is that of the model, and of a measurement that of Mitsuba's `measured`; values are those of `srbf eval`; samples
-have the density and the weights that the other functions say, on both sides of a BSDF too; what it refuses, it refuses in one line.
+have the density and the weights that the other functions say, on both sides of a BSDF too, and follow the brushing of an anisotropic surface; what it
+refuses, it refuses in one line.
 Arguments: the program.
 """
 import importlib.util
@@ -89,12 +90,30 @@ def integrals(bsdf, at):
     return values.reshape(CELLS[0], FINER, CELLS[1], FINER, 2).sum((1, 3))
 
 
+def uniform_numbers(count):
+    return np.random.default_rng(1).random((count, 3)).astype(np.float32).clip(0, np.float32(1 - 2**-24)).tolist()
+
+
+def relative_variance(bsdf, z):
+    """Of the weights of samples, the mean over azimuths of the viewer."""
+    views = [interaction(directions(np.array(z), np.array(phi))) for phi in np.arange(8) * np.pi / 4]
+    weights = np.array([[bsdf.sample(mi.BSDFContext(), at, a, mi.Point2f(b, c))[1][1] for a, b, c in uniform_numbers(4000)] for at in views])
+    return float((weights.var(1) / weights.mean(1)**2).mean())
+
+
+def brushed_samples(folder):
+    """Samples of an anisotropic surface, in a file that does not say what it is."""
+    file = Path(folder) / "brushed.csv"
+    run(program, "convert", root / "test/models/1/openpbr_brushed.srbf", "-o", file)
+    file.write_text("".join(line for line in file.open(encoding="utf-8") if not line.startswith("#")), encoding="utf-8")
+    return file
+
+
 def check_samples(name, bsdf, wi):
     """χ² of the samples' histogram against the density, and the mean of their weights against the integral of the value. Returns the mean of
     all weights, those of beams included."""
     at, context = interaction(wi), mi.BSDFContext()
-    numbers = np.random.default_rng(1).random((SAMPLES, 3)).astype(np.float32).clip(0, np.float32(1 - 2**-24)).tolist()
-    drawn = [bsdf.sample(context, at, a, mi.Point2f(b, c)) for a, b, c in numbers]
+    drawn = [bsdf.sample(context, at, a, mi.Point2f(b, c)) for a, b, c in uniform_numbers(SAMPLES)]
     scattered = [(s, weight[1]) for s, weight in drawn if s.sampled_type in GLOSSY]
     beams = [(s, weight[1]) for s, weight in drawn if s.sampled_type in STRAIGHT]
     agree = all(abs(bsdf.pdf(context, at, s.wo) - s.pdf) <= 1e-3 * s.pdf and
@@ -156,6 +175,8 @@ with tempfile.TemporaryDirectory() as folder:
             wi = directions(np.array(z), np.array(0.5))
             albedo, seen = check_samples(name, bsdf, wi), seen_in_white(material, wi)
             expect(abs(seen - albedo) < 0.01 * albedo, f"its radiance in white surroundings is {seen:.4f}, the mean of all weights {albedo:.4f}")
+    variance = relative_variance(mi.load_dict({"type": "srbf_cpp", "filename": str(brushed_samples(folder))}), 0.7)
+    expect(variance < 0.6, f"samples follow a brushed surface: their relative variance at 45° is {variance:.2f} (0.87 by a density that does not)")
     back, zero = interaction([0.6, 0, -0.8]), mi.load_dict(own)
     both = mi.load_dict({"type": "twosided", "bsdf": own})
     expect(not any(zero.eval(mi.BSDFContext(), back, mi.Vector3f(0, 0, z))[1] for z in (1, -1)) and

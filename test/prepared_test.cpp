@@ -436,6 +436,20 @@ TEST_F(Prepared, CopiesOutliveTheirSources) {
     }
 }
 
+/// What srbf.h prepares of an anisotropic model samples as `k_anisotropic_azimuths` do, and of the exchanged one too.
+TEST_F(Prepared, LoadedBrdfsAreExchangedAndHaveTheirAzimuths) {
+    const Model model{random_model(random_, {.lobes = 4, .form = PmForm::extended}), {}};
+    ASSERT_FALSE(is_isotropic(model));
+    const LoadedBrdf loaded = loaded_brdf(model);
+    const PreparedBrdf whole = prepare(loaded), other = prepare(exchanged(loaded)),
+                       by_azimuths = prepare(model, {.azimuths = k_anisotropic_azimuths});
+    for (const auto& [l, v] : random_pairs(random_, 100)) {
+        EXPECT_EQ(pdf(whole, l, v), pdf(by_azimuths, l, v));
+        const Rgb f = value(whole, l, v), exchanged_f = value(other, v, l);
+        for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(exchanged_f[c], f[c], 1e-4 * double(f[c]) + 1e-6));
+    }
+}
+
 /// A mixture with random weights, a third of them 0, and its density computed by kernel.glsl in double.
 MixtureProposal random_mixture(std::mt19937_64& random, bool is_grain) {
     MixtureProposal proposal;

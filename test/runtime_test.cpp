@@ -111,6 +111,13 @@ class RuntimeHeader : public WrittenCode {
 /// Random directions; every fourth one at the back.
 Vec3f direction(std::mt19937_64& random, int i) { return to_float(random_direction(random, i % 4 == 3 ? -1 : 0.001)); }
 
+TEST_F(RuntimeHeader, LiesReadyInData) {
+    const auto kept = read_file((fs::path(SRBF_SOURCE_DIR) / "data" / "ready" / "srbf_runtime.h").string());
+    ASSERT_TRUE(kept.ok());
+    const std::string_view text(reinterpret_cast<const char*>(kept->data()), kept->size());
+    EXPECT_TRUE(text == runtime_code()) << "copy srbf_runtime.h from the folder of the build";  // they are long
+}
+
 TEST_F(RuntimeHeader, ValuesAreThoseOfTheLibrary) {
     for (const char* options : {"", "-DSRBF_ONE_LANE"}) {
         const Runtime& runtime = compiled_runtime(options);

@@ -1,10 +1,7 @@
 // C++20, and no header of pbrt.
 #include "srbf_plain.h"
 
-#include <variant>
-
-#include "srbf/load.h"
-#include "srbf/prepared.h"
+#include "srbf/srbf.h"
 
 struct srbf_plain::Brdf {
     srbf::PreparedBrdf prepared;
@@ -21,13 +18,9 @@ void store(srbf::Rgb colour, float scale, float f[3]) {
 }  // namespace
 
 const srbf_plain::Brdf* srbf_plain::open(const std::string& file, bool exchanged, std::string& error) {
-    auto loaded = srbf::load_brdf(file);
+    const auto loaded = srbf::load(file);
     if (!loaded) return error = message(loaded.error()), nullptr;
-    const auto prepared = [&](auto& brdf) {
-        if (exchanged) exchange(brdf);
-        return prepare(brdf, {.azimuths = is_isotropic(brdf) ? 1 : srbf::k_anisotropic_azimuths});
-    };
-    return new Brdf{std::visit(prepared, *loaded)};
+    return new Brdf{srbf::prepare(exchanged ? srbf::exchanged(*loaded) : *loaded)};
 }
 
 void srbf_plain::value(const Brdf& brdf, const float wl[3], const float wv[3], float f[3]) {

@@ -20,6 +20,9 @@ namespace [[gnu::visibility("default")]] srbf {
 /// Reads a measurement of any format or a model file, recognised by its content. Errors: the file is unreadable, of no
 /// known format or malformed.
 Result<LoadedBrdf> load(const std::string& path);
+/// f(wv, wl) in place of f(wl, wv). The `measured` of pbrt and of Mitsuba takes the first direction of an RGL file for
+/// the viewer, and so agrees with the exchanged file.
+LoadedBrdf exchanged(const LoadedBrdf& brdf);
 
 /// A model with its size and its error.
 struct FittedBrdf {
@@ -43,8 +46,9 @@ Result<std::string> shading_code(const LoadedBrdf& model, const std::string& nam
 
 // Directions are unit vectors in the local frame and point away from the surface, which is not checked: wl to the light,
 // wv to the viewer. The frame's +z axis is the shading normal. Its +x axis matters to anisotropic BRDFs alone: it is the
-// tangent from which their data count azimuths. Colours are linear sRGB. Several threads may call all functions of a PreparedBrdf at once, and
-// no result depends on whether the processor flushes subnormal numbers to 0. prepared.h prepares any other BRDF, too.
+// tangent from which their data count azimuths. Colours are linear sRGB. Several threads may call all functions of a
+// PreparedBrdf at once, and no result depends on whether the processor flushes subnormal numbers to 0. prepared.h
+// prepares any other BRDF, too.
 
 /// A sampled direction to the light.
 struct LightSample {
@@ -54,8 +58,8 @@ struct LightSample {
 };
 
 /// Prepares a model or a measurement, and the front alone of a surface with two sides. Also computes a density to
-/// sample by, in about 100 ms of processor time for a model, on all threads of the machine. `prepare` of prepared.h
-/// takes what load_model or load_measured reads, a number of threads, and azimuths for an anisotropic BRDF.
+/// sample by, on all threads of the machine: in about 100 ms of processor time for an isotropic model and 400 ms for an
+/// anisotropic one. `prepare` of prepared.h takes what load_model or load_measured reads, and a number of threads.
 PreparedBrdf prepare(const LoadedBrdf& brdf);
 
 /// f_r(wl, wv) [1/sr], without the cosine. For a model it differs from `value` of model.h by at most 1e-4 of that value
@@ -70,7 +74,7 @@ void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<con
 LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector);
 /// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
-/// The results of `value` and `pdf` for a pair, as multiple importance sampling needs them. No faster than two calls.
+/// The results of `value` and `pdf` for a pair, as multiple importance sampling needs them, in the time of both calls.
 struct ValuePdf {
     Rgb value;      ///< f_r [1/sr], or NaN where a measurement has no value, as `value` returns
     float pdf = 0;  ///< [1/sr]

@@ -29,6 +29,12 @@ Result<LoadedBrdf> load(const std::string& path) {
     return loaded_brdf(*std::move(brdf));
 }
 
+LoadedBrdf exchanged(const LoadedBrdf& brdf) {
+    AnyBrdf copy = content(brdf);
+    std::visit([](auto& any) { exchange(any); }, copy);
+    return loaded_brdf(std::move(copy));
+}
+
 Result<FittedBrdf> fit(const LoadedBrdf& measured) {
     const auto* measurement = std::get_if<Measured>(&content(measured));
     if (!measurement) return Error{"fit", {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
@@ -45,7 +51,10 @@ Result<Done> save(const LoadedBrdf& model, const std::string& path) {
 }
 
 PreparedBrdf prepare(const LoadedBrdf& brdf) {
-    return std::visit([](const auto& brdf_content) { return prepare(brdf_content, ProposeOptions{}); }, content(brdf));
+    const auto prepared = [](const auto& any) {
+        return prepare(any, {.azimuths = is_isotropic(any) ? 1 : k_anisotropic_azimuths});
+    };
+    return std::visit(prepared, content(brdf));
 }
 
 }  // namespace srbf

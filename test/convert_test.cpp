@@ -9,6 +9,7 @@
 #include "measured/tables.h"
 #include "measured_files.h"
 #include "models.h"
+#include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
 
@@ -410,6 +411,21 @@ TEST(Convert, SamplesSurviveARoundTrip) {
     ASSERT_TRUE(colours.ok()) << message(colours.error());
     EXPECT_EQ(colours->colour, samples.colour);
     EXPECT_TRUE(colours->isotropic);
+}
+
+/// A table for isotropic surfaces does not take an anisotropic model, and a CSV file does not call it isotropic.
+TEST(Convert, AnisotropicModelsAreNotCalledIsotropic) {
+    std::mt19937_64 random(5);
+    for (const bool axial : {true, false}) {
+        const AnyBrdf model = Model{random_model(random, {.axial = axial}), {}};
+        const auto samples = read_csv(*table_file(model, *format_written_to("x.csv"), {.directions = 8}), "c");
+        ASSERT_TRUE(samples.ok()) << message(samples.error());
+        EXPECT_EQ(samples->isotropic, axial);
+        const auto table = table_file(model, *format_written_to("x.binary"));
+        EXPECT_EQ(table.ok(), axial);
+        if (!table.ok())
+            EXPECT_EQ(message(table.error()), "table: input: expected an isotropic BRDF, found an anisotropic one");
+    }
 }
 
 }  // namespace

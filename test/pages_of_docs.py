@@ -45,11 +45,11 @@ for page in PAGES:
             problems.append(f"{page}: no {link}")
         elif anchor and target.endswith(".md") and anchor not in anchors(target):
             problems.append(f"{page}: no heading {link}")
-# Files of the sources, by their paths from here or from src; NAME stands for any.
+# Files by their paths from here, or from one of these folders; NAME stands for any.
 NAMED = re.compile(r"`((?:[a-z_.]+/)+[a-z_0-9]+\.(?:cpp|h|glsl))`")
 for page in (page for page in PAGES if page != "CHANGELOG.md" and not page.startswith("docs/notes/")):
     for name in NAMED.findall(text(page)):
-        if not is_left_out(name) and not any(os.path.exists(os.path.join(folder, root, name)) for root in ("", "src", "include")):
+        if not is_left_out(name) and not any(os.path.exists(os.path.join(folder, root, name)) for root in ("", "src", "include", "data")):
             problems.append(f"{page}: no file {name}")
 print("\n".join(problems) or f"{len(PAGES)} pages: links resolve")
 sys.exit(bool(problems))

@@ -438,7 +438,7 @@ TEST_F(Prepared, CopiesOutliveTheirSources) {
 
 /// What srbf.h prepares of an anisotropic model samples as `k_anisotropic_azimuths` do, and of the exchanged one too.
 TEST_F(Prepared, LoadedBrdfsAreExchangedAndHaveTheirAzimuths) {
-    const Model model{random_model(random_, {.lobes = 4, .form = PmForm::extended}), {}};
+    const Model model{random_model(random_, {.axial = false, .lobes = 4, .form = PmForm::extended}), {}};
     ASSERT_FALSE(is_isotropic(model));
     const LoadedBrdf loaded = loaded_brdf(model);
     const PreparedBrdf whole = prepare(loaded), other = prepare(exchanged(loaded)),

@@ -9,7 +9,7 @@ namespace {
 
 TableSource table_source(const Model& model) {
     const auto* bsdf = std::get_if<BsdfModel>(&model.model);
-    TableSource source{.values = evaluator(model), .two_sided = bsdf != nullptr};
+    TableSource source{.values = evaluator(model), .isotropic = is_isotropic(model), .two_sided = bsdf != nullptr};
     if (!bsdf) return source;
     for (std::size_t p = 0; p < k_parts; ++p) source.has[p] = answering(bsdf->part, Part(p)).brdf != nullptr;
     source.beams = bsdf->beam;

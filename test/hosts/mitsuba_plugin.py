@@ -102,10 +102,9 @@ def relative_variance(bsdf, z):
 
 
 def brushed_samples(folder):
-    """Samples of an anisotropic surface, in a file that does not say what it is."""
+    """Samples of an anisotropic surface."""
     file = Path(folder) / "brushed.csv"
     run(program, "convert", root / "test/models/1/openpbr_brushed.srbf", "-o", file)
-    file.write_text("".join(line for line in file.open(encoding="utf-8") if not line.startswith("#")), encoding="utf-8")
     return file
 
 

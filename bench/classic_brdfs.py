@@ -145,7 +145,12 @@ class Sgd:
 
 MODELS = {"abc": Abc, "sgd": Sgd}
 SIZED = {**{f"gtr-{count}": sized_brdfs.Lobes(Parameter, count) for count in (1, 2, 3, 4, 6)},
+         **{f"lafortune-{count}": sized_brdfs.Cosines(Parameter, count) for count in (1, 3, 8)},
          **{f"network-{width}": sized_brdfs.Network(Parameter, width) for width in (4, 6)}}
+# Those that fitted_to_pictures.py fits.
+SIZED |= {f"gtr-{count}-pictures": sized_brdfs.Lobes(Parameter, count) for count in (1, 2, 3, 6)}
+SIZED |= {f"lafortune-{count}-pictures": sized_brdfs.Cosines(Parameter, count) for count in (1, 3, 8)}
+SIZED |= {f"network-{width}-pictures": sized_brdfs.Network(Parameter, width) for width in (2, 4, 6, 9)}
 LOSSES = {  # the function of f that a fit compares, and its derivative
     "log": (lambda f, cos_l: np.log1p(f * cos_l), lambda f, cos_l: cos_l / (1 + f * cos_l)),  # the loss of Löw et al.
     "cube-root": (lambda f, cos_l: np.cbrt(f + 1e-4), lambda f, cos_l: np.cbrt(f + 1e-4) ** -2 / 3),
@@ -154,6 +159,7 @@ LOSSES = {  # the function of f that a fit compares, and its derivative
 WEIGHTS = {"solid-angle": 1, "between": 0.5, "table": 0}
 # The loss and weight with the smallest mean visible error of five measurements.
 CHOSEN = {"abc": ("cube-root", "between"), "sgd": ("cube-root", "solid-angle"), "gtr": ("cube-root", "solid-angle"),
+          "lafortune": ("cube-root", "solid-angle"),
           "network": ("cube-root", "between")}
 
 
@@ -221,9 +227,12 @@ class Coordinates:
     def to_parameters(self, y):
         return np.where(self.logarithmic, np.exp(np.where(self.logarithmic, y, 0)), y)
 
+    def starts(self, model, f, angle):
+        return (np.clip(self.from_parameters(x), self.low, self.high) for x in model.starts(f, angle))
 
-def fit_values(model, f, angle, weight, loss):
-    """The parameters of a model that is fitted to values f [n, channels]."""
+
+def search_of_values(model, f, angle, weight, loss):
+    """search(y, every, iterations) improves coordinates y of a model by every n-th of the values f [n, channels], and returns also the loss."""
     coordinates = Coordinates(model)
     transform, derivative = LOSSES[loss]
 
@@ -241,8 +250,13 @@ def fit_values(model, f, angle, weight, loss):
 
         return levenberg_marquardt(residuals, y, coordinates.low, coordinates.high, iterations)
 
-    starts = (np.clip(coordinates.from_parameters(x), coordinates.low, coordinates.high) for x in model.starts(f, angle))
-    found = [search(y, 5, 12) for y in starts]
+    return search
+
+
+def fit_values(model, f, angle, weight, loss):
+    """The parameters of a model that is fitted to values f [n, channels]."""
+    coordinates, search = Coordinates(model), search_of_values(model, f, angle, weight, loss)
+    found = [search(y, 5, 12) for y in coordinates.starts(model, f, angle)]
     found = [search(y, 1, 15) for y, _ in sorted(found, key=lambda pair: pair[1])[:4]]
     found = [search(y, 1, 80) for y, _ in sorted(found, key=lambda pair: pair[1])[:2]]
     return coordinates.to_parameters(min(found, key=lambda pair: pair[1])[0])
@@ -251,13 +265,17 @@ def fit_values(model, f, angle, weight, loss):
 def fit(measured, name, loss=None, weights=None):
     """Fits a model to a BRDF with `eval`. Returns f(wl, wv), and the size of its parameters as 16-bit floats in bytes."""
     import srbf
+    if name.endswith("-pictures"):
+        import fitted_to_pictures  # which imports this file
+        parameters = fitted_to_pictures.fit(measured, SIZED[name], as_ggx=not name.startswith("network"))
+        return function_of(SIZED[name], [parameters])
     limits = MAX_THETAS_OF_NETWORKS if name.startswith("network") else [MAX_THETA]
     fits = [fit_within(measured, name, limit, loss, weights) for limit in limits]
     return fits[0] if len(fits) == 1 else min(fits, key=lambda of: srbf.errors(measured, of[0], max_theta=MAX_THETA)["delta_e_itp"])
 
 
 def fit_within(measured, name, max_theta, loss, weights):
-    """Fits a model to pairs within `max_theta` [degrees]. Returns f(wl, wv), and the size of its parameters as 16-bit floats in bytes."""
+    """Fits a model to pairs within `max_theta` [degrees]; returns what `fit` does."""
     model, (best_loss, best_weights) = {**MODELS, **SIZED}[name], CHOSEN[name.split("-")[0]]
     loss, weights = loss or best_loss, weights or best_weights
     wl, wv, solid_angle = pairs(max_theta)
@@ -266,7 +284,12 @@ def fit_within(measured, name, max_theta, loss, weights):
     f, angle = np.maximum(f[known], 0), angles(wl[known], wv[known])
     weight = solid_angle[known] ** WEIGHTS[weights]
     channels = [f] if model.joint else f.T[:, :, None]
-    fitted = [fit_values(model, channel, angle, weight / weight.mean(), loss).astype(np.float16) for channel in channels]
+    return function_of(model, [fit_values(model, channel, angle, weight / weight.mean(), loss) for channel in channels])
+
+
+def function_of(model, parameters):
+    """f(wl, wv) of a model with parameters rounded to 16-bit floats, one array or one for each channel, and their size in bytes."""
+    fitted = [x.astype(np.float16) for x in parameters]
 
     def value(wl, wv):
         above = ((np.asarray(wl)[..., 2] > 0) & (np.asarray(wv)[..., 2] > 0))[..., None]

@@ -1,7 +1,9 @@
-"""Two families of BRDFs of any size, which classic_brdfs.py fits.
+"""Three families of BRDFs of any size, which classic_brdfs.py and fitted_to_pictures.py fit.
 
 gtr-K      a diffuse term and K microfacet lobes of generalised Trowbridge-Reitz (Burley, Physically-Based Shading at Disney,
            2012): 3 + 8 K numbers
+lafortune-K  a diffuse term and K generalised cosine lobes (Lafortune, Foo, Torrance and Greenberg, Non-Linear Approximation of
+           Reflectance Functions, 1997): 3 + 6 K numbers
 network-N  a network of layers 4, N, N, 3: N² + 9 N + 3 numbers
 """
 import numpy as np
@@ -66,6 +68,55 @@ class Lobes:
                     yield np.concatenate(x)
 
 
+class Cosines:
+    """f = kd / π + Σ_k A_k s_k^n_k, s = max(0, Cx (l·v - cosθl cosθv) + Cz cosθl cosθv), with kd and A_k for each channel; Cx = Cy."""
+    joint = True
+
+    def __init__(self, parameter, count):
+        self.count = count
+        self.parameters = [parameter("kd", 0, 4, False)] * 3 + count * (
+            [parameter("A", 1e-6, 6e4, True)] * 3 + [parameter("Cx", -4, 4, False), parameter("Cz", -4, 4, False), parameter("n", 0.1, 1e4, True)])
+
+    @staticmethod
+    def shape(cx, cz, n, angle):
+        """s^n, and its derivatives by Cx, Cz and log n."""
+        z = angle.cos_l * angle.cos_v
+        across = 2 * angle.cos_d ** 2 - 1 - z
+        s = np.maximum(cx * across + cz * z, 1e-9)
+        power = np.exp(np.minimum(n * np.log(s), 50))
+        inside = power * n / s * (s > 1e-9)
+        return power, (inside * across, inside * z, power * n * np.log(s))
+
+    def value(self, x, angle, derivatives=False):
+        """f [n, 3], and if `derivatives` its derivatives by the coordinates of the fit, [3 + 6 K, n, 3]."""
+        f = np.tile(x[:3] / np.pi, (len(angle.cos_l), 1))
+        by = np.zeros((len(x),) + f.shape) if derivatives else None
+        for k in range(self.count):
+            first = 3 + 6 * k
+            colour, (power, slopes) = x[first:first + 3], self.shape(*x[first + 3:first + 6], angle)
+            f += power[:, None] * colour
+            if derivatives:
+                for c in range(3):
+                    by[first + c, :, c], by[first + 3 + c] = power * colour[c], slopes[c][:, None] * colour
+        if not derivatives:
+            return f
+        by[:3] = np.eye(3)[:, None] / np.pi
+        return f, by
+
+    def starts(self, f, angle):
+        """Lobes about the mirror direction or beyond it, from wide to narrow, of which each has an equal share of the values."""
+        diffuse = np.clip(np.pi * np.quantile(f[angle.cos_h < 0.8], 0.3, axis=0), 0, 4)
+        for least in (1, 5):
+            for most in (20, 100, 500, 3000):
+                for cx in (-1, -0.9):
+                    x = [diffuse]
+                    for n in np.geomspace(least, most, self.count) if self.count > 1 else [np.sqrt(least * most)]:
+                        roots = np.cbrt(self.shape(cx, 1, n, angle)[0]).sum()
+                        scale = (np.cbrt(np.maximum(f - diffuse / np.pi, 0)).sum(axis=0) / roots) ** 3 / self.count
+                        x += [np.clip(scale, 1e-5, 5e4), [cx, 1, n]]
+                    yield np.concatenate(x)
+
+
 class Network:
     """f = exp(W3 t(W2 t(W1 i + b1) + b2) + b3) with t = tanh, of the symmetric inputs i below."""
     joint = True
@@ -91,12 +142,12 @@ class Network:
         f = activations[-1]
         if not derivatives:
             return f
-        by, slopes = [], f[:, None, :] * np.eye(3)  # of f by the sums of the layer, [n, outputs, 3]
+        by, slopes = [], f[:, :, None] * np.eye(3)  # of f by the sums of the layer, [n, 3, outputs]
         for matrix, before in zip(matrices[::-1], activations[-2::-1]):
             ones = np.concatenate([before, np.ones((len(before), 1))], axis=1)
-            by.append((ones[:, :, None, None] * slopes[:, None]).reshape(len(f), -1, 3))
-            slopes = (1 - before ** 2)[:, :, None] * (matrix[:-1] @ slopes)
-        return f, np.concatenate(by[::-1], axis=1).transpose(1, 0, 2)
+            by.append((ones[:, None, :, None] * slopes[:, :, None]).reshape(len(f), 3, -1))
+            slopes = (1 - before ** 2)[:, None] * (slopes @ matrix[:-1].T)
+        return f, np.concatenate(by[::-1], axis=2).transpose(2, 0, 1)
 
     def starts(self, f, angle):
         random = np.random.default_rng(1)

@@ -29,17 +29,22 @@ MODELS = {  # name, and in the plot the curve that it belongs to
 }
 SIZED = {  # in rows of the measurements alone: models of several sizes, and their curves
     **{f"srbf-{lobes}": "srbf" for lobes in (1, 2, 6, 32)},
-    **{f"gtr-{lobes}": "GTR lobes" for lobes in (1, 2, 3, 4, 6)},
-    **{f"network-{width}": "small network" for width in (4, 6)},
+    **{f"gtr-{lobes}-pictures": "GTR lobes" for lobes in (1, 2, 3, 6)},
+    **{f"gtr-{lobes}": None for lobes in (1, 2, 3, 4, 6)},  # by cube roots, in no table
+    **{f"lafortune-{lobes}-pictures": "cosine lobes" for lobes in (1, 3, 8)},
+    **{f"lafortune-{lobes}": None for lobes in (1, 3, 8)},
+    **{f"network-{width}-pictures": "small network" for width in (2, 4, 6, 9)},
+    **{f"network-{width}": "small network, ∛f" for width in (4, 6)},
     **{f"pca-{count}": "principal components" for count in (4, 8, 16)},
 }
 PLOTTED = {"nbrdf-16": "NBRDF", **{f"as-measured-{lobes}": "as measured" for lobes in (4, 12, 16)}, "cube-root": "as measured, ∛f"}  # in no table by name
 CURVE_OF = {**{model: curve for model, (_, curve) in MODELS.items()}, **SIZED, **PLOTTED}
 COLOURS = {"srbf": "#c0392b", "as measured": "#e59866", "as measured, ∛f": "#e59866", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "ABC": "#b7950b",
-           "NBRDF": "#7d3c98", "neural process": "#5d6d7e", "GTR lobes": "#5dade2", "small network": "#8e44ad", "principal components": "#7f8c8d"}
-SQUARES = {"as measured, ∛f", "ABC", "GTR lobes", "small network"}  # curves of models that minimise errors of cube roots
+           "NBRDF": "#7d3c98", "neural process": "#5d6d7e", "GTR lobes": "#5dade2", "cosine lobes": "#52be80",
+           "small network": "#a569bd", "small network, ∛f": "#a569bd", "principal components": "#7f8c8d"}
+SQUARES = {"as measured, ∛f", "ABC", "small network, ∛f"}  # curves of models that minimise errors of cube roots
 TRIANGLES = {"view by view", "NBRDF", "neural process", "principal components"}  # another loss without pixels
-MEANS_ALONE = {"as-measured-16": "16 lobes, not reciprocal", "nbrdf-16": "NBRDF, rounded to 16-bit floats"}  # in the table of means
+MEANS_ALONE = {"network-6-pictures": "small network, 6 neurons", "as-measured-16": "16 lobes, not reciprocal", "nbrdf-16": "NBRDF, rounded to 16-bit floats"}  # in the table of means
 NEURAL = {"nbrdf", "nbrdf-16", "nps"}  # of which there are rows for the measurements alone
 MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
 COLUMNS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms", "symmetric_error", "albedo_error"]
@@ -128,9 +133,10 @@ def bytes_table(rows):
     return table(["models", "bytes: mean ΔE_ITP"], lines)
 
 
-OF_EQUAL_BYTES = {"srbf-4": "srbf, 4 lobes", "gtr-6": "6 GTR lobes", "network-4": "small network, 4 neurons", "srbf-6": "srbf, 6 lobes",
-                  "network-6": "small network, 6 neurons", "cube-root": "8 lobes, not reciprocal, by `cube-root`", "srbf": "**srbf, 9 lobes**",
-                  "nbrdf-16": "NBRDF, rounded"}
+OF_EQUAL_BYTES = {"srbf-4": "srbf, 4 lobes", "gtr-6-pictures": "6 GTR lobes", "lafortune-8-pictures": "8 cosine lobes",
+                  "network-4-pictures": "small network, 4 neurons", "srbf-6": "srbf, 6 lobes",
+                  "network-6-pictures": "small network, 6 neurons", "network-6": "the same, ∛f",
+                  "srbf": "**srbf, 9 lobes**", "network-9-pictures": "small network, 9 neurons", "nbrdf-16": "NBRDF, rounded"}
 
 
 def equal_bytes_table(rows):
@@ -143,7 +149,7 @@ def equal_bytes_table(rows):
     return table(["model", "bytes", *MEASURES.values(), "squared error, median"], lines)
 
 
-NETWORKS = {"nbrdf": "NBRDF", "nps": "neural process", "network-6": "small network, 186 bytes"}
+NETWORKS = {"nbrdf": "NBRDF", "nps": "neural process", "network-6-pictures": "small network, 186 bytes"}
 
 
 def measures_table(rows):
@@ -275,7 +281,7 @@ def plot(rows):
         of = [row for row in rest if row["kind"] == kind]
         parts.append(panel(of, f"{kind} ({len(of_model(of, 'srbf'))})", 580 + 215 * (i % 3), 40 + 250 * (i // 3), 165, 180))
     for i, (curve, colour) in enumerate(COLOURS.items()):
-        left, top = 60 + 181 * (i % 7), 530 + 24 * (i // 7)
+        left, top = 30 + 150 * (i % 8), 530 + 24 * (i // 8)
         parts.append(mark(left, top - 4, colour, curve, curve in ("neural process", "principal components")) + f'<text x="{left + 13}" y="{top}">{curve}</text>')
     for i, (curve, loss) in enumerate({"srbf": "minimises pixels of pictures and values", "ABC": "minimises errors of cube roots",
                                        "NBRDF": "minimises another loss of values"}.items()):

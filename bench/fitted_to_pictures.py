@@ -1,0 +1,258 @@
+"""Fits models of sized_brdfs.py by the default objective of `srbf`, so that a comparison is one of forms and not of losses.
+
+The sum is that of docs/fitting.md with its weights: pairs, directional lights, albedos, and pixels of the same pictures, without the
+terms for overshoots and beyond 89°. As by default, values are those of the reciprocal mean, and pixels of the fit choose among the
+starts: sixteen are improved by a quarter of the data, four of them by all, then two and one.
+"""
+from typing import NamedTuple
+
+import classic_brdfs
+import numpy as np
+
+MAX_THETA = 89  # [degrees]
+VIEWS, POINTS, ALBEDO_POINTS = 100, 112, 455
+GOLDEN_ANGLE = 2.4
+PHASES = np.radians([3, 11, 24, 38, 52, 70, 88, 105, 122, 140, 156])  # between viewer and directional lights
+LIGHTINGS = [  # zenith, horizon and ground, and lamps: direction, radius [degrees] and radiance
+    ((1, 0.8, 0.3), []),
+    ((0.08, 0.06, 0.05), [((0.6, 0.6, 0.5), 25, 8)]),
+    ((0.3, 0.5, 0.1), [((-0.6, 0.3, 0.6), 8, 30)]),
+    ((0.05, 0.05, 0.05), [((-0.7, 0.5, -0.4), 15, 20), ((0.3, 0.6, 0.8), 12, 5)])]
+ALBEDOS = np.append(np.cos(np.radians([0, 15, 30, 45, 60, 70, 75, 80, 85])), [0.03, 0.01])  # cosθv; two are near the horizon
+TO_LMS = np.array([[1688, 2146, 262], [683, 2951, 462], [99, 309, 3688]]) @ [
+    [0.627403896, 0.329283038, 0.043313066], [0.069097289, 0.919540395, 0.011362316], [0.016391439, 0.088013308, 0.895595253]] / 4096
+TO_ITP = np.array([[720], [360], [720]]) * [[2048, 2048, 0], [6610, -13613, 7003], [17933, -17390, -543]] / 4096
+
+
+def spherical(z, phi):
+    sine = np.sqrt(np.maximum(1 - z * z, 0))
+    return np.stack([sine * np.cos(phi), sine * np.sin(phi), z + 0 * phi], axis=-1)
+
+
+def axes(z):
+    """The rows are orthonormal, and the last one is z."""
+    x = np.cross([1, 0, 0] if abs(z[0]) < 0.5 else [0, 1, 0], z)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z])
+
+
+def quadrature(wv, count, cos_max):
+    """Directions of the mirror mixture of a fit for a view, and the solid angle of each."""
+    parts = [(0.4, 0, axes(np.array([0, 0, 1.0]))), (0.05, 60, axes(wv))]  # share, bandwidth (0: uniform) and centre
+    parts += [(0.11, bandwidth, axes(wv * [-1, -1, 1])) for bandwidth in (6, 40, 300, 3000, 30000)]
+    points, weight, pdf = [], [], 0
+    for share, bandwidth, frame in parts:
+        i = np.arange(int(share * count))
+        u = (i + 0.5) / len(i)
+        z = 1 + np.log1p(u * np.expm1(-2 * bandwidth)) / bandwidth if bandwidth else 1 - u * (1 - cos_max)
+        points.append(spherical(z, np.pi * (np.sqrt(5) - 1) * i) @ frame)
+        weight.append(np.full(len(i), share / len(i)))
+    wl = np.concatenate(points)
+    for share, bandwidth, frame in parts:
+        norm = bandwidth / -np.expm1(-2 * bandwidth) if bandwidth else 1 / (1 - cos_max)
+        pdf = pdf + share * norm / (2 * np.pi) * np.exp(bandwidth * (wl @ frame[2] - 1))
+    inside = wl[:, 2] >= cos_max
+    return wl[inside], (np.concatenate(weight) / pdf)[inside]
+
+
+def radiance(lighting, w):
+    def step(a, b, x):
+        x = np.clip((x - a) / (b - a), 0, 1)
+        return x * x * (3 - 2 * x)
+
+    (zenith, horizon, ground), lamps = lighting
+    light = ground + (horizon + (zenith - horizon) * step(0, 1, w[:, 1]) - ground) * step(-0.1, 0.1, w[:, 1])
+    for direction, radius, power in lamps:
+        edge = np.cos(np.radians(radius))
+        light = light + power * step(edge, edge + 0.1 * (1 - edge), w @ direction / np.linalg.norm(direction))
+    return light
+
+
+def view(i):
+    """Point i of a sphere's disc: lights [n, 3], the viewer, and the weight of each light in each picture, not exposed, [15, n]."""
+    cos_max, azimuth = np.cos(np.radians(MAX_THETA)), GOLDEN_ANGLE * i
+    frame = axes(spherical(np.sqrt(1 - (i + 0.5) / VIEWS * (1 - cos_max ** 2)), np.array(azimuth)))
+    frame[0] = np.cos(azimuth) * frame[0] + np.sin(azimuth) * frame[1]
+    frame[1] = np.cross(frame[2], frame[0])
+    points, solid_angle = quadrature(frame[:, 2], POINTS, cos_max)
+    lamps = spherical(np.cos(PHASES), GOLDEN_ANGLE * (4 + np.arange(len(PHASES)))) @ frame.T
+    lit = lamps[:, 2] >= cos_max
+    weight = np.zeros((len(LIGHTINGS) + len(PHASES), len(points) + len(lamps)))
+    weight[:len(LIGHTINGS), :len(points)] = [solid_angle * points[:, 2] * radiance(lighting, points @ frame) for lighting in LIGHTINGS]
+    weight[len(LIGHTINGS):, len(points):] = np.diag(np.where(lit, np.pi * lamps[:, 2], 0))
+    return np.concatenate([points, np.where(lit[:, None], lamps, [0, 0, 1])]), frame[:, 2], weight
+
+
+def albedo(k):
+    """Lights, viewer and weights [1, n] of an albedo."""
+    wv = spherical(ALBEDOS[k], np.array(GOLDEN_ANGLE * k))
+    wl, solid_angle = quadrature(wv, ALBEDO_POINTS, np.cos(np.radians(MAX_THETA if ALBEDOS[k] > 0.05 else 89.9)))
+    return wl, wv, (solid_angle * wl[:, 2])[None]
+
+
+def itp(colour):
+    """720 (I, C_T / 2, C_P) of linear sRGB [n, 3], as in src/errors/itp.inl, and its derivatives [n, 3, 3]."""
+    m1, m2, c1, c2, c3 = 2610 / 16384, 128 * 2523 / 4096, 3424 / 4096, 32 * 2413 / 4096, 32 * 2392 / 4096
+    luminance = np.maximum(colour @ TO_LMS.T, 1e-9) / 100
+    y = luminance ** m1
+    encoded = ((c1 + c2 * y) / (1 + c3 * y)) ** m2
+    slope = m2 * (c2 - c1 * c3) * m1 / 100 * encoded * y / ((c1 + c2 * y) * (1 + c3 * y) * luminance)
+    return encoded @ TO_ITP.T, (TO_ITP * slope[:, None]) @ TO_LMS
+
+
+class Block(NamedTuple):
+    """Values f [n, 3] of a BRDF, and weights [sums, n] of sums over them: pairs, pixels of a view, or an albedo."""
+    wl: np.ndarray
+    wv: np.ndarray
+    f: np.ndarray
+    weight: np.ndarray
+
+
+def observed(brdf, wl, wv, weight):
+    """Values of the reciprocal mean. Directions that were not measured have no weight."""
+    wl, wv = (np.broadcast_to(w, wl.shape).astype(np.float32) for w in (wl, wv))
+    there, back = (np.asarray(brdf.eval(*order), float) for order in ((wl, wv), (wv, wl)))
+    mean = (wv[:, 2:] * there + wl[:, 2:] * back) / (wv[:, 2:] + wl[:, 2:])
+    f = np.where(np.isfinite(mean), mean, np.where(np.isfinite(there), there, back))
+    known = np.isfinite(f).all(axis=1)
+    return Block(wl, wv, np.where(known[:, None], np.maximum(f, 0), 0), np.where(known, weight, 0))
+
+
+def phases(pairs):
+    """The interval of the phase angle of each pair, of sixteen equal ones."""
+    return np.minimum(np.arccos(np.clip((pairs.wl * pairs.wv).sum(axis=1), -1, 1)) * (16 / np.pi), 15).astype(int)
+
+
+def weighed(pairs):
+    """Replaces the solid angles [1, n] of pairs by weights [2, n] of squared errors: those of a fit, and of directional lights."""
+    solid_angle, cos_l, cos_v = pairs.weight[0], pairs.wl[:, 2].astype(float), pairs.wv[:, 2].astype(float)
+    r, square, phase = pairs.f.mean(axis=1) * cos_l, (pairs.f ** 2).sum(axis=1), phases(pairs)
+    order = np.argsort(r)
+    total = np.cumsum((solid_angle * cos_v * (r > 0))[order])
+    q, weight = r[order][np.searchsorted(total, 0.75 * total[-1])], 0
+    for share, slope in ((1, (r + 0.07 * q) ** (-5 / 3) * cos_v), (1, (1 + r / q) ** (-4 / 3) * np.sqrt(cos_v)), (0.03, cos_v)):
+        term = solid_angle * cos_l ** 2 * slope
+        weight = weight + share / 2.03 * term / (term @ square)
+    area, energy = solid_angle * cos_v, square * cos_l ** 2
+    area = area / (2 * np.pi * (np.cos(phase * np.pi / 16) - np.cos((phase + 1) * np.pi / 16)))
+    rest = np.bincount(phase, area * energy, 16)
+    for _ in range(20):
+        rest = np.bincount(phase, area * energy / (1 + energy / 1024 / np.maximum(rest[phase], 1e-300)), 16)
+    lamps = area * cos_l ** 2 / np.maximum(rest[phase] + energy / 1024, 1e-300)
+    return pairs._replace(weight=np.stack([weight, lamps]))
+
+
+def observe(brdf):
+    """Blocks of pairs, of views and of albedos."""
+    wl, wv, solid_angle = classic_brdfs.pairs(MAX_THETA)
+    pairs = weighed(observed(brdf, wl, wv, 8 * np.pi ** 4 / classic_brdfs.PAIRS * solid_angle[None]))
+    views = [observed(brdf, *view(i)) for i in range(VIEWS)]
+    largest = np.stack([(of.weight @ of.f).max(axis=1) for of in views], axis=1)
+    exposure = [0.75 / np.quantile(of[of > 0], 0.9, method="inverted_cdf") for of in largest]
+    views = [of._replace(weight=of.weight * np.array(exposure)[:, None]) for of in views]
+    return pairs, views, [observed(brdf, *albedo(k)) for k in range(len(ALBEDOS))]
+
+
+class Loss:
+    """The sum of a fit and its residuals, for coordinates of a model; `weigh` sets the weights of its terms. It has every n-th pair and view."""
+
+    def __init__(self, observations, every, model, coordinates, as_ggx=False):
+        self.as_ggx = as_ggx
+        pairs, views, albedos = observations
+        self.pairs = Block(pairs.wl[::every], pairs.wv[::every], pairs.f[::every], pairs.weight[:, ::every] * every)
+        self.views, albedos = len(views[::every]), albedos[::min(every, 2)]
+        self.blocks = [self.pairs, *views[::every], *albedos]
+        self.ends = np.cumsum([len(of.wl) for of in self.blocks])[:-1]
+        wl, wv, f = (np.concatenate([of[i] for of in self.blocks]) for i in range(3))
+        angle = classic_brdfs.angles(wl, wv)
+        self.value = lambda x, derivatives=False: model.value(coordinates.to_parameters(x), angle, derivatives)
+        colours, self.albedos = self.sums(f)
+        self.limit = np.where(colours < 1, np.inf, 1)
+        self.target = itp(np.minimum(colours, 1))[0]
+        luminance, horizon = self.albedos @ [0.2126, 0.7152, 0.0722], np.array([of.wv[0, 2] < 0.05 for of in albedos])
+        self.unit = np.where(horizon, np.maximum(luminance, 1), luminance)[:, None]
+
+    def sums(self, f):
+        """Colours [pixels, ...] and albedos of values f [n, ...] at all directions."""
+        sums = [np.tensordot(of.weight, values, 1) for of, values in zip(self.blocks[1:], np.split(f, self.ends)[1:])]
+        return np.concatenate(sums[:self.views]), np.concatenate(sums[self.views:])
+
+    def weigh(self, x, least=None):
+        """Sets weights that suit the model x, and returns its loss of pairs. `least` is L0; without it the sum has pairs alone."""
+        square = ((self.value(x)[:len(self.pairs.f)] - self.pairs.f) ** 2).sum(axis=1)
+        weight, lamps = self.pairs.weight
+        loss = weight @ square
+        self.root, self.of_albedos, self.of_pixels = np.sqrt(weight)[:, None], 0, 0
+        if least is None:
+            return loss
+        if self.as_ggx:
+            self.of_pixels, pairs = np.sqrt(1 / len(self.target)), self.root.size
+            self.root *= np.sqrt(0.3 * np.sum(self.residuals(x, False)[3 * pairs:] ** 2) / loss)
+            return loss
+        phase = phases(self.pairs)
+        rms, energy = (np.sqrt(np.bincount(phase, lamps * of, 16)) for of in (square, (self.pairs.f ** 2).sum(axis=1)))
+        lit = np.where(energy > 0, np.cos((np.arange(16) + 0.5) * np.pi / 32), 0)
+        factor = lit / np.maximum(rms, 0.1 * rms.max())
+        share = 5 * min(1, (0.25 * lit.sum() / (lit @ (rms / np.maximum(energy, 1e-300)))) ** 2)
+        self.root = np.sqrt(weight + share * loss / (factor @ rms ** 2) * factor[phase] * lamps)[:, None]
+        self.of_albedos = np.sqrt(8 * min(least, 0.004) / (3 * 0.02 ** 2) / len(self.albedos))
+        self.of_pixels = np.sqrt(3.5 * least / self.delta_e(x) / len(self.target))
+        return loss
+
+    def delta_e(self, x):
+        return np.linalg.norm(itp(np.minimum(self.sums(self.value(x))[0], self.limit))[0] - self.target, axis=1).mean()
+
+    def residuals(self, x, derivatives):
+        """Residuals, and if `derivatives` their derivatives, [coordinates, residuals]."""
+        f, by = self.value(x, True) if derivatives else (self.value(x), None)
+        colours, albedos = self.sums(f)
+        shown, slope = itp(np.minimum(colours, self.limit))
+        error, pairs = shown - self.target, len(self.root)
+        s = np.sqrt((error ** 2).sum(axis=1, keepdims=True) + 1)
+        of_pixels = self.of_pixels * np.sqrt(2 / (s + 1))  # the pseudo-Huber loss 2 (s - 1) is 2 / (s + 1) times the squared error
+        rows = [(f[:pairs] - self.pairs.f) * self.root, error * of_pixels, (albedos - self.albedos) / self.unit * self.of_albedos]
+        r = np.concatenate(rows).ravel()
+        if not derivatives:
+            return r
+        by = by.transpose(1, 2, 0)  # [n, 3, coordinates]
+        by_colours, by_albedos = self.sums(by)
+        by_error = (slope * (colours < self.limit)[:, None]) @ by_colours
+        by_error -= error[..., None] * (error[:, None] @ by_error) / (2 * s * (s + 1))[..., None]
+        rows = [by[:pairs] * self.root[..., None], by_error * of_pixels[..., None], by_albedos * (self.of_albedos / self.unit)[..., None]]
+        return r, np.concatenate(rows).reshape(len(r), -1).T
+
+
+def rounded(loss, x, coordinates):
+    """x of 16-bit floats: one is rounded after the other, and the others move to the least sum (docs/fitting.md#rounding)."""
+    def nearest(x):
+        return coordinates.from_parameters(coordinates.to_parameters(x).astype(np.float16).astype(float))
+
+    jacobian, results = loss.residuals(x, True)[1], [nearest(x)]
+    normal = jacobian @ jacobian.T
+    for damping in (1e-6, 1e-4, 1e-2):
+        inverse, y = np.linalg.inv(normal + np.diag(damping * np.diag(normal) + 1e-12 * np.diag(normal).max())), x.copy()
+        for i in range(len(x)):
+            moved = inverse[:, i] / inverse[i, i] * (nearest(y)[i] - y[i])
+            y[i:] = np.clip(y + moved, coordinates.low, coordinates.high)[i:]
+            y[i] = nearest(y)[i]
+            inverse = inverse - np.outer(inverse[:, i], inverse[i]) / inverse[i, i]
+        results.append(y)
+    return min(results, key=lambda y: np.sum(loss.residuals(y, False) ** 2))
+
+
+def fit(brdf, model, as_ggx):
+    """The parameters of a model that is fitted to a BRDF; `as_ggx`: by the pixels and pairs that GGX is fitted to, without the other terms."""
+    observations, coordinates = observe(brdf), classic_brdfs.Coordinates(model)
+    few, all_ = (Loss(observations, every, model, coordinates, as_ggx) for every in (4, 1))
+    angle, weight = classic_brdfs.angles(few.pairs.wl, few.pairs.wv), np.sqrt(classic_brdfs.pairs(MAX_THETA)[2])[::4]
+    by_cube_roots = classic_brdfs.search_of_values(model, few.pairs.f, angle, weight / weight.mean(), "cube-root")
+
+    def improve(loss, x, least, iterations):
+        loss.weigh(x, least)
+        return classic_brdfs.levenberg_marquardt(loss.residuals, x, coordinates.low, coordinates.high, iterations)[0]
+
+    found = [improve(few, by_cube_roots(x, 1, 12)[0], None, 12) for x in coordinates.starts(model, few.pairs.f, angle)]
+    least = min(map(few.weigh, found))
+    for loss, kept, iterations in ((few, 16, 10), (all_, 4, 20), (all_, 2, 60), (all_, 1, 200)):
+        found = sorted((improve(loss, x, least, iterations) for x in found[:kept]), key=loss.delta_e)
+    return coordinates.to_parameters(rounded(all_, found[0], coordinates))

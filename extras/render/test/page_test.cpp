@@ -11,20 +11,20 @@
 
 #include "app/html.h"
 #include "base/printable.h"
+#include "brdf/parts.h"
 #include "extras/render/chart.h"
 #include "extras/render/scene.h"
 #include "extras/render/slices.h"
 #include "models.h"
+#include "models/ggx/ggx_functions.h"
 #include "models/pm/search/fit_pm.h"
+#include "models/su/su_functions.h"
 #include "srbf/convert.h"
 #include "su_models.h"
 #include "temporary_folder.h"
 #ifdef SRBF_RASTER
-#include "brdf/parts.h"
 #include "extras/render/offscreen.h"
 #include "extras/render/raster.h"
-#include "models/ggx/ggx_functions.h"
-#include "models/su/su_functions.h"
 #endif
 
 namespace srbf::page_test {

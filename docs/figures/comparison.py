@@ -1,4 +1,4 @@
-"""The tables and the plot of docs/comparison.md, and a table each of docs/accuracy.md and docs/choosing.md, from docs/comparison.csv and further_tables.csv:
+"""The tables and the plot of docs/comparison.md, and a table each of docs/accuracy.md, docs/choosing.md and docs/paper.md, from docs/comparison.csv and further_tables.csv:
 python3 docs/figures/comparison.py [--check]
 
 Writes docs/comparison.svg, and the tables of the pages after `<!-- NAME -->`. With --check nothing is written;
@@ -11,18 +11,18 @@ import statistics
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-CSV, FURTHER, PAGE, PLOT, ACCURACY, CHOOSING = (
-    os.path.join(HERE, "..", name) for name in ("comparison.csv", "further_tables.csv", "comparison.md", "comparison.svg", "accuracy.md", "choosing.md"))
+CSV, FURTHER, PAGE, PLOT, ACCURACY, CHOOSING, PAPER = (os.path.join(HERE, "..", name) for name in (
+    "comparison.csv", "further_tables.csv", "comparison.md", "comparison.svg", "accuracy.md", "choosing.md", "paper.md"))
 MODELS = {  # name, and in the plot the curve that it belongs to
     "ggx": ("Lambert, 1 GGX", "GGX"),
     "ggx-2": ("Lambert, 2 GGX", "GGX"),
-    "abc": ("ABC", "ABC"),
+    "abc": ("ABC, our fit", "ABC"),
     "sgd": ("SGD", None),
     "openpbr": ("OpenPBR", "OpenPBR"),
     "nbrdf": ("NBRDF", None),
     "nps": ("neural process", "neural process"),
     "srbf-4": ("srbf, 4 lobes", "srbf"),
-    "srbf": ("**srbf, 9 lobes**", "srbf"),
+    "srbf": ("srbf, 9 lobes", "srbf"),
     "srbf-16": ("srbf, 16 lobes", "srbf"),
     "as-measured-8": ("8 lobes, not reciprocal", "as measured"),
     "su": ("view by view, 5 lobes", "view by view"),
@@ -91,16 +91,34 @@ def mean(rows, key):
     return statistics.fmean(row[key] for row in rows)
 
 
+def marked(model, name):
+    """The name, with a dagger if the model's loss has pixels of pictures."""
+    return name + (" †" if model.endswith("-pictures") or model.startswith(("srbf", "as-measured", "ggx", "openpbr")) else "")
+
+
+def with_bold_best(names, values, largest=frozenset()):
+    """Lines of names and texts of values; the least value of each column is bold, or the largest of columns in `largest`."""
+    best = [(max if i in largest else min)(column) for i, column in enumerate(zip(*values))]
+    return [own + [f"**{text(value)}**" if text(value) == text(least) else text(value) for value, least in zip(row, best)]
+            for own, row in zip(names, values)]
+
+
+def with_bold_least(values):
+    """Texts of a row of values, of which the least is bold."""
+    return [f"**{text(value)}**" if text(value) == text(min(values)) else text(value) for value in values]
+
+
 def means_table(rows):
-    """A row a model: its bytes, and the means of its errors."""
-    lines = []
-    names = {**{model: MODELS[model][0] for model in models_in(rows)}, **MEANS_ALONE}
-    for model, name in names.items():
-        of = of_model(rows, model)
-        shared = f" + {text(of[0]['shared'])} shared" if of[0]["shared"] else ""
-        payload = text(max(row["payload"] for row in of))
-        lines.append([name, payload + shared] + [text(mean(of, key)) for key in COLUMNS])
-    return table(["model", "bytes", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS", "symmetric", "albedo"], lines)
+    """A row a model: its bytes, and the means of its errors, in order of bytes."""
+    names, values = [], []
+    of = {model: of_model(rows, model) for model in [*models_in(rows), *MEANS_ALONE]}
+    for model in sorted(of, key=lambda model: max(row["payload"] + row["shared"] for row in of[model])):
+        shared = f" + {text(of[model][0]['shared'])} shared" if of[model][0]["shared"] else ""
+        payload = text(max(row["payload"] for row in of[model]))
+        names.append([marked(model, MEANS_ALONE.get(model) or MODELS[model][0]), payload + shared])
+        values.append([mean(of[model], key) for key in COLUMNS])
+    return table(["model", "bytes", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS", "symmetric", "albedo"],
+                 with_bold_best(names, values, {COLUMNS.index("psnr")}))
 
 
 def kinds_table(rows):
@@ -108,9 +126,9 @@ def kinds_table(rows):
     lines = []
     for kind in sorted({row["kind"] for row in rows}):
         of_kind = [row for row in rows if row["kind"] == kind]
-        lines.append([kind, str(len(of_model(of_kind, "srbf")))] + [text(mean(of_model(of_kind, model), "delta_e_itp")) for model in models])
-    lines.append(["all", str(len(of_model(rows, "srbf")))] + [text(mean(of_model(rows, model), "delta_e_itp")) for model in models])
-    lines.append(["median of all", ""] + [text(statistics.median(row["delta_e_itp"] for row in of_model(rows, model))) for model in models])
+        lines.append([kind, str(len(of_model(of_kind, "srbf")))] + with_bold_least([mean(of_model(of_kind, model), "delta_e_itp") for model in models]))
+    lines.append(["all", str(len(of_model(rows, "srbf")))] + with_bold_least([mean(of_model(rows, model), "delta_e_itp") for model in models]))
+    lines.append(["median of all", ""] + with_bold_least([statistics.median(row["delta_e_itp"] for row in of_model(rows, model)) for model in models]))
     return table(["kind", "materials"] + [MODELS[model][0] for model in models], lines)
 
 
@@ -120,7 +138,7 @@ def measured_table(rows):
     lines = []
     for material in MEASURED:
         of = {row["model"]: row for row in rows if row["material"] == material}
-        lines.append([material] + [text(of[model]["delta_e_itp"]) for model in models])
+        lines.append([material] + with_bold_least([of[model]["delta_e_itp"] for model in models]))
     return table(["measurement"] + [MODELS[model][0] for model in models], lines)
 
 
@@ -136,17 +154,18 @@ def bytes_table(rows):
 OF_EQUAL_BYTES = {"srbf-4": "srbf, 4 lobes", "gtr-6-pictures": "6 GTR lobes", "lafortune-8-pictures": "8 cosine lobes",
                   "network-4-pictures": "small network, 4 neurons", "srbf-6": "srbf, 6 lobes",
                   "network-6-pictures": "small network, 6 neurons", "network-6": "the same, ∛f",
-                  "srbf": "**srbf, 9 lobes**", "network-9-pictures": "small network, 9 neurons", "nbrdf-16": "NBRDF, rounded"}
+                  "srbf": "srbf, 9 lobes", "network-9-pictures": "small network, 9 neurons", "nbrdf-16": "NBRDF, rounded"}
 
 
 def equal_bytes_table(rows):
     """All measures of models of similar sizes, means of the measurements, and a median where one file makes the mean."""
-    lines = []
+    names, values = [], []
     for model, name in OF_EQUAL_BYTES.items():
         of = of_model(rows, model)
-        median = statistics.median(row["heldout_squared_error_ratio_cosine"] for row in of)
-        lines.append([name, text(of[0]["payload"])] + [text(mean(of, key)) for key in MEASURES] + [text(median)])
-    return table(["model", "bytes", *MEASURES.values(), "squared error, median"], lines)
+        names.append([marked(model, name), text(of[0]["payload"])])
+        values.append([mean(of, key) for key in MEASURES] + [statistics.median(row["heldout_squared_error_ratio_cosine"] for row in of)])
+    return table(["model", "bytes", *MEASURES.values(), "squared error, median"],
+                 with_bold_best(names, values, {list(MEASURES).index("psnr")}))
 
 
 NETWORKS = {"nbrdf": "NBRDF", "nps": "neural process", "network-6-pictures": "small network, 186 bytes"}
@@ -166,15 +185,14 @@ def measures_table(rows):
     return table(["measure", *NETWORKS.values()], lines)
 
 
-def worst_table(rows):
-    """The materials that the default errs most on."""
-    models = ["ggx-2", "openpbr", "srbf", "srbf-16", "as-measured-8", "su"]
-    order = sorted(of_model(rows, "srbf"), key=lambda row: -row["delta_e_itp"])[:5]
-    lines = []
-    for row in order:
-        of = {other["model"]: other["delta_e_itp"] for other in rows if other["material"] == row["material"]}
-        lines.append([row["material"], row["kind"]] + [text(of[model]) for model in models])
-    return table(["material", "kind"] + [MODELS[model][0] for model in models], lines)
+def networks_table(rows):
+    """The default beside networks: means, and in brackets those without the film. The best of each are bold."""
+    models = {"nbrdf-16": "NBRDF, 1,350 bytes", "srbf": "nine lobes, 210 bytes", "network-6-pictures": "network, 186 bytes"}
+    all_lines, others = ([[mean(of_model(of, model), key) for key in COLUMNS] for model in models]
+                         for of in (rows, [row for row in rows if row["material"] != "cc_ibiza_sunset"]))
+    all_lines, others = (with_bold_best([[]] * len(models), of, {COLUMNS.index("psnr")}) for of in (all_lines, others))
+    lines = [[name] + [f"{own} ({other})" for own, other in zip(of_all, of_others)] for name, of_all, of_others in zip(models.values(), all_lines, others)]
+    return table(["model", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS of radiance", "symmetric error", "albedo error"], lines)
 
 
 OPTIONS = {"srbf": "**none**", "srbf-4": "`--lobes 4`", "srbf-16": "`--lobes 16`", "as-measured-8": "`--as-measured`",
@@ -306,8 +324,8 @@ def pages(rows):
     measured, rest = of_measured(rows), without_measured_alone(rows)
     tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("bytes", bytes_table(measured)),
                      ("equal bytes", equal_bytes_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
-                     ("further tables", further_table(read(FURTHER))), ("measures", measures_table(measured)), ("worst", worst_table(rows))],
-              ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))]}
+                     ("further tables", further_table(read(FURTHER))), ("measures", measures_table(measured))],
+              ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))], PAPER: [("networks", networks_table(measured))]}
     made = {}
     for path, of_page in tables.items():
         with open(path, encoding="utf-8") as file:
@@ -330,7 +348,7 @@ def write_or_check(contents, script):
 
 
 def main():
-    rows = read()
+    rows = [row for row in read() if row["model"] != "sgd"]  # our fit of SGD fails, and no table has it
     write_or_check({**pages(rows), PLOT: plot(rows)}, "comparison")
 
 

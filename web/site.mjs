@@ -33,14 +33,15 @@ const balls = await readFile(path.join(root, "data/gallery/gallery.jpg"));
 const described = new Map([...(await readFile(path.join(root, "data/README.md"), "utf8")).matchAll(/^\| (\w+) \| (.+) \| (.+) \| ([\d.]+) \| (.+) \| (\w+) \|$/gm)]
   .map(([, name, kind, source, error, blender, licence]) => [name, { kind: kind[0].toUpperCase() + kind.slice(1), source, error, blender, licence }]));
 const terms = (licence) => licence === "ask" ? "We do not know whether you may ship it: ask the authors of the network, or fit the measurement itself, which rgl.epfl.ch/materials has." : `It is under ${licence}, free for any use.`;
-const in_blender = (text) => text.replace(" in all", "").replace(/^adds (.*)/, "about $1 more") + " in Blender";
+const in_blender = (text, error) =>
+  text.endsWith(" in all") ? text.replace(" in all", "") : `up to ${(Number(error) + Number(text.replace("adds ", ""))).toFixed(1)}`;
 const attribute = (text) => text.replaceAll("&", "&amp;").replaceAll('"', "&quot;");
 let gallery = "";
 for (const [index, name] of models.entries()) {
   const stem = path.parse(name).name, x = index % k_columns, shift = 100 * Math.floor(index / k_columns) * k_row / (k_rows * k_row - k_ball);
   const { kind, source, error, blender, licence } = described.get(stem);
-  gallery += `<li><a href="#${stem}" data-kind="${attribute(kind)}" data-about="${attribute(`ΔE ${error} against ${source}; ${in_blender(blender)}.  ${terms(licence)}`)}"><i style="` +
-    `background-position: ${100 * x / (k_columns - 1)}% ${shift.toFixed(2)}%"></i>${kind}<small>ΔE&nbsp;${error}, ${
+  gallery += `<li><a href="#${stem}" data-kind="${attribute(kind)}" data-about="${attribute(`ΔE ${error} against ${source}; in Blender ${in_blender(blender, error)}.   ${terms(licence)}`)}"><i style="` +
+    `background-position: ${100 * x / (k_columns - 1)}% ${shift.toFixed(2)}%"></i>${kind}<small>ΔE&nbsp;${error}, in Blender ${in_blender(blender, error)}; ${
       is_measured(name) ? "measured" : "from a network: ask before you ship"}</small></a></li>\n`;
 }
 await writeFile(path.join(folder, "data", "gallery.jpg"), balls);

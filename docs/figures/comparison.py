@@ -16,7 +16,7 @@ CSV, FURTHER, PAGE, PLOT, ACCURACY, CHOOSING, PAPER = (os.path.join(HERE, "..", 
 MODELS = {  # name, and in the plot the curve that it belongs to
     "ggx": ("Lambert, 1 GGX", "GGX"),
     "ggx-2": ("Lambert, 2 GGX", "GGX"),
-    "abc": ("ABC, our fit", "ABC"),
+    "abc": ("ABC, our fit ‡", "ABC"),
     "sgd": ("SGD", None),
     "openpbr": ("OpenPBR", "OpenPBR"),
     "nbrdf": ("NBRDF", None),
@@ -45,6 +45,7 @@ COLOURS = {"srbf": "#c0392b", "as measured": "#e59866", "as measured, ∛f": "#e
 SQUARES = {"as measured, ∛f", "ABC", "small network, ∛f"}  # curves of models that minimise errors of cube roots
 TRIANGLES = {"view by view", "NBRDF", "neural process", "principal components"}  # another loss without pixels
 MEANS_ALONE = {"network-6-pictures": "small network, 6 neurons", "as-measured-16": "16 lobes, not reciprocal", "nbrdf-16": "NBRDF, rounded to 16-bit floats"}  # in the table of means
+MEASURED_ALONE = {"network-6-pictures": "small network, 186 bytes", "as-measured-16": "16 lobes, not reciprocal"}  # after the others in the table by file
 NEURAL = {"nbrdf", "nbrdf-16", "nps"}  # of which there are rows for the measurements alone
 MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
 COLUMNS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms", "symmetric_error", "albedo_error"]
@@ -121,25 +122,33 @@ def means_table(rows):
                  with_bold_best(names, values, {COLUMNS.index("psnr")}))
 
 
+def range_of_default(rows):
+    errors = [row["delta_e_itp"] for row in of_model(rows, "srbf")]
+    return [text(min(errors)), text(max(errors))]
+
+
 def kinds_table(rows):
     models = models_in(rows)
     lines = []
     for kind in sorted({row["kind"] for row in rows}):
         of_kind = [row for row in rows if row["kind"] == kind]
-        lines.append([kind, str(len(of_model(of_kind, "srbf")))] + with_bold_least([mean(of_model(of_kind, model), "delta_e_itp") for model in models]))
-    lines.append(["all", str(len(of_model(rows, "srbf")))] + with_bold_least([mean(of_model(rows, model), "delta_e_itp") for model in models]))
-    lines.append(["median of all", ""] + with_bold_least([statistics.median(row["delta_e_itp"] for row in of_model(rows, model)) for model in models]))
-    return table(["kind", "materials"] + [MODELS[model][0] for model in models], lines)
+        lines.append([kind, str(len(of_model(of_kind, "srbf")))] + with_bold_least([mean(of_model(of_kind, model), "delta_e_itp") for model in models])
+                     + range_of_default(of_kind))
+    lines.append(["all", str(len(of_model(rows, "srbf")))] + with_bold_least([mean(of_model(rows, model), "delta_e_itp") for model in models])
+                 + range_of_default(rows))
+    lines.append(["median of all", ""] + with_bold_least([statistics.median(row["delta_e_itp"] for row in of_model(rows, model)) for model in models])
+                 + ["", ""])
+    return table(["kind", "materials"] + [MODELS[model][0] for model in models] + ["9 lobes, least", "9 lobes, largest"], lines)
 
 
 def measured_table(rows):
     """Their ΔE_ITP by all models."""
-    models = models_in(rows)
+    names = {**{model: MODELS[model][0] for model in models_in(rows)}, **MEASURED_ALONE}
     lines = []
     for material in MEASURED:
         of = {row["model"]: row for row in rows if row["material"] == material}
-        lines.append([material] + with_bold_least([of[model]["delta_e_itp"] for model in models]))
-    return table(["measurement"] + [MODELS[model][0] for model in models], lines)
+        lines.append([material] + with_bold_least([of[model]["delta_e_itp"] for model in names]))
+    return table(["measurement", *names.values()], lines)
 
 
 def bytes_table(rows):

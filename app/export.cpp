@@ -163,7 +163,7 @@ Result<std::string> surface(const ExportCommand& asked, const std::vector<NamedM
             "{}: ΔE_ITP {} against the measurement, as srbf draws it{}\n", printable(asked.output),
             printable(entry->second),
             heldout != provenance.end() ? fmt::format(", {} in cross-validation", printable(heldout->second)) : "");
-    const std::string_view parameters = asked.to == "glb" ? "gltf" : asked.to;
+    const std::string parameters = asked.to == "glb" ? "gltf" : asked.to;
     const auto fitted = provenance.find("surface");
     const bool lacks_some = parameters == "gltf" || parameters == "principled";
     if (text && lacks_some && fitted != provenance.end() && fitted->second != parameters)

@@ -3,9 +3,10 @@
 
 Makes the materials of measurements by the script that `srbf export --to blender` writes, and draws a sphere with Cycles. Under a distant
 lamp it agrees with the formula of the sum of closures, of the tables in the script. Under environments and round lamps it is compared with
-the measurement, and is nearer to it than Principled's parameters. In a furnace nothing is brighter than 1.01. With a normal map it agrees with the
-formula too, and so do the material of film.blend and one of two that were saved in a .blend file, where both are assets with previews. The shader that `--to osl`
-writes agrees with its formula and is no farther from the measurement than the nodes, within the noise of paths. Argument 3, if given: a picture of all is written there.
+the measurement, and is nearer to it than Principled's parameters. In a furnace nothing is brighter than 1.01. With a normal map it agrees
+with the formula too, and so do those of film.blend and library.blend, and one of two that were saved in a .blend file, where both are
+assets with previews. The shader that `--to osl` writes agrees with its formula and is no farther from the measurement than the nodes,
+within the noise of paths. Argument 3, if given: a picture of all is written there.
 Arguments: the program, a folder with rgl/. SRBF_ENVIRONMENTS: environments to try beside the bundled one, separated by colons.
 """
 import importlib.util
@@ -62,7 +63,7 @@ for material in bpy.data.materials:
 READY = """
 import bpy
 with bpy.data.libraries.load(FILE) as (there, here):
-    here.materials = ["film"]
+    here.materials = [NAME]
 """
 SUB = 3  # points of a pixel along a side
 
@@ -185,9 +186,10 @@ with tempfile.TemporaryDirectory() as folder:
     apart = delta_e(drawn_by_cycles(appended, f"{folder}/lit.exr", LAMP)[inside], formula(script)[inside])
     expect(apart <= FORMULA_WITHIN, f"from a .blend file with two materials: Cycles against the formula {apart:.2f}")
     kept, ready = Path(__file__).resolve().parents[2] / "data/ready", f"{folder}/ready.py"
-    Path(ready).write_text(READY.replace("FILE", repr(str(kept / "film.blend"))))
-    apart = delta_e(drawn_by_cycles(ready, f"{folder}/lit.exr", LAMP)[inside], formula(str(kept / "film.py"))[inside])
-    expect(apart <= FORMULA_WITHIN, f"film.blend: Cycles against the formula {apart:.2f}")
+    for name, material in {"film.blend": "film", "library.blend": "cc_ibiza_sunset_rgb"}.items():
+        Path(ready).write_text(READY.replace("FILE", repr(str(kept / name))).replace("NAME", repr(material)))
+        apart = delta_e(drawn_by_cycles(ready, f"{folder}/lit.exr", LAMP)[inside], formula(str(kept / "film.py"))[inside])
+        expect(apart <= FORMULA_WITHIN, f"{name}: Cycles against the formula {apart:.2f}")
     measured, shader, scene = data / f"rgl/{MATERIALS[0]}.bsdf", f"{folder}/film.osl", f"{folder}/film_osl.py"
     print(run("export", measured, "--to", "osl", "-o", shader).strip())
     Path(scene).write_text(SHADER.replace("FILE", repr(shader)))

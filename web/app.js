@@ -302,7 +302,7 @@ async function change_lobes() {
 // What to do with the file that was saved. The pattern `name` finds a name in it that the instructions use.
 async function instructions({ next = "", name: pattern }, file_name, { content, error }) {
   const parts = { file: file_name, name: pattern && (await content.text()).match(pattern)?.[1] };
-    const of = error && (error.isOfModel ? "material on this page, which has an error of its own" : "measurement");
+  const of = error && (error.isOfModel ? "material on this page, which has an error of its own" : "measurement");
   return (error ? ` Blender’s nodes differ by ΔE ${two_digits(error.deltaE)} from the ${of}.` : "") + ` ${next.replace(/{(file|name)}/g, (_, part) => parts[part])}`;
 }
 // A material for Blender of a ball whose measurement the page has is made from the measurement.

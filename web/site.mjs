@@ -40,7 +40,7 @@ let gallery = "";
 for (const [index, name] of models.entries()) {
   const stem = path.parse(name).name, x = index % k_columns, shift = 100 * Math.floor(index / k_columns) * k_row / (k_rows * k_row - k_ball);
   const { kind, source, error, blender, licence } = described.get(stem);
-  gallery += `<li><a href="#${stem}" data-kind="${attribute(kind)}" data-about="${attribute(`ΔE ${error} against ${source}; in Blender ${in_blender(blender, error)}.   ${terms(licence)}`)}"><i style="` +
+  gallery += `<li><a href="#${stem}" data-kind="${attribute(kind)}" data-about="${attribute(`ΔE ${error} against ${source}; in Blender ${in_blender(blender, error)}. ${terms(licence)}`)}"><i style="` +
     `background-position: ${100 * x / (k_columns - 1)}% ${shift.toFixed(2)}%"></i>${kind}<small>ΔE&nbsp;${error}, in Blender ${in_blender(blender, error)}; ${
       is_measured(name) ? "measured" : "from a network: ask before you ship"}</small></a></li>\n`;
 }

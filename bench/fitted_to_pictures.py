@@ -4,10 +4,15 @@ The sum is that of docs/fitting.md with its weights: pairs, directional lights, 
 terms for overshoots and beyond 89°. As by default, values are those of the reciprocal mean, and pixels of the fit choose among the
 starts: sixteen are improved by a quarter of the data, four of them by all, then two and one.
 """
+import pathlib
+import sys
 from typing import NamedTuple
 
 import classic_brdfs
 import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "test"))
+from seen import C1, C2, C3, M1, M2, TO_2020, TO_ITP, TO_LMS  # noqa: E402
 
 MAX_THETA = 89  # [degrees]
 VIEWS, POINTS, ALBEDO_POINTS = 100, 112, 455
@@ -19,9 +24,6 @@ LIGHTINGS = [  # zenith, horizon and ground, and lamps: direction, radius [degre
     ((0.3, 0.5, 0.1), [((-0.6, 0.3, 0.6), 8, 30)]),
     ((0.05, 0.05, 0.05), [((-0.7, 0.5, -0.4), 15, 20), ((0.3, 0.6, 0.8), 12, 5)])]
 ALBEDOS = np.append(np.cos(np.radians([0, 15, 30, 45, 60, 70, 75, 80, 85])), [0.03, 0.01])  # cosθv; two are near the horizon
-TO_LMS = np.array([[1688, 2146, 262], [683, 2951, 462], [99, 309, 3688]]) @ [
-    [0.627403896, 0.329283038, 0.043313066], [0.069097289, 0.919540395, 0.011362316], [0.016391439, 0.088013308, 0.895595253]] / 4096
-TO_ITP = np.array([[720], [360], [720]]) * [[2048, 2048, 0], [6610, -13613, 7003], [17933, -17390, -543]] / 4096
 
 
 def spherical(z, phi):
@@ -91,13 +93,13 @@ def albedo(k):
 
 
 def itp(colour):
-    """720 (I, C_T / 2, C_P) of linear sRGB [n, 3], as in src/errors/itp.inl, and its derivatives [n, 3, 3]."""
-    m1, m2, c1, c2, c3 = 2610 / 16384, 128 * 2523 / 4096, 3424 / 4096, 32 * 2413 / 4096, 32 * 2392 / 4096
-    luminance = np.maximum(colour @ TO_LMS.T, 1e-9) / 100
-    y = luminance ** m1
-    encoded = ((c1 + c2 * y) / (1 + c3 * y)) ** m2
-    slope = m2 * (c2 - c1 * c3) * m1 / 100 * encoded * y / ((c1 + c2 * y) * (1 + c3 * y) * luminance)
-    return encoded @ TO_ITP.T, (TO_ITP * slope[:, None]) @ TO_LMS
+    """`seen.itp` of linear sRGB [n, 3], and its derivatives [n, 3, 3]."""
+    to_lms = TO_LMS @ TO_2020
+    luminance = np.maximum(colour @ to_lms.T, 1e-9) / 100
+    y = luminance ** M1
+    encoded = ((C1 + C2 * y) / (1 + C3 * y)) ** M2
+    slope = M2 * (C2 - C1 * C3) * M1 / 100 * encoded * y / ((C1 + C2 * y) * (1 + C3 * y) * luminance)
+    return encoded @ TO_ITP.T, (TO_ITP * slope[:, None]) @ to_lms
 
 
 class Block(NamedTuple):

@@ -11,6 +11,16 @@ import numpy as np
 TINY = 1e-6  # relative step of differences
 
 
+def diffuse_of(f, angle):
+    """A diffuse albedo to start from, for values f [n, 3]: of dark ones beside the highlight."""
+    return np.clip(np.pi * np.quantile(f[angle.cos_h < 0.8], 0.3, axis=0), 0, 4)
+
+
+def scale_of(f, diffuse, shape):
+    """The factor of a lobe to start from: with it the sum of cube roots is that of the values f [n, 3] without the diffuse ones."""
+    return (np.cbrt(np.maximum(f - diffuse / np.pi, 0)).sum(axis=0) / np.cbrt(shape).sum()) ** 3
+
+
 class Lobes:
     """f = kd / π + Σ_k (A_k + B_k (1 - cosθd)⁵) G D / (cosθl cosθv), with kd, A_k and B_k for each channel.
 
@@ -55,7 +65,7 @@ class Lobes:
 
     def starts(self, f, angle):
         """Lobes from wide to narrow, of which each has an equal share of the values near the mirror direction."""
-        diffuse = np.clip(np.pi * np.quantile(f[angle.cos_h < 0.8], 0.3, axis=0), 0, 4)
+        diffuse = diffuse_of(f, angle)
         for widest in (0.7, 0.35):
             for narrowest in (0.2, 0.06, 0.02, 0.006):
                 for gamma in (1.2, 2.5):
@@ -63,7 +73,7 @@ class Lobes:
                     x = [diffuse]
                     for alpha in alphas:
                         shape = self.shape(alpha, gamma, angle)[:, None]
-                        scale = (np.cbrt(np.maximum(f - diffuse / np.pi, 0)).sum(axis=0) / np.cbrt(shape).sum()) ** 3 / self.count
+                        scale = scale_of(f, diffuse, shape) / self.count
                         x += [np.clip(scale, 1e-5, 5e4), np.clip(scale, 1e-5, 5e4), [alpha, gamma]]
                     yield np.concatenate(x)
 
@@ -105,14 +115,13 @@ class Cosines:
 
     def starts(self, f, angle):
         """Lobes about the mirror direction or beyond it, from wide to narrow, of which each has an equal share of the values."""
-        diffuse = np.clip(np.pi * np.quantile(f[angle.cos_h < 0.8], 0.3, axis=0), 0, 4)
+        diffuse = diffuse_of(f, angle)
         for least in (1, 5):
             for most in (20, 100, 500, 3000):
                 for cx in (-1, -0.9):
                     x = [diffuse]
                     for n in np.geomspace(least, most, self.count) if self.count > 1 else [np.sqrt(least * most)]:
-                        roots = np.cbrt(self.shape(cx, 1, n, angle)[0]).sum()
-                        scale = (np.cbrt(np.maximum(f - diffuse / np.pi, 0)).sum(axis=0) / roots) ** 3 / self.count
+                        scale = scale_of(f, diffuse, self.shape(cx, 1, n, angle)[0]) / self.count
                         x += [np.clip(scale, 1e-5, 5e4), [cx, 1, n]]
                     yield np.concatenate(x)
 

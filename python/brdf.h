@@ -77,7 +77,7 @@ class PyBrdf {
 
         template <typename Prepare> const Prepared& get(const PyBrdf& brdf, const Prepare& prepare) {
             std::call_once(flag, [&] {
-                const ProposeOptions options{.azimuths = brdf.isotropic() ? 1 : k_anisotropic_azimuths};
+                const ProposeOptions options{.azimuths = azimuths_for(brdf.isotropic())};
                 prepared = std::visit([&](const auto& content) { return prepare(content, options); }, *brdf.content_);
             });
             return *prepared;

@@ -146,8 +146,7 @@ using Answers = std::vector<Answer>;  ///< questions × models
 Answers expected() {
     Answers answers(questions().size() * models().size());
     for (std::size_t m = 0; m < models().size(); ++m) {
-        const Proposal proposal =
-            propose(models()[m], {.azimuths = is_isotropic(models()[m]) ? 1 : k_anisotropic_azimuths});
+        const Proposal proposal = propose(models()[m], {.azimuths = azimuths_for(is_isotropic(models()[m]))});
         const PreparedBrdf prepared = prepare(models()[m], CosineProposal{});
         for (std::size_t i = 0; i < questions().size(); ++i) {
             const auto& [l, v, u] = questions()[i];

@@ -84,7 +84,7 @@ class SrbfBsdf final : public mitsuba::BSDF<float, Spectrum> {
         return std::visit(
             [&](auto& brdf) {
                 if (exchanged) exchange(brdf);
-                return prepare_bsdf(brdf, {.azimuths = is_isotropic(brdf) ? 1 : srbf::k_anisotropic_azimuths});
+                return prepare_bsdf(brdf, {.azimuths = srbf::azimuths_for(is_isotropic(brdf))});
             },
             *loaded);
     }

@@ -117,6 +117,8 @@ struct ProposeOptions {
 };
 /// The recommended number of azimuths for an anisotropic BRDF.
 inline constexpr int k_anisotropic_azimuths = 8;
+/// The recommended `ProposeOptions::azimuths`.
+constexpr int azimuths_for(bool is_isotropic) { return is_isotropic ? 1 : k_anisotropic_azimuths; }
 /// The mixture for a BRDF. At each node the weights minimise ∫ (f cosθl)² / pdf dωl, f in luminance, averaged over
 /// the views at the node and a third of the way to its neighbours. They result from 200 steps of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,

@@ -256,8 +256,7 @@ std::string albedo_node_text(const Model& model, ParameterStorage storage, bool 
 /// The mixture that samples of a model follow; without sampling, one that nothing reads.
 MixtureProposal mixture_of(const Model& model, const CodeOptions& options) {
     if (!options.sampling) return {};
-    const int azimuths = is_isotropic(model) ? 1 : k_anisotropic_azimuths;
-    return std::get<MixtureProposal>(propose(model, {azimuths, options.threads}));
+    return std::get<MixtureProposal>(propose(model, {azimuths_for(is_isotropic(model)), options.threads}));
 }
 
 /// The functions and the macro that mixture.glsl requires.

@@ -51,9 +51,7 @@ Result<Done> save(const LoadedBrdf& model, const std::string& path) {
 }
 
 PreparedBrdf prepare(const LoadedBrdf& brdf) {
-    const auto prepared = [](const auto& any) {
-        return prepare(any, {.azimuths = is_isotropic(any) ? 1 : k_anisotropic_azimuths});
-    };
+    const auto prepared = [](const auto& any) { return prepare(any, {.azimuths = azimuths_for(is_isotropic(any))}); };
     return std::visit(prepared, content(brdf));
 }
 

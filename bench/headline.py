@@ -1,0 +1,131 @@
+"""Fits the five measurements as the front page and the paper do, and compares errors with theirs: python3 bench/headline.py PROGRAM FOLDER
+
+PROGRAM is `srbf`, and FOLDER has RGL's files; `./run paper FOLDER` calls it. The numbers of the pages are read from their tables. The exit
+status is 1 if one of them differs from that of the fits, rounded as there.
+"""
+import os
+import re
+import statistics
+import sys
+
+from reports import material, report, reports
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
+README, PAPER, ACCURACY = "README.md", "docs/paper.md", "docs/accuracy.md"
+FILM, *OTHERS = FILES = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
+GGX, OPENPBR, DEFAULT = ("--model", "ggx", "--lobes", "2"), ("--model", "openpbr"), ()
+AS_MEASURED, SIXTEEN_AS_MEASURED = ("--as-measured",), ("--as-measured", "--lobes", "16")
+ROWS = [  # of the tables, with options of `srbf fit`
+    (README, "Lambert and two GGX lobes", GGX), (README, "parameters of OpenPBR", OPENPBR),
+    (README, "9 lobes (default)", DEFAULT), (README, "16 lobes, not reciprocal", SIXTEEN_AS_MEASURED),
+    (PAPER, "Lambert and two GGX lobes", GGX), (PAPER, "OpenPBR", OPENPBR), (PAPER, "four lobes", ("--lobes", "4")),
+    (PAPER, "nine lobes", DEFAULT), (PAPER, "sixteen lobes", ("--lobes", "16")),
+    (PAPER, "sixteen lobes, not reciprocal", SIXTEEN_AS_MEASURED),
+]
+OF_FILES = {"mean of five measurements": FILES, "mean of the five": FILES, "the film": [FILM], "the other four": OTHERS}  # columns
+SEED_COLUMNS = ["default: least", "default: median", "default: largest", "default: against the mean, median", "as measured: least", "as measured: median",
+                "as measured: largest"]  # of the page on accuracy, after the name of the file
+SEEDS = {DEFAULT: range(6), AS_MEASURED: range(6)}  # of others seed 0 alone
+NUMBER = re.compile(r"\d[\d,]*(?:\.\d+)?")
+
+
+def page(path):
+    with open(os.path.join(ROOT, path), encoding="utf-8") as file:
+        return file.read()
+
+
+def rows_of(path):
+    """The rows of a page's tables, as cells by the heads of their columns, and by numbers from 0."""
+    rows, head = [], None
+    for line in page(path).splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")] if line.startswith("|") else None
+        if cells and head:
+            rows.append({**dict(zip(head, cells)), **dict(enumerate(cells))})
+        head = cells and (head or cells)
+    return rows
+
+
+def row_of(path, name):
+    """The first row that begins with the name."""
+    for row in rows_of(path):
+        if row[0].replace("*", "").split(":")[0] == name:
+            return row
+    sys.exit(f"{path}: expected a row {name!r}")
+
+
+def fitted(program, folder):
+    """ΔE_ITP against the file, against the reciprocal mean, and bytes, by options, file and seed."""
+    paths = [os.path.join(folder, name + "_rgb.bsdf") for name in FILES]
+    for path in paths:
+        if not os.path.exists(path):
+            sys.exit(f"{path}: expected one of RGL's five files, and found none")
+    models = dict.fromkeys([options for _, _, options in ROWS] + [AS_MEASURED])
+    wanted = [(path, options, seed) for options in models for path in paths for seed in SEEDS.get(options, [0])]
+    fits = {}
+    for (path, options, seed), of in reports(lambda path, options, seed: report(program, path, *options, "--seed", str(seed)), wanted):
+        mean_pictures = of.get("mean_pictures", of["pictures"])
+        fits[options, material(path), seed] = of["pictures"]["delta_e_itp"], mean_pictures["delta_e_itp"], of["payload_bytes"]
+    return fits
+
+
+class Errors:
+    """Of the fits: errors by options and file, one for each seed, and their means over files."""
+
+    def __init__(self, fits):
+        self.fits = fits
+
+    def of(self, options, name, which=0):
+        return [self.fits[options, name, seed][which] for seed in SEEDS.get(options, [0])]
+
+    def mean(self, options, names):
+        return statistics.fmean(self.of(options, name)[0] for name in names)
+
+    def mean_of_medians(self, options, names):
+        return statistics.fmean(statistics.median(self.of(options, name)) for name in names)
+
+
+def numbers_of_rows(errors):
+    """Page, what a number is, the number of the page as text, and that of the fits."""
+    for path, name, options in ROWS:
+        row = row_of(path, name)
+        yield path, f"{name}, bytes", row["bytes"], max(errors.fits[options, file, 0][2] for file in FILES)
+        for column, files in OF_FILES.items():
+            values = [errors.mean(options, files), errors.mean_of_medians(options, files)]
+            for kind, text, value in zip(("", ", medians"), NUMBER.findall(row.get(column, "")), values):
+                yield path, f"{name}, {column}{kind}", text, value
+
+
+def numbers_of_seeds(errors):
+    for name in FILES:
+        row = row_of(ACCURACY, name)
+        default, mean, other = errors.of(DEFAULT, name), errors.of(DEFAULT, name, 1), errors.of(AS_MEASURED, name)
+        values = [min(default), statistics.median(default), max(default), statistics.median(mean), min(other), statistics.median(other), max(other)]
+        for column, (what, value) in enumerate(zip(SEED_COLUMNS, values), 1):
+            yield ACCURACY, f"{name}, {what}", row[column], value
+
+
+def numbers_of_abstract(errors):
+    """Numbers that the abstract must have somewhere."""
+    abstract = next(part for part in page(PAPER).split("\n\n") if part.startswith("**Abstract.**"))
+    for name, value in (("nine lobes", errors.mean(DEFAULT, FILES)), ("nine lobes, medians", errors.mean_of_medians(DEFAULT, FILES)),
+                        ("two GGX lobes", errors.mean(GGX, FILES)), ("OpenPBR", errors.mean(OPENPBR, FILES))):
+        yield PAPER, f"abstract, {name}", f"{value:.1f}" if f"{value:.1f}" in NUMBER.findall(abstract) else "none", value
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit("expected PROGRAM FOLDER: " + __doc__.split("\n", maxsplit=1)[0])
+    errors, differ = Errors(fitted(*sys.argv[1:])), 0
+    print("| page | number | there | here | |\n|---|---|---|---|---|")
+    for numbers_of in (numbers_of_abstract, numbers_of_rows, numbers_of_seeds):
+        for path, name, text, value in numbers_of(errors):
+            decimals = len(text.partition(".")[2])
+            is_other = f"{value:.{decimals}f}" != text
+            differ += is_other
+            print(f"| {path} | {name} | {text} | {value:.{decimals + 1}f} | {'differs' * is_other} |")
+    print(f"{differ} differ")
+    sys.exit(1 if differ else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -37,8 +37,10 @@ ERRORS = {  # columns, of a report; `mean_` against the reciprocal mean, others 
     "mean_psnr": lambda of: of["mean_pictures"]["psnr"],
     "mean_rms": lambda of: of["mean_pictures"]["rms"],
 }
-OF_TERMS = {"delta_e_itp": ".2f", "mean_delta_e_itp": ".2f", "mean_worst_delta_e_itp": ".1f", "mean_psnr": ".1f", "mean_rms": ".3f",
-            "squared_error": ".1%", "albedo_error": ".1%"}  # columns of the table of terms
+OF_TERMS = {  # columns of the table of terms
+    "delta_e_itp": ("ΔE_ITP, files", ".2f"), "mean_delta_e_itp": ("ΔE_ITP, means", ".2f"), "mean_worst_delta_e_itp": ("of the worst light", ".1f"),
+    "mean_psnr": ("PSNR", ".1f"), "mean_rms": ("RMS of radiance", ".3f"), "squared_error": ("squared error", ".1%"), "albedo_error": ("albedo error", ".1%"),
+}
 CRITERIA = {"delta_e_itp": "ΔE_ITP", "rms": "RMS", "squared_error": "squared error", "albedo_error": "albedo error"}
 ALL_FOUR = "all four"  # the geometric mean of the four errors, each over that of the default
 
@@ -103,8 +105,9 @@ def print_table(heads, lines):
 
 
 def print_terms(means):
-    lines = [[name] + [format(means.error(setting, means.materials, key), form) for key, form in OF_TERMS.items()] for name, setting in TERMS.items()]
-    print_table(["terms", *OF_TERMS], lines)
+    lines = [[name] + [format(means.error(setting, means.materials, key), form).replace("%", " %") for key, (_, form) in OF_TERMS.items()]
+             for name, setting in TERMS.items()]
+    print_table(["terms", *(head for head, _ in OF_TERMS.values())], lines)
 
 
 def print_files(means):
@@ -118,7 +121,7 @@ def print_files(means):
 
 
 def print_criteria(means):
-    """For each criterion its mean over the held-out files, and the other errors there of the settings that were chosen by it, over those of the default."""
+    """For each criterion its mean over the held-out files, the place of the default among the settings, and the errors there of the settings that were chosen by it, over those of the default."""
     lines = []
     for criterion in [*CRITERIA, ALL_FOUR]:
         chosen = {name: means.chosen(name, criterion) for name in means.materials}
@@ -127,8 +130,10 @@ def print_criteria(means):
                   error(lambda name: means.best([name], criterion))]
         ratios = [math.exp(statistics.fmean(math.log(means.error(chosen[name], [name], one) / means.error(DEFAULT, [name], one)) for name in means.materials))
                   for one in CRITERIA]
-        lines.append([CRITERIA.get(criterion, criterion)] + [f"{value:.3g}" for value in values] + [f"{ratio:.2f}" for ratio in ratios])
-    print_table(["chosen by", "on held-out files", "default", "chosen on all five", "least of each file", *(f"{name}, over default" for name in CRITERIA.values())], lines)
+        of_all = [means.error(setting, means.materials, criterion) for setting in means.settings]
+        place = sum(error < of_all[0] for error in of_all) + 1
+        lines.append([CRITERIA.get(criterion, criterion)] + [f"{value:.3g}" for value in values] + [f"{max(of_all):.3g}", str(place)] + [f"{ratio:.2f}" for ratio in ratios])
+    print_table(["chosen by", "on held-out files", "default", "chosen on all five", "least of each file", "worst setting", "place of the default", *(f"{name}, over default" for name in CRITERIA.values())], lines)
 
 
 def main():

@@ -41,8 +41,10 @@ OF_TERMS = {  # columns of the table of terms
     "delta_e_itp": ("ΔE_ITP, files", ".2f"), "mean_delta_e_itp": ("ΔE_ITP, means", ".2f"), "mean_worst_delta_e_itp": ("of the worst light", ".1f"),
     "mean_psnr": ("PSNR", ".1f"), "mean_rms": ("RMS of radiance", ".3f"), "squared_error": ("squared error", ".1%"), "albedo_error": ("albedo error", ".1%"),
 }
-CRITERIA = {"delta_e_itp": "ΔE_ITP", "rms": "RMS", "squared_error": "squared error", "albedo_error": "albedo error"}
-ALL_FOUR = "all four"  # the geometric mean of the four errors, each over that of the default
+ALL_FOUR = "all four"  # the geometric mean of four errors, each over that of the default
+CRITERIA = {"delta_e_itp": "ΔE_ITP", "rms": "RMS", "squared_error": "squared error", "albedo_error": "albedo error", ALL_FOUR: "all four"}
+FORMS = {"delta_e_itp": ".2f", "rms": ".4f", "squared_error": ".2%", "albedo_error": ".2%", ALL_FOUR: ".3f"}
+SINGLE = list(CRITERIA)[:4]
 
 
 def settings():
@@ -54,6 +56,9 @@ def settings():
 
 
 def add_rows(program, paths):
+    with open(program, "rb") as file:
+        if b"SRBF_TIMES" not in file.read():
+            sys.exit(f"{program}: expected a program with bench/times.patch")
     rows = read()
     wanted = [(path, setting, seed) for seed in SEEDS for setting in dict.fromkeys([*settings(), *TERMS.values()]) for path in paths]
     missing = [(path, setting, seed) for path, setting, seed in wanted if (material(path), setting, seed) not in rows]
@@ -86,12 +91,12 @@ class Means:
 
     def error(self, setting, materials, criterion):
         if criterion == ALL_FOUR:
-            logs = [math.log(self.error(setting, [name], one) / self.error(DEFAULT, [name], one)) for name in materials for one in CRITERIA]
+            logs = [math.log(self.error(setting, [name], one) / self.error(DEFAULT, [name], one)) for name in materials for one in SINGLE]
             return math.exp(statistics.fmean(logs))
         return statistics.fmean(self.rows[name, setting, seed][criterion] for name in materials for seed in self.seeds)
 
-    def best(self, materials, criterion):
-        return min(self.settings, key=lambda setting: self.error(setting, materials, criterion))
+    def best(self, materials, criterion, of=min):
+        return of(self.settings, key=lambda setting: self.error(setting, materials, criterion))
 
     def chosen(self, held_out, criterion):
         """The setting that is best on all files but one."""
@@ -110,37 +115,39 @@ def print_terms(means):
     print_table(["terms", *(head for head, _ in OF_TERMS.values())], lines)
 
 
-def print_files(means):
-    """For each file the setting that is best on the others by ΔE_ITP, and three errors of the file: of this setting, of the default, and the least of all settings."""
-    lines = []
-    for name in means.materials:
-        chosen = means.chosen(name, "delta_e_itp")
-        lines.append([name, chosen] + [f"{means.error(setting, [name], 'delta_e_itp'):.2f}" for setting in (chosen, DEFAULT, means.best([name], "delta_e_itp"))])
-    lines.append(["mean", ""] + [f"{statistics.fmean(float(line[i]) for line in lines):.2f}" for i in (2, 3, 4)])
-    print_table(["held out", "chosen on the other four by ΔE_ITP", "its error", "of the default", "least"], lines)
+def print_choices(means):
+    """By ΔE_ITP of each file, and by means of each criterion over the files: errors of settings that were chosen in several ways."""
+    columns = [(name, [name], "delta_e_itp") for name in means.materials] + [(head, means.materials, key) for key, head in CRITERIA.items()]
+    ways = {
+        "default": lambda name, criterion: DEFAULT,
+        "best on the other four": means.chosen,
+        "best on all five": lambda name, criterion: means.best(means.materials, criterion),
+        "best on the file": lambda name, criterion: means.best([name], criterion),
+        "worst on all five": lambda name, criterion: means.best(means.materials, criterion, max),
+    }
+    error = lambda setting_of, names, criterion: statistics.fmean(means.error(setting_of(name, criterion), [name], criterion) for name in names)
+    lines = [[way] + [format(error(setting_of, names, criterion), FORMS[criterion]).replace("%", " %") for _, names, criterion in columns]
+             for way, setting_of in ways.items()]
+    places = [sorted(means.settings, key=lambda setting: means.error(setting, names, criterion)).index(DEFAULT) + 1 for _, names, criterion in columns]
+    print_table(["setting", *(head for head, _, _ in columns)], [*lines, ["place of the default", *map(str, places)]])
 
 
-def print_criteria(means):
-    """For each criterion its mean over the held-out files, the place of the default among the settings, and the errors there of the settings that were chosen by it, over those of the default."""
+def print_other_errors(means):
+    """Errors on each held-out file of the setting that is best on the other four by one criterion, over those of the default: geometric means."""
     lines = []
-    for criterion in [*CRITERIA, ALL_FOUR]:
-        chosen = {name: means.chosen(name, criterion) for name in means.materials}
-        error = lambda setting_of: statistics.fmean(means.error(setting_of(name), [name], criterion) for name in means.materials)
-        values = [error(chosen.get), error(lambda _: DEFAULT), error(lambda _: means.best(means.materials, criterion)),
-                  error(lambda name: means.best([name], criterion))]
-        ratios = [math.exp(statistics.fmean(math.log(means.error(chosen[name], [name], one) / means.error(DEFAULT, [name], one)) for name in means.materials))
-                  for one in CRITERIA]
-        of_all = [means.error(setting, means.materials, criterion) for setting in means.settings]
-        place = sum(error < of_all[0] for error in of_all) + 1
-        lines.append([CRITERIA.get(criterion, criterion)] + [f"{value:.3g}" for value in values] + [f"{max(of_all):.3g}", str(place)] + [f"{ratio:.2f}" for ratio in ratios])
-    print_table(["chosen by", "on held-out files", "default", "chosen on all five", "least of each file", "worst setting", "place of the default", *(f"{name}, over default" for name in CRITERIA.values())], lines)
+    for criterion, head in CRITERIA.items():
+        logs = [[math.log(means.error(means.chosen(name, criterion), [name], other) / means.error(DEFAULT, [name], other)) for name in means.materials]
+                for other in CRITERIA]
+        lines.append([head, *(f"{math.exp(statistics.fmean(of_files)):.2f}" for of_files in logs)])
+    print_table(["chosen by", *CRITERIA.values()], lines)
+    print_table(["held out", "best on the other four by ΔE_ITP"], [[name, means.chosen(name, "delta_e_itp")] for name in means.materials])
 
 
 def main():
     if len(sys.argv) > 1:
         add_rows(sys.argv[1], sys.argv[2:])
     rows = read()
-    for of_settings, printers in ((list(TERMS.values()), [print_terms]), (settings(), [print_files, print_criteria])):
+    for of_settings, printers in ((list(TERMS.values()), [print_terms]), (settings(), [print_choices, print_other_errors])):
         means = Means(rows, of_settings)
         print(f"{len(of_settings)} settings, seeds {means.seeds}\n")
         for print_one in printers if means.seeds else ():

@@ -66,9 +66,10 @@ struct LightSample {
 /// takes what load_model or load_measured reads, and further options.
 PreparedBrdf prepare(const LoadedBrdf& brdf, int threads = 0);
 
-/// f_r(wl, wv) [1/sr], without the cosine. For a model it differs from `value` of model.h by at most 1e-4 of that value
-/// or 1e-6 of its peak, whichever is larger. It is never negative, and 0 if wl.z or wv.z is 0, negative or subnormal. It
-/// is NaN where a measurement has no value, which a renderer must take for 0; `sample`, `pdf` and `albedo` count it as 0.
+/// f_r(wl, wv) [1/sr], without the cosine. For a model it differs from `value` of model.h, which reports and files use,
+/// by at most 1e-4 of that value or 1e-6 of its peak, whichever is larger. It is never negative, and 0 if wl.z or wv.z is
+/// 0, negative or subnormal. It is NaN in all three channels where a measurement has no value, which a renderer must take
+/// for 0; `sample`, `pdf` and `albedo` count it as 0.
 inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) { return brdf.at(wl, wv); }
 /// f_r at pairs of directions. The program ends with a line and abort() if the spans differ in length.
 void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
@@ -88,10 +89,11 @@ struct ValuePdf {
 ValuePdf value_pdf(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv);
 
 /// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths. For a view-by-view model with
-/// sampled views it is interpolated, as the model is, from the integrals of the lobes: within 1 % or 0.002. For any
-/// other BRDF it comes from 129 nodes: up to 85° within 1 % or 0.002 for fits of measured materials and
-/// tables, with larger errors beyond, for narrow highlights and for scattered samples (docs/sampling.md). A cosine of
-/// 0, below it or NaN gives 0; above 1 counts as 1. The first call makes the nodes in about 0.3 s; others wait.
+/// sampled views it is interpolated, as the model is, from the integrals of the lobes: within 1 % or 0.002. For any other
+/// BRDF it is interpolated between 129 view angles: up to 85° within 1 % or 0.002 for fits of measured materials and
+/// tables, with larger errors beyond, for narrow highlights and for scattered samples (docs/sampling.md). The first call
+/// computes these angles in about 0.3 s, and other threads that call `albedo` wait for it. A cosine of 0, below it or NaN
+/// gives 0; above 1 counts as 1.
 Rgb albedo(const PreparedBrdf& brdf, float cos_v);
 
 }  // namespace srbf

@@ -215,18 +215,17 @@ async function step(mine, action) {
   }
 }
 
-// Starts the pictures, with the sliders and what saves beside them.
+// Starts the pictures, with the sliders and what saves beside them. `common`: what a worker has begun with.
 let pictures = null; // the promise that they are started
-const ensure_pictures = () => pictures ??= start_pictures();
-async function start_pictures() {
-  draws = await viewer.start(await ensure_worker());
+const ensure_pictures = (common) => pictures ??= start_pictures(common);
+async function start_pictures(common) {
+  draws = await viewer.start(common);
   set_shown("without", !draws), set_shown("viewer", draws && file !== null);
   if (draws) $("viewer").prepend(document.querySelector("#viewer .pictures"), $("side"));
 }
 // Opens the file; a new worker has to read it again.
 async function open() {
-  await ensure_pictures();
-  await ensure_worker();
+  await ensure_pictures(await ensure_worker());
   return ask({ kind: "open", name: file.name, bytes: file.bytes, is_ready: file.is_ready });
 }
 function take_fit(result) {
@@ -412,7 +411,7 @@ document.addEventListener("drop", (event) => {
 if (linked()) show_name("", linked());
 window.addEventListener("load", () => setTimeout(() => {
   show_linked();
-  ensure_pictures().catch((error) => error && fail(error.message));
+  ensure_worker().then(ensure_pictures).catch((error) => error && fail(error.message));
 }, 50)); // after the page is shown
 
 return { take_file, save_as: (what, name) => write(what, name).then(({ content }) => content), state: () => ({ file, fitted, edited, busy: open_questions.size }) };

@@ -32,7 +32,7 @@ const balls = await readFile(path.join(root, "data/gallery/gallery.jpg"));
 // The table of data/README.md: kind, what the model was fitted to, its error, that in Blender, and its licence.
 const described = new Map([...(await readFile(path.join(root, "data/README.md"), "utf8")).matchAll(/^\| (\w+) \| (.+) \| (.+) \| ([\d.]+) \| (.+) \| (\w+) \|$/gm)]
   .map(([, name, kind, source, error, blender, licence]) => [name, { kind: kind[0].toUpperCase() + kind.slice(1), source, error, blender, licence }]));
-const terms = (licence) => licence === "ask" ? "We do not know whether you may ship it: ask the authors of the network, or fit the measurement itself, which rgl.epfl.ch/materials has." : `It is under ${licence}, free for any use.`;
+const terms = (licence) => licence === "ask" ? "We do not know whether you may publish it: ask the authors of the network, or fit the measurement itself, which rgl.epfl.ch/materials has." : `It is under ${licence}, free for any use.`;
 const in_blender = (text, error) =>
   text.endsWith(" in all") ? text.replace(" in all", "") : `up to ${(Number(error) + Number(text.replace("adds ", ""))).toFixed(1)}`;
 const attribute = (text) => text.replaceAll("&", "&amp;").replaceAll('"', "&quot;");

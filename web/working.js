@@ -29,6 +29,9 @@ function prepared_for(name) {
   return { highlight, material: { bytes: new TextEncoder().encode(JSON.stringify({ ...material, text })), exposure: material.exposure } };
 }
 
+let part = [0, 1]; // of an action, which the progress that the module reports is of
+const k_draft_part = 0.15; // of the time of a fit with its errors, about
+
 const actions = {
   open({ name, bytes, is_ready }) {
     for (const subject of [measured, model, edited]) if (subject) srbf.close(subject.number);
@@ -44,9 +47,11 @@ const actions = {
   },
   fit({ options }) {
     if (!measured.twoSided) {
+      part = [0, k_draft_part];
       const { number, ...report } = srbf.draft(measured.number, options), material = material_of({ number });
       postMessage({ draft: { ...report, material, slices: srbf.slices(measured.number, number) } }, [material.bytes.buffer]);
       srbf.close(number);
+      part = [k_draft_part, 1];
     }
     const fitted = srbf.fit(measured.number, options);
     for (const subject of [model, edited]) if (subject) srbf.close(subject.number);
@@ -94,13 +99,14 @@ onmessage = async ({ data }) => {
       prepared = typeof data.prepared === "string" ? JSON.parse(new TextDecoder().decode(await unpack(data.prepared))) : data.prepared;
       srbf = await new_srbf(module, (stage, fraction) => {
         const now = performance.now();
-        if (now - last > 80) last = now, postMessage({ progress: fraction, stage });
+        if (now - last > 80) last = now, postMessage({ progress: part[0] + (part[1] - part[0]) * fraction, stage });
         return true;
       });
       srbf.set_studio(studio);
       return postMessage({ id, result: { cache: { module, studio, prepared }, viewer: srbf.viewer_data() } });
     }
     if (typeof data.bytes === "string") data.bytes = await unpack(data.bytes);
+    part = [0, 1];
     const result = await actions[kind](data);
     postMessage({ id, result }, result.material ? [result.material.bytes.buffer] : []);
   } catch (error) {

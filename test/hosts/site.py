@@ -155,7 +155,7 @@ def linked(page, folder):
     check(links == models, f"the gallery has {links}")
     name = models[-1] + ".srbf"
     chromium.run(f"""(() => {{ const canvas = document.querySelector("figure[data-material='1'] canvas");
-        new MutationObserver(() => window.first_picture ??= performance.now()).observe(canvas, {{ attributes: true }});
+        new MutationObserver(() => window.first_picture ??= performance.now()).observe(canvas, {{ attributeFilter: ["width"] }});
         document.querySelector({LAST_BALL!r}).addEventListener("click", () => window.first_click ??= performance.now(), {{ capture: true }}); }})()""")
     chromium.click(LAST_BALL)
     begun = time.time()

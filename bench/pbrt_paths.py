@@ -1,6 +1,6 @@
 """pbrt_paths.py PBRT SRBF FILE: agreement, times and noise of paths in pbrt-v4 with the material of examples/pbrt and with pbrt's own. PBRT is a pbrt
 that has the material, SRBF the program `srbf`, FILE a measurement, for example an RGL file.
-The scene is examples/pbrt/ball.pbrt, with independent samples. Its materials are `diffuse`; the default fit of FILE, by `srbf` and as a table by
+The scene is examples/pbrt/ball.pbrt. Its materials are `diffuse`; the default fit of FILE, by `srbf` and as a table by
 `measured`; and FILE itself, a table of light and viewer exchanged, by `srbf` with "exchange" and by `measured`. For each one it prints:
   - the start, seconds of processor time of a picture of one path a pixel, the least of RUNS
   - microseconds of processor time of a path more, those that miss the ball among them: by the difference to PATHS paths a pixel
@@ -38,7 +38,7 @@ def drawn(pbrt, material, paths, seed, folder):
     """The seconds of processor time that a picture takes, and its colours."""
     text = SCENE.read_text()
     for old, new in ((MATERIALS["srbf, fit"], material), ("ball.png", "ball.pfm"),
-                     ('"zsobol" "integer pixelsamples" 64', f'"independent" "integer pixelsamples" {paths} "integer seed" {seed}')):
+                     ('"independent" "integer pixelsamples" 64', f'"independent" "integer pixelsamples" {paths} "integer seed" {seed}')):
         assert text.count(old) == 1, old
         text = text.replace(old, new)
     (folder / "ball.pbrt").write_text(text)

@@ -73,6 +73,16 @@ TEST(Allocations, ThatFailEndAReader) {
     }
 }
 
+TEST(Allocations, AreNotMadeByABlackBrdf) {
+    allocations = 0;
+    const PreparedBrdf black, copy = black;
+    const float weight = sample(copy, {0, 0, 1}, {0.5f, 0.5f}, 0.5f).weight.g,
+                density = pdf(copy, {0, 0, 1}, {0, 0, 1});
+    const float reflected = value(copy, {0, 0, 1}, {0, 0, 1}).g + albedo(copy, 1).g;
+    EXPECT_EQ(allocations, 0u);
+    EXPECT_EQ(weight + density + reflected, 0);
+}
+
 TEST(Allocations, ThatFailAreErrorsThatNameTheFile) {
     for (const char* name :
          {"measured/rgl_simple", "measured/csv_vectors", "measured/merl_small", "measured/csv_both_sides"}) {

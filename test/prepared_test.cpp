@@ -416,17 +416,17 @@ TEST_F(Prepared, CopiesOutliveTheirSources) {
         const PreparedBrdf moved = std::move(*first);
         first.reset();
         const PreparedBrdf last = std::move(copy);
-        for (const PreparedBrdf* model : {&moved, &last})
+        for (const PreparedBrdf& model : {moved, last, copy})  // a move is a copy
             for (const auto& [l, v] : random_pairs(random_, 200)) {
-                const Rgb f = value(*model, l, v), expected = value(reference, l, v);
+                const Rgb f = value(model, l, v), expected = value(reference, l, v);
                 for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6));
-                EXPECT_EQ(pdf(*model, l, v), pdf(proposal, l, v));
-                const ValuePdf both = value_pdf(*model, l, v);
+                EXPECT_EQ(pdf(model, l, v), pdf(proposal, l, v));
+                const ValuePdf both = value_pdf(model, l, v);
                 EXPECT_EQ(both.value, f);
-                EXPECT_EQ(both.pdf, pdf(*model, l, v));
+                EXPECT_EQ(both.pdf, pdf(model, l, v));
                 if (!(v.z > 0)) continue;
                 const Vec3f u = draw3();
-                const LightSample prepared_sample = sample(*model, v, {u.x, u.y}, u.z),
+                const LightSample prepared_sample = sample(model, v, {u.x, u.y}, u.z),
                                   reference_sample = sample(reference, proposal, v, {u.x, u.y}, u.z);
                 EXPECT_EQ(prepared_sample.pdf, reference_sample.pdf);
                 EXPECT_TRUE(prepared_sample.wl == reference_sample.wl);
@@ -436,18 +436,62 @@ TEST_F(Prepared, CopiesOutliveTheirSources) {
     }
 }
 
-/// What srbf.h prepares of an anisotropic model samples as `k_anisotropic_azimuths` do, and of the exchanged one too.
+/// What srbf.h prepares of an anisotropic model samples as `k_anisotropic_azimuths` do for any number of threads, and of
+/// the exchanged one too.
 TEST_F(Prepared, LoadedBrdfsAreExchangedAndHaveTheirAzimuths) {
     const Model model{random_model(random_, {.axial = false, .lobes = 4, .form = PmForm::extended}), {}};
     ASSERT_FALSE(is_isotropic(model));
     const LoadedBrdf loaded = loaded_brdf(model);
-    const PreparedBrdf whole = prepare(loaded), other = prepare(exchanged(loaded)),
+    const PreparedBrdf whole = prepare(loaded, 1), other = prepare(exchanged(loaded)),
                        by_azimuths = prepare(model, {.azimuths = k_anisotropic_azimuths});
     for (const auto& [l, v] : random_pairs(random_, 100)) {
         EXPECT_EQ(pdf(whole, l, v), pdf(by_azimuths, l, v));
         const Rgb f = value(whole, l, v), exchanged_f = value(other, v, l);
         for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(exchanged_f[c], f[c], 1e-4 * double(f[c]) + 1e-6));
     }
+}
+
+/// Handles as a caller's struct has them before they are assigned.
+struct Material {
+    LoadedBrdf loaded;
+    PreparedBrdf prepared;
+};
+static_assert(std::is_nothrow_default_constructible_v<Material> && std::is_nothrow_move_constructible_v<Material>);
+
+TEST_F(Prepared, IsBlackByDefault) {
+    Material material;
+    const PreparedBrdf copy = material.prepared;
+    for (const PreparedBrdf& black : {material.prepared, copy, PreparedBrdf(std::move(material.prepared))}) {
+        for (const auto& [l, v] : random_pairs(random_, 2000)) {
+            EXPECT_EQ(value(black, l, v), Rgb());
+            EXPECT_EQ(pdf(black, l, v), 0);
+            EXPECT_EQ(value_pdf(black, l, v).pdf, 0);
+            const Vec3f u = draw3();
+            const LightSample light = sample(black, v, {u.x, u.y}, u.z);
+            EXPECT_EQ(light.pdf, 0);
+            EXPECT_EQ(light.weight, Rgb());
+        }
+        for (const float z : {1.f, 0.3f, 1e-4f}) EXPECT_EQ(albedo(black, z), Rgb());
+        const std::vector<Vec3f> up(3, {0, 0, 1});
+        std::vector<Rgb> f(3, {1, 1, 1});
+        evaluate(black, up, up, f);
+        EXPECT_EQ(f, std::vector<Rgb>(3));
+        EXPECT_DEATH(evaluate(black, up, up, std::span(f).first(1)), "arrays of pairs");
+    }
+    material.prepared = diffuse({0.5f, 0.5f, 0.5f});
+    EXPECT_GT(value(material.prepared, {0, 0, 1}, {0, 0, 1}).g, 0);
+    EXPECT_EQ(value(copy, {0, 0, 1}, {0, 0, 1}), Rgb());
+}
+
+TEST_F(Prepared, ALoadedBrdfWithoutContentIsAMisuse) {
+    const Material material, copy = material;
+    const std::string misuse = "a LoadedBrdf without content";
+    EXPECT_DEATH(content(copy.loaded), misuse);
+    EXPECT_DEATH(prepare(copy.loaded), misuse);
+    EXPECT_DEATH(exchanged(copy.loaded), misuse);
+    EXPECT_DEATH((void)fit(copy.loaded), misuse);
+    EXPECT_DEATH((void)save(copy.loaded, "nothing.srbf"), misuse);
+    EXPECT_DEATH((void)shading_code(copy.loaded, "nothing", "glsl"), misuse);
 }
 
 /// A mixture with random weights, a third of them 0, and its density computed by kernel.glsl in double.
@@ -519,6 +563,23 @@ TEST_P(PreparedOn, DensityAndSamplesAgreeWithTheKernel) {
         }
 }
 
+/// The bundled fits and tables, and models with other proposals, prepared once for all instruction sets.
+const std::vector<PreparedBrdf>& prepared_files() {
+    static const std::vector<PreparedBrdf> list = [] {
+        const auto models = std::filesystem::path(SRBF_SOURCE_DIR) / "test/models/1";
+        std::vector<std::filesystem::path> files{models / "su.srbf", models / "pm_horizon_axial.srbf",
+                                                 models / "ggx_two.srbf", models / "openpbr_brushed.srbf"};
+        for (const auto& folder : {bundled_data(), bundled_data() / "gallery"})
+            for (const auto& entry : std::filesystem::directory_iterator(folder))
+                if (const auto end = entry.path().extension(); end == ".srbf" || end == ".bsdf")
+                    files.push_back(entry.path());
+        std::vector<PreparedBrdf> prepared;
+        for (const auto& file : files) prepared.push_back(prepare(*load(file.string())));
+        return prepared;
+    }();
+    return list;
+}
+
 TEST_P(PreparedOn, SamplesAndDensityAgree) {
     // The mean of g / pdf over samples is the integral of g above the horizon, for g = cosθ / π and for a sharp lobe.
     const PmModel model = random_model(random_, {.lobes = 6, .form = PmForm::extended});
@@ -542,6 +603,22 @@ TEST_P(PreparedOn, SamplesAndDensityAgree) {
                      deviation = std::sqrt((squares / (n * n * n) - mean * mean)) / (n * std::sqrt(double(n)));
         EXPECT_TRUE(near(mean, 1, 1e-3 + 4 * deviation)) << theta << ' ' << mean << " +- " << deviation;
     }
+
+    // A sample has the density of its direction in every bit, and up to two roundings the weight.
+    std::array<int, std::variant_size_v<Proposal>> directions{};
+    for (const PreparedBrdf& brdf : prepared_files())
+        for (int i = 0; i < 1000; ++i) {
+            const Vec3f wv = to_float(random_direction(random_, 0)), u = draw3();
+            const LightSample light = sample(brdf, wv, {u.x, u.y}, u.z);
+            if (!(light.pdf > 0)) continue;
+            ++directions[proposal(brdf).index()];
+            EXPECT_EQ(light.pdf, pdf(brdf, light.wl, wv));
+            const Rgb f = value(brdf, light.wl, wv);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_TRUE(near_relative(double(light.weight[c]),
+                                          double(f[c]) * double(light.wl.z) / double(light.pdf), 1.2e-7));
+        }
+    for (std::size_t kind = 1; kind < directions.size(); ++kind) EXPECT_GT(directions[kind], 900) << kind;
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ import re
 import sys
 
 folder = sys.argv[1]
-PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "data/README.md"]
+PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "data/README.md", "examples/README.md", "examples/pbrt/README.md"]
 STRINGS = re.compile(r'(?<!\w)"((?:[^"\\\n]|\\.)*)"')  # of one line of C++; adjacent ones are one string
 COMMENT = re.compile(r"(^|\s)//+<?(.*)$")
 BARE = re.compile(r"(Of|What|Whether|The same|Those|As many|So many)\b")

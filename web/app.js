@@ -3,18 +3,17 @@
 const app = (() => {
 const $ = (id) => document.getElementById(id);
 const set_shown = (id, shown) => { $(id).hidden = !shown; };
-const show_downloads = (shown) => { for (const id of ["saving", "downloads"]) set_shown(id, shown); };
 
 // ---- The files of the folder -------------------------------------------------------------------------------------
 
 // A page opened from a disk may load scripts but not fetch data, so each file of `data` is a script that calls
 // srbf_given. The page in one file has them as texts.
-const k_max_bytes = 2 ** 28, waiting = {};
+const k_max_bytes = 2 ** 28, waiting = {}, parsed = new Promise((done) => document.addEventListener("DOMContentLoaded", done));
 window.srbf_given = (name, text) => waiting[name].done(text);
 function load_data(name) {
   if (waiting[name]) return waiting[name].promise;
   const entry = waiting[name] = {};
-  entry.promise = new Promise((done, failed) => {
+  entry.promise = parsed.then(() => new Promise((done, failed) => {
     entry.done = done;
     const inside = $(`data/${name}`);
     if (inside) return done(inside.textContent);
@@ -22,7 +21,7 @@ function load_data(name) {
     script.src = `data/${name}.js`;
     script.onerror = () => failed(new Error(`data/${name}.js is missing beside this page`));
     document.head.append(script);
-  });
+  }));
   return entry.promise;
 }
 
@@ -39,7 +38,7 @@ function start_worker() {
   const mine = worker = new Worker(url);
   worker.onmessage = ({ data }) => {
     if (mine !== worker) return;
-    if ("progress" in data) return (saving ? show_saving : is_editing ? show_edit_progress : show_progress)(data);
+    if ("progress" in data) return saving ? saving.progress = data.progress : (is_editing ? show_edit_progress : show_progress)(data);
     if ("draft" in data) return show_draft(data.draft);
     const question = open_questions.get(data.id);
     open_questions.delete(data.id);
@@ -47,10 +46,10 @@ function start_worker() {
     "error" in data ? question.failed(new Error(data.error)) : question.done(data.result);
   };
   return (async () => {
-    cache ??= { module: await load_data("module"), studio: await load_data("studio") };
-    const { module, studio, viewer: common } = await ask({ kind: "begin", ...cache });
-    cache = { module, studio };
-    return common;
+    cache ??= { module: await load_data("module"), studio: await load_data("studio"), prepared: await load_data("prepared") };
+    const begun = await ask({ kind: "begin", ...cache });
+    cache = begun.cache;
+    return begun.viewer;
   })();
 }
 function ask(question, transfers = []) {
@@ -66,7 +65,8 @@ const ensure_worker = () => ready ??= start_worker();
 // ---- The display -------------------------------------------------------------------------------------------------
 
 const k_level = ["good", "good", "fair", "poor"];
-let file = null, fitted = null, edited = null, common = null, started = 0, draws = false, run = 0, saving = ""; // the name of the file that is written
+let file = null, fitted = null, edited = null, started = 0, draws = false, run = 0;
+let saving = null; // the file that is written: its name, when that began, and progress, 0 if it is unknown
 
 const grouped = (n) => n.toLocaleString("en");
 const two_digits = (x) => Number(x.toPrecision(2)).toString();
@@ -77,19 +77,26 @@ function fail(text) {
   set_shown("failure", text !== "");
 }
 function show_progress({ progress, stage }) {
+  document.querySelector("#working progress").value = progress;
+  $("stage").textContent = `${stage}, ${share_done(progress, started)}`;
+}
+function share_done(progress, started) {
   const seconds = (performance.now() - started) / 1000, remaining = progress > 0.05 ? seconds * (1 - progress) / progress : NaN;
-  document.querySelector("progress").value = progress;
-  $("stage").textContent = `${stage}, ${Math.round(100 * progress)} %` + (remaining >= 1 ? `, about ${Math.ceil(remaining)} s left` : "");
+  return `${Math.round(100 * progress)} %` + (remaining >= 1 ? `, about ${Math.ceil(remaining)} s left` : "");
 }
 function show_edit_progress({ progress }) {
   $("edit_status").textContent = `Computing the edited model, ${Math.round(100 * progress)} % …`;
 }
-function show_saving({ progress }) {
-  $("saved").textContent = `Writing ${saving}, ${Math.round(100 * progress)} % …`;
+function show_saving() {
+  const { name, begun, progress } = saving, bar = document.querySelector("#writing progress");
+  set_shown("writing", true);
+  progress ? bar.value = progress : bar.removeAttribute("value");
+  const done = progress ? `, ${share_done(progress, begun)}` : ` for ${Math.ceil((performance.now() - begun) / 1000)} s`;
+  $("saved").textContent = `Writing ${name}${done} …`;
 }
 function show_working(stage) {
   set_shown("working", stage !== "");
-  document.querySelector("progress").value = 0;
+  document.querySelector("#working progress").value = 0;
   $("stage").textContent = stage;
   viewer.rest(stage !== "");
 }
@@ -119,7 +126,7 @@ async function show_drawing() {
 function show_model(model, about) {
   $("about").textContent = about ? `${stem(file.name)}, ${grouped(model.bytes)} bytes. ${about}`
     : `A model of ${grouped(model.bytes)} bytes. Drop its measurement to fit it anew.`;
-  show_downloads(true);
+  set_shown("saving", true);
   if (!draws) return;
   viewer.set_material(0, null);
   viewer.set_material(1, model.material);
@@ -150,7 +157,7 @@ function show_fit(report) {
   const ratio = grouped(Math.round(report.sourceBytes / report.bytes));
   $("sizes").textContent =
     `${grouped(report.bytes)} bytes instead of ${grouped(report.sourceBytes)}: 1/${ratio}. Fitted in ${report.seconds.toFixed(1)} s.`;
-  show_downloads(true);
+  set_shown("saving", true);
   show_slices(report.slices);
   if (draws) viewer.set_material(1, report.material);
 }
@@ -158,7 +165,7 @@ function show_fit(report) {
 // ---- Edits -------------------------------------------------------------------------------------------------------
 
 // `shown`: what the picture of the edited material is, "edit" of the fitted one or "model"; null: there is none.
-let shown = null, wanted = null, is_editing = false, applied = Promise.resolve();
+let shown = null, wanted = null, is_editing = false, applied = Promise.resolve(), restored = Promise.resolve();
 const editing = new_editing({
   preview(edit) {
     if (!draws || !viewer.previews()) return;
@@ -173,6 +180,7 @@ const editing = new_editing({
 });
 async function apply_wanted(mine) {
   is_editing = true;
+  await restored;
   while (wanted && mine === run) {
     const { edits, words } = wanted;
     wanted = edited = null;
@@ -207,16 +215,18 @@ async function step(mine, action) {
   }
 }
 
+// Starts the pictures, with the sliders and what saves beside them. `common`: what a worker has begun with.
+let pictures = null; // the promise that they are started
+const ensure_pictures = (common) => pictures ??= start_pictures(common);
+async function start_pictures(common) {
+  draws = await viewer.start(common);
+  set_shown("without", !draws), set_shown("viewer", draws && file !== null);
+  if (draws) $("viewer").prepend(document.querySelector("#viewer .pictures"), $("side"));
+}
 // Opens the file; a new worker has to read it again.
 async function open() {
-  common = await ensure_worker();
-  if (!draws && !$("viewer").dataset.tried) {
-    $("viewer").dataset.tried = "yes";
-    draws = await viewer.start(common);
-    set_shown("without", !draws);
-    if (draws) document.querySelector("#viewer .pictures").after($("editing")); // so that sliders and pictures are on one screen
-  }
-  return ask({ kind: "open", name: file.name, bytes: file.bytes });
+  await ensure_pictures(await ensure_worker());
+  return ask({ kind: "open", name: file.name, bytes: file.bytes, is_ready: file.is_ready });
 }
 function take_fit(result) {
   fitted = result;
@@ -233,6 +243,11 @@ async function fit(mine) {
   show_fit(result);
   begin_editing(result.highlight);
 }
+// What a picture shows, in words.
+function name_picture(subject, name) {
+  for (const element of document.querySelectorAll(`[data-show="${subject}"], figure[data-material="${subject}"] figcaption`)) element.textContent = name;
+  document.querySelector(`figure[data-material="${subject}"] canvas`)?.setAttribute("aria-label", name);
+}
 // The name of a file. A ready material has its stored picture beside it, before the page draws its own.
 function show_name(name, link) {
   $("name").textContent = link?.dataset.kind ?? stem(name);
@@ -247,7 +262,7 @@ async function show_file(name, bytes, link) {
   file = { name, bytes, is_ready: Boolean(link) }, fitted = null;
   begin_editing(null);
   fail("");
-  show_downloads(false), set_shown("plots", false);
+  set_shown("saving", false), set_shown("plots", false);
   show_name(name, link);
   for (const id of ["about", "verdict", "sizes", "saved"]) $(id).textContent = "";
   $("verdict").className = "";
@@ -259,6 +274,7 @@ async function show_file(name, bytes, link) {
   set_shown("lobes_row", !opened.model);
   for (const element of document.querySelectorAll(".compared")) element.hidden = opened.model;
   show_slices(opened.slices);
+  name_picture("1", opened.model ? "unedited" : "fitted");
   if (!opened.model) {
     show_measurement(opened);
     return fit(mine);
@@ -283,7 +299,7 @@ async function cancel() {
   show_working("");
   $("verdict").textContent = "Cancelled. Move the slider to fit again.";
   $("verdict").className = "";
-  show_downloads(false);
+  set_shown("saving", false);
   begin_editing(null);
   await step(mine, open);
 }
@@ -325,17 +341,28 @@ async function write_file(button) {
   await applied;
   if (mine !== run) return;
   const name = stem(file.name) + (edited ? "_edited" : "") + ending;
-  $("saved").textContent = `Writing ${name} …`;
-  saving = name;
+  $("saved").textContent = "";
+  saving = { name, begun: performance.now(), progress: 0 };
+  const timer = setInterval(show_saving, 400); // what is written at once needs no word
   const written = await step(mine, () => write(what, name));
-  saving = "";
-  $("saved").textContent = written ? `Saved ${name}.${await instructions(button, name, written)}` : "";
-  if (!written) return;
+  saving = clearInterval(timer), set_shown("writing", false);
+  $("saved").textContent = written ? `Saved ${name}.${await instructions(button, name, written)}` : mine === run ? "Nothing was saved." : "";
+  if (!written) return restored;
   const link = document.createElement("a");
   link.href = URL.createObjectURL(written.content);
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+}
+
+// Ends the worker that writes a file. The next one reads the file of this page again, and the models that this one had made.
+function stop_saving() {
+  const mine = run;
+  ready = start_worker();
+  restored = step(mine, async () => {
+    await open();
+    await ask({ kind: "restore", name: stem(file.name), fitted: fitted.file, edited: edited?.file });
+  });
 }
 
 // Shows one of the page's own files.
@@ -368,6 +395,7 @@ $("file").addEventListener("change", () => {
   $("file").value = "";
 });
 $("cancel").addEventListener("click", cancel);
+$("stop").addEventListener("click", stop_saving);
 $("lobes").addEventListener("input", () => { $("lobes_value").value = $("lobes").value; });
 $("lobes").addEventListener("change", change_lobes);
 document.addEventListener("dragover", (event) => {
@@ -383,7 +411,7 @@ document.addEventListener("drop", (event) => {
 if (linked()) show_name("", linked());
 window.addEventListener("load", () => setTimeout(() => {
   show_linked();
-  ensure_worker().catch((error) => error && fail(error.message));
+  ensure_worker().then(ensure_pictures).catch((error) => error && fail(error.message));
 }, 50)); // after the page is shown
 
 return { take_file, save_as: (what, name) => write(what, name).then(({ content }) => content), state: () => ({ file, fitted, edited, busy: open_questions.size }) };

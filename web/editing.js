@@ -12,13 +12,13 @@ let highlight = null; // what the pictures need of the fitted model
 const factor = (name) => 3 ** value(name);
 function tint(name) {
   const warmth = value(`${name}_warmth`), colour = [2 ** warmth, 1, 2 ** -warmth];
-  const luminance = 0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2];
-  return colour.map((x) => x * factor(name) / luminance);
+  return colour.map((x) => x * factor(name) / luminance(colour));
 }
+const k_luminance = [0.2126, 0.7152, 0.0722], luminance = (colour) => colour.reduce((sum, x, i) => sum + k_luminance[i] * x, 0);
 const saturation = () => { const x = value("saturate"); return x < 0 ? 1 + x : 1 + 2 * x; };
 const texts = {
   roughen: () => `× ${factor("roughen").toFixed(2)}`, highlight: () => `× ${factor("highlight").toFixed(2)}`, body: () => `× ${factor("body").toFixed(2)}`,
-  saturate: () => `× ${saturation().toFixed(2)}`,
+  saturate: () => `× ${saturation().toFixed(2)}`, hue: () => `${value("hue")}°`,
 };
 const warmth_text = (x) => x === 0 ? "as it is" : x < 0 ? `${Math.round(-100 * x)} % cooler` : `${Math.round(100 * x)} % warmer`;
 
@@ -29,15 +29,25 @@ function edits() {
   if (is_changed("highlight", "highlight_warmth")) of.highlight = tint("highlight");
   if (is_changed("body", "body_warmth")) of.body = tint("body");
   if (is_changed("saturate")) of.saturate = saturation();
+  if (is_changed("hue")) of.hue = value("hue");
   return of;
 }
 // The same in the words of the sliders.
 const words = () => inputs.filter((input) => value(input.name) !== 0)
   .map((input) => `${input.labels[0].textContent.toLowerCase()} ${input.nextElementSibling.value}`).join(", ");
-// The same for the painter: a matrix, column by column, tints and then saturates.
+// A colour further from grey of its luminance, or nearer; and turned about grey, at the same luminance, as `TurnHue`.
+function saturated(colour) {
+  const grey = luminance(colour);
+  return colour.map((x) => grey + saturation() * (x - grey));
+}
+function turned(colour) {
+  const angle = value("hue") * Math.PI / 180, mean = (colour[0] + colour[1] + colour[2]) / 3;
+  const around = colour.map((x, i) => Math.cos(angle) * (x - mean) + Math.sin(angle) / Math.sqrt(3) * (colour[(i + 2) % 3] - colour[(i + 1) % 3]));
+  return around.map((x) => x + luminance(colour) - luminance(around));
+}
+// The edits for the painter. A matrix, column by column, does to each primary colour what the edits do.
 function edit() {
-  const s = saturation(), matrix = (tint) => [0, 1, 2].flatMap((column) =>
-    [0, 1, 2].map((row) => tint[column] * ((1 - s) * [0.2126, 0.7152, 0.0722][column] + (row === column ? s : 0))));
+  const matrix = (tint) => [0, 1, 2].flatMap((column) => turned(saturated(tint.map((x, row) => row === column ? x : 0))));
   return { shares: highlight.shares, roughness: [factor("roughen"), highlight.roughness], colours: [...matrix(tint("highlight")), ...matrix(tint("body"))] };
 }
 function show_values() {
@@ -60,6 +70,10 @@ for (const button of form.querySelectorAll("[data-reset]"))
     change();
     apply(edits(), words());
   });
+form.addEventListener("reset", () => setTimeout(() => { // after the sliders are reset
+  change();
+  apply(edits(), words());
+}));
 form.addEventListener("submit", (event) => event.preventDefault());
 
 return {
@@ -67,7 +81,7 @@ return {
   begin(of) {
     highlight = of;
     document.getElementById("editing").hidden = !of;
-    for (const input of inputs) input.value = 0;
+    for (const input of inputs) input.value = 0; // no event
     show_values();
   },
 };

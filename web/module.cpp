@@ -265,19 +265,19 @@ SRBF_EXPORT(highlight) int highlight(int number) {
     return set_json(Json{{"shares", body_shares(*pm)}, {"roughness", roughness > 0 ? roughness : 1}});
 }
 
-/// Applies edits to a model: a JSON object with numbers `roughen` and `saturate` and colours `highlight` and `body`, all
-/// optional. The content describes the result as JSON.
+/// Applies edits to a model: a JSON object with numbers `roughen`, `saturate` and `hue` [degrees] and colours `highlight`
+/// and `body`, all optional. The content describes the result as JSON.
 SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
     const Subject* subject = subject_of(number);
     const Model* model = model_of(subject);
     if (!model) return fail(unknown("that of a model"));
-    std::optional<double> roughen, saturate;
+    double roughen = 1, saturate = 1, hue = 0;
     std::optional<Tint> tint;
     const Json json = Json::parse(text, text + size, nullptr, false);
     bool is_read = json.is_object();
     for (const auto& [key, of] : json.items()) {
-        if ((key == "roughen" || key == "saturate") && of.is_number()) {
-            (key == "roughen" ? roughen : saturate) = of.get<double>();
+        if ((key == "roughen" || key == "saturate" || key == "hue") && of.is_number()) {
+            (key == "roughen" ? roughen : key == "saturate" ? saturate : hue) = of.get<double>();
         } else if ((key == "highlight" || key == "body") && of.is_array() && of.size() == 3 &&
                    std::ranges::all_of(of, [](const Json& channel) { return channel.is_number(); })) {
             if (!tint) tint.emplace();
@@ -291,13 +291,14 @@ SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
         return fail(Error{"edits",
                           {},
                           "JSON",
-                          "an object with roughen, highlight, body, saturate",
+                          "an object with roughen, highlight, body, saturate, hue",
                           std::string(text, size),
                           ErrorCode::argument});
     std::vector<Edit> edits;
-    if (roughen && *roughen != 1) edits.emplace_back(Roughen{*roughen});
+    if (roughen != 1) edits.emplace_back(Roughen{roughen});
     if (tint) edits.emplace_back(*tint);
-    if (saturate && *saturate != 1) edits.emplace_back(Saturate{*saturate});
+    if (saturate != 1) edits.emplace_back(Saturate{saturate});
+    if (hue != 0) edits.emplace_back(TurnHue{hue});
     auto result = edited(*model, edits, {.progress = host_progress()});
     if (!result) return fail(result.error());
     const std::string path = stem_of(subject->path) + "_edited.srbf";

@@ -31,6 +31,8 @@ let data = null, descriptions = {}, image = null;
 let materials = {}, meshes = {}, programs = new Map(), last_pictures = {}, environment = null, visible = null, develop = null, comparison = null, means = {};
 // For pictures under an environment: the number of samples that were averaged, and the exposure.
 let samples = 0, exposure = 1, is_exposed = false, is_resting = false;
+// Milliseconds that a sample of a pixel took last. Until that is known, a picture begins as coarsely as any.
+let pace = Infinity;
 
 // The matrix from world to clip coordinates, column-major. `shift` moves the picture, in units of its width and
 // height.
@@ -256,8 +258,8 @@ function prepare_environment() {
   post({ kind: "environment" });
   environment = light.new_environment(gl, image);
 }
-// The number of samples that the next picture adds: several at first, because a single sample is noisy.
-const samples_added = () => samples === 0 && !job.is_quick ? data.first_samples : 1;
+// The number of samples that the next picture adds: several at first, because a single sample is noisy. A coarse picture has one.
+const samples_added = () => samples === 0 && !job.is_quick && job.size === 1 ? data.first_samples : 1;
 // Adds these samples and draws the mean so far.
 function draw_under_environment(index, scene, width, height) {
   prepare_environment();
@@ -268,7 +270,7 @@ function draw_under_environment(index, scene, width, height) {
     draw_sample(index, scene, count, mean[count % 2], mean[(count + 1) % 2], shift);
   }
   const picture = mean[end % 2];
-  if (!is_exposed) exposure = light.exposure_of(gl, picture, visible, data.knee), is_exposed = true;
+  if (!is_exposed) exposure = light.exposure_of(gl, picture, visible, data.knee), is_exposed = job.size === 1;
   develop ??= new_program(data.whole, data.develop);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.useProgram(develop.program);
@@ -435,8 +437,18 @@ function finish(buffer = null) {
   gl.readPixels(0, 0, 1, 1, gl.RGBA, buffer ? gl.FLOAT : gl.UNSIGNED_BYTE, new (buffer ? Float32Array : Uint8Array)(4));
 }
 
+const pixels_of = (pictures) => pictures.reduce((sum, { width, height }) => sum + width * height, 0);
+// Pixels per pixel of the page, in width and height, that a new picture begins with: fewer under an environment where
+// samples of all pixels take long. Edits have their own way to be quick.
+function first_size({ is_quick, pictures }) {
+  if (is_quick || samples > 0 || !pictures.length || !pictures[0].scene.around || pictures.some(({ subject }) => descriptions[subject]?.edit)) return 1;
+  return Math.min(Math.max(Math.sqrt(k_quick / (pace * pixels_of(pictures))), 1 / k_coarsest), 1);
+}
+const resized = (size) => ({ width, height, ...rest }) => ({ ...rest, width: Math.max(Math.round(size * width), 1), height: Math.max(Math.round(size * height), 1) });
+
 // Draws one round of pictures. A difference needs the pictures of both materials.
-function draw_all({ number, pictures }) {
+function draw_all({ number, size, pictures: whole }) {
+  const pictures = whole.map(resized(size));
   const difference = pictures.find(({ subject }) => subject === "difference"), round = pictures.filter(({ subject }) => subject !== "difference");
   const requested = new Set(round.map(({ subject }) => subject));
   if (difference) for (const subject of [0, 1]) if (!requested.has(subject)) round.push({ ...difference, subject, hidden: true });
@@ -457,8 +469,9 @@ function draw_all({ number, pictures }) {
     const image = surface.transferToImageBitmap ? surface.transferToImageBitmap() : surface;
     post({ kind: "picture", subject, image }, image === surface ? [] : [image]);
   }
-  if (drawn && pictures[0].scene.around) samples += samples_added();
   finish(); // finishes these pictures before the next are begun
+  if (size < 1) return drawn;
+  if (drawn && pictures[0].scene.around) samples += samples_added();
   post({ kind: "drawn", number, samples, exposure });
   return drawn;
 }
@@ -468,10 +481,14 @@ function draw_soon(milliseconds) {
   clearTimeout(timer);
   timer = setTimeout(() => {
     if (!job || !data || gl.isContextLost()) return;
-    const start = performance.now(), { is_quick } = job;
+    const start = performance.now(), { is_quick, size, pictures } = job, added = samples_added();
     if (!draw_all(job)) return;
     job.is_quick = false;
-    if (is_quick) draw_soon(k_calm);
+    if (pictures[0].scene.around && !is_quick) pace = (performance.now() - start) / (size ** 2 * pixels_of(pictures) * added);
+    if (size < 1) {
+      job.size = Math.min(Math.max(2 * size, first_size(job)), 1);
+      draw_soon(0);
+    } else if (is_quick) draw_soon(k_calm);
     else if (job.pictures[0].scene.around && samples < (is_resting ? k_samples_resting : k_samples)) draw_soon(Math.max(0, 16 - (performance.now() - start)));
   }, milliseconds);
 }
@@ -501,7 +518,7 @@ const actions = {
   draw(message) {
     if (message.is_new) samples = 0;
     if (message.exposes) is_exposed = false;
-    job = message;
+    job = { ...message, size: first_size(message) };
     draw_soon(0);
   },
   rest(message) {

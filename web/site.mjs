@@ -32,18 +32,18 @@ const balls = await readFile(path.join(root, "data/gallery/gallery.jpg"));
 // The table of data/README.md: kind, what the model was fitted to, its error, that in Blender, and its licence.
 const described = new Map([...(await readFile(path.join(root, "data/README.md"), "utf8")).matchAll(/^\| (\w+) \| (.+) \| (.+) \| ([\d.]+) \| (.+) \| (\w+) \|$/gm)]
   .map(([, name, kind, source, error, blender, licence]) => [name, { kind: kind[0].toUpperCase() + kind.slice(1), source, error, blender, licence }]));
-const terms = (licence) => licence === "ask" ? "We do not know whether you may ship it: ask the authors of the network, or fit the measurement itself, which rgl.epfl.ch/materials has." : `It is under ${licence}, free for any use.`;
+const terms = (licence) => licence === "ask" ? "We do not know whether you may publish it: ask the authors of the network, or fit the measurement itself, which rgl.epfl.ch/materials has." : `It is under ${licence}, free for any use.`;
 const in_blender = (text, error) =>
   text.endsWith(" in all") ? text.replace(" in all", "") : `up to ${(Number(error) + Number(text.replace("adds ", ""))).toFixed(1)}`;
 const attribute = (text) => text.replaceAll("&", "&amp;").replaceAll('"', "&quot;");
-let gallery = "";
+const groups = { true: "", false: "" };
 for (const [index, name] of models.entries()) {
   const stem = path.parse(name).name, x = index % k_columns, shift = 100 * Math.floor(index / k_columns) * k_row / (k_rows * k_row - k_ball);
   const { kind, source, error, blender, licence } = described.get(stem);
-  gallery += `<li><a href="#${stem}" data-kind="${attribute(kind)}" data-about="${attribute(`ΔE ${error} against ${source}; in Blender ${in_blender(blender, error)}. ${terms(licence)}`)}"><i style="` +
-    `background-position: ${100 * x / (k_columns - 1)}% ${shift.toFixed(2)}%"></i>${kind}<small>ΔE&nbsp;${error}, in Blender ${in_blender(blender, error)}; ${
-      is_measured(name) ? "measured" : "from a network: ask before you ship"}</small></a></li>\n`;
+  groups[is_measured(name)] += `<li><a href="#${stem}" data-kind="${attribute(kind)}" data-about="${attribute(`ΔE ${error} against ${source}; in Blender ${in_blender(blender, error)}. ${terms(licence)}`)}"><i style="` +
+    `background-position: ${100 * x / (k_columns - 1)}% ${shift.toFixed(2)}%"></i>${kind}<small>ΔE&nbsp;${error}, in Blender ${in_blender(blender, error)}</small></a></li>\n`;
 }
+const gallery = `<h3>Measured, free for any use (CC0)</h3>\n<ul>\n${groups.true}</ul>\n<h3>Computed by a neural network: <a href="#gallery_notes">ask before you publish</a></h3>\n<ul>\n${groups.false}</ul>`;
 await writeFile(path.join(folder, "data", "gallery.jpg"), balls);
 const page = filled(await text("app.html"), { viewer, version, gallery });
 const with_balls = (address) => page.replace("</head>", `<style>#gallery i, #stored { background-image: url(${address}) }</style>\n</head>`);
@@ -54,23 +54,35 @@ for (const name of ["style.css", "app.css", "light.js", "painter.js", "viewer.js
   await writeFile(path.join(folder, name), parts[name]);
 }
 
+// What the page shows of the ready models, so that it need not compute this. Their shaders have nearly all lines in common.
+const binding = new Function(`${await text("binding.js")}\nreturn binding;`)();
+const srbf = await binding().new_srbf(await WebAssembly.compile(await readFile(module_file)));
+const lines = new Map(), models_shown = {}, number_of = (line) => lines.get(line) ?? lines.set(line, lines.size).size - 1;
+for (const name of models) {
+  const { number } = srbf.open(name, await readFile(path.join(root, "data/gallery", name)));
+  const material = JSON.parse(new TextDecoder().decode(srbf.viewer_material(number)));
+  models_shown[name] = { material: { ...material, text: material.text.split("\n").map(number_of) }, highlight: srbf.highlight(number) };
+  srbf.close(number);
+}
+
 // Data as scripts, because a page opened from a disk may not fetch files.
 let inside = "";
-for (const [name, file] of [["module", module_file], ["studio", path.join(root, "data/studio.hdr")],
-  ...["cc_ibiza_sunset_rgb.bsdf", "paper_white_rgb.bsdf"].map((sample) => [sample, path.join(root, "data", sample)]),
-  ...models.map((name) => [name, path.join(root, "data/gallery", name)])]) {
-  const packed = gzipSync(await readFile(file), { level: 9 });
+for (const [name, content] of [["module", await readFile(module_file)], ["studio", await readFile(path.join(root, "data/studio.hdr"))],
+  ["prepared", JSON.stringify({ lines: [...lines.keys()], models: models_shown })],
+  ...await Promise.all(["cc_ibiza_sunset_rgb.bsdf", "paper_white_rgb.bsdf"].map(async (sample) => [sample, await readFile(path.join(root, "data", sample))])),
+  ...await Promise.all(models.map(async (name) => [name, await readFile(path.join(root, "data/gallery", name))]))]) {
+  const packed = gzipSync(content, { level: 9 });
   if (!models.includes(name)) console.log(`${name}: ${packed.length} bytes compressed`);
   const data = packed.toString("base64");
   await writeFile(path.join(folder, "data", name + ".js"), `srbf_given("${name}", "${data}");\n`);
   inside += `<script type="text/plain" id="data/${name}">${data}</script>\n`;
 }
 
-// The page in one file, without the report.
+// The page in one file, without the report. Its data comes last, so that the page is shown before they are read.
 const one_file = with_balls(`data:image/jpeg;base64,${balls.toString("base64")}`)
   .replace(/ <a href="gallery.*?<\/a>/, "").replace("One folder", "One file")
   .replace(/<link rel="stylesheet" href="(.*?)">/g, (_, name) => `<style>\n${parts[name]}</style>`)
-  .replace('<script src="light.js">', () => inside + '<script src="light.js">')
+  .replace("</body>", () => inside + "</body>")
   .replace(/<script src="(.*?)"><\/script>/g, (_, name) => `<script>\n${parts[name].replaceAll("</script", "<\\/script")}</script>`);
 await writeFile(path.join(path.dirname(folder), "srbf.html"), one_file);
 

@@ -1,13 +1,13 @@
 // The page's worker. It reads, fits and writes, so that the page itself never waits. The text of this function is
 // self-contained.
-// It receives { kind: "begin", module, studio }, both compressed or as an earlier worker returned them, and then {
+// It receives { kind: "begin", module, studio, prepared }, compressed or as an earlier worker returned them, and then {
 // kind, id, .. } where kind names one of `actions`. It posts { id, result } or { id, error }; during a fit also {
 // progress, stage } and once { draft }, a first model.
 "use strict";
 function working() {
 "use strict";
 const { new_srbf } = binding();
-let srbf = null, measured = null, model = null, edited = null;
+let srbf = null, measured = null, model = null, edited = null, prepared = null;
 
 // Decodes a script of the folder `data`: base64 of a gzip-compressed file.
 async function unpack(text) {
@@ -23,36 +23,54 @@ function material_of({ number }) {
   return material && { bytes, exposure: material.exposure };
 }
 
+// The same of a ready material, without computation: `prepared` has what site.mjs computed.
+function prepared_for(name) {
+  const { material, highlight } = prepared.models[name], text = material.text.map((line) => prepared.lines[line]).join("\n");
+  return { highlight, material: { bytes: new TextEncoder().encode(JSON.stringify({ ...material, text })), exposure: material.exposure } };
+}
+
+let part = [0, 1]; // of an action, which the progress that the module reports is of
+const k_draft_part = 0.15; // of the time of a fit with its errors, about
+
 const actions = {
-  open({ name, bytes }) {
+  open({ name, bytes, is_ready }) {
     for (const subject of [measured, model, edited]) if (subject) srbf.close(subject.number);
     measured = model = edited = null;
     const opened = srbf.open(name, bytes);
     if (opened.model) {
       model = opened;
-      return { ...model, highlight: srbf.highlight(model.number), material: material_of(model), slices: srbf.slices(0, model.number) };
+      const shown = is_ready ? prepared_for(name) : { highlight: srbf.highlight(model.number), material: material_of(model) };
+      return { ...model, ...shown, slices: srbf.slices(0, model.number) };
     }
     measured = opened;
     return { ...measured, material: material_of(measured), slices: srbf.slices(measured.number, 0) };
   },
   fit({ options }) {
     if (!measured.twoSided) {
+      part = [0, k_draft_part];
       const { number, ...report } = srbf.draft(measured.number, options), material = material_of({ number });
       postMessage({ draft: { ...report, material, slices: srbf.slices(measured.number, number) } }, [material.bytes.buffer]);
       srbf.close(number);
+      part = [k_draft_part, 1];
     }
     const fitted = srbf.fit(measured.number, options);
     for (const subject of [model, edited]) if (subject) srbf.close(subject.number);
     model = fitted, edited = null;
     return { ...model, highlight: srbf.highlight(model.number), material: material_of(model), slices: srbf.slices(measured.number, model.number),
-      memory: srbf.memory_bytes() };
+      file: srbf.model_file(model.number), memory: srbf.memory_bytes() };
   },
   // Edits the fitted model; without edits the model itself is saved again.
   edit({ edits }) {
     if (edited) srbf.close(edited.number);
     edited = null; // also if the edit fails
     if (Object.keys(edits).length) edited = srbf.edit(model.number, edits);
-    return edited ? { ...edited, material: material_of(edited) } : {};
+    return edited ? { ...edited, material: material_of(edited), file: srbf.model_file(edited.number) } : {};
+  },
+  // Opens the models that an ended worker had made of this file, from the bytes of their files.
+  restore(made) {
+    if (made.fitted) model = srbf.open(`${made.name}.srbf`, made.fitted);
+    if (made.edited) edited = srbf.open(`${made.name}_edited.srbf`, made.edited);
+    return {};
   },
   // The content is a Blob, which the page receives without a copy. A material for Blender has an error of its own.
   // `measurement`: name and packed bytes of what the model was fitted to, if the page has it; else null.
@@ -78,15 +96,17 @@ onmessage = async ({ data }) => {
     if (kind === "begin") {
       const module = typeof data.module === "string" ? await WebAssembly.compile(await unpack(data.module)) : data.module;
       const studio = typeof data.studio === "string" ? await unpack(data.studio) : data.studio;
+      prepared = typeof data.prepared === "string" ? JSON.parse(new TextDecoder().decode(await unpack(data.prepared))) : data.prepared;
       srbf = await new_srbf(module, (stage, fraction) => {
         const now = performance.now();
-        if (now - last > 80) last = now, postMessage({ progress: fraction, stage });
+        if (now - last > 80) last = now, postMessage({ progress: part[0] + (part[1] - part[0]) * fraction, stage });
         return true;
       });
       srbf.set_studio(studio);
-      return postMessage({ id, result: { module, studio, viewer: srbf.viewer_data() } });
+      return postMessage({ id, result: { cache: { module, studio, prepared }, viewer: srbf.viewer_data() } });
     }
     if (typeof data.bytes === "string") data.bytes = await unpack(data.bytes);
+    part = [0, 1];
     const result = await actions[kind](data);
     postMessage({ id, result }, result.material ? [result.material.bytes.buffer] : []);
   } catch (error) {

@@ -46,11 +46,12 @@ SQUARES = {"as measured, ∛f", "ABC", "small network, ∛f"}  # curves of model
 TRIANGLES = {"view by view", "NBRDF", "neural process", "principal components"}  # another loss without pixels
 MEANS_ALONE = {"network-6-pictures": "small network, 6 neurons", "as-measured-16": "16 lobes, not reciprocal", "nbrdf-16": "NBRDF, rounded to 16-bit floats"}  # in the table of means
 MEASURED_ALONE = {"network-6-pictures": "small network, 186 bytes", "as-measured-16": "16 lobes, not reciprocal"}  # after the others in the table by file
+BY_MATERIAL = {"ggx-2", "openpbr", "nbrdf", "nps", "srbf-4", "srbf", "srbf-16", "as-measured-8"}  # of the models, in tables by file and by kind
 NEURAL = {"nbrdf", "nbrdf-16", "nps"}  # of which there are rows for the measurements alone
-MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
+MEASURED = {"cc_ibiza_sunset": "film", "cg_sunflower": "sunflower", "colodur_napoli_4f": "napoli", "paper_white": "paper", "vch_golden_yellow": "yellow"}  # and short names
 COLUMNS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms", "symmetric_error", "albedo_error"]
 MEASURES = {"delta_e_itp": "ΔE_ITP, mean", "worst_delta_e_itp": "ΔE_ITP, worst light", "flip": "ꟻLIP", "psnr": "PSNR", "rms": "RMS",
-            "symmetric_error": "symmetric", "albedo_error": "albedo", "heldout_squared_error_ratio_cosine": "squared error of f cosθl",
+            "symmetric_error": "relative", "albedo_error": "albedo", "heldout_squared_error_ratio_cosine": "squared error of f cosθl",
             "heldout_cube_root_error_ratio": "cube roots"}
 
 
@@ -118,7 +119,7 @@ def means_table(rows):
         payload = text(max(row["payload"] for row in of[model]))
         names.append([marked(model, MEANS_ALONE.get(model) or MODELS[model][0]), payload + shared])
         values.append([mean(of[model], key) for key in COLUMNS])
-    return table(["model", "bytes", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS", "symmetric", "albedo"],
+    return table(["model", "bytes", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS", "relative", "albedo"],
                  with_bold_best(names, values, {COLUMNS.index("psnr")}))
 
 
@@ -128,7 +129,7 @@ def range_of_default(rows):
 
 
 def kinds_table(rows):
-    models = models_in(rows)
+    models = [model for model in models_in(rows) if model in BY_MATERIAL]
     lines = []
     for kind in sorted({row["kind"] for row in rows}):
         of_kind = [row for row in rows if row["kind"] == kind]
@@ -143,7 +144,7 @@ def kinds_table(rows):
 
 def measured_table(rows):
     """Their ΔE_ITP by all models."""
-    names = {**{model: MODELS[model][0] for model in models_in(rows)}, **MEASURED_ALONE}
+    names = {**{model: MODELS[model][0] for model in models_in(rows) if model in BY_MATERIAL}, **MEASURED_ALONE}
     lines = []
     for material in MEASURED:
         of = {row["model"]: row for row in rows if row["material"] == material}
@@ -189,7 +190,7 @@ def measures_table(rows):
         for model in NETWORKS:
             own, other = [{row["material"]: sign * row[key] for row in of_model(rows, of)} for of in ("srbf", model)]
             smaller = [material for material in MEASURED if other[material] < own[material]]
-            cells.append(f"{len(smaller)}: {', '.join(smaller)}" if smaller else "0")
+            cells.append("all five" if len(smaller) == len(MEASURED) else ", ".join(MEASURED[material] for material in smaller) or "none")
         lines.append([name] + cells)
     return table(["measure", *NETWORKS.values()], lines)
 
@@ -201,7 +202,7 @@ def networks_table(rows):
                          for of in (rows, [row for row in rows if row["material"] != "cc_ibiza_sunset"]))
     all_lines, others = (with_bold_best([[]] * len(models), of, {COLUMNS.index("psnr")}) for of in (all_lines, others))
     lines = [[name] + [f"{own} ({other})" for own, other in zip(of_all, of_others)] for name, of_all, of_others in zip(models.values(), all_lines, others)]
-    return table(["model", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS of radiance", "symmetric error", "albedo error"], lines)
+    return table(["model", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS of radiance", "relative error", "albedo error"], lines)
 
 
 OPTIONS = {"srbf": "**none**", "srbf-4": "`--lobes 4`", "srbf-16": "`--lobes 16`", "as-measured-8": "`--as-measured`",

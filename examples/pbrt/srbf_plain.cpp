@@ -1,6 +1,10 @@
 // C++20, and no header of pbrt.
 #include "srbf_plain.h"
 
+#include <map>
+#include <mutex>
+#include <utility>
+
 #include "srbf/srbf.h"
 
 struct srbf_plain::Brdf {
@@ -18,9 +22,14 @@ void store(srbf::Rgb colour, float scale, float f[3]) {
 }  // namespace
 
 const srbf_plain::Brdf* srbf_plain::open(const std::string& file, bool exchanged, std::string& error) {
+    static std::mutex mutex;
+    static auto& opened = *new std::map<std::pair<std::string, bool>, Brdf>;  // its elements are never moved or freed
+    const std::lock_guard lock(mutex);
+    if (const auto found = opened.find({file, exchanged}); found != opened.end()) return &found->second;
     const auto loaded = srbf::load(file);
     if (!loaded) return error = message(loaded.error()), nullptr;
-    return new Brdf{srbf::prepare(exchanged ? srbf::exchanged(*loaded) : *loaded)};
+    Brdf brdf{srbf::prepare(exchanged ? srbf::exchanged(*loaded) : *loaded)};
+    return &opened.emplace(std::pair(file, exchanged), std::move(brdf)).first->second;
 }
 
 void srbf_plain::value(const Brdf& brdf, const float wl[3], const float wv[3], float f[3]) {

@@ -7,7 +7,8 @@ namespace srbf_plain {
 /// A model or a measurement, ready for a renderer. It is never freed, as pbrt's own measured BRDFs.
 struct Brdf;
 /// Null if the file cannot be read; `error` then says why in one line. `exchanged` exchanges light and viewer. It takes
-/// about 100 ms of processor time, and for an anisotropic model 400 ms.
+/// about 100 ms of processor time, and for an anisotropic model 400 ms. A file that was opened before, by the same name
+/// and with the same `exchanged`, is not read again. Any number of threads may call it; one file is prepared at a time.
 const Brdf* open(const std::string& file, bool exchanged, std::string& error);
 
 // Unit vectors in the local frame: wl points to the light, wv to the viewer. Any number of threads may call these.

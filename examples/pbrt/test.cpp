@@ -1,12 +1,27 @@
 // Samples the BxDF of a model from both sides of a surface, and compares the mean of f cosθ / pdf with the albedo, and
-// value and density of each sample with f and PDF. It compiles without pbrt: ../CMakeLists.txt makes headers of pbrt's
-// names that include stand_ins.h.
+// value and density of each sample with f and PDF. Then four threads open the model again, which is prepared once. It
+// compiles without pbrt: ../CMakeLists.txt makes headers of pbrt's names that include stand_ins.h.
 //   pbrt_test MODEL
 #include <cmath>
 #include <cstdio>
+#include <future>
 #include <random>
 
 #include "srbf_pbrt.h"
+
+/// True if threads that open a file at once get the same BRDF.
+bool is_opened_once(const std::string& file, bool exchanged) {
+    const auto open = [&] {
+        std::string error;
+        return srbf_plain::open(file, exchanged, error);
+    };
+    std::future<const srbf_plain::Brdf*> opened[4];
+    for (auto& each : opened) each = std::async(std::launch::async, open);
+    const srbf_plain::Brdf* first = open();
+    bool same = first != nullptr;
+    for (auto& each : opened) same = (each.get() == first) && same;
+    return same;
+}
 
 int main(int count, char** arguments) {
     using namespace pbrt;
@@ -23,6 +38,8 @@ int main(int count, char** arguments) {
     std::mt19937 random(1);
     std::uniform_real_distribution<float> uniform(0.f, 0.99999994f);
     bool agree = !one_sided.Sample_f({0.6f, 0, -0.8f}, 0.5f, {0.3f, 0.7f}, mode, all);
+    agree = agree && srbf_plain::open(arguments[1], false, error) == brdf;
+    agree = agree && is_opened_once(arguments[1], true) && srbf_plain::open(arguments[1], true, error) != brdf;
     for (const float z : {0.8f, -0.8f}) {
         const Vector3f wo{0.6f, 0, z};
         double sum = 0, largest = 0;

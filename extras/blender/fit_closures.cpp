@@ -23,6 +23,7 @@ namespace {
 
 constexpr double k_least_alpha = 0.01, k_most_tilt = 1.5, k_beside_horizon = 0.01;  ///< [rad]
 constexpr double k_least_weight = 1e-9;
+constexpr const char* k_closure_stage = "fitting closures";
 
 /// The unknowns at a knot: for each term the tilt ν of its normal, the logarithms of α along and across, and those of
 /// its weights; then the logarithms of the colours of the diffuse ramp. Terms and these colours are parts of the sum.
@@ -39,8 +40,14 @@ struct Layout {
 /// between knots.
 class ClosureProblem {
   public:
-    ClosureProblem(const std::vector<MatchedView>& views, Layout layout, int threads)
-        : views_(views), layout_(layout), threads_(threads) {}
+    /// `progress` hears of each of `linearisations`, their largest number.
+    ClosureProblem(const std::vector<MatchedView>& views, Layout layout, int threads, ProgressToken progress = {},
+                   int linearisations = 1)
+        : views_(views),
+          layout_(layout),
+          threads_(threads),
+          progress_(std::move(progress)),
+          linearisations_(linearisations) {}
 
     /// Sets k: the ΔE_ITP from which on the loss of a pixel grows linearly.
     void set_linear_from(double k) { linear_from_ = k; }
@@ -58,6 +65,7 @@ class ClosureProblem {
     }
 
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+        progress_.report(k_closure_stage, double(linearised_++) / linearisations_);
         const auto n = x.size(), width = Eigen::Index(layout_.width());
         H = Eigen::MatrixXd::Zero(n, n), g = Eigen::VectorXd::Zero(n);
         std::vector<Eigen::MatrixXd> squares(views_.size());
@@ -292,6 +300,8 @@ class ClosureProblem {
     const std::vector<MatchedView>& views_;
     Layout layout_;
     int threads_;
+    ProgressToken progress_;
+    int linearisations_, linearised_ = 0;
     double linear_from_ = 1;
     std::vector<double> table_;  ///< parameters at the knots, in the order of the unknowns
 };
@@ -495,16 +505,24 @@ Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& opti
         }))
         return no_data_error("fit", "values", "some above 0");
     constexpr double k_tolerance = 1e-6;
+    // Steps converge slowly where the loss is linear, so the first ones are of a loss that is quadratic for longer.
+    const auto steps_of = [&](int k) {
+        return (k + 1 < options.terms ? 30 : 80) / (options.ramp > 1 ? 2 : 1);  // a ramp makes them slower
+    };
+    // The times when each term is fitted, in proportion: a step takes longer with more terms.
+    std::vector<double> times{0};
+    for (int k = 0; k < options.terms; ++k) times.push_back(times.back() + (k + 1) * steps_of(k));
     Eigen::VectorXd x = Eigen::VectorXd::Zero(Eigen::Index(layout.knots * layout.width()));
     double least = std::numeric_limits<double>::infinity();
     ClosureSum best;
     for (int k = 0; k < options.terms; ++k) {
-        if (!progress.report("fitting closures", double(k) / double(options.terms))) return cancelled_error("fit");
+        const auto index = std::size_t(k);
+        const ProgressToken stage = progress.part(times[index] / times.back(), times[index + 1] / times.back());
+        if (!stage.report(k_closure_stage, 0)) return cancelled_error("fit");
         x = with_term(views, layout, x, options.threads);
         ++layout.terms;
-        ClosureProblem problem(views, layout, options.threads);
-        // Steps converge slowly where the loss is linear, so the first ones are of a loss that is quadratic for longer.
-        const int steps = (k + 1 < options.terms ? 30 : 80) / (options.ramp > 1 ? 2 : 1);  // a ramp makes them slower
+        const int steps = steps_of(k);
+        ClosureProblem problem(views, layout, options.threads, stage, steps / 2 + steps);
         problem.set_linear_from(3);
         levenberg_marquardt(problem, x, {.max_iterations = steps / 2, .decrease_tolerance = k_tolerance});
         problem.set_linear_from(1);

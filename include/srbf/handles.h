@@ -16,21 +16,24 @@ inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
     return wl.z >= least && wv.z >= least && sum - sum == 0;  // ∞ − ∞ is no number
 }
 
-/// A measurement or a fitted model. load.h has its content, which copies share.
+/// A measurement or a fitted model. load.h has its content, which copies share. By default it has none: it can be
+/// copied and assigned then, and a function that reads it ends the program with a line and abort().
 struct LoadedBrdf {
     struct Contents;
     Shared<Contents> contents;
 };
 
-/// A BRDF ready for a renderer, which `prepare` makes. Copies share its contents.
+/// A BRDF ready for a renderer, which `prepare` makes. Copies share its contents. By default it is black and allocates
+/// nothing: `value`, `evaluate`, `pdf` and `albedo` are 0, and no sample has a direction.
 class PreparedBrdf {
   public:
     /// Writes R, G, B of f_r and one number to spare to `colour`, which is aligned to 16 bytes.
     using Value = void (*)(const void* brdf, const Vec3f& wl, const Vec3f& wv, float* colour);
     struct Contents;  ///< Value and the rest for one type of BRDF
+    PreparedBrdf() = default;
     explicit PreparedBrdf(Shared<Contents> contents);
 
-    const Contents& contents() const { return *contents_; }
+    const Contents& contents() const;
     /// The `value` of srbf.h.
     Rgb at(const Vec3f& wl, const Vec3f& wv) const {
         if (!above_horizon(wl, wv)) return {};
@@ -44,8 +47,10 @@ class PreparedBrdf {
   private:
     Shared<Contents> contents_;
     // The BRDF itself and its function, both of the contents.
-    const void* held_;
-    Value value_;
+    const void* held_ = nullptr;
+    Value value_ = [](const void*, const Vec3f&, const Vec3f&, float* colour) {
+        for (int c = 0; c < 4; ++c) colour[c] = 0;
+    };
 };
 
 // Count the copies that share contents; Shared calls them.

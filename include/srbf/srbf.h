@@ -13,7 +13,9 @@
 namespace [[gnu::visibility("default")]] srbf {
 
 // Two types hold what functions take and return: a LoadedBrdf is a measurement or a fitted model, as it was read, and a
-// PreparedBrdf is a BRDF ready for a renderer. Copies of either share their content; load.h has that of the first.
+// PreparedBrdf is a BRDF ready for a renderer. Copies of either share their content; load.h has that of the first. Both
+// may be members that are assigned later. Until then a PreparedBrdf is black, with the density 0, and a LoadedBrdf has no
+// content: a function that reads it ends the program with a line and abort().
 
 // ---- Files ----
 
@@ -27,11 +29,12 @@ LoadedBrdf exchanged(const LoadedBrdf& brdf);
 /// A model with its size and its error.
 struct FittedBrdf {
     LoadedBrdf model;
-    std::size_t bytes;  ///< size of the model's numbers in bytes, without the file's header
-    double delta_e;     ///< mean ΔE_ITP of pictures of a sphere against the measurement; 1 is just noticeable
+    std::size_t bytes = 0;  ///< size of the model's numbers in bytes, without the file's header
+    double delta_e = 0;     ///< mean ΔE_ITP of pictures of a sphere against the measurement; 1 is just noticeable
 };
 /// Fits the model that `srbf fit` fits without options, in about three seconds on two cores, half of them for the
-/// error. Errors: `measured` is a model, or a two-sided measurement; there is nothing to fit.
+/// error. The `fit` of fit.h takes options: the size of the model, the objective, threads, progress and others. Errors:
+/// `measured` is a model, or a two-sided measurement; there is nothing to fit.
 Result<FittedBrdf> fit(const LoadedBrdf& measured);
 
 /// Writes a model file, or leaves the previous file. Errors: `model` is a measurement; the file cannot be written.
@@ -52,25 +55,29 @@ Result<std::string> shading_code(const LoadedBrdf& model, const std::string& nam
 
 /// A sampled direction to the light.
 struct LightSample {
-    Vec3f wl;       ///< unit vector with wl.z > 0 if pdf > 0; otherwise there is no direction, and wl must not be used
-    Rgb weight;     ///< f cosθl / pdf, or 0 where pdf is 0: its mean over samples is the directional albedo
+    Vec3f wl;    ///< unit vector with wl.z > 0 if pdf > 0; otherwise there is no direction, and wl must not be used
+    Rgb weight;  ///< f cosθl / pdf, or 0 where pdf is 0 or f is NaN: its mean over samples is the directional albedo
     float pdf = 0;  ///< [1/sr]; 0: the sample has no direction, and counts with the weight 0
 };
 
 /// Prepares a model or a measurement, and the front alone of a surface with two sides. Also computes a density to
-/// sample by, on all threads of the machine: in about 100 ms of processor time for an isotropic model and 400 ms for an
-/// anisotropic one. `prepare` of prepared.h takes what load_model or load_measured reads, and a number of threads.
-PreparedBrdf prepare(const LoadedBrdf& brdf);
+/// sample by, in about 100 ms of processor time for an isotropic model and 400 ms for an anisotropic one. 0 threads are as
+/// many as the machine has, which is also the most; the result does not depend on their number. `prepare` of prepared.h
+/// takes what load_model or load_measured reads, and further options.
+PreparedBrdf prepare(const LoadedBrdf& brdf, int threads = 0);
 
-/// f_r(wl, wv) [1/sr], without the cosine. For a model it differs from `value` of model.h by at most 1e-4 of that value
-/// or 1e-6 of its peak, whichever is larger. It is never negative, and 0 if wl.z or wv.z is 0, negative or subnormal. It
-/// is NaN where a measurement has no value, which a renderer must take for 0; `sample`, `pdf` and `albedo` count it as 0.
+/// f_r(wl, wv) [1/sr], without the cosine. For a model it differs from `value` of model.h, which reports and files use,
+/// by at most 1e-4 of that value or 1e-6 of its peak, whichever is larger. It is never negative, and 0 if wl.z or wv.z is
+/// 0, negative or subnormal. It is NaN in all three channels where a measurement has no value, which a renderer must take
+/// for 0; `sample`, `pdf` and `albedo` count it as 0.
 inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) { return brdf.at(wl, wv); }
 /// f_r at pairs of directions. The program ends with a line and abort() if the spans differ in length.
 void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 
 /// Samples a direction to the light from independent numbers, uniform in [0,1): a point u, which may be stratified, and
-/// the selector of a lobe. The `pdf` of the result is 0 if wv.z ≤ 0, and if the sample has no direction.
+/// the selector of a lobe. The `pdf` of the result is 0 if wv.z ≤ 0, and if the sample has no direction. Otherwise it
+/// equals `pdf(brdf, wl, wv)` in every bit, and `weight` is `value(brdf, wl, wv)` wl.z / pdf up to two roundings, which
+/// are at most 1.2e-7 of it.
 LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector);
 /// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
@@ -82,10 +89,11 @@ struct ValuePdf {
 ValuePdf value_pdf(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv);
 
 /// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths. For a view-by-view model with
-/// sampled views it is interpolated, as the model is, from the integrals of the lobes: within 1 % or 0.002. For any
-/// other BRDF it comes from 129 nodes: up to 85° within 1 % or 0.002 for fits of measured materials and
-/// tables, with larger errors beyond, for narrow highlights and for scattered samples (docs/sampling.md). A cosine of
-/// 0, below it or NaN gives 0; above 1 counts as 1. The first call makes the nodes in about 0.3 s; others wait.
+/// sampled views it is interpolated, as the model is, from the integrals of the lobes: within 1 % or 0.002. For any other
+/// BRDF it is interpolated between 129 view angles: up to 85° within 1 % or 0.002 for fits of measured materials and
+/// tables, with larger errors beyond, for narrow highlights and for scattered samples (docs/sampling.md). The first call
+/// computes these angles in about 0.3 s, and other threads that call `albedo` wait for it. A cosine of 0, below it or NaN
+/// gives 0; above 1 counts as 1.
 Rgb albedo(const PreparedBrdf& brdf, float cos_v);
 
 }  // namespace srbf

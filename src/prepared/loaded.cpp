@@ -20,7 +20,10 @@ void end_use(const LoadedBrdf::Contents& contents) {
     if (contents.uses.fetch_sub(1, std::memory_order_acq_rel) == 1) delete &contents;
 }
 
-const AnyBrdf& content(const LoadedBrdf& brdf) { return brdf.contents->brdf; }
+const AnyBrdf& content(const LoadedBrdf& brdf) {
+    if (!brdf.contents) misused("a LoadedBrdf without content: expected what load or fit returned");
+    return brdf.contents->brdf;
+}
 LoadedBrdf loaded_brdf(AnyBrdf content) { return {Shared(new LoadedBrdf::Contents(std::move(content)))}; }
 
 Result<LoadedBrdf> load(const std::string& path) {
@@ -50,8 +53,10 @@ Result<Done> save(const LoadedBrdf& model, const std::string& path) {
     return save_model(*fitted, path);
 }
 
-PreparedBrdf prepare(const LoadedBrdf& brdf) {
-    const auto prepared = [](const auto& any) { return prepare(any, {.azimuths = azimuths_for(is_isotropic(any))}); };
+PreparedBrdf prepare(const LoadedBrdf& brdf, int threads) {
+    const auto prepared = [threads](const auto& any) {
+        return prepare(any, {.azimuths = azimuths_for(is_isotropic(any)), .threads = threads});
+    };
     return std::visit(prepared, content(brdf));
 }
 

@@ -132,10 +132,25 @@ struct Diffuse {
 };
 Rgb value(const Diffuse& brdf, Vec3f wl, Vec3f wv) { return above_horizon(wl, wv) ? brdf.f : Rgb{}; }
 
+/// The parts of a BRDF by default. A mixture of no lobes has the density 0, so that no sample has a direction.
+BrdfParts black_parts() {
+    const auto evaluate = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        require_equal_lengths(wl.size(), wv.size(), f.size());
+        std::ranges::fill(f, Rgb{});
+    };
+    return {nullptr, nullptr, evaluate, MixtureProposal{}, [](Vec3f) { return Rgb{}; }};
+}
+
 }  // namespace
 
 PreparedBrdf::PreparedBrdf(Shared<Contents> contents)
     : contents_(std::move(contents)), held_(contents_->parts.held.get()), value_(contents_->parts.value) {}
+
+const PreparedBrdf::Contents& PreparedBrdf::contents() const {
+    if (contents_) return *contents_;
+    static const Contents black(black_parts());
+    return black;
+}
 
 const Proposal& proposal(const PreparedBrdf& brdf) { return brdf.contents().parts.proposal; }
 

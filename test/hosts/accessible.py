@@ -1,4 +1,4 @@
-"""The exported page and the page of build/site, at the widths of a phone, a tablet and a screen, by the rules of axe (WCAG 2 A and AA): names,
+"""The exported page and the page of build/site, before and after a click on a ready material, at the widths of a phone, a tablet and a screen, by the rules of axe (WCAG 2 A and AA): names,
 roles, contrast of text. Axe comes with a package of PyPI."""
 import importlib.util
 import subprocess
@@ -26,6 +26,10 @@ CHARTS = """(() => {
         return [(high + 0.05) / (low + 0.05), text.textContent.slice(0, 40)];
     }).sort(([a], [b]) => a - b);
 })()"""
+SHOW_BALL = """const ball = document.querySelector("#gallery li a");
+    ball?.click();
+    while (ball && document.getElementById("editing").hidden) await new Promise((done) => setTimeout(done, 100));
+    return ball !== null;"""
 RULES = "{ runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'] }"
 
 
@@ -40,6 +44,14 @@ def violations(chromium):
     found = chromium.run(f"axe.run({RULES}).then((r) => ({{passes: r.passes.length, open: r.incomplete.map((v) => [v.id, v.nodes.length]), "
                          "wrong: r.violations.map((v) => [v.id, v.impact, v.nodes.map((n) => n.html.slice(0, 120))])}))")
     return found["wrong"], found["passes"], found["open"]
+
+
+def judged(chromium, what):
+    found, passes, judged_by_eye = violations(chromium)
+    print(f"{what}: {passes} rules hold, {len(found)} are violated; not judged: {judged_by_eye}")
+    for rule, impact, elements in found:
+        print("  FAILED:", rule, impact, *elements[:4], sep="\n    ")
+    return found
 
 
 def main(srbf):
@@ -57,10 +69,9 @@ def main(srbf):
                 chromium.size(width, height, mobile=width < 700)
                 chromium.open(path)
                 chromium.run(source + "; true")
-                found, passes, judged_by_eye = violations(chromium)
-                print(f"{path.name} at {width} pixels: {passes} rules hold, {len(found)} are violated; not judged: {judged_by_eye}")
-                for rule, impact, elements in found:
-                    print("  FAILED:", rule, impact, *elements[:4], sep="\n    ")
+                found = judged(chromium, f"{path.name} at {width} pixels")
+                if chromium.run(f"(async () => {{ {SHOW_BALL} }})()"):
+                    found += judged(chromium, f"{path.name} at {width} pixels, with a ball")
                 charts = chromium.run(CHARTS)
                 if charts:
                     print(f"  {len(charts)} texts of charts, contrast at least {charts[0][0]:.1f}: {charts[0][1]}")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the code of README.md and of docs as a reader would, each page in a folder of its own.
+"""Runs the code of README.md, of docs and of examples as a reader would, each page in a folder of its own.
 
 ```sh blocks are run by bash, in order; a ```text block is what the block before it prints, where `...` stands for anything; ```python
 without a file's name runs in one session for the page; any other block is a file, whose name its first line says in a comment. A block that is not run says
@@ -19,7 +19,7 @@ from pathlib import Path
 
 root = Path(__file__).resolve().parents[2]
 program, measurements = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
-documents = [root / "README.md", *sorted(root.glob("docs/*.md")), *sorted(root.glob("docs/tutorials/*.md"))]
+documents = [root / "README.md", root / "examples/README.md", *sorted(root.glob("docs/*.md")), *sorted(root.glob("docs/tutorials/*.md"))]
 NEEDS = {"mitsuba": ["mitsuba"], "blender": ["bpy"], "maps": ["OpenEXR"]}
 FORMULAS = ["math", ""]  # and diagrams: no code
 
@@ -68,7 +68,7 @@ def prepare(folder, page):
     environment = dict(os.environ, PATH=f"{program.parent}:{Path(sys.executable).parent}:{os.environ['PATH']}")
     environment["PYTHONPATH"] = os.pathsep.join([str(program.parent / "python"), *(p for p in sys.path if p)])
     environment["CMAKE_PREFIX_PATH"] = str(program.parent.parent / "hosts/prefix")
-    if page.stem == "path_tracer":
+    if page.stem == "path_tracer" or page.parent.name == "examples":
         subprocess.run(["cmake", "--install", program.parent, "--prefix", environment["CMAKE_PREFIX_PATH"]], check=True, stdout=subprocess.DEVNULL)
     return environment
 

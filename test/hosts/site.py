@@ -25,7 +25,8 @@ PATIENCE = 400  # seconds until a fit counts as failed
 SAVED = [("glsl", ".glsl"), ("hlsl", ".hlsl"), ("unity", ".shader"), ("wgsl", ".wgsl"), ("msl", ".metal"), ("c", ".h"), ("three", ".js"),
          ("table", ".binary"), ("table", ".bsdf"), ("table", ".mbsdf")]
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e[-+]?\d+)?")
-SLIDERS = ["roughen", "highlight", "highlight_warmth", "body", "body_warmth", "saturate"]
+SLIDERS = ["roughen", "highlight", "highlight_warmth", "body", "body_warmth", "hue", "saturate"]
+LAST_BALL = "#gallery ul:last-of-type li:last-child a"
 
 
 def check(holds, what):
@@ -140,11 +141,11 @@ def for_blender(page, subject, folder):
 
 
 def on_one_screen(page, material):
-    """All sliders are on the screen with the whole picture of this material."""
+    """All sliders, and the buttons that save, are on the screen with the whole picture of this material."""
     low, high = page.chromium.run(f"""(() => {{ document.getElementById("edit_roughen").scrollIntoView({{ block: "center" }});
-        const boxes = [...document.querySelectorAll("#editing input, figure[data-material='{material}'] canvas")].map((e) => e.getBoundingClientRect());
+        const boxes = [...document.querySelectorAll("#editing input, #saving .main, figure[data-material='{material}'] canvas")].map((e) => e.getBoundingClientRect());
         return [Math.min(...boxes.map((box) => box.top)), Math.max(...boxes.map((box) => box.bottom))]; }})()""")
-    check(high - low <= 800, f"sliders and picture take {high - low:.0f} pixels")
+    check(high - low <= 800, f"sliders, buttons and picture take {high - low:.0f} pixels")
 
 
 def linked(page, folder):
@@ -153,11 +154,15 @@ def linked(page, folder):
     models = sorted((path.stem for path in (root / "data/gallery").glob("*.srbf")), key=lambda stem: ("_stand_in" in stem, stem))
     check(links == models, f"the gallery has {links}")
     name = models[-1] + ".srbf"
-    chromium.click("#gallery li:last-child a")
+    chromium.run(f"""(() => {{ const canvas = document.querySelector("figure[data-material='1'] canvas");
+        new MutationObserver(() => window.first_picture ??= performance.now()).observe(canvas, {{ attributeFilter: ["width"] }});
+        document.querySelector({LAST_BALL!r}).addEventListener("click", () => window.first_click ??= performance.now(), {{ capture: true }}); }})()""")
+    chromium.click(LAST_BALL)
     begun = time.time()
     page.wait(name, lambda of: of["name"] == name)
     chromium.run("viewer.settled()")
-    print(f"  {name}: the picture of a model after {time.time() - begun:.1f} s")
+    first = chromium.run("first_picture - first_click")
+    print(f"  {name}: a first picture of a model {first:.0f} ms after the click, a sharp one after {time.time() - begun:.1f} s")
     check(page.model() == (root / "data/gallery" / name).read_bytes(), f"{name} is not saved as it was opened")
     shown = chromium.run("[...document.querySelectorAll('figure:not([hidden])')].map((figure) => figure.dataset.material).join()")
     check(shown == "1", f"{name}: pictures {shown}")
@@ -171,9 +176,9 @@ def linked(page, folder):
     # The same ball again, after another file.
     page.give(root / "data/paper_white_rgb.csv")
     page.wait("another file", lambda of: of["name"] == "paper_white_rgb.csv" or of["working"])
-    chromium.click("#gallery li:last-child a")
+    chromium.click(LAST_BALL)
     page.wait(f"{name} again", lambda of: of["name"] == name)
-    chromium.click("#gallery li:last-child a")
+    chromium.click(LAST_BALL)
     check(chromium.run("document.getElementById('state').getBoundingClientRect().top < innerHeight / 2"), "a second click on a ball shows nothing")
     chromium.click("#gallery li:first-child a")
     page.wait("the film's ball", lambda of: of["name"] == models[0] + ".srbf")
@@ -206,6 +211,24 @@ def cancelled(page):
     _, seconds = page.wait("cancelled", lambda of: of["verdict"].startswith("Cancelled") and not of["working"])
     check(seconds <= CANCELLED_WITHIN, f"cancelled after {seconds:.2f} s")
     print(f"  cancelled within {seconds:.2f} s")
+
+
+def stopped(page):
+    """A save is cancelled; the edited model is there as before."""
+    chromium = page.chromium
+    chromium.click(LAST_BALL)
+    page.wait("a ball", lambda of: of["name"] and of["name"].endswith(".srbf"))
+    chromium.run("""(() => { const slider = document.getElementById("edit_hue"); slider.value = 90;
+        for (const kind of ["input", "change"]) slider.dispatchEvent(new Event(kind, { bubbles: true })); })()""")
+    page.wait("the edit", lambda of: chromium.run("app.state().edited !== null"))
+    before = page.model()
+    chromium.click("[data-save=blender]")
+    page.wait("a save", lambda of: not chromium.run("document.getElementById('writing').hidden"))
+    chromium.click("#stop")
+    page.wait("no save", lambda of: not chromium.run("document.querySelector('[data-save=blender]').disabled"))
+    check(chromium.run("document.getElementById('saved').textContent") == "Nothing was saved.", "a save is not cancelled")
+    check(page.model() == before, "the edited model is not kept when a save is cancelled")
+    print("  a save is cancelled")
 
 
 def replaced(page):
@@ -247,7 +270,7 @@ def edited(page, folder):
     for slider in SLIDERS:
         chromium.drag(f"#edit_{slider}", 25, 0)
     begun = time.time()
-    while not all(word in status() for word in ("Edited: roughness of the highlight ×", "% warmer", "saturation")):
+    while not all(word in status() for word in ("Edited: roughness of the highlight ×", "% warmer", "hue", "saturation")):
         check(time.time() - begun < PATIENCE, f"no edited model: {status()!r}")
         if time.time() - begun >= PATIENCE:
             return
@@ -312,6 +335,7 @@ with tempfile.TemporaryDirectory() as name:
     linked(page, Path(name))
     damaged(page, Path(name))
     cancelled(page)
+    stopped(page)
     replaced(page)
 longest = page.longest_task()
 check(longest <= LONGEST_TASK, f"the page does not answer for {longest} ms")

@@ -45,10 +45,12 @@ def rows_of(path):
 
 
 def row_of(path, name):
-    """The first row that begins with the name."""
-    for row in rows_of(path):
-        if row[0].replace("*", "").split(":")[0] == name:
-            return row
+    """The row of this name, else the first that begins with it."""
+    rows = [(row[0].replace("*", ""), row) for row in rows_of(path)]
+    for is_named in (lambda text: text == name, lambda text: text.startswith((name + ":", name + ","))):
+        for text, row in rows:
+            if is_named(text):
+                return row
     sys.exit(f"{path}: expected a row {name!r}")
 
 

@@ -122,10 +122,17 @@ async function show_drawing() {
   await viewer.settled();
   if (mine === drawing) classList.remove("drawing");
 }
-// `about`: what the page knows of a ready material; null: of a file.
-function show_model(model, about) {
-  $("about").textContent = about ? `${stem(file.name)}, ${grouped(model.bytes)} bytes. ${about}`
-    : `A model of ${grouped(model.bytes)} bytes. Drop its measurement to fit it anew.`;
+// Says what a ready material was made of, or that it is edited, and its terms.
+function show_ready() {
+  const { kind, error, about, terms } = file.link.dataset;
+  $("name").textContent = edited ? `Edited: made from ${kind}` : kind;
+  $("about").textContent = edited ? `ΔE ${error} before the edit. An edited material has no measurement to compare with. `
+    : `${stem(file.name)}, ${grouped(fitted.bytes)} bytes. ${about} `;
+  $("about").insertAdjacentHTML("beforeend", terms); // with a link
+}
+function show_model(model) {
+  if (file.link) show_ready();
+  else $("about").textContent = `A model of ${grouped(model.bytes)} bytes. Drop its measurement to fit it anew.`;
   set_shown("saving", true);
   if (!draws) return;
   viewer.set_material(0, null);
@@ -187,11 +194,10 @@ async function apply_wanted(mine) {
     $("edit_status").textContent = "Computing the edited model …";
     const result = await step(mine, () => ask({ kind: "edit", name: file.name, edits }));
     if (mine !== run || wanted) continue;
-    if (!result) $("edit_status").textContent = "";
-    if (!result) continue;
-    edited = result.edits ? result : null;
+    edited = result?.edits ? result : null;
     $("edit_status").textContent = edited ? `Edited: ${words}. ${grouped(edited.bytes)} bytes.` : "";
-    if (draws) viewer.set_material(2, edited && edited.material), shown = edited && "model";
+    if (file.link) show_ready();
+    if (result && draws) viewer.set_material(2, edited && edited.material), shown = edited && "model";
   }
   is_editing = false;
 }
@@ -215,18 +221,18 @@ async function step(mine, action) {
   }
 }
 
-// Starts the pictures, with the sliders and what saves beside them. `common`: what a worker has begun with.
+// Starts the pictures, with the sliders, what saves and the light beside them. `common`: what a worker has begun with.
 let pictures = null; // the promise that they are started
 const ensure_pictures = (common) => pictures ??= start_pictures(common);
 async function start_pictures(common) {
   draws = await viewer.start(common);
   set_shown("without", !draws), set_shown("viewer", draws && file !== null);
-  if (draws) $("viewer").prepend(document.querySelector("#viewer .pictures"), $("side"));
+  if (draws) $("viewer").prepend(document.querySelector("#viewer .pictures"), $("side"), document.querySelector("#viewer > .controls"));
 }
 // Opens the file; a new worker has to read it again.
 async function open() {
   await ensure_pictures(await ensure_worker());
-  return ask({ kind: "open", name: file.name, bytes: file.bytes, is_ready: file.is_ready });
+  return ask({ kind: "open", name: file.name, bytes: file.bytes, is_ready: Boolean(file.link) });
 }
 function take_fit(result) {
   fitted = result;
@@ -259,7 +265,7 @@ function show_name(name, link) {
 async function show_file(name, bytes, link) {
   const mine = ++run;
   if (open_questions.size) ready = start_worker(); // the current job is obsolete
-  file = { name, bytes, is_ready: Boolean(link) }, fitted = null;
+  file = { name, bytes, link }, fitted = null;
   begin_editing(null);
   fail("");
   set_shown("saving", false), set_shown("plots", false);
@@ -281,7 +287,7 @@ async function show_file(name, bytes, link) {
   }
   take_fit(opened);
   show_working("");
-  show_model(opened, link?.dataset.about);
+  show_model(opened);
   begin_editing(opened.highlight);
 }
 async function take_file(chosen) {
@@ -315,15 +321,23 @@ async function change_lobes() {
   }
   await fit(mine);
 }
-// What to do with the file that was saved. The pattern `name` finds a name in it that the instructions use.
-async function instructions({ next = "", name: pattern }, file_name, { content, error }) {
+function element(kind, ...content) {
+  const made = document.createElement(kind);
+  made.append(...content);
+  return made;
+}
+// Says what to do with the file that was saved: a line of `steps` each. The pattern `name` finds a name in it that they use.
+async function show_saved({ note = "", steps = "", name: pattern }, file_name, { content, error }) {
   const parts = { file: file_name, name: pattern && (await content.text()).match(pattern)?.[1] };
   const of = error && (error.isOfModel ? "material on this page, which has an error of its own" : "measurement");
-  return (error ? ` Blender’s nodes differ by ΔE ${two_digits(error.deltaE)} from the ${of}.` : "") + ` ${next.replace(/{(file|name)}/g, (_, part) => parts[part])}`;
+  const said = `Saved ${file_name}. ` + (error ? `Blender’s nodes differ by ΔE ${two_digits(error.deltaE)} from the ${of}. ` : "");
+  const filled = (step) => step.replace(/{(file|name)}/g, (_, part) => parts[part]);
+  $("saved").replaceChildren(element("p", said, element("strong", note)));
+  if (steps) $("saved").append(element("ol", ...steps.split("\n").map((step) => element("li", filled(step)))));
 }
 // A material for Blender of a ball whose measurement the page has is made from the measurement.
 async function write(what, name) {
-  const measured = `${stem(file.name)}_rgb.bsdf`, has_measured = file.is_ready && document.querySelector(`[data-sample="${measured}"]`);
+  const measured = `${stem(file.name)}_rgb.bsdf`, has_measured = file.link && document.querySelector(`[data-sample="${measured}"]`);
   const measurement = what === "blender" && has_measured && !edited ? { name: measured, bytes: await load_data(measured) } : null;
   return ask({ kind: "save", what, name, measurement });
 }
@@ -346,8 +360,9 @@ async function write_file(button) {
   const timer = setInterval(show_saving, 400); // what is written at once needs no word
   const written = await step(mine, () => write(what, name));
   saving = clearInterval(timer), set_shown("writing", false);
-  $("saved").textContent = written ? `Saved ${name}.${await instructions(button, name, written)}` : mine === run ? "Nothing was saved." : "";
+  $("saved").textContent = !written && mine === run ? "Nothing was saved." : "";
   if (!written) return restored;
+  await show_saved(button, name, written);
   const link = document.createElement("a");
   link.href = URL.createObjectURL(written.content);
   link.download = name;

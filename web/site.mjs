@@ -15,7 +15,7 @@ const button = (show, name) => `<button type="button" data-show="${show}" aria-p
 const figure = (subject, name) => `<figure data-material="${subject}"><canvas tabindex="0" aria-label="${name}"></canvas><figcaption>${name}</figcaption></figure>\n`;
 const pictures = [["0", "measured"], ["1", "fitted"], ["2", "edited"], ["difference", "difference × 10"]];
 const viewer = filled(await text("pictures.html"), {
-  pictures_lead: "Drag a picture to turn the object. Choose a light below, or drop your own .hdr file on a picture.",
+  pictures_lead: "Drag a picture to turn the object. Choose a light, or drop your own .hdr file on a picture.",
   choices: `<div class="choices" role="group" aria-label="Which pictures are shown">\n${button("all", "Side by side")}${button("wipe", "Wipe")}${
     pictures.map(([subject, name]) => button(subject, name)).join("")}</div>\n`,
   pictures: pictures.map(([subject, name]) => figure(subject, name)).join(""), own_shape: "", behind: '<button type="button" name="behind">Light from behind</button>\n', 
@@ -32,7 +32,7 @@ const balls = await readFile(path.join(root, "data/gallery/gallery.jpg"));
 // The table of data/README.md: kind, what the model was fitted to, its error, that in Blender, and its licence.
 const described = new Map([...(await readFile(path.join(root, "data/README.md"), "utf8")).matchAll(/^\| (\w+) \| (.+) \| (.+) \| ([\d.]+) \| (.+) \| (\w+) \|$/gm)]
   .map(([, name, kind, source, error, blender, licence]) => [name, { kind: kind[0].toUpperCase() + kind.slice(1), source, error, blender, licence }]));
-const terms = (licence) => licence === "ask" ? "We do not know whether you may publish it: ask the authors of the network, or fit the measurement itself, which rgl.epfl.ch/materials has." : `It is under ${licence}, free for any use.`;
+const terms = (licence) => licence === "ask" ? "We do not know whether you may publish it: ask the authors of the network, or fit the measurement itself, which <a href=\"https://rgl.epfl.ch/materials\">rgl.epfl.ch/materials</a> has." : `It is under ${licence}, free for any use.`;
 const in_blender = (text, error) =>
   text.endsWith(" in all") ? text.replace(" in all", "") : `up to ${(Number(error) + Number(text.replace("adds ", ""))).toFixed(1)}`;
 const attribute = (text) => text.replaceAll("&", "&amp;").replaceAll('"', "&quot;");
@@ -40,8 +40,8 @@ const groups = { true: "", false: "" };
 for (const [index, name] of models.entries()) {
   const stem = path.parse(name).name, x = index % k_columns, shift = 100 * Math.floor(index / k_columns) * k_row / (k_rows * k_row - k_ball);
   const { kind, source, error, blender, licence } = described.get(stem);
-  groups[is_measured(name)] += `<li><a href="#${stem}" data-kind="${attribute(kind)}" data-about="${attribute(`ΔE ${error} against ${source}; in Blender ${in_blender(blender, error)}. ${terms(licence)}`)}"><i style="` +
-    `background-position: ${100 * x / (k_columns - 1)}% ${shift.toFixed(2)}%"></i>${kind}<small>ΔE&nbsp;${error}, in Blender ${in_blender(blender, error)}</small></a></li>\n`;
+  groups[is_measured(name)] += `<li><a href="#${stem}" data-kind="${attribute(kind)}" data-error="${error}" data-about="${attribute(`ΔE ${error} against ${source}; in Blender ${in_blender(blender, error)}.`)}" ` +
+    `data-terms="${attribute(terms(licence))}"><i style="background-position: ${100 * x / (k_columns - 1)}% ${shift.toFixed(2)}%"></i>${kind}<small>ΔE&nbsp;${error}, in Blender ${in_blender(blender, error)}</small></a></li>\n`;
 }
 const gallery = `<h3>Measured, free for any use (CC0)</h3>\n<ul>\n${groups.true}</ul>\n<h3>Computed by a neural network: <a href="#gallery_notes">ask before you publish</a></h3>\n<ul>\n${groups.false}</ul>`;
 await writeFile(path.join(folder, "data", "gallery.jpg"), balls);

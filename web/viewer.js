@@ -5,7 +5,7 @@ const section = document.getElementById("viewer");
 const controls = section.querySelector("form");
 const figures = [...section.querySelectorAll("figure[data-material]")];
 const wipe = section.querySelector(".wipe");
-const k_degree = Math.PI / 180;
+const k_degree = Math.PI / 180, k_smooth = 64; // samples of a picture from which on its noise is hardly visible
 let data = null; // the message `common` of painter.js, and the exposure under lights
 
 // ---- The view ----------------------------------------------------------------------------------------------------
@@ -89,6 +89,7 @@ function take(message) {
     else canvas.getContext("2d").drawImage(image, 0, 0);
   } else if (kind === "drawn") {
     drawn = message;
+    section.classList.toggle("refining", has_environment() && drawn.samples < k_smooth);
     waiting = waiting.filter((request) => request.number > message.number || (request.done(), false));
   } else if (kind === "refused") {
     refuse(figure_of(message.subject), message.why);

@@ -28,7 +28,8 @@ try:
     page.run("""(() => { const slider = document.getElementById("edit_roughen"); slider.value = 0.5;
         for (const kind of ["input", "change"]) slider.dispatchEvent(new Event(kind, { bubbles: true })); })()""")
     wait("document.getElementById('edit_status').textContent.length > 0")
-    time.sleep(100)  # pictures become less noisy
+    time.sleep(10)  # the edited picture is begun
+    wait("!document.getElementById('viewer').classList.contains('refining')")
     page.run("document.getElementById('state').scrollIntoView()")
     page.settle()
     page.screenshot(os.path.join(here, "..", "web.jpg"))

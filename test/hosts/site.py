@@ -140,10 +140,10 @@ def for_blender(page, subject, folder):
     print(f"  {subject.name}: a script for Blender after {seconds:.1f} s, {'byte by byte' if texts[0] == texts[1] else 'nearly'} that of the program")
 
 
-def on_one_screen(page, material):
-    """All sliders, and the buttons that save, are on the screen with the whole picture of this material."""
+def on_one_screen(page, material, others=""):
+    """All sliders, the buttons that save, and these other elements are on the screen with the whole picture of this material."""
     low, high = page.chromium.run(f"""(() => {{ document.getElementById("edit_roughen").scrollIntoView({{ block: "center" }});
-        const boxes = [...document.querySelectorAll("#editing input, #saving .main, figure[data-material='{material}'] canvas")].map((e) => e.getBoundingClientRect());
+        const boxes = [...document.querySelectorAll("#editing input, #saving .main, figure[data-material='{material}'] canvas{others}")].map((e) => e.getBoundingClientRect());
         return [Math.min(...boxes.map((box) => box.top)), Math.max(...boxes.map((box) => box.bottom))]; }})()""")
     check(high - low <= 800, f"sliders, buttons and picture take {high - low:.0f} pixels")
 
@@ -171,7 +171,8 @@ def linked(page, folder):
     about = chromium.run("document.getElementById('about').textContent")
     check("ΔE 3.1 against a table from a neural network" in about and "ask the authors" in about, f"{name} is described by {about!r}")
     check(chromium.run("[...document.querySelectorAll('.compared')].every((e) => e.hidden)"), f"{name}: the page talks of a measurement")
-    on_one_screen(page, "1")
+    check(chromium.run("document.querySelector('#about a')?.href") == "https://rgl.epfl.ch/materials", f"{name} has no link to its measurement")
+    on_one_screen(page, "1", ", .controls > label > *")
     for_blender(page, root / "data/gallery" / name, folder)
     # The same ball again, after another file.
     page.give(root / "data/paper_white_rgb.csv")
@@ -221,6 +222,8 @@ def stopped(page):
     chromium.run("""(() => { const slider = document.getElementById("edit_hue"); slider.value = 90;
         for (const kind of ["input", "change"]) slider.dispatchEvent(new Event(kind, { bubbles: true })); })()""")
     page.wait("the edit", lambda of: chromium.run("app.state().edited !== null"))
+    heading = lambda: chromium.run("document.getElementById('name').textContent")
+    check(heading().startswith("Edited: made from "), f"the edited ball has the name {heading()!r}")
     before = page.model()
     chromium.click("[data-save=blender]")
     page.wait("a save", lambda of: not chromium.run("document.getElementById('writing').hidden"))
@@ -228,6 +231,9 @@ def stopped(page):
     page.wait("no save", lambda of: not chromium.run("document.querySelector('[data-save=blender]').disabled"))
     check(chromium.run("document.getElementById('saved').textContent") == "Nothing was saved.", "a save is not cancelled")
     check(page.model() == before, "the edited model is not kept when a save is cancelled")
+    chromium.run("document.querySelector('#editing [type=reset]').click()")
+    page.wait("the ball as it was", lambda of: chromium.run("app.state().edited === null && app.state().busy === 0"))
+    check(not heading().startswith("Edited"), f"the ball has the name {heading()!r} after a reset")
     print("  a save is cancelled")
 
 

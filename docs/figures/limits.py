@@ -13,7 +13,7 @@ PANEL, HEAD = 300, 90  # pixels of a panel, and of the names of the rows
 FILM = os.path.join(here, "..", "..", "data", "cc_ibiza_sunset_rgb.bsdf")
 program, sunflower, obsidian, out = (os.path.abspath(path) for path in sys.argv[1:])
 # A name, the measurement, the size of the sphere in pixels, and the corner of the part that is shown.
-COLUMNS = [("vinyl film, at the rim", FILM, 700, (400, 60)), ("orange film, a highlight", sunflower, 1000, (190, 190)), ("black obsidian", obsidian, PANEL, (0, 0))]
+COLUMNS = [("vinyl film, at the rim", FILM, 700, (400, 60)), ("orange film, a highlight", sunflower, 1000, (190, 190)), ("black obsidian, of a network", obsidian, PANEL, (0, 0))]
 STYLE = f"""body {{ margin: 0; background: #fff; color: #222; font: 17px DejaVu Sans, sans-serif; display: grid; gap: 3px; align-items: center;
     grid-template-columns: {HEAD}px repeat({len(COLUMNS)}, {PANEL}px) }} i {{ height: {PANEL}px }} b {{ font-weight: normal; text-align: center; padding: 6px }}
     span {{ padding-left: 6px }}"""

@@ -152,15 +152,6 @@ def measured_table(rows):
     return table(["measurement", *names.values()], lines)
 
 
-def bytes_table(rows):
-    """ΔE_ITP of the measurements by bytes: a line a curve of several sizes."""
-    lines = []
-    for curve in ["srbf", *(curve for curve in COLOURS if curve in SIZED.values() and curve != "srbf")]:
-        points = [f"{text(x)}: {text(y)}{f' (+ {text(shared)} shared)' if shared else ''}" for x, y, shared in points_of(rows, curve)]
-        lines.append([curve, " · ".join(points)])
-    return table(["models", "bytes: mean ΔE_ITP"], lines)
-
-
 OF_EQUAL_BYTES = {"srbf-4": "srbf, 4 lobes", "gtr-6-pictures": "6 GTR lobes", "lafortune-8-pictures": "8 cosine lobes",
                   "network-4-pictures": "small network, 4 neurons", "srbf-6": "srbf, 6 lobes",
                   "network-6-pictures": "small network, 6 neurons", "network-6": "the same, ∛f",
@@ -205,10 +196,9 @@ def networks_table(rows):
     return table(["model", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS of radiance", "relative error", "albedo error"], lines)
 
 
-OPTIONS = {"srbf": "**none**", "srbf-4": "`--lobes 4`", "srbf-16": "`--lobes 16`", "as-measured-8": "`--as-measured`",
-           "as-measured-16": "`--as-measured --lobes 16`",
+OPTIONS = {"srbf": "**none**", "as-measured-8": "`--as-measured`",
            "cosine": "`--as-measured --objective cosine`", "log": "`--as-measured --objective log`",
-           "cube-root": "`--as-measured --objective cube-root`", "su": "`--model su --lobes 5`", "openpbr": "`--model openpbr`", "ggx": "`--model ggx`"}
+           "cube-root": "`--as-measured --objective cube-root`", "su": "`--model su --lobes 5`"}
 
 
 def options_table(rows):
@@ -332,7 +322,7 @@ def replaced(page, name, table_of):
 def pages(rows):
     """The pages with their tables, by path."""
     measured, rest = of_measured(rows), without_measured_alone(rows)
-    tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("bytes", bytes_table(measured)),
+    tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)),
                      ("equal bytes", equal_bytes_table(measured)), ("kinds", kinds_table(rest)), ("stand-ins", stand_ins_table(rows)),
                      ("further tables", further_table(read(FURTHER))), ("measures", measures_table(measured))],
               ACCURACY: [("options", options_table(rows))], CHOOSING: [("sizes", sizes_table(rows))], PAPER: [("networks", networks_table(measured))]}

@@ -19,7 +19,7 @@ MODELS = {  # name, and in the plot the curve that it belongs to
     "abc": ("ABC, our fit ‡", "ABC"),
     "sgd": ("SGD", None),
     "openpbr": ("OpenPBR", "OpenPBR"),
-    "nbrdf": ("NBRDF", None),
+    "nbrdf": ("NBRDF, 32-bit floats", None),
     "nps": ("neural process", "neural process"),
     "srbf-4": ("srbf, 4 lobes", "srbf"),
     "srbf": ("srbf, 9 lobes", "srbf"),
@@ -169,7 +169,7 @@ def equal_bytes_table(rows):
                  with_bold_best(names, values, {list(MEASURES).index("psnr")}))
 
 
-NETWORKS = {"nbrdf": "NBRDF", "nps": "neural process", "network-6-pictures": "small network, 186 bytes"}
+NETWORKS = {"nbrdf": "NBRDF, 32-bit floats", "nps": "neural process", "network-6-pictures": "small network, 186 bytes"}
 
 
 def measures_table(rows):

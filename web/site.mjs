@@ -13,6 +13,18 @@ const filled = (template, parts) => template.replace(/{{(\w+)}}/g, (_, name) => 
 // The page, with the same pictures as exported ones.
 const button = (show, name) => `<button type="button" data-show="${show}" aria-pressed="false">${name}</button>\n`;
 const figure = (subject, name) => `<figure data-material="${subject}"><canvas tabindex="0" aria-label="${name}"></canvas><figcaption>${name}</figcaption></figure>\n`;
+// A slider of an edit, of a part of the material or of all, with its button. It goes from -range to range; `ends` are the words at both.
+function slider(name, label, part = "", { range = 1, step = 0.02, ends = [] } = {}) {
+  const of = part && ` of the ${part}`, words = ends.map((end) => `<span>${end}</span>`).join(" ");
+  return `<label for="edit_${name}">${label}${of && `<span class="unseen">${of}</span>`}</label> <input type="range" id="edit_${name}" name="${name}" min="-${range}" max="${range}" step="${step}" value="0"> <output></output>\n` +
+    `<button type="button" data-reset="${name}" aria-label="Reset: ${label.toLowerCase()}${of}" title="Reset">↺</button>\n${words && `<span class="ends">${words}</span>\n`}`;
+}
+const k_warmth = { ends: ["cooler", "warmer"] };
+const sliders = {
+  highlight_sliders: slider("roughen", "Roughness", "highlight") + slider("highlight", "Brightness", "highlight") + slider("highlight_warmth", "Tint", "highlight", k_warmth),
+  body_sliders: slider("body", "Brightness", "body") + slider("body_warmth", "Tint", "body", k_warmth),
+  both_sliders: slider("hue", "Hue", "", { range: 180, step: 1 }) + slider("saturate", "Saturation"),
+};
 const pictures = [["0", "measured"], ["1", "fitted"], ["2", "edited"], ["difference", "difference × 10"]];
 const viewer = filled(await text("pictures.html"), {
   pictures_lead: "Drag a picture to turn the object. Choose a light, or drop your own .hdr file on a picture.",
@@ -45,7 +57,7 @@ for (const [index, name] of models.entries()) {
 }
 const gallery = `<h3>Measured, free for any use (CC0)</h3>\n<ul>\n${groups.true}</ul>\n<h3>Computed by a neural network: <a href="#gallery_notes">ask before you publish</a></h3>\n<ul>\n${groups.false}</ul>`;
 await writeFile(path.join(folder, "data", "gallery.jpg"), balls);
-const page = filled(await text("app.html"), { viewer, version, gallery });
+const page = filled(await text("app.html"), { viewer, version, gallery, ...sliders });
 const with_balls = (address) => page.replace("</head>", `<style>#gallery i, #stored { background-image: url(${address}) }</style>\n</head>`);
 await writeFile(path.join(folder, "index.html"), with_balls("data/gallery.jpg"));
 const parts = {};

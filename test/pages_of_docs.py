@@ -3,11 +3,10 @@ import os
 import re
 import sys
 
+from documents import documents
+
 folder = sys.argv[1]
-PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "data/README.md", "examples/README.md", "examples/pbrt/README.md"] + sorted(
-    os.path.join(where, name)[len(folder) + 1:] for where, _, names in os.walk(os.path.join(folder, "docs")) for name in names if name.endswith(".md")) + sorted(
-    os.path.join("extras", name, "README.md") for name in os.listdir(os.path.join(folder, "extras"))
-    if os.path.exists(os.path.join(folder, "extras", name, "README.md")))
+PAGES = documents(folder)
 
 
 def text(page):

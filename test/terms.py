@@ -9,8 +9,9 @@ import os
 import re
 import sys
 
+from documents import documents
+
 folder = sys.argv[1]
-PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "data/README.md", "examples/README.md", "examples/pbrt/README.md"]
 STRINGS = re.compile(r'(?<!\w)"((?:[^"\\\n]|\\.)*)"')  # of one line of C++; adjacent ones are one string
 COMMENT = re.compile(r"(^|\s)//+<?(.*)$")
 BARE = re.compile(r"(Of|What|Whether|The same|Those|As many|So many)\b")
@@ -51,7 +52,7 @@ def comments(path):
 
 with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "terms.csv"), encoding="utf-8") as file:
     terms = [(re.compile(rf"\b(?:{row['term']})", flags=re.I), row["instead"]) for row in csv.DictReader(file)]
-searched = [(page, prose(page)) for page in PAGES + files("docs", ".md") + files("extras", ".md")]
+searched = [(page, prose(page)) for page in documents(folder)]
 searched += [(path, strings(path)) for where in ("app", "extras", "src") for path in files(where, ".cpp", ".h")]
 searched += [(path, shown(path)) for path in files("web", ".html", ".js", ".mjs") + files("extras", ".html") + files("python/srbf", ".py")]
 problems = []

@@ -95,8 +95,8 @@ class Means:
             return math.exp(statistics.fmean(logs))
         return statistics.fmean(self.rows[name, setting, seed][criterion] for name in materials for seed in self.seeds)
 
-    def best(self, materials, criterion, of=min):
-        return of(self.settings, key=lambda setting: self.error(setting, materials, criterion))
+    def best(self, materials, criterion):
+        return min(self.settings, key=lambda setting: self.error(setting, materials, criterion))
 
     def chosen(self, held_out, criterion):
         """The setting that is best on all files but one."""
@@ -123,20 +123,16 @@ def print_terms(means):
 
 
 def print_choices(means):
-    """By ΔE_ITP of each file, and by means of each criterion over the files: errors of settings that were chosen in several ways."""
-    columns = [(name, [name], "delta_e_itp") for name in means.materials] + [(head, means.materials, key) for key, head in CRITERIA.items()]
+    """Means over the files, of each criterion: errors of settings that were chosen by it in several ways."""
     ways = {
         "default": lambda name, criterion: DEFAULT,
-        "best on the other four": means.chosen,
-        "best on all five": lambda name, criterion: means.best(means.materials, criterion),
-        "best on the file": lambda name, criterion: means.best([name], criterion),
-        "worst on all five": lambda name, criterion: means.best(means.materials, criterion, max),
+        "chosen on the other four files": means.chosen,
+        "chosen on the file itself": lambda name, criterion: means.best([name], criterion),
     }
-    error = lambda setting_of, names, criterion: statistics.fmean(means.error(setting_of(name, criterion), [name], criterion) for name in names)
-    lines = [[way] + [format(error(setting_of, names, criterion), FORMS[criterion]).replace("%", " %") for _, names, criterion in columns]
-             for way, setting_of in ways.items()]
-    places = [sorted(means.settings, key=lambda setting: means.error(setting, names, criterion)).index(DEFAULT) + 1 for _, names, criterion in columns]
-    print_table(["setting", *(head for head, _, _ in columns)], [*lines, ["place of the default", *map(str, places)]])
+    error = lambda setting_of, criterion: statistics.fmean(means.error(setting_of(name, criterion), [name], criterion) for name in means.materials)
+    lines = [[way] + [format(error(setting_of, criterion), FORMS[criterion]).replace("%", " %") for criterion in CRITERIA] for way, setting_of in ways.items()]
+    places = [sorted(means.settings, key=lambda setting: means.error(setting, means.materials, criterion)).index(DEFAULT) + 1 for criterion in CRITERIA]
+    print_table(["setting", *CRITERIA.values()], [*lines, [f"place of the default among {len(means.settings)}", *map(str, places)]])
 
 
 def print_other_errors(means):

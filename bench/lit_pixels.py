@@ -3,6 +3,7 @@
 RGL has the five measurements, and NETWORKS is the folder of their networks that bench/rivals.py takes. The error of each light is divided by the share
 of the sphere that it lights in the picture of the measurement. Prints a row a model: means over the files, and those of the film.
 """
+import os
 import statistics
 import sys
 
@@ -11,7 +12,9 @@ import rivals
 import srbf
 import stand_ins
 
-FILES = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "docs", "figures"))
+from comparison import MEASURED  # noqa: E402
+
 FITS = {"Lambert, 2 GGX": {"model": "ggx", "lobes": 2}, "OpenPBR": {"model": "openpbr"}, "srbf, 9 lobes": {}, "8 lobes, not reciprocal": {"as_measured": True}}
 
 
@@ -25,7 +28,7 @@ def lit_shares(measured, size=64):
 def main():
     rgl, networks = sys.argv[1:]
     rows = {}
-    for name in FILES:
+    for name in MEASURED:
         measured = srbf.load_measurement(f"{rgl}/{name}_rgb.bsdf")
         models = {model: srbf.fit(measured, **options).model for model, options in FITS.items()}
         models["NBRDF"] = rivals.network(stand_ins.network_of(networks, name))

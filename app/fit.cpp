@@ -7,9 +7,12 @@
 #include "app/fit.h"
 #include "app/preview.h"
 #include "base/files.h"
+#include "base/printable.h"
+#include "brdf/values.h"
 #include "fit/own_fit.h"
 #include "fit/request_traits.h"
 #include "srbf/file.h"
+#include "srbf/metrics.h"
 
 namespace srbf {
 namespace {
@@ -70,6 +73,13 @@ int fit_file(FileFit fit) {
         picture = preview_of(fit, *measured, outcome->model);
     }
     line.clear();
+    constexpr float k_far_above = 2;  // of samples, the interpolation may exceed 1
+    double brightest = 0;
+    for (const double theta : {0, 15, 30, 45, 60, 75})
+        brightest = std::max(brightest, largest_of(albedo(evaluator(outcome->model), theta * k_degree, k_pi / 2)));
+    if (brightest > k_far_above)
+        fmt::print(stderr, "srbf: {}: warning: it reflects {:.3g} times the light that it receives; see --quantity\n",
+                   printable(fit.input), brightest);
     const auto written = write_fit(fit, outcome->model, picture, report_of(fit, *measured, *outcome),
                                    [&] { return print_report(fit, *measured, *outcome); });
     return written ? k_done : complain(written.error());

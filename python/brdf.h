@@ -13,6 +13,7 @@
 #include "brdf/channels.h"
 #include "measured/readers.h"
 #include "measured/tables.h"
+#include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
 #include "srbf/prepared_bsdf.h"
@@ -206,24 +207,14 @@ inline double change_by_azimuth(const PyBrdf& brdf) {
 inline ScatteredSamples valid_samples(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
-    ScatteredSamples samples;
-    samples.isotropic = isotropic;
-    const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
-    const auto values = span_of<Rgb>(f);
     const py::gil_scoped_release released;
-    for (std::size_t i = 0; i < l.size(); ++i) {
-        if (!is_finite(values[i]) || !above_horizon(l[i], v[i])) {
-            ++samples.masked;
-            continue;
-        }
-        samples.wl.push_back(l[i]), samples.wv.push_back(v[i]), samples.colour.push_back(values[i]);
-    }
-    return samples;
+    return valid_samples(span_of<Vec3f>(wl), span_of<Vec3f>(wv), span_of<Rgb>(f), isotropic);
 }
 
 inline PyBrdf brdf_of_samples(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
     ScatteredSamples samples = valid_samples(wl, wv, f, isotropic);
-    if (samples.wl.empty()) raise({"arrays", {}, "samples", "some above the horizon", "none", ErrorCode::no_data});
+    if (samples.wl.empty()) raise({"arrays", {}, "samples", "some above the horizon",
+                                 samples.notes.empty() ? "none" : samples.notes[0], ErrorCode::no_data});
     {
         const py::gil_scoped_release released;
         make_index(samples);

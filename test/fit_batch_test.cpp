@@ -168,6 +168,12 @@ TEST(FitBatch, texels_without_values_do_not_stop_the_others) {
         EXPECT_EQ(std::max({black.r, black.g, black.b}), 0);
         EXPECT_EQ(rounded((*fits)[t].model), (*fits)[t].model);
     }
+    // A number that stands for no value is as good as NaN.
+    std::vector<Rgb> missing(f.end() - k_pairs, f.end());
+    for (std::size_t i = 0; i < 30; ++i) missing[i].g = -999;
+    const auto masked = fit_batch(pairs, missing, small_options(1));
+    ASSERT_TRUE(masked);
+    EXPECT_EQ(masked->front().model, (*fits)[3].model);
     // Pairs without a value, or below the horizon, are as good as absent.
     SharedPairs fewer = pairs;
     for (auto* of : {&fewer.wl, &fewer.wv}) of->erase(of->begin(), of->begin() + 30);

@@ -4,10 +4,12 @@
 #include <map>
 
 #include "brdf/colour.h"
+#include "measured/formats.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "measured/tables.h"
 #include "measured_files.h"
+#include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
 
@@ -299,7 +301,8 @@ TEST(ScatteredSamples, MaskMissingValues) {
         const auto s = read(reader, text);
         EXPECT_TRUE(s.ok()) << message(s.error());
         if (!s) return std::size_t(0);
-        EXPECT_EQ(s->notes.empty(), s->masked == 0);
+        const auto tells = [](const std::string& note) { return note.find("stands for no value") != note.npos; };
+        EXPECT_EQ(std::ranges::any_of(s->notes, tells), s->masked > 0);
         for (const float f : s->spectrum) EXPECT_GT(f, -1);
         for (const Rgb& f : s->colour) EXPECT_GT(f.g, -100);
         return std::size_t(s->masked);
@@ -307,6 +310,11 @@ TEST(ScatteredSamples, MaskMissingValues) {
     EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-999", "0.2", "-999", "0.3", "-0.01"})), 2u);
     EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-9999", "0.2", "-999", "0.3", "2"})), 2u);
     EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-1", "0.2", "-1", "0.3"})), 2u);
+    // The number is in the unit of the file: reflectance factors near 1, per cent.
+    EXPECT_EQ(masked(read_csv, rows(angles + "brf\n", {"-1", "0.95", "-1", "0.93", "-0.02"})), 2u);
+    EXPECT_EQ(masked(read_csv, rows(angles + "brf (%)\n", {"-999", "40.5", "41", "39.5"})), 1u);
+    EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"9999", "0.2", "9999", "0.3"})), 2u);
+    EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"65535", "0.2", "65535", "-999", "0.3"})), 3u);
     EXPECT_EQ(masked(read_csv, rows(angles + "r,g,b\n", {"-999,-999,-999", "0.2,0.1,-0.01", "0.2,0.2,0.2"})), 1u);
     EXPECT_EQ(masked(read_csv, rows(angles + "x,y,z\n", {"-999,-999,-999", "0.2,0.1,0.1", "0.2,0.2,0.2"})), 1u);
     EXPECT_EQ(masked(read_csv, rows(angles + "500nm,600nm\n", {"-999,0.1", "0.2,0.1", "0.2,0.2"})), 1u);
@@ -314,10 +322,89 @@ TEST(ScatteredSamples, MaskMissingValues) {
     EXPECT_EQ(
         masked(read_alta, "#DIM 3 1\n#PARAM_IN ISOTROPIC_TV_TL_DPHI\n0.1 0.1 0 -99\n0.1 0.2 0 -99\n0.2 0.2 0 1\n"), 2u);
     EXPECT_EQ(masked(read_cornell, "2\n500 600\n0.1 0 0.1 0 -999 -999\n0.1 0 0.2 0 1 1\n"), 1u);
-    // Noise around 0, also quantised; an out-of-gamut colour at a highlight.
+    // A peak that occurs once, a saturated plateau, noise around 0, also quantised; an out-of-gamut colour at a highlight.
+    EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"9999", "0.2", "0.3", "0.2"})), 0u);
+    EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"9999", "9999", "9998", "0.2"})), 0u);
+    EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-1", "1", "3", "0", "2"})), 0u);
     EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-0.3", "0.1", "-0.1", "-0.3", "0.2", "-0.2"})), 0u);
     EXPECT_EQ(masked(read_csv, rows(angles + "r,g,b\n", {"-9,100,200", "-9,100,200", "0.1,0.1,0.1", "0.1,0.1,0.1"})),
               0u);
+}
+
+/// In every format such a number is masked, or is none by the format's own rule: nowhere is it a value.
+TEST(Formats, NumbersForNoValueAreNoValues) {
+    const TableSource source{[](auto wl, auto wv, auto f) {
+                                 for (std::size_t i = 0; i < f.size(); ++i) {  // the detector hides the light
+                                     const float value = wl[i].z < 0.8f && dot(wl[i], wv[i]) > 0.8f ? -999 : 0.25f;
+                                     f[i] = {value, value, value};
+                                 }
+                             },
+                             true};
+    auto rgl = simple_rgl();
+    field(rgl, "rgb") = float_field("rgb", {1, 3, 3, 4, 3}, [](std::size_t i) { return i % 12 == 5 ? -999.f : 0.25f; });
+    const auto text = [](std::string_view words) { return Bytes(as_bytes(words).begin(), as_bytes(words).end()); };
+    std::string bird = "{\"data\":{";
+    for (const char* angle : {"theta_i", "phi_i", "theta_r", "phi_r"})
+        bird += fmt::format("\"{}\":{{\"unit\":\"deg\",\"values\":[0,0,10,10]}},", angle);
+    bird +=
+        "\"wavelength_i\":{\"unit\":\"nm\",\"values\":[500,500,500,500]},\"BRDF\":{\"unit\":\"1/"
+        "sr\",\"values\":[0.25,-999,0.25,0.5";
+    const std::map<std::string_view, Bytes> read_alone{
+        {"RGL", tensor_file(rgl)},
+        {"UTIA", utia_file([](int l, int, int v, int, int) { return l == 3 && v == 3 ? -999 : 0.25; })},
+        {"ALTA", text("#DIM 3 1\n#PARAM_IN ISOTROPIC_TV_TL_DPHI\n#PARAM_OUT INV_STERADIAN_COSINE_FACTOR\n"
+                      "0.1 0.1 0 -999\n0.3 0.2 0 -999\n0.2 0.2 0 .25\n")},
+        {"ASTM E1392", text("VARS theta_i,theta_s,phi_s,Y\n0.1,0.1,0,-999\n0.2,0.1,0,0.25\n")},
+        {"Cornell", text("1\n500\n0.1 0 0.1 0 -999\n0.1 0 0.2 0 .25\n")},
+        {"FRED", text("type bsdf_data\nformat angles=deg bsdf=value scale=0.1\n30 0\n10 0 .25\n20 0 -999\n")},
+        {"BiRD", text(bird + "]}}}")}};
+    for (const Format& format : formats()) {
+        const auto known = read_alone.find(format.name);
+        const Bytes bytes = known != read_alone.end() ? known->second : *format.write(source, {});
+        const auto measured = read_measured(bytes, "f");
+        ASSERT_TRUE(measured.ok()) << format.name << ' ' << message(measured.error());
+        EXPECT_EQ(measured->format, format.name);
+        std::mt19937_64 random(1);
+        for (int i = 0; i < 300; ++i) {
+            const Vec3f wl = to_float(random_direction(random, 0.5)), wv = to_float(random_direction(random, 0.5));
+            const Rgb f = signed_value(*measured, wl, wv);
+            EXPECT_FALSE(f.g < -2 || f.g > 4) << format.name << ' ' << f.g;
+        }
+    }
+    const std::vector<Vec3f> up(3, {0, 0, 1}), light{{0, 0, 1}, {0, 0.6f, 0.8f}, {0, 0, -1}};
+    const auto samples = valid_samples(light, up, std::vector<Rgb>{{-999, -999, -999}, {1, 2, 3}, {1, 2, 3}}, true);
+    EXPECT_EQ(samples.masked, 2u);
+    EXPECT_EQ(samples.wl, std::vector<Vec3f>(1, light[1]));
+    EXPECT_EQ(samples.notes.size(), 1u);
+}
+
+/// Other encodings of a text are the same, and other files are called what they are.
+TEST(Formats, OtherEncodingsAndFilesAreRecognised) {
+    const std::string text = "theta_i (°),theta_o (°),phi (°),brdf\n10,20,30,1\n20,30,40,2\n";
+    const auto expected = read(read_csv, text);
+    std::string cr = text, little = "\xff\xfe", big = "\xfe\xff";
+    std::ranges::replace(cr, '\n', '\r');
+    for (const char c : text)
+        if (c != '\xc2')  // "°" is U+00B0, "\xc2\xb0" in UTF-8
+            little += {c, '\0'}, big += {'\0', c};
+    for (const std::string& other : {cr, little, big}) {
+        const auto measured = read_measured(as_bytes(other), "f");
+        ASSERT_TRUE(measured.ok()) << message(measured.error());
+        EXPECT_EQ(std::get<ScatteredSamples>(measured->table).wv, expected->wv);
+    }
+    const auto polarized = tensor_file({float_field("M", {1}, [](std::size_t) { return 1.f; })});
+    const std::string tensor(reinterpret_cast<const char*>(polarized.data()), polarized.size());
+    for (const auto& [bytes, words] : std::initializer_list<std::pair<std::string, std::string>>{
+             {"\xd0\xcf\x11\xe0\xa1\xb1", "save the sheet as CSV"},
+             {"PK\x03\x04..[Content_Types].xml", "save the sheet as CSV"},
+             {"PK\x03\x04..", "a ZIP archive; unpack it"},
+             {"\x1f\x8b..", "gunzip"},
+             {"<?xml version=\"1.0\"?>\n<!DOCTYPE html>\n<HTML>", "a web page, not a file of data"},
+             {"#ALTA FUNC HEADER\n#DIM 2 1\n", "a function that ALTA fitted"},
+             {tensor, "Mueller matrices of a polarized one"}}) {
+        const auto measured = read_measured(as_bytes(bytes), "f");
+        has(measured ? "" : message(measured.error()), words);
+    }
 }
 
 /// A function of both polar angles and the azimuth between viewer and light, written as a table in a text format.
@@ -326,6 +413,7 @@ struct WrittenTable {
     std::string (*row)(double, double,
                        double) = nullptr;  // of θ_l, θ_v and the viewer's azimuth relative to the light [degrees]
     Quantity quantity = Quantity::bsdf;
+    double unit = 1;
 
     static double f(double theta_l, double theta_v, double phi) {
         const Vec3d wl = spherical(theta_l * k_degree, 0.0), wv = spherical(theta_v * k_degree, phi * k_degree);
@@ -341,6 +429,7 @@ struct WrittenTable {
                     double value = f(l, v, phi);
                     if (quantity == Quantity::factor) value *= k_pi;
                     if (quantity == Quantity::cosine) value *= std::cos(v * k_degree);
+                    value /= unit;
                     std::string line = row(l, v, phi) + fmt::format(" {:.6f}\n", value);
                     for (std::string::size_type position = 0; (position = line.find('.', position)) != line.npos;
                          position += decimal.size())
@@ -375,6 +464,16 @@ TEST(Csv, ReadsCommonLayouts) {
     const auto opposite = [](double l, double v, double phi) { return fmt::format("{} {}", -l, phi == 180 ? v : -v); };
     const auto exchanged = [](double l, double v, double phi) { return fmt::format("{} 180 {} {}", l, v, 180 + phi); };
     const auto extra = [](double l, double v, double phi) { return fmt::format("{} 0 {} {} 7", l, v, phi); };
+    const auto stage = [](double l, double v, double phi) { return fmt::format("{} 0 {} {} 12.5 3 0", l, v, phi); };
+    const auto both = [](double l, double v, double phi) { return fmt::format("{} 0 {} {} 0", l, v, phi); };
+    const auto phase = [](double l, double v, double phi) {
+        const double g = std::acos(dot(spherical(l * k_degree, 0.0), spherical(v * k_degree, phi * k_degree)));
+        return fmt::format("{} {} {:.6f}", l, v, g / k_degree);
+    };
+    const auto aspecular = [](double l, double v, double phi) {
+        return fmt::format("{} {}", l, phi == 180 ? l - v : l + v);
+    };
+    constexpr Quantity factor = Quantity::factor, bsdf = Quantity::bsdf;
     struct Case {
         WrittenTable table;
         std::string columns, note;
@@ -406,6 +505,19 @@ TEST(Csv, ReadsCommonLayouts) {
         {{"theta_i,phi_i,theta_o,phi_o,ccBRDF", ",", ".", full, Quantity::cosine}, "", "f cosθ"},
         {{"theta_i,phi_i,theta_o,phi_o,brdf", ",", ".", full, Quantity::cosine}, "", "light", false, Quantity::cosine},
         {{"theta_i,phi_i,theta_o,phi_o,brdf", ",", ".", full, Quantity::factor}, "", "light", false, Quantity::factor},
+        {{"sun_zenith,sun_azimuth,sensor_zenith,sensor_azimuth,reflectance", ",", ".", full, factor}, "", "factors"},
+        {{"to-sun zenith,to-sun azimuth,to-sensor zn,to-sensor az,R550", ",", ".", full, factor}, "", "factors"},
+        {{"src_z,src_a,view_z,view_a,550", ",", ".", full}, "", "viewer: view_z, view_a"},
+        {{"theta_src,phi_src,theta_d,phi_d,0.55 µm", ",", ".", full}, "", "viewer: theta_d, phi_d"},
+        {{"sza,vza,raa,BRF_670", ",", ".", relative, factor}, "", "relative azimuth of 0 is taken as backward"},
+        {{"theta_i,phi_i,theta_o,phi_o,BRF (%)", ",", ".", full, factor, 0.01}, "", "units of 0.01"},
+        {{"theta_i,phi_i,theta_o,phi_o,BRDF [1e-3/sr]", ",", ".", full, bsdf, 1e-3}, "", "units of 0.001"},
+        {{"theta_i,phi_i,theta_o,phi_o,f\n°,°,°,°,10^-3 sr^-1", ",", ".", full, bsdf, 1e-3}, "", "units of 0.001"},
+        {{"theta_i,phi_i,theta_o,phi_o,x,y,z,brdf", ",", ".", stage}, "", "not read: x, y, z"},
+        {{"theta_i,phi_i,theta_o,phi_o,brdf_s,brdf_p", ",", ".", both, bsdf, 0.5}, "", "means of both"},
+        {{"incidence,emission,phase,brdf", ",", ".", phase}, "", "viewer: emission, phase"},
+        {{"theta_i_deg,aspecular_angle_deg,brdf", ",", ".", aspecular}, "", "from the mirror direction", true},
+        {{",,,,\ntheta_i,phi_i,theta_o,phi_o,brdf\n,,,,", ",", ".", full}, "", "light"},
     };
     for (const auto& [table, columns, note, in_plane, quantity] : cases) {
         const std::string text = table.text(in_plane);
@@ -429,8 +541,13 @@ TEST(Csv, RefusesAmbiguousColumns) {
     has(error_of(read_csv, "theta_l_deg,theta_i_deg,theta_v_deg,phi_v_deg,value\n"), "'theta_l_deg' and 'theta_i_deg'");
     has(error_of(read_csv, "theta_l_deg,theta_v_deg,value\n-30,30,1\n30,30,1\n"),
         "phi_l_deg=0,phi_v_deg=0 in --columns");
-    has(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,wavelength,brdf\n1,2,3,500,1\n1,2,3,600,1\n"),
-        "line 3: wavelength: expected one in all rows, or a column for each as 532nm");
+    const std::string angles = "theta_l_deg,theta_v_deg,phi_v_deg,";
+    has(error_of(read_csv, angles + "wavelength,r,g,b\n1,2,3,500,1,1,1\n1,2,3,600,1,1,1\n"),
+        "line 3: wavelength: expected one in all rows, or one value in a row, or a column for each as 532nm");
+    has(error_of(read_csv, angles + "value,brdf\n"), "found 'value' and 'brdf'");
+    has(error_of(read_csv, angles + "brdf,550nm\n"), "found '550nm' and 'brdf'");
+    has(error_of(read_csv, angles + "BRDF [dB]\n"), "found the unit of 'BRDF [dB]'");
+    has(error_of(read_csv, "angle_deg,reflectance_percent\n"), "theta_both_deg");
     has(error_of(read_csv, "theta_v_deg,phi_v_deg,value\n1,2,3\n"), "theta_l_deg=30 in --columns, found no theta_l");
     for (const char* wrong : {"phi_l=180", "phi_l_deg=x", "theta_l_deg=400", "value=1", "theta_l_deg=1"}) {
         const auto measured =
@@ -442,6 +559,33 @@ TEST(Csv, RefusesAmbiguousColumns) {
                                          {"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value", {}, 0});
     ASSERT_TRUE(isotropic.ok());
     EXPECT_TRUE(is_isotropic(*isotropic));
+}
+
+/// A row for each wavelength, one angle for light and viewer, and multi-angle instruments.
+TEST(Csv, ReadsOtherLayouts) {
+    const auto rows = read(read_csv,
+                           "theta_i_deg,theta_r_deg,phi_deg,wavelength [um],BRDF\n10,20,30,0.45,1\n10,20,30,0.55,2\n"
+                           "10,40,30,0.45,3\n10,40,30,0.55,4\n");
+    ASSERT_TRUE(rows.ok()) << message(rows.error());
+    EXPECT_EQ(rows->wavelengths, (std::vector<float>{450, 550}));
+    EXPECT_EQ(rows->spectrum, (std::vector<float>{1, 2, 3, 4}));
+    EXPECT_TRUE(near_direction(rows->wv[1], spherical(40 * k_degree, 30 * k_degree)));
+    const auto lidar = read(read_csv, "theta_both_deg,reflectance_percent\n10,200\n20,100\n");
+    ASSERT_TRUE(lidar.ok()) << message(lidar.error());
+    EXPECT_EQ(lidar->wl, lidar->wv);
+    EXPECT_PRED3(near, lidar->colour[1].g, 1 / k_pi, 1e-6);
+    const auto angles = read(read_csv, "45as-15,45as15,45as110\n1,2,3\n");
+    ASSERT_TRUE(angles.ok()) << message(angles.error());
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_TRUE(near_direction(angles->wl[i], spherical(45 * k_degree, k_pi)));
+        EXPECT_TRUE(near_direction(angles->wv[i], spherical((i == 0 ? 60 : i == 1 ? 30 : -65) * k_degree, 0.0)));
+        EXPECT_PRED3(near, angles->colour[i].g, double(i + 1) / k_pi, 1e-6);
+    }
+    const auto small =
+        read(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n0.5,1.4,3,1\n0.5,1,3,N/A\n#N/A,1,3,1\n");
+    ASSERT_TRUE(small.ok());
+    EXPECT_EQ(small->masked, 1u);  // the last row is a comment
+    has(small->notes[0], "all polar angles are within 1.4 degrees: radians?");
 }
 
 TEST(Csv, ReportsErrors) {

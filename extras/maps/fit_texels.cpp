@@ -14,6 +14,7 @@
 #include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"
 #include "srbf/basis.h"
+#include "srbf/convert.h"
 
 namespace srbf {
 namespace {
@@ -55,13 +56,7 @@ Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f
     std::vector<std::shared_ptr<const Observations>> observed(T);
     parallel_for(T, options.threads, [&](std::size_t t) {
         if (reporter.cancelled()) return;
-        ScatteredSamples samples;
-        samples.isotropic = pairs.isotropic;
-        for (std::size_t i = 0; i < M; ++i)
-            if (is_finite(f[t * M + i]) && pairs.wl[i].z > 0 && pairs.wv[i].z > 0) {
-                samples.wl.push_back(pairs.wl[i]), samples.wv.push_back(pairs.wv[i]);
-                samples.colour.push_back(f[t * M + i]);
-            }
+        ScatteredSamples samples = valid_samples(pairs.wl, pairs.wv, f.subspan(t * M, M), pairs.isotropic);
         if (samples.wl.empty()) return;
         make_index(samples);
         ObserveSamplesOptions observe_options{

@@ -9,9 +9,9 @@
 #include "base/floating_point.h"
 #include "extras/optics/formats.h"
 #include "extras/optics/json_rows.h"
-#include "extras/optics/spectral_rows.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
+#include "measured/spectral_rows.h"
 
 namespace srbf {
 namespace {

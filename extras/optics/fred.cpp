@@ -80,10 +80,12 @@ Result<ScatteredSamples> read_fred(std::span<const std::byte> bytes, const std::
             continue;
         }
         if (!light) return wrong("sample", "a line of the light before it", *line);
-        const float f = float(numbers[angles] * format.scale);
+        const float f = float(numbers[angles]);
         builder.add(*light, spherical(side * theta, phi), std::span(&f, 1));
     }
-    return std::move(builder).finish(file_name, "FRED", azimuths.are_equal());
+    auto samples = std::move(builder).finish(file_name, "FRED", azimuths.are_equal());
+    if (samples) to_bsdf(*samples, Quantity::bsdf, format.scale);
+    return samples;
 }
 
 }  // namespace srbf

@@ -11,9 +11,9 @@
 #include "brdf/directions.h"
 #include "extras/optics/formats.h"
 #include "extras/optics/json_rows.h"
-#include "extras/optics/spectral_rows.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
+#include "measured/spectral_rows.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -202,7 +202,8 @@ void mask_gaps(ScatterTable& table) {
         const std::size_t n = slice.f.size() / table.channels;
         for (std::size_t i = 0; i < n; ++i) {
             bool is_gap = true;
-            for (std::size_t index = i; index < slice.f.size(); index += n) is_gap = is_gap && slice.f[index] == 0;
+            for (std::size_t index = i; index < slice.f.size(); index += n)
+                is_gap = is_gap && (slice.f[index] == 0 || std::isnan(slice.f[index]));
             if (is_gap) ++table.masked;
             for (std::size_t index = i; is_gap && index < slice.f.size(); index += n) slice.f[index] = k_nan;
         }
@@ -295,7 +296,8 @@ std::vector<TableLine> lines_about(const ScatterTable& table) {
                  table.about_mirror ? "mirror direction" : "normal", table.channels == 1 ? "" : ", CIE X, Y, Z")},
             {"θl", theta_l.text() + " degrees"},
             {"polar angle", polar.text() + " degrees"},
-            {"masked entries", fmt::format("{} of {}, 0 in the file", grouped(table.masked), grouped(values))},
+            {"masked entries",
+             fmt::format("{} of {}, 0 or a number for no value in the file", grouped(table.masked), grouped(values))},
             {"value [1/sr]", value.text()},
             {"TIS", "∫ f cosθ over the measured directions: " + tis}};
 }

@@ -88,6 +88,7 @@ ScatterTable::Slice read_speos_slice(ScatterText& text, const SpeosSide& side, f
         for (float& theta : slice.polar) theta = float(k_pi - double(theta));
     }
     for (const auto& row : rows) slice.f.insert(slice.f.end(), row.begin(), row.end());
+    mask_missing(slice.f, 1);
     if (!are_bsdf) divide_by_cosine(slice);
     return slice;
 }

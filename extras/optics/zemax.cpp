@@ -76,6 +76,7 @@ void read_zemax_data(ScatterText& text, std::size_t channel, ScatterTable& table
         std::vector<float> f;
         text.values(n_azimuth * n_radial, f);
         if (text.error()) return;
+        mask_missing(f, 1);
         slice.f.resize(table.channels * f.size());
         for (std::size_t a = 0; a < n_azimuth; ++a)
             for (std::size_t r = 0; r < n_radial; ++r)

@@ -45,6 +45,10 @@ MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options = {});
 /// `brdf` at all pairs of n directions of the Fibonacci set on the cap θ ≤ θmax [rad], without the pairs that were not
 /// measured.
 ScatteredSamples to_samples(const Evaluate& brdf, bool isotropic, int n, double theta_max);
+/// Samples f at pairs of unit vectors, without those that have no value: not finite, below the horizon, or with a number
+/// such as −999 (`notes`). It builds no index (`make_index`).
+ScatteredSamples valid_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                               bool isotropic);
 
 /// The bytes of a MERL `.binary`. Cells without a measurement are −1. Reading them gives `table`.
 std::vector<std::byte> write_merl(const MerlTable& table);

@@ -47,8 +47,8 @@ __version__: str = _srbf.version
 
 
 def _numbers(array: npt.ArrayLike, name: str, last: Optional[int] = 3) -> Array:
-    """`array` as float32, with `last` numbers along its last axis; None: any number."""
-    array = np.asarray(array)
+    """`array` as float32, with `last` numbers along its last axis; None: any number. Masked ones are NaN."""
+    array = np.asarray(array.astype(np.float32).filled(np.nan) if isinstance(array, np.ma.MaskedArray) else array)
     if array.dtype.kind not in "fiub":
         raise TypeError(f"{name}: expected real numbers, found dtype {array.dtype}")
     if last is not None and (array.ndim == 0 or array.shape[-1] != last):
@@ -340,7 +340,7 @@ def _wrong_kind(path: Path, expected: str, found: str) -> Error:
 
 def from_arrays(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, isotropic: bool = True) -> Measurement:
     """Makes a measurement of samples at pairs of directions [..., 3]. Their values `f` have the shape [..., 3] or, if grey, [...], [..., 1]
-    or (). Samples that are not finite or below the horizon are dropped. Raises ValueError for other shapes of `f`. Warns if `isotropic`
+    or (). Samples that are not finite, masked or below the horizon, or hold a number such as -999 (`notes`), are dropped. Raises ValueError for other shapes of `f`. Warns if `isotropic`
     is True, so that only the difference of the azimuths counts, but the samples are anisotropic."""
     shape, (lights, views) = _pairs(wl, wv)
     values = _numbers(f, "f", None)

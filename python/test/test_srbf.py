@@ -165,6 +165,13 @@ def test_errors_of_functions_are_those_of_their_values(paper, facets):
         srbf.errors(paper, "paper.srbf")
 
 
+def test_values_that_are_missing_are_no_values():
+    wl, wv, f = directions(300), directions(300, seed=1), np.full((300, 3), 0.25)
+    hidden = np.arange(300) % 7 == 0
+    for missing in (np.where(hidden[:, None], -999, f), np.ma.masked_array(f, np.broadcast_to(hidden[:, None], f.shape))):
+        np.testing.assert_array_equal(srbf.from_arrays(wl, wv, missing).eval(wl, wv), srbf.from_arrays(wl[~hidden], wv[~hidden], f[~hidden]).eval(wl, wv))
+
+
 def test_functions_and_arrays_are_fitted():
     def lambert(wl, wv):
         assert wl.shape == wv.shape and wl.dtype == np.float32

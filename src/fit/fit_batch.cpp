@@ -18,6 +18,7 @@
 #include "samples/fit_pm_to_samples.h"
 #include "samples/gap_filled_samples.h"
 #include "samples/observe_samples.h"
+#include "srbf/convert.h"
 #include "srbf/sampling.h"
 
 namespace srbf {
@@ -91,22 +92,11 @@ PmModel black_model(const PmFitOptions& of) {
 }
 
 ScatteredSamples samples_of(const Batch& batch, std::span<const Rgb> f) {
-    if (batch.all_above && std::ranges::all_of(f, [](const Rgb& of) { return is_finite(of); })) {
-        ScatteredSamples samples = batch.samples;  // shares the index
-        samples.colour.assign(f.begin(), f.end());
-        return samples;
-    }
-    ScatteredSamples samples;
-    samples.isotropic = batch.pairs.isotropic;
-    for (std::size_t i = 0; i < f.size(); ++i) {
-        if (!is_finite(f[i]) || !above_horizon(batch.pairs.wl[i], batch.pairs.wv[i])) {
-            ++samples.masked;
-            continue;
-        }
-        samples.wl.push_back(batch.pairs.wl[i]), samples.wv.push_back(batch.pairs.wv[i]);
-        samples.colour.push_back(f[i]);
-    }
-    if (!samples.wl.empty()) make_index(samples);
+    ScatteredSamples samples = valid_samples(batch.pairs.wl, batch.pairs.wv, f, batch.pairs.isotropic);
+    if (batch.all_above && samples.masked == 0)
+        samples.index = batch.samples.index;
+    else if (!samples.wl.empty())
+        make_index(samples);
     return samples;
 }
 

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cassert>
 
+#include "base/floating_point.h"
 #include "measured/limits.h"
+#include "srbf/convert.h"
+#include "srbf/handles.h"
 
 namespace srbf {
 
@@ -54,6 +57,9 @@ void SampleBuilder::add(Vec3d wl, Vec3d wv, std::span<const float> f, float weig
         case Values::grey:
             samples_.colour.push_back({f[0], f[0], f[0]});
             break;
+        case Values::polarized:
+            samples_.colour.push_back({f[0], f[1], f[0]});  // both until `finish`
+            break;
         case Values::rgb:
         case Values::xyz:
             samples_.colour.push_back({f[0], f[1], f[2]});  // XYZ until `finish`
@@ -67,35 +73,68 @@ void SampleBuilder::add(Vec3d wl, Vec3d wv, std::span<const float> f, float weig
 
 namespace {
 
-/// Finds a negative number that marks missing values, such as −999: the smallest value, if it is an integer or occurs
-/// more than once, its magnitude exceeds twice the median of positive values, and it is ten times as far below 0 as the
-/// values of all other samples. A sample with another channel as large is a saturated colour instead. `rows` holds
-/// `width` values for each sample.
-std::optional<float> missing_value(std::span<const float> rows, std::size_t width) {
-    const float least = std::ranges::min(rows);
-    if (!(least < 0)) return {};
-    std::vector<float> positive;
-    std::size_t occurrences = 0;
-    float next = 0;
-    for (std::size_t begin = 0; begin < rows.size(); begin += width) {
-        const auto row = rows.subspan(begin, width);
-        const bool has = std::ranges::find(row, least) != row.end();
-        if (has && std::ranges::any_of(row, [&](float f) { return f >= -least; })) return {};
-        occurrences += has;
-        for (const float f : row) {
-            if (f > 0) positive.push_back(f);
-            if (!has) next = std::min(next, f);
+/// The numbers of the rows without `missing`, and how many rows have it.
+struct OtherRows {
+    std::size_t with = 0;
+    float least = 0, most = 0;
+    bool is_saturated = false, has_fractions = false;
+
+    OtherRows(std::span<const float> rows, std::size_t width, float missing) {
+        for (std::size_t begin = 0; begin < rows.size(); begin += width) {
+            const auto row = rows.subspan(begin, width);
+            const bool has = std::ranges::find(row, missing) != row.end();
+            with += has;
+            for (const float f : row) {
+                is_saturated |= has && f >= -missing;
+                if (has || std::isnan(f)) continue;
+                least = std::min(least, f), most = std::max(most, f), has_fractions |= f != std::round(f);
+            }
         }
     }
-    if (occurrences < 2 && least != std::round(least)) return {};
-    if (next < least / 10) return {};
-    if (positive.empty()) return least;
+};
+
+/// The median of positive numbers; 0 if there are none.
+float median_of_positive(std::span<const float> numbers) {
+    std::vector<float> positive;
+    std::ranges::copy_if(numbers, std::back_inserter(positive), [](float f) { return f > 0; });
     const auto median = positive.begin() + std::ptrdiff_t(positive.size() / 2);
     std::ranges::nth_element(positive, median);
-    return -least > 2 * *median ? std::optional(least) : std::nullopt;
+    return positive.empty() ? 0 : *median;
+}
+
+std::optional<float> missing_number(std::span<const float> rows, std::size_t width) {
+    constexpr float fills[] = {999, 9999, 99999, 999999, 32767, 65535, 2147483648};
+    float least = 0, most = 0;
+    for (const float f : rows) least = std::min(least, f), most = std::max(most, f);
+    if (std::ranges::find(fills, most) != std::end(fills))
+        if (const OtherRows others(rows, width, most); others.with > 1 && most > 2 * others.most) return most;
+    if (!(least < 0)) return {};
+    const OtherRows others(rows, width, least);
+    const bool is_integer = least == std::round(least);
+    if (others.is_saturated || (others.with < 2 && !is_integer) || others.least < least / 10) return {};
+    const bool is_missing = (is_integer && others.has_fractions) || -least > 2 * median_of_positive(rows);
+    return is_missing ? std::optional(least) : std::nullopt;
 }
 
 }  // namespace
+
+void mask_missing(std::span<float> rows, std::size_t width, std::vector<std::string>* notes) {
+    // A file may have several such numbers: −9999 for not measured, −999 for saturated.
+    constexpr int k_most_kinds = 4;
+    for (int kind = 0; kind < k_most_kinds; ++kind) {
+        const auto missing = missing_number(rows, width);
+        if (!missing) return;
+        std::size_t masked = 0;
+        for (std::size_t begin = 0; begin < rows.size(); begin += width) {
+            const auto row = rows.subspan(begin, width);
+            if (std::ranges::find(row, *missing) == row.end()) continue;
+            ++masked, std::ranges::fill(row, k_nan);
+        }
+        if (notes)
+            notes->push_back(
+                fmt::format("{} samples of {:g}, which stands for no value, are masked", masked, *missing));
+    }
+}
 
 void keep_samples(ScatteredSamples& samples, const std::function<bool(std::size_t)>& keep) {
     const std::size_t channels = samples.wavelengths.size();
@@ -114,13 +153,29 @@ void keep_samples(ScatteredSamples& samples, const std::function<bool(std::size_
     if (!samples.weight.empty()) samples.weight.resize(kept);
 }
 
-void to_bsdf(ScatteredSamples& samples, Quantity quantity) {
-    if (quantity != Quantity::factor && quantity != Quantity::cosine) return;
+ScatteredSamples valid_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                               bool isotropic) {
+    const StandardArithmetic mode;
+    require_equal_lengths(wl.size(), wv.size(), f.size());
+    ScatteredSamples samples;
+    samples.isotropic = isotropic;
+    samples.wl.assign(wl.begin(), wl.end()), samples.wv.assign(wv.begin(), wv.end());
+    samples.colour.assign(f.begin(), f.end());
+    if (!f.empty()) mask_missing({&samples.colour[0].r, 3 * f.size()}, 3, &samples.notes);
+    keep_samples(samples, [&](std::size_t i) { return is_finite(samples.colour[i]) && above_horizon(wl[i], wv[i]); });
+    return samples;
+}
+
+void to_bsdf(ScatteredSamples& samples, Quantity quantity, double unit) {
+    if (quantity != Quantity::factor && quantity != Quantity::cosine && unit == 1) return;
     const std::size_t channels = samples.wavelengths.size();
     const auto is_value = [](float f) { return std::abs(f) <= k_largest_value; };
     const auto row = [&](std::size_t i) { return std::span(samples.spectrum).subspan(i * channels, channels); };
     for (std::size_t i = 0; i < samples.wl.size(); ++i) {
-        const double scale = quantity == Quantity::factor ? k_pi : double(samples.wv[i].z);
+        const double per_unit = quantity == Quantity::factor   ? k_pi
+                                : quantity == Quantity::cosine ? double(samples.wv[i].z)
+                                                               : 1,
+                     scale = per_unit / unit;
         for (float& f : row(i)) f = float(double(f) / scale);
         for (int c = 0; c < 3; ++c) samples.colour[i][c] = float(double(samples.colour[i][c]) / scale);
     }
@@ -138,37 +193,26 @@ std::string expected_angle(AngleKind kind, double number, AngleUnit unit) {
                        most / unit.radians, unit.name);
 }
 
-void SampleBuilder::mask_missing() {
-    // A file may have several such numbers: −9999 for not measured, −999 for saturated.
-    constexpr int k_most_kinds = 4;
-    for (int kind = 0; kind < k_most_kinds && !samples_.wl.empty(); ++kind) {
-        const std::size_t width = values_ == Values::spectrum ? weights_.size() : 3;
-        const std::span<const float> rows =
-            values_ == Values::spectrum ? std::span<const float>(samples_.spectrum)
-                                        : std::span<const float>(&samples_.colour[0].r, 3 * samples_.colour.size());
-        const auto missing = missing_value(rows, width);
-        if (!missing) return;
-        const std::uint64_t before = samples_.masked;
-        keep_samples(samples_, [&](std::size_t i) {
-            const auto row = rows.subspan(i * width, width);
-            return std::ranges::find(row, *missing) == row.end();
-        });
-        samples_.notes.push_back(fmt::format("{} samples of {:g}, which stands for no value, are masked",
-                                             samples_.masked - before, *missing));
-    }
-}
-
 Result<ScatteredSamples> SampleBuilder::finish(const std::string& file_name, std::string description,
                                                bool isotropic) && {
-    mask_missing();
+    const std::size_t n = samples_.wl.size(), width = values_ == Values::spectrum ? weights_.size() : 3;
+    const std::span<float> rows = n == 0                        ? std::span<float>()
+                                  : values_ == Values::spectrum ? std::span(samples_.spectrum)
+                                                                : std::span(&samples_.colour[0].r, 3 * n);
+    mask_missing(rows, width, &samples_.notes);
+    if (!samples_.notes.empty()) keep_samples(samples_, [&](std::size_t i) { return std::isfinite(rows[i * width]); });
+    if (values_ == Values::polarized)
+        for (Rgb& f : samples_.colour) f.r = f.g = f.b = f.r / 2 + f.g / 2;
     if (values_ == Values::xyz)
         for (Rgb& f : samples_.colour) f = to_rgb(Xyz{double(f.r), double(f.g), double(f.b)});
     if (samples_.wl.empty())
         return Error{file_name,
                      {},
                      "samples",
-                     "at least one that is finite and above the horizon",
-                     samples_.masked == 0 ? "none" : fmt::format("{} that are not", samples_.masked)};
+                     "at least one that has a value and is above the horizon",
+                     !samples_.notes.empty() ? samples_.notes[0]
+                     : samples_.masked == 0  ? "none"
+                                             : fmt::format("{} that are not", samples_.masked)};
     if (too_many_)
         return Error{file_name, {}, "samples", fmt::format("at most {} in a file of {} bytes", most_, bytes_), "more"};
     samples_.description = std::move(description);
@@ -186,6 +230,30 @@ bool is_text(std::span<const std::byte> bytes) {
         const auto code = static_cast<unsigned char>(c);
         return code < 0x20 && c != '\t' && c != '\n' && c != '\r';
     });
+}
+
+std::optional<std::vector<std::byte>> plain_text(std::span<const std::byte> bytes) {
+    const std::string_view raw = as_text(bytes);
+    std::string text;
+    if (const bool is_little = raw.starts_with("\xff\xfe"); is_little || raw.starts_with("\xfe\xff")) {
+        const auto unit = [&](std::size_t i) {
+            const auto byte = [&](std::size_t k) { return k < raw.size() ? std::uint32_t(std::uint8_t(raw[k])) : 0; };
+            return byte(i + !is_little) | byte(i + is_little) << 8;
+        };
+        for (std::size_t i = 2; i < raw.size(); i += 2) {
+            std::uint32_t code = unit(i);
+            if (code >> 10 == 0x36 && unit(i + 2) >> 10 == 0x37)
+                code = 0x10000 + ((code & 0x3ff) << 10 | (unit(i + 2) & 0x3ff)), i += 2;
+            const int further = code < 0x80 ? 0 : code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;
+            text += char((further == 0 ? 0 : 0xf0 << (3 - further) & 0xff) | code >> 6 * further);
+            for (int k = further; k-- > 0;) text += char(0x80 | (code >> 6 * k & 0x3f));
+        }
+    } else if (raw.find('\n') >= raw.size() - 1 && raw.find('\r') < raw.size() && is_text(bytes)) {
+        std::ranges::replace_copy(raw, std::back_inserter(text), '\r', '\n');
+    }
+    const auto converted = std::as_bytes(std::span(text));
+    return text.empty() || !is_text(converted) ? std::nullopt
+                                               : std::optional(std::vector(converted.begin(), converted.end()));
 }
 
 }  // namespace srbf

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -17,7 +18,8 @@
 
 namespace srbf {
 
-enum class Values { grey, rgb, xyz, spectrum };
+/// The numbers of a sample. The two of a polarized one are averaged.
+enum class Values { grey, rgb, xyz, spectrum, polarized };
 
 /// Limit on the columns of a file, far above those of any measurement.
 inline constexpr std::size_t k_most_columns = 4096;
@@ -30,19 +32,20 @@ class SampleBuilder {
     /// size of the file and 32 MB, which limits their number.
     SampleBuilder(Values values, std::vector<float> wavelengths, std::size_t bytes, std::size_t rows);
     std::size_t width() const {
-        return values_ == Values::grey ? 1 : values_ == Values::spectrum ? weights_.size() : 3;
+        return values_ == Values::grey        ? 1
+               : values_ == Values::polarized ? 2
+               : values_ == Values::spectrum  ? weights_.size()
+                                              : 3;
     }
     /// Adds a sample with values f[width()]. It is masked if a number is not finite or a direction is below the
     /// horizon.
     void add(Vec3d wl, Vec3d wv, std::span<const float> f, float weight = 1);
     bool empty() const { return samples_.wl.empty(); }
-    /// Returns the samples, without an index. Masks numbers that mark missing values (`missing_value`), with a note.
+    /// Returns the samples, without an index. Masks numbers that stand for no value (`mask_missing`), with a note.
     /// Errors: no samples are left; there were too many.
     Result<ScatteredSamples> finish(const std::string& file_name, std::string description, bool isotropic) &&;
 
   private:
-    void mask_missing();
-
     Values values_;
     std::vector<Rgb> weights_;
     ScatteredSamples samples_;
@@ -50,11 +53,21 @@ class SampleBuilder {
     bool too_many_ = false;
 };
 
+/// Masks the numbers that stand for no value in a measurement, as −999, in rows of `width` numbers: sets every number
+/// of their rows to NaN. Such a number is
+/// * the least of all, if it is below 0, an integer or in several rows, ten times as far below 0 as other rows' numbers,
+///   and either twice as far from 0 as the median of positive ones or an integer among fractions. A row with a number
+///   as large has a saturated colour instead;
+/// * the largest of all, if several rows have it, it is an integer of nines or the largest of a type (9999, 65535), and it
+///   is twice as large as other rows' numbers.
+/// The numbers are in the unit of their file. `notes`: receives a line for each of them.
+void mask_missing(std::span<float> rows, std::size_t width, std::vector<std::string>* notes = nullptr);
+
 /// Keeps the samples whose numbers `keep` accepts, and counts the others as masked.
 void keep_samples(ScatteredSamples& samples, const std::function<bool(std::size_t)>& keep);
 
-/// Converts values to f, and masks those that become too large.
-void to_bsdf(ScatteredSamples& samples, Quantity quantity);
+/// Converts values to f, and masks those that become too large. `unit`: of the values.
+void to_bsdf(ScatteredSamples& samples, Quantity quantity, double unit = 1);
 
 enum class AngleKind { polar, azimuth };
 /// The kind of each of θ_l, φ_l, θ_v, φ_v.
@@ -82,10 +95,10 @@ inline constexpr double k_azimuth_rounding = 1e-4;
 /// Compares the azimuths of a file's lights. If all are equal, the measurement is isotropic.
 class LightAzimuths {
   public:
-    /// Ignores a light along the normal, which has no azimuth.
+    /// Ignores a light along the normal, which has no azimuth, and one that is not finite.
     void add(const Vec3d& wl) {
         const double sine = elementary::hypot(wl.x, wl.y);
-        if (sine <= k_azimuth_rounding) return;
+        if (!(sine > k_azimuth_rounding)) return;
         if (!first_) first_ = {wl.x / sine, wl.y / sine};
         const auto [x, y] = *first_;
         are_equal_ &= std::abs(x * wl.y - y * wl.x) <= k_azimuth_rounding && x * wl.x + y * wl.y > 0;
@@ -109,9 +122,13 @@ inline void split_row(std::string_view line, char separator, std::vector<std::st
         fields.push_back(word);
 }
 
-/// Reads the number in a field, which may have a decimal comma.
+/// Reads the number in a field, which may have a decimal comma. A spreadsheet's words for no value are NaN.
 template <typename T> std::optional<T> number_in(std::string_view field) {
     if (const auto number = to_number<T>(field)) return number;
+    constexpr std::string_view missing[] = {"n/a",   "na",    "n.a.",   "#n/a", "#div/0!", "#value!",
+                                            "#ref!", "#num!", "#null!", "null", "none",    "missing"};
+    if (std::ranges::any_of(missing, [&](std::string_view word) { return equal_ignoring_case(field, word); }))
+        return std::numeric_limits<T>::quiet_NaN();
     const auto comma = field.find(',');
     constexpr std::size_t longest = 40;
     if (comma == field.npos || field.find('.') != field.npos || field.size() > longest) return {};
@@ -181,6 +198,9 @@ bool has_colours(std::span<const float> wavelengths);
 
 /// True if the first kilobytes of `bytes` are text.
 bool is_text(std::span<const std::byte> bytes);
+/// Text in UTF-16 with a byte-order mark, or with lines ended by CR alone, as UTF-8 with lines ended by LF. No value for
+/// any other bytes.
+std::optional<std::vector<std::byte>> plain_text(std::span<const std::byte> bytes);
 /// Recognise formats by their first lines.
 bool is_cornell(std::string_view text);
 bool is_astm(std::string_view text);

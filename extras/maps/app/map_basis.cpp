@@ -203,6 +203,7 @@ int fit_map(const MapCommand& fit) {
     if (!written) return complain(written.error());
     journal->remove();
     print_map(fit, *map);
+    if (!texels->note().empty()) fmt::print(stderr, "srbf: {}: {}\n", printable(fit.texels), texels->note());
     return k_done;
 }
 

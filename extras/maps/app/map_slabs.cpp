@@ -169,7 +169,7 @@ Result<std::vector<PmModel>> searched_examples(const MapCommand& fit, const Shar
     return models;
 }
 
-int print_slabs(const MapCommand& fit, const SlabSummary& summary, double seconds) {
+int print_slabs(const MapCommand& fit, const SlabSummary& summary, const std::string& note, double seconds) {
     const double count = double(summary.fitted + summary.kept);
     fmt::print("  {} texels fitted in {:.1f} s, {:.3g} a second; {} kept, {} black, {} failed\n",
                grouped(summary.fitted), seconds, double(summary.fitted) / seconds, grouped(summary.kept),
@@ -177,6 +177,7 @@ int print_slabs(const MapCommand& fit, const SlabSummary& summary, double second
     if (count > 0)
         fmt::print("  {}: mean {}\n", measure_named_for(fit.request.objective).title, percent(summary.error / count));
     fmt::print("  models        {}\n", printable(fit.output));
+    if (!note.empty()) fmt::print(stderr, "srbf: {}: {}\n", printable(fit.texels), note);
     if (summary.failed > 0) fmt::print(stderr, "srbf: {} texels: {}\n", summary.failed, summary.first_failure);
     if (const auto written = flush_standard_output(); !written) return complain(written.error());
     return summary.failed > 0 ? k_input_error : k_done;
@@ -220,7 +221,7 @@ int fit_slabs(const MapCommand& fit) {
     const auto done = fit_batch(shared, stream, options, show);
     line.clear();
     if (!done) return complain(done.error());
-    return print_slabs(fit, slabs.summary, watch.seconds());
+    return print_slabs(fit, slabs.summary, texels->note(), watch.seconds());
 }
 
 }  // namespace srbf

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/files.h"
+#include "measured/samples.h"
 #include "srbf/file.h"
 #include "srbf/npy.h"
 
@@ -42,6 +43,11 @@ Result<Done> Texels::read(std::size_t first, std::span<Rgb> f) const {
     for (std::size_t i = 0; channels_ == 1 && i < f.size(); ++i) {
         const float grey = numbers[i];
         f[i] = {grey, grey, grey};
+    }
+    for (std::size_t t = 0; t < f.size() / pairs_; ++t) {
+        std::vector<std::string> notes;
+        mask_missing({&f[t * pairs_].r, 3 * pairs_}, 3, &notes);
+        if (note_.empty() && !notes.empty()) note_ = fmt::format("texel {}: {}", first + t, notes[0]);
     }
     return Done{};
 }

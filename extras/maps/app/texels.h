@@ -16,8 +16,10 @@ class Texels {
   public:
     static Result<Texels> open(const std::string& path, std::size_t pairs);
     std::size_t count() const { return count_; }
-    /// Reads texels from `first` on, as many as fit into `f`.
+    /// Reads texels from `first` on, as many as fit into `f`. Numbers that stand for no value, as −999, become NaN.
     Result<Done> read(std::size_t first, std::span<Rgb> f) const;
+    /// Tells of such numbers in the first texel that was read and has them.
+    const std::string& note() const { return note_; }
 
   private:
     explicit Texels(FileReader file) : file_(std::move(file)) {}
@@ -25,6 +27,7 @@ class Texels {
     FileReader file_;
     std::uint64_t data_ = 0;
     std::size_t pairs_ = 0, channels_ = 3, count_ = 0;
+    mutable std::string note_;
 };
 
 }  // namespace srbf

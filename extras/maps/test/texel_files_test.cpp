@@ -4,6 +4,8 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <cmath>
+#include <cstring>
 #include <map>
 
 #include "program.h"
@@ -115,6 +117,20 @@ TEST_F(TexelFiles, ranges_make_the_same_slabs) {
     for (const auto& bad : {"2:2", "3", "a:b", "-1:2"})
         EXPECT_EQ(run(folder, fit + std::vector<std::string>{"-o", "c", "--texels", bad}).status, 2) << bad;
     EXPECT_FALSE(std::filesystem::exists(folder / "c"));
+}
+
+TEST_F(TexelFiles, numbers_for_no_value_are_as_good_as_nan) {
+    std::string texels = contents(folder / "t.npy");
+    std::map<std::string, std::string> slabs[2];
+    for (const float number : {std::nanf(""), -999.f}) {
+        for (std::size_t i = 1; i <= 24; ++i) std::memcpy(&texels[texels.size() - 4 * i], &number, 4);
+        write(folder / "t.npy", texels);
+        const ProgramRun done = run(folder, fit + std::vector<std::string>{"-o", "masked", "--texels", "7:8"});
+        ASSERT_EQ(done.status, 0) << done.err;
+        EXPECT_EQ(done.err.find("-999, which stands for no value") != done.err.npos, number < 0) << done.err;
+        slabs[number < 0] = files_in(folder / "masked");
+    }
+    EXPECT_EQ(slabs[0], slabs[1]);
 }
 
 TEST_F(TexelFiles, slabs_of_another_division_or_other_bytes_are_not_mixed_in) {

@@ -216,12 +216,13 @@ Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, con
                                std::move(expected), quoted(word));
         }
         const auto [view, light] = header.parameterization->directions(row.data());
-        const double scale = header.output == "INV_STERADIAN_COSINE_FACTOR" ? 1 / view.z : 1;
-        for (std::size_t i = 0; i < f.size(); ++i) f[i] = float(scale * row[*header.inputs + i]);
+        for (std::size_t i = 0; i < f.size(); ++i) f[i] = float(row[*header.inputs + i]);
         builder->add(light, view, f);
     }
     if (!builder) return at_line(file_name, lines.number(), "samples", "at least one", "the end of the file");
-    return std::move(*builder).finish(file_name, header.description, header.parameterization->isotropic);
+    auto samples = std::move(*builder).finish(file_name, header.description, header.parameterization->isotropic);
+    if (samples && header.output == "INV_STERADIAN_COSINE_FACTOR") to_bsdf(*samples, Quantity::cosine);
+    return samples;
 }
 
 Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::string& file_name) {

@@ -10,7 +10,7 @@
 
 namespace srbf {
 
-/// One of θ_l, φ_l, θ_v, φ_v: a column or a constant.
+/// One of the angles of a sample: a column or a constant.
 struct AngleColumn {
     std::string name;  ///< the name in the file; empty if the file lacks the angle
     std::size_t column = k_absent;
@@ -20,20 +20,31 @@ struct AngleColumn {
     AngleUnit unit_or_degrees() const { return unit.value_or(k_in_degrees); }
 };
 
+/// The angles of `Columns` after θ_l, φ_l, θ_v, φ_v: that between light and viewer, and that from the mirror direction
+/// to the viewer, in the plane of incidence towards the light.
+inline constexpr std::size_t k_phase = 4, k_aspecular = 5;
+constexpr AngleKind kind_of_angle(std::size_t a) { return a < 4 ? k_angle_kinds[a] : AngleKind::polar; }
+
 struct Columns {
     std::size_t count = 0;                ///< number of fields in a row
     bool has_vectors = false;             ///< if true, `vector` has the directions, otherwise `angle`
     std::array<std::size_t, 6> vector{};  ///< the components of wl and wv
-    std::array<AngleColumn, 4> angle;     ///< θ_l, φ_l, θ_v, φ_v
-    bool in_plane = false;                ///< no azimuths: θ_v > 0 is on the mirror side
+    std::array<AngleColumn, 6> angle;
+    bool both = false;  ///< the viewer is at the light
+    std::vector<std::array<double, 2>>
+        geometry;           ///< θ_l and the aspecular angle [degrees] of each value, if names have them
+    bool in_plane = false;  ///< no azimuths: θ_v > 0 is on the mirror side
     Values values = Values::grey;
     Quantity quantity = Quantity::bsdf;
+    double unit = 1;  ///< of the values
     std::vector<std::size_t> value;
     std::vector<float> wavelengths;
     std::size_t wavelength = k_absent;  ///< a column with a wavelength for each row
     std::vector<std::string> notes;     ///< assumptions about what names do not state
 };
 
+/// True if a row has units of angles.
+bool are_units(std::span<const std::string_view> fields);
 /// True if two fields name directions, or one a direction and one a value.
 bool are_names_of_columns(std::span<const std::string_view> fields);
 /// Assigns columns by their names. Errors: no directions or no values; two columns of the same meaning; `constants`

@@ -2,11 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 
 #include "base/floating_point.h"
 #include "brdf/parts.h"
 #include "measured/formats/columns.h"
 #include "measured/readers.h"
+#include "measured/spectral_rows.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -38,8 +40,9 @@ bool is_row(std::string_view line) {
     return true;
 }
 
-/// The text of a comment; no value for any other line.
+/// The text of a comment, empty for a row without fields; no value for any other line.
 std::optional<std::string_view> comment_in(std::string_view line) {
+    if (line.find_first_not_of(",; \t") == line.npos) return std::string_view();
     if (!line.starts_with('#')) return {};
     line.remove_prefix(std::min(line.find_first_not_of('#'), line.size()));
     return trimmed(line);
@@ -162,7 +165,9 @@ std::optional<Error> infer_angles(Table& table, const std::string& file_name, st
     Columns& columns = table.columns;
     auto& angle = columns.angle;
     const auto lacks_unit = [](const AngleColumn& column) { return column.exists() && !column.unit; };
-    columns.in_plane = !columns.has_vectors && !angle[1].exists() && !angle[3].exists();
+    columns.in_plane = !columns.has_vectors && !columns.both && columns.geometry.empty() &&
+                       std::ranges::none_of(std::array{1, 3, int(k_phase), int(k_aspecular)},
+                                            [&](int a) { return angle[std::size_t(a)].exists(); });
     const bool guesses_unit = !columns.has_vectors && std::ranges::any_of(angle, lacks_unit);
     if (!guesses_unit && !columns.in_plane) return {};
     const PolarAngles polar = polar_angles(table, file_name);
@@ -217,7 +222,19 @@ Result<Table> open_table(std::string_view text, const std::string& file_name, co
         return at_line(file_name, std::max<std::uint64_t>(preamble.rows.number(), 1), "header", "names of columns",
                        found ? quoted(*found) : "an empty file");
     }
-    if (!has_names) split_row(preamble.header, preamble.separator, names);
+    std::deque<std::string> names_with_units;
+    if (!has_names) {
+        split_row(preamble.header, preamble.separator, names);
+        std::vector<std::string_view> units;
+        Lines rows = preamble.rows;
+        if (const auto row = rows.next()) split_row(*row, preamble.separator, units);
+        if (units.size() <= names.size() && are_units(units)) {  // `Lines` trims empty fields
+            preamble.rows = rows;
+            for (std::size_t i = 0; i < units.size(); ++i)
+                if (!units[i].empty())
+                    names[i] = names_with_units.emplace_back(fmt::format("{} ({})", names[i], units[i]));
+        }
+    }
     auto columns = assign_columns(names, constants, file_name, preamble.line);
     if (!columns) {
         Error error = columns.error();
@@ -240,14 +257,22 @@ constexpr double k_length_rounding = 0.01;
 
 Directions directions_in(NumberRow& row, const Columns& columns) {
     if (!columns.has_vectors) {
-        std::array<double, 4> angle{};
+        std::array<double, std::tuple_size_v<decltype(columns.angle)>> angle{};
         for (std::size_t a = 0; a < angle.size(); ++a) {
             const AngleColumn& column = columns.angle[a];
             const AngleUnit unit = column.unit_or_degrees();
             angle[a] = column.column == k_absent ? column.constant * unit.radians
-                                                 : row.angle(column.column, column.name, k_angle_kinds[a], unit);
+                                                 : row.angle(column.column, column.name, kind_of_angle(a), unit);
         }
         if (columns.in_plane) angle[0] = std::abs(angle[0]), angle[1] = k_pi;
+        if (!columns.angle[2].exists())
+            angle[0] = std::abs(angle[0]), angle[1] = k_pi, angle[2] = angle[0] - angle[k_aspecular];
+        if (columns.both) angle[3] = angle[1];
+        if (columns.angle[k_phase].exists() && !columns.angle[3].exists()) {  // spherical law of cosines
+            const Vec3d l = spherical(angle[0], 0.0), v = spherical(angle[2], 0.0);
+            const double cosine = (elementary::cos(angle[k_phase]) - l.z * v.z) / std::max(l.x * v.x, 1e-9);
+            angle[3] = angle[1] + elementary::acos(std::clamp(cosine, -1.0, 1.0));
+        }
         return {spherical(angle[0], angle[1]), spherical(angle[2], angle[3])};
     }
     std::array<double, 6> x{};
@@ -264,24 +289,45 @@ Directions directions_in(NumberRow& row, const Columns& columns) {
 /// The samples of a file: those of each part, in its frame, of a two-sided file, otherwise those of the first part.
 struct CollectedSamples {
     std::array<std::optional<SampleBuilder>, k_parts> part;
+    std::vector<SpectralRow> rows;  ///< of a table with a row for each wavelength, instead
     bool isotropic = false;
-    Quantity quantity = Quantity::bsdf;
-    std::string description, note;
+    Columns columns;
+    std::string description;
 };
+
+SpectralRow spectral_row(const Vec3d& wl, const Vec3d& wv, double nm, float f) {
+    const auto theta = [](const Vec3d& w) { return float(elementary::atan2(elementary::hypot(w.x, w.y), w.z)); };
+    const auto phi = [](const Vec3d& w) { return float(elementary::atan2(w.y, w.x)); };
+    return {theta(wl), phi(wl), theta(wv), phi(wv), float(nm), f, 1};
+}
 
 Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::string& file_name,
                                  const std::string& option, bool both_sides) {
     auto table = open_table(as_text(bytes), file_name, option);
     if (!table) return table.error();
-    const Columns& columns = table->columns;
+    CollectedSamples collected{{}, {}, table->isotropic, std::move(table->columns), std::move(table->description)};
+    const Columns& columns = collected.columns;
     NumberRow row(columns.count, file_name);
-    CollectedSamples collected;
     for (auto& builder : std::span(collected.part).first(both_sides ? k_parts : 1))
-        builder.emplace(columns.values, columns.wavelengths, bytes.size(), lines_of(bytes));
-    std::vector<float> f(collected.part[0]->width());
+        builder.emplace(columns.values, columns.wavelengths, bytes.size(),
+                        lines_of(bytes) * std::max<std::size_t>(columns.geometry.size(), 1));
+    std::vector<float> f(columns.value.size());
     std::optional<double> wavelength;
+    bool is_long = false;
+    double lowest = 1;  // the least cosine of a direction
     LightAzimuths azimuths;
-    collected.isotropic = table->isotropic;
+    const auto add = [&](const Vec3d& wl, const Vec3d& wv, std::span<const float> values) {
+        azimuths.add(wl);
+        lowest = std::min({lowest, wl.z, wv.z});
+        const auto part = both_sides ? to_part_frame(to_float(wl), to_float(wv)) : std::nullopt;
+        if (wavelength && !both_sides && values.size() == 1 && std::isfinite(wl.z) && std::isfinite(wv.z))
+            collected.rows.push_back(spectral_row(wl, wv, *wavelength, values[0]));
+        if (part)
+            collected.part[std::size_t(part->part)]->add({wl.x, wl.y, std::abs(wl.z)}, {wv.x, wv.y, std::abs(wv.z)},
+                                                         values);
+        else
+            collected.part[0]->add(wl, wv, values);
+    };
     for (Lines& lines = table->rows; const auto line = lines.next();) {
         if (const auto comment = comment_in(*line)) {
             collected.isotropic |= equal_ignoring_case(*comment, k_isotropic);
@@ -291,35 +337,44 @@ Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::st
         const auto [wl, wv] = directions_in(row, columns);
         for (std::size_t v = 0; v < f.size(); ++v) f[v] = float(row.value(columns.value[v]));
         if (columns.wavelength != k_absent && columns.values != Values::spectrum) {
-            const double nm = row.number<double>(columns.wavelength);
-            if (wavelength && *wavelength != nm)
-                row.fail("wavelength", "one in all rows, or a column for each as 532nm",
+            constexpr double most_micrometres = 50;
+            double nm = row.number<double>(columns.wavelength, "wavelength");
+            if (nm < most_micrometres) nm *= 1000;
+            const bool is_other = wavelength && *wavelength != nm;
+            is_long |= is_other;
+            if (is_other && (columns.values != Values::grey || both_sides))
+                row.fail("wavelength", "one in all rows, or one value in a row, or a column for each as 532nm",
                          fmt::format("{:g} and {:g}", *wavelength, nm));
             wavelength = nm;
         }
         if (row.error()) return *row.error();
-        azimuths.add(wl);
-        const auto part = both_sides ? to_part_frame(to_float(wl), to_float(wv)) : std::nullopt;
-        if (part)
-            collected.part[std::size_t(part->part)]->add({wl.x, wl.y, std::abs(wl.z)}, {wv.x, wv.y, std::abs(wv.z)}, f);
-        else
-            collected.part[0]->add(wl, wv, f);
+        if (columns.geometry.empty()) add(wl, wv, f);
+        for (std::size_t v = 0; v < columns.geometry.size(); ++v) {
+            const auto [light, aspecular] = columns.geometry[v];
+            add(spherical(light * k_degree, k_pi), spherical((light - aspecular) * k_degree, 0.0), std::span(&f[v], 1));
+        }
     }
+    if (!is_long) collected.rows.clear();
     collected.isotropic |= azimuths.are_equal();
-    collected.quantity = columns.quantity;
-    collected.description = std::move(table->description);
-    if (row.has_decimal_commas()) table->columns.notes.push_back("numbers have a decimal comma");
-    collected.note = fmt::format("{}", fmt::join(columns.notes, "; "));
+    auto& notes = collected.columns.notes;
+    if (row.has_decimal_commas()) notes.push_back("numbers have a decimal comma");
+    const double polar = elementary::acos(std::clamp(lowest, -1.0, 1.0)) / k_degree;
+    if (columns.angle[0].unit_or_degrees().name == k_in_degrees.name && polar > 0.5 && polar < 1.6)
+        notes.push_back(fmt::format("all polar angles are within {:.3g} degrees: radians?", polar));
     return collected;
 }
 
 /// If `quantity` is `stated`, converts the values from the quantity that the names state.
-Result<ScatteredSamples> finish(SampleBuilder&& builder, const CollectedSamples& collected,
+Result<ScatteredSamples> finish(SampleBuilder&& builder, CollectedSamples& collected, std::size_t bytes,
                                 const std::string& file_name, Quantity quantity) {
-    auto samples = std::move(builder).finish(file_name, collected.description, collected.isotropic);
+    auto samples = collected.rows.empty()
+                       ? std::move(builder).finish(file_name, collected.description, collected.isotropic)
+                       : samples_of_rows(collected.rows, bytes, file_name, collected.description, collected.isotropic);
     if (!samples) return samples;
-    if (quantity == Quantity::stated) to_bsdf(*samples, collected.quantity);
-    if (!collected.note.empty()) samples->notes.insert(samples->notes.begin(), collected.note);
+    const Columns& columns = collected.columns;
+    to_bsdf(*samples, quantity == Quantity::stated ? columns.quantity : Quantity::bsdf, columns.unit);
+    if (!columns.notes.empty())
+        samples->notes.insert(samples->notes.begin(), fmt::format("{}", fmt::join(columns.notes, "; ")));
     return samples;
 }
 
@@ -335,7 +390,7 @@ Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, cons
                                           const ReadOptions& options) {
     auto collected = collect(bytes, file_name, options.columns, false);
     if (!collected) return collected.error();
-    return finish(*std::move(collected->part[0]), *collected, file_name, options.quantity);
+    return finish(*std::move(collected->part[0]), *collected, bytes.size(), file_name, options.quantity);
 }
 
 Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name) {
@@ -347,7 +402,7 @@ Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const
     for (std::size_t p = 0; p < k_parts; ++p) any = any || !collected->part[p]->empty();
     for (std::size_t p = 0; p < k_parts; ++p) {
         if (any && collected->part[p]->empty()) continue;
-        auto samples = indexed(finish(*std::move(collected->part[p]), *collected, file_name, {}));
+        auto samples = indexed(finish(*std::move(collected->part[p]), *collected, bytes.size(), file_name, {}));
         if (!samples) return samples.error();
         Measured part{file_name, "CSV", 0, *std::move(samples)};
         table.bands[0].part[p] = std::make_shared<const Measured>(std::move(part));

@@ -11,6 +11,7 @@
 #include "measured/formats/mbsdf.h"
 #include "measured/limits.h"
 #include "measured/readers.h"
+#include "measured/samples.h"
 #include "measured/tables.h"
 #include "srbf/measured.h"
 
@@ -126,11 +127,13 @@ Result<Done> read_samples(const Cursor& file, const Block& block, MbsdfTable& ta
     table.grey = block.channels == 1;
     table.cells.resize(block.samples());
     const auto* number = reinterpret_cast<const std::byte*>(file.text.data()) + block.offset;
-    for (Rgb& f : table.cells) {
+    for (Rgb& f : table.cells)
         for (int c = 0; c < 3; ++c) {
             f[c] = load<float>(number);
             if (!table.grey || c == 2) number += sizeof(float);
         }
+    mask_missing({&table.cells[0].r, 3 * table.cells.size()}, 3);
+    for (Rgb& f : table.cells) {
         if (is_finite(f)) continue;
         f = {k_nan, k_nan, k_nan};
         ++table.masked;

@@ -21,6 +21,28 @@ std::string first_bytes(std::span<const std::byte> bytes) {
     return text;
 }
 
+/// What people have beside measurements: the bytes it begins with, those it has among its first, and what to do.
+constexpr std::string_view k_web_page = "a web page, not a file of data; download the file itself";
+constexpr std::string_view k_other_files[][3] = {
+    {"\xd0\xcf\x11\xe0", "", "an Excel workbook (.xls); save the sheet as CSV"},
+    {"pk\x03\x04", "[content_types].xml", "an Excel workbook (.xlsx); save the sheet as CSV"},
+    {"pk\x03\x04", "", "a ZIP archive; unpack it"},
+    {"\x1f\x8b", "", "a file compressed by gzip; unpack it with gunzip"},
+    {"<", "<html", k_web_page},
+    {"<!doctype html", "", k_web_page},
+    {"version https://git-lfs", "", "a pointer of Git LFS; get the file itself with git lfs pull"},
+    {"\x93numpy", "", "an array of NumPy; use srbf.from_arrays in Python, or srbf map for texels"},
+    {"#alta func header", "", "a function that ALTA fitted; take the measurement, or values by ALTA's brdf2data"}};
+
+std::string_view other_file(std::span<const std::byte> bytes) {
+    std::string head(as_text(bytes).substr(0, 4096));
+    for (char& c : head) c = c >= 'A' && c <= 'Z' ? char(c + ('a' - 'A')) : c;
+    head.erase(0, std::min(head.find_first_not_of(" \t\r\n\xef\xbb\xbf"), head.size()));
+    for (const auto& [begins, has, what] : k_other_files)
+        if (head.starts_with(begins) && head.find(has) != head.npos) return what;
+    return {};
+}
+
 Result<Measured> read_unindexed(const Format& format, std::span<const std::byte> bytes, const std::string& file_name,
                                 const ReadOptions& options) {
     auto measured = format.read(bytes, file_name, options);
@@ -33,6 +55,9 @@ Result<Measured> read_unindexed(const Format& format, std::span<const std::byte>
 /// Reads a measurement of any format, without the index of samples.
 Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::string& file_name,
                                 const ReadOptions& options) {
+    if (const auto what = other_file(bytes); !what.empty())
+        return Error{file_name, {}, "input", "a measurement", std::string(what)};
+    if (const auto text = plain_text(bytes)) return read_unindexed(*text, file_name, options);
     if (!options.columns.empty()) {
         auto samples = read_csv_samples(bytes, file_name, options);
         if (!samples) return samples.error();

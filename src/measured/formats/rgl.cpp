@@ -10,6 +10,7 @@
 #include "measured/formats/warp.h"
 #include "measured/limits.h"
 #include "measured/readers.h"
+#include "measured/samples.h"
 #include "measured/tables.h"
 
 namespace srbf {
@@ -157,9 +158,9 @@ Result<std::vector<float>> read_wavelengths(const TensorFile& file, const std::s
 
 Result<RglTable::Colours> read_rgb(const TensorFile& file, const std::string& file_name, const Azimuths& azimuths,
                                    std::uint64_t polar) {
-    const auto rgb =
-        read_slices(file, file_name, {"rgb", TensorType::f32, {azimuths.in_file, polar, 3, 0, 0}}, azimuths);
+    auto rgb = read_slices(file, file_name, {"rgb", TensorType::f32, {azimuths.in_file, polar, 3, 0, 0}}, azimuths);
     if (!rgb) return rgb.error();
+    mask_missing(rgb->values, 1);
     const std::array<Rgb, 3> unit{Rgb{1, 0, 0}, Rgb{0, 1, 0}, Rgb{0, 0, 1}};
     return to_colours(*rgb, unit);
 }
@@ -170,6 +171,7 @@ Result<RglTable::Colours> read_spectra(const TensorFile& file, const std::string
         read_slices(file, file_name,
                     {"spectra", TensorType::f32, {azimuths.in_file, polar, table.wavelengths.size(), 0, 0}}, azimuths);
     if (!spectra) return spectra.error();
+    mask_missing(spectra->values, 1);
     RglTable::Colours colour = to_colours(*spectra, rgb_weights(table.wavelengths));
     table.spectra = std::move(spectra->values);
     return colour;
@@ -271,6 +273,12 @@ Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& f
     const auto parsed = parse_tensor_file(bytes, file_name);
     if (!parsed) return parsed.error();
     const TensorFile& file = *parsed;
+    if (file.contains("M") || file.contains("wvls"))
+        return Error{file_name,
+                     {},
+                     "tensor file",
+                     "fields of an unpolarized BRDF, as vndf and rgb",
+                     "Mueller matrices of a polarized one; write their first element, which is f, as CSV"};
 
     const auto description = find(file, file_name, {"description", TensorType::u8, {0}, 0});
     if (!description) return description.error();

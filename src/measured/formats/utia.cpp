@@ -8,6 +8,7 @@
 #include "measured/bytes.h"
 #include "measured/limits.h"
 #include "measured/readers.h"
+#include "measured/samples.h"
 #include "measured/tables.h"
 #include "srbf/file.h"
 #include "srbf/measured.h"
@@ -52,15 +53,12 @@ Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string&
                      fmt::format("{} bytes", bytes.size())};
     UtiaTable table;
     table.cells.resize(k_cells);
-    for (std::size_t i = 0; i < k_cells; ++i) {
-        Rgb& f = table.cells[i];
-        bool valid = true;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double x = load<double>(&bytes[(c * k_cells + i) * sizeof(double)]);
-            valid = valid && std::abs(x) <= k_largest_value;
-            f[int(c)] = float(x);
-        }
-        if (valid) continue;
+    for (std::size_t i = 0; i < k_cells; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            table.cells[i][int(c)] = float(load<double>(&bytes[(c * k_cells + i) * sizeof(double)]));
+    mask_missing({&table.cells[0].r, 3 * k_cells}, 3);
+    for (Rgb& f : table.cells) {
+        if (std::max({std::abs(f.r), std::abs(f.g), std::abs(f.b)}) <= k_largest_value && is_finite(f)) continue;
         f = {k_nan, k_nan, k_nan};
         ++table.masked;
     }

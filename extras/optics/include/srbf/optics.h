@@ -36,7 +36,7 @@ struct ScatterTable {
     std::vector<std::uint32_t> first;  ///< the first slice of each rotation, then the number of slices
     std::vector<Slice> slices;
     Rgb tint{1, 1, 1};         ///< factor of all values
-    std::uint64_t masked = 0;  ///< values that were 0 in the file
+    std::uint64_t masked = 0;  ///< values that were 0, or −999 and the like, in the file
 };
 /// ∫ f cosθ dω of a channel of a slice [1], over cells of half a degree by one degree. Directions without a
 /// measurement count as 0.

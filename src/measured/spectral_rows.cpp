@@ -1,4 +1,4 @@
-#include "extras/optics/spectral_rows.h"
+#include "measured/spectral_rows.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,12 @@ namespace srbf {
 
 Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::size_t bytes,
                                          const std::string& file_name, std::string description, bool isotropic) {
-    std::vector<float> wavelengths;
+    std::vector<float> wavelengths, values;
+    for (const SpectralRow& row : rows) values.push_back(row[k_value_column]);
+    std::vector<std::string> notes;
+    mask_missing(values, 1, &notes);
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i][k_value_column] = values[i];
+    std::vector<float>().swap(values);
     std::ranges::sort(rows, {}, [](const SpectralRow& row) { return row[k_wavelength_column]; });
     for (const SpectralRow& row : rows)
         if (wavelengths.empty() || row[k_wavelength_column] != wavelengths.back())
@@ -50,7 +55,9 @@ Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::si
         builder.add(spherical(double(first_row[0]), double(first_row[1])),
                     spherical(double(first_row[2]), double(first_row[3])), sum, weight / number);
     }
-    return std::move(builder).finish(file_name, std::move(description), isotropic);
+    auto samples = std::move(builder).finish(file_name, std::move(description), isotropic);
+    if (samples) samples->notes.insert(samples->notes.begin(), notes.begin(), notes.end());
+    return samples;
 }
 
 }  // namespace srbf

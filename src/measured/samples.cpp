@@ -80,27 +80,16 @@ struct OtherRows {
     bool is_saturated = false, has_fractions = false;
 
     OtherRows(std::span<const float> rows, std::size_t width, float missing) {
-        for (std::size_t begin = 0; begin < rows.size(); begin += width) {
-            const auto row = rows.subspan(begin, width);
+        for (; !rows.empty(); rows = rows.subspan(width)) {
+            const auto row = rows.first(width);
             const bool has = std::ranges::find(row, missing) != row.end();
-            with += has;
-            for (const float f : row) {
-                is_saturated |= has && f >= -missing;
-                if (has || std::isnan(f)) continue;
-                least = std::min(least, f), most = std::max(most, f), has_fractions |= f != std::round(f);
-            }
+            with += has, is_saturated |= has && std::ranges::max(row) >= -missing;
+            for (const float f : row)
+                if (!has && !std::isnan(f))
+                    least = std::min(least, f), most = std::max(most, f), has_fractions |= f != std::round(f);
         }
     }
 };
-
-/// The median of positive numbers; 0 if there are none.
-float median_of_positive(std::span<const float> numbers) {
-    std::vector<float> positive;
-    std::ranges::copy_if(numbers, std::back_inserter(positive), [](float f) { return f > 0; });
-    const auto median = positive.begin() + std::ptrdiff_t(positive.size() / 2);
-    std::ranges::nth_element(positive, median);
-    return positive.empty() ? 0 : *median;
-}
 
 std::optional<float> missing_number(std::span<const float> rows, std::size_t width) {
     constexpr float fills[] = {999, 9999, 99999, 999999, 32767, 65535, 2147483648};
@@ -112,8 +101,12 @@ std::optional<float> missing_number(std::span<const float> rows, std::size_t wid
     const OtherRows others(rows, width, least);
     const bool is_integer = least == std::round(least);
     if (others.is_saturated || (others.with < 2 && !is_integer) || others.least < least / 10) return {};
-    const bool is_missing = (is_integer && others.has_fractions) || -least > 2 * median_of_positive(rows);
-    return is_missing ? std::optional(least) : std::nullopt;
+    if (is_integer && others.has_fractions) return least;
+    std::vector<float> positive;
+    std::ranges::copy_if(rows, std::back_inserter(positive), [](float f) { return f > 0; });
+    const auto median = positive.begin() + std::ptrdiff_t(positive.size() / 2);
+    std::ranges::nth_element(positive, median);
+    return positive.empty() || -least > 2 * *median ? std::optional(least) : std::nullopt;
 }
 
 }  // namespace
@@ -125,11 +118,9 @@ void mask_missing(std::span<float> rows, std::size_t width, std::vector<std::str
         const auto missing = missing_number(rows, width);
         if (!missing) return;
         std::size_t masked = 0;
-        for (std::size_t begin = 0; begin < rows.size(); begin += width) {
-            const auto row = rows.subspan(begin, width);
-            if (std::ranges::find(row, *missing) == row.end()) continue;
-            ++masked, std::ranges::fill(row, k_nan);
-        }
+        for (auto rest = rows; !rest.empty(); rest = rest.subspan(width))
+            if (const auto row = rest.first(width); std::ranges::find(row, *missing) != row.end())
+                ++masked, std::ranges::fill(row, k_nan);
         if (notes)
             notes->push_back(
                 fmt::format("{} samples of {:g}, which stands for no value, are masked", masked, *missing));

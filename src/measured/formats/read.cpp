@@ -21,7 +21,7 @@ std::string first_bytes(std::span<const std::byte> bytes) {
     return text;
 }
 
-/// What people have beside measurements: the bytes it begins with, those it has among its first, and what to do.
+/// Other files: the bytes that one begins with, those it has among its first, what it is and what to do.
 constexpr std::string_view k_web_page = "a web page, not a file of data; download the file itself";
 constexpr std::string_view k_other_files[][3] = {
     {"\xd0\xcf\x11\xe0", "", "an Excel workbook (.xls); save the sheet as CSV"},

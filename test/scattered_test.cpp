@@ -326,6 +326,7 @@ TEST(ScatteredSamples, MaskMissingValues) {
     EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"9999", "0.2", "0.3", "0.2"})), 0u);
     EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"9999", "9999", "9998", "0.2"})), 0u);
     EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-1", "1", "3", "0", "2"})), 0u);
+    EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-0.25", "-0.25"})), 0u);
     EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-0.3", "0.1", "-0.1", "-0.3", "0.2", "-0.2"})), 0u);
     EXPECT_EQ(masked(read_csv, rows(angles + "r,g,b\n", {"-9,100,200", "-9,100,200", "0.1,0.1,0.1", "0.1,0.1,0.1"})),
               0u);

@@ -106,7 +106,8 @@ std::optional<float> missing_number(std::span<const float> rows, std::size_t wid
     std::ranges::copy_if(rows, std::back_inserter(positive), [](float f) { return f > 0; });
     const auto median = positive.begin() + std::ptrdiff_t(positive.size() / 2);
     std::ranges::nth_element(positive, median);
-    return positive.empty() || -least > 2 * *median ? std::optional(least) : std::nullopt;
+    const bool is_missing = positive.empty() ? is_integer : -least > 2 * *median;
+    return is_missing ? std::optional(least) : std::nullopt;
 }
 
 }  // namespace

@@ -295,6 +295,22 @@ struct CollectedSamples {
     std::string description;
 };
 
+/// True if the rows of grey values have several wavelengths.
+bool is_long(const Table& table, const std::string& file_name) {
+    const std::size_t column = table.columns.wavelength;
+    if (column == k_absent || table.columns.values != Values::grey) return false;
+    NumberRow row(table.columns.count, file_name);
+    std::optional<double> first;
+    for (Lines rows = table.rows; auto line = rows.next();) {
+        if (comment_in(*line)) continue;
+        row.read(*line, rows.number(), table.separator);
+        const double nm = row.number<double>(column);
+        if (row.error() || (first && nm != *first)) return !row.error();
+        first = nm;
+    }
+    return false;
+}
+
 SpectralRow spectral_row(const Vec3d& wl, const Vec3d& wv, double nm, float f) {
     const auto theta = [](const Vec3d& w) { return float(elementary::atan2(elementary::hypot(w.x, w.y), w.z)); };
     const auto phi = [](const Vec3d& w) { return float(elementary::atan2(w.y, w.x)); };
@@ -305,6 +321,7 @@ Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::st
                                  const std::string& option, bool both_sides) {
     auto table = open_table(as_text(bytes), file_name, option);
     if (!table) return table.error();
+    const bool are_rows = !both_sides && is_long(*table, file_name);
     CollectedSamples collected{{}, {}, table->isotropic, std::move(table->columns), std::move(table->description)};
     const Columns& columns = collected.columns;
     NumberRow row(columns.count, file_name);
@@ -313,16 +330,15 @@ Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::st
                         lines_of(bytes) * std::max<std::size_t>(columns.geometry.size(), 1));
     std::vector<float> f(columns.value.size());
     std::optional<double> wavelength;
-    bool is_long = false;
     double lowest = 1;  // the least cosine of a direction
     LightAzimuths azimuths;
     const auto add = [&](const Vec3d& wl, const Vec3d& wv, std::span<const float> values) {
         azimuths.add(wl);
         lowest = std::min({lowest, wl.z, wv.z});
         const auto part = both_sides ? to_part_frame(to_float(wl), to_float(wv)) : std::nullopt;
-        if (wavelength && !both_sides && values.size() == 1 && std::isfinite(wl.z) && std::isfinite(wv.z))
+        if (are_rows && std::isfinite(*wavelength) && std::isfinite(wl.z) && std::isfinite(wv.z))
             collected.rows.push_back(spectral_row(wl, wv, *wavelength, values[0]));
-        if (part)
+        else if (part)
             collected.part[std::size_t(part->part)]->add({wl.x, wl.y, std::abs(wl.z)}, {wv.x, wv.y, std::abs(wv.z)},
                                                          values);
         else
@@ -340,9 +356,7 @@ Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::st
             constexpr double most_micrometres = 50;
             double nm = row.number<double>(columns.wavelength, "wavelength");
             if (nm < most_micrometres) nm *= 1000;
-            const bool is_other = wavelength && *wavelength != nm;
-            is_long |= is_other;
-            if (is_other && (columns.values != Values::grey || both_sides))
+            if (wavelength && *wavelength != nm && !are_rows)
                 row.fail("wavelength", "one in all rows, or one value in a row, or a column for each as 532nm",
                          fmt::format("{:g} and {:g}", *wavelength, nm));
             wavelength = nm;
@@ -354,12 +368,12 @@ Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::st
             add(spherical(light * k_degree, k_pi), spherical((light - aspecular) * k_degree, 0.0), std::span(&f[v], 1));
         }
     }
-    if (!is_long) collected.rows.clear();
     collected.isotropic |= azimuths.are_equal();
     auto& notes = collected.columns.notes;
     if (row.has_decimal_commas()) notes.push_back("numbers have a decimal comma");
     const double polar = elementary::acos(std::clamp(lowest, -1.0, 1.0)) / k_degree;
-    if (columns.angle[0].unit_or_degrees().name == k_in_degrees.name && polar > 0.5 && polar < 1.6)
+    if (columns.angle[0].exists() && columns.angle[0].unit_or_degrees().name == k_in_degrees.name && polar > 0.5 &&
+        polar < 1.6)
         notes.push_back(fmt::format("all polar angles are within {:.3g} degrees: radians?", polar));
     return collected;
 }

@@ -213,8 +213,13 @@ inline ScatteredSamples valid_samples(const Array& wl, const Array& wv, const Ar
 
 inline PyBrdf brdf_of_samples(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
     ScatteredSamples samples = valid_samples(wl, wv, f, isotropic);
-    if (samples.wl.empty()) raise({"arrays", {}, "samples", "some above the horizon",
-                                 samples.notes.empty() ? "none" : samples.notes[0], ErrorCode::no_data});
+    if (samples.wl.empty())
+        raise({"arrays",
+               {},
+               "samples",
+               "some above the horizon",
+               samples.notes.empty() ? "none" : samples.notes[0],
+               ErrorCode::no_data});
     {
         const py::gil_scoped_release released;
         make_index(samples);

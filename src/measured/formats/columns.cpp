@@ -367,7 +367,8 @@ struct ColumnAssignment {
 }  // namespace
 
 bool are_units(std::span<const std::string_view> fields) {
-    return std::ranges::any_of(fields, [](std::string_view field) { return unit_in(spelt_out(field)).has_value(); });
+    return std::ranges::any_of(fields, [](std::string_view field) { return unit_in(spelt_out(field)).has_value(); }) &&
+           std::ranges::none_of(fields, [](std::string_view field) { return number_in<double>(field).has_value(); });
 }
 
 bool are_names_of_columns(std::span<const std::string_view> fields) {

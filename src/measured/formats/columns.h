@@ -43,7 +43,7 @@ struct Columns {
     std::vector<std::string> notes;     ///< assumptions about what names do not state
 };
 
-/// True if a row has units of angles.
+/// True if a row has units of angles and no numbers.
 bool are_units(std::span<const std::string_view> fields);
 /// True if two fields name directions, or one a direction and one a value.
 bool are_names_of_columns(std::span<const std::string_view> fields);

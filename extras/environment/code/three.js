@@ -154,7 +154,18 @@ class MeasuredMaterial extends MeshStandardMaterial {
         this.saturation = source.saturation ?? 1;
         return this;
     }
-    onBeforeCompile(shader) {
+    // What three calls. A function that a page sets here runs after the material's own.
+    get onBeforeCompile() {
+        const { added } = this;
+        return (shader, renderer) => {
+            if (!shader.uniforms.measured_colours) this.addReflectance(shader);
+            added?.call(this, shader, renderer);
+        };
+    }
+    set onBeforeCompile(added) {
+        this.added = added;
+    }
+    addReflectance(shader) {
         const { terms } = this, white = new Color(1, 1, 1);
         for (const { reflectance, lobes } of terms) shader.uniforms[`${reflectance}_texels`] = { value: lobes };
         shader.uniforms.measured_colours = { get value() { return terms.length > 1 ? terms.map((term) => term.color) : [white]; } };
@@ -167,7 +178,7 @@ class MeasuredMaterial extends MeshStandardMaterial {
         return '\nmeasured_weights[0] = 1.0;';
     }
     customProgramCacheKey() {
-        return this.terms.map((term) => term.reflectance + term.functions).join() + this.onBeforeCompile;
+        return this.terms.map((term) => term.reflectance + term.functions).join() + this.added;
     }
     // The JSON of three names the class of a model, which a page that loads it imports. Of blends and maps loading it yields a
     // MeshStandardMaterial.

@@ -36,8 +36,8 @@ export class BlendMaterial extends MeasuredMaterial {
             ${this.terms.length > 2 ? 'measured_weights[2] = mask.g;' : ''}` : `
             measured_weights = measured_shares;`;
     }
-    onBeforeCompile(shader) {
-        super.onBeforeCompile(shader);
+    addReflectance(shader) {
+        super.addReflectance(shader);
         const material = this, count = this.terms.length;
         let inputs = `uniform float measured_shares[${count}];\n`;
         if (this.mask) {

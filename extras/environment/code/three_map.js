@@ -64,8 +64,8 @@ class MeasuredMap extends MeasuredMaterial {
         this.coefficients = source.coefficients;
         return this;
     }
-    onBeforeCompile(shader) {
-        super.onBeforeCompile(shader);
+    addReflectance(shader) {
+        super.addReflectance(shader);
         const material = this;
         addUv(shader, () => material.coefficients);
         shader.uniforms.measured_coefficients = { get value() { return material.coefficients; } };

@@ -147,6 +147,13 @@ blend = chromium.run("""(() => {
     const mixed = (weights, of) => of[0].map((_, i) => weights.reduce((sum, w, k) => sum + w * of[k][i], 0));
     const [film, ggx, lambert] = ['Film', 'Ggx', 'Lambert'].map((name) => new materials[name + 'Material']());
     const single = [film, ggx, lambert].map(picture), found = {};
+    // A function of the page's own, which halves the light and calls the material's as other pages do.
+    const halved = new materials.FilmMaterial(), own = halved.onBeforeCompile;
+    halved.onBeforeCompile = (shader, renderer) => {
+        own(shader, renderer);
+        shader.fragmentShader = shader.fragmentShader.replace('#include <opaque_fragment>', 'outgoingLight *= 0.5;\n$&');
+    };
+    found.own_function = apart(picture(halved), single[0].map((x, i) => i % 4 < 3 ? 0.5 * x : x));
     const by_shares = new BlendMaterial(film, ggx, lambert, { shares: [0.2, 0.3, 0.5] });
     found.shares = apart(picture(by_shares), mixed([0.2, 0.3, 0.5], single));
     found.vertices = apart(picture(new BlendMaterial(film, ggx, lambert, { vertexMask: true })), mixed([0.25, 0.5, 0.25], single));

@@ -1,7 +1,7 @@
 """Shaders for engines that no test runs compile with stand-ins for the engines' names: python3 test/engine_shaders.py GLSLANG.
 
-The stand-ins have the types that the engines' documentation gives. The shaders for Unity are compiled by their passes and stages, as HLSL;
-that for Godot as GLSL. test/hosts/engine_shaders.py runs both.
+The stand-ins have the types that the engines' documentation gives. URP's Light lacks its direction, which is `half`. The shaders for Unity
+are compiled by their passes and stages, as HLSL; that for Godot as GLSL. test/hosts/engine_shaders.py runs both.
 """
 import os
 import re
@@ -52,7 +52,9 @@ URP = """
 #define LIGHT_LOOP_BEGIN(count) for (uint lightIndex = 0u; lightIndex < count; ++lightIndex) {
 #define LIGHT_LOOP_END }
 struct InputData { float3 positionWS; float2 normalizedScreenSpaceUV; };
-struct Light { half3 direction, color; float distanceAttenuation; half shadowAttenuation; };
+#define _MainLightPosition _WorldSpaceLightPos0
+static float4 _AdditionalLightsPosition[1];
+struct Light { half3 color; float distanceAttenuation; half shadowAttenuation; };
 cbuffer Unity : register(b0) {
     float4x4 unity_ObjectToWorld, unity_MatrixVP, unity_WorldToShadow;
     float4 unity_SpecCube0_HDR, unity_FogColor, unity_Ambient, _WorldSpaceLightPos0, _LightColor0;
@@ -75,10 +77,11 @@ half3 GlossyEnvironmentReflection(half3 direction, half roughness, half occlusio
 }
 Light GetMainLight(float4 shadow) {
     Light light;
-    light.direction = _WorldSpaceLightPos0.xyz, light.color = _LightColor0.rgb, light.distanceAttenuation = 1, light.shadowAttenuation = 1 + 0 * shadow.x;
+    light.color = _LightColor0.rgb, light.distanceAttenuation = 1, light.shadowAttenuation = 1 + 0 * shadow.x;
     return light;
 }
 Light GetAdditionalLight(uint i, float3 p, half4 mask) { return GetMainLight(float4(p, i)); }
+int GetPerObjectLightIndex(uint i) { return int(i); }
 uint GetAdditionalLightsCount() { return uint(unity_Lights); }
 #endif
 """
@@ -121,7 +124,7 @@ def compile_unity(glslang, work, shader):
         for stage, pragma in (("vert", "#pragma vertex vert"), ("frag", "#pragma fragment frag")):
             assert pragma in of_pass
             path = os.path.join(work, f"pass{i}.{stage}")
-            for keyword in ["", *re.findall(r"\b_FORWARD_PLUS\b", of_pass)[:1]]:
+            for keyword in ["", *sorted(set(re.findall("_FORWARD_PLUS|_MAIN_LIGHT_SHADOWS_SCREEN", of_pass)))]:
                 define = f"#define {keyword}\n" if keyword else ""
                 compile_text(glslang, path + ".hlsl", "#extension GL_GOOGLE_include_directive : enable\n" + define + shared + of_pass, "-D", "-V", "-S", stage,
                              "-e", stage, "-o", path + ("2" if keyword else "") + ".spv", f"-I{work}")

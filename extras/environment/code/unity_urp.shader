@@ -21,11 +21,11 @@ Shader "Measured/$TITLE (URP)"
             #pragma target 4.5
             #pragma vertex vert
             #pragma fragment frag
-            #pragma multi_compile _ _MAIN_LIGHT_SHADOWS _MAIN_LIGHT_SHADOWS_CASCADE
+            #pragma multi_compile _ _MAIN_LIGHT_SHADOWS _MAIN_LIGHT_SHADOWS_CASCADE _MAIN_LIGHT_SHADOWS_SCREEN
             #pragma multi_compile _ _ADDITIONAL_LIGHTS
             #pragma multi_compile _ _FORWARD_PLUS _CLUSTER_LIGHT_LOOP  // of Unity 6.0, and of later versions
             #pragma multi_compile_fragment _ _ADDITIONAL_LIGHT_SHADOWS
-            #pragma multi_compile_fragment _ _SHADOWS_SOFT
+            #pragma multi_compile_fragment _ _SHADOWS_SOFT _SHADOWS_SOFT_LOW _SHADOWS_SOFT_MEDIUM _SHADOWS_SOFT_HIGH
             #pragma multi_compile_fog
             #include "Packages/com.unity.render-pipelines.universal/ShaderLibrary/Core.hlsl"
             #include "Packages/com.unity.render-pipelines.universal/ShaderLibrary/Lighting.hlsl"
@@ -75,11 +75,20 @@ $FUNCTIONS
                 return o;
             }
 
-            // Unity's own diffuse term lacks 1/pi, therefore the factor pi.
-            float3 reflected(Light light, float3 wv)
+            // Unity's own diffuse term lacks 1/pi, therefore the factor pi. `place` has the light's direction or position in `float`; that of
+            // Light is in `half`, whose steps show beside a sharp highlight.
+            float3 reflected(Light light, float4 place, float3 position, float3 wv)
             {
-                float3 wl = mul(to_local, light.direction);
+                float3 wl = mul(to_local, normalize(place.xyz - position * place.w));
                 return PI * $NAME_brdf(wl, wv) * max(wl.z, 0.0) * light.color * light.distanceAttenuation * light.shadowAttenuation;
+            }
+            float3 reflected(uint i, float3 position, float3 wv)
+            {
+                Light light = GetAdditionalLight(i, position, half4(1, 1, 1, 1));
+                #if !defined(_FORWARD_PLUS) && !defined(_CLUSTER_LIGHT_LOOP)
+                i = GetPerObjectLightIndex(i);
+                #endif
+                return reflected(light, _AdditionalLightsPosition[i], position, wv);
             }
 
             // Unity's loop about the additional lights reads a variable of this name.
@@ -88,11 +97,11 @@ $FUNCTIONS
                 float3 radiance = 0;
                 #if defined(_FORWARD_PLUS) || defined(_CLUSTER_LIGHT_LOOP)  // whose loop leaves out directional lights beside the main one
                 for (uint i = 0; i < min(URP_FP_DIRECTIONAL_LIGHTS_COUNT, MAX_VISIBLE_LIGHTS); ++i)
-                    radiance += reflected(GetAdditionalLight(i, inputData.positionWS, half4(1, 1, 1, 1)), wv);
+                    radiance += reflected(i, inputData.positionWS, wv);
                 #endif
                 uint count = GetAdditionalLightsCount();
                 LIGHT_LOOP_BEGIN(count)
-                    radiance += reflected(GetAdditionalLight(lightIndex, inputData.positionWS, half4(1, 1, 1, 1)), wv);
+                    radiance += reflected(lightIndex, inputData.positionWS, wv);
                 LIGHT_LOOP_END
                 return radiance;
             }
@@ -106,7 +115,12 @@ $FUNCTIONS
                 InputData inputData = (InputData)0;
                 inputData.positionWS = i.position;
                 inputData.normalizedScreenSpaceUV = GetNormalizedScreenSpaceUV(i.pos);
-                float3 radiance = $NAME_environment(wv) + reflected(GetMainLight(TransformWorldToShadowCoord(i.position)), wv);
+                #ifdef _MAIN_LIGHT_SHADOWS_SCREEN
+                float4 shadow = float4(inputData.normalizedScreenSpaceUV, 0, 1);
+                #else
+                float4 shadow = TransformWorldToShadowCoord(i.position);
+                #endif
+                float3 radiance = $NAME_environment(wv) + reflected(GetMainLight(shadow), _MainLightPosition, i.position, wv);
                 radiance += reflected_of_additional(inputData, wv);
                 return float4(MixFog(_Tint.rgb * radiance, i.fog), 1);
             }
@@ -115,6 +129,7 @@ $FUNCTIONS
 
         UsePass "Universal Render Pipeline/Lit/ShadowCaster"
         UsePass "Universal Render Pipeline/Lit/DepthOnly"
-        UsePass "Universal Render Pipeline/Lit/DepthNormals"
+        UsePass "Universal Render Pipeline/Complex Lit/DepthNormalsOnly"  // which the deferred renderer draws too
+        UsePass "Universal Render Pipeline/Lit/MotionVectors"
     }
 }

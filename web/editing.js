@@ -8,7 +8,7 @@ const form = document.querySelector("#editing form"), inputs = [...form.querySel
 const value = (name) => Number(form.elements[name].value);
 let highlight = null; // what the pictures need of the fitted model
 
-// A factor, 1/3 to 3, and a colour of luminance 1 from cool to warm.
+// A factor, 1/3 to 3 (that of α, of which the roughness of Blender and three.js is the root), and a colour of luminance 1 from cool to warm.
 const factor = (name) => 3 ** value(name);
 function tint(name) {
   const warmth = value(`${name}_warmth`), colour = [2 ** warmth, 1, 2 ** -warmth];
@@ -17,7 +17,7 @@ function tint(name) {
 const k_luminance = [0.2126, 0.7152, 0.0722], luminance = (colour) => colour.reduce((sum, x, i) => sum + k_luminance[i] * x, 0);
 const saturation = () => { const x = value("saturate"); return x < 0 ? 1 + x : 1 + 2 * x; };
 const texts = {
-  roughen: () => `× ${factor("roughen").toFixed(2)}`, highlight: () => `× ${factor("highlight").toFixed(2)}`, body: () => `× ${factor("body").toFixed(2)}`,
+  roughen: () => `× ${Math.sqrt(factor("roughen")).toFixed(2)}`, highlight: () => `× ${factor("highlight").toFixed(2)}`, body: () => `× ${factor("body").toFixed(2)}`,
   saturate: () => `× ${saturation().toFixed(2)}`, hue: () => `${value("hue")}°`,
 };
 const warmth_text = (x) => x === 0 ? "as it is" : x < 0 ? `${Math.round(-100 * x)} % cooler` : `${Math.round(100 * x)} % warmer`;

@@ -59,6 +59,8 @@ with bpy.data.libraries.load(FILE, assets_only=True) as (there, here):
     here.materials = there.materials
 for material in bpy.data.materials:
     assert max(material.preview.image_pixels_float) > 0.1, material.name
+    asset = material.asset_data
+    assert asset.author and asset.license and asset.description and len(asset.tags) > 2 and asset.catalog_id in open(CATALOGUES).read(), material.name
 """
 READY = """
 import bpy
@@ -179,14 +181,15 @@ with tempfile.TemporaryDirectory() as folder:
     Path(mapped).write_text(Path(script).read_text(encoding="utf-8") + MAP, encoding="utf-8")
     apart = delta_e(drawn_by_cycles(mapped, f"{folder}/lit.exr", LAMP)[inside], formula(script, MAPPED)[inside])
     expect(apart <= FORMULA_WITHIN, f"with a normal map: Cycles against the formula {apart:.2f}")
+    table = str(Path(__file__).resolve().parents[2] / "data/library.csv")
     run("export", *(data / f"rgl/{name}.bsdf" for name in MATERIALS[:2]), "--to", "blender", "-o", both)
-    subprocess.run([sys.executable, "-c", f"import sys, runpy; sys.argv[1:] = ['--', {folder + '/both.blend'!r}]; runpy.run_path({both!r}, run_name='__main__')"],
+    subprocess.run([sys.executable, "-c", f"import sys, runpy; sys.argv[1:] = ['--', {folder + '/both.blend'!r}, {table!r}]; runpy.run_path({both!r}, run_name='__main__')"],
                    check=True, stdout=subprocess.DEVNULL)
-    Path(appended).write_text(ASSETS.replace("FILE", repr(folder + "/both.blend")))
+    Path(appended).write_text(ASSETS.replace("FILE", repr(folder + "/both.blend")).replace("CATALOGUES", repr(folder + "/blender_assets.cats.txt")))
     apart = delta_e(drawn_by_cycles(appended, f"{folder}/lit.exr", LAMP)[inside], formula(script)[inside])
     expect(apart <= FORMULA_WITHIN, f"from a .blend file with two materials: Cycles against the formula {apart:.2f}")
     kept, ready = Path(__file__).resolve().parents[2] / "data/ready", f"{folder}/ready.py"
-    for name, material in {"film.blend": "film", "library.blend": "cc_ibiza_sunset_rgb"}.items():
+    for name, material in {"film.blend": "film", "library.blend": "Ibiza Sunset film"}.items():
         Path(ready).write_text(READY.replace("FILE", repr(str(kept / name))).replace("NAME", repr(material)))
         apart = delta_e(drawn_by_cycles(ready, f"{folder}/lit.exr", LAMP)[inside], formula(str(kept / "film.py"))[inside])
         expect(apart <= FORMULA_WITHIN, f"{name}: Cycles against the formula {apart:.2f}")

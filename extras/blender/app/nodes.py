@@ -160,7 +160,28 @@ def _mark_as_assets(bpy, materials):
     bpy.data.batch_remove(made)
 
 
+def _describe(materials, folder, table):
+    """Gives assets what the rows of a CSV file have for them. The catalogues stand in a file of Blender's beside them."""
+    import csv
+    import os
+    import uuid
+
+    catalogues = {}
+    with open(table, encoding="utf-8") as file:
+        rows = {row["material"]: row for row in csv.DictReader(file)}
+    for material in materials:
+        row, asset = rows[material.name], material.asset_data
+        material.name, asset.author, asset.license, asset.description = (row[of] for of in ("name", "author", "licence", "description"))
+        asset.catalog_id = str(uuid.uuid5(uuid.NAMESPACE_URL, row["catalogue"]))
+        catalogues[asset.catalog_id] = row["catalogue"]
+        for tag in row["tags"].split():
+            asset.tags.new(tag)
+    with open(os.path.join(folder, "blender_assets.cats.txt"), "w", encoding="utf-8") as file:
+        file.write("VERSION 1\n" + "".join(f"{key}:{path}:{path.replace('/', '-')}\n" for key, path in catalogues.items()))
+
+
 def _measured_script():
+    import os
     import sys
 
     import bpy
@@ -172,8 +193,11 @@ def _measured_script():
             for material in materials:
                 thing.data.materials.append(material)
     if "--" in sys.argv:
+        path, *table = map(os.path.abspath, sys.argv[sys.argv.index("--") + 1:])
         _mark_as_assets(bpy, materials)
-        bpy.ops.wm.save_as_mainfile(filepath=sys.argv[sys.argv.index("--") + 1])
+        if table:
+            _describe(materials, os.path.dirname(path), table[0])
+        bpy.ops.wm.save_as_mainfile(filepath=path, compress=True)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@
 #include "brdf/values.h"
 #include "fit/own_fit.h"
 #include "fit/request_traits.h"
+#include "measured/readers.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
 
@@ -58,7 +59,7 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
 int fit_file(FileFit fit) {
     const auto measured = load_measured(fit);
     if (!measured) return complain(measured.error());
-    const auto writable = check_outputs({fit.input}, {fit.output, fit.preview, fit.json == "-" ? "" : fit.json});
+    const auto writable = check_outputs(fit.files, {fit.output, fit.preview, fit.json == "-" ? "" : fit.json});
     if (!writable) return complain(writable.error());
 
     if (std::holds_alternative<BsdfTable>(measured->table)) return fit_both_sides(fit, *measured);
@@ -87,16 +88,27 @@ int fit_file(FileFit fit) {
 
 Result<Measured> load_measured(FileFit& fit) {
     const Stopwatch loading;
-    auto subject = load_subject(fit.input, fit.read);
-    if (!subject) return subject.error();
-    auto* measured = std::get_if<Measured>(&subject->content);
-    if (!measured) return Error{fit.input, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
+    std::vector<Measured> files;
+    for (const std::string& name : fit.files) {
+        auto subject = load_subject(name, fit.read);
+        if (!subject) {
+            Error error = subject.error();
+            if (!files.empty()) error.source += " with " + files[0].source;
+            return error;
+        }
+        auto* file = std::get_if<Measured>(&subject->content);
+        if (!file) return Error{name, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
+        files.push_back(std::move(*file));
+    }
+    auto measured = files.size() > 1 ? joined(files) : std::move(files[0]);
+    if (!measured) return measured;
+    if (files.size() > 1) fmt::print(stderr, "srbf: {}\n", printable(notes(*measured)[0]));
     if (fit.exchange) exchange(*measured);
     if (!fit.band.empty())
         if (const auto chosen = choose_band(*measured, fit.band); !chosen) return chosen.error();
     if (const auto read = check_read(*measured, fit); !read) return read.error();
     fit.load_seconds = loading.seconds();
-    return std::move(*measured);
+    return measured;
 }
 
 Image8 preview_of(const FileFit& fit, const Measured& measured, const Model& model) {

@@ -20,6 +20,7 @@ struct FileFit {
     ReadOptions read = {};                // for what the file does not state
     std::string band = {};                // for a two-sided measurement; empty: the default
     std::vector<std::string> given = {};  // the options on the command line
+    std::vector<std::string> files = {};  // that `input` names; several are of one sample
     double load_seconds = 0;
 };
 

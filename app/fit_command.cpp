@@ -1,4 +1,7 @@
 // The command line of `srbf fit`.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <filesystem>
 #include <memory>
 
@@ -15,22 +18,22 @@ struct FitCommand {
     std::vector<std::string> inputs;
     FitTexts texts;
     FileFit fit;
-    bool resume = false;
+    bool resume = false, as_one = false;
 
     /// Several inputs go into a folder. A single input does if the output is a folder, as with `cp`.
-    bool into_folder() const { return inputs.size() > 1 || resume || is_folder(fit.output); }
+    bool into_folder() const { return (inputs.size() > 1 && !as_one) || resume || is_folder(fit.output); }
 };
 
 /// The options that the command checks for presence.
 struct GivenOptions {
-    Option input, output, resume, picture, json;
+    Option input, output, as_one, resume, picture, json;
 };
 
 void add_files(const Subcommand& sub, FitCommand& command, GivenOptions& options) {
     options.input =
         sub.add_option("INPUT", command.inputs,
                        "The measurement: a table of MERL's, RGL's, UTIA's or MDL's layout, scattered samples,\n"
-                       "or BSDF XML of WINDOW and Radiance; several of them with a folder for the models")
+                       "or BSDF XML of WINDOW and Radiance; several of them with a folder for the models or --as-one")
             .type_name("")
             .required();
     options.output =
@@ -38,6 +41,8 @@ void add_files(const Subcommand& sub, FitCommand& command, GivenOptions& options
                        "The model; default: INPUT's stem + .srbf in the working directory. Or a folder, for STEM.srbf\n"
                        "and the report STEM.json of each INPUT")
             .type_name("FILE|DIR");
+    options.as_one =
+        sub.add_flag("--as-one", command.as_one, "Fit one model to all INPUTs, files of samples of one material");
     options.resume =
         sub.add_flag("--resume", command.resume,
                      "Keep models in the folder that the same version made from the same file with the same options");
@@ -98,15 +103,21 @@ void add_fit(CommandLine& app, int& status) {
                 const std::string settings = sub.settings({options.input, options.output, options.resume, threads});
                 status = fit_files({command->inputs, command->fit.output, command->fit, settings, command->resume});
             } else {
-                command->fit.input = command->inputs[0];
-                if (command->fit.output.empty()) command->fit.output = system_files::stem(command->fit.input) + ".srbf";
+                command->fit.input = fmt::format("{}", fmt::join(command->inputs, ", "));
+                command->fit.files = command->inputs;
+                if (command->fit.output.empty()) command->fit.output = system_files::stem(command->inputs[0]) + ".srbf";
                 status = fit_file(command->fit);
             }
         },
         {{{options.picture, options.json},
           "not with a folder, which has a report of each fit",
           [command] { return !command->into_folder(); }},
-         {{options.output}, "a folder, for several inputs and --resume, not the name of a model", [command] {
+         {{options.as_one},
+          "for several inputs, of which it makes one model, not a folder",
+          [command] { return command->inputs.size() > 1 && !command->into_folder(); }},
+         {{options.output},
+          "a folder, for several inputs without --as-one and --resume, not the name of a model",
+          [command] {
               const std::string& output = command->fit.output;
               return !command->into_folder() || is_folder(output) || !output.ends_with(".srbf");
           }}});

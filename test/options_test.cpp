@@ -22,6 +22,7 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"view by view", "fit m.binary -o o.srbf --model su --directions 8 --lobes 1 --objective raw"},
     {"a table", "fit m.binary -o o.srbf --effort 0.01 " + k_fit},
     {"a goal", "fit m.binary -o o.srbf --objective raw --budget 24 --effort 0.01"},
+    {"files as one", "fit s.csv s.csv --as-one -o o.srbf --model ggx --objective raw"},
     {"ggx", "fit m.binary -o o.srbf --model ggx --objective raw"},
     {"openpbr", "fit m.binary -o o.srbf --model openpbr --surface principled --objective raw"},
     {"texels", "map t.npy --pairs p.csv -o d " + k_fit},
@@ -62,6 +63,7 @@ const std::pair<const char*, std::string> k_modes[] = {
 const std::map<std::string, std::string> k_argument{
     {"--output", "x.srbf"},
     {"--resume", ""},
+    {"--as-one", ""},
     {"--model", "ggx"},
     {"--form", "gaussian"},
     {"--surface", "gltf"},

@@ -79,7 +79,8 @@ TEST_F(CommandLine, usage_errors_of_choices) {
     expect_failure(2, {"fit", k_paper, "--model", "ggx", "--lobes", "3"},
                    "--lobes: expected 1 to 2 with --model ggx, found 3");
     expect_failure(2, {"fit", k_paper, "--model", "ggx", "--form", "source"}, "only with --model pm");
-    expect_failure(2, {"fit", k_paper, "--form", "sauce"}, "expected gaussian or horizon or extended or reciprocal, found sauce");
+    expect_failure(2, {"fit", k_paper, "--form", "sauce"},
+                   "expected gaussian or horizon or extended or reciprocal, found sauce");
     expect_failure(2, {"fit", k_paper, "--no-scale"}, "only with --form gaussian");
     expect_failure(2, {"fit", k_paper, "--model", "su", "--budget", "100"}, "only with --model pm");
     expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64 or auto, found many");
@@ -87,6 +88,8 @@ TEST_F(CommandLine, usage_errors_of_choices) {
     expect_failure(2, {"fit", k_paper, "--axial", "--no-axial"}, "--axial");
     expect_failure(2, {"fit", k_paper, "--resume", "-o", "x.srbf"}, "not the name of a model");
     expect_failure(2, {"fit", k_paper, k_paper, "-o", "x.srbf"}, "not the name of a model");
+    expect_failure(2, {"fit", k_paper, "--as-one"}, "--as-one");
+    expect_failure(1, {"fit", k_paper, k_paper, "--as-one"}, "one sample: expected samples as in paper_white_rgb.bsdf");
 }
 
 TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {

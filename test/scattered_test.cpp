@@ -618,6 +618,48 @@ ScatteredSamples samples_of(const std::function<Rgb(Vec3d, Vec3d)>& f, int count
     return s;
 }
 
+/// One of several files, with the angle of the light in its header as goniophotometers of pab have it.
+Measured of_incidence(int theta, std::string_view angles, std::string_view value = "BSDF") {
+    std::string text = fmt::format("#sample_name \"paint\"\n#date 2026-11-{} 10:30\n", theta);
+    text += fmt::format(fmt::runtime(angles), theta) + fmt::format("\n#format: theta phi {}\n", value);
+    for (int i = 0; i < 6; ++i) text += fmt::format("{} {} 0.{}{}\n", 12 * i, 60 * i, theta, i);
+    return *read_measured(as_bytes(text), fmt::format("d/{}.txt", theta));
+}
+
+TEST(Joined, HasTheSamplesOfAllFilesAndTheAnglesOfTheirHeaders) {
+    for (const char* angles :
+         {"#intheta {}\n#inphi 30", "#incident_angle\t{}\t30", "# Incidence (deg) = {}\n# phi_i: 30°"}) {
+        const auto all =
+            joined(std::array{of_incidence(10, angles), of_incidence(30, angles), of_incidence(50, angles)});
+        ASSERT_TRUE(all) << message(all.error());
+        EXPECT_EQ(all->source, "10.txt, 30.txt, 50.txt");
+        const auto& s = std::get<ScatteredSamples>(all->table);
+        has(s.notes[0], "3 files as one sample: incidence 10, 30, 50 degrees; the same grey, value: BSDF, ");
+        has(s.notes[0], "sample_name \"paint\"; different "), has(s.notes[0], " date");
+        EXPECT_TRUE(s.isotropic);
+        ASSERT_EQ(s.wl.size(), 18u);
+        for (std::size_t i = 0; i < 18; ++i) {
+            const double theta = double(10 + 20 * (i / 6)) * k_degree, viewer = double(12 * (i % 6)) * k_degree;
+            EXPECT_TRUE(near_direction(s.wl[i], spherical(theta, 30 * k_degree))) << angles;
+            EXPECT_TRUE(near_direction(s.wv[i], spherical(viewer, 5 * viewer))) << angles;
+        }
+        EXPECT_PRED3(near, value(*all, s.wl[7], s.wv[7]).g, 0.301, 1e-6);
+    }
+    EXPECT_FALSE(is_isotropic(
+        *joined(std::array{of_incidence(10, "#intheta {}\n#inphi 0"), of_incidence(30, "#intheta {}\n#inphi 90")})));
+}
+
+TEST(Joined, RefusesFilesThatAreOfNoOneSample) {
+    const Measured first = of_incidence(10, "#intheta {}"), table{"d/m.binary", "MERL", 0, MerlTable{}};
+    for (const Measured& other :
+         {of_incidence(30, "#intheta {}", "BTDF"), of_incidence(30, "#intheta {}", "DSF"),
+          of_incidence(30, "#intheta {}", "BRF(%)"), of_incidence(30, "#intheta {}", "532nm"), table})
+        for (const auto& files : {std::array{first, other}, std::array{other, first}}) {
+            const std::string said = message(joined(files).error());
+            has(said, "one sample: expected "), has(said, "10.txt"), has(said, other.source.substr(2));
+        }
+}
+
 TEST(ScatteredSamples, InterpolationPassesThroughItsSamples) {
     std::mt19937_64 random(3);
     for (const bool isotropic : {true, false}) {

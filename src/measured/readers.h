@@ -49,6 +49,11 @@ Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::
 /// and what is assumed of azimuths and units that are missing, which `notes` tells.
 Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name);
 
+/// Joins files of samples of one material, such as one for each incidence. The first note has what their headers state
+/// alike and differently. The result is isotropic if each file is, and all lights have one azimuth or those of each file
+/// have several. Errors: fewer than two; one is not of samples; their wavelengths, colours or names of values differ.
+Result<Measured> joined(std::span<const Measured> files);
+
 /// The names of all but `stated`, in their order.
 inline constexpr std::array<std::string_view, 3> k_quantities{"bsdf", "factor", "cosine"};
 /// The quantity of that name; `stated` if none has it.

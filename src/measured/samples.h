@@ -81,6 +81,9 @@ inline constexpr AngleUnit k_in_degrees{k_degree, "degrees"}, k_in_radians{1, "r
 /// passes, since its sample is masked. Returns the expectation for an error message, empty for a valid angle.
 std::string expected_angle(AngleKind kind, double number, AngleUnit unit);
 
+/// Stands between the lines of a header in a description.
+inline constexpr std::string_view k_line_end = "; ";
+
 /// Readers without `make_index`, which can wait until the text is freed.
 Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, const std::string& file_name);
 Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, const std::string& file_name);

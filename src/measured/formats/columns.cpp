@@ -151,7 +151,7 @@ constexpr ValueNames k_values[] = {
     {Values::rgb, Quantity::bsdf, "r g b,red green blue,brdfr brdfg brdfb,fr fg fb"},
     {Values::grey, Quantity::bsdf, "value,brdf,bsdf,btdf,f,fr"},
     {Values::grey, Quantity::factor, "brf,factor,reflectancefactor,bidirectionalreflectancefactor,reflectance"},
-    {Values::grey, Quantity::cosine, "ccbrdf,ccbsdf,brdfcos,bsdfcos,fcos,cosinecorrectedbrdf,cosinecorrectedbsdf"},
+    {Values::grey, Quantity::cosine, "dsf,ccbrdf,ccbsdf,brdfcos,bsdfcos,fcos,cosinecorrectedbrdf,cosinecorrectedbsdf"},
     {Values::polarized, Quantity::bsdf, "brdfs brdfp,bsdfs bsdfp,btdfs btdfp,fs fp,frs frp", true},
     {Values::polarized, Quantity::factor, "brfs brfp", true},
     {Values::xyz, Quantity::bsdf, "x y z", true}};
@@ -248,6 +248,25 @@ struct ColumnAssignment {
             return refuse("a constant angle as phi_l_deg=180", quoted(constant));
         if (columns.angle[*a].exists()) return refuse("one column or constant for each", quoted(constant) + " again");
         columns.angle[*a] = {std::string(constant), k_absent, *number, name.unit};
+    }
+    /// Takes angles of the light from lines as "intheta 10" or "incident_angle 10 0". `theta` then is the viewer's.
+    void assign_stated(std::span<const std::string_view> header) {
+        auto& angle = columns.angle;
+        if (columns.has_vectors || angle[0].exists()) return;
+        for (const std::string_view line : header) {
+            std::string_view rest = line.substr(std::min(line.find_first_of("-.0123456789"), line.size()));
+            const ColumnName name = column_name(line.substr(0, line.size() - rest.size()));
+            for (std::size_t a = angle_named(name.key).value_or(2); a < 2; ++a) {
+                const auto number = to_number<double>(next_word(rest, " \t,°dr"));
+                if (!number || !expected_angle(k_angle_kinds[a], *number, k_in_degrees).empty()) break;
+                if (!angle[a].exists() && (a == 0 || angle[3].exists()))
+                    angle[a] = {std::string(line.substr(0, 40)), k_absent, *number,
+                                name.unit ? name.unit : unit_in(rest)};
+            }
+        }
+        for (std::size_t i = 0; i < names.size(); ++i)
+            if (keys[i].key == "theta" && angle[0].exists() && !angle[2].exists())
+                angle[2] = {std::string(names[i].substr(0, 40)), i, 0, keys[i].unit}, used[i] = true;
     }
     void require_angles() {
         if (columns.has_vectors || !columns.geometry.empty()) return;
@@ -385,7 +404,8 @@ bool are_names_of_columns(std::span<const std::string_view> fields) {
 }
 
 Result<Columns> assign_columns(std::span<const std::string_view> names, std::span<const std::string_view> constants,
-                               const std::string& file_name, std::uint64_t line) {
+                               std::span<const std::string_view> header, const std::string& file_name,
+                               std::uint64_t line) {
     if (names.size() > k_most_columns)
         return at_line(file_name, line, "header", fmt::format("at most {} columns", k_most_columns),
                        fmt::format("{}", names.size()));
@@ -394,6 +414,7 @@ Result<Columns> assign_columns(std::span<const std::string_view> names, std::spa
     for (const std::string_view name : names) assignment.keys.push_back(column_name(name));
     assignment.assign_directions();
     for (const std::string_view constant : constants) assignment.assign_constant(constant);
+    assignment.assign_stated(header);
     assignment.require_angles();
     assignment.assign_values();
     if (assignment.error) return at_line(file_name, line, "header", assignment.error->first, assignment.error->second);

@@ -48,8 +48,9 @@ bool are_units(std::span<const std::string_view> fields);
 /// True if two fields name directions, or one a direction and one a value.
 bool are_names_of_columns(std::span<const std::string_view> fields);
 /// Assigns columns by their names. Errors: no directions or no values; two columns of the same meaning; `constants`
-/// ("phi_l_deg=180") that are not angles.
+/// ("phi_l_deg=180") that are not angles. Angles of the light that neither has are those of lines in `header`.
 Result<Columns> assign_columns(std::span<const std::string_view> names, std::span<const std::string_view> constants,
-                               const std::string& file_name, std::uint64_t line);
+                               std::span<const std::string_view> header, const std::string& file_name,
+                               std::uint64_t line);
 
 }  // namespace srbf

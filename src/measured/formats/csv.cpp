@@ -1,5 +1,6 @@
 // Reads rows of numbers in named columns: CSV, text of spreadsheets and instruments, and the option --columns.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <deque>
@@ -54,7 +55,7 @@ struct Preamble {
     char separator = k_any_separator;  ///< the separator of the header
     std::uint64_t line = 0;            ///< the line of the header
     Lines rows;
-    std::string description;  ///< comments and other text before the header
+    std::vector<std::string_view> lines;  ///< comments and other text before the header
     bool both_sides = false, isotropic = false;
 };
 
@@ -71,7 +72,6 @@ bool has_as_many_fields(std::string_view row, const Preamble& preamble) {
 /// If `has_names`, the option --columns names columns, and no line is a header.
 Preamble read_preamble(std::string_view text, bool has_names) {
     constexpr int most_metadata = 200;
-    constexpr std::size_t longest_description = 300;
     Lines lines(text);
     Preamble preamble{{}, k_any_separator, 0, lines, {}};
     const auto set_header = [&](std::string_view header, char separator) {
@@ -80,7 +80,9 @@ Preamble read_preamble(std::string_view text, bool has_names) {
     int metadata = 0;
     for (auto line = lines.next(); line; preamble.rows = lines, line = lines.next()) {
         const auto comment = comment_in(*line);
-        const std::string_view content = comment.value_or(*line);
+        std::string_view content = comment.value_or(*line);
+        if (constexpr std::string_view format = "format:"; content.starts_with(format))  // of pab's goniophotometers
+            content = trimmed(content.substr(format.size()));
         const bool both_sides = comment && equal_ignoring_case(content, k_both_sides.substr(2)),
                    isotropic = comment && equal_ignoring_case(content, k_isotropic);
         preamble.both_sides |= both_sides, preamble.isotropic |= isotropic;
@@ -96,10 +98,8 @@ Preamble read_preamble(std::string_view text, bool has_names) {
             break;
         }
         if (!comment && (is_row(*line) || ++metadata > most_metadata)) break;
-        if (!content.empty() && preamble.description.size() < longest_description)
-            preamble.description += fmt::format("{}{}", preamble.description.empty() ? "" : " ", content);
+        if (!content.empty() && preamble.lines.size() < most_metadata) preamble.lines.push_back(content.substr(0, 300));
     }
-    preamble.description.resize(std::min(preamble.description.size(), longest_description));
     return preamble;
 }
 
@@ -235,14 +235,14 @@ Result<Table> open_table(std::string_view text, const std::string& file_name, co
                     names[i] = names_with_units.emplace_back(fmt::format("{} ({})", names[i], units[i]));
         }
     }
-    auto columns = assign_columns(names, constants, file_name, preamble.line);
+    auto columns = assign_columns(names, constants, preamble.lines, file_name, preamble.line);
     if (!columns) {
         Error error = columns.error();
         if (!option.empty()) error.what = "--columns", error.code = ErrorCode::argument;
         return error;
     }
-    Table table{*std::move(columns), preamble.rows, k_any_separator, std::move(preamble.description),
-                preamble.isotropic};
+    Table table{*std::move(columns), preamble.rows, k_any_separator,
+                fmt::format("{:.2000}", fmt::format("{}", fmt::join(preamble.lines, k_line_end))), preamble.isotropic};
     table.separator = row_separator(table.rows, table.columns, preamble.separator);
     if (auto error = infer_angles(table, file_name, preamble.line)) return *std::move(error);
     return table;

@@ -46,7 +46,8 @@ std::string blender_script(std::span<const NamedClosures> materials) {
         "# Written by srbf " SRBF_VERSION
         ": materials for Cycles, Blender 4.5 or later. Run it in Blender: the selected objects get\n"
         "# the materials. With the name of a .blend file after \"--\" it writes that file, where they are assets with\n"
-        "# previews, and with that of a CSV file after it, of the names and descriptions there. A script that imports it calls measured_materials().\n"
+        "# previews, and with that of a CSV file after it, of the names and descriptions there. A script that imports "
+        "it calls measured_materials().\n"
         "# Name, angles of the viewer from 0 to 90 degrees, terms, and the tables over these angles: for each term a "
         "row of\n"
         "# slope, roughness and anisotropy, and one of weights in linear Rec.709; then the diffuse colour.\n"

@@ -27,40 +27,44 @@ function load_data(name) {
 
 // ---- The worker that fits ----------------------------------------------------------------------------------------
 
-let worker = null, question_count = 0, open_questions = new Map(), cache = null;
+// `worker` has the file that the page shows; `spare` has begun and has none.
+let worker = null, spare = null, question_count = 0, cache = null;
 const url = URL.createObjectURL(new Blob([`${binding}\n${working}\nworking();`], { type: "text/javascript" }));
 
-// Starts a worker with the module. Ends the previous one, whose current job is obsolete.
-function start_worker() {
-  worker?.terminate();
-  for (const { failed } of open_questions.values()) failed(null);
-  open_questions = new Map();
-  const mine = worker = new Worker(url);
-  worker.onmessage = ({ data }) => {
-    if (mine !== worker) return;
-    if ("progress" in data) return saving ? saving.progress = data.progress : (is_editing ? show_edit_progress : show_progress)(data);
-    if ("draft" in data) return show_draft(data.draft);
-    const question = open_questions.get(data.id);
-    open_questions.delete(data.id);
-    if (data.is_trap) ready = null;
-    "error" in data ? question.failed(new Error(data.error)) : question.done(data.result);
+// A worker with the module. What it was asked and has not answered when it ends fails, with null.
+function new_worker() {
+  const thread = new Worker(url), open = new Map(), own = {
+    is_busy: () => open.size > 0,
+    ask: (question) => new Promise((done, failed) => {
+      const id = ++question_count;
+      open.set(id, { done, failed });
+      thread.postMessage({ ...question, id });
+    }),
+    end() {
+      thread.terminate();
+      for (const { failed } of open.values()) failed(null);
+      open.clear();
+    },
   };
-  return (async () => {
+  thread.onmessage = ({ data }) => {
+    const question = open.get(data.id);
+    if (question) {
+      open.delete(data.id);
+      own.is_trapped ||= data.is_trap;
+      "error" in data ? question.failed(new Error(data.error)) : question.done(data.result);
+    } else if (own === worker) {
+      "draft" in data ? show_draft(data.draft) : saving ? saving.progress = data.progress : (is_editing ? show_edit_progress : show_progress)(data);
+    }
+  };
+  own.begun = (async () => {
     cache ??= { module: await load_data("module"), studio: await load_data("studio"), prepared: await load_data("prepared") };
-    const begun = await ask({ kind: "begin", ...cache });
+    const begun = await own.ask({ kind: "begin", ...cache });
     cache = begun.cache;
     return begun.viewer;
   })();
+  return own;
 }
-function ask(question, transfers = []) {
-  return new Promise((done, failed) => {
-    const id = ++question_count;
-    open_questions.set(id, { done, failed });
-    worker.postMessage({ ...question, id }, transfers);
-  });
-}
-let ready = null; // the promise of the last `start_worker`
-const ensure_worker = () => ready ??= start_worker();
+const ask = (question) => worker.ask(question);
 
 // ---- The display -------------------------------------------------------------------------------------------------
 
@@ -75,6 +79,11 @@ const stem = (name) => name.replace(/(.)\.[^.]*$/, "$1");
 function fail(text) {
   $("failure").textContent = text;
   set_shown("failure", text !== "");
+  if (text) $("failure").scrollIntoView({ block: "nearest" });
+}
+function say(text) {
+  $("reading").textContent = text;
+  set_shown("reading", text !== "");
 }
 function show_progress({ progress, stage }) {
   document.querySelector("#working progress").value = progress;
@@ -137,7 +146,6 @@ function show_model(model) {
   if (!draws) return;
   viewer.set_material(0, null);
   viewer.set_material(1, model.material);
-  viewer.show("1");
   show_drawing();
 }
 function words_of({ seen, smoothed, samples, twoSided, energyError }) {
@@ -216,7 +224,10 @@ async function step(mine, action) {
   try {
     return await action();
   } catch (error) {
-    if (error && mine === run) fail(error.message), show_working("");
+    if (error && mine === run) {
+      fail(error.message), show_working("");
+      if (worker?.is_trapped) restored = renew();
+    }
     return null;
   }
 }
@@ -225,14 +236,20 @@ async function step(mine, action) {
 let pictures = null; // the promise that they are started
 const ensure_pictures = (common) => pictures ??= start_pictures(common);
 async function start_pictures(common) {
-  draws = await viewer.start(common);
+  draws = await viewer.start(common, "2");
   set_shown("without", !draws), set_shown("viewer", draws && file !== null);
   if (draws) $("viewer").prepend(document.querySelector("#viewer .pictures"), $("side"), document.querySelector("#viewer > .controls"));
 }
-// Opens the file; a new worker has to read it again.
-async function open() {
-  await ensure_pictures(await ensure_worker());
-  return ask({ kind: "open", name: file.name, bytes: file.bytes, is_ready: Boolean(file.link) });
+async function open_in(own, { name, bytes, link }) {
+  await ensure_pictures(await own.begun);
+  return own.ask({ kind: "open", name, bytes, is_ready: Boolean(link) });
+}
+// Ends the worker. The next one reads the file of this page again, and the models that this one had made.
+function renew() {
+  const mine = run, made = fitted && { kind: "restore", name: stem(file.name), fitted: fitted.file, edited: edited?.file };
+  worker.end();
+  const own = worker = new_worker();
+  return open_in(own, file).then(() => made && own.ask(made)).then(() => true, (error) => void (error && mine === run && fail(error.message)));
 }
 function take_fit(result) {
   fitted = result;
@@ -254,60 +271,81 @@ function name_picture(subject, name) {
   for (const element of document.querySelectorAll(`[data-show="${subject}"], figure[data-material="${subject}"] figcaption`)) element.textContent = name;
   document.querySelector(`figure[data-material="${subject}"] canvas`)?.setAttribute("aria-label", name);
 }
-// The name of a file. A ready material has its stored picture beside it, before the page draws its own.
+// The name of a file. A ready material has its stored picture beside it, and in place of the picture until that is drawn.
 function show_name(name, link) {
   $("name").textContent = link?.dataset.kind ?? stem(name);
   set_shown("stored", Boolean(link)), set_shown("lobes_row", !link);
-  if (link) $("stored").style.backgroundPosition = link.querySelector("i").style.backgroundPosition;
+  $("viewer").classList.toggle("stored", Boolean(link));
+  if (link) document.body.style.setProperty("--stored", link.querySelector("i").style.backgroundPosition);
   set_shown("state", true);
 }
-// Shows a measurement and fits it, or shows a model; `link` is that of a ready material.
-async function show_file(name, bytes, link) {
+// Reads a measurement and fits it, or reads a model and shows it; `link` is that of a ready material. What the page shows stays
+// until the file is read. The file that was chosen last counts.
+let opening = 0;
+function begin_opening() {
+  say(""), fail("");
+  return ++opening;
+}
+async function show_file(mine, name, bytes, link) {
+  const next = { name, bytes, link }, own = spare ?? new_worker();
+  spare = null;
+  say(`Reading ${name} …`);
+  const opened = await open_in(own, next).catch((error) => void (error && mine === opening && fail(refusal(name, bytes, error.message))));
+  if (mine !== opening) return own.end();
+  say("");
+  opened ? show_opened(opened, next, own) : own.end();
+  show_address();
+}
+function show_opened(opened, next, own) {
   const mine = ++run;
-  if (open_questions.size) ready = start_worker(); // the current job is obsolete
-  file = { name, bytes, link }, fitted = null;
+  worker?.end();
+  worker = own, file = next, fitted = null;
   begin_editing(null);
   fail("");
   set_shown("saving", false), set_shown("plots", false);
-  show_name(name, link);
+  show_name(file.name, file.link);
   for (const id of ["about", "verdict", "sizes", "saved"]) $(id).textContent = "";
   $("verdict").className = "";
-  show_working("reading");
-  const opened = await step(mine, open);
-  if (mine !== run) return;
-  if (!opened) return set_shown("state", false), set_shown("viewer", false);
+  show_working("");
   if (draws) set_shown("viewer", true);
   set_shown("lobes_row", !opened.model);
   for (const element of document.querySelectorAll(".compared")) element.hidden = opened.model;
   show_slices(opened.slices);
   name_picture("1", opened.model ? "unedited" : "fitted");
+  $("state").scrollIntoView();
   if (!opened.model) {
     show_measurement(opened);
-    return fit(mine);
+    return void fit(mine);
   }
+  document.querySelector("figure[data-material='1'] figcaption").textContent = $("name").textContent;
   take_fit(opened);
-  show_working("");
   show_model(opened);
   begin_editing(opened.highlight);
 }
+// What is said of a file that is not read: its kind where the library does not know the format, or else the library's message.
+function refusal(name, bytes, why) {
+  const kind = bytes instanceof Uint8Array ? light.kind_of(bytes) : null, is_unknown = why.includes(": unknown format: ");
+  return is_unknown || /(picture|page)$/.test(kind) ? `${name}: this is ${kind ?? "a file of another kind"}; drop a measurement, a model or an .hdr` : why;
+}
 async function take_file(chosen) {
-  const mine = ++run;
-  fail("");
-  forget_link();
-  if (chosen.size > k_max_bytes) return fail(`${chosen.name}: size: expected at most ${grouped(k_max_bytes)} bytes, found ${grouped(chosen.size)}`);
-  const bytes = await chosen.arrayBuffer().catch((error) => (fail(`${chosen.name}: cannot be read: ${error.message}`), null));
-  if (bytes && mine === run) await show_file(chosen.name, new Uint8Array(bytes));
+  const mine = begin_opening(), { name, size } = chosen;
+  if (size > k_max_bytes) return fail(`${name}: size: expected at most ${grouped(k_max_bytes)} bytes, found ${grouped(size)}`);
+  const bytes = await chosen.arrayBuffer().then((buffer) => new Uint8Array(buffer), (error) => void fail(`${name}: cannot be read: ${error.message}`));
+  if (!bytes || mine !== opening) return;
+  if (!light.is_environment(name, bytes)) return show_file(mine, name, bytes);
+  await pictures;
+  if (draws && viewer.previews()) await viewer.open_environment(chosen, fail);
+  else fail(`${name}: this browser draws no pictures under an environment`);
 }
 // Ends the worker at once. The next one reads the file again, for another number of lobes or to save.
 async function cancel() {
-  const mine = ++run;
-  ready = start_worker();
+  ++run;
   show_working("");
   $("verdict").textContent = "Cancelled. Move the slider to fit again.";
   $("verdict").className = "";
   set_shown("saving", false);
   begin_editing(null);
-  await step(mine, open);
+  await renew();
 }
 async function change_lobes() {
   $("lobes").dataset.touched = "yes";
@@ -315,10 +353,7 @@ async function change_lobes() {
   const mine = ++run;
   fail("");
   begin_editing(null);
-  if (open_questions.size) {
-    ready = start_worker();
-    if (!await step(mine, open) || mine !== run) return;
-  }
+  if (worker.is_busy() && !await renew() || mine !== run) return;
   await fit(mine);
 }
 function element(kind, ...content) {
@@ -370,38 +405,29 @@ async function write_file(button) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
 
-// Ends the worker that writes a file. The next one reads the file of this page again, and the models that this one had made.
-function stop_saving() {
-  const mine = run;
-  ready = start_worker();
-  restored = step(mine, async () => {
-    await open();
-    await ask({ kind: "restore", name: stem(file.name), fitted: fitted.file, edited: edited?.file });
-  });
-}
-
 // Shows one of the page's own files.
 async function show_own(name, link) {
-  const mine = ++run, bytes = await step(mine, () => load_data(name));
-  if (!bytes || mine !== run) return;
-  const shown_file = show_file(name, bytes, link);
-  $("state").scrollIntoView();
-  await shown_file;
+  const mine = begin_opening(), bytes = await load_data(name).catch((error) => void fail(error.message));
+  if (mine !== opening) return;
+  if (!bytes) return show_address();
+  if (file) $("state").scrollIntoView();
+  await show_file(mine, name, bytes, link);
 }
-for (const button of document.querySelectorAll("[data-sample]")) button.addEventListener("click", () => {
-  forget_link();
-  show_own(button.dataset.sample);
-});
+for (const button of document.querySelectorAll("[data-sample]")) button.addEventListener("click", () => show_own(button.dataset.sample));
 // The address "#NAME" shows a material of the gallery, so that its link can be shared.
-const links = [...document.querySelectorAll("#gallery li a")], linked = () => links.find((link) => link.hash === location.hash);
+const links = [...document.querySelectorAll("#gallery li a")], linked = (address = location) => links.find((link) => link.href === address.href);
 function show_linked() {
-  const link = linked();
-  if (link) show_own(`${link.hash.slice(1)}.srbf`, link);
+  const link = linked(), of = location.hash.slice(1);
+  if (link) return show_own(`${of}.srbf`, link);
+  if (of && of !== "lights" && !document.getElementById(of)) fail(`This page has no ready material of the name ${of}.`);
+  show_address();
 }
-function forget_link() {
-  if (linked()) history.replaceState(null, "", location.pathname + location.search);
+// The address of the ready material that is shown, or none.
+function show_address() {
+  const { href } = file?.link ?? { href: location.href.replace(linked() ? location.hash : "", "") };
+  if (href !== location.href) history.replaceState(null, "", href);
 }
-window.addEventListener("hashchange", show_linked);
+window.addEventListener("hashchange", () => { if (!file?.link || linked() !== file.link) show_linked(); });
 // A click on the ball that is shown changes no address.
 for (const link of links) link.addEventListener("click", () => { if (link === linked()) show_linked(); });
 for (const button of document.querySelectorAll("[data-save]")) button.addEventListener("click", () => save(button));
@@ -410,7 +436,7 @@ $("file").addEventListener("change", () => {
   $("file").value = "";
 });
 $("cancel").addEventListener("click", cancel);
-$("stop").addEventListener("click", stop_saving);
+$("stop").addEventListener("click", () => { restored = renew(); });
 $("lobes").addEventListener("input", () => { $("lobes_value").value = $("lobes").value; });
 $("lobes").addEventListener("change", change_lobes);
 document.addEventListener("dragover", (event) => {
@@ -421,13 +447,17 @@ document.addEventListener("dragleave", () => document.body.classList.remove("ove
 document.addEventListener("drop", (event) => {
   event.preventDefault();
   document.body.classList.remove("over");
-  if (event.dataTransfer.files[0]) take_file(event.dataTransfer.files[0]);
+  const [chosen] = event.dataTransfer.files, address = event.dataTransfer.getData("text/uri-list"), link = linked({ href: address });
+  if (link) link.click();
+  else if (chosen) take_file(chosen);
+  else fail(`This is ${address ? "a link" : "no file"}; drop a measurement, a model or an .hdr`);
 });
 if (linked()) show_name("", linked());
 window.addEventListener("load", () => setTimeout(() => {
+  spare = new_worker();
+  spare.begun.then(ensure_pictures).catch((error) => error && fail(error.message));
   show_linked();
-  ensure_worker().then(ensure_pictures).catch((error) => error && fail(error.message));
 }, 50)); // after the page is shown
 
-return { take_file, save_as: (what, name) => write(what, name).then(({ content }) => content), state: () => ({ file, fitted, edited, busy: open_questions.size }) };
+return { take_file, save_as: (what, name) => write(what, name).then(({ content }) => content), state: () => ({ file, fitted, edited, busy: Number(worker?.is_busy() ?? false) }) };
 })();

@@ -61,9 +61,11 @@ async function new_srbf(module, progress = () => true) {
   }
   const content = () => bytes_at(c.srbf_content(), c.srbf_content_size()).slice();
   const text = () => decoder.decode(content());
+  // A message without its parts that name an option of the command line: after a comma or a semicolon, or in parentheses.
+  const plain = (message) => message.replace(/ \([^()]*--[a-z][^()]*\)|[,;] (?:(?![,;] | \().)*?--[a-z](?:(?![,;] |\)).)*/g, "");
   // Returns a function's result; if it failed, throws its content, which is the error in one line.
   function check(status) {
-    if (!status) throw new Error(text());
+    if (!status) throw new Error(plain(text()));
     return status;
   }
   const describe = (number) => ({ number, ...JSON.parse(text()) });
@@ -73,7 +75,10 @@ async function new_srbf(module, progress = () => true) {
   };
   return {
     // Opens a measurement or a model from the bytes of a file with this name.
-    open: (name, bytes) => describe(check(with_bytes([name, bytes], c.srbf_open))),
+    open(name, bytes) {
+      const opened = describe(check(with_bytes([name, bytes], c.srbf_open)));
+      return { ...opened, ...opened.notes && { notes: opened.notes.map(plain) } };
+    },
     close: (number) => c.srbf_close(number),
     // A quick first model of a one-sided measurement.
     draft: (number, options = {}) => describe(check(with_bytes([JSON.stringify(options)], (address, size) => c.srbf_draft(number, address, size)))),

@@ -9,6 +9,18 @@ const k_max_bytes = 2 ** 27, k_max_width = 4096;
 
 const fail = (what, expected, found) => { throw new Error(`${what}: expected ${expected}, found ${found}`); };
 
+// What the first bytes say of a file that has neither light nor a material, as "a PNG picture"; null: that is not known.
+const k_kinds = [[/^$/, "an empty file"], [/^\x89PNG/, "a PNG picture"], [/^\xff\xd8\xff/, "a JPEG picture"], [/^GIF8/, "a GIF picture"],
+  [/^RIFF....WEBP/s, "a WebP picture"], [/^(II\*\0|MM\0\*)/, "a TIFF picture"], [/^BM....\0\0\0\0/s, "a BMP picture"], [/^8BPS/, "a Photoshop picture"],
+  [/^....ftyp(avif|hei[cfx]|mif1)/s, "a HEIF or AVIF picture"], [/^....ftyp|^\x1aE\xdf\xa3/s, "a video"], [/^\s*(<\?xml[^>]*>\s*)?<svg\b/, "an SVG picture"],
+  [/^%PDF/, "a PDF document"], [/^PK\x03\x04/, "a ZIP archive"], [/^(7z\xbc\xaf|Rar!|\x1f\x8b|\x28\xb5\x2f\xfd)/, "a compressed file"],
+  [/^BLENDER/, "a Blender file"], [/^glTF/, "a glTF scene"], [/^Kaydara FBX/, "an FBX scene"], [/^(PXR-USDC|#usda)/, "a USD scene"],
+  [/^(ID3|OggS|fLaC|RIFF....WAVE)/s, "a sound"], [/^\s*(<!--.*?-->\s*)*<(!doctype html|html)\b/is, "a web page"], [/^\s*[[{]/, "a JSON file"]];
+const first_text = (bytes) => String.fromCharCode(...bytes.subarray(0, 4096));
+const kind_of = (bytes) => k_kinds.find(([pattern]) => pattern.test(first_text(bytes)))?.[1] ?? null;
+// Whether a file is meant as an environment.
+const is_environment = (name, bytes) => /\.(hdr|exr)$/i.test(name) || /^(#\?(RADIANCE|RGBE)|\x76\x2f\x31\x01)/.test(first_text(bytes));
+
 // Decodes RGBE, mantissas and an exponent in four bytes per texel, to linear colours.
 function decode_rgbe(rgbe) {
   const texels = new Float32Array(rgbe.length / 4 * 3), scales = Float64Array.from({ length: 256 }, (_, e) => e ? 2 ** (e - 136) : 0);
@@ -123,7 +135,8 @@ async function read_exr(bytes) {
 async function read_file(file) {
   try {
     if (file.size > k_max_bytes) fail("size", `at most ${k_max_bytes / 2 ** 20} MB`, `${Math.ceil(file.size / 2 ** 20)} MB`);
-    const bytes = new Uint8Array(await file.arrayBuffer());
+    const bytes = new Uint8Array(await file.arrayBuffer()), kind = kind_of(bytes);
+    if (kind) throw new Error(`this is ${kind}; open an .hdr or .exr file`);
     const is_exr = bytes[0] === 0x76 && bytes[1] === 0x2f && bytes[2] === 0x31 && bytes[3] === 1;
     return is_exr ? await read_exr(bytes) : read_hdr(bytes);
   } catch (error) {
@@ -305,6 +318,6 @@ function facing_azimuth({ width, height, texels }) {
   return Number.isFinite(current) ? target - current : 0;
 }
 
-return { read_file, decode_rgbe, soft_box, new_environment, new_buffer, delete_buffer, shift_of, exposure_of, facing_azimuth };
+return { kind_of, is_environment, read_file, decode_rgbe, soft_box, new_environment, new_buffer, delete_buffer, shift_of, exposure_of, facing_azimuth };
 }
 const light = lighting();

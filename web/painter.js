@@ -10,7 +10,7 @@
 //   height, scene; `is_quick`: as little as possible at first, since another picture may follow at once
 //   rest         `is_resting`: take few samples of a picture, because a fit is running
 //   lose         for tests: loses the context, or restores it
-// and posts { kind, .. }: picture (subject, image), drawn (number, samples, exposure), refused (subject, why), busy
+// and posts { kind, .. }: picture (subject, image, number), drawn (number, samples, exposure), refused (subject, why), busy
 // (compiling
 //   shaders), environment (preparing one), lost, restored.
 "use strict";
@@ -28,7 +28,7 @@ const k_calm = 150; // milliseconds after a quick picture until its details foll
 
 let data = null, descriptions = {}, image = null;
 // Objects of the context, which are lost with it.
-let materials = {}, meshes = {}, programs = new Map(), last_pictures = {}, environment = null, visible = null, develop = null, comparison = null, means = {};
+let materials = {}, meshes = {}, programs = new Map(), last_pictures = {}, environment = null, visible = null, develop = null, comparison = null, smoothing = null, means = {};
 // For pictures under an environment: the number of samples that were averaged, and the exposure.
 let samples = 0, exposure = 1, is_exposed = false, is_resting = false;
 // Milliseconds that a sample of a pixel took last. Until that is known, a picture begins as coarsely as any.
@@ -258,8 +258,47 @@ function prepare_environment() {
   post({ kind: "environment" });
   environment = light.new_environment(gl, image);
 }
-// The number of samples that the next picture adds: several at first, because a single sample is noisy. A coarse picture has one.
-const samples_added = () => samples === 0 && !job.is_quick && job.size === 1 ? data.first_samples : 1;
+// The number of samples that the next picture adds: several at first, because a single sample is noisy.
+const samples_added = () => samples === 0 && !job.is_quick ? data.first_samples : 1;
+// The mean of each pixel and its neighbours on the same surface, those most whose normals are alike.
+const k_smoothing_text = `#version 300 es
+precision highp float;
+uniform sampler2D radiance, normals;
+uniform int reach;
+out vec4 pixel;
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(radiance, 0) - 1;
+    vec4 normal = texelFetch(normals, 2 * at, 0), sum = texelFetch(radiance, at, 0);
+    for (int y = -reach; y <= reach && normal.w != 0.0; ++y)
+        for (int x = -reach; x <= reach; ++x) {
+            ivec2 beside = clamp(at + ivec2(x, y), ivec2(0), last);
+            vec4 difference = texelFetch(normals, 2 * beside, 0) - normal;
+            sum += exp(-50.0 * dot(difference, difference)) * texelFetch(radiance, beside, 0);
+        }
+    pixel = sum / sum.a; // the radiance of every pixel has the alpha 1
+}`;
+// Shows a mean of this number of samples. The noise of the first ones is smoothed.
+function develop_mean(mean, count, scene) {
+  const { width, height } = mean, reach = count < 4 ? 2 : count < 8 ? 1 : 0, [picture] = reach ? means_of("smooth", width, height) : [mean];
+  if (reach) {
+    if (visible.width !== 2 * width || visible.height !== 2 * height) draw_surface(scene, width, height, light.shift_of(0));
+    smoothing ??= new_program(data.whole, k_smoothing_text);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, picture.framebuffer);
+    gl.viewport(0, 0, width, height);
+    gl.useProgram(smoothing.program);
+    gl.uniform1i(smoothing.location("reach"), reach);
+    draw_whole(smoothing, { radiance: mean.textures[0], normals: visible.textures[1] }, 0);
+  }
+  if (!is_exposed && !job.is_quick) exposure = light.exposure_of(gl, picture, visible, data.knee), is_exposed = job.size === 1;
+  develop ??= new_program(data.whole, data.develop);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl.viewport(0, 0, width, height);
+  gl.useProgram(develop.program);
+  gl.uniform3f(develop.location("background"), ...data.background);
+  gl.uniform1f(develop.location("exposure"), exposure * scene.stops);
+  gl.uniform1f(develop.location("full_scale"), 0);
+  draw_whole(develop, { radiance: picture.textures[0], other: picture.textures[0] }, 0);
+}
 // Adds these samples and draws the mean so far.
 function draw_under_environment(index, scene, width, height) {
   prepare_environment();
@@ -269,15 +308,7 @@ function draw_under_environment(index, scene, width, height) {
     draw_surface(scene, width, height, shift);
     draw_sample(index, scene, count, mean[count % 2], mean[(count + 1) % 2], shift);
   }
-  const picture = mean[end % 2];
-  if (!is_exposed) exposure = light.exposure_of(gl, picture, visible, data.knee), is_exposed = job.size === 1;
-  develop ??= new_program(data.whole, data.develop);
-  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl.useProgram(develop.program);
-  gl.uniform3f(develop.location("background"), ...data.background);
-  gl.uniform1f(develop.location("exposure"), exposure * scene.stops);
-  gl.uniform1f(develop.location("full_scale"), 0);
-  draw_whole(develop, { radiance: picture.textures[0], other: picture.textures[0] }, 0);
+  develop_mean(mean[end % 2], end, scene);
 }
 
 // ---- Edits -------------------------------------------------------------------------------------------------------
@@ -291,11 +322,12 @@ function draw_under_environment(index, scene, width, height) {
 let edited = null;
 const k_highlight = 0, k_body = 1, k_around = 2;
 
-// Shows their sum, each part enlarged or reduced linearly to the picture's size. Must follow develop.glsl without its main.
+// Their sum, each part enlarged or reduced linearly to the picture's size: under an environment as it is, under lights displayed. Must
+// follow develop.glsl without its main.
 const k_sum_text = `
 uniform sampler2D highlight, body, around;
 uniform mat3 colours[2];
-uniform bool is_around, is_shown; // whether there is a picture of what is around; whether the sum is shown, or kept as it is
+uniform bool is_around; // whether there is a picture of what is around
 uniform vec2 size;
 vec4 texel(sampler2D part, ivec2 at) { return texelFetch(part, clamp(at, ivec2(0), textureSize(part, 0) - 1), 0); }
 vec4 enlarged(sampler2D part) {
@@ -308,10 +340,9 @@ vec4 enlarged(sampler2D part) {
 void main() {
     vec4 of_body = enlarged(body);
     vec3 sum = colours[0] * enlarged(highlight).rgb + colours[1] * of_body.rgb;
-    if (is_around) sum += enlarged(around).rgb;
-    vec3 shown = displayed(sum / (is_around ? 1.0 : max(of_body.w, 1.0e-3)));
+    vec3 shown = displayed(sum / max(of_body.w, 1.0e-3));
     shown = vec3(srgb_transfer(shown.x), srgb_transfer(shown.y), srgb_transfer(shown.z));
-    pixel = vec4(is_shown ? is_around ? shown : mix(background, shown, of_body.w) : sum, 1.0);
+    pixel = vec4(is_around ? sum + enlarged(around).rgb : mix(background, shown, of_body.w), 1.0);
 }`;
 
 // Adds a sample to a picture of radiances under an environment, or draws it under lights.
@@ -369,24 +400,17 @@ function draw_edited(index, scene, width, height) {
   const { around } = scene, { edit } = descriptions[index], { parts } = edited;
   const sum = edited.sum ??= program_of(data.whole, data.develop.slice(0, data.develop.indexOf("void main()")) + k_sum_text);
   const [highlight, body, beside] = parts.map(({ buffer }) => (buffer ?? parts[k_body].buffer).textures[0]);
-  const draw_sum = (framebuffer) => {
-    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-    gl.viewport(0, 0, width, height);
-    gl.useProgram(sum.program);
-    gl.uniformMatrix3fv(sum.location("colours"), false, edit.colours);
-    gl.uniform1i(sum.location("is_around"), around);
-    gl.uniform1i(sum.location("is_shown"), framebuffer === null);
-    gl.uniform2f(sum.location("size"), width, height);
-    gl.uniform3f(sum.location("background"), ...data.background);
-    gl.uniform1f(sum.location("exposure"), around ? exposure * scene.stops : scene.exposure);
-    draw_whole(sum, { highlight, body, around: beside }, 0);
-  };
-  if (around && !is_exposed && !job.is_quick) {
-    const [radiances] = means_of(index, width, height);
-    draw_sum(radiances.framebuffer);
-    exposure = light.exposure_of(gl, radiances, visible, data.knee), is_exposed = true;
-  }
-  draw_sum(null);
+  const [radiances] = around ? means_of(index, width, height) : [null];
+  gl.bindFramebuffer(gl.FRAMEBUFFER, radiances && radiances.framebuffer);
+  gl.viewport(0, 0, width, height);
+  gl.useProgram(sum.program);
+  gl.uniformMatrix3fv(sum.location("colours"), false, edit.colours);
+  gl.uniform1i(sum.location("is_around"), around);
+  gl.uniform2f(sum.location("size"), width, height);
+  gl.uniform3f(sum.location("background"), ...data.background);
+  gl.uniform1f(sum.location("exposure"), scene.exposure);
+  draw_whole(sum, { highlight, body, around: beside }, 0);
+  if (around) develop_mean(radiances, Math.min(...parts.map(({ samples }) => samples)), scene);
 }
 function forget_edited() {
   // Buffers of means are used again.
@@ -467,7 +491,7 @@ function draw_all({ number, size, pictures: whole }) {
     if (picture.hidden) continue;
     finish(); // an unfinished picture would block the page
     const image = surface.transferToImageBitmap ? surface.transferToImageBitmap() : surface;
-    post({ kind: "picture", subject, image }, image === surface ? [] : [image]);
+    post({ kind: "picture", subject, image, number }, image === surface ? [] : [image]);
   }
   finish(); // finishes these pictures before the next are begun
   if (size < 1) return drawn;
@@ -494,7 +518,7 @@ function draw_soon(milliseconds) {
 }
 
 function load() {
-  materials = {}, programs = new Map(), last_pictures = {}, environment = visible = develop = comparison = edited = null, means = {}, meshes = {};
+  materials = {}, programs = new Map(), last_pictures = {}, environment = visible = develop = comparison = smoothing = edited = null, means = {}, meshes = {};
   for (const name in data.meshes) meshes[name] = new_mesh(gl, data.meshes[name]);
   samples = 0;
 }

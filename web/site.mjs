@@ -27,7 +27,7 @@ const sliders = {
 };
 const pictures = [["0", "measured"], ["1", "fitted"], ["2", "edited"], ["difference", "difference × 10"]];
 const viewer = filled(await text("pictures.html"), {
-  pictures_lead: "Drag a picture to turn the object. Choose a light, or drop your own .hdr file on a picture.",
+  pictures_lead: "Drag a picture to turn the object. Choose a light, or drop your own .hdr file.",
   choices: `<div class="choices" role="group" aria-label="Which pictures are shown">\n${button("all", "Side by side")}${button("wipe", "Wipe")}${
     pictures.map(([subject, name]) => button(subject, name)).join("")}</div>\n`,
   pictures: pictures.map(([subject, name]) => figure(subject, name)).join(""), own_shape: "", behind: '<button type="button" name="behind">Light from behind</button>\n', 
@@ -58,7 +58,7 @@ for (const [index, name] of models.entries()) {
 const gallery = `<h3>Measured, free for any use (CC0)</h3>\n<ul>\n${groups.true}</ul>\n<h3>Computed by a neural network: <a href="#gallery_notes">ask before you publish</a></h3>\n<ul>\n${groups.false}</ul>`;
 await writeFile(path.join(folder, "data", "gallery.jpg"), balls);
 const page = filled(await text("app.html"), { viewer, version, gallery, ...sliders });
-const with_balls = (address) => page.replace("</head>", `<style>#gallery i, #stored { background-image: url(${address}) }</style>\n</head>`);
+const with_balls = (address) => page.replace("</head>", `<style>#gallery i, #stored, #viewer.stored figure::before { background-image: url(${address}) }</style>\n</head>`);
 await writeFile(path.join(folder, "index.html"), with_balls("data/gallery.jpg"));
 const parts = {};
 for (const name of ["style.css", "app.css", "light.js", "painter.js", "viewer.js", "binding.js", "working.js", "editing.js", "app.js"]) {

@@ -6,7 +6,7 @@ const controls = section.querySelector("form");
 const figures = [...section.querySelectorAll("figure[data-material]")];
 const wipe = section.querySelector(".wipe");
 const k_degree = Math.PI / 180, k_smooth = 64; // samples of a picture from which on its noise is hardly visible
-let data = null; // the message `common` of painter.js, and the exposure under lights
+let data = null; // the message `common` of painter.js, and the exposure under lights of an exported page
 
 // ---- The view ----------------------------------------------------------------------------------------------------
 
@@ -20,7 +20,7 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 // and pictures.
 const initial_view = () =>
   ({ camera: [0, data.elevation], light: angles_of(data.lights[0].towards), turned: facing, zoom: 1, shown: first_shown() });
-let view = null, facing = 0;
+let view = null, facing = 0, edits = null;
 const has_environment = () => controls.environment.value !== "none";
 const has_lights = () => !has_environment() || controls.lamps.checked;
 
@@ -29,6 +29,9 @@ function axes() {
   const [azimuth, elevation] = view.camera, s = Math.sin(azimuth), c = Math.cos(azimuth);
   return [[c, 0, -s], [-s * Math.sin(elevation), Math.cos(elevation), -c * Math.sin(elevation)], direction_of(view.camera)];
 }
+
+// The exposure under lights: that of the first material, so that pictures can be compared.
+const exposures = new Map(), light_exposure = () => exposures.get(Math.min(...exposures.keys())) ?? data.exposure ?? 1;
 
 // The scene of a picture with this aspect ratio, for the shaders.
 function scene(aspect) {
@@ -40,7 +43,7 @@ function scene(aspect) {
     // A picture narrower than `data.aspect` fits the object to its width.
     eye: mesh.target.map((x, i) => x + distance * Math.max(1, data.aspect / aspect) * frame[2][i]),
     half: [half * aspect, half], frame, stops, around: has_environment(),
-    exposure: (has_environment() ? drawn.exposure : data.exposure) * stops,
+    exposure: (has_environment() ? drawn.exposure : light_exposure()) * stops,
     directions: towards.flat(),
     irradiances: data.lights.flatMap((light, k) => !has_lights() || k && !controls.others.checked ? [0, 0, 0] : light.irradiance),
     turned: view.turned, samples: has_environment() ? drawn.samples : 0,
@@ -81,12 +84,12 @@ function take(message) {
   } else if (kind === "environment") {
     busy("Preparing the environment ..");
   } else if (kind === "picture") {
-    const canvas = figure_of(message.subject)?.querySelector("canvas"), { image } = message;
+    const { subject, image } = message, canvas = figure_of(subject)?.querySelector("canvas");
     if (!canvas) return;
     if (!is_reading) busy("");
-    if (canvas.width !== image.width || canvas.height !== image.height) canvas.width = image.width, canvas.height = image.height;
-    if (image instanceof ImageBitmap) canvas.getContext("bitmaprenderer").transferFromImageBitmap(image);
-    else canvas.getContext("2d").drawImage(image, 0, 0);
+    put(image, canvas);
+    if (subject !== "difference") latest = canvas;
+    if (message.number >= changed) outdated.delete(String(subject)), section.classList.remove("stored");
   } else if (kind === "drawn") {
     drawn = message;
     section.classList.toggle("refining", has_environment() && drawn.samples < k_smooth);
@@ -97,8 +100,22 @@ function take(message) {
     say("The browser has lost its graphics context. The pictures return when it is restored; if they do not, reload the page.");
   } else if (kind === "restored") {
     say("");
-    redraw();
+    restart();
   }
+}
+
+// Shows an image in a canvas; or the picture of a canvas in another.
+function put(image, canvas) {
+  if (canvas.width !== image.width || canvas.height !== image.height) canvas.width = image.width, canvas.height = image.height;
+  if (image instanceof ImageBitmap) canvas.getContext("bitmaprenderer").transferFromImageBitmap(image);
+  else canvas.getContext("2d").drawImage(image, 0, 0);
+}
+function copy(from, canvas) {
+  if (from === canvas) return;
+  if (!from.getContext("bitmaprenderer")) return put(from, canvas);
+  const between = new OffscreenCanvas(from.width, from.height);
+  between.getContext("2d").drawImage(from, 0, 0);
+  put(between.transferToImageBitmap(), canvas);
 }
 
 // A promise that resolves when the pictures show what was requested last.
@@ -110,8 +127,21 @@ const settled = () => new Promise((done) => {
 // ---- The page ----------------------------------------------------------------------------------------------------
 
 let is_due = false, is_new = true, exposes = false, only = null;
-// Draws all pictures from their first sample.
+// The figures whose last picture is of another material or scene, the number of the first pictures that are not, and the canvas
+// with the last picture of all, which such a figure shows until it has its own.
+const outdated = new Set();
+let changed = 0, latest = null;
+function outdate(materials) {
+  for (const material of materials) outdated.add(material);
+  changed = number + 1;
+}
+// Draws another scene.
 function redraw() {
+  outdate(figures.map((figure) => figure.dataset.material));
+  restart();
+}
+// Draws all pictures from their first sample.
+function restart() {
   is_new = true, only = null;
   draw_soon();
 }
@@ -137,14 +167,18 @@ function draw_now() {
 }
 // Whether there is a picture of the subject. A material or difference that is missing takes no space.
 const is_available = (subject) => subject === "difference" ? known.has("0") && known.has("1") : known.has(subject);
+// The second figure alone, which has no measurement, or the figure that shows edits of it in its place.
+const is_lone = () => edits !== null && known.has("1") && !known.has("0");
+const stays = (shown) => is_available(shown) || shown === "wipe" && is_available("difference") || shown === "all" && is_lone() && known.has(edits);
 // A narrow page shows one picture at a time, or two with the wipe.
-const first_shown = () => window.innerWidth <= 640 && is_available("difference") ? "wipe" : "all";
+const first_shown = () => is_lone() ? view && stays(view.shown) ? view.shown : "1" : window.innerWidth <= 640 && is_available("difference") ? "wipe" : "all";
 function show_state() {
   const stops = Number(controls.stops.value), { shown } = view, wiped = shown === "wipe" && is_available("difference");
   controls.exposure.value = (stops > 0 ? "+" : "") + stops + (Math.abs(stops) === 1 ? " stop" : " stops");
   section.querySelector(".pictures").classList.toggle("one", shown !== "all");
   section.querySelector(".pictures").classList.toggle("wiped", wiped);
   wipe.hidden = !wiped;
+  section.classList.toggle("lone", is_lone());
   controls.lamps.disabled = !has_environment();
   section.querySelector("[value=environment]").disabled = !has_environment();
   if (!has_environment() && controls.drag.value === "environment") controls.drag.value = "view";
@@ -156,7 +190,10 @@ function show_state() {
   // Lays out all figures before the first is drawn, since the size of each depends on the others.
   for (const figure of figures) {
     const { material } = figure.dataset;
-    figure.hidden = !is_available(material) || (wiped ? !["0", "1"].includes(material) : shown !== "all" && shown !== material);
+    const is_all = shown === "all" && !(material === "difference" && known.has(edits)); // edits take the place of the difference
+    const is_shown = is_available(material) && (wiped ? "01".includes(material) : is_all || shown === material), canvas = figure.querySelector("canvas");
+    if (figure.hidden && is_shown && outdated.has(material) && material !== "difference" && latest && canvas) copy(latest, canvas);
+    figure.hidden = !is_shown;
   }
 }
 // States in place of a picture why it cannot be drawn.
@@ -192,22 +229,22 @@ function change_environment() {
   }
   redraw();
 }
-async function open_environment(file) {
+async function open_environment(file, tell = say) {
   try {
-    say("");
+    tell("");
     is_reading = true;
     busy(`Reading ${file.name} ..`);
     await new Promise((painted) => setTimeout(painted, 50)); // so that the page shows this before the long reading
     images.file = await light.read_file(file);
     controls.environment.querySelector("[value=file]")?.remove();
     controls.environment.add(new Option(file.name, "file", false, true));
-    say("");
+    tell("");
     is_reading = false;
     change_environment();
   } catch (error) {
     is_reading = false;
     busy("");
-    say(error.message);
+    tell(error.message);
   }
 }
 
@@ -268,7 +305,7 @@ function follow_pointer(canvas) {
 
 function show(which) {
   view.shown = which;
-  redraw();
+  restart();
 }
 
 // One picture on the whole screen, or the wipe if there are two to compare.
@@ -303,16 +340,16 @@ function listen() {
   });
   wipe.addEventListener("input", () => section.querySelector(".pictures").style.setProperty("--wiped", wipe.value + "%"));
   controls.file.addEventListener("change", () => { if (controls.file.files[0]) open_environment(controls.file.files[0]); });
-  section.addEventListener("dragover", (event) => event.preventDefault());
-  section.addEventListener("drop", (event) => {
-    const file = event.dataTransfer.files[0];
-    if (!file || !/\.(hdr|exr)$/i.test(file.name) && !section.dataset.alone) return;
-    event.preventDefault(), event.stopPropagation();
-    if (has_floats) open_environment(file);
-  });
+  if (edits === null) { // otherwise the page takes all files
+    document.addEventListener("dragover", (event) => event.preventDefault());
+    document.addEventListener("drop", (event) => {
+      event.preventDefault();
+      if (event.dataTransfer.files[0] && has_floats) open_environment(event.dataTransfer.files[0]);
+    });
+  }
   controls.full.hidden = !document.fullscreenEnabled;
   controls.full.addEventListener("click", present);
-  section.addEventListener("fullscreenchange", redraw);
+  section.addEventListener("fullscreenchange", restart);
   // Puts the first light behind the object and turns the others off.
   controls.behind?.addEventListener("click", () => {
     const frame = axes(), [x, y, z] = data.light_behind;
@@ -327,14 +364,15 @@ function listen() {
     view = initial_view();
     change_environment();
   }));
-  new ResizeObserver(() => redraw()).observe(section.querySelector(".pictures"));
+  new ResizeObserver(() => restart()).observe(section.querySelector(".pictures"));
 }
 // The address "#lights" selects three lights at first.
 const start_light = () => { if (location.hash === "#lights" || !has_floats) controls.environment.value = "none"; };
 
 // Starts with the message `common` of painter.js. Resolves to false if the browser cannot draw. The painter finds
-// out, because requesting a context here would block the page.
-async function start(common) {
+// out, because requesting a context here would block the page. `edited`: the figure that shows edits of the second one.
+async function start(common, edited = null) {
+  edits = edited;
   const draws = await new Promise((done) => {
     on_started = done;
     painter = new_painter(take);
@@ -355,10 +393,11 @@ async function start(common) {
 // Sets the material of a figure; null: none. With `is_edited` it shows what `set_edit` says.
 function set_material(index, material, is_edited = false) {
   known[material ? "add" : "delete"](String(index));
-  if (material && index === 0 && material.exposure) data.exposure = material.exposure;
+  material?.exposure ? exposures.set(index, material.exposure) : exposures.delete(index);
+  outdate([String(index), "difference"]);
   painter.send({ kind: "material", index, material, is_edited }, material && material.bytes ? [material.bytes.buffer] : []);
-  view.shown = is_available(view.shown) || view.shown === "wipe" && is_available("difference") ? view.shown : first_shown();
-  redraw();
+  view.shown = !stays(view.shown) ? first_shown() : material && view.shown === "1" && String(index) === edits ? edits : view.shown;
+  restart();
 }
 
 // Draws this picture alone, edited so.
@@ -378,5 +417,5 @@ for (const button of document.querySelectorAll(".copy"))
 // While a fit is running, pictures take only a few samples.
 const rest = (is_resting) => painter?.send({ kind: "rest", is_resting });
 
-return { scene, start, rest, previews: () => has_floats, set_material, set_edit, show, settled, lose: (is_lost) => painter.send({ kind: "lose", is_lost }) };
+return { scene, start, rest, previews: () => has_floats, open_environment, set_material, set_edit, settled, lose: (is_lost) => painter.send({ kind: "lose", is_lost }) };
 })();

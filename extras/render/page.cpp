@@ -336,9 +336,9 @@ std::string page_html(const Page& page) {
         {"pictures_lead",
          count_pictures(page) > 1
              ? "The same object under the same light, in each of the materials. Drag a picture to turn it; "
-               "all of them follow. Choose a light and a shape below the pictures, or drop your own .hdr file on them."
+               "all of them follow. Choose a light and a shape below the pictures, or drop your own .hdr file."
              : "An object of the material. Drag the picture to turn it. Choose a light and a shape below it, "
-               "or drop your own .hdr file on it."},
+               "or drop your own .hdr file."},
         {"pictures", pictures_of(page)},
         {"choices", choices_of(page)},
         {"own_shape", page.mesh

@@ -123,9 +123,8 @@ void add_errors(Page& page, const Subject& reference, const std::vector<Subject>
             "largest relative error of the share of light that comes back at all, from 0, 30, 60 and 75°",
             [&](std::size_t k) { return percent(errors[k].albedo_error); });
     page.table_note = fmt::format(
-        "Against the measurement, at 200,000 pairs of directions within {:g}° of the normal that no fit has seen: what "
-        "srbf compare --max-theta {:g} calls held out.",
-        options.max_theta / k_degree, options.max_theta / k_degree);
+        "Against the measurement, at 200,000 pairs of directions within {:g}° of the normal that no fit has seen.",
+        options.max_theta / k_degree);
 }
 
 /// Adds the measurement as the first material, and the errors of the models.

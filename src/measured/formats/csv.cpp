@@ -202,10 +202,11 @@ std::optional<Error> infer_angles(Table& table, const std::string& file_name, st
             return at_line(file_name, line, "header", "azimuths, as columns or as phi_l_deg=0,phi_v_deg=0 in --columns",
                            fmt::format("none, and lights on either side of the normal, from {:g} to {:g}",
                                        polar.least_light, polar.most_light));
-        columns.notes.push_back(fmt::format(
-            "a scan in the plane of incidence, {} > 0 on the mirror side; if it is on the side of the light, "
-            "say --columns with phi_l_deg=0,phi_v_deg=0",
-            angle[2].name));
+        columns.notes.push_back(
+            fmt::format("a scan in the plane of incidence, {} > 0 on the mirror side; --columns with "
+                        "phi_l_deg=0,phi_v_deg=0 puts it "
+                        "on the side of the light",
+                        angle[2].name));
     }
     return {};
 }

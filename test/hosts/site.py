@@ -3,6 +3,7 @@ is saved is compared byte by byte with the program's files. Damaged files are re
 data/ready fits as the program does; --write puts the one of build/ there.
 
 SRBF_MEASUREMENTS: files or folders, separated by colons, to try beside the bundled ones."""
+import base64
 import hashlib
 import math
 import os
@@ -182,20 +183,127 @@ def linked(page, folder):
     for_blender(page, root / "data/cc_ibiza_sunset_rgb.bsdf", folder)  # not of its model, as the page has the measurement
 
 
+def clicked(page, ball):
+    """Another ball, once it is shown."""
+    page.chromium.click(ball)
+    name = page.chromium.run(f"document.querySelector({ball!r}).hash.slice(1)") + ".srbf"
+    page.wait(name, lambda of: of["name"] == name)
+
+
+def choose(page, name, value):
+    """A light or a shape of the pictures, a slider of the edits, or the number of lobes."""
+    page.chromium.run(f"""(() => {{ const of = document.querySelector(".controls").elements[{name!r}] ?? document.querySelector("#edit_{name}, #{name}"); of.value = {value!r};
+        for (const kind of ["input", "change"]) of.dispatchEvent(new Event(kind, {{ bubbles: true }})); }})()""")
+
+
+# The brightness of pixels in the middle of a picture, and whether all were drawn.
+PIXELS = """(async (picture) => {{ await picture.decode?.();
+    const copy = Object.assign(document.createElement("canvas"), {{ width: 80, height: 60 }}).getContext("2d"), numbers = [];
+    copy.drawImage(picture, 0, 0, 80, 60);
+    const of = copy.getImageData(25, 15, 30, 30).data;
+    for (let i = 0; i < of.length; i += 4) numbers.push((of[i] + of[i + 1] + of[i + 2]) / 765);
+    return [numbers, of.every((x, i) => i % 4 < 3 || x === 255)]; }})({})"""
+pixels = lambda page, material: page.chromium.run(PIXELS.format(f"document.querySelector('figure[data-material=\"{material}\"] canvas')"))
+mean = lambda numbers: sum(numbers) / len(numbers)
+difference = lambda a, b: mean([abs(x - y) for x, y in zip(a, b)])
+
+
+def under_lights(page, material, subject, folder):
+    """Under each light a picture is about as bright as that of the program, and unlike those under other lights."""
+    chromium, environment, picture, seen = page.chromium, folder / "soft.hdr", folder / "theirs.png", {}
+    if not environment.exists():
+        radiance = chromium.run("[...light.soft_box().texels.filter((_, i) => i % 3 === 0)]")
+        rgbe = b"".join(bytes([int(256 * m)] * 3 + [128 + e]) for m, e in map(math.frexp, radiance))
+        environment.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 128 +X 256\n" + rgbe)
+    for light, name in (("soft", environment), ("studio", root / "data/studio.hdr"), ("none", "none")):
+        choose(page, "environment", light)
+        page.wait(light, lambda of: chromium.run(f"viewer.settled().then(() => viewer.scene(1).samples >= {0 if light == 'none' else 8})"))
+        seen[light], is_drawn = pixels(page, material)
+        said = run("render", subject, "--mesh", "sphere", "--size", "80x60", "--env", name, "--spp", 16, "--no-ground", "--no-occlusion", "-o", picture)
+        check(said.returncode == 0, said.stderr)
+        source = f"data:image/png;base64,{base64.b64encode(picture.read_bytes()).decode()}"
+        theirs, _ = chromium.run(PIXELS.format(f"Object.assign(new Image(), {{ src: '{source}' }})"))
+        ratio = mean([x**2.2 for x in seen[light]]) / mean([x**2.2 for x in theirs])
+        check(is_drawn and 0.5 < ratio < 2, f"{subject.name} under {light}: {ratio:.2f} times as bright as the program's")
+        check(chromium.run("Number.isFinite(viewer.scene(1).exposure)"), f"{subject.name} under {light} has no exposure")
+    least = min(difference(seen[a], seen[b]) for a in seen for b in seen if a < b)
+    check(least > 0.005, f"{subject.name}: pictures under different lights differ by {least:.4f}")
+
+
+def lit(page, folder):
+    """A measurement and its fit, then every ready ball, an edited one, and a model from a file."""
+    film, balls = root / "data/cc_ibiza_sunset_rgb.bsdf", sorted((root / "data/gallery").glob("*.srbf"))
+    page.give(film)
+    page.wait("the film", lambda of: of["name"] == film.name and not of["working"])
+    choose(page, "mesh", "sphere")
+    page.chromium.run("document.getElementById('viewer').style.setProperty('--one', '80px')")
+    for material in "01":
+        page.chromium.click(f"[data-show='{material}']")
+        under_lights(page, material, film, folder)
+    for ball in balls:
+        clicked(page, f"#gallery a[href='#{ball.stem}']")
+        under_lights(page, "1", ball, folder)
+    choose(page, "hue", 90)
+    page.wait("the edit", lambda of: page.chromium.run("app.state().edited !== null"))
+    (folder / "edited.srbf").write_bytes(page.model())
+    under_lights(page, "2", folder / "edited.srbf", folder)
+    page.give(folder / "edited.srbf")
+    page.wait("a model", lambda of: of["name"] == "edited.srbf")
+    under_lights(page, "1", folder / "edited.srbf", folder)
+    print(f"  {len(balls)} ready balls and four other materials under three lights")
+
+
+# What an edit may lose or move: material, sliders and address; and the places of pictures, sliders and buttons below the first picture.
+WORK = """(() => { const boxes = [...document.querySelectorAll("figure:not([hidden]) canvas, #editing input, #saving .main")].map((e) => e.getBoundingClientRect());
+    return { address: location.hash, name: app.state().file.name, edited: app.state().edited?.bytes, hue: document.getElementById("edit_hue").value,
+        boxes: boxes.map((box) => [box.x, box.y - boxes[0].y, box.width, box.height].map(Math.round)) }; })()"""
+
+
+def one_layout(page):
+    """Edits and resets move nothing, and a picture without black noise is there from the first moment."""
+    chromium = page.chromium
+    for width in (1440, 768, 360):
+        chromium.size(width, 900)
+        chromium.open(root / "build/site/index.html", "#satin_blue_stand_in")
+        page.wait("a ball", lambda of: chromium.run("!document.getElementById('editing').hidden"))
+        page.wait("a picture", lambda of: chromium.run("viewer.settled().then(() => viewer.scene(1).samples >= 16)"))
+        calm, before = pixels(page, 1)[0], chromium.run(WORK)["boxes"]
+        name = chromium.run("document.querySelector('figure:not([hidden]) figcaption').textContent")
+        check(name == "White satin with blue highlights", f"a lone ball has the name {name!r}")
+        for hue in (60, 0, 60):
+            choose(page, "hue", hue)
+            chromium.settle()
+            now, is_drawn = pixels(page, chromium.run("document.querySelector('figure:not([hidden])').dataset.material"))
+            check(is_drawn and difference(now, calm) < 0.1, f"{width} pixels wide, hue {hue}: no picture, or noise")
+            page.wait("an edit", lambda of: chromium.run(f"app.state().busy === 0 && (app.state().edited !== null) === {'true' if hue else 'false'}"))
+            check(chromium.run(WORK)["boxes"] == before, f"{width} pixels wide, hue {hue}: sliders, buttons or pictures move")
+
+
 def damaged(page, folder):
-    """Files that are wrong: one line, as the program says it."""
+    """Files that are wrong: one line, as the program says it or with the kind of the file. What was there stays."""
     film = (root / "data/cc_ibiza_sunset_rgb.bsdf").read_bytes()
     contents = {"empty.bsdf": b"", "text.bsdf": b"Hello, world\n", "cut.bsdf": film[:100000],
                 "head.bsdf": film[:12] + b"\xff" * 40 + film[52:], "wrong.csv": b"wl_x,wl_y\n1,2\n",
                 "wrong.xml": b"<?xml version='1.0'?><WindowElement><Optical></WindowElement>",
-                "huge.binary": (2**30).to_bytes(4, "little") * 3 + b"\0" * 100}
+                "huge.binary": (2**30).to_bytes(4, "little") * 3 + b"\0" * 100, "picture.png": b"\x89PNG\r\n\x1a\n", "report.json": b'{"lobes": 9}',
+                "cut.hdr": b"#?RADIANCE\n\n-Y 4 +X 8\n", "constant.csv": b"theta_v_deg,phi_v_deg,value\n1,2,3\n"}
+    kinds = {"empty.bsdf": "an empty file", "text.bsdf": "a file of another kind", "picture.png": "a PNG picture", "report.json": "a JSON file"}
+    chromium = page.chromium
+    clicked(page, LAST_BALL)
+    choose(page, "hue", 90)
+    page.wait("the edit", lambda of: chromium.run("app.state().edited !== null && app.state().busy === 0"))
+    work = chromium.run(WORK)
     for name, content in contents.items():
         file = folder / name
         file.write_bytes(content)
         page.give(file)
         state, _ = page.wait(name, lambda of: of["failure"].startswith(name))
         said = run("info", file).stderr.strip().removeprefix("srbf: ").replace(str(file), name)
-        check(state["failure"] == said, f"{name}: the page says {state['failure']!r}, the program {said!r}")
+        if name in kinds:
+            said = f"{name}: this is {kinds[name]}; drop a measurement, a model or an .hdr"
+        check(name in ("cut.hdr", "constant.csv") or state["failure"] == said, f"{name}: the page says {state['failure']!r}, not {said!r}")
+        check(" --" not in state["failure"], f"{name}: the page names an option: {state['failure']}")
+        check(chromium.run(WORK) == work, f"{name}: it takes away what was there")
         check("\n" not in state["failure"] and len(state["failure"]) < 500, f"{name}: not one line")
     print(f"  {len(contents)} damaged files have a line each, such as: {state['failure']}")
 
@@ -213,10 +321,8 @@ def cancelled(page):
 def stopped(page):
     """A save is cancelled; the edited model is there as before."""
     chromium = page.chromium
-    chromium.click(LAST_BALL)
-    page.wait("a ball", lambda of: of["name"] and of["name"].endswith(".srbf"))
-    chromium.run("""(() => { const slider = document.getElementById("edit_hue"); slider.value = 90;
-        for (const kind of ["input", "change"]) slider.dispatchEvent(new Event(kind, { bubbles: true })); })()""")
+    clicked(page, LAST_BALL)
+    choose(page, "hue", 90)
     page.wait("the edit", lambda of: chromium.run("app.state().edited !== null"))
     heading = lambda: chromium.run("document.getElementById('name').textContent")
     check(heading().startswith("Edited: made from "), f"the edited ball has the name {heading()!r}")
@@ -239,8 +345,7 @@ def replaced(page):
     time.sleep(2)
     page.give(root / "data/paper_white_rgb.bsdf")
     page.wait("the second", lambda of: of["name"] == "paper_white_rgb.bsdf")
-    page.chromium.run("""(() => { const lobes = document.getElementById("lobes"); lobes.value = 4;
-        for (const kind of ["input", "change"]) lobes.dispatchEvent(new Event(kind)); })()""")
+    choose(page, "lobes", 4)
     page.wait("fewer lobes", lambda of: page.chromium.run("app.state().fitted.bytes") == 100 and not of["working"])
     check(page.chromium.run("app.state().file.name") == "paper_white_rgb.bsdf", "the second file does not replace the first")
 
@@ -254,8 +359,7 @@ def edited(page, folder):
     status = lambda: chromium.run("document.getElementById('edit_status').textContent")
     chromium.ask("Page.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
     for light in ("studio", "none"):
-        chromium.run(f"""(() => {{ const controls = document.querySelector(".controls"); controls.environment.value = {light!r};
-            controls.environment.dispatchEvent(new Event("input", {{ bubbles: true }})); }})()""")
+        choose(page, "environment", light)
         for slider in SLIDERS:
             frames, width, height = chromium.run(f"""(async () => {{
                 const slider = document.getElementById("edit_{slider}"), canvas = document.querySelector("figure[data-material='2'] canvas");
@@ -336,10 +440,14 @@ with tempfile.TemporaryDirectory() as name:
     edited(page, Path(name))
     linked(page, Path(name))
     damaged(page, Path(name))
+    lit(page, Path(name))
     cancelled(page)
     stopped(page)
     replaced(page)
 longest = page.longest_task()
 check(longest <= LONGEST_TASK, f"the page does not answer for {longest} ms")
+closed(page)
+page = Page(root / "build/site/index.html")
+one_layout(page)
 closed(page)
 sys.exit(1 if failures else 0)

@@ -36,7 +36,7 @@ const viewer = filled(await text("pictures.html"), {
 });
 await mkdir(path.join(folder, "data"), { recursive: true });
 // The ready models, in the order of their picture: measured ones first. A ball is a part of the picture.
-const k_columns = 5, k_rows = 4, k_row = 233, k_ball = 180; // rows have k_row pixels, of which k_ball show the ball
+const k_columns = 5, k_rows = 4, k_row = 203, k_ball = 150; // rows have k_row pixels, of which k_ball show the ball
 const is_measured = (name) => !name.includes("_stand_in");
 const models = (await readdir(path.join(root, "data/gallery"))).filter((name) => name.endsWith(".srbf")).sort()
   .sort((a, b) => is_measured(b) - is_measured(a));

@@ -53,9 +53,14 @@ std::optional<Line> line_of(const Json& report) {
     }
     const Json* pictures = judged_pictures(report);
     if (pictures == nullptr) return {};
+    // Of samples, the worse of the errors at them and in cross-validation.
+    const auto error = [&](const std::string& name) {
+        const auto heldout = number(report, ("heldout_" + name).c_str());
+        return number(report, "samples") ? std::max(heldout, number(report, name.c_str())) : heldout;
+    };
     const auto bytes = number(report, "payload_bytes"), seconds = number(report, "fit_seconds"),
-               image = number(report, "heldout_squared_error_ratio_cosine"),
-               raw = number(report, "heldout_squared_error_ratio"), delta_e = number(*pictures, "delta_e_itp");
+               image = error("squared_error_ratio_cosine"), raw = error("squared_error_ratio"),
+               delta_e = number(*pictures, "delta_e_itp");
     if (!bytes || !seconds || !image || !raw || !delta_e) return {};
     return Line{std::size_t(*bytes), *image, *raw, *delta_e, *seconds};
 }

@@ -134,6 +134,8 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     if (outcome.empty_directions) json["empty_directions"] = *outcome.empty_directions;
     add_measures(json, *outcome.errors, "");
     add_measures(json, *outcome.unrounded_errors, "unrounded_");
+    json["headline"] = headline(*outcome.errors);
+    if (outcome.samples) json["judged_pictures"] = json_of(judged(*outcome.errors));
     if (outcome.noise) json["noise"] = share_of(*outcome.noise);
     if (outcome.noise && outcome.noise->excess > 0) json["zeros_too_bright"] = outcome.noise->excess;
     if (outcome.largest_albedo > 1) json["largest_albedo"] = outcome.largest_albedo;
@@ -170,9 +172,7 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     fmt::print("  fitted    objective {}, directions within {:g}° of the normal, in {:.2f} s ({})\n",
                name(request.objective), degrees(outcome.max_theta), outcome.fit_seconds,
                outcome.stop ? name(*outcome.stop) : "solved");
-    const Appearance& pictures = judged(*outcome.errors);
-    fmt::print("  error     {}: ΔE_ITP {:.3g} in the mean of eight lights, {:.3g} under the worst\n",
-               words(verdict(pictures.mean)), pictures.mean.delta_e, pictures.worst_delta_e);
+    fmt::print("  error     {}\n", headline(*outcome.errors, "\n            "));
     const std::size_t payload = payload_bytes(outcome.model), auxiliary = auxiliary_bytes(outcome.model);
     const double ratio = double(measured.bytes) / double(payload);
     fmt::print("  stored    {} bytes (file {}), source file {} bytes{}, 1 : {}\n", grouped(payload),

@@ -88,7 +88,7 @@ void print_measures(const std::vector<std::pair<std::string, const Comparison*>>
 }
 
 const Json* judged_pictures(const Json& report) {
-    for (const char* name : {"heldout_pictures", "pictures"})
+    for (const char* name : {"judged_pictures", "pictures"})
         if (const auto entry = report.find(name); entry != report.end() && entry->is_object()) return &*entry;
     return nullptr;
 }

@@ -79,6 +79,7 @@ void add_measures(Json& json, const Comparison& comparison, std::string_view pre
     json[fmt::format("{}pictures", prefix)] = json_of(comparison.appearance);
     if (comparison.heldout_appearance)
         json[fmt::format("{}heldout_pictures", prefix)] = json_of(*comparison.heldout_appearance);
+    if (comparison.measure) json[fmt::format("{}samples_delta_e_itp", prefix)] = comparison.samples_delta_e;
 }
 
 std::string percent(double ratio) { return fmt::format("{:.3g} %", 100 * ratio); }

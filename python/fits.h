@@ -34,6 +34,9 @@ inline py::dict measures_of(const Comparison& comparison) {
         errors["heldout_delta_e_itp"] = comparison.heldout_appearance->mean.delta_e;
         errors["heldout_worst_delta_e_itp"] = comparison.heldout_appearance->worst_delta_e;
     }
+    errors["judged_delta_e_itp"] = judged(comparison).mean.delta_e;
+    if (comparison.measure) errors["samples_delta_e_itp"] = comparison.samples_delta_e;
+    errors["headline"] = headline(comparison);
     py::dict lightings;
     for (std::size_t i = 0; i < comparison.appearance.lighting.size(); ++i) {
         py::dict lighting;

@@ -541,6 +541,45 @@ TEST(GapFilledSamples, HaveNoHighlightForAMatteSurface) {
             }
 }
 
+TEST(GapFilledSamples, KeepAConstant) {
+    ScatteredSamples samples;  // near the horizon, where f A is less than elsewhere
+    for (int i = 0; i < 40; ++i) {
+        samples.wl.push_back(to_float(spherical(1.25, 0.0)));
+        samples.wv.push_back(to_float(spherical(1 + 0.01 * i, 1.0 * i)));
+        samples.colour.push_back({0.1f, 0.2f, 0.3f});
+    }
+    for (const bool one_lobe : {false, true}) {
+        const auto completed = fill_gaps(samples, 80 * k_degree, 0, one_lobe);
+        ASSERT_TRUE(completed.ok());
+        for (int i = 0; i < 15; ++i) {
+            const Vec3f wl = to_float(spherical(0.1 * i, 1.0 * i)), wv = to_float(spherical(0.1 * i, 0.0));
+            EXPECT_PRED3(near, value(*completed, wl, wv).g, 0.2, 1e-3) << i;
+        }
+    }
+}
+
+/// Four wrong values hide the highlight from the completion, from the fit and from cross-validation.
+TEST(FitToSamples, IsJudgedAtItsSamplesToo) {
+    ScatteredSamples samples = samples_of(250, 0, 3);
+    for (const std::size_t i : {0, 60, 120, 180}) samples.colour[i] = {9999, 9999, 9999};
+    const auto outcome = fit({"", "", 0, samples}, {.model = GgxRequest{.lobes = 1}});
+    ASSERT_TRUE(outcome.ok()) << message(outcome.error());
+    Comparison errors = *outcome->errors;
+    EXPECT_GT(errors.samples_delta_e, 10);
+    EXPECT_TRUE(headline(errors).starts_with("visible at once")) << headline(errors);
+    // The worst counts, and where errors disagree that is said.
+    errors.samples_delta_e = 3, errors.measure = &Measures::log10_rms;
+    errors.appearance.mean.delta_e = 5, errors.heldout_appearance->mean.delta_e = 4;
+    errors.matrix.log10_rms = errors.heldout.log10_rms = 0.44;
+    EXPECT_EQ(judged(errors).mean.delta_e, 5);
+    EXPECT_EQ(headline(errors).find("apart"), std::string::npos) << headline(errors);
+    errors.matrix.log10_rms = 1.17;
+    const auto ends =
+        "3 at the samples; RMS of log10 f 1.17 at the samples, 0.44 in cross-validation, more than a factor of two "
+        "apart";
+    EXPECT_TRUE(headline(errors).ends_with(ends)) << headline(errors);
+}
+
 /// Nor do lobes follow the noise of samples into gaps.
 TEST(FitToSamples, HasNoHighlightForAMatteSurface) {
     constexpr double noise = 0.01;

@@ -76,41 +76,44 @@ TEST(Isotropy, IsTold) {
     EXPECT_FALSE(is_isotropic(plus_noise(brushed(0.1, 0.3), noise), cap, noise));
 }
 
-/// Samples of f: `turned`, each of some pairs turned about the normal by so many angles; or pairs at random.
-ScatteredSamples samples_of(const Evaluate& f, int turned) {
-    std::mt19937_64 random(9);
+/// √ of the change of f's samples for lights and viewers at these azimuths [°], at polar angles of 10 to 70°.
+double change(const Evaluate& f, const std::vector<int>& lights, const std::vector<int>& viewers,
+              bool is_above = false) {
     ScatteredSamples samples;
-    for (int i = 0; i < 600; ++i) {
-        const Vec3d l = random_direction(random, 0.1), v = random_direction(random, 0.1);
-        for (int k = 0; k < std::max(turned, 1); ++k) {
-            const double turn = turned > 0 ? 2 * k_pi * k / turned : 2 * k_pi * uniform(random);
-            const auto by = [&](Vec3d w) {
-                return to_float(Kernel<double>::turned(w, std::cos(turn), std::sin(turn)));
-            };
-            samples.wl.push_back(by(l)), samples.wv.push_back(by(v));
-        }
-    }
+    for (const int phi_l : lights)
+        for (const int phi_v : viewers)
+            for (int l = 10; l <= 70; l += 20)
+                for (int v = is_above ? 0 : 10; v <= (is_above ? 0 : 70); v += 10) {
+                    samples.wl.push_back(to_float(spherical(l * k_degree, phi_l * k_degree)));
+                    samples.wv.push_back(to_float(spherical(v * k_degree, phi_v * k_degree)));
+                }
     samples.colour.resize(samples.wl.size());
     f(samples.wl, samples.wv, samples.colour);
-    return samples;
+    return change_by_azimuth(samples);
 }
 
-TEST(Isotropy, ChangesOfSamplesWithTheAzimuthAreTold) {
-    const Evaluate chiral = [](auto wl, auto, auto f) {
-        for (std::size_t i = 0; i < f.size(); ++i) {
-            const double azimuth = std::atan2(double(wl[i].y), double(wl[i].x));
-            const auto x = float(0.1 * (1 + 0.8 * std::cos(2 * (azimuth - k_pi / 6))));
-            f[i] = {x, x, x};
-        }
+TEST(Isotropy, OfSamplesIsAskedOfRotatedPairs) {
+    const std::vector<int> all{0, 30, 60, 90, 120, 150, 180, 210, 240, 270, 300, 330};
+    const Evaluate round = brushed(0.25, 0.25), along = brushed(0.15, 0.5), tilted = [&](auto wl, auto wv, auto f) {
+        round(wl, wv, f);
+        for (std::size_t i = 0; i < f.size(); ++i) f[i].g *= 1 + wl[i].x;
     };
-    for (const int turned : {8, 36}) {
-        EXPECT_EQ(change_by_azimuth(samples_of(brushed(0.2, 0.2), turned)), 0) << turned;
-        EXPECT_EQ(change_by_azimuth(samples_of(noisy(brushed(0.2, 0.2), 0.05), turned)), 0) << turned;
-        EXPECT_GT(change_by_azimuth(samples_of(brushed(0.1, 0.3), turned)), 0.2) << turned;
-        EXPECT_GT(change_by_azimuth(samples_of(chiral, turned)), 0.4) << turned;
+    // A fixed light or viewer, and a plane, in which a tilted sample is not symmetric, tell nothing.
+    for (const Evaluate& f : {round, along, tilted})
+        EXPECT_EQ(change(f, {0}, all) + change(f, all, {0}) + change(f, {40, 220}, {40, 220}), 0);
+    for (const auto& lights : std::vector<std::vector<int>>{{0, 90}, {0, 45}, {20, 60, 100}, all}) {
+        EXPECT_EQ(change(round, lights, all), 0) << lights[1];
+        EXPECT_GT(change(along, lights, all), 0.5) << lights[1];
     }
-    EXPECT_EQ(change_by_azimuth(samples_of(brushed(0.2, 0.2), 0)), 0);
-    EXPECT_EQ(change_by_azimuth({}), 0);
+    const Evaluate chiral = [](auto wl, auto, auto f) {
+        for (std::size_t i = 0; i < f.size(); ++i)
+            f[i].g = float(1 + 0.8 * std::cos(2 * (std::atan2(double(wl[i].y), double(wl[i].x)) - k_pi / 6)));
+    };
+    EXPECT_GT(change(chiral, all, all), 0.4);
+    EXPECT_GT(change(brushed(0.2, 0.25), all, all), 0.1);  // no more than noise, but of the azimuth
+    EXPECT_EQ(change(noisy(round, 0.05), all, all), 0);
+    EXPECT_EQ(change(round, all, {0}, true), 0);  // a viewer above
+    EXPECT_GT(change(along, all, {0}, true), 0.5);
 }
 
 TEST(Isotropy, GeneralLobesFitWhatAxialOnesCannot) {

@@ -148,11 +148,10 @@ function show_model(model) {
   viewer.set_material(1, model.material);
   show_drawing();
 }
-function words_of({ seen, smoothed, samples, twoSided, energyError }) {
+function words_of({ seen, smoothed, headline, twoSided, energyError }) {
   if (twoSided) return `The reflected and transmitted light have an error of at most ${two_digits(energyError)} of the incident light.`;
   if (!smoothed)
-    return `The difference is ${seen.verdict}: ΔE_ITP ${two_digits(seen.deltaE)} on average, ${two_digits(seen.worst)} in the worst of eight ` +
-      `lightings${samples ? ", in cross-validation" : ""} (1 is just noticeable).`;
+    return `The difference is ${headline} (1 is just noticeable).`;
   return `The difference is ${smoothed.verdict} once the measurement's noise is smoothed: ΔE_ITP ${two_digits(smoothed.deltaE)}, and ` +
     `${two_digits(seen.deltaE)} with the noise (1 is just noticeable).`;
 }

@@ -163,7 +163,7 @@ Result<Fitted> fit_and_report(int number, const Measured& measured, const FitReq
     report["twoSided"] = false, report["seconds"] = outcome->fit_seconds;
     add_appearance(report, "seen", judged(*outcome->errors));
     report["heldout"] = outcome->errors->heldout.*measure_of(request.objective);
-    if (outcome->samples) report["samples"] = *outcome->samples;
+    report["headline"] = headline(*outcome->errors);
     if (outcome->noise && outcome->against_smoothed) add_appearance(report, "smoothed", *outcome->against_smoothed);
     return Fitted{std::move(outcome->model), std::move(report)};
 }

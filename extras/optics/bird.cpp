@@ -126,18 +126,16 @@ Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::
             return error("data." + name, "finite numbers", "others");
     }
     std::vector<SpectralRow> rows(n);
-    LightAzimuths lights;
     const auto& u = sax.arrays[k_weight_column];
     for (std::size_t i = 0; i < n; ++i) {
         for (std::size_t c = 0; c < k_weight_column; ++c) rows[i][c] = sax.arrays[c].values[i];
-        lights.add(spherical(double(rows[i][0]), double(rows[i][1])));
         rows[i][k_weight_column] = u.values.empty() ? k_nan
                                    : u.unit == "%"  ? u.values[i]
                                                     : u.values[i] / std::abs(rows[i][k_value_column]);
     }
     for (auto& [unit, values] : sax.arrays) std::vector<float>().swap(values);
     weigh(rows);
-    return samples_of_rows(rows, bytes.size(), file_name, std::move(sax.description), lights.are_equal());
+    return samples_of_rows(rows, bytes.size(), file_name, std::move(sax.description));
 }
 
 }  // namespace srbf

@@ -44,9 +44,7 @@ Result<ScatteredSamples> read_fred(std::span<const std::byte> bytes, const std::
     FredFormat format;
     SampleBuilder builder(Values::grey, {}, bytes.size(), lines_of(bytes));
     std::optional<Vec3d> light;
-    LightAzimuths azimuths;
     std::size_t angles = 0;  // angles in a direction; 1 in the plane of incidence
-    double side = 1;         // -1 if a light in the other half of the plane mirrors all
     const auto expected_numbers = [&] {
         return angles == 1 ? "one of a light or two of a sample" : "two of a light or three of a sample";
     };
@@ -74,16 +72,14 @@ Result<ScatteredSamples> read_fred(std::span<const std::byte> bytes, const std::
         if (!(std::abs(theta) <= k_pi + k_azimuth_rounding)) return wrong("polar angle", "at most 180 degrees", *line);
         if (count == angles) {
             // Azimuth 0 of the viewer is the side of the mirror direction.
-            side = angles == 1 && theta < 0 ? -1 : 1;
-            light = spherical(side * theta, phi + k_pi);
-            azimuths.add(*light);
+            light = spherical(theta, phi + k_pi);
             continue;
         }
         if (!light) return wrong("sample", "a line of the light before it", *line);
         const float f = float(numbers[angles]);
-        builder.add(*light, spherical(side * theta, phi), std::span(&f, 1));
+        builder.add(*light, spherical(theta, phi), std::span(&f, 1));
     }
-    auto samples = std::move(builder).finish(file_name, "FRED", azimuths.are_equal());
+    auto samples = std::move(builder).finish(file_name, "FRED");
     if (samples) to_bsdf(*samples, Quantity::bsdf, format.scale);
     return samples;
 }

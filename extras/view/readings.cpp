@@ -14,12 +14,12 @@
 namespace srbf {
 namespace {
 
-/// Replaces θ if the font lacks it; Dear ImGui's own font has no Greek.
+/// Replaces θ and Δ if the font lacks them; Dear ImGui's own font has no Greek.
 std::string latin(std::string text) {
     if (ImGui::GetFont()->FindGlyphNoFallback(ImWchar(0x3b8))) return text;
-    const std::string theta = "\xCE\xB8";
-    for (std::size_t position; (position = text.find(theta)) != std::string::npos;)
-        text.replace(position, theta.size(), " theta_");
+    for (const auto& [letter, name] : {std::pair("\xCE\xB8", " theta_"), {"\xCE\x94", "Delta "}})
+        for (std::size_t position; (position = text.find(letter)) != std::string::npos;)
+            text.replace(position, 2, name);
     return text;
 }
 
@@ -101,12 +101,7 @@ void Readings::draw_verdict(const Session& session) const {
     if (!fitted) return ImGui::Text("none yet");
     if (fitted->edit != EditChoice{}) return ImGui::TextWrapped("an edited model has none");
     if (!fitted->errors) return ImGui::Text("...");
-    const Appearance& appearance = judged(*fitted->errors);
-    ImGui::TextWrapped("%s",
-                       fmt::format("{}: Delta E {:.3g} on average, {:.3g} in the worst of eight lightings{}",
-                                   words(verdict(appearance.mean)), appearance.mean.delta_e, appearance.worst_delta_e,
-                                   fitted->errors->heldout_appearance ? ", in cross-validation" : "")
-                           .c_str());
+    ImGui::TextWrapped("%s", latin(headline(*fitted->errors)).c_str());
 }
 
 void Readings::draw_measures(const Session& session) const {

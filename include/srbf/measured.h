@@ -111,11 +111,11 @@ class SampleIndex;
 ///   x = (log(1 + 20 θ_h) / log(1 + 10 π) π/2, θ_l, θ_v),  θ_h of the half vector,
 /// and the K = 8 samples nearest to it in x, at distances d_k, and the distance R of the ninth (Shepard 1968, with the
 /// weights of Franke & Little),
-///   f_r cosθl cosθv = Σ_k w_k f_k cosθl_k cosθv_k / Σ_k w_k,  w_k = ((R − d_k) / (R d_k))²:
-/// At a sample this is the sample's own value (the mean of samples at the same x). It never leaves the range of the
-/// measured f cosθl cosθv, and is continuous except where distances tie. Isotropic samples at azimuths Δφ and −Δφ count
-/// as the same. For anisotropic samples the plane vectors (θ cosφ, θ sinφ) replace θ_l and θ_v. Interpolation is
-/// inaccurate in wide gaps (docs/formats.md has figures).
+///   f_r = ⟨f A⟩ ((1 − t)/A + t/⟨A⟩),  ⟨g⟩ = Σ_k w_k g_k / Σ_k w_k,  w_k = ((R − d_k) / (R d_k))²,  A = cosθl cosθv.
+/// t in [0, 1] is 1 for a constant f and 0 for a constant f A, by the slope of f A over A among the K. At a sample this
+/// is its own value (the mean at the same x). It does not leave the ranges of both f and f A, and is continuous except
+/// where distances tie. Isotropic samples at azimuths Δφ and −Δφ count as the same. For anisotropic ones (θ cosφ,
+/// θ sinφ) replace θ_l and θ_v. Interpolation is inaccurate in wide gaps (docs/formats.md has figures).
 struct ScatteredSamples {
     std::string description;
     bool isotropic = true;           ///< f_r depends only on the difference of the azimuths

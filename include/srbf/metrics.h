@@ -67,6 +67,9 @@ struct Comparison {
     /// For fits to scattered samples, where `appearance` is against samples with gaps filled: the mean of the fits to all
     /// folds but one, against the same. Where it is much larger, the samples do not determine the pictures.
     std::optional<Appearance> heldout_appearance = {};
+    /// For fits to scattered samples: ΔE_ITP of a picture with a pixel for each sample, f cosθl in directional light.
+    double samples_delta_e = 0;
+    double Measures::*measure = nullptr;  ///< for fits to scattered samples: the one that the objective minimises
 };
 /// Compares each of `others` with `reference`; the matrix covers all pairs of `directions`, which may be none.
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,

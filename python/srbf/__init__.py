@@ -284,7 +284,7 @@ class Fit:
     """The result of a fit."""
 
     model: Model
-    #: the measures of docs/accuracy.md by their names in JSON: on the matrix, held out ("heldout_..."), albedo and pictures
+    #: the measures of docs/accuracy.md by their names in JSON: on the matrix, held out ("heldout_..."), albedo and pictures; and "headline"
     errors: Optional[dict[str, Any]]
     seconds: float
     stop_reason: Optional[str]
@@ -292,7 +292,7 @@ class Fit:
     reached: bool
 
     def __repr__(self) -> str:
-        error = "" if not self.errors or "delta_e_itp" not in self.errors else f", delta_e_itp {self.errors['delta_e_itp']:.2f}"
+        error = "" if not self.errors or "delta_e_itp" not in self.errors else f", delta_e_itp {self.errors['judged_delta_e_itp']:.2f}"
         return f"<srbf.Fit {self.model!r}{error}, {self.seconds:.2f} s>"
 
     def _repr_png_(self) -> bytes:

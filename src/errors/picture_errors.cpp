@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -7,6 +9,7 @@
 #include "brdf/colour.h"
 #include "errors/itp.h"
 #include "errors/likeness.h"
+#include "errors/measure_names.h"
 #include "errors/picture_errors.h"
 #include "errors/sphere.h"
 #include "srbf/elementary.h"
@@ -90,6 +93,35 @@ Appearance summarise(std::vector<PictureErrors> lighting) {
 }
 
 }  // namespace
+
+Appearance judged(const Comparison& of) {
+    const auto& heldout = of.heldout_appearance;
+    Appearance worst = heldout && heldout->mean.delta_e > of.appearance.mean.delta_e ? *heldout : of.appearance;
+    worst.mean.delta_e = std::max(worst.mean.delta_e, of.samples_delta_e);
+    worst.worst_delta_e = std::max(worst.worst_delta_e, of.samples_delta_e);
+    return worst;
+}
+
+std::string headline(const Comparison& of, std::string_view between_sentences) {
+    const Appearance worst = judged(of);
+    const std::string text = fmt::format("{}: ΔE_ITP {:.3g}", words(verdict(worst.mean)), worst.mean.delta_e);
+    if (!of.measure)
+        return fmt::format("{} in the mean of eight lights, {:.3g} under the worst", text, worst.worst_delta_e);
+    const MeasureName& name = *std::ranges::find(k_measures, of.measure, &MeasureName::member);
+    const double fit = of.appearance.mean.delta_e, unit = name.is_ratio ? 100 : 1,
+                 heldout = of.heldout_appearance ? of.heldout_appearance->mean.delta_e : fit,
+                 at_samples = unit * of.matrix.*of.measure, predicted = unit * of.heldout.*of.measure;
+    const auto apart = [](std::initializer_list<double> errors) {
+        return std::max(errors) > 2 * std::min(errors) ? ", more than a factor of two apart" : "";
+    };
+    const char* percent = name.is_ratio ? " %" : "";
+    return fmt::format("{}, the worst of {:.3g} in pictures, {:.3g} in cross-validation and {:.3g} at the samples{}{}",
+                       text, fit, heldout, of.samples_delta_e, apart({fit, heldout, of.samples_delta_e}),
+                       between_sentences) +
+           fmt::format("{}{} {:.3g}{} at the samples, {:.3g}{} in cross-validation{}",
+                       name.title[0] == ' ' ? "squared error ratio" : "", name.title, at_samples, percent, predicted,
+                       percent, apart({at_samples, predicted}));
+}
 
 Appearance mean_of(std::span<const Appearance> all) {
     std::vector<PictureErrors> lighting(all.front().lighting.size());

@@ -9,10 +9,12 @@
 #include "brdf/channels.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
+#include "errors/sphere.h"
 #include "fit/request_traits.h"
 #include "fit/requests.h"
 #include "measured/tables.h"
 #include "models/pm/pm_functions.h"
+#include "observe/objectives.h"
 #include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
@@ -231,7 +233,27 @@ class SampleFits {
     Comparison compared(const Model& model, std::span<const float> heldout) const {
         std::vector<float> f(heldout.size());
         channels(model).evaluate(samples_.wl, samples_.wv, f);
-        return {measured_against(f), measured_against(heldout), 0};
+        Comparison errors{measured_against(f), measured_against(heldout), 0};
+        errors.samples_delta_e = shown_error(model), errors.measure = measure_of(request_.objective);
+        return errors;
+    }
+    /// `Comparison::samples_delta_e`, within θmax.
+    double shown_error(const Model& model) const {
+        Image lit, fitted;
+        for (const std::size_t i : samples_within(samples_, request_.theta())) {
+            const Vec3f &wl = samples_.wl[i], &wv = samples_.wv[i];
+            lit.pixels.push_back(scaled(wl.z, samples_.colour[i]));
+            fitted.pixels.push_back(scaled(wl.z, value(model, wl, wv)));
+        }
+        const float exposure = exposure_to(lit, k_exposed_value);
+        const auto shown = [&](const Rgb& pixel) {
+            const auto at = [&](float x) { return std::clamp(exposure * x, 0.f, 1.f); };
+            return Rgb{at(pixel.r), at(pixel.g), at(pixel.b)};
+        };
+        double sum = 0;
+        for (std::size_t i = 0; i < lit.pixels.size(); ++i)
+            sum += delta_e_itp(shown(lit.pixels[i]), shown(fitted.pixels[i]));
+        return sum / double(lit.pixels.size());
     }
     /// The cross-validated errors of Lambert and at most one lobe of GGX; none unless they fill gaps, or of spectra.
     std::optional<Measures> errors_of_ggx() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <random>
 
 #include "base/floating_point.h"
@@ -24,6 +25,8 @@ constexpr double k_small_rotation = 15 * k_degree;
 constexpr double k_rounding = 1e-6, k_noise = 0.02;
 /// Noise changes as much under a small rotation as under any other; a brushed surface changes far less.
 constexpr double k_most_growth = 2.5;
+/// The same of samples if none counts more, and the least change of pairs that are exactly rotated.
+constexpr double k_least_growth = 1.5, k_weakest = 1e-4;
 /// Known noise changes the sum by as much as its variance, which is known to a tenth, and by so many deviations of it.
 constexpr double k_noise_margin = 1.1, k_deviations = 3;
 
@@ -77,15 +80,35 @@ bool is_isotropic(const Evaluate& f, double max_theta, const Rgb& noise) {
 
 namespace {
 
-/// The smaller cosine of the rotations about the normal that take wl and wv of one sample to those of another. A
-/// direction near the normal does not count.
-double cos_rotation(const ScatteredSamples& samples, std::size_t i, std::size_t k) {
-    const auto cosine = [](const Vec3f& a, const Vec3f& b) {
-        const double product = double(a.x) * double(b.x) + double(a.y) * double(b.y),
-                     lengths = std::sqrt(double(a.x * a.x + a.y * a.y) * double(b.x * b.x + b.y * b.y));
-        return lengths > 1e-4 ? product / lengths : 1;
+using Complex = std::complex<double>;
+Complex in_plane(const Vec3f& w) { return {double(w.x), double(w.y)}; }
+/// The product of their lengths in the plane of the surface, times e^iδ of the rotation from a to b.
+Complex between(const Vec3f& a, const Vec3f& b) { return std::conj(in_plane(a)) * in_plane(b); }
+
+/// e^iδ of the rotation about the normal that brings one sample nearest to another; 0 if both are along the normal, or
+/// if one is rather a mirror image.
+Complex rotation_between(const ScatteredSamples& samples, std::size_t i, std::size_t k) {
+    const auto &wl = samples.wl, &wv = samples.wv;
+    const Complex sum = between(wl[i], wl[k]) + between(wv[i], wv[k]);
+    const double length = elementary::hypot(sum.real(), sum.imag());
+    const bool is_mirrored = between(wl[i], wv[i]).imag() * between(wl[k], wv[k]).imag() < -1e-6;
+    return length > 1e-8 && !is_mirrored ? sum / length : 0;
+}
+
+/// True if rotation changes no more than its halves: all directions lie in one plane, or lights or viewers are off the
+/// normal and have one azimuth, within half a degree.
+bool lacks_rotations(const ScatteredSamples& samples) {
+    constexpr double k_most = 1e-4;  // of sin² and of products of sines
+    const auto sine2 = [](const Vec3f& w) { return between(w, w).real(); };
+    const auto farthest = [&](const std::vector<Vec3f>& w) { return *std::ranges::max_element(w, {}, sine2); };
+    const auto lie_in_plane = [](const Vec3f& axis, const std::vector<Vec3f>& all, double least) {
+        return std::ranges::all_of(
+            all, [&](const Vec3f& w) { return is_in_plane(axis, w) && between(axis, w).real() >= least; });
     };
-    return std::min(cosine(samples.wl[i], samples.wl[k]), cosine(samples.wv[i], samples.wv[k]));
+    const Vec3f l = farthest(samples.wl), v = farthest(samples.wv), axis = sine2(l) > sine2(v) ? l : v;
+    return (sine2(l) > k_most && lie_in_plane(l, samples.wl, -k_most)) ||
+           (sine2(v) > k_most && lie_in_plane(v, samples.wv, -k_most)) ||
+           (lie_in_plane(axis, samples.wl, -1) && lie_in_plane(axis, samples.wv, -1));
 }
 
 }  // namespace
@@ -94,6 +117,7 @@ double change_by_azimuth(const ScatteredSamples& samples) {
     // At most `k_most` samples are indexed, since a search among coincident points visits all of them.
     constexpr std::size_t k_most = 65536, k_searches = 1024, k_near = 9, k_least_pairs = 32;
     const StandardArithmetic mode;
+    if (samples.wl.empty() || lacks_rotations(samples)) return 0;
     const std::size_t step = 1 + samples.wl.size() / k_most;
     using Points = PointCloud<float, 3>;
     Points points;
@@ -104,40 +128,58 @@ double change_by_azimuth(const ScatteredSamples& samples) {
         sample.push_back(i);
     }
     const std::size_t count = sample.size();
-    if (count == 0) return 0;
     const KdTree<float, 3> tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(16));
     struct Change {
-        double squares = 0, squared_changes = 0;
+        double squares = 0, squared_changes = 0, relative = 0;
         std::size_t pairs = 0;
         double ratio() const { return squares > 0 ? squared_changes / squares : 0; }
+        double mean_relative() const { return relative / double(pairs); }  // a bright sample counts no more than others
     };
+    // Changes under small rotations are compared with the others: of exact pairs, which may lack them; also of exact
+    // pairs, those near 0 and 180°, since many surfaces look the same from both ends; and of pairs within 10°, where
+    // values also change with the distance.
+    struct Test {
+        double reach, most_sine, least;
+        bool needs_small;
+        Change small = {}, any = {};
+    };
+    std::array tests{Test{0.1 * k_degree, 0, k_noise, false}, Test{0.1 * k_degree, 0.51, k_weakest, true},
+                     Test{10 * k_degree, 0, k_noise, true}};
     const auto value = [&](std::size_t i, int c) {
         return cosines(samples.wl[i], samples.wv[i]) * double(samples.colour[i][c]);
     };
-    for (const double reach : {0.1 * k_degree, 10 * k_degree}) {
-        Change small, any;
-        for (std::size_t point = 0; point < count; point += 1 + count / k_searches) {
-            const std::size_t i = sample[point];
-            std::array<std::uint32_t, k_near> near;
-            std::array<float, k_near> distance2;
-            const std::size_t found =
-                tree.knnSearch(points.coordinates[point].data(), k_near, near.data(), distance2.data());
-            for (std::size_t n = 0; n < found; ++n) {
-                if (near[n] == point || double(distance2[n]) > reach * reach) continue;
-                const std::size_t k = sample[near[n]];
-                Change& change = cos_rotation(samples, i, k) >= elementary::cos(k_small_rotation) ? small : any;
-                ++change.pairs;
-                for (int c = 0; c < 3; ++c) {
-                    change.squares += elementary::square(value(i, c));
-                    change.squared_changes += elementary::square(value(i, c) - value(k, c));
-                }
+    for (std::size_t point = 0; point < count; point += 1 + count / k_searches) {
+        const std::size_t i = sample[point];
+        std::array<std::uint32_t, k_near> near;
+        std::array<float, k_near> distance2;
+        const std::size_t found =
+            tree.knnSearch(points.coordinates[point].data(), k_near, near.data(), distance2.data());
+        for (std::size_t n = 0; n < found; ++n) {
+            const std::size_t k = sample[near[n]];
+            const Complex rotation = rotation_between(samples, i, k);
+            if (near[n] == point || rotation == 0.0) continue;
+            double squares = 0, other_squares = 0, squared_change = 0;
+            for (int c = 0; c < 3; ++c) {
+                squares += elementary::square(value(i, c)), other_squares += elementary::square(value(k, c));
+                squared_change += elementary::square(value(i, c) - value(k, c));
+            }
+            for (Test& test : tests) {
+                if (double(distance2[n]) > test.reach * test.reach) continue;
+                const bool is_small =
+                    rotation.real() >= elementary::cos(k_small_rotation) || std::abs(rotation.imag()) <= test.most_sine;
+                Change& change = is_small ? test.small : test.any;
+                change.squares += squares, change.squared_changes += squared_change, ++change.pairs;
+                if (squared_change > 0) change.relative += squared_change / (squares + other_squares);
             }
         }
-        if (any.pairs < k_least_pairs) continue;
-        // Within 10° values also change with the distance, so that pairs without rotation are needed for comparison.
-        if (reach > k_degree && small.pairs < k_least_pairs) return 0;
-        const bool is_noise = small.pairs >= k_least_pairs && any.ratio() <= k_most_growth * small.ratio();
-        return any.ratio() > k_noise && !is_noise ? std::sqrt(any.ratio()) : 0;
+    }
+    for (const auto& [reach, most_sine, least, needs_small, small, any] : tests) {
+        const bool has_small = small.pairs >= k_least_pairs;
+        if (any.pairs < k_least_pairs || (needs_small && !has_small)) continue;
+        const bool is_noise = has_small && (any.ratio() <= k_most_growth * small.ratio() ||
+                                            any.mean_relative() <= k_least_growth * small.mean_relative());
+        if (any.ratio() > least && !is_noise) return std::sqrt(any.ratio());
+        if (most_sine > 0) break;  // exact pairs tell more than others
     }
     return 0;
 }

@@ -9,6 +9,7 @@
 #include "base/floating_point.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
+#include "measured/tables.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -76,13 +77,8 @@ Result<Measured> joined(std::span<const Measured> files) {
     all.source = name_of(files[0]);
     auto& samples = std::get<ScatteredSamples>(all.table);
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    LightAzimuths azimuths;
-    bool have_several = true;
     for (const Measured& file : files) {
         const auto& more = std::get<ScatteredSamples>(file.table);
-        LightAzimuths own;
-        for (const Vec3f wl : more.wl) own.add(to_double(wl)), azimuths.add(to_double(wl));
-        have_several &= !own.are_equal(), samples.isotropic &= more.isotropic;
         samples.weight.resize(samples.wl.size(), 1);
         if (&file == &files[0]) continue;
         append(samples.wl, more.wl), append(samples.wv, more.wv), append(samples.colour, more.colour);
@@ -91,7 +87,7 @@ Result<Measured> joined(std::span<const Measured> files) {
         all.source += ", " + name_of(file), all.bytes += file.bytes;
     }
     samples.notes.insert(samples.notes.begin(), note_of(files));
-    samples.isotropic &= azimuths.are_equal() || have_several;
+    samples.isotropic = change_by_azimuth(samples) == 0;
     make_index(samples);
     return all;
 }

@@ -7,6 +7,7 @@
 
 #include "base/floating_point.h"
 #include "measured/limits.h"
+#include "measured/tables.h"
 #include "srbf/convert.h"
 #include "srbf/handles.h"
 
@@ -208,7 +209,7 @@ Result<ScatteredSamples> SampleBuilder::finish(const std::string& file_name, std
     if (too_many_)
         return Error{file_name, {}, "samples", fmt::format("at most {} in a file of {} bytes", most_, bytes_), "more"};
     samples_.description = std::move(description);
-    samples_.isotropic = isotropic;
+    samples_.isotropic = isotropic || change_by_azimuth(samples_) == 0;
     return std::move(samples_);
 }
 

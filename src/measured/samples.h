@@ -43,7 +43,8 @@ class SampleBuilder {
     bool empty() const { return samples_.wl.empty(); }
     /// Returns the samples, without an index. Masks numbers that stand for no value (`mask_missing`), with a note.
     /// Errors: no samples are left; there were too many.
-    Result<ScatteredSamples> finish(const std::string& file_name, std::string description, bool isotropic) &&;
+    /// `isotropic`: the file says so; otherwise `change_by_azimuth` decides.
+    Result<ScatteredSamples> finish(const std::string& file_name, std::string description, bool isotropic = false) &&;
 
   private:
     Values values_;
@@ -65,6 +66,9 @@ void mask_missing(std::span<float> rows, std::size_t width, std::vector<std::str
 
 /// Keeps the samples whose numbers `keep` accepts, and counts the others as masked.
 void keep_samples(ScatteredSamples& samples, const std::function<bool(std::size_t)>& keep);
+
+/// Σ_k w_k colour_k / Σ_k w_k with the w_k of `ScatteredSamples`, for colours that are no f_r.
+Rgb mean_of_neighbours(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
 
 /// Converts values to f, and masks those that become too large. `unit`: of the values.
 void to_bsdf(ScatteredSamples& samples, Quantity quantity, double unit = 1);
@@ -95,24 +99,6 @@ Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
 
 /// Tolerance of azimuths [rad] and of components of directions, which files state with four digits or more.
 inline constexpr double k_azimuth_rounding = 1e-4;
-/// Compares the azimuths of a file's lights. If all are equal, the measurement is isotropic.
-class LightAzimuths {
-  public:
-    /// Ignores a light along the normal, which has no azimuth, and one that is not finite.
-    void add(const Vec3d& wl) {
-        const double sine = elementary::hypot(wl.x, wl.y);
-        if (!(sine > k_azimuth_rounding)) return;
-        if (!first_) first_ = {wl.x / sine, wl.y / sine};
-        const auto [x, y] = *first_;
-        are_equal_ &= std::abs(x * wl.y - y * wl.x) <= k_azimuth_rounding && x * wl.x + y * wl.y > 0;
-    }
-    bool are_equal() const { return are_equal_; }
-
-  private:
-    std::optional<std::array<double, 2>> first_;
-    bool are_equal_ = true;
-};
-
 /// Stands for any number of blanks, tabs or commas between fields.
 inline constexpr char k_any_separator = 0;
 /// Splits a row into fields; for ' ' and `k_any_separator`, into words.

@@ -7,6 +7,7 @@
 
 #include "base/floating_point.h"
 #include "base/k_d_tree.h"
+#include "brdf/values.h"
 #include "measured/angles.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
@@ -146,22 +147,25 @@ void make_index(ScatteredSamples& samples) {
 
 namespace {
 
-/// Interpolation between samples: f = scale Σ_k weight_k f(sample_k).
+/// Interpolation between samples: Σ_k weight_k number(sample_k).
 struct Blend {
     std::uint32_t count = 0;
     std::array<std::size_t, k_neighbours> sample;
     std::array<double, k_neighbours> weight;
-    double scale = 0;
 
-    /// Interpolates `number(sample)`. At the horizon the result may exceed the range of float, and is clamped.
+    /// At the horizon the result may exceed the range of float, and is clamped.
     template <typename Number> float interpolate(const Number& number) const {
-        constexpr double k_most = k_most_float;
         double sum = 0;
         for (std::uint32_t k = 0; k < count; ++k) sum += weight[k] * double(number(sample[k]));
-        return float(std::clamp(sum * scale, -k_most, k_most));
+        return float(std::clamp<double>(sum, -k_most_float, k_most_float));
+    }
+    Rgb colour(const ScatteredSamples& samples) const {
+        const auto channel = [&](int c) { return interpolate([&](std::size_t i) { return samples.colour[i][c]; }); };
+        return {channel(0), channel(1), channel(2)};
     }
 };
 
+/// The weights w_k / Σ w_k.
 Blend blend(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
     assert(samples.index);
     const auto near = samples.index->nearest(coordinates_of(wl, wv, samples.isotropic));
@@ -187,27 +191,44 @@ Blend blend(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
         blend.weight.fill(1);
         weights = blend.count;
     }
-    for (std::uint32_t k = 0; k < blend.count; ++k)
-        blend.weight[k] *= double(samples.wl[blend.sample[k]].z) * double(samples.wv[blend.sample[k]].z);
-    blend.scale = 1 / (weights * double(wl.z) * double(wv.z));
+    for (double& weight : blend.weight) weight /= weights;
+    return blend;
+}
+
+/// The weights of f_r: those of f A times ((1 − t) / A + t / Ā), see `ScatteredSamples`.
+Blend blend_of_values(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
+    constexpr double ridge = 0.01, rounding = 1e-12;
+    Blend blend = srbf::blend(samples, wl, wv);
+    double a = 0, aa = 0, fa = 0, faa = 0;  // means of A, A², f A, f A²
+    for (std::uint32_t k = 0; k < blend.count; ++k) {
+        const std::size_t i = blend.sample[k];
+        const double A = cosines(samples.wl[i], samples.wv[i]), w = blend.weight[k];
+        const Rgb& colour = samples.colour[i];
+        const double f = double(colour.r) + double(colour.g) + double(colour.b);
+        a += w * A, aa += w * A * A, fa += w * f * A, faa += w * f * A * A;
+        blend.weight[k] *= A;
+    }
+    // 1 − t, of the least Σ w (f_k A_k − f A − s (A_k − Ā))² + ridge Ā² (s − f A / Ā)² with t = s Ā / (f A)
+    const double rest = fa > 0 ? aa - a * faa / fa : 0;
+    const double flat = rest > rounding * aa ? std::min(rest / (aa - a * a + ridge * a * a), 1.0) : 0;
+    for (double& weight : blend.weight) weight *= flat / cosines(wl, wv) + (1 - flat) / a;
     return blend;
 }
 
 }  // namespace
 
+Rgb mean_of_neighbours(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
+    return blend(samples, wl, wv).colour(samples);
+}
+
 Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
-    if (!above_horizon(wl, wv)) return {};
-    const Blend neighbours = blend(samples, wl, wv);
-    const auto channel = [&](int c) {
-        return neighbours.interpolate([&](std::size_t i) { return samples.colour[i][c]; });
-    };
-    return {channel(0), channel(1), channel(2)};
+    return above_horizon(wl, wv) ? blend_of_values(samples, wl, wv).colour(samples) : Rgb{};
 }
 
 void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::span<float> f) {
     std::ranges::fill(f, 0.0f);
     if (!above_horizon(wl, wv)) return;
-    const Blend neighbours = blend(samples, wl, wv);
+    const Blend neighbours = blend_of_values(samples, wl, wv);
     for (std::size_t c = 0; c < f.size(); ++c)
         f[c] = neighbours.interpolate([&](std::size_t i) { return samples.spectrum[i * f.size() + c]; });
 }

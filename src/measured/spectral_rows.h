@@ -16,6 +16,6 @@ inline constexpr std::size_t k_wavelength_column = 4, k_value_column = 5, k_weig
 /// polarizations, are averaged. Pairs that lack a wavelength are masked. Sorts `rows`. Errors: wavelengths out of
 /// range; no samples.
 Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::size_t bytes,
-                                         const std::string& file_name, std::string description, bool isotropic);
+                                         const std::string& file_name, std::string description, bool isotropic = false);
 
 }  // namespace srbf

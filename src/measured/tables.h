@@ -39,9 +39,9 @@ void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float>
 void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::span<float> f);
 
 /// How far samples change with the azimuth, which isotropic ones do not: √(Σ |g_i − g_k|² / Σ |g_i|²) of g = f cosθl
-/// cosθv, over pairs of samples that a turn about the normal by more than 15° takes to each other, as nearly as samples
-/// lie (within 0.1°, or else 10°, of θl, θv and θh). 0 if there are none, up to 14 % (noise), and if smaller turns
-/// change them by more than 0.4 of it: then they differ by noise, or by their distance.
+/// cosθv, over pairs of samples that a turn about the normal by more than 15° takes to each other, within 0.1° or 10°.
+/// 0 if there are none, as of lights or viewers at one azimuth, or in one plane, whose halves may differ; up to 14 %
+/// (noise), or 1 % where turns near 180° change less; and if smaller turns change more than 0.4 of it.
 double change_by_azimuth(const ScatteredSamples& samples);
 
 /// `signed_spectrum` on arrays of pairs. It keeps a reference to `measured`.

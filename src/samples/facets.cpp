@@ -87,11 +87,11 @@ void evaluate(const FacetMixture& mixture, Vec3f wl, Vec3f wv, std::span<float> 
     std::ranges::fill(f, 0.0f);
     if (!above_horizon(wl, wv)) return;
     const Terms terms = terms_at(wl, wv);
-    const auto bound = float(mixture.bound / cosines(wl, wv));
+    const double bound = mixture.bound / cosines(wl, wv);
     for (std::size_t c = 0; c < f.size(); ++c) {
         float sum = 0;
         for (std::size_t a = 0; a < terms.size(); ++a) sum += mixture.amounts[c][a] * terms[a];
-        f[c] = std::min(sum, bound);
+        f[c] = std::min(sum, std::max(float(bound), mixture.amounts[c][0] * terms[0]));
     }
 }
 

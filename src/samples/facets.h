@@ -14,7 +14,7 @@ namespace srbf {
 /// normals.
 struct FacetMixture {
     std::vector<std::vector<float>> amounts;  ///< for each channel: k, then F0_r, F90_r for each roughness
-    double bound = 0;                         ///< bound on f cosθl cosθv, as for fits
+    double bound = 0;                         ///< bound on f cosθl cosθv, as for fits, if the Lambert term is less
 };
 /// Fits with the weights of the observations, adapted to the residuals. Channels: R, G, B, then the wavelengths of
 /// spectral observations.

@@ -10,7 +10,7 @@
 #include "base/errors.h"
 #include "base/parallel.h"
 #include "errors/measures.h"
-#include "measured/tables.h"
+#include "measured/samples.h"
 #include "models/ggx/ggx_kind.h"
 #include "observe/bound.h"
 #include "observe/pair_weights.h"
@@ -57,12 +57,15 @@ struct CombinedPriors {
 CombinedPriors combine_priors(const GapFilledSamples& samples, Vec3f wl, Vec3f wv) {
     const double area = cosines(wl, wv);
     CombinedPriors combined;
-    double agreed = samples.prior_limit;
+    double matte = std::numeric_limits<double>::infinity();
+    for (const GgxModel& prior : samples.priors) matte = std::min(matte, largest_of(prior.diffuse) / k_pi);
+    const double limit = std::max(samples.prior_limit, matte * area);
+    double agreed = limit;
     for (const GgxModel& prior : samples.priors) {
         const Rgb g = value(prior, wl, wv);
         for (int c = 0; c < 3; ++c)
             combined.root[std::size_t(c)] +=
-                elementary::cbrt(std::min(double(g[c]) * area, samples.prior_limit)) / double(samples.priors.size());
+                elementary::cbrt(std::min(double(g[c]) * area, limit)) / double(samples.priors.size());
         agreed = std::min(agreed, largest_of(g) * area);
     }
     combined.bound = std::max(agreed, samples.least_bound);
@@ -145,7 +148,7 @@ Result<GapFilledSamples> fill_gaps(const ScatteredSamples& samples, double max_t
         const auto root = combine_priors(filled, residual.wl[i], residual.wv[i]).root;
         Rgb r;
         for (int c = 0; c < 3; ++c)
-            r[c] = float((elementary::cbrt(double(observed.f[i][c]) * area) - root[std::size_t(c)]) / area);
+            r[c] = float(elementary::cbrt(double(observed.f[i][c]) * area) - root[std::size_t(c)]);
         residual.colour.push_back(r);
     }
     make_index(residual);
@@ -170,10 +173,10 @@ namespace {
 Rgb filled_value(const GapFilledSamples& samples, Vec3f wl, Vec3f wv) {
     const double area = cosines(wl, wv);
     const CombinedPriors priors = combine_priors(samples, wl, wv);
-    const Rgb residual = signed_value(samples.residual, wl, wv);
+    const Rgb residual = mean_of_neighbours(samples.residual, wl, wv);
     Rgb f;
     for (int c = 0; c < 3; ++c) {
-        const double root = priors.root[std::size_t(c)] + double(residual[c]) * area;
+        const double root = priors.root[std::size_t(c)] + double(residual[c]);
         f[c] = float(std::clamp(root * root * root, 0.0, priors.bound) / area);
     }
     return f;

@@ -31,15 +31,15 @@ inline constexpr std::size_t k_one_lobe = 1;
 /// would: matte samples have none. With
 /// A = cosθl cosθv, e = the mean over i of ∛(g_i A) and the w_k of `ScatteredSamples`,
 ///   f A = (e + Σ_k w_k (∛(f_k A_k) − e_k) / Σ_k w_k)³ [1/sr].
-/// Each g_i A is clamped to `prior_limit`. f A is clamped to 0..b, where b is the least g_i A (in its largest
-/// channel), but at least `least_bound`: highlights exceed the samples only where all g_i do. At a sample, f is the
-/// sample's own value. Between distant samples it has the highlight of microfacet models, where interpolation alone
-/// would leave a band or a gap.
+/// Each g_i A is clamped to `prior_limit`, or to the least Lambert term of the g_i times A if that is larger. f A is
+/// clamped to 0..b, where b is the least g_i A (in its largest channel), but at least `least_bound`: highlights exceed
+/// the samples only where all g_i do. At a sample, f is the sample's own value. Between distant samples it has the
+/// highlight of microfacet models, where interpolation alone would leave a band or a gap.
 struct GapFilledSamples {
     /// The g_i: two lobes with the weights of `Objective::appearance`; one lobe with these weights; two lobes with
     /// the weights of `Objective::cosine`, which continue a highlight differently. Or the first one alone.
     std::vector<GgxModel> priors;
-    ScatteredSamples residual;  ///< its colours are (∛(f A) − e) / A, so that `signed_value` times A is the mean over k
+    ScatteredSamples residual;  ///< its colours are ∛(f A) − e
     /// the largest f A of the samples; with a single g, which no other contradicts, `prior_limit`
     double least_bound = 0;
     double prior_limit = 0;  ///< 1.8 times the largest f A of the samples; with a single g 1.6 times, as for fits

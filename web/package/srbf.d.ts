@@ -36,8 +36,10 @@ export interface Report {
   bytes: number;
   seconds: number;
   twoSided: boolean;
-  /** For one-sided measurements only. */
+  /** For one-sided measurements only. Of samples, the worst of pictures, of cross-validation and at the samples. */
   seen?: Seen;
+  /** What is said first of the errors. */
+  headline?: string;
   /** The same against a noisy measurement after smoothing. */
   smoothed?: Seen;
 }

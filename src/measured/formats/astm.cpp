@@ -122,7 +122,6 @@ Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, con
     std::array<double, 4> angle{};
     std::vector<float> f(builder.width());
     std::uint64_t rows = 0;
-    LightAzimuths azimuths;
     while (auto line = lines.next()) {
         if (line->starts_with('#')) continue;
         ++rows;
@@ -132,14 +131,12 @@ Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, con
                 angle[a] = row.angle(columns.angle[a], k_names_of_angles[a], k_angle_kinds[a], k_in_radians);
         for (std::size_t v = 0; v < f.size(); ++v) f[v] = row.number<float>(columns.value[v], "value");
         if (row.error()) return *row.error();
-        const Vec3d wl = spherical(angle[0], angle[1]);
-        azimuths.add(wl);
-        builder.add(wl, spherical(angle[2], angle[3]), f);
+        builder.add(spherical(angle[0], angle[1]), spherical(angle[2], angle[3]), f);
     }
     if (header->points && *header->points != rows)
         return Error{
             file_name, {}, "samples", fmt::format("{} (NUM_POINTS)", *header->points), fmt::format("{}", rows)};
-    auto samples = std::move(builder).finish(file_name, std::move(header->description), azimuths.are_equal());
+    auto samples = std::move(builder).finish(file_name, std::move(header->description));
     if (samples && is_trinitron) std::ranges::transform(samples->colour, samples->colour.begin(), from_trinitron);
     return samples;
 }

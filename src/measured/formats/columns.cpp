@@ -376,10 +376,10 @@ struct ColumnAssignment {
         if (columns.has_vectors || columns.angle[1].exists() || !columns.angle[3].exists()) return;
         const bool is_relative =
             columns.angle[3].column != k_absent && is_one_of(keys[columns.angle[3].column].key, k_relative_azimuths);
-        columns.notes.push_back(fmt::format(
-            "{}, so that the mirror direction is at 180 degrees; --columns with phi_l_deg=180 puts it at 0",
-            is_relative ? "a relative azimuth of 0 is taken as backward, on the side of the light"
-                        : "the azimuth of the light is not stated and taken as 0"));
+        columns.notes.push_back(
+            fmt::format("{}, so that the mirror direction is at 180 degrees; --columns with phi_l_deg=180 puts it at 0",
+                        is_relative ? "a relative azimuth of 0 is taken as backward, on the side of the light"
+                                    : "the azimuth of the light is not stated and taken as 0"));
     }
 };
 

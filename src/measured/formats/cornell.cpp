@@ -76,12 +76,10 @@ Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, 
     std::vector<float> row(4 + wavelengths.size());
     // A row may span several lines, and a line may hold several rows; a word takes at least two bytes.
     SampleBuilder builder(Values::spectrum, std::move(wavelengths), bytes.size(), bytes.size() / (2 * row.size()) + 1);
-    LightAzimuths azimuths;
     for (;;) {
         for (std::size_t i = 0; i < row.size(); ++i) {
             word = words.next();
-            if (word.empty() && i == 0)
-                return std::move(builder).finish(file_name, description_of(text), azimuths.are_equal());
+            if (word.empty() && i == 0) return std::move(builder).finish(file_name, description_of(text));
             const auto number = to_number<float>(word);
             if (!number)
                 return at_line(file_name, words.line(), fmt::format("number {} of a sample of {}", i + 1, row.size()),
@@ -92,9 +90,8 @@ Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, 
             if (auto expected = expected_angle(k_angle_kinds[i], double(row[i]), k_in_radians); !expected.empty())
                 return at_line(file_name, words.line(), fmt::format("number {} of a sample of {}", i + 1, row.size()),
                                std::move(expected), fmt::format("{:g}", row[i]));
-        const Vec3d wl = spherical(double(row[0]), double(row[1]));
-        azimuths.add(wl);
-        builder.add(wl, spherical(double(row[2]), double(row[3])), std::span(row).subspan(4));
+        builder.add(spherical(double(row[0]), double(row[1])), spherical(double(row[2]), double(row[3])),
+                    std::span(row).subspan(4));
     }
 }
 

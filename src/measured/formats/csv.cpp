@@ -332,9 +332,7 @@ Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::st
     std::vector<float> f(columns.value.size());
     std::optional<double> wavelength;
     double lowest = 1;  // the least cosine of a direction
-    LightAzimuths azimuths;
     const auto add = [&](const Vec3d& wl, const Vec3d& wv, std::span<const float> values) {
-        azimuths.add(wl);
         lowest = std::min({lowest, wl.z, wv.z});
         const auto part = both_sides ? to_part_frame(to_float(wl), to_float(wv)) : std::nullopt;
         if (are_rows && std::isfinite(*wavelength) && std::isfinite(wl.z) && std::isfinite(wv.z))
@@ -369,7 +367,6 @@ Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::st
             add(spherical(light * k_degree, k_pi), spherical((light - aspecular) * k_degree, 0.0), std::span(&f[v], 1));
         }
     }
-    collected.isotropic |= azimuths.are_equal();
     auto& notes = collected.columns.notes;
     if (row.has_decimal_commas()) notes.push_back("numbers have a decimal comma");
     const double polar = elementary::acos(std::clamp(lowest, -1.0, 1.0)) / k_degree;

@@ -114,8 +114,8 @@ inline void split_row(std::string_view line, char separator, std::vector<std::st
 /// Reads the number in a field, which may have a decimal comma. A spreadsheet's words for no value are NaN.
 template <typename T> std::optional<T> number_in(std::string_view field) {
     if (const auto number = to_number<T>(field)) return number;
-    constexpr std::string_view missing[] = {"n/a",   "na",    "n.a.",   "#n/a", "#div/0!", "#value!",
-                                            "#ref!", "#num!", "#null!", "null", "none",    "missing"};
+    constexpr std::string_view missing[] = {"n/a",   "na",     "n.a.", "#n/a", "#div/0!", "#value!", "#ref!",
+                                            "#num!", "#null!", "null", "none", "missing", "-",       "--"};
     if (std::ranges::any_of(missing, [&](std::string_view word) { return equal_ignoring_case(field, word); }))
         return std::numeric_limits<T>::quiet_NaN();
     const auto comma = field.find(',');

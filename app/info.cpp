@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -95,6 +96,7 @@ void print_table(const ScatteredSamples& samples) {
     print_row("samples", fmt::format("{} pairs of directions, {}", grouped(samples.wl.size()),
                                      samples.isotropic ? "isotropic" : "anisotropic"));
     if (!samples.wavelengths.empty()) print_row("wavelengths", wavelengths_text(samples.wavelengths));
+    if (!samples.receiver.empty()) print_row("receiver [nm, sr]", fmt::format("{}", samples.receiver));
     print_geometry(samples);
     ValueRange theta_l, theta_v, spectrum;
     for (const Vec3f& w : samples.wl) theta_l.add(float(std::acos(double(w.z)) / k_degree));
@@ -180,8 +182,7 @@ void print_behaviour(const Subject& subject) {
 void print_sides(const Subject& subject) {
     const Evaluate bsdf = evaluator(subject);
     const auto* measured = std::get_if<Measured>(&subject.content);
-    const Beams& beams = measured ? std::get<BsdfTable>(measured->table).band().beam
-                                  : std::get<BsdfModel>(std::get<Model>(subject.content).model).beam;
+    const Beams beams = beams_of(subject.content);
     fmt::print("\n  {:<22}", "light from θl =");
     for (const double theta : k_info_theta) fmt::print("{:>9}°", theta);
     fmt::print("\n");

@@ -42,7 +42,7 @@ template <typename Each> void members(MbsdfTable& value, const Each& each) {
 template <typename Each> void members(ScatteredSamples& value, const Each& each) {
     each(value.description), each(value.isotropic), each(value.wavelengths), each(value.wl), each(value.wv),
         each(value.colour);
-    each(value.spectrum), each(value.weight), each(value.masked), each(value.notes);
+    each(value.spectrum), each(value.weight), each(value.masked), each(value.notes), each(value.receiver);
 }
 inline void complete(ScatteredSamples& samples) { make_index(samples); }
 /// The format of a table packs and unpacks it.

@@ -271,6 +271,23 @@ TEST(Rgl, BatchesAgreeWithSingleValues) {
     }
 }
 
+/// Along the normal, which has no azimuth, a table has the mean of what it has about it.
+TEST(Tables, HaveTheirMeanAlongTheNormal) {
+    MbsdfTable mbsdf;
+    mbsdf.polar = 4, mbsdf.azimuths = 5;
+    for (int i = 0; i < 80; ++i) mbsdf.cells.push_back({1, 1 + float(i % 5), 1});
+    const RglTable film = bundled("cc_ibiza_sunset"), turned = *read_rgl(tensor_file(anisotropic_rgl()), "t");
+    for (const Measured& measured : {Measured{{}, {}, 0, film}, {{}, {}, 0, turned}, {{}, {}, 0, mbsdf}}) {
+        const Vec3f normal{0, 0, 1}, w = to_float(spherical(0.9, 0.2));
+        Rgb mean, f;
+        for (int k = 0; k < 64; ++k)
+            mean.g += signed_value(measured, to_float(spherical(1e-4, 2 * k_pi * k / 64)), w).g / 64;
+        signed_evaluator(measured)({&normal, 1}, {&w, 1}, {&f, 1});
+        EXPECT_PRED3(near_relative, f.g, mean.g, 0.02);
+        EXPECT_EQ(signed_value(measured, normal, w), f);
+    }
+}
+
 TEST(Rgl, IsZeroBelowTheHorizon) {
     const RglTable& table = bundled("paper_white");
     const Vec3f up{0, 0.6f, 0.8f};

@@ -12,6 +12,7 @@
 #include "extras/daylight/formats.h"
 #include "extras/daylight/klems.h"
 #include "extras/daylight/tensor_tree.h"
+#include "fit/own_fit.h"
 #include "measured/samples.h"
 
 namespace srbf {
@@ -282,13 +283,16 @@ BsdfTable::Band band_of(std::string name, XmlBlocks&& blocks, const std::string&
     std::array<KlemsTable*, k_parts> matrices{};
     for (std::size_t p = 0; p < k_parts; ++p) matrices[p] = blocks[p] ? std::get_if<KlemsTable>(&*blocks[p]) : nullptr;
     band.beam = separate_beams(matrices);
+    std::array<Evaluate, k_parts> values;
     for (std::size_t p = 0; p < k_parts; ++p) {
         if (!blocks[p]) continue;
         const char* const format = std::holds_alternative<TreeTable>(*blocks[p]) ? "BSDF tree" : "BSDF XML";
         EvaluatedTable table =
             std::visit([](auto& table_content) { return evaluated(std::move(table_content)); }, *blocks[p]);
         band.part[p] = std::make_shared<const Measured>(Measured{file_name, format, 0, std::move(table)});
+        values[p] = evaluator(*band.part[p]);
     }
+    end_mirrors(band.beam, values);
     return band;
 }
 

@@ -23,6 +23,7 @@ inline constexpr Format k_daylight_formats[] = {
      .extension = ".xml",
      .used_by = "WINDOW and Radiance",
      .anisotropic = true,
+     .beams = true,
      .write = write_as_bsdf_xml,
      .option = &k_klems_option,
      .unpack = unpack_bsdf_xml},

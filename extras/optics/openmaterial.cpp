@@ -45,7 +45,7 @@ struct TrackedText {
     bool operator==(const TrackedText& other) const { return character == other.character; }
 };
 
-/// Collects the rows of "lookupTable" in "brdf" and "name" in "metadata", and ignores everything else.
+/// Collects "lookupTable" and "receiverSolidAngles" in "brdf" and "name" in "metadata", and ignores everything else.
 struct OpenMaterialRows : JsonRows {
     std::string name;
     TextPosition position;
@@ -54,6 +54,7 @@ struct OpenMaterialRows : JsonRows {
     std::size_t table_depth = 0, column = 0;
     SpectralRow row{};
     std::vector<SpectralRow> rows;
+    std::vector<std::array<float, 2>> receiver;  ///< as `ScatteredSamples` has them
 
     /// The columns of a file: wavelength, θ_l, θ_v, φ_v and f.
     static constexpr std::array<std::size_t, 5> k_order{k_wavelength_column, 0, 2, 3, k_value_column};
@@ -69,6 +70,10 @@ struct OpenMaterialRows : JsonRows {
         return refuse(fmt::format("{:g}", x));
     }
     bool take(double x) override {
+        if (!receiver.empty() && path.size() > 1 && path[path.size() - 2] == "receiverSolidAngles") {
+            if (last_key == "wavelength") receiver.back()[0] = float(x / k_nanometre);
+            if (last_key == "solidAngle") receiver.back()[1] = float(x);
+        }
         if (!in_table) return true;
         if (path.size() != table_depth + 2) return refuse("a number outside of a row");
         if (column == k_order.size()) return refuse("a row of more than five numbers");
@@ -86,6 +91,7 @@ struct OpenMaterialRows : JsonRows {
     bool open(bool is_array) override {
         if (in_table && (!is_array || path.size() != table_depth + 1)) return refuse("something else than rows");
         column = 0;
+        if (!is_array && !path.empty() && path.back() == "receiverSolidAngles") receiver.push_back({0, 0});
         if (in_table || !is_array || last_key != "lookupTable" || path.empty() || path.back() != "brdf") return true;
         if (has_table) return refuse("a second table");
         in_table = has_table = true;
@@ -127,7 +133,13 @@ Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, con
     for (const SpectralRow& row : sax.rows)
         if (!std::isfinite(row[k_wavelength_column]))
             return Error{file_name, {}, "OpenMATERIAL", "a wavelength and three angles in each row", "others"};
-    return samples_of_rows(sax.rows, bytes.size(), file_name, sax.name, true);
+    for (const auto& [nm, solid_angle] : sax.receiver)
+        if (!(nm > 0 && solid_angle > 0 && std::isfinite(solid_angle)))
+            return Error{
+                file_name, {}, "receiverSolidAngles", "a wavelength and a solid angle above 0 in each", "others"};
+    auto samples = samples_of_rows(sax.rows, bytes.size(), file_name, sax.name, true);
+    if (samples) samples->receiver = std::move(sax.receiver);
+    return samples;
 }
 
 namespace {
@@ -168,7 +180,11 @@ std::string write_openmaterial(const ScatteredSamples& samples) {
     std::ranges::stable_sort(rows, [](const Row& a, const Row& b) {
         return std::array{a.theta_l, a.theta_v, a.phi_v} < std::array{b.theta_l, b.theta_v, b.phi_v};
     });
-    std::string wavelengths, table;
+    std::string wavelengths, table, receiver;
+    for (const auto& [at, solid_angle] : samples.receiver)
+        receiver += fmt::format("{}{{\"wavelength\": {:.7g}, \"solidAngle\": {}}}", receiver.empty() ? "" : ", ",
+                                double(at) * k_nanometre, solid_angle);
+    if (!receiver.empty()) receiver = fmt::format("        \"receiverSolidAngles\": [{}],\n", receiver);
     for (std::size_t k = 0; k < nm.size(); ++k) {
         const double metres = double(nm[k]) * k_nanometre;
         wavelengths += fmt::format("{}{:.7g}", k ? ", " : "", metres);
@@ -189,8 +205,8 @@ std::string write_openmaterial(const ScatteredSamples& samples) {
         "\"1.0.0\",\n"
         "        \"openMaterial3dVersion\": \"1.0.0\",\n        \"copyrights\": [\"unknown\"],\n        \"license\": "
         "\"unknown\",\n        \"authors\": [\"unknown\"],\n        \"sources\": \"converted by srbf\"\n    }},\n"
-        "    \"brdf\": {{\n        \"wavelengths\": [{}],\n        \"lookupTable\": [{}\n        ]\n    }}\n}}\n",
-        name, uuid_of(table), wavelengths, table);
+        "    \"brdf\": {{\n        \"wavelengths\": [{}],\n{}        \"lookupTable\": [{}\n        ]\n    }}\n}}\n",
+        name, uuid_of(table), wavelengths, receiver, table);
 }
 
 namespace {

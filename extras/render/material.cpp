@@ -36,8 +36,8 @@ void extrapolate(MerlTable& table) {
 }
 
 /// The existing parts as tables.
-BsdfTables tables_of(const AnyBrdf& bsdf, const Evaluate& values, const Beams& beams) {
-    BsdfTables tables{{}, beams};
+BsdfTables tables_of(const AnyBrdf& bsdf, const Evaluate& values) {
+    BsdfTables tables{{}, beams_of(bsdf)};
     for (std::size_t p = 0; p < k_parts; ++p)
         if (has_part(bsdf, Part(p)))
             tables.part[p] = std::make_shared<const MerlTable>(table_of(part_of(values, Part(p)), k_bsdf_table));
@@ -57,7 +57,7 @@ Material material_of(const Model& model) {
     const bool has_views = bsdf && std::ranges::any_of(bsdf->part, [](const auto& part) {
                                return part && std::holds_alternative<SuModel>(part->model);
                            });
-    if (has_views) return tables_of(model, evaluator(model), bsdf->beam);
+    if (has_views) return tables_of(model, evaluator(model));
     return std::visit([](const auto& content) { return Material(content); }, model.model);
 }
 
@@ -67,8 +67,7 @@ Result<Material> material_of(const AnyBrdf& brdf, const std::string& path) {
     if (const auto* table = std::get_if<MerlTable>(&measured.table)) return Material(*table);
     if (!is_isotropic(measured))
         return Error{path, {}, "measurement for the renderer raster", "an isotropic one", "an anisotropic one"};
-    if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table))
-        return Material(tables_of(brdf, evaluator(measured), bsdf->band().beam));
+    if (is_two_sided(brdf)) return Material(tables_of(brdf, evaluator(measured)));
     return Material(table_of(evaluator(measured)));
 }
 

@@ -37,7 +37,7 @@ Evaluate part_of(Evaluate bsdf, Part part);
 /// direction, which is straight through in a transmission. A beam has no width, so it is not a part of f:
 ///   L(wv) = ∫ f(wl, wv) L(wl) |cosθl| dωl + τ(mirror(wv)) L(mirror(wv)).
 /// τ has nodes on rings of one θ each. It is linear in the azimuth between the nodes of a ring, and linear in θ between
-/// rings. It is constant before the first ring, and 0 beyond 90°.
+/// rings. It is constant before the first ring, and falls to 0 at 90°, where readers and fits end mirrors by a ring.
 struct Beam {
     std::vector<float> theta;        ///< of each ring [rad], increasing, 0..π/2
     std::vector<Rgb> share;          ///< of the nodes, ring by ring, 0..1 each
@@ -50,7 +50,7 @@ struct Beam {
 Rgb share_at(const Beam& beam, Vec3f wl);
 
 /// The beams of a BSDF, in the order of `Part`. An empty one is 0, but that of a transmission is its counterpart's by
-/// reciprocity, τ(mirror(wl)).
+/// reciprocity, τ(mirror(wl)), and that of a reflection whose part is empty too is that of the other side.
 using Beams = std::array<Beam, k_parts>;
 /// τ of a part at the direction to the light, in the part's frame on either side.
 Rgb share_at(const Beams& beams, Part part, Vec3f wl);

@@ -128,6 +128,8 @@ struct ScatteredSamples {
     /// search structure for `value`; `make_index` builds it from wl, wv and colour
     std::shared_ptr<const SampleIndex> index;
     std::vector<std::string> notes;  ///< what its reader masked or assumed beyond the format, a line each
+    /// solid angle [sr] of the detector's aperture, at a wavelength [nm]; empty: not stated
+    std::vector<std::array<float, 2>> receiver;
 };
 
 /// Builds the search structure of `value`. Call it again after any change of the samples.
@@ -185,7 +187,8 @@ std::vector<std::string> notes(const Measured& measured);
 /// where nothing was measured, and otherwise finite. A channel is negative where a saturated colour lies outside of the
 /// gamut.
 /// Tables are interpolated linearly. MERL's tables use the measured ones of eight nodes. UTIA's (extrapolated beyond
-/// 75°) and MBSDF's have no value if one of the nodes was not measured.
+/// 75°) and MBSDF's have no value if one of the nodes was not measured. Along the normal, where tables other than MERL's
+/// need an azimuth that the pair lacks, it is the mean over azimuths.
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
 
 /// `signed_value` of a table or a measurement, with negative channels set to 0.

@@ -45,6 +45,18 @@ template <typename B> Answering<B> answering(const Parts<B>& parts, Part part) {
     return {parts[std::size_t(counterpart(part))].get(), is_transmission(part)};
 }
 
+/// True if a part is known: it or its counterpart has f or a beam.
+template <typename B> bool is_known(const Parts<B>& parts, const Beams& beams, Part part) {
+    const auto has = [&](Part p) { return parts[std::size_t(p)] || !beams[std::size_t(p)].empty(); };
+    return has(part) || has(counterpart(part));
+}
+/// The beams of all parts: a reflection that has neither f nor a beam has the beam of the other side.
+template <typename B> Beams completed(const Parts<B>& parts, Beams beams) {
+    for (const std::size_t p : {0, 1})
+        if (!parts[p] && beams[p].empty()) beams[p] = beams[1 - p];
+    return beams;
+}
+
 /// f(wl, wv) [1/sr] of a BSDF of these parts.
 template <typename B> Rgb value(const Parts<B>& parts, Vec3f wl, Vec3f wv) {
     const auto at = to_part_frame(wl, wv);

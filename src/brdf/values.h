@@ -24,6 +24,11 @@ inline Evaluate non_negative(Evaluate values) {
     };
 }
 
+/// f(wv, wl).
+inline Evaluate exchanged(Evaluate f) {
+    return [f = std::move(f)](auto wl, auto wv, auto values) { f(wv, wl, values); };
+}
+
 /// Sets negative channels to 0 and keeps NaN; returns the number of changed channels.
 inline int clamp_negative(std::span<float> f) {
     int clamped = 0;

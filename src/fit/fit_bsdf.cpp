@@ -10,6 +10,7 @@
 #include "base/floating_point.h"
 #include "brdf/directions.h"
 #include "brdf/parts.h"
+#include "brdf/values.h"
 #include "fit/own_fit.h"
 #include "fit/requests.h"
 #include "measured/evaluated_table.h"
@@ -70,9 +71,6 @@ Model black() { return {GgxModel{{}, {GgxModel::Lobe{}}}, {}}; }
 
 std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fitted, const Beams& beams, Part part) {
     if (const OwnFit* own = input.own_fit()) return own->hemispherical(fitted, beams, part);
-    const auto exchanged = [](const Evaluate& f) -> Evaluate {
-        return [&f](auto wl, auto wv, auto to) { f(wv, wl, to); };
-    };
     std::vector<Hemispherical> all;
     for (const double degrees : k_incidences) {
         const double theta = degrees * k_degree,
@@ -171,6 +169,8 @@ Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const F
     model.beam = beams;
     auto parts = fit_parts(inputs, model, request, progress);
     if (!parts) return parts.error();
+    for (const std::size_t p : {0, 1})  // a reflection that has f of the other side, but not its beam
+        if (inputs[p].f && !model.part[p] && beams[p].empty() && !beams[1 - p].empty()) model.beam[p] = {{0}, {Rgb{}}};
     // Beams are rounded as they are stored.
     auto stored = read_model(write_model({std::move(model), {}}), "fit");
     if (!stored) return stored.error();
@@ -193,6 +193,21 @@ const OwnFit* own_fit_of(const Measured& part) {
     return table && table->functions ? table->functions->own_fit.get() : nullptr;
 }
 
+void end_mirrors(Beams& beams, const std::array<Evaluate, k_parts>& parts) {
+    for (const std::size_t p : {0, 1}) {
+        Beam& mirror = beams[p];
+        if (mirror.empty() || mirror.theta.back() == float(k_pi / 2) || mirror.share.back() == Rgb{}) continue;
+        Rgb end{1, 1, 1};
+        for (const std::size_t part : {p, parts[2 + p] ? 2 + p : 3 - p}) {
+            if (!parts[part]) continue;
+            const Rgb scattered = albedo(exchanged(parts[part]), double(mirror.theta.back()), k_pi / 2);
+            for (int c = 0; c < 3; ++c) end[c] = std::clamp(end[c] - scattered[c], 0.f, 1.f);
+        }
+        mirror.theta.push_back(float(k_pi / 2)), mirror.share.push_back(end);
+        if (!mirror.azimuths.empty()) mirror.azimuths.push_back(1);
+    }
+}
+
 Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
     const auto* table = std::get_if<BsdfTable>(&measured.table);
     if (!table) return argument_error("fit", "measurement", "reflection and transmission", "a BRDF");
@@ -207,6 +222,7 @@ Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request
         if (auto separated = is_asked ? own->functions->separated_beam() : std::nullopt)
             inputs[p] = {std::move(separated->rest), nullptr}, beams[p] = std::move(separated->beam);
     }
+    end_mirrors(beams, {inputs[0].f, inputs[1].f, inputs[2].f, inputs[3].f});
     unite_transmissions(beams);
     try {
         auto outcome = fit_inputs(inputs, beams, request, progress);

@@ -11,6 +11,7 @@
 #include "base/floating_point.h"
 #include "brdf/channels.h"
 #include "brdf/directions.h"
+#include "brdf/values.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "fit/choose.h"
@@ -50,11 +51,6 @@ constexpr double k_smoothed = 0.5, k_observed = 0.1, k_samples_observed = 0.05, 
                  k_fitted = 0.75;
 /// Approximate shares of the time of measuring the errors.
 constexpr double k_matrix_measured = 0.75, k_heldout_measured = 0.9, k_albedo_measured = 0.95;
-
-/// f(wv, wl).
-Evaluate exchanged(const Evaluate& f) {
-    return [f](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) { f(wv, wl, values); };
-}
 
 /// Writes the main errors into the model's provenance.
 void record(const Comparison& errors, Model& model) {

@@ -20,6 +20,9 @@ struct OwnFit {
     /// Directional-hemispherical sums of the table, and of a function with the part's beam.
     std::function<std::vector<Hemispherical>(const Evaluate&, const Beams&, Part)> hemispherical;
 };
+/// Ends beams of reflections at 90°, where they have the light that `parts` do not scatter at the last ring. A beam that
+/// ends there, or in 0, stays.
+void end_mirrors(Beams& beams, const std::array<Evaluate, k_parts>& parts);
 /// How a part is fitted; null: to its values, as the measurement of a BRDF.
 const OwnFit* own_fit_of(const Measured& part);
 

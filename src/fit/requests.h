@@ -1,5 +1,7 @@
 // Options of the stages of a fit from a request, and outcomes from their fits.
 #pragma once
+#include <fmt/ranges.h>
+
 #include <chrono>
 
 #include "base/parameters.h"
@@ -55,11 +57,13 @@ inline Trial trial_of(const PmModel& model, double error, bool whole) {
     return {model.form, model.axial, model.lobes, model.variates, payload_bytes(model), error, whole};
 }
 
-/// Writes the file of a measurement into a model of it, and that light and viewer were exchanged.
+/// Writes the file of a measurement into a model of it, that light and viewer were exchanged, and the aperture.
 inline void name_source(Model& model, const Measured& measured) {
     if (!measured.source.empty())
         model.provenance["source"] = measured.source.substr(measured.source.find_last_of('/') + 1);
     if (measured.exchanged) model.provenance["exchanged"] = k_exchanged;
+    if (const auto* samples = std::get_if<ScatteredSamples>(&measured.table); samples && !samples->receiver.empty())
+        model.provenance["receiver [nm, sr]"] = fmt::format("{}", samples->receiver);
 }
 /// `error`, of the file of the measurement.
 inline Error of_source(Error error, const Measured& measured) {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "brdf/parts.h"
 #include "srbf/elementary.h"
 #include "srbf/measured.h"
 #include "srbf/progress.h"
@@ -23,6 +24,13 @@ struct TableSource {
     Beams beams = {};
     const Measured* measured = nullptr;  ///< null for a model
 };
+/// Sets the parts of a source to those of a BSDF. One of which nothing is known is black: it reflects 0.
+template <typename B> void set_parts(TableSource& source, const Parts<B>& parts, const Beams& beams) {
+    source.two_sided = true;
+    for (std::size_t p = 0; p < k_parts; ++p) source.has[p] = is_known(parts, beams, Part(p));
+    source.has[0] |= source.has == std::array<bool, k_parts>{};
+    source.beams = completed(parts, beams);
+}
 TableSource table_source(const Measured& measured);
 TableSource table_source(const Measured&&) = delete;
 
@@ -58,6 +66,7 @@ struct Format {
     std::string_view used_by = {};    ///< names the format where `extension` is ambiguous
     bool anisotropic = false;         ///< written files may hold anisotropic BRDFs
     bool one_sided = false;           ///< written files hold no BSDF
+    bool beams = false;               ///< written files hold the beams of a BSDF
     Result<std::vector<std::byte>> (*write)(const TableSource& source, const TableOptions& options) = nullptr;
     const WriterOption* option = nullptr;
     /// The inverse of `EvaluatedTable::packed`.

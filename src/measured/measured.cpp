@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 #include "base/floating_point.h"
-#include "brdf/parts.h"
 #include "brdf/values.h"
 #include "measured/readers.h"
 #include "measured/tables.h"
@@ -51,9 +51,45 @@ Rgb signed_value(const EvaluatedTable& table, Vec3f wl, Vec3f wv) {
     return f;
 }
 
+namespace {
+
+/// True if look-up may need the azimuth of a direction along the normal, which has none. RGL's needs that of the light.
+bool lacks_azimuth(const Measured& measured, Vec3f wl, Vec3f wv) {
+    return !std::holds_alternative<ScatteredSamples>(measured.table) &&
+           ((wl.x == 0 && wl.y == 0) || (wv.x == 0 && wv.y == 0 && !std::holds_alternative<RglTable>(measured.table)));
+}
+
+/// Sets f to what look_up(wl, wv, f) does; for a direction that lacks an azimuth to the mean over all, to each of which it
+/// is turned, nearer to the normal than rounding, if all were measured.
+template <typename LookUp>
+void look_up_mean(const Measured& measured, Vec3f wl, Vec3f wv, std::span<float> f, const LookUp& look_up) {
+    look_up(wl, wv, f);
+    if (!lacks_azimuth(measured, wl, wv)) return;
+    constexpr int k_turns = 16;
+    Vec3f& turned = wl.x == 0 && wl.y == 0 ? wl : wv;
+    if (wv.x == 0 && wv.y == 0) wv.x = 1e-12f;  // also turned relative to this
+    std::vector<float> values(f.size());
+    std::vector<double> mean(f.size());
+    for (int k = 0; k < k_turns; ++k) {
+        const double phi = 2 * k_pi * (k + 0.5) / k_turns;
+        turned = {1e-18f * float(elementary::cos(phi)), 1e-18f * float(elementary::sin(phi)), turned.z};
+        look_up(wl, wv, std::span(values));
+        for (std::size_t c = 0; c < f.size(); ++c) mean[c] += double(values[c]) / k_turns;
+    }
+    for (std::size_t c = 0; c < f.size(); ++c)
+        if (std::isfinite(mean[c])) f[c] = float(mean[c]);
+}
+
+}  // namespace
+
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
     if (measured.exchanged) std::swap(wl, wv);
-    return std::visit([&](const auto& table) { return signed_value(table, wl, wv); }, measured.table);
+    Rgb f;
+    look_up_mean(measured, wl, wv, {&f.r, 3}, [&](Vec3f l, Vec3f v, std::span<float> to) {
+        const Rgb looked_up = std::visit([&](const auto& table) { return signed_value(table, l, v); }, measured.table);
+        std::copy_n(&looked_up.r, 3, to.begin());
+    });
+    return f;
 }
 
 Evaluate signed_evaluator(const Measured& measured) {
@@ -70,6 +106,9 @@ Evaluate signed_evaluator(const Measured& measured) {
                 for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
         };
         std::visit(evaluate, measured.table);
+        for (std::size_t i = 0; i < wl.size(); ++i)
+            if (lacks_azimuth(measured, wl[i], wv[i]))
+                f[i] = measured.exchanged ? signed_value(measured, wv[i], wl[i]) : signed_value(measured, wl[i], wv[i]);
     };
 }
 
@@ -77,10 +116,9 @@ Evaluate evaluator(const Measured& measured) { return non_negative(signed_evalua
 
 TableSource table_source(const Measured& measured) {
     const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
-    TableSource source{signed_evaluator(measured), is_isotropic(measured), bsdf != nullptr, {true}, {}, &measured};
-    if (!bsdf) return source;
-    for (std::size_t p = 0; p < k_parts; ++p) source.has[p] = answering(bsdf->band().part, Part(p)).brdf != nullptr;
-    source.beams = bsdf->band().beam;
+    TableSource source{
+        .values = signed_evaluator(measured), .isotropic = is_isotropic(measured), .measured = &measured};
+    if (bsdf) set_parts(source, bsdf->band().part, bsdf->band().beam);
     return source;
 }
 
@@ -99,7 +137,9 @@ Channels signed_spectra(const Measured& measured) {
                 if (measured.exchanged) std::swap(wl, wv);
                 const auto evaluate = [&](const auto& table) {
                     for (std::size_t i = 0; i < wl.size(); ++i)
-                        signed_spectrum(table, wl[i], wv[i], f.subspan(i * C, C));
+                        look_up_mean(
+                            measured, wl[i], wv[i], f.subspan(i * C, C),
+                            [&](Vec3f l, Vec3f v, std::span<float> row) { signed_spectrum(table, l, v, row); });
                 };
                 if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return evaluate(*rgl);
                 evaluate(std::get<ScatteredSamples>(measured.table));

@@ -28,7 +28,7 @@ PreparedBsdf prepare_parts(const Parts<B>& parts, const Beams& beams, const Prop
         if (answer.exchanged) exchange(brdf);
         ready_parts[p] = prepare(std::move(brdf), options);
     }
-    return PreparedBsdf(std::move(ready_parts), beams);
+    return PreparedBsdf(std::move(ready_parts), completed(parts, beams));
 }
 
 }  // namespace

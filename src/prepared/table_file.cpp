@@ -1,7 +1,6 @@
 #include "prepared/table_file.h"
 
 #include "base/errors.h"
-#include "brdf/parts.h"
 
 namespace srbf {
 
@@ -9,10 +8,8 @@ namespace {
 
 TableSource table_source(const Model& model) {
     const auto* bsdf = std::get_if<BsdfModel>(&model.model);
-    TableSource source{.values = evaluator(model), .isotropic = is_isotropic(model), .two_sided = bsdf != nullptr};
-    if (!bsdf) return source;
-    for (std::size_t p = 0; p < k_parts; ++p) source.has[p] = answering(bsdf->part, Part(p)).brdf != nullptr;
-    source.beams = bsdf->beam;
+    TableSource source{.values = evaluator(model), .isotropic = is_isotropic(model)};
+    if (bsdf) set_parts(source, bsdf->part, bsdf->beam);
     return source;
 }
 
@@ -30,6 +27,7 @@ TableSource source_of(const AnyBrdf& brdf) {
 }  // namespace
 
 bool has_part(const AnyBrdf& brdf, Part part) { return source_of(brdf).has[std::size_t(part)]; }
+Beams beams_of(const AnyBrdf& brdf) { return source_of(brdf).beams; }
 
 Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, const Format& format, const TableOptions& options) {
     const auto refused = [](std::string expected, std::string found) {
@@ -38,6 +36,7 @@ Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, const Format& for
     TableSource source = source_of(brdf);
     if (!format.anisotropic && !source.isotropic) return refused("an isotropic BRDF", "an anisotropic one");
     if (format.one_sided && source.two_sided) return refused("a BRDF", "a BSDF");
+    if (!format.beams && source.beams != Beams{}) return refused("a BSDF without beams", "light that is not scattered");
     source.values = until_cancelled(std::move(source.values), options.progress);
     auto bytes = format.write(source, options);
     if (options.progress.cancelled()) return cancelled_error("table");

@@ -388,7 +388,8 @@ TEST(Columns, AreNamed) {
 
 const std::string k_openmaterial =
     R"({"$schema": "OpenMATERIAL-3D/material_brdf_schema.json", "metadata": {"name": "asphalt"},
- "brdf": {"wavelengths": [9.05e-07, 1.55e-6], "lookupTable": [[9.05e-07, 0.5, 0.5, 0, 0.1], [9.05e-07, 0.5, 0.5, 3.0, 0.2],
+ "brdf": {"wavelengths": [9.05e-07, 1.55e-6], "receiverSolidAngles": [{"wavelength": 9.05e-07, "solidAngle": 0.0002},
+ {"solidAngle": 0.0003, "wavelength": 1.55e-6}], "lookupTable": [[9.05e-07, 0.5, 0.5, 0, 0.1], [9.05e-07, 0.5, 0.5, 3.0, 0.2],
  [9.05e-07, 0.5, 0.7, 0, null], [1.55e-6, 0.5, 0.5, 0, 0.3], [1.55e-6, 0.5, 0.5, 3.0, 0.4], [1.55e-6, 0.5, 0.7, 0, 0.5]]}})";
 
 TEST(OpenMaterial, RowsAreSpectra) {
@@ -402,10 +403,12 @@ TEST(OpenMaterial, RowsAreSpectra) {
     EXPECT_PRED3(near, samples.wavelengths[1], 1550, 1e-3);
     EXPECT_EQ(samples.spectrum, (std::vector<float>{0.1f, 0.3f, 0.2f, 0.4f}));
     EXPECT_EQ(samples.colour[0].r, samples.colour[0].b);
+    EXPECT_EQ(samples.receiver, (std::vector<std::array<float, 2>>{{905, 0.0002f}, {1550, 0.0003f}}));
     const std::string written = write_openmaterial(samples);
     const auto again = read(written);
     ASSERT_TRUE(again.ok()) << message(again.error());
     EXPECT_EQ(std::get<ScatteredSamples>(again->table).spectrum, samples.spectrum);
+    EXPECT_EQ(std::get<ScatteredSamples>(again->table).receiver, samples.receiver);
     EXPECT_EQ(write_openmaterial(std::get<ScatteredSamples>(again->table)), written);
     for (std::size_t size = 0; size < k_openmaterial.size(); ++size)
         EXPECT_NE(error_of(k_openmaterial.substr(0, size)), "") << size;
@@ -414,7 +417,9 @@ TEST(OpenMaterial, RowsAreSpectra) {
                                                                                              {", 0.1]", "]"},
                                                                                              {"[[9.05e-07", "[[-1"},
                                                                                              {"[[9.05e-07", "[[null"},
-                                                                                             {"null", "[1]"}}) {
+                                                                                             {"null", "[1]"},
+                                                                                             {": 0.0002", ": 0"},
+                                                                                             {": 0.0003", ": null"}}) {
         std::string text = k_openmaterial;
         EXPECT_NE(error_of(text.replace(text.find(what), what.size(), replacement)), "") << replacement;
     }
@@ -438,8 +443,8 @@ TEST(OpenMaterial, NegativeZenithAngles) {
     }
     EXPECT_EQ(std::get<ScatteredSamples>(read(write_openmaterial(samples))->table).spectrum, samples.spectrum);
     for (const auto& [what, replacement, error] : std::initializer_list<std::array<std::string, 3>>{
-             {"[9.05e-07, 0.5, 0.7", "\n[9.05e-07, 45, 0.7", "line 4: angle: expected -1.571 to 1.571 rad in column 2"},
-             {"0.5, 0.7, 0, null", "0.5, 1.6, 0, null", "line 3: angle: expected -1.571 to 1.571 rad in column 3"},
+             {"[9.05e-07, 0.5, 0.7", "\n[9.05e-07, 45, 0.7", "line 5: angle: expected -1.571 to 1.571 rad in column 2"},
+             {"0.5, 0.7, 0, null", "0.5, 1.6, 0, null", "line 4: angle: expected -1.571 to 1.571 rad in column 3"},
              {"0.5, 0.7, 0, null", "0.5, 0.7, 180, null", "in column 4 of a row, found 180"},
              {"0.5, 0.7, 0, null", "0.5, null, 0, null", "in column 3 of a row, found nan"}}) {
         std::string bad = k_openmaterial;

@@ -173,7 +173,7 @@ struct BeamReader {
         Beam beam;
         const std::string angle = angle_name(name), azimuths = azimuths_name(name);
         for (const std::uint16_t half : find(angle)->data) {
-            const float theta = from_half(half);
+            const float theta = half == to_half(float(k_pi / 2)) ? float(k_pi / 2) : from_half(half);
             if (!(theta >= 0 && theta <= 1.5713f && (beam.theta.empty() || theta > beam.theta.back())))
                 return error(angle, "rising angles from 0 to 90 degrees", fmt::format("{}", theta));
             beam.theta.push_back(theta);

@@ -23,7 +23,7 @@ void Kind<BsdfModel>::add_rows(std::string& text, const BsdfModel& model) {
             text += fmt::format("\n  {}\n{}", k_part_names[p], rows_text(*model.part[p]));
         else
             text += fmt::format("\n  {}: {}\n", k_part_names[p],
-                                !answer.brdf       ? "0"
+                                !answer.brdf       ? is_known(model.part, model.beam, Part(p)) ? "a beam alone" : "0"
                                 : answer.exchanged ? "by reciprocity"
                                                    : "that of the other side");
     }
@@ -48,7 +48,10 @@ Parameters Kind<BsdfModel>::parameters(const BsdfModel& model) {
 }
 
 bool Kind<BsdfModel>::is_of(const ParameterReader& reader) {
-    return std::ranges::any_of(k_part_names, [&](std::string_view name) { return reader.has(name); });
+    const auto has = [&](std::string_view name) { return reader.has(name); };
+    return std::ranges::any_of(k_part_names, has) || std::ranges::any_of(k_beam_names, [&](std::string_view name) {
+               return reader.has(fmt::format("beam_{}_angle", name));
+           });
 }
 
 BsdfModel Kind<BsdfModel>::made_of(ParameterReader& reader) {

@@ -83,6 +83,8 @@ int EditCommand::run() {
                     fmt::format(" {}{}", j + 1, shares[j] < 1 ? fmt::format(" ({:.0f} %)", 100 * shares[j]) : "");
         fmt::print("body: {} of {}; the other lobes are the highlight\n", of_body.empty() ? "none" : "lobe" + of_body,
                    shares.size());
+        if (const auto at = result->provenance.find("limited"); at != result->provenance.end())
+            fmt::print("limited: {}\n", at->second);
     }
     return write(std::move(result), input, output);
 }

@@ -13,6 +13,7 @@
 #include "fit/noise.h"
 #include "fit/request_traits.h"
 #include "measured/peak.h"
+#include "observe/albedo_bound.h"
 #include "samples/gap_filled_samples.h"
 #include "srbf/metrics.h"
 
@@ -53,8 +54,15 @@ void print_path(const FitRequest& request, const FitOutcome& outcome) {
 /// True if the table was smoothed to its noise level before the fit.
 bool is_smoothed(const FitOutcome& outcome) { return outcome.against_smoothed.has_value(); }
 
+/// The limit on the albedo of the fit; infinity: there is none.
+double albedo_limit_of(const FitRequest& request, const FitOutcome& outcome) {
+    const auto* model = std::get_if<PmModel>(&outcome.model.model);
+    if (!model) return std::numeric_limits<double>::infinity();
+    return std::get<PmRequest>(request.model).albedo_limit.value_or(default_albedo_limit(model->form));
+}
+
 /// Prints what limits the accuracy of the measurement: negative values, noise, and deviations from reciprocity.
-void print_repeatability(const FitOutcome& outcome) {
+void print_repeatability(const FitRequest& request, const FitOutcome& outcome) {
     if (outcome.clamped > 0)
         fmt::print("  negative  {} values, {}\n", grouped(outcome.clamped),
                    is_smoothed(outcome) ? "fitted as noise about their mean" : "set to 0");
@@ -72,10 +80,11 @@ void print_repeatability(const FitOutcome& outcome) {
             fmt::print(
                 "            no value is negative: the data were cut off at 0, which makes dark values brighter\n");
     }
-    if (outcome.largest_albedo > 1)
-        fmt::print(
-            "  albedo    up to {:.4g} is measured at views to 80°; --albedo-limit 1 keeps that of the fit below 1\n",
-            outcome.largest_albedo);
+    if (const double limit = albedo_limit_of(request, outcome); outcome.largest_albedo > 1)
+        fmt::print("  albedo    up to {:.4g} is measured at views to 80°; {}\n", outcome.largest_albedo,
+                   limit < outcome.largest_albedo
+                       ? fmt::format("the fit is held to {:g}, which adds to its error: see --albedo-limit", limit)
+                       : "the fit may reflect as much");
     if (outcome.exchanged) fmt::print("  repeats   {}\n", repeats_text(*outcome.exchanged));
     if (outcome.against_mean)
         fmt::print("  fitted to the mean with light and viewer exchanged: ΔE_ITP {:.3g} (worst {:.3g}) against it\n",
@@ -139,6 +148,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     if (outcome.noise) json["noise"] = share_of(*outcome.noise);
     if (outcome.noise && outcome.noise->excess > 0) json["zeros_too_bright"] = outcome.noise->excess;
     if (outcome.largest_albedo > 1) json["largest_albedo"] = outcome.largest_albedo;
+    if (const double limit = albedo_limit_of(request, outcome); !std::isinf(limit)) json["albedo_limit"] = limit;
     if (outcome.exchanged) json["exchanged_pictures"] = json_of(*outcome.exchanged);
     if (outcome.against_mean) json["mean_pictures"] = json_of(*outcome.against_mean);
     if (is_smoothed(outcome)) json["smoothed_pictures"] = json_of(*outcome.against_smoothed);
@@ -184,7 +194,7 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
         fmt::print("  empty     {} directions without data\n", *outcome.empty_directions);
     if (outcome.masked > 0) fmt::print("  masked    {} samples that were not measured\n", grouped(outcome.masked));
     fmt::print("  peak      {}\n", peak_text(peak_of(measured)));
-    print_repeatability(outcome);
+    print_repeatability(request, outcome);
     fmt::print("\n");
     print_measures({{"as stored", &*outcome.errors}, {"before rounding", &*outcome.unrounded_errors}});
     if (outcome.samples) {

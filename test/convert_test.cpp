@@ -429,5 +429,26 @@ TEST(Convert, AnisotropicModelsAreNotCalledIsotropic) {
     }
 }
 
+// A spectral model keeps its wavelengths in every format that holds some, and spectra where they are exact.
+TEST(Convert, SpectraAreKept) {
+    std::mt19937_64 random(3);
+    const Model model{rounded(spectral_model(random, {.axial = true, .lobes = 2, .variates = 1}, 5)), {}};
+    for (const Format& format : formats()) {
+        if (format.name != "RGL" && format.name != "CSV" && format.name != "OpenMATERIAL") continue;
+        const auto bytes = table_file(model, format, {.description = "", .directions = 8, .max_theta = 80 * k_degree});
+        const auto read = read_measured(*bytes, "m");
+        ASSERT_TRUE(read.ok()) << message(read.error());
+        ASSERT_EQ(wavelengths(*read).size(), 5u) << format.name;
+        const Vec3f wl = to_float(spherical(30 * k_degree, 0.0)), wv = to_float(spherical(25 * k_degree, 2.0));
+        std::vector<float> own(5), table(5);
+        spectra(std::get<PmModel>(model.model)).evaluate({&wl, 1}, {&wv, 1}, own);
+        spectra(*read).evaluate({&wl, 1}, {&wv, 1}, table);
+        for (std::size_t c = 0; c < 5; ++c) {
+            EXPECT_PRED3(near, wavelengths(*read)[c], wavelengths(model)[c], 1e-3);
+            EXPECT_TRUE(format.name != "RGL" || near_relative(table[c], own[c], 0.02)) << table[c] << ' ' << own[c];
+        }
+    }
+}
+
 }  // namespace
 }  // namespace srbf::convert_test

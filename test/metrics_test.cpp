@@ -279,5 +279,22 @@ TEST(Albedo, ComparesOnlyAnglesWithinTheCap) {
     EXPECT_EQ(albedo_error(evaluator(white), evaluator(glossy), 10 * k_degree), std::abs(b - a) / a);
 }
 
+// A peak about the mirror direction of a view near the horizon, narrower still in azimuth, whose albedo has closed form.
+TEST(Metrics, AlbedosOfNarrowHighlightsAreExact) {
+    for (const double c : {0.2, 0.05, 0.01}) {
+        const double w = 0.1 * c, turn = 0.01 * c;  // half widths of the peak in cosθl and azimuth
+        const Evaluate peak = [=](auto wl, auto, auto f) {
+            for (std::size_t i = 0; i < f.size(); ++i) {
+                const double z = (double(wl[i].z) - c) / w, phi = std::atan2(double(wl[i].y), -double(wl[i].x)) / turn;
+                f[i].g = float(1 / ((1 + z * z) * (1 + phi * phi)));
+            }
+        };
+        const double over_z = w * c * (std::atan((1 - c) / w) + std::atan(c / w)) +
+                              w * w / 2 * std::log((w * w + (1 - c) * (1 - c)) / (w * w + c * c));
+        EXPECT_TRUE(
+            near_relative(albedo(peak, std::acos(c), k_pi / 2).g, over_z * 2 * turn * std::atan(k_pi / turn), 1e-3));
+    }
+}
+
 }  // namespace
 }  // namespace srbf::metrics_test

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/parameters.h"
 #include "models.h"
 #include "models/pm/pm_functions.h"
 #include "srbf/file.h"
@@ -83,6 +84,27 @@ TEST(Model, NumbersBeyondAHalfAreHeldAtItsEnd) {
     EXPECT_EQ(once.centre[1], Vec3f(0, 0, -1));  // the sign of -0 is kept
     EXPECT_EQ(once.log_scale[0], -k_half_max);
     EXPECT_EQ(once.log_scale[1], k_half_max);
+}
+
+/// A model is not made of numbers that 16-bit floats do not hold.
+TEST(Model, NumbersThatHalvesDoNotHoldAreRefused) {
+    std::mt19937_64 random(2);
+    const Model models[] = {{rounded(random_model(random, {.lobes = 2, .variates = 2})), {}},
+                            {GgxModel{{0.1f, 0.2f, 0.3f}, {{0.25f, {0.5f, 0.5f, 0.5f}, 1}}}, {}}};
+    for (const Model& model : models) {
+        Parameters changed = parameters(model);
+        EXPECT_TRUE(model_from(changed).ok());
+        for (auto& [name, value] : changed)
+            if (auto* array = std::get_if<NumberArray>(&value); array && name != "centre" && name != "parameterization")
+                for (float& x : std::span(array->numbers).first(std::min<std::size_t>(array->numbers.size(), 1))) {
+                    const float own = x;
+                    for (const float wrong : {1e6f, 1e-9f}) {
+                        x = wrong;
+                        EXPECT_FALSE(model_from(changed).ok()) << name;
+                    }
+                    x = own;
+                }
+    }
 }
 
 TEST(Model, CentresKeepTheirAnglesToTheDigitsOfAHalf) {

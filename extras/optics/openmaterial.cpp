@@ -233,7 +233,10 @@ ScatteredSamples sample_on_grid(const Evaluate& brdf, const std::string& descrip
 
 Result<std::vector<std::byte>> write_as_openmaterial(const TableSource& source, const TableOptions& options) {
     const auto* own = source.measured ? std::get_if<ScatteredSamples>(&source.measured->table) : nullptr;
-    return bytes_of(write_openmaterial(own ? *own : sample_on_grid(source.values, options.description)));
+    if (own) return bytes_of(write_openmaterial(*own));
+    ScatteredSamples samples = sample_on_grid(source.values, options.description);
+    set_spectra(samples, source.spectra);
+    return bytes_of(write_openmaterial(samples));
 }
 
 }  // namespace srbf

@@ -20,7 +20,8 @@ struct RglOptions {
     std::uint32_t polar = 32;    ///< number of angles θ_l; 8 in the RGL database
     std::uint32_t colours = 96;  ///< nodes of the colours along each side; 32 or 64 in the RGL database
     std::string description;
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    Channels spectra = {};  ///< the spectra of `brdf`, which the table then has too; none without wavelengths
+    int threads = 0;        ///< 0: as many as the machine has; the result does not depend on it
 };
 /// `brdf` in the parameterization of `RglTable`, as an isotropic material. With
 ///   D(θ_h) = 0.9 D_h(θ_h) + 0.1/π,  D_h ∝ max over directions within 84° of the luminance of f_r (cosθl cosθv)^¾,
@@ -53,9 +54,9 @@ ScatteredSamples valid_samples(std::span<const Vec3f> wl, std::span<const Vec3f>
 /// The bytes of a MERL `.binary`. Cells without a measurement are −1. Reading them gives `table`.
 std::vector<std::byte> write_merl(const MerlTable& table);
 /// The bytes of an RGL `.bsdf` of an isotropic table with `jacobian`. It holds `rgb` and `luminance`, and for renderers
-/// that read only spectra also `spectra` at `wavelengths`, whose colours are these (`reflectance_spectrum`). Reading it
-/// gives `table` up to rounding. Without `spectra` it holds the colours alone, for renderers that would take the file
-/// for spectral.
+/// that read only spectra also `spectra` at `wavelengths`, whose colours are these (`reflectance_spectrum`). Of a spectral
+/// table it holds the table's own spectra in place of `rgb`. Reading it gives `table` up to rounding. Without `spectra`
+/// it holds the colours alone, for renderers that would take the file for spectral.
 std::vector<std::byte> write_rgl(const RglTable& table, bool spectra = true);
 /// The bytes of an MBSDF file, version 1, with a block of reflection. Control characters in values of the metadata,
 /// other than line ends, become blanks. Reading it gives `table` but for `has_transmission`. With

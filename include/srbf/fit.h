@@ -60,8 +60,8 @@ struct PmRequest {
     std::optional<int> variates = {};  ///< N, 1..k_most_variates; none: that of the form
     std::optional<PmSize> size = {};   ///< none: the number of the form for a table, automatic for samples
     std::optional<bool> axial = {};    ///< none: axial if the measurement is isotropic
-    /// Limit on the directional albedo of a channel. None: that of a reciprocal form is the largest one measured up to
-    /// 80°, at least 1.
+    /// Limit on the directional albedo of a channel; infinity: there is none. None: 1 in a reciprocal form, infinity in
+    /// others.
     std::optional<double> albedo_limit = {};
     /// The length of the search for lobes as a multiple of the default, k_least_effort..k_most_effort.
     double effort = 1;

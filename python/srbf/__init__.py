@@ -228,23 +228,24 @@ class Model(Brdf):
         """Source, options and errors of the fit."""
         return self._native.provenance()
 
-    # Edits (docs/editing.md) of multivariate models of colours. Each returns a model, whose provenance has "edits".
+    # Edits (docs/editing.md) of multivariate models of colours. Each returns a model, whose provenance has "edits",
+    # and "limited", which is also a warning, if it would reflect more light than it may.
 
     def roughen(self, factor: float) -> "Model":
         """The highlight as facets of `factor` (0.1 to 10) times the roughness have it. A refit."""
-        return Model(self._native.roughened(factor))
+        return _edited(self._native.roughened(factor))
 
     def tint(self, highlight: Sequence[float] = (1, 1, 1), body: Sequence[float] = (1, 1, 1)) -> "Model":
         """The colours of highlight and body times these, 0 to 10 in R, G, B."""
-        return Model(self._native.tinted(highlight, body))
+        return _edited(self._native.tinted(highlight, body))
 
     def saturate(self, factor: float) -> "Model":
         """Colours at `factor` (0 to 4) times their distance to grey of the same luminance."""
-        return Model(self._native.saturated(factor))
+        return _edited(self._native.saturated(factor))
 
     def turn_hue(self, degrees: float) -> "Model":
         """Colours turned about grey, with their luminance."""
-        return Model(self._native.hue_turned(degrees))
+        return _edited(self._native.hue_turned(degrees))
 
     def rotate(self, degrees: float) -> "Model":
         """The tangent turned, from x to y; an isotropic model stays as it is."""
@@ -253,11 +254,11 @@ class Model(Brdf):
     def coat(self, roughness: float = 0.1, ior: float = 1.5, tint: Sequence[float] = (1, 1, 1)) -> "Model":
         """The surface under a clear coat of this roughness (0.02 to 1) and index of refraction (1.05 to 3); `tint` is the colour of white
         light that passes it twice. A refit with three more lobes."""
-        return Model(self._native.coated(roughness, ior, tint))
+        return _edited(self._native.coated(roughness, ior, tint))
 
     def reduce(self, lobes: int) -> "Model":
         """A fit of this number of lobes to the model."""
-        return Model(self._native.reduced(lobes))
+        return _edited(self._native.reduced(lobes))
 
     def blend(self, other: "Model", mix: float = 0.5) -> "Model":
         """(1 - mix) of this model and mix of `other`, with the lobes of both."""
@@ -354,6 +355,12 @@ def from_arrays(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, isotropi
     native = _srbf.from_arrays(lights, views, rows, _options.flag("isotropic", isotropic))
     _warn_of_change(native.change_by_azimuth())
     return Measurement(native)
+
+
+def _edited(native: Any) -> Model:
+    if "limited" in native.provenance():
+        warnings.warn(f"limited: {native.provenance()['limited']}", stacklevel=3)
+    return Model(native)
 
 
 def _warn_of_change(by_azimuth: float) -> None:

@@ -163,6 +163,64 @@ Quadrature MirrorMixture::quadrature(Vec3d wv, int count) const {
     return points;
 }
 
+namespace {
+
+/// The nodes and weights of Gauss-Legendre rules of six nodes on the intervals between these numbers.
+std::vector<std::array<double, 2>> gauss_legendre(std::vector<double> ends) {
+    constexpr double k_rule[][2] = {{0.2386191860831969, 0.4679139345726910},
+                                    {0.6612093864662645, 0.3607615730481386},
+                                    {0.9324695142031521, 0.1713244923791704}};
+    std::ranges::sort(ends);
+    std::vector<std::array<double, 2>> nodes;
+    for (std::size_t i = 1; i < ends.size(); ++i)
+        for (const auto& [x, weight] : k_rule)
+            for (const double node : {-x, x}) {
+                const double half = (ends[i] - ends[i - 1]) / 2;
+                nodes.push_back({ends[i - 1] + half * (1 + node), half * weight});
+            }
+    return nodes;
+}
+
+}  // namespace
+
+Quadrature albedo_quadrature(Vec3d wv, double theta_max, int count) {
+    constexpr double k_grazing = 0.3, k_growth = 5, k_first_of_cosine = 1e-2, k_first_at_horizon = 1e-3,
+                     k_first_azimuth = 1e-4;
+    Quadrature points;
+    if (wv.z >= k_grazing) {
+        points = MirrorMixture(theta_max).quadrature(wv, count);
+        for (std::size_t i = 0; i < points.w.size(); ++i) points.weight[i] *= double(points.w[i].z);
+        return points;
+    }
+    const double least = elementary::cos(theta_max), sine = std::sqrt(1 - wv.z * wv.z);
+    std::vector<double> cosine{least, 1}, azimuth{0, k_pi / 2};
+    for (double s = 1; s < 1 / k_first_azimuth; s *= k_growth) {
+        for (const double z :
+             {wv.z - k_first_of_cosine * s * wv.z, wv.z + k_first_of_cosine * s * wv.z, k_first_at_horizon * s, wv.z})
+            if (z > least && z < 1 && (z != wv.z || s == 1)) cosine.push_back(z);
+        azimuth.push_back(k_first_azimuth * s);
+    }
+    const auto azimuths = gauss_legendre(azimuth);
+    for (const auto& [z, z_weight] : gauss_legendre(cosine))
+        for (const auto& [phi, phi_weight] : azimuths)
+            for (const double along : {-elementary::cos(phi), elementary::cos(phi)})
+                for (const double across : {-elementary::sin(phi), elementary::sin(phi)}) {
+                    const double r = std::sqrt(1 - z * z) / sine;
+                    points.w.push_back(
+                        to_float({r * (along * wv.x - across * wv.y), r * (along * wv.y + across * wv.x), z}));
+                    points.weight.push_back(z * z_weight * phi_weight);
+                }
+    return points;
+}
+
+std::array<double, 3> weighted_sum(std::span<const Rgb> f, std::span<const double> weight) {
+    std::array<double, 3> sum{};
+    for (std::size_t i = 0; i < f.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            if (std::isfinite(f[i][c])) sum[std::size_t(c)] += weight[i] * double(f[i][c]);
+    return sum;
+}
+
 bool is_in_plane(Vec3f wl, Vec3f wv) {
     constexpr float k_most = 0.01f;
     const float sin_l = elementary::hypot(wl.x, wl.y), cross = wl.x * wv.y - wl.y * wv.x;

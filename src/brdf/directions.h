@@ -75,6 +75,14 @@ class MirrorMixture {
     double retro_scale_;
 };
 
+/// About `count` directions over the cap θ ≤ θmax for the albedo of a view; the weights include cosθl. Below cosθv = 0.3,
+/// where highlights are long and narrow, they are a product of Gauss-Legendre rules over cosθl and azimuth, whose
+/// intervals grow from the viewer's cosine, the horizon and the plane of incidence; otherwise those of MirrorMixture.
+/// The error is below 0.1 % for highlights of facets with a roughness α from 0.005 on.
+Quadrature albedo_quadrature(Vec3d wv, double theta_max, int count);
+/// Σ weight f of each channel, without values that are not finite.
+std::array<double, 3> weighted_sum(std::span<const Rgb> f, std::span<const double> weight);
+
 /// True if the sine of the angle between wv and the plane of wl and the normal is at most 0.01: half a degree.
 bool is_in_plane(Vec3f wl, Vec3f wv);
 

@@ -8,6 +8,7 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
+#include "base/half.h"
 #include "base/parameters.h"
 #include "brdf/values.h"
 #include "edit/lobes.h"
@@ -21,6 +22,8 @@ namespace srbf {
 namespace {
 
 constexpr int k_lobes_of_coat = 3, k_bounded_azimuths = 5;
+/// An edit that asks for more than this fraction of the albedo's limit is said to be limited.
+constexpr double k_noted_excess = 1.001;
 template <typename... F> struct Cases : F... { using F::operator()...; };
 
 std::string text(const Rgb& colour) { return fmt::format("{:g},{:g},{:g}", colour.r, colour.g, colour.b); }
@@ -70,14 +73,18 @@ Evaluate roughened(const HighlightAndBody& parts, double factor) {
 struct Editor {
     const EditOptions& options;
     double limit;  ///< of the albedo
+    const AlbedoBound& bound;
+    double asked = 0;       ///< the largest albedo that the edit asks for, as a fraction of the limit
+    std::string done = {};  ///< the edit that is done instead, if it is another of its kind
 
     /// Fits lobes to f, which begin as those of the model or with their highlight widened.
-    Result<PmModel> fit(const Evaluate& f, const PmModel& model, double factor, int lobes) const {
+    Result<PmModel> fit(const Evaluate& f, const PmModel& model, double factor, int lobes) {
         const PmModel begin[] = {model, widened(model, factor)};
+        asked = bound.excess(f);
         return refit(f, begin, options.lobes.value_or(std::min(lobes, k_most_fitted_lobes)), limit, options);
     }
 
-    Result<PmModel> operator()(const PmModel& model, const Roughen& of) const {
+    Result<PmModel> operator()(const PmModel& model, const Roughen& of) {
         if (of.factor == 1) return model;
         return fit(roughened(separated(model), of.factor), model, of.factor, model.lobes);
     }
@@ -103,14 +110,17 @@ struct Editor {
         const auto within = [&](const Rgb& of) { return largest_of(of) > 1 ? scaled(float(share), of) : of; };
         return {within(wanted.highlight), within(wanted.body)};
     }
-    Result<PmModel> operator()(const PmModel& model, const Tint& of) const {
-        return tinted(model, within_limit(model, of));
+    Result<PmModel> operator()(const PmModel& model, const Tint& of) {
+        const Tint within = within_limit(model, of);
+        asked = bound.excess(evaluator(tinted(model, of)));
+        if (within.highlight != of.highlight || within.body != of.body) done = text(within);
+        return tinted(model, within);
     }
     Result<PmModel> operator()(const PmModel& model, const Saturate& of) const { return saturated(model, of.factor); }
     Result<PmModel> operator()(const PmModel& model, const TurnHue& of) const {
         return turned(model, of.degrees * k_degree);
     }
-    Result<PmModel> operator()(const PmModel& model, const Coat& of) const {
+    Result<PmModel> operator()(const PmModel& model, const Coat& of) {
         // Two passages of the interface turn light like facets of this slope below it.
         const double slope = of.roughness * (1 - 1 / of.ior) / std::sqrt(2.0);
         const HighlightAndBody parts = separated(model);
@@ -134,6 +144,17 @@ Result<const PmModel*> require_pm(const Model& model) {
 
 /// True if the edit needs colours, which a spectral model does not have of its own.
 bool is_of_colours(const Edit& edit) { return !std::holds_alternative<Rotate>(edit); }
+
+/// The model in 16-bit floats. Errors: a coefficient is too large for them, or so small that its lobe becomes black.
+Result<PmModel> in_halves(const PmModel& model, const char* where) {
+    PmModel stored = rounded(model);
+    for (std::size_t j = 0; j < stored.coefficient.size(); ++j)
+        if (const double beta = largest_of(model.coefficient[j]);
+            beta > double(k_half_max) || (beta > 0 && largest_of(stored.coefficient[j]) <= 0))
+            return argument_error(where, "coefficient", "0, or 6e-08 to 65504, the range of 16-bit floats",
+                                  fmt::format("{:g}", beta));
+    return stored;
+}
 
 /// Where a model comes from, without the errors of its fit.
 std::map<std::string, std::string> origin(const Model& model) {
@@ -179,14 +200,22 @@ Result<Model> edited(const Model& model, std::span<const Edit> edits, const Edit
     const AlbedoBound bound(limit, azimuths);
     Model result{now, origin(model)};
     std::string& done = result.provenance["edits"];
+    const auto add = [](std::string& list, const std::string& item) { list += (list.empty() ? "" : "; ") + item; };
     for (const Edit& edit : edits) {
         if (const auto valid = validate(edit); !valid) return valid.error();
         if (!now.wavelength.empty() && is_of_colours(edit))
             return argument_error("edit", "model", "one of colours", "a spectral one");
-        auto next = std::visit([&](const auto& of) { return Editor{options, limit}(now, of); }, edit);
+        Editor editor{options, limit, bound};
+        auto next = std::visit([&](const auto& of) { return editor(now, of); }, edit);
         if (!next) return next.error();
-        now = rounded(lowered_to(bound, *std::move(next)));
-        done += (done.empty() ? "" : "; ") + text(edit);
+        if (const double asked = std::max(editor.asked, bound.excess(evaluator(*next))); asked > k_noted_excess)
+            add(result.provenance["limited"],
+                fmt::format("{}, with an albedo of {:.3g}, to {}", text(edit), limit * asked,
+                            editor.done.empty() ? fmt::format("an albedo of {:.3g}", limit) : editor.done));
+        next = in_halves(lowered_to(bound, *std::move(next)), "edit");
+        if (!next) return next.error();
+        now = *std::move(next);
+        add(done, text(edit));
     }
     result.model = std::move(now);
     return result;
@@ -203,7 +232,9 @@ Result<Model> blended(const Model& a, const Model& b, double mix) {
     for (const auto& valid : {require_range("blend", "variates of both", sum.variates, 1, k_most_variates),
                               require_range("blend", "lobes of both", sum.lobes, 1, k_most_lobes)})
         if (!valid) return valid.error();
-    return Model{rounded(sum),
+    auto mixed = in_halves(sum, "blend");
+    if (!mixed) return mixed.error();
+    return Model{*std::move(mixed),
                  {{"generator", "srbf " SRBF_VERSION},
                   {"edits", fmt::format("{} and {}, mixed at {:g}", described(a), described(b), mix)}}};
 }

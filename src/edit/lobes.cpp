@@ -100,7 +100,7 @@ HighlightAndBody separated(const PmModel& model) {
 PmModel tinted(PmModel model, const Tint& tint) {
     const std::vector<double> of_body = body_shares(model);
     return with_colours(std::move(model), [&](std::size_t j, const Rgb& beta) {
-        const Rgb by = mixed(tint.highlight, tint.body, float(of_body[j]));
+        const Rgb by = of_body[j] < 1 ? mixed(tint.highlight, tint.body, float(of_body[j])) : tint.body;
         return Rgb{beta.r * by.r, beta.g * by.g, beta.b * by.b};
     });
 }

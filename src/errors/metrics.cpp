@@ -9,6 +9,7 @@
 #include "base/reporter.h"
 #include "brdf/channels.h"
 #include "brdf/directions.h"
+#include "brdf/values.h"
 #include "errors/measure_names.h"
 #include "errors/metrics_sums.h"
 #include "errors/picture_errors.h"
@@ -228,8 +229,10 @@ Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, s
 
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta) {
     const StandardArithmetic mode;
-    const double theta[] = {theta_v};
-    return albedos({&brdf, 1}, theta, {max_theta, 1})[0][0];
+    const Vec3d wv = spherical(theta_v, 0.0);
+    const Quadrature light = albedo_quadrature(wv, max_theta, k_compared_albedo_points);
+    const auto [r, g, b] = weighted_sum(values_towards(brdf, light.w, to_float(wv)), light.weight);
+    return {float(r), float(g), float(b)};
 }
 
 std::vector<double> albedo_errors(const Evaluate& reference, std::span<const Evaluate> others,

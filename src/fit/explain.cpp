@@ -80,9 +80,9 @@ std::string explain(const FitRequest& request) {
     text += '\n';
     text += fmt::format("{:<13} {:<66} {}\n", "term", "error of", "cost");
     std::vector<Term> terms = terms_of(request.objective);
-    if (is_reciprocal(options.form))
+    if (const double limit = options.albedo_limit.value_or(default_albedo_limit(options.form)); !std::isinf(limit))
         terms.push_back(
-            {"albedo limit", "directional albedo above the largest one measured to 80 degrees, or above 1",
+            {"albedo limit", fmt::format("directional albedo above {:g}", limit),
              fmt::format("{} times all albedos', rising; in the end lobes are lowered", k_albedo_bound_cost)});
     for (const Term& term : terms) text += fmt::format("{:<13} {:<66} {}\n", term.name, term.of, term.weight);
     text += fmt::format("\n{:<13} {:<64} {:>10}  {}\n", "stage", "rows and terms", "candidates", "work");

@@ -44,6 +44,17 @@ FitOptionRow number(FitOptionRow option, T least, T most, std::type_identity_t<v
     return option;
 }
 
+/// `option`, or a word in place of its number.
+FitOptionRow or_word(FitOptionRow option, Text word, void (*set)(FitRequest&)) {
+    option.expected += fmt::format(" or {}", word);
+    option.set = [number = option.set, word, set](FitRequest& request, Text text) {
+        if (text != word) return number(request, text);
+        set(request);
+        return true;
+    };
+    return option;
+}
+
 /// One of some words, which `set` stores unless it knows no such word.
 template <typename Words> FitOptionRow word(FitOptionRow option, const Words& words, bool (*set)(FitRequest&, Text)) {
     option.choices.assign(std::begin(words), std::end(words));
@@ -108,11 +119,13 @@ void add_lobes(std::vector<FitOptionRow>& to) {
              [](FitRequest& r, bool is) {
                  if (is) pm(r).form = PmForm::extended;
              }));
-    to.push_back(number<double>(
-        {"albedo_limit", k_of_pm, "A",
-         "Limit on the directional albedo of every view and channel. Default in reciprocal forms:\n"
-         "the largest one measured up to 80 degrees, at least 1"},
-        k_least_albedo_limit, k_most_albedo_limit, [](FitRequest& r, double albedo) { pm(r).albedo_limit = albedo; }));
+    FitOptionRow limit = number<double>(
+        {"albedo_limit", k_of_pm, "A|none",
+         "Limit on the directional albedo of every view and channel. Default: 1; none in forms that\n"
+         "are not reciprocal"},
+        k_least_albedo_limit, k_most_albedo_limit, [](FitRequest& r, double albedo) { pm(r).albedo_limit = albedo; });
+    to.push_back(
+        or_word(limit, "none", [](FitRequest& r) { pm(r).albedo_limit = std::numeric_limits<double>::infinity(); }));
     to.push_back(number<int>(
         {"variates", k_of_pm, "N",
          fmt::format("Number of variates, the factors of a lobe, 1 to {}. Default: {}; {} in forms that are not "
@@ -142,13 +155,7 @@ void add_counts(std::vector<FitOptionRow>& to) {
                                  "Default: {}, or {} in forms that\nare not reciprocal; for samples auto; for ggx 1",
                                  k_most_fitted_lobes, LobeCount{}.lobes, row_of(PmForm::extended).lobes)},
                     1, k_most_fitted_lobes, [](FitRequest& r, int n) { pm(r).size = LobeCount{n}; });
-    lobes.expected += " or auto";
-    lobes.set = [set = lobes.set](FitRequest& r, Text text) {
-        if (text != "auto") return set(r, text);
-        pm(r).size = AutomaticLobes{};
-        return true;
-    };
-    to.push_back(lobes);
+    to.push_back(or_word(lobes, "auto", [](FitRequest& r) { pm(r).size = AutomaticLobes{}; }));
     to.push_back(
         number<int>({"lobes", k_of_su, "J"}, 1, k_most_view_lobes, [](FitRequest& r, int n) { su(r).lobes = n; }));
     to.push_back(number<int>({"lobes", k_of_ggx, "J"}, 1, k_most_ggx_lobes,

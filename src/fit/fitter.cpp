@@ -297,7 +297,7 @@ struct Fitter::State {
             std::visit([&](const auto& of) { return fit_observed(of, observations, request, fitting); }, request.model);
         if (!outcome) return outcome;
         outcome->masked = observations.masked;
-        outcome->largest_albedo = most_measured_albedo(observations);
+        outcome->largest_albedo = std::max(1.0, most_measured_albedo(observations));
         outcome->clamped = observations.clamped;
         outcome->raw_bytes = raw_bytes(k_matrix_directions, channels(outcome->model).count());
         return outcome;

@@ -23,6 +23,7 @@ struct TableSource {
     std::array<bool, k_parts> has{true};
     Beams beams = {};
     const Measured* measured = nullptr;  ///< null for a model
+    Channels spectra = {};               ///< its spectra, if it has some; otherwise without wavelengths
 };
 /// Sets the parts of a source to those of a BSDF. One of which nothing is known is black: it reflects 0.
 template <typename B> void set_parts(TableSource& source, const Parts<B>& parts, const Beams& beams) {

@@ -119,6 +119,7 @@ TableSource table_source(const Measured& measured) {
     TableSource source{
         .values = signed_evaluator(measured), .isotropic = is_isotropic(measured), .measured = &measured};
     if (bsdf) set_parts(source, bsdf->band().part, bsdf->band().beam);
+    if (!wavelengths(measured).empty()) source.spectra = signed_spectra(measured);
     return source;
 }
 

@@ -159,6 +159,13 @@ ScatteredSamples valid_samples(std::span<const Vec3f> wl, std::span<const Vec3f>
     return samples;
 }
 
+void set_spectra(ScatteredSamples& samples, const Channels& spectra) {
+    if (spectra.wavelengths.empty()) return;
+    samples.wavelengths = spectra.wavelengths;
+    samples.spectrum.resize(samples.wl.size() * spectra.count());
+    spectra.evaluate(samples.wl, samples.wv, samples.spectrum);
+}
+
 void to_bsdf(ScatteredSamples& samples, Quantity quantity, double unit) {
     if (quantity != Quantity::factor && quantity != Quantity::cosine && unit == 1) return;
     const std::size_t channels = samples.wavelengths.size();

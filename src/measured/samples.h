@@ -66,6 +66,8 @@ void mask_missing(std::span<float> rows, std::size_t width, std::vector<std::str
 
 /// Keeps the samples whose numbers `keep` accepts, and counts the others as masked.
 void keep_samples(ScatteredSamples& samples, const std::function<bool(std::size_t)>& keep);
+/// Gives them the spectra of what they are samples of, if it has some.
+void set_spectra(ScatteredSamples& samples, const Channels& spectra);
 
 /// Σ_k w_k colour_k / Σ_k w_k with the w_k of `ScatteredSamples`, for colours that are no f_r.
 Rgb mean_of_neighbours(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);

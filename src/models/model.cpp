@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "base/errors.h"
 #include "base/files.h"
 #include "base/floating_point.h"
 #include "base/half.h"
@@ -76,6 +77,19 @@ Safetensors content_of(const Model& model) {
         model.model);
 }
 
+/// An error if a number is beyond the range of the 16-bit floats that a model stores, or so small that it becomes 0.
+std::optional<Error> lost_number(const Parameters& given, const Parameters& stored) {
+    for (std::size_t i = 0; i < given.size(); ++i) {
+        const auto *from = std::get_if<NumberArray>(&given[i].value), *to = std::get_if<NumberArray>(&stored[i].value);
+        const bool is_direction = given[i].name == "centre" || given[i].name == "parameterization";
+        for (std::size_t k = 0; from && to && !is_direction && k < from->numbers.size(); ++k)
+            if (const float x = from->numbers[k], y = to->numbers[k]; x != y && (std::abs(x) > k_half_max || y == 0))
+                return argument_error({}, given[i].name, "0, or 6e-08 to 65504, the range of 16-bit floats",
+                                      fmt::format("{:g}", x));
+    }
+    return {};
+}
+
 /// The kinds of models: each alternative of `Model::model` needs a `Kind`.
 template <typename> struct Kinds;
 template <typename... M> struct Kinds<std::variant<M...>> {
@@ -112,6 +126,7 @@ template <typename... M> struct Kinds<std::variant<M...>> {
         Safetensors content = Kind<K>::content(given);
         auto rounded = Kind<K>::read(content, "parameters");
         if (!rounded) return rounded.error();
+        if (const auto lost = lost_number(Kind<K>::parameters(given), Kind<K>::parameters(*rounded))) return *lost;
         if constexpr (requires { given.centre; })
             for (std::size_t i = 0; i < given.centre.size(); ++i)
                 if (const Vec3f apart = given.centre[i] - rounded->centre[i]; dot(apart, apart) < 1e-13f)

@@ -17,27 +17,23 @@ namespace {
 /// directions of the light.
 constexpr double k_least_bounded_cosine = 1e-3;
 constexpr int k_bounded_views = 36, k_light_directions = 4096;
+/// In the end a model that is above this fraction of the limit is checked at more views by finer quadratures.
+constexpr double k_checked_excess = 0.97;
+constexpr int k_fine_views = 80, k_fine_light_directions = 16384;
 constexpr double k_steepest_trusted = 80 * k_degree;
 /// Albedos are brought below this fraction of the limit, so that rounding to 16 bits does not exceed it.
 constexpr double k_aim = 0.995;
 /// The cost grows by this factor where a round still exceeds the bound.
 constexpr double k_bound_cost_growth = 4;
 
-/// The albedo of each channel, of these values.
-std::array<double, 3> albedo_of(std::span<const Rgb> f, std::span<const double> weight) {
-    std::array<double, 3> sum{};
-    for (std::size_t i = 0; i < f.size(); ++i)
-        for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += weight[i] * double(f[i][c]);
-    return sum;
-}
 double most_albedo(std::span<const Rgb> f, std::span<const double> weight) {
-    return std::ranges::max(albedo_of(f, weight));
+    return std::ranges::max(weighted_sum(f, weight));
 }
 
 }  // namespace
 
 double most_measured_albedo(const Observations& observations) {
-    double most = 1;
+    double most = 0;
     for (const ObservedIntegral& integral : observations.integrals) {
         if (integral.wv.empty() || elementary::acos(double(integral.wv[0].z)) > k_steepest_trusted) continue;
         most = std::max(most, most_albedo(integral.f, integral.weight));
@@ -45,22 +41,23 @@ double most_measured_albedo(const Observations& observations) {
     return most;
 }
 
-AlbedoBound::AlbedoBound(double limit, int azimuths) : limit_(limit) {
+AlbedoBound::AlbedoBound(double limit, int azimuths, bool is_fine) : limit_(limit) {
     const MirrorMixture mixture(k_horizon_theta);
-    for (int i = 0; i < k_bounded_views * azimuths; ++i) {
-        const double cosine =
-            elementary::pow(k_least_bounded_cosine, double(i % k_bounded_views) / (k_bounded_views - 1));
+    const int cosines = is_fine ? k_fine_views : k_bounded_views;
+    for (int i = 0; i < cosines * azimuths; ++i) {
+        const double cosine = elementary::pow(k_least_bounded_cosine, double(i % cosines) / (cosines - 1));
         const Vec3d wv = spherical(elementary::acos(cosine), k_golden_angle * double(i));
-        View& view = views_.emplace_back(
-            View{to_float(wv), mixture.quadrature(wv, k_light_directions / std::size_t(azimuths)), {}});
-        for (std::size_t k = 0; k < view.light.w.size(); ++k) view.light.weight[k] *= double(view.light.w[k].z);
+        Quadrature light = is_fine ? albedo_quadrature(wv, k_pi / 2, k_fine_light_directions)
+                                   : mixture.quadrature(wv, k_light_directions / azimuths);
+        for (std::size_t k = 0; !is_fine && k < light.w.size(); ++k) light.weight[k] *= double(light.w[k].z);
+        views_.push_back({to_float(wv), std::move(light), {}});
     }
 }
 
 std::vector<double> AlbedoBound::albedos(const Evaluate& model) const {
     std::vector<double> albedos;
     for (const View& view : views_)
-        for (const double albedo : albedo_of(values_towards(model, view.light.w, view.wv), view.light.weight))
+        for (const double albedo : weighted_sum(values_towards(model, view.light.w, view.wv), view.light.weight))
             albedos.push_back(albedo / limit_);
     return albedos;
 }
@@ -101,9 +98,10 @@ void AlbedoBound::remove_from(Observations& observations) {
     for (View& view : views_) view.integral.reset();
 }
 
-PmModel lowered_to(const AlbedoBound& bound, PmModel model) {
+namespace {
+
+PmModel lowered_at_views(const AlbedoBound& bound, PmModel model) {
     constexpr double k_lowered = 1 / 1.002;  // of the limit; for rounding, and between the views of the bound
-    if (bound.excess(evaluator(model)) <= 1) return model;
     const auto lobes = std::size_t(model.lobes);
     std::vector<std::vector<double>> albedo;  // of each lobe alone
     for (int j = 0; j < model.lobes; ++j) albedo.push_back(bound.albedos(evaluator(only_lobe(model, j))));
@@ -129,6 +127,16 @@ PmModel lowered_to(const AlbedoBound& bound, PmModel model) {
         for (std::size_t c = 0; c < C; ++c) model.spectrum[j * C + c] *= k;
     }
     return model;
+}
+
+}  // namespace
+
+PmModel lowered_to(const AlbedoBound& bound, PmModel model) {
+    const auto excess = [&](const AlbedoBound& of) { return of.excess(evaluator(model)); };
+    if (excess(bound) > 1) model = lowered_at_views(bound, std::move(model));
+    if (excess(bound) < k_checked_excess) return model;
+    const AlbedoBound fine(bound.limit(), 1, true);
+    return excess(fine) > 1 ? lowered_at_views(fine, std::move(model)) : model;
 }
 
 }  // namespace srbf

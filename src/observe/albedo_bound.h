@@ -1,5 +1,6 @@
 // The limit on the directional albedo of a fit.
 #pragma once
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -12,15 +13,23 @@ namespace srbf {
 /// The cost of a bound relative to that of all observed albedos together.
 inline constexpr double k_albedo_bound_cost = 8;
 
-/// The largest directional albedo of a channel that was measured at views up to 80°, or 1 if that is larger. What a
-/// table has beyond is a quotient by a small cosine.
+/// The limit on the directional albedo of a channel that a fit of this form has by default; infinity: there is none.
+constexpr double default_albedo_limit(PmForm form) {
+    return is_reciprocal(form) ? 1 : std::numeric_limits<double>::infinity();
+}
+
+/// The largest directional albedo of a channel that was measured at views up to 80°. What a table has beyond is a
+/// quotient by a small cosine.
 double most_measured_albedo(const Observations& observations);
 
 /// Limits the directional albedo of a fit at views from the normal to cosθv = 0.001, in every channel.
 class AlbedoBound {
   public:
-    /// `azimuths`: number of azimuths of the views; one is enough for isotropic models.
-    AlbedoBound(double limit, int azimuths);
+    /// `azimuths`: number of azimuths of the views; one is enough for isotropic models. `is_fine`: more views, with
+    /// albedos by `albedo_quadrature`.
+    AlbedoBound(double limit, int azimuths, bool is_fine = false);
+
+    double limit() const { return limit_; }
 
     /// The albedo of each channel at each view, as a fraction of the limit.
     std::vector<double> albedos(const Evaluate& model) const;
@@ -47,7 +56,7 @@ class AlbedoBound {
 
 /// `model` with an albedo within the limit, where bounds have not sufficed: at the view that exceeds it most, the lobe
 /// is lowered that has most of its own albedo there, and so on. One that rises at the horizon alone leaves the others
-/// as they are.
+/// as they are. An albedo near the limit is also checked between the views of the bound.
 PmModel lowered_to(const AlbedoBound& bound, PmModel model);
 
 }  // namespace srbf

@@ -19,6 +19,10 @@ bool Observations::is_noisy() const {
     return std::ranges::any_of(integrals, [](const ObservedIntegral& integral) { return integral.noise_unit > 0; });
 }
 
+bool Observations::is_grey() const {
+    return std::ranges::all_of(f, [](const Rgb& value) { return value.r == value.g && value.g == value.b; });
+}
+
 void Observations::append(const Observations& more) {
     const auto extend = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     extend(wl, more.wl), extend(wv, more.wv), extend(f, more.f), extend(weight, more.weight);

@@ -76,6 +76,8 @@ struct Observations {
     std::size_t fitted_count() const { return f.size() - bound_pairs; }
     /// True if integrals are sums of noisy values.
     bool is_noisy() const;
+    /// True if the channels of each colour are equal.
+    bool is_grey() const;
     std::span<const float> spectrum_of(std::size_t i) const {
         return std::span(spectrum).subspan(i * wavelengths.size(), wavelengths.size());
     }

@@ -30,31 +30,26 @@ Vec3f quarter_turns(Vec3f w, std::size_t turns) {
     return w;
 }
 /// The albedo of a view by quadrature, whose points are distributed over four azimuths.
-Rgb integrate_albedo(const Evaluate& brdf, const MirrorMixture& mixture, Vec3d view) {
-    Quadrature points = mixture.quadrature(view, k_albedo_points);
+Rgb integrate_albedo(const Evaluate& brdf, Vec3d view) {
+    Quadrature points = albedo_quadrature(view, k_pi / 2, k_albedo_points);
     std::vector<Vec3f> wv(points.w.size());
     for (std::size_t i = 0; i < wv.size(); ++i) {
-        wv[i] = quarter_turns(to_float(view), i % k_azimuths);
-        points.w[i] = quarter_turns(points.w[i], i % k_azimuths);
+        const std::size_t turns = (i / 4 + i / 168) % k_azimuths;  // of four points at once, and others in each row
+        wv[i] = quarter_turns(to_float(view), turns), points.w[i] = quarter_turns(points.w[i], turns);
     }
     std::vector<Rgb> f(wv.size());
     brdf(points.w, wv, f);
-    std::array<double, 3> sum{};
-    for (std::size_t i = 0; i < f.size(); ++i)
-        for (int c = 0; c < 3; ++c)
-            if (std::isfinite(f[i][c]))
-                sum[std::size_t(c)] += points.weight[i] * double(points.w[i].z) * double(f[i][c]);
-    return {float(sum[0]), float(sum[1]), float(sum[2])};
+    const auto [r, g, b] = weighted_sum(f, points.weight);
+    return {float(r), float(g), float(b)};
 }
 AlbedoTable albedo_table(const Evaluate& brdf) {
     const StandardArithmetic mode;
     constexpr double k_horizon = 1e-7;  // cosθv of the node at the horizon
-    const MirrorMixture mixture(k_pi / 2);
     AlbedoTable table;
     for (std::size_t node = 0; node < table.size(); ++node) {
         // On one thread: another thread's task might wait for this table.
         const double cosine = std::max(albedo_cosine(int(node)), k_horizon);
-        table[node] = integrate_albedo(brdf, mixture, {std::sqrt(1 - cosine * cosine), 0, cosine});
+        table[node] = integrate_albedo(brdf, {std::sqrt(1 - cosine * cosine), 0, cosine});
     }
     return table;
 }

@@ -10,6 +10,7 @@ TableSource table_source(const Model& model) {
     const auto* bsdf = std::get_if<BsdfModel>(&model.model);
     TableSource source{.values = evaluator(model), .isotropic = is_isotropic(model)};
     if (bsdf) set_parts(source, bsdf->part, bsdf->beam);
+    if (!wavelengths(model).empty()) source.spectra = channels(model);
     return source;
 }
 

@@ -199,6 +199,8 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
     const std::size_t side = options.colours, size = side * side;
     table.colour.width = table.colour.height = options.colours;
     table.colour.nodes.resize(table.theta_l.size() * size);
+    const std::size_t C = options.spectra.wavelengths.size();
+    table.wavelengths = options.spectra.wavelengths, table.spectra.resize(table.theta_l.size() * C * size);
     parallel_for(table.theta_l.size(), options.threads, [&](std::size_t slice) {
         const double theta_l = std::min(double(table.theta_l[slice]), elementary::acos(double(k_horizon)));
         const Vec3d light = spherical(theta_l, 0.0);
@@ -211,14 +213,24 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
             scale.push_back(4 * double(at(table.sigma, to_unit(float(theta_l)))) / double(at(table.ndf, u.x)));
         }
         const auto f = values_at(brdf, wl, wv);
-        std::vector<Rgb> nodes(size);
         std::vector<char> known(size);
-        for (std::size_t i = 0; i < size; ++i) {
-            known[i] = wv[i].z > k_horizon && is_finite(f[i]);
-            for (int c = 0; c < 3 && known[i]; ++c) nodes[i][c] = float(double(f[i][c]) * double(wv[i].z) * scale[i]);
+        for (std::size_t i = 0; i < size; ++i) known[i] = wv[i].z > k_horizon && is_finite(f[i]);
+        const auto nodes_of = [&](const auto& value) {  // three channels
+            std::vector<Rgb> nodes(size);
+            for (std::size_t i = 0; i < size; ++i)
+                for (int c = 0; c < 3 && known[i]; ++c)
+                    nodes[i][c] = float(double(value(i, c)) * double(wv[i].z) * scale[i]);
+            fill_unknown(nodes, known, side);
+            return nodes;
+        };
+        std::ranges::copy(nodes_of([&](std::size_t i, int c) { return f[i][c]; }),
+                          table.colour.nodes.begin() + std::ptrdiff_t(slice * size));
+        std::vector<float> spectrum(C * size);
+        if (C > 0) options.spectra.evaluate(wl, wv, spectrum);
+        for (std::size_t k = 0; k < C; ++k) {
+            const auto nodes = nodes_of([&](std::size_t i, int) { return spectrum[i * C + k]; });
+            for (std::size_t i = 0; i < size; ++i) table.spectra[(slice * C + k) * size + i] = nodes[i].r;
         }
-        fill_unknown(nodes, std::move(known), side);
-        std::ranges::copy(nodes, table.colour.nodes.begin() + std::ptrdiff_t(slice * size));
     });
     return table;
 }
@@ -289,7 +301,8 @@ std::vector<char> useless_nodes(const RglTable& table, std::size_t slice) {
 
 std::vector<std::byte> write_rgl(const RglTable& table, bool with_spectra) {
     const std::uint64_t T = table.theta_l.size(), H = table.colour.height, W = table.colour.width, size = H * W;
-    std::vector<float> luminances, rgb, spectra;
+    const bool is_spectral = with_spectra && !table.wavelengths.empty();
+    std::vector<float> luminances, rgb, smooth;
     for (std::size_t slice = 0; slice < T; ++slice) {
         const std::span<const Rgb> nodes(&table.colour.nodes[slice * size], size);
         const auto useless = useless_nodes(table, slice);
@@ -300,14 +313,16 @@ std::vector<std::byte> write_rgl(const RglTable& table, bool with_spectra) {
             std::fill(luminances.end() - std::ptrdiff_t(size), luminances.end(), 1.0f);
         for (int c = 0; c < 3; ++c)
             for (const Rgb& f : nodes) rgb.push_back(f[c]);
-        if (!with_spectra) continue;
-        const std::size_t begin = spectra.size();
-        spectra.resize(begin + k_primary_wavelengths.size() * size);
+        if (!with_spectra || is_spectral) continue;
+        const std::size_t begin = smooth.size();
+        smooth.resize(begin + k_primary_wavelengths.size() * size);
         for (std::size_t i = 0; i < size; ++i) {
             const auto spectrum = reflectance_spectrum(nodes[i]);
-            for (std::size_t k = 0; k < spectrum.size(); ++k) spectra[begin + k * size + i] = spectrum[k];
+            for (std::size_t k = 0; k < spectrum.size(); ++k) smooth[begin + k * size + i] = spectrum[k];
         }
     }
+    std::span<const float> nm = k_primary_wavelengths;
+    if (is_spectral) nm = table.wavelengths;
     std::vector<float> vndf;
     for (const auto& node : table.visible.nodes) vndf.push_back(node.density);
     // Loaders interpolate between azimuths, and need two equal rows.
@@ -333,9 +348,9 @@ std::vector<std::byte> write_rgl(const RglTable& table, bool with_spectra) {
     floats("ndf", {2, table.ndf.width}, two_rows(table.ndf));
     floats("vndf", {1, T, table.visible.height, table.visible.width}, vndf);
     floats("luminance", {1, T, H, W}, luminances);
-    floats("rgb", {1, T, 3, H, W}, rgb);
-    if (with_spectra) floats("wavelengths", {k_primary_wavelengths.size()}, k_primary_wavelengths);
-    if (with_spectra) floats("spectra", {1, T, k_primary_wavelengths.size(), H, W}, spectra);
+    if (!is_spectral) floats("rgb", {1, T, 3, H, W}, rgb);
+    if (with_spectra) floats("wavelengths", {nm.size()}, nm);
+    if (with_spectra) floats("spectra", {1, T, nm.size(), H, W}, is_spectral ? table.spectra : smooth);
     file.add("jacobian", {1}, std::span<const std::uint8_t>(jacobian));
     return file.bytes();
 }

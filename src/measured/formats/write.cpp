@@ -3,6 +3,7 @@
 #include "brdf/parts.h"
 #include "brdf/values.h"
 #include "measured/formats/rows.h"
+#include "measured/samples.h"
 #include "srbf/convert.h"
 
 namespace srbf {
@@ -34,7 +35,9 @@ Result<std::vector<std::byte>> write_as_merl(const TableSource& source, const Ta
 }
 
 Result<std::vector<std::byte>> write_as_rgl(const TableSource& source, const TableOptions& options) {
-    const RglTable table = to_rgl(source.values, {.description = options.description, .threads = options.threads});
+    const RglTable table = to_rgl(source.values, {.description = options.description,
+                                                  .spectra = options.spectra ? source.spectra : Channels{},
+                                                  .threads = options.threads});
     if (options.progress.cancelled()) return std::vector<std::byte>();
     return write_rgl(table, options.spectra);
 }
@@ -50,8 +53,9 @@ Result<std::vector<std::byte>> write_as_csv(const TableSource& source, const Tab
     if (source.two_sided) return bytes_of(csv_of_both_sides(source, options));
     if (const auto* samples = source.measured ? std::get_if<ScatteredSamples>(&source.measured->table) : nullptr)
         return bytes_of(write_csv(*samples, options.progress));
-    return bytes_of(write_csv(to_samples(source.values, source.isotropic, options.directions, options.max_theta),
-                              options.progress));
+    ScatteredSamples samples = to_samples(source.values, source.isotropic, options.directions, options.max_theta);
+    set_spectra(samples, source.spectra);
+    return bytes_of(write_csv(samples, options.progress));
 }
 
 }  // namespace srbf

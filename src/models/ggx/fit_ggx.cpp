@@ -177,10 +177,15 @@ void refine(GgxProblem& problem, LogRoughness& log_alpha, double least_log) {
 struct GgxVariables {
     double least_log;
     std::size_t lobes;
+    bool is_grey;  ///< pictures see channels differently: those of grey data have the mean root
 
     GgxModel model(const Eigen::VectorXd& x) const {
         const auto square = [&](Eigen::Index i) { return float(x[i] * x[i]); };
-        const auto colour = [&](Eigen::Index i) { return Rgb{square(i), square(i + 1), square(i + 2)}; };
+        const auto colour = [&](Eigen::Index i) {
+            if (!is_grey) return Rgb{square(i), square(i + 1), square(i + 2)};
+            const double mean = (x[i] + x[i + 1] + x[i + 2]) / 3;
+            return Rgb{float(mean * mean), float(mean * mean), float(mean * mean)};
+        };
         GgxModel model{colour(0), {}};
         for (Eigen::Index i = 3; i < x.size(); i += 5)
             model.lobes.push_back({float(elementary::exp2(least_log * (1 - x[i]))), colour(i + 1), square(i + 4)});
@@ -235,7 +240,7 @@ constexpr double k_pair_share = 0.3;
 /// pairs with each roughness of the grid.
 Result<Fitted<GgxModel>> fit_pixels(const Observations& observations, GgxProblem& pairs, const GgxModel& solved,
                                     double least_log, int threads, const ProgressToken& progress) {
-    const GgxVariables variables{least_log, solved.lobes.size()};
+    const GgxVariables variables{least_log, solved.lobes.size(), observations.is_grey()};
     std::vector<GgxCandidate> candidates{{solved}};
     for (const LogRoughness& log_alpha : roughness_grid(int(solved.lobes.size()), least_log))
         candidates.push_back({pairs.solve(log_alpha).model});

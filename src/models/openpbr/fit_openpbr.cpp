@@ -95,7 +95,8 @@ struct OpenPbrVariables {
         for (std::size_t i = 0; i < all.size(); ++i) {
             const auto [parameter, c, least] = all[i];
             const double root = x[Eigen::Index(i)], share = parameter->colour ? root * root : root;
-            number(model, *parameter, c) = float(double(least) + share * double(parameter->most - least));
+            for (int k = c; k < parameter->count(); ++k)  // of a grey colour the first channel alone is a variable
+                number(model, *parameter, k) = float(double(least) + share * double(parameter->most - least));
         }
         return model;
     }
@@ -279,6 +280,10 @@ class OpenPbrSearch {
           defaults_(default_surface(request.surface)),
           all_(make_variables(request.surface, observations.least_roughness)) {
         if (conditions.is_isotropic) all_ = without(all_, names_of(k_anisotropy_rows));
+        if (observations.is_grey()) {  // a film is coloured
+            all_ = without(all_, names_of(k_film_rows));
+            std::erase_if(all_, [](const OpenPbrVariable& x) { return x.channel > 0; });
+        }
         all_but_film_ = without(all_, names_of(k_film_rows));
     }
 

@@ -62,11 +62,11 @@ Lobes without_features(Lobes lobes, std::span<const int> which) {
 }
 
 /// The limit on the albedo of a fit; none: there is none.
-std::optional<AlbedoBound> albedo_bound(const Observations& observations, const PmFitOptions& options) {
+std::optional<AlbedoBound> albedo_bound(const PmFitOptions& options) {
     constexpr int k_azimuths = 5;  // of lobes that need not be isotropic
-    if (!options.albedo_limit && !is_reciprocal(options.form)) return {};
-    return AlbedoBound(options.albedo_limit.value_or(most_measured_albedo(observations)),
-                       options.axial ? 1 : k_azimuths);
+    const double limit = options.albedo_limit.value_or(default_albedo_limit(options.form));
+    if (std::isinf(limit)) return {};
+    return AlbedoBound(limit, options.axial ? 1 : k_azimuths);
 }
 
 /// A round: steps, then rounding. `lobes` become those of the steps; `is_new`: no round has improved them yet.
@@ -106,14 +106,15 @@ PmFit with_spectra(PmFit fit, const Observations& observations, const PmFitOptio
 PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const PmFitOptions& options,
              const Reporter& reporter) {
     const std::size_t first_bound = observations.fitted_count();
-    std::optional<AlbedoBound> bound = albedo_bound(observations, options);
+    std::optional<AlbedoBound> bound = albedo_bound(options);
     const auto within_limits = [&](PmFit fit) {
         if (!observations.wavelengths.empty()) fit = with_spectra(std::move(fit), observations, options);
         if (!bound) return fit;
         fit.unrounded = lowered_to(*bound, std::move(fit.unrounded));
-        if (bound->excess(evaluator(fit.model)) <= 1) return fit;
+        PmModel within = lowered_to(*bound, fit.model);
+        if (within.coefficient == fit.model.coefficient) return fit;
         const double loss = loss_of(observations, evaluator(fit.model));
-        fit.model = rounded(lowered_to(*bound, std::move(fit.model)));
+        fit.model = rounded(within);
         const double lowered = loss > 0 ? std::max(1.0, loss_of(observations, evaluator(fit.model)) / loss) : 1;
         fit.loss *= lowered, fit.delta_e *= lowered;
         return fit;
@@ -122,12 +123,14 @@ PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors,
     std::set<std::vector<int>> without_features_before;  // lobes that began again without features
     double first_loss = 0;
     bool is_new = true, bounds_albedos = bound.has_value();
+    // Where the table exceeds the limit, bounds must raise the loss.
+    const bool exceeds_limit = bound && most_measured_albedo(observations) > bound->limit();
     for (int round = 0;; ++round) {
         PmFit fit = fit_round(observations, lobes, is_new, factors, options, reporter);
         is_new = false;
         if (round == k_bound_rounds || reporter.cancelled()) return within_limits(std::move(fit));
         if (round == 0) first_lobes = lobes, first_loss = fit.loss;
-        if (fit.unrounded_loss > k_costly_bounds * first_loss) {
+        if (fit.unrounded_loss > k_costly_bounds * first_loss && !exceeds_limit) {
             const std::vector<int> rising = exceeding_lobes(observations, first_bound, fit.model);
             const bool is_untried = without_features_before.insert(rising).second;
             if (is_untried || bounds_albedos) {

@@ -34,8 +34,8 @@ struct PmFitOptions {
     std::optional<int> perturbations = {};
     /// Both numbers are multiplied by it; at least one start remains.
     double effort = 1;
-    /// Limit on the directional albedo in every channel, to cosθv = 0.001. None: in a reciprocal form the largest one
-    /// measured up to 80°, at least 1; in other forms there is no limit.
+    /// Limit on the directional albedo in every channel, to cosθv = 0.001; infinity: there is none. None: 1 in a
+    /// reciprocal form, infinity in others.
     std::optional<double> albedo_limit = {};
     std::uint64_t seed = 0;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it

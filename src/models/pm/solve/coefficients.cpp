@@ -10,6 +10,8 @@ namespace {
 constexpr int k_pixel_steps = 2;
 constexpr double k_tolerance = 1e-6, k_least_fraction = 0.05;
 
+bool are_equal_columns(const Eigen::MatrixXd& x) { return (x.colwise() - x.col(0)).isZero(0); }
+
 }  // namespace
 
 void Coefficients::fit(const Eigen::MatrixXd& products, const PixelTerm* pixels) {
@@ -32,8 +34,11 @@ void Coefficients::fit_to_pixels(const Eigen::MatrixXd& products, const PixelTer
     double loss = loss_at(beta, products, &pixels, pixel_loss, terms);
     for (int step = 0; step < k_pixel_steps; ++step) {
         const Eigen::VectorXd current = beta.reshaped();
-        const Eigen::VectorXd direction =
+        Eigen::VectorXd direction =
             bounded_least_squares(terms.H, terms.H * current - terms.g, limit.reshaped()) - current;
+        // The colours of pixels treat channels differently; those of grey data have the mean of their steps.
+        if (are_equal_columns(products.topRightCorner(J, C)))
+            direction = direction.reshaped(J, C).rowwise().mean().replicate(1, C).reshaped().eval();
         const double predicted = -2 * direction.dot(terms.g) - direction.dot(terms.H * direction);
         if (!(predicted > k_tolerance * loss)) return;
         bool lowered = false;

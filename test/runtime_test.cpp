@@ -45,6 +45,10 @@ Rgb value(const Runtime& runtime, const Opened* brdf, Vec3f wl, Vec3f wv) {
 }
 float pdf(const Runtime& runtime, const Opened* brdf, Vec3f wl, Vec3f wv) { return runtime.pdf(brdf, &wl.x, &wv.x); }
 
+/// What names begin with for a linker: they have the version, here of SRBF_VERSION.
+const std::string k_prefix =
+    fmt::format("srbf_v{}_{}", std::atoi(SRBF_VERSION), std::atoi(std::strchr(SRBF_VERSION, '.') + 1));
+
 const std::string k_implementation = "#define SRBF_RUNTIME_IMPLEMENTATION\n#include \"srbf_runtime.h\"\n";
 
 /// A model file of each kind, and a fit.
@@ -69,20 +73,20 @@ class RuntimeHeader : public WrittenCode {
     RuntimeHeader() { written("srbf_runtime.h", runtime_code()); }
 
     /// Compiled once for all tests.
-    const Runtime& compiled_runtime(const std::string& options) {
+    const Runtime& compiled_runtime(const std::string& options, const std::string& compiler = "gcc") {
         static std::map<std::string, Runtime> made;
-        if (const auto at = made.find(options); at != made.end()) return at->second;
-        void* library = compiled("gcc -std=c99 " + options, "runtime" + options, k_implementation, "-O2");
-        ::dlopen(path("runtime" + options + ".so").c_str(),
-                 RTLD_NOW | RTLD_NOLOAD);  // so that it stays after this test
+        if (const auto at = made.find(compiler + options); at != made.end()) return at->second;
+        void* library = compiled(compiler + " -std=c99 -O2 " + options, compiler + options, k_implementation, "");
+        ::dlopen(path(compiler + options + ".so").c_str(), RTLD_NOW | RTLD_NOLOAD);  // so that it stays after this test
         const auto named = [&](auto& member, const char* name) {
-            member = function<std::remove_pointer_t<std::remove_reference_t<decltype(member)>>>(library, name);
+            const std::string versioned = fmt::format("{}_{}", k_prefix, name);
+            member =
+                function<std::remove_pointer_t<std::remove_reference_t<decltype(member)>>>(library, versioned.c_str());
         };
-        Runtime& runtime = made[options];
-        named(runtime.memory_needed, "srbf_memory_needed"), named(runtime.open, "srbf_open");
-        named(runtime.prepare, "srbf_prepare"), named(runtime.value, "srbf_value");
-        named(runtime.values, "srbf_values"), named(runtime.sample, "srbf_sample"), named(runtime.pdf, "srbf_pdf");
-        named(runtime.value_pdf, "srbf_value_pdf"), named(runtime.albedo, "srbf_albedo");
+        Runtime& runtime = made[compiler + options];
+        named(runtime.memory_needed, "memory_needed"), named(runtime.open, "open"), named(runtime.prepare, "prepare");
+        named(runtime.value, "value"), named(runtime.values, "values"), named(runtime.sample, "sample");
+        named(runtime.pdf, "pdf"), named(runtime.value_pdf, "value_pdf"), named(runtime.albedo, "albedo");
         return runtime;
     }
     static std::vector<Case> cases(const Runtime& runtime) {
@@ -135,20 +139,50 @@ TEST_F(RuntimeHeader, ValuesAreThoseOfTheLibrary) {
     }
 }
 
-TEST_F(RuntimeHeader, IsZeroWhereADirectionIsNotAboveTheSurface) {
-    const Runtime& runtime = compiled_runtime("");
-    constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
-    const Vec3f up{0, 0.6f, 0.8f};
-    for (const Case& of : cases(runtime))
-        for (const Vec3f w :
-             {Vec3f{1, 0, 0}, Vec3f{1, 0, 1e-40f}, Vec3f{nan, 0, 1}, Vec3f{0, 0, nan}, Vec3f{0, 0, infinity}})
-            for (const auto& [wl, wv] : {std::pair(w, up), std::pair(up, w)}) {
-                EXPECT_EQ(value(runtime, of.brdf, wl, wv), Rgb{}) << of.name;
-                EXPECT_EQ(pdf(runtime, of.brdf, wl, wv), 0) << of.name;
-                Rgb f{1, 1, 1};
-                EXPECT_EQ(runtime.value_pdf(of.brdf, &wl.x, &wv.x, &f.r), 0) << of.name;
-                EXPECT_EQ(f, Rgb{}) << of.name;
+// Renderers are often compiled with options that reorder sums and assume that all numbers are finite.
+constexpr std::pair<const char*, const char*> k_fast[] = {{"gcc", "-ffast-math -march=native"},
+                                                          {"gcc", "-Ofast"},
+                                                          {"gcc", "-Ofast -DSRBF_ONE_LANE"},
+                                                          {"gcc", "-funsafe-math-optimizations"},
+                                                          {"clang", "-Ofast"}};
+
+TEST_F(RuntimeHeader, IsTheSameWithFastMath) {
+    const Runtime& exact = compiled_runtime("");
+    for (const auto& [compiler, options] : k_fast) {
+        if (!runs(fmt::format("which {}", compiler))) continue;
+        const Runtime& fast = compiled_runtime(options, compiler);
+        for (const Case& of : prepared_cases(exact)) {
+            std::mt19937_64 random(3);
+            for (int i = 0; i < 500; ++i) {
+                const Vec3f wl = direction(random, i), wv = i % 3 ? direction(random, i) : mirror(wl);
+                Rgb f, found;
+                const float density = exact.value_pdf(of.brdf, &wl.x, &wv.x, &f.r),
+                            found_density = fast.value_pdf(of.brdf, &wl.x, &wv.x, &found.r);
+                for (int c = 0; c < 3; ++c)
+                    ASSERT_TRUE(near(found[c], f[c], 1e-4 * double(f[c]) + 1e-6)) << of.name << compiler << options;
+                ASSERT_TRUE(near(found_density, density, 1e-4 * density + 1e-6)) << of.name << compiler << options;
             }
+        }
+    }
+}
+
+TEST_F(RuntimeHeader, IsZeroWhereADirectionIsNotAboveTheSurface) {
+    for (const char* options : {"", "-Ofast"}) {
+        const Runtime& runtime = compiled_runtime(options);
+        constexpr float nan = std::numeric_limits<float>::quiet_NaN(),
+                        infinity = std::numeric_limits<float>::infinity();
+        const Vec3f up{0, 0.6f, 0.8f};
+        for (const Case& of : cases(runtime))
+            for (const Vec3f w :
+                 {Vec3f{1, 0, 0}, Vec3f{1, 0, 1e-40f}, Vec3f{nan, 0, 1}, Vec3f{0, 0, nan}, Vec3f{0, 0, infinity}})
+                for (const auto& [wl, wv] : {std::pair(w, up), std::pair(up, w)}) {
+                    EXPECT_EQ(value(runtime, of.brdf, wl, wv), Rgb{}) << of.name;
+                    EXPECT_EQ(pdf(runtime, of.brdf, wl, wv), 0) << of.name;
+                    Rgb f{1, 1, 1};
+                    EXPECT_EQ(runtime.value_pdf(of.brdf, &wl.x, &wv.x, &f.r), 0) << of.name;
+                    EXPECT_EQ(f, Rgb{}) << of.name;
+                }
+    }
 }
 
 // True if the albedo does not depend on the azimuth or the side. Interpolated plainly, views of an isotropic model
@@ -245,13 +279,26 @@ TEST_F(RuntimeHeader, RefusesEveryTruncation) {
 }
 
 TEST_F(RuntimeHeader, CompilesWithoutWarnings) {
-    // Some warnings of GCC come with its optimisation.
-    for (const char* command : {"gcc -std=c99 -Os", "gcc -std=c99 -O1 -DSRBF_ONE_LANE", "clang -std=c99 -fsyntax-only",
-                                "g++ -x c++ -std=c++11 -fsyntax-only", "clang++ -x c++ -std=c++11 -fsyntax-only"}) {
-        const std::string name(command);
-        if (!runs("which " + name.substr(0, name.find(' ')))) continue;
+    // Some warnings of GCC come with its optimisation. The C library's headers of 32 bits lack one file.
+    fs::create_directory(path("gnu")), written("gnu/stubs-32.h", "");
+    const std::string x87 = "gcc -m32 -std=c99 -O1 -idirafter /usr/include/x86_64-linux-gnu -I" + path("");
+    for (const std::string& command :
+         {std::string("gcc -std=c99 -Os"), std::string("gcc -std=c99 -O1 -DSRBF_ONE_LANE"), x87, x87 + " -msse2",
+          std::string("gcc -std=c99 -O1 -DSRBF_RUNTIME_STATIC"), std::string("clang -std=c99 -fsyntax-only"),
+          std::string("g++ -x c++ -std=c++11 -fsyntax-only"), std::string("clang++ -x c++ -std=c++11 -fsyntax-only")}) {
+        if (!runs(command.substr(0, command.find(" -std")) + " -E -x c /dev/null")) continue;
         EXPECT_TRUE(runs(fmt::format("{} -Wall -Wextra -Wconversion -pedantic -Werror -c '{}' -o '{}'", command,
                                      written("warned.c", k_implementation), path("warned.o"))));
+    }
+}
+
+// Two plugins with two versions of the header do not call each other's functions.
+TEST_F(RuntimeHeader, OffersNamesWithTheVersion) {
+    for (const std::string options : {"", "-DSRBF_RUNTIME_STATIC"}) {
+        compiled("gcc -std=c99 " + options, "names" + options, k_implementation);
+        const std::string names = fmt::format("nm -D --defined-only '{}'", path("names" + options + ".so"));
+        EXPECT_TRUE(runs(fmt::format("! {} | grep -v ' {}_'", names, k_prefix)));
+        EXPECT_EQ(bool(runs(names + " | grep srbf_")), options.empty());
     }
 }
 

@@ -268,7 +268,22 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
     EXPECT_TRUE(runs(SRBF_COMPILER + fmt::format(fmt::runtime(checks), plain)));
     if (!std::strlen(SRBF_CLANG)) GTEST_SKIP() << "no clang (Debian: clang)";
     EXPECT_TRUE(runs(SRBF_CLANG + fmt::format(fmt::runtime(checks), plain)));
-    expect_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang");
+    expect_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang", "-Ofast");
+}
+
+/// As renderers are often compiled: sums are reordered, and all numbers taken for finite.
+TEST_F(ShadingCode, IsTheSameWithFastMath) {
+    expect_compiled(SRBF_COMPILER " -x c -std=c99", code_in_c(), "srbf_vec3", "c_fast", "-O2 -ffast-math");
+    void* const headers =
+        compiled(SRBF_COMPILER " -x c++ -std=c++20 -I'" SRBF_SOURCE_DIR "/include'", "headers",
+                 "#include \"srbf/handles.h\"\n"
+                 "extern \"C\" int above(float x, float y, float z) {\n"
+                 "    return srbf::above_horizon({x, y, z}, {0, 0, 1}) + 2 * srbf::is_finite(srbf::Rgb{x, y, z});\n}\n",
+                 "-Ofast");
+    const auto above = function<int(float, float, float)>(headers, "above");
+    EXPECT_EQ(above(0, 0.6f, 0.8f), 3);
+    for (const float x : {float(NAN), float(INFINITY), -float(INFINITY)})
+        EXPECT_EQ(above(x, 0, 1) + above(0, x, 1) + above(0, 0, x), 0);
 }
 
 /// Samples of the code follow its own density, over bins of half vectors.

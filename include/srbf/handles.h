@@ -12,8 +12,7 @@ namespace [[gnu::visibility("default")]] srbf {
 /// whether the processor takes subnormal numbers for 0 or not.
 inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
     constexpr float least = std::numeric_limits<float>::min();
-    const float sum = (wl.x + wl.y) + (wv.x + wv.y) + (wl.z + wv.z);
-    return wl.z >= least && wv.z >= least && sum - sum == 0;  // ∞ − ∞ is no number
+    return wl.z >= least && wv.z >= least && is_finite({wl.x, wl.y, wl.z}) && is_finite({wv.x, wv.y, wv.z});
 }
 
 /// A measurement or a fitted model. load.h has its content, which copies share. By default it has none: it can be

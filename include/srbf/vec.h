@@ -1,6 +1,8 @@
 // Vectors of three components, colours, and the local frame.
 #pragma once
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "srbf/elementary.h"
 
@@ -59,6 +61,8 @@ template <typename Real> constexpr Vec3<Real> mirror(Vec3<Real> w) { return {-w.
 /// Rec.709 luminance 0.2126 R + 0.7152 G + 0.0722 B.
 constexpr double luminance(const Rgb& c) { return 0.2126 * double(c.r) + 0.7152 * double(c.g) + 0.0722 * double(c.b); }
 
-inline bool is_finite(const Rgb& c) { return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b); }
+/// True if x is neither infinite nor a NaN: by its bits, since with -ffast-math std::isfinite is always true.
+constexpr bool is_finite(float x) { return std::bit_cast<std::uint32_t>(x) << 1 < 0xff000000u; }
+constexpr bool is_finite(const Rgb& c) { return is_finite(c.r) && is_finite(c.g) && is_finite(c.b); }
 
 }  // namespace srbf

@@ -102,16 +102,17 @@ std::string beam_call(const Beams& beams, Part part) {
     return k_black;
 }
 
-std::string beams_text(const Beams& beams, Program& program) {
+std::string beams_text(const Beams& beams, CodeLanguage language, Program& program) {
+    const char* const is_finite = language == CodeLanguage::c ? "is_finite(wv)" : "dot(wv, wv) < Real(1.0e30)";
     std::string text;
     for (std::size_t b = 0; b < beams.size(); ++b)
         if (!beams[b].empty()) text += beam_text(beams[b], fmt::format("{}_beam", k_beam_names[b]), program);
     const auto add_function = [&](std::string_view name, std::string_view comment, Part above, Part below) {
         if (beams[std::size_t(above)].empty() && beams[std::size_t(below)].empty()) return;
         text += fmt::format(
-            "// {0}\nVec3 {1}(Vec3 wv) {{\n    if (!(dot(wv, wv) < Real(1.0e30))) return {4};\n"
+            "// {0}\nVec3 {1}(Vec3 wv) {{\n    if (!({5})) return {4};\n"
             "    if (wv.z > Real(0.0)) return {2};\n    return {3};\n}}\n",
-            comment, name, beam_call(beams, above), beam_call(beams, below), k_black);
+            comment, name, beam_call(beams, above), beam_call(beams, below), k_black, is_finite);
     };
     add_function("beam",
                  "The share for R, G, B of the light from -wv that passes unscattered to the viewer, on either side.",
@@ -277,7 +278,8 @@ PartModels part_models(const NamedModel& named, bool sampling) {
 Result<std::string> bsdf_code(const NamedModel& named, const CodeOptions& options, DefinedNames& defined) {
     const BsdfModel& bsdf = bsdf_of(named);
     Program program;
-    std::string text = value_text(bsdf, options.sampling) + beams_text(completed(bsdf.part, bsdf.beam), program);
+    std::string text = value_text(bsdf, options.sampling) +
+                       beams_text(completed(bsdf.part, bsdf.beam), options.language, program);
     if (options.sampling) text += chance_text(bsdf) + sampling_text(bsdf) + density_text(bsdf);
     return print_functions({named.name, part_stubs(bsdf, options.sampling), named.name + "_"}, std::move(program), text,
                            options.language, defined);
@@ -285,7 +287,7 @@ Result<std::string> bsdf_code(const NamedModel& named, const CodeOptions& option
 
 std::string beam_code(const std::string& name, const Beams& beams, CodeLanguage language) {
     Program program;
-    const std::string text = beams_text(beams, program);
+    const std::string text = beams_text(beams, language, program);
     DefinedNames defined;
     return *print_functions({.name = name}, std::move(program), text, language, defined);
 }

@@ -201,13 +201,14 @@ std::string mixture_in_c(const MixtureProposal& mixture) {
 const char* const k_sample_in_c =
     R"(SRBF_FN srbf_vec3 @sample_light@(srbf_vec3 wv, float u1, float u2, float selector) {
     srbf_view view;
+    if (!srbf_is_finite(wv)) return srbf_vec3_of(0.0f, 0.0f, 0.0f);
     srbf_view_of(&view, @sample_light@_mixture(), wv);
     return srbf_view_sample(&view, u1, u2, selector);
 }
 )";
 const char* const k_pdf_in_c = R"(SRBF_FN float @light_pdf@(srbf_vec3 wl, srbf_vec3 wv) {
     srbf_view view;
-    if (!(0.0f < wl.z && 0.0f < wv.z && srbf_dot(wl, wl) + srbf_dot(wv, wv) < 1.0e30f)) return 0.0f;
+    if (!(0.0f < wl.z && 0.0f < wv.z && srbf_is_finite(wl) && srbf_is_finite(wv))) return 0.0f;
     srbf_view_of(&view, @sample_light@_mixture(), wv);
     return srbf_view_pdf(&view, wl, 0);
 }

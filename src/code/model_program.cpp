@@ -174,17 +174,18 @@ std::string numbers_of(const SuModel& model, Program& program) {
 std::string real(float x) { return fmt::format("Real({})", syntax::digits(x)); }
 std::string vector(const Rgb& rgb) { return fmt::format("Vec3({}, {}, {})", real(rgb.r), real(rgb.g), real(rgb.b)); }
 
-/// The function `brdf`. `statements` compute the value above the horizon.
-std::string brdf_function(const std::string& statements) {
+/// The function `brdf`. `statements` compute the value above the horizon. C recognises a NaN by its bits.
+std::string brdf_function(CodeLanguage language, const std::string& statements) {
+    const char* const is_finite =
+        language == CodeLanguage::c ? "is_finite(wl) && is_finite(wv)" : "dot(wl, wl) + dot(wv, wv) < Real(1.0e30)";
     return "// The BRDF f_r [1/sr] in linear sRGB, without the cosine: multiply by wl.z and by the irradiance of the "
            "light on a\n"
            "// surface that faces it. wl points to the light and wv to the viewer: unit vectors in the local frame, "
            "whose z is the\n"
            "// shading normal. 0 where one of them is not above the horizon, or has a NaN.\n"
            "Vec3 brdf(Su su, Vec3 wl, Vec3 wv, Pm pm) {\n"
-           "    if (!(Real(0.0) < wl.z && Real(0.0) < wv.z && dot(wl, wl) + dot(wv, wv) < Real(1.0e30)))\n"
-           "        return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
-           statements + "}\n";
+           "    if (!(Real(0.0) < wl.z && Real(0.0) < wv.z && " +
+           std::string(is_finite) + "))\n        return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" + statements + "}\n";
 }
 constexpr const char* k_value_pdf_text = R"(
 // The BRDF and the density of samples, as multiple importance sampling needs them together.
@@ -199,16 +200,16 @@ ValuePdf value_pdf(Su su, Vec3 wl, Vec3 wv, Pm pm) {
     return both;
 }
 )";
-std::string brdf_of(const Model& model, ParameterStorage storage, Program& program) {
+std::string brdf_of(const Model& model, CodeLanguage language, ParameterStorage storage, Program& program) {
     if (storage != ParameterStorage::tables)
-        return brdf_function(formula_text(model, [](float x, auto, auto) { return real(x); }));
+        return brdf_function(language, formula_text(model, [](float x, auto, auto) { return real(x); }));
     Table numbers{"The numbers of the model.", "model_numbers", {}};
     const std::string statements = formula_text(model, [&](float x, std::string_view parameter, std::size_t index) {
         numbers.add(x, parameter, index);
         return fmt::format("{}[{}]", numbers.name, numbers.numbers.size() - 1);
     });
     if (!numbers.numbers.empty()) program.tables.push_back(std::move(numbers));
-    return brdf_function(statements);
+    return brdf_function(language, statements);
 }
 
 /// A model of lobe j alone, with coefficient 1.
@@ -305,8 +306,8 @@ struct ModelText {
     int variates = 1, terms = 1;
     std::string handle = "struct Pm { };\n";
 };
-ModelText text_of(const Model& model, ParameterStorage storage, Program& program) {
-    ModelText text{.brdf = brdf_of(model, storage, program)};
+ModelText text_of(const Model& model, CodeLanguage language, ParameterStorage storage, Program& program) {
+    ModelText text{.brdf = brdf_of(model, language, storage, program)};
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
         text.accessors = numbers_of(*pm, storage, program) + k_no_su;
         text.variates = pm->variates, text.terms = std::max(features(pm->form), 1);
@@ -328,7 +329,7 @@ void set_native(Program& program, std::string_view name, std::string native) {
 Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
                    const AddedCode& added, ParameterStorage storage) {
     Program program;
-    const ModelText model_text = text_of(model, storage, program);
+    const ModelText model_text = text_of(model, options.language, storage, program);
     std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(model_text.variates)},
                                                {"SRBF_TERMS", std::to_string(model_text.terms)},
                                                {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},

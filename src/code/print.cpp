@@ -40,6 +40,7 @@ using SKind = Statement::Kind;
 constexpr std::size_t k_columns = 120;
 
 constexpr const char* k_opening_of_c = R"(#include <math.h>
+#include <string.h>
 
 #ifndef SRBF_VEC3
 #define SRBF_VEC3
@@ -68,6 +69,12 @@ SRBF_FN float srbf_sqrt(float x) { return _mm_cvtss_f32(_mm_sqrt_ss(_mm_set_ss(x
 SRBF_FN float srbf_sqrt(float x) { return sqrtf(x); }
 #endif
 SRBF_FN float srbf_inversesqrt(float x) { return 1.0f / srbf_sqrt(x); }
+// True if no component is a NaN, infinite, or 2^50 and more: by bits, since fast math takes every number for finite.
+SRBF_FN int srbf_is_finite(srbf_vec3 w) {
+    unsigned bits[3];
+    memcpy(bits, &w, sizeof bits);
+    return bits[0] << 1 < 0xb1000000u && bits[1] << 1 < 0xb1000000u && bits[2] << 1 < 0xb1000000u;
+}
 #endif
 
 )";
@@ -112,7 +119,8 @@ const Language& row_of(CodeLanguage language) {
                     {"cos", "cosf"},
                     {"sin", "sinf"},
                     {"acos", "acosf"},
-                    {"abs", "fabsf"}},
+                    {"abs", "fabsf"},
+                    {"is_finite", "srbf_is_finite"}},
           .function = "SRBF_FN ",
           .table = "SRBF_FN float {0}(int i) {{\n    static const float numbers[{1}] = {{\n{2}    }};\n"
                    "    return numbers[i];\n}}\n",

@@ -112,10 +112,10 @@ int srbf_is_two_sided(const srbf_brdf* brdf) { return brdf->is_two_sided; }
 
 // True if no direction lies in the surface. Sets the pair in the frame of a part, above its horizon.
 SRBF_INLINE int srbf_is_above(const srbf_brdf* brdf, const float wl[3], const float wv[3], srbf_vec3* l, srbf_vec3* v) {
-    const float sum = (wl[0] + wl[1]) + (wv[0] + wv[1]) + (wl[2] + wv[2]);
-    *l = srbf_vec3_of(wl[0], wl[1], brdf->is_two_sided ? fabsf(wl[2]) : wl[2]);
-    *v = srbf_vec3_of(wv[0], wv[1], brdf->is_two_sided ? fabsf(wv[2]) : wv[2]);
-    return l->z >= 1.17549435e-38f && v->z >= 1.17549435e-38f && sum - sum == 0.0f;
+    *l = srbf_vec3_at(wl), *v = srbf_vec3_at(wv);
+    if (!srbf_is_finite(*l) || !srbf_is_finite(*v)) return 0;
+    if (brdf->is_two_sided) l->z = fabsf(l->z), v->z = fabsf(v->z);
+    return l->z >= 1.17549435e-38f && v->z >= 1.17549435e-38f;
 }
 // The part that answers for the pair; -1 if there is none.
 SRBF_INLINE int srbf_part_of(const srbf_brdf* brdf, const float wl[3], const float wv[3], srbf_vec3* l, srbf_vec3* v) {
@@ -232,7 +232,8 @@ float srbf_value_pdf(const srbf_brdf* brdf, const float wl[3], const float wv[3]
 void srbf_albedo(const srbf_brdf* brdf, float cosine, float rgb[3]) {
     const srbf_part* part = &brdf->part[cosine < 0.0f];
     srbf_vec3 albedo = srbf_vec3_of(0.0f, 0.0f, 0.0f);
-    if (part->model && fabsf(cosine) > 0.0f) albedo = srbf_part_albedo(part, srbf_min(fabsf(cosine), 1.0f));
+    if (part->model && srbf_is_finite(srbf_vec3_of(cosine, 0.0f, 0.0f)) && fabsf(cosine) > 0.0f)
+        albedo = srbf_part_albedo(part, srbf_min(fabsf(cosine), 1.0f));
     memcpy(rgb, &albedo, sizeof albedo);
 }
 

@@ -1,6 +1,5 @@
 // Vectors of floats, if the compiler has them: lobes and components of a density are computed SRBF_LANES at a time.
 // Without them, or with SRBF_ONE_LANE, each is computed alone by the same functions.
-#include <string.h>
 #if defined __GNUC__ && !defined __OPTIMIZE_SIZE__
 #define SRBF_INLINE SRBF_FN __attribute__((always_inline))
 #define SRBF_APART static __attribute__((noinline))
@@ -15,7 +14,8 @@
 #else
 #define SRBF_UNROLL
 #endif
-#if defined __GNUC__ && !defined __CUDACC__ && !defined SRBF_ONE_LANE
+#if (defined __clang__ || __GNUC__ >= 9) && (defined __SSE2_MATH__ || !defined __i386__) && !defined __CUDACC__ && \
+    !defined SRBF_ONE_LANE
 // GCC does not align the stack of Windows for eight.
 #if defined __AVX2__ && (!defined __MINGW32__ || defined __clang__)
 #define SRBF_LANES 8
@@ -25,6 +25,7 @@
 typedef float srbf_x __attribute__((vector_size(4 * SRBF_LANES)));
 typedef int srbf_x_mask __attribute__((vector_size(4 * SRBF_LANES)));
 typedef unsigned srbf_x_bits __attribute__((vector_size(4 * SRBF_LANES)));
+#define SRBF_X_CONVERTED(type, a) __builtin_convertvector(a, type)
 SRBF_FN srbf_x srbf_x_select(srbf_x_mask where, srbf_x a, srbf_x b) {
     return (srbf_x)(((srbf_x_mask)a & where) | ((srbf_x_mask)b & ~where));
 }
@@ -33,6 +34,7 @@ SRBF_FN srbf_x srbf_x_select(srbf_x_mask where, srbf_x a, srbf_x b) {
 typedef float srbf_x;
 typedef int srbf_x_mask;
 typedef unsigned srbf_x_bits;
+#define SRBF_X_CONVERTED(type, a) ((type)(a))
 SRBF_FN srbf_x srbf_x_select(srbf_x_mask where, srbf_x a, srbf_x b) { return where ? a : b; }
 #endif
 SRBF_FN srbf_x srbf_x_load(const float* from) {
@@ -95,13 +97,15 @@ SRBF_FN srbf_x srbf_x_inversesqrt(srbf_x a) {
 #endif
 SRBF_FN srbf_x srbf_x_sqrt(srbf_x a) { return a * srbf_x_inversesqrt(a); }
 
-// 2^a by the nearest integer and a polynomial for the rest, for |a| < 126; relative error 2e-7.
+// 2^a by the nearest integer and a polynomial for the rest, for |a| < 126; relative error 2e-7. The integer is that of
+// a conversion: adding and subtracting a large number rounds too, but fast math cancels both.
 SRBF_FN srbf_x srbf_x_exp2(srbf_x a) {
-    const srbf_x sum = a + 12582912.0f, r = a - (sum - 12582912.0f);
+    const srbf_x_mask whole = SRBF_X_CONVERTED(srbf_x_mask, a + 128.5f) - 128;
+    const srbf_x r = a - SRBF_X_CONVERTED(srbf_x, whole);
     srbf_x power = 0.00132646454f * r + 0.00967157641f;
     power = (power * r + 0.0555073452f) * r + 0.240222411f;
     power = (power * r + 0.693146977f) * r + 1.0f;
-    return srbf_x_of_bits(srbf_x_bits_of(power) + (srbf_x_bits_of(sum) << 23));
+    return srbf_x_of_bits(srbf_x_bits_of(power) + ((srbf_x_bits)whole << 23));
 }
 SRBF_FN srbf_x srbf_x_exp(srbf_x a) { return srbf_x_exp2(1.44269504f * a); }
 

@@ -321,6 +321,9 @@ TEST(ResultDeathTest, MisuseStopsInEveryBuildType) {
     const Result<int> failed = Error{"a.bsdf", {}, "header", "a magic number", "nothing"}, good = 1;
     EXPECT_DEATH((void)*failed, "a.bsdf: header: expected a magic number, found nothing");
     EXPECT_DEATH((void)good.error(), "holds a value");
+    EXPECT_EQ(set_misuse_handler([](std::string_view what) { throw std::string(what); }), nullptr);
+    EXPECT_THROW((void)*failed, std::string);
+    EXPECT_NE(set_misuse_handler(nullptr), nullptr);
 }
 
 }  // namespace

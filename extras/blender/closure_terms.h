@@ -5,7 +5,7 @@
 
 #include "extras/blender/closures.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Slope, roughness and anisotropy of a closure.
 using ClosureShape = std::array<double, 3>;

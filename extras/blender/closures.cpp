@@ -6,7 +6,7 @@
 #include "extras/blender/closure_terms.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr double k_least_cosine = 1e-3;  ///< of N'·wv, at which a term ends

@@ -6,7 +6,7 @@
 #include "srbf/progress.h"
 #include "srbf/result.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A glossy closure of Cycles, with Beckmann's distribution of facets. Its normal is tilted from N in the plane of
 /// incidence: N' = (N + `slope` T) / |N + `slope` T|, with T = ((N·wv) N − wv) / |(N·wv) N − wv|, away from the viewer.
@@ -48,4 +48,4 @@ inline constexpr int k_most_closures = 8, k_ramp_of_osl = 7;
 Result<ClosureSum> fit_closures(const Evaluate& f, const ClosureFitOptions& options = {},
                                 const ProgressToken& progress = {});
 
-}  // namespace srbf
+SRBF_END

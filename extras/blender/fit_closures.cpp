@@ -16,7 +16,7 @@
 #include "extras/blender/matched_views.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 // ---- The loss ----

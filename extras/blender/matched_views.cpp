@@ -12,7 +12,7 @@
 #include "errors/sphere.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr double k_last_view = 88.5 * k_degree, k_last_light = 88.9 * k_degree;

@@ -8,7 +8,7 @@
 #include "extras/blender/closure_terms.h"
 #include "srbf/brdf.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 using Colour = std::array<double, 3>;
 

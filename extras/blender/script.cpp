@@ -5,7 +5,7 @@
 #include "blender/script_text.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Result<Done> check_reflection(const Subject& subject, std::string_view to) {
     const auto refused = [&](const char* expected, const char* found) {

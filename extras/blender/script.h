@@ -7,7 +7,7 @@
 #include "app/load.h"
 #include "extras/blender/closures.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Checks that a subject can be fitted by closures: its reflection has to be a BRDF as a function of any two directions.
 /// `to` names what is written.

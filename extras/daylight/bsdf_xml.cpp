@@ -15,7 +15,7 @@
 #include "fit/own_fit.h"
 #include "measured/samples.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

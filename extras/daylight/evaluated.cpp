@@ -11,7 +11,7 @@
 #include "fit/own_fit.h"
 #include "measured/evaluated_table.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

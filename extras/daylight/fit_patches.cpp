@@ -18,7 +18,7 @@
 #include "observe/pairs.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Points in each pair of patches at which a fit observes f.

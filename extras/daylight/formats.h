@@ -5,7 +5,7 @@
 #include "measured/formats/rows.h"
 #include "srbf/daylight.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 bool is_xml(std::string_view text);
 Result<Measured> read_as_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&);

@@ -2,7 +2,7 @@
 #pragma once
 #include "srbf/daylight.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A matrix that is written can be read, with the same number of bands.
 inline void check_written_xml(const BsdfTable& table) {

@@ -9,7 +9,7 @@
 #include "measured/two_sided.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 // ---- Patches ----
 

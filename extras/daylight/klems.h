@@ -7,7 +7,7 @@
 #include "measured/evaluated_table.h"
 #include "srbf/daylight.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The name of a band in colour, which the file has as R, G and B.
 constexpr std::string_view k_colours = "RGB";

@@ -5,7 +5,7 @@
 #include "measured/evaluated_table.h"
 #include "srbf/daylight.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 template <typename Each> void members(TensorTree& value, const Each& each) {
     each(value.rank), each(value.root), each(value.nodes), each(value.leaves);

@@ -9,7 +9,7 @@
 #include "measured/evaluated_table.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The radius of a peak in widths of a leaf. The far corners of the leaves that touch the peak's leaf are 2.8

@@ -5,7 +5,7 @@
 #include "measured/evaluated_table.h"
 #include "srbf/daylight.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A tree keeps unscattered light as a peak of its finest leaves around the mirror direction. Returns that beam and
 /// the tree without it; none if there is no such peak. A lobe wider than the leaves is not a beam.

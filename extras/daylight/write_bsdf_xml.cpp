@@ -13,7 +13,7 @@
 #include "extras/daylight/klems.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

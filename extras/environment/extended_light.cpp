@@ -8,7 +8,7 @@
 #include "extras/environment/lobe_tracks.h"
 #include "sampling/elevation_nodes.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

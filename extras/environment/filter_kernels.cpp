@@ -5,7 +5,7 @@
 #include "base/parallel.h"
 #include "base/r_sequence.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 KernelSample direction_at(double cosine, double azimuth, double weight) {

@@ -9,7 +9,7 @@
 #include "srbf/elementary.h"
 #include "srbf/extended_light.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// GGX's kernel at a level of a filtered map. The first level is the environment itself, except for a kernel too
 /// narrow to be resolved. With a = α² = r⁴ it is scale c / (1 + a − (1 − a) c)², c > 0.

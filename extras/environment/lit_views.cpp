@@ -9,7 +9,7 @@
 #include "brdf/frame.h"
 #include "sampling/elevation_nodes.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include "srbf/prepared.h"
 #include "srbf/sampling.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 inline constexpr int k_view_samples = 2048;  ///< of the reflected light: albedos within approximately 0.3 %
 /// The radiance of an ambient light beside a light of radiance 1. Errors are relative to the radiance under both.

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "base/r_sequence.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

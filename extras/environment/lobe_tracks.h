@@ -5,7 +5,7 @@
 
 #include "extras/environment/lit_views.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The lobes' parameters x = (p, r), of each lobe except the first, for all views. If `fixed`, r is the same for all.
 class LobeTracks {

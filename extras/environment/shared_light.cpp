@@ -6,7 +6,7 @@
 #include "extras/environment/lobe_tracks.h"
 #include "srbf/extended_light.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

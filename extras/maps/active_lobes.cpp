@@ -6,7 +6,7 @@
 #include "base/least_squares.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;

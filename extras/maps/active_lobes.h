@@ -4,7 +4,7 @@
 
 #include "models/pm/solve/lobe_problem.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Chooses at most `most` of a problem's lobes such that its loss is small. The loss is taken to second order in
 /// the coefficients around those of the last call of `loss`. The lobes that raise it least are dropped first; then

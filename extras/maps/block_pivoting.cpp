@@ -6,7 +6,7 @@
 
 #include "base/least_squares.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr double k_pivoting_ridge = 1e-6;  ///< that of `bounded_least_squares`

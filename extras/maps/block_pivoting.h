@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Minimises ½ xᵀGx − gᵀx within 0 ≤ x ≤ upper, as `bounded_least_squares` does, by block principal pivoting (Júdice &
 /// Pires 1994): each x is fixed at a bound or free; the free ones are solved for, and all that violate a bound or the

@@ -16,7 +16,7 @@
 #include "models/pm/solve/rounding.h"
 #include "srbf/basis.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The observations of this many tables are kept in memory, 8 MB each; those of further tables are made again.

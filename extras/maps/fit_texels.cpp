@@ -16,7 +16,7 @@
 #include "srbf/basis.h"
 #include "srbf/convert.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of values of a gap-filled texel, the same as in `fit_batch`.

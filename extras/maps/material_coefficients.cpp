@@ -11,7 +11,7 @@
 #include "models/pm/solve/rounding.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr double k_largest_coefficient = 64;

@@ -9,7 +9,7 @@
 #include "observe/observations.h"
 #include "srbf/basis.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Errors: options out of range.
 Result<Done> check_basis_options(const BasisOptions& options);

@@ -7,7 +7,7 @@
 
 #include "base/text.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);

@@ -10,7 +10,7 @@
 #include "models/pm/solve/rounding.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of groups in which lobes are added, of steps after each group, and of steps after the last.

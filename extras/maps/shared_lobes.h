@@ -9,7 +9,7 @@
 #include "observe/observations.h"
 #include "srbf/basis.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Returns the observations of material t; null if there are none. May be called from any thread.
 using ObservationsOf = std::function<std::shared_ptr<const Observations>(std::size_t t)>;

@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "extras/maps/active_lobes.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Lower bound on √L_t, as a fraction of the largest one, like R_k of the directional lights (docs/fitting.md): a

@@ -7,7 +7,7 @@
 
 #include "models/pm/solve/lobe_problem.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A material of a shared problem.
 struct SharedRows {

@@ -16,7 +16,7 @@
 #include "srbf/basis.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr double k_unlimited = std::numeric_limits<double>::infinity();

@@ -16,7 +16,7 @@
 #include "brdf/batch-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 HWY_INLINE Batch pow(Batch a, double exponent) { return exp(Batch(exponent) * log(a)); }
@@ -215,7 +215,7 @@ void weighted_residuals(std::span<const float* const> columns, const float* beta
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 HWY_EXPORT(prepare_texels);
 HWY_EXPORT(weighted_sums);

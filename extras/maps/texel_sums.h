@@ -6,7 +6,7 @@
 #include "base/aligned.h"
 #include "srbf/basis.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Number of texels in a block, and the multiple of numbers of pairs: further pairs have weight 0.
 inline constexpr std::size_t k_block_texels = 64, k_pair_multiple = 32;

@@ -13,7 +13,7 @@
 #include "measured/samples.h"
 #include "measured/spectral_rows.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The arrays of "data" that are read, in the order of a row. Each has one number for each point.

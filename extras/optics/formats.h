@@ -4,7 +4,7 @@
 #include "measured/formats/rows.h"
 #include "measured/samples.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 bool is_zemax(std::string_view text);
 Result<Measured> read_as_zemax(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&);

@@ -6,7 +6,7 @@
 #include "extras/optics/formats.h"
 #include "measured/samples.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

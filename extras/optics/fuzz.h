@@ -2,7 +2,7 @@
 #pragma once
 #include "srbf/optics.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A table that is written can be read.
 inline void check_zemax(std::span<const std::byte> bytes) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Passes numbers and texts to a reader, which identifies its position by the keys of the open objects and arrays.
 struct JsonRows : nlohmann::json_sax<nlohmann::json> {

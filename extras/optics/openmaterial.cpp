@@ -16,7 +16,7 @@
 #include "measured/spectral_rows.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include "measured/samples.h"
 #include "srbf/optics.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 template <typename Each> void members(ScatterTable::Slice& value, const Each& each) {
     each(value.theta_l), each(value.polar), each(value.azimuth), each(value.f);

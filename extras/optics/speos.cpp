@@ -10,7 +10,7 @@
 #include "measured/limits.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include "extras/optics/formats.h"
 #include "measured/limits.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

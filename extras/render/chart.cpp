@@ -9,7 +9,7 @@
 #include "base/printable.h"
 #include "extras/render/drawing.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The frame of the plot within the drawing.

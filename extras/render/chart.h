@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct ChartSeries {
     std::string name;

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 std::string svg_text(double x, double y, std::string_view anchor, std::string_view content) {
     return fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='{}'>{}</text>", x, y, anchor, content);

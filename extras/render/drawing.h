@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A line of text at (x, y). `anchor` is start, middle or end; `content` is already SVG.
 std::string svg_text(double x, double y, std::string_view anchor, std::string_view content);

@@ -14,7 +14,7 @@
 /// data/studio.hdr, embedded into the program by studio.S.
 extern "C" const std::byte srbf_studio_begin[], srbf_studio_end[];
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The interval of the cumulative distribution that contains u, and the position of u within it, in [0, 1].

@@ -9,7 +9,7 @@
 
 #include "extras/render/tone.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Radiance by direction, as an image in latitude and longitude. With y upwards, column (½ + φ/2π) width belongs to
 /// φ = atan2(x, −z), row θ/π height to θ from +y; values are bilinear between texel centres. It is importance

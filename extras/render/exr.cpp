@@ -20,7 +20,7 @@
 #include "srbf/file.h"
 #include "src/base/floating_point.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 // The type of a file position differs between versions of the library.

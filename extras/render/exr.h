@@ -7,7 +7,7 @@
 
 #include "extras/render/tone.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A named channel: "R", "normal.X", "Z".
 struct Channel {

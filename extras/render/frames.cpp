@@ -7,7 +7,7 @@
 #include <chrono>
 #include <limits>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 using Clock = std::chrono::steady_clock;

@@ -7,7 +7,7 @@
 #include "extras/render/offscreen.h"
 #include "extras/render/raster.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Milliseconds per frame: by the graphics library's clock, by the wall clock, and as CPU time of all threads of
 /// this process.

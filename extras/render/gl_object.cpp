@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 std::string log_of(GLuint id, decltype(glGetShaderInfoLog) read) {

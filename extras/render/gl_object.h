@@ -8,7 +8,7 @@
 #include "extras/render/pixel_shader.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Owns an object of the graphics library. It must be destroyed while its context is current.
 class GlObject {

@@ -6,7 +6,7 @@
 #include "models/su/su_functions.h"
 #include "prepared/table_file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

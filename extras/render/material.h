@@ -7,7 +7,7 @@
 #include "srbf/load.h"
 #include "srbf/shader.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// An isotropic BRDF as a table in Rusinkiewicz coordinates. Cells beyond 89.7° are extrapolated.
 MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size = k_merl_size);

@@ -7,7 +7,7 @@
 #include "base/files.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Bounds bounds(const Mesh& mesh) {
     constexpr float most = std::numeric_limits<float>::max();

@@ -10,7 +10,7 @@
 #include "srbf/result.h"
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 using Triangle = std::array<std::uint32_t, 3>;
 

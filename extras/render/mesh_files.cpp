@@ -12,7 +12,7 @@
 #include "extras/render/mesh.h"
 #include "src/base/floating_point.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Maximum number of vertices and of corners.

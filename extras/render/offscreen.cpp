@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 Error missing(std::string expected, std::string found) {

@@ -5,7 +5,7 @@
 
 #include "srbf/shader.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A context of its own, current on this thread for the lifetime of the object. It uses EGL without a display or
 /// window; without a GPU the library renders on the CPU (Mesa's llvmpipe).

@@ -17,7 +17,7 @@
 #include "models/su/su_functions.h"
 #include "render/page_text.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 using Json = nlohmann::ordered_json;

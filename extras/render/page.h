@@ -10,7 +10,7 @@
 #include "extras/render/tone.h"
 #include "srbf/brdf.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// One of the BRDFs that a page compares.
 struct PageMaterial {

@@ -11,7 +11,7 @@
 #include "extras/render/shading.h"
 #include "src/base/parallel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr int k_tile = 16;     // pixels per side

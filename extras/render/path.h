@@ -13,7 +13,7 @@
 #include "srbf/prepared_bsdf.h"
 #include "srbf/prepared_map.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A parallelogram corner + s·x + t·y, s and t in [0, 1], that emits to the side of x × y. It casts no shadow.
 struct AreaLight {

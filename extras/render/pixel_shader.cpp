@@ -6,7 +6,7 @@
 
 #include "render/shader_text.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 std::string pixel_text(const ShaderOptions& options) {
     assert(options.lights >= 1);

@@ -4,7 +4,7 @@
 
 #include "srbf/shader.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The content of a pixel.
 enum class PixelOutput {

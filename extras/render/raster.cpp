@@ -6,7 +6,7 @@
 
 #include "extras/render/offscreen.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

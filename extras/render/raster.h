@@ -16,7 +16,7 @@
 #include "extras/render/tone.h"
 #include "models/su/su_functions.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Parameters of a picture.
 struct RasterView {

@@ -2,7 +2,7 @@
 
 #include "extras/render/raster.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Result<RasterDevelopment> RasterDevelopment::make(Dialect dialect) {
     auto program = new_program(develop_shader_text(dialect));

@@ -8,7 +8,7 @@
 #include "extras/render/raster.h"
 #include "src/base/r_sequence.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// A texture with `levels` mip levels, still without texels.

@@ -9,7 +9,7 @@
 #include "extras/render/raster.h"
 #include "models/su/su_functions.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Errors: a material's numbers exceed the limits of the library. Materials without an overload have few numbers.

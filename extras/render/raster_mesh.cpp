@@ -7,7 +7,7 @@
 #include "brdf/frame.h"
 #include "extras/render/raster.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The transform from x, y, z, w to OpenGL's clip coordinates, column-major.

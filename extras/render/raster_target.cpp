@@ -6,7 +6,7 @@
 
 #include "extras/render/raster.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 GlObject renderbuffer(GLenum format, int width, int height, int samples) {

@@ -12,7 +12,7 @@
 
 #include "src/base/parallel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 RTCScene scene_of(const std::shared_ptr<void>& pointer) { return static_cast<RTCScene>(pointer.get()); }

@@ -7,7 +7,7 @@
 #include "extras/render/mesh.h"
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The point origin + distance × direction on a triangle.
 struct Hit {

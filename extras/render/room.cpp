@@ -1,6 +1,6 @@
 #include "extras/render/room.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// A rectangle with the corners `corner`, + s, + s + t and + t; its front faces s × t.

@@ -3,7 +3,7 @@
 #include "extras/render/mesh.h"
 #include "extras/render/scene.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A room whose only light comes through a shade that fills the opening of one wall. Lengths are in metres, y is
 /// up. The wall with the opening is at z = 0, the room at z < 0.

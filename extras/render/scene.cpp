@@ -8,7 +8,7 @@
 #include "brdf/frame.h"
 #include "extras/render/shading.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Frame frame(const Camera& camera) { return frame_about(normalize(camera.eye - camera.target), camera.up); }
 

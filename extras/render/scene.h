@@ -7,7 +7,7 @@
 #include "extras/render/mesh.h"
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 /// A camera. In its frame x points right, y up and z to the viewer, away from `target`.
 /// A camera. Its frame: x right, y up, z to the viewer, away from `target`.
 struct Camera {

@@ -3,7 +3,7 @@
 #include "srbf/kernel.h"
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace kernel {
 
 template <Number Real> inline Real pow(Real x, Real y) { return std::pow(x, y); }

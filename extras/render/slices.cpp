@@ -12,7 +12,7 @@
 #include "brdf/directions.h"
 #include "extras/render/drawing.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr int k_tick = 30;  // degrees

@@ -7,7 +7,7 @@
 #include "srbf/brdf.h"
 #include "srbf/measured.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Luminances of f(wl, wv) [1/sr] with wl fixed and wv in the plane of incidence.
 struct LuminanceSlice {

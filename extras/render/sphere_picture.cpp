@@ -7,7 +7,7 @@
 #include "brdf/frame.h"
 #include "src/base/parallel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include "extras/render/tone.h"
 #include "srbf/brdf.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Options of a sphere in a square image, seen from (0,0,1) in orthographic projection.
 struct SphereOptions {

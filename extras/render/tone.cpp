@@ -7,7 +7,7 @@
 
 #include "extras/render/shading.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 static_assert(k_knee == float(SRBF_KNEE) && k_whitening == float(SRBF_WHITENING));
 

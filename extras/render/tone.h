@@ -4,7 +4,7 @@
 
 #include "app/image.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Maps a radiance c to a display colour in [0,1]³. With x = exposure max(c, 0) and m its largest channel, the
 /// result is

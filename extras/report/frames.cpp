@@ -13,7 +13,7 @@
 #include "models/su/su_functions.h"
 #endif
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 #ifdef SRBF_RASTER
 namespace {

@@ -8,7 +8,7 @@
 #include "extras/report/parts.h"
 #include "report/report_text.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 std::string lead_of(const View& view, const std::string& note) {

@@ -7,7 +7,7 @@
 #include "extras/report/page.h"
 #include "extras/report/parts.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// A measure in the tables of docs/accuracy.md.

@@ -10,7 +10,7 @@
 #include "extras/report/parts.h"
 #include "report/report_text.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// A picture in the material's folder: its small form, with a link to the large one.

@@ -10,7 +10,7 @@
 #include "fit/request_traits.h"
 #include "report/report_text.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The roles of the three models that are compared.

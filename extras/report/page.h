@@ -6,7 +6,7 @@
 
 #include "extras/report/table.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// All materials, measured and fitted, in an order that the reader chooses: index.html.
 std::string gallery_html(const std::vector<MaterialEntry>& materials, const Tables& tables, const std::string& note);

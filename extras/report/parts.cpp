@@ -13,7 +13,7 @@
 #include "render/page_text.h"
 #include "report/report_text.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 std::string number(const Json& value, NumberFormat format) {
     if (!value.is_number()) return "–";

@@ -7,7 +7,7 @@
 
 #include "extras/report/table.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 using Rows = std::vector<const Json*>;
 

@@ -6,7 +6,7 @@
 
 #include "brdf/directions.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// A list of fits without duplicates.

@@ -6,7 +6,7 @@
 
 #include "app/fit.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A run of `srbf fit`.
 struct PlannedFit {

@@ -19,7 +19,7 @@
 #include "extras/report/parts.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 namespace fs = std::filesystem;

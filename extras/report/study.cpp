@@ -19,7 +19,7 @@
 #include "srbf/file.h"
 #include "srbf/shading_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 namespace fs = std::filesystem;

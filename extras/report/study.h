@@ -11,7 +11,7 @@
 #include "extras/report/plan.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The page that compares the default fit with the measurement.
 inline constexpr char k_page_file[] = "page.html";

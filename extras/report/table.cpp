@@ -17,7 +17,7 @@
 #include "fit/request_traits.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 const std::vector<MeasureText> k_measure_texts{
     {"delta_e_itp", "ΔE_ITP",

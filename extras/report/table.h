@@ -6,7 +6,7 @@
 
 #include "extras/report/study.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Rows of one kind, written as NAME.csv.
 struct Table {

@@ -9,7 +9,7 @@
 #include "extras/render/environment.h"
 #include "extras/view/ink.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 void heading(const char* text) { ImGui::Spacing(), ImGui::TextColored(k_hint, "%s", text), ImGui::Separator(); }

@@ -8,7 +8,7 @@
 #include "extras/view/display_state.h"
 #include "extras/view/session.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Stores only text that is being typed and the choice of a slider that is held. Everything else changes the
 /// session and the display state immediately.

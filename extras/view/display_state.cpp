@@ -7,7 +7,7 @@
 #include "extras/render/environment.h"
 #include "observe/objectives.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

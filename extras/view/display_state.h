@@ -9,7 +9,7 @@
 #include "extras/render/scene.h"
 #include "extras/view/session.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The part of the state that a bookmark restores.
 struct Bookmark {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 void load_font(float scale) {
     constexpr float height = 16;

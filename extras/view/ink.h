@@ -6,7 +6,7 @@
 
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 inline const ImVec4 k_white{1, 1, 1, 1}, k_red{1, 0.45f, 0.4f, 1}, k_dim{0.65f, 0.65f, 0.65f, 1},
     k_hint{1, 0.86f, 0.35f, 1};

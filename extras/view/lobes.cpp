@@ -6,7 +6,7 @@
 #include "base/parameters.h"
 #include "models/su/su_functions.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr double k_last_ring = 89.5 * k_degree;

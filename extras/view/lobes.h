@@ -5,7 +5,7 @@
 #include "srbf/brdf.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The hemisphere of view directions: `k_rings` + 1 rings of constant θv, from the normal to 89.5°, with
 /// `k_ring_azimuths` azimuths each.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 std::vector<std::string> matches(const Opening& opening) {
     std::vector<std::string> paths;

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct Opening {
     std::string typed;

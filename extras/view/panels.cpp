@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr std::array<Panels::Which, 2> k_materials{Panels::reference, Panels::fit};

@@ -8,7 +8,7 @@
 #include "extras/render/raster.h"
 #include "extras/view/display_state.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Pictures of one mesh with two materials from one camera, and of their difference. Uses the current OpenGL context.
 class Panels {

@@ -11,7 +11,7 @@
 #include "extras/render/app/raster.h"
 #include "extras/view/ink.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// During interaction, pictures that take longer than k_slow_frame [s] are drawn smaller. An interaction ends after

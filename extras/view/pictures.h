@@ -6,7 +6,7 @@
 
 #include "extras/view/panels.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The panels with their captions and mouse interaction.
 class Pictures {

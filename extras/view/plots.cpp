@@ -10,7 +10,7 @@
 #include "extras/view/display_state.h"
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr ImU32 k_line = IM_COL32(255, 255, 255, 60), k_ink = IM_COL32(230, 230, 230, 255),

@@ -6,7 +6,7 @@
 
 #include "extras/view/lobes.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Plots f_r cosθv of the reference (dots) and the fit (lines) over the view angle, in a plane at φ from the plane
 /// of incidence, as a half disc of the given width. Logarithmic: the centre is `k_decades` below the reference's

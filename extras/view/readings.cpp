@@ -11,7 +11,7 @@
 #include "extras/view/ink.h"
 #include "extras/view/plots.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Replaces θ and Δ if the font lacks them; Dear ImGui's own font has no Greek.

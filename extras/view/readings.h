@@ -9,7 +9,7 @@
 #include "extras/view/lobes.h"
 #include "extras/view/session.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Plots and tables of the session's reference and fit, under light at the display state's `theta_l`. A plot shows
 /// its values under the mouse.

@@ -8,7 +8,7 @@
 #include "base/text.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 std::filesystem::path list_path() {

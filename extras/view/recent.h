@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Absolute paths, the latest first, at most `k_most_recent`. Files that no longer exist are omitted. The list is
 /// in the file srbf/recent in $XDG_STATE_HOME, by default ~/.local/state.

@@ -14,7 +14,7 @@
 #include "extras/render/pixel_shader.h"
 #include "extras/view/ink.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The fraction of the monitor that a large window takes.

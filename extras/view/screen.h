@@ -7,7 +7,7 @@
 
 struct GLFWwindow;
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Owns GLFW, its window and Dear ImGui, and destroys them in the required order.
 class Screen {

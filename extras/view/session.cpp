@@ -15,7 +15,7 @@
 #include "srbf/file.h"
 #include "srbf/fit_bsdf.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 /// The worker thread. It runs one job at a time, always the newest.
 class Session::Worker {
   public:

@@ -13,7 +13,7 @@
 #include "srbf/edit.h"
 #include "srbf/fit.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The choice of a fit by the sliders.
 struct FitChoice {

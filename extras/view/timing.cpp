@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 void Refits::step(Session& session, DisplayState& display) {
     orbit(display, 1 * k_degree, 0);

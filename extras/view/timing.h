@@ -5,7 +5,7 @@
 #include "extras/view/display_state.h"
 #include "extras/view/session.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Runs a number of fits in sequence, and prints a line for each to standard output.
 class Refits {

@@ -7,7 +7,7 @@
 #include "base/printable.h"
 #include "extras/view/window.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 struct ViewCommand {

@@ -19,7 +19,7 @@
 #include "extras/view/screen.h"
 #include "extras/view/timing.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr float k_controls = 262, k_messages = 58;  // pixels of a monitor of scale 1

@@ -5,7 +5,7 @@
 #include "extras/view/display_state.h"
 #include "extras/view/session.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct WindowOptions {
     int width = 1280, height = 800;

@@ -10,7 +10,7 @@
 
 #include "srbf/srbf.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A BRDF is a type with `value(brdf, wl, wv)`: f_r(wl, wv) [1/sr] for each channel, without the cosine. `wl` and
 /// `wv` are unit vectors in the local frame. The value is 0 unless `above_horizon(wl, wv)`, as it is for a
@@ -62,4 +62,4 @@ struct Channels {
     std::size_t count() const { return wavelengths.empty() ? 3 : wavelengths.size(); }
 };
 
-}  // namespace srbf
+SRBF_END

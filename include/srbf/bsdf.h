@@ -8,7 +8,7 @@
 
 #include "srbf/brdf.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 // A BSDF answers for light and viewer on either side: z > 0 is the front, z < 0 the back. A BRDF is a BSDF that is 0
 // unless both are at the front. A BSDF consists of four parts. To a part both directions are above the horizon: those
@@ -55,4 +55,4 @@ using Beams = std::array<Beam, k_parts>;
 /// τ of a part at the direction to the light, in the part's frame on either side.
 Rgb share_at(const Beams& beams, Part part, Vec3f wl);
 
-}  // namespace srbf
+SRBF_END

@@ -7,7 +7,7 @@
 #include "srbf/measured.h"
 #include "srbf/progress.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Size of the tables of the MERL database: n_h, n_d, n_p.
 inline constexpr std::array<std::uint32_t, 3> k_merl_size{90, 90, 180};
@@ -66,4 +66,4 @@ std::vector<std::byte> write_mbsdf(const MbsdfTable& table, const MbsdfTable* tr
 /// Reading it gives `samples`. Once cancelled it ends early.
 std::string write_csv(const ScatteredSamples& samples, const ProgressToken& token = {});
 
-}  // namespace srbf
+SRBF_END

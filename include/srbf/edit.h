@@ -9,7 +9,7 @@
 #include "srbf/model.h"
 #include "srbf/progress.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// How far from the mirror direction lobe j reflects: the mean of sin²θh over what it reflects at views 5°, 45° and
 /// 70° from the normal, divided by the same mean of Lambert's with the lobe's albedos at these views. 1 for a
@@ -85,4 +85,4 @@ Result<Model> edited(const Model& model, std::span<const Edit> edits, const Edit
 /// wavelengths; more than 8 variates or 1024 lobes together.
 Result<Model> blended(const Model& a, const Model& b, double mix);
 
-}  // namespace srbf
+SRBF_END

@@ -1,7 +1,8 @@
 // Elementary functions that return the same bits on every processor and with every compiler.
 #pragma once
+#include "srbf/version.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The functions of <cmath> that IEEE 754 does not define to the last bit, as one text of additions, multiplications,
 /// divisions and square roots, which it does define: series for reduced arguments. No fit and no report depends on a
@@ -52,4 +53,4 @@ inline float hypot(float x, float y) { return float(hypot(double(x), double(y)))
 inline float hypot(float x, float y, float z) { return float(hypot(double(x), double(y), double(z))); }
 
 }  // namespace elementary
-}  // namespace srbf
+SRBF_END

@@ -8,7 +8,7 @@
 
 #include "srbf/result.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The bytes of the file at `path`. Errors: the file is missing, a folder, unreadable, or larger than 16 GiB; there is
 /// not enough memory for it.
@@ -22,4 +22,4 @@ inline std::span<const std::byte> as_bytes(std::string_view text) {
     return std::as_bytes(std::span(text.data(), text.size()));
 }
 
-}  // namespace srbf
+SRBF_END

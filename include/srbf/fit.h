@@ -15,7 +15,7 @@
 #include "srbf/objective.h"
 #include "srbf/progress.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Minimise the held-out error among models of at most `bytes` bytes.
 struct ByteBudget {
@@ -189,4 +189,4 @@ Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToke
 /// must be isotropic. Errors: not a table of one BRDF; it is not noisy; cancelled.
 Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads = 0, const ProgressToken& progress = {});
 
-}  // namespace srbf
+SRBF_END

@@ -11,7 +11,7 @@
 #include "srbf/progress.h"
 #include "srbf/result.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The pairs of directions at which every texel was measured: unit vectors. Those below the horizon are left out.
 struct SharedPairs {
@@ -53,4 +53,4 @@ struct TexelFit {
 Result<std::vector<TexelFit>> fit_batch(const SharedPairs& pairs, std::span<const Rgb> f, const BatchOptions& options,
                                         const ProgressToken& progress = {});
 
-}  // namespace srbf
+SRBF_END

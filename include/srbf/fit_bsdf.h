@@ -6,7 +6,7 @@
 
 #include "srbf/fit.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Light that leaves a surface for a direction of the incident light.
 struct Hemispherical {
@@ -45,4 +45,4 @@ Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request
 Result<BsdfOutcome> fit_bsdf(const std::array<Evaluate, k_parts>& parts, const FitRequest& request,
                              const ProgressToken& progress = {});
 
-}  // namespace srbf
+SRBF_END

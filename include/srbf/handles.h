@@ -1,18 +1,25 @@
 // The two types of srbf.h as the compiler needs them. Programs include srbf.h, and need no other name of this header.
 #pragma once
+#include <cassert>
 #include <cstring>
 #include <limits>
 
 #include "srbf/shared.h"
 #include "srbf/vec.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// True if both directions are above the horizon: every component is finite, and z is at least the least normal float,
 /// whether the processor takes subnormal numbers for 0 or not.
 inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
     constexpr float least = std::numeric_limits<float>::min();
     return wl.z >= least && wv.z >= least && is_finite({wl.x, wl.y, wl.z}) && is_finite({wv.x, wv.y, wv.z});
+}
+
+/// True unless a direction of a pair above the horizon has another length than 1, by more than half a per cent. Debug
+/// builds assert it.
+inline bool has_unit_lengths(const Vec3f& wl, const Vec3f& wv) {
+    return !above_horizon(wl, wv) || (std::abs(dot(wl, wl) - 1) < 0.01f && std::abs(dot(wv, wv) - 1) < 0.01f);
 }
 
 /// A measurement or a fitted model. load.h has its content, which copies share. By default it has none: it can be
@@ -35,6 +42,7 @@ class PreparedBrdf {
     const Contents& contents() const;
     /// The `value` of srbf.h.
     Rgb at(const Vec3f& wl, const Vec3f& wv) const {
+        assert(has_unit_lengths(wl, wv));
         if (!above_horizon(wl, wv)) return {};
         alignas(16) float colour[4];
         value_(held_, wl, wv, colour);
@@ -58,4 +66,4 @@ void end_use(const LoadedBrdf::Contents& of);
 void add_use(const PreparedBrdf::Contents& of);
 void end_use(const PreparedBrdf::Contents& of);
 
-}  // namespace srbf
+SRBF_END

@@ -9,7 +9,7 @@
 #include "srbf/elementary.h"
 #include "srbf/vec.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 struct PmModel;
 struct SuModel;
@@ -39,4 +39,4 @@ template <typename Real> using Triple = srbf::Vec3<Real>;
 /// The functions of kernel.glsl as static members, for Real = float, double or any type with their arithmetic.
 template <typename Real> using Kernel = kernel::Formulas<Real, PmModel>;
 
-}  // namespace srbf
+SRBF_END

@@ -12,7 +12,7 @@
 #include "srbf/model.h"
 #include "srbf/result.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// T materials whose BRDFs are sums of J shared lobes E_j: material t is ρ_t = Σ_i β_ti E_{j(t,i)} [1/sr], i < K.
 /// *Dense*: K = J and j(t, i) = i, so that the mean of two materials is the mean of their coefficients. *Sparse*: each
@@ -45,4 +45,4 @@ std::vector<std::byte> write_library(const Library& library);
 /// Errors: as in `read_model`; an index that is not below J; another number of names than of materials.
 Result<Library> read_library(std::span<const std::byte> bytes, const std::string& file_name);
 
-}  // namespace srbf
+SRBF_END

@@ -6,7 +6,7 @@
 #include "srbf/measured.h"
 #include "srbf/model.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A measurement or a model.
 using AnyBrdf = std::variant<Measured, Model>;
@@ -20,4 +20,4 @@ Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options = 
 const AnyBrdf& content(const LoadedBrdf& brdf);
 LoadedBrdf loaded_brdf(AnyBrdf content);
 
-}  // namespace srbf
+SRBF_END

@@ -1,6 +1,5 @@
 // Measured BRDFs in the form of their files.
 #pragma once
-#include <any>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +16,7 @@
 #include "srbf/bsdf.h"
 #include "srbf/result.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A table with the layout of MERL ("A data-driven reflectance model", Matusik et al. 2003): isotropic, in Rusinkiewicz
 /// coordinates. Node (h, d, p) lies at θ_h = (h/n_h)² π/2, θ_d = d/n_d π/2, φ_d = p/n_p π. φ_d is periodic in π.
@@ -141,7 +140,8 @@ struct EvaluatedTable {
     /// f_r [1/sr] as `signed_value` has it: 0 below the horizon, NaN in every channel where nothing was measured
     Evaluate values;
     bool isotropic = true;
-    std::any own = {};  ///< a std::shared_ptr<const T> of the format's own table, see `own_table`
+    std::shared_ptr<const void> own = {};  ///< the format's own table, a T, see `own_table`
+    std::string_view name_of_own = {};     ///< T::k_name
     std::shared_ptr<const TableFunctions> functions = {};
 };
 
@@ -173,8 +173,7 @@ void exchange(Measured& measured);
 /// The format's own table of a measurement, if it is a `T`; otherwise null.
 template <typename T> const T* own_table(const Measured& measured) {
     const auto* table = std::get_if<EvaluatedTable>(&measured.table);
-    const auto* own = table ? std::any_cast<std::shared_ptr<const T>>(&table->own) : nullptr;
-    return own ? own->get() : nullptr;
+    return table && table->name_of_own == T::k_name ? static_cast<const T*>(table->own.get()) : nullptr;
 }
 /// True if f_r depends only on the difference of the azimuths.
 bool is_isotropic(const Measured& measured);
@@ -238,4 +237,4 @@ Result<Measured> read_measured(std::span<const std::byte> bytes, const std::stri
                                const ReadOptions& options = {});
 Result<Measured> load_measured(const std::string& path, const ReadOptions& options = {});
 
-}  // namespace srbf
+SRBF_END

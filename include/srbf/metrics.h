@@ -8,7 +8,7 @@
 #include "srbf/brdf.h"
 #include "srbf/progress.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Errors of f̂ against f over pairs of directions and channels: R, G, B or any number of them. Pairs where either is
 /// NaN (not measured) are skipped and counted. A ratio is 0 if both of its sums are 0, and infinite if only the
@@ -75,4 +75,4 @@ struct Comparison {
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
                                 const MeasureOptions& options, std::span<const Vec3f> directions);
 
-}  // namespace srbf
+SRBF_END

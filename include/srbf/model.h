@@ -16,7 +16,7 @@
 #include "srbf/models/su.h"
 #include "srbf/result.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 struct PmRequest;  // fit.h
 struct SuRequest;
@@ -92,4 +92,4 @@ std::vector<std::byte> write_stack(const ModelStack& stack);
 /// Errors: as in `read_model`.
 Result<ModelStack> read_stack(std::span<const std::byte> bytes, const std::string& file_name);
 
-}  // namespace srbf
+SRBF_END

@@ -4,7 +4,7 @@
 
 #include "srbf/metrics.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The loss that a fit minimises over the pairs within θmax. Each objective corresponds to a measure of metrics.h.
 enum class Objective {
@@ -38,4 +38,4 @@ enum class StopReason {
 };
 std::string_view name(StopReason reason);
 
-}  // namespace srbf
+SRBF_END

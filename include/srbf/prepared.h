@@ -9,7 +9,7 @@
 #include "srbf/sampling.h"
 #include "srbf/srbf.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The density from which `sample` samples. It refers to data that `brdf` holds.
 const Proposal& proposal(const PreparedBrdf& brdf);
@@ -57,4 +57,4 @@ PreparedBrdf diffuse(Rgb reflectance);
 /// `evaluate` as a function that holds a copy of `brdf`.
 Evaluate evaluator(PreparedBrdf brdf);
 
-}  // namespace srbf
+SRBF_END

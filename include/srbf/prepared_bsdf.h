@@ -5,7 +5,7 @@
 
 #include "srbf/prepared.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A sampled direction to the light, on either side.
 struct BsdfSample {
@@ -65,4 +65,4 @@ ValuePdf value_pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);
 PreparedBsdf prepare_bsdf(const Model& model, const ProposeOptions& options);
 PreparedBsdf prepare_bsdf(const Measured& measured, const ProposeOptions& options);
 
-}  // namespace srbf
+SRBF_END

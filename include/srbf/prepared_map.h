@@ -5,7 +5,7 @@
 #include "srbf/library.h"
 #include "srbf/prepared.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A map (library.h) ready for a renderer. Copies share its data. All functions may be called from several threads
 /// at once.
@@ -29,4 +29,4 @@ PreparedMap prepare_map(const Library& map, const ProposeOptions& options = {});
 /// the mean over the map. Takes a few microseconds.
 PreparedBrdf brdf_at(const PreparedMap& map, Vec2f uv);
 
-}  // namespace srbf
+SRBF_END

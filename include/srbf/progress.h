@@ -6,7 +6,9 @@
 #include <string_view>
 #include <utility>
 
-namespace [[gnu::visibility("default")]] srbf {
+#include "srbf/version.h"
+
+SRBF_BEGIN
 
 struct Progress {
     std::string_view stage;  ///< "growing lobes"
@@ -40,4 +42,4 @@ class ProgressToken {
     double begin_ = 0, length_ = 1;
 };
 
-}  // namespace srbf
+SRBF_END

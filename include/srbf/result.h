@@ -7,7 +7,9 @@
 #include <utility>
 #include <variant>
 
-namespace [[gnu::visibility("default")]] srbf {
+#include "srbf/version.h"
+
+SRBF_BEGIN
 
 /// The kind of an error, for programs that react to it.
 enum class ErrorCode {
@@ -35,6 +37,10 @@ std::string message(const Error& error);
 
 /// Prints `what` to standard error and ends the program: for programming errors that must not pass in any build type.
 [[noreturn]] void misused(std::string_view what);
+/// A function of the host that is called in place of printing. It may throw. If it returns, the program ends.
+using MisuseHandler = void (*)(std::string_view what);
+/// Sets the handler of all threads and returns the one before. Null, the default, prints.
+MisuseHandler set_misuse_handler(MisuseHandler handler);
 
 /// A value or an Error. Dereferencing a Result without a value ends the program with the error's message, in every
 /// build type; so does asking a Result with a value for its error.
@@ -66,4 +72,4 @@ template <typename T> class [[nodiscard]] Result {
 /// The value of a Result that only reports success.
 struct Done {};
 
-}  // namespace srbf
+SRBF_END

@@ -10,7 +10,7 @@
 #include "srbf/model.h"
 #include "srbf/srbf.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 // A *proposal* is a density of light directions that depends on the viewer. It has the functions
 //   sample(proposal, wv, u, selector)   a direction, from a point and a selector of a lobe, all uniform in
@@ -189,4 +189,4 @@ template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposa
     return result;
 }
 
-}  // namespace srbf
+SRBF_END

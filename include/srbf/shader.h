@@ -12,7 +12,7 @@
 #include "srbf/model.h"
 #include "srbf/sampling.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A constant f_r, to measure the cost of a picture without a material.
 struct Flat {
@@ -126,4 +126,4 @@ std::vector<Float4> merl_texels(const BsdfTables& tables);
 /// The size of these tables.
 std::array<std::uint32_t, 3> size_of(const BsdfTables& tables);
 
-}  // namespace srbf
+SRBF_END

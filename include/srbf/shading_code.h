@@ -9,7 +9,7 @@
 #include "srbf/library.h"
 #include "srbf/model.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 enum class CodeLanguage {
     glsl,  ///< OpenGL ES 3.00, which later versions and desktop OpenGL accept as well
@@ -91,4 +91,4 @@ std::string runtime_code();
 /// The numbers that NAME_number of a view-by-view model returns.
 std::vector<float> shading_data(const SuModel& model);
 
-}  // namespace srbf
+SRBF_END

@@ -2,7 +2,9 @@
 #pragma once
 #include <utility>
 
-namespace [[gnu::visibility("default")]] srbf {
+#include "srbf/version.h"
+
+SRBF_BEGIN
 
 /// Refers to a T, which is destroyed with the last of the copies, or to none by default: a std::shared_ptr<const T> for
 /// headers that are compiled often, since <memory> takes longer than they do. The type T counts: it is made with one use,
@@ -27,4 +29,4 @@ template <typename T> class Shared {
     const T* of_ = nullptr;
 };
 
-}  // namespace srbf
+SRBF_END

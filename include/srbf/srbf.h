@@ -10,7 +10,7 @@
 #include "srbf/result.h"
 #include "srbf/vec.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 // Two types hold what functions take and return: a LoadedBrdf is a measurement or a fitted model, as it was read, and a
 // PreparedBrdf is a BRDF ready for a renderer. Copies of either share their content; load.h has that of the first. Both
@@ -47,8 +47,8 @@ Result<std::string> shading_code(const LoadedBrdf& model, const std::string& nam
 
 // ---- Evaluation and sampling ----
 
-// Directions are unit vectors in the local frame and point away from the surface, which is not checked: wl to the light,
-// wv to the viewer. The frame's +z axis is the shading normal. Its +x axis matters to anisotropic BRDFs alone: it is the
+// Directions are unit vectors in the local frame, which debug builds assert, and point away from the surface: wl to the
+// light, wv to the viewer. The frame's +z axis is the shading normal. Its +x axis matters to anisotropic BRDFs alone: it is the
 // tangent from which their data count azimuths. Colours are linear sRGB. Several threads may call all functions of a
 // PreparedBrdf at once, and no result depends on whether the processor flushes subnormal numbers to 0. prepared.h
 // prepares any other BRDF, too.
@@ -96,4 +96,4 @@ ValuePdf value_pdf(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv);
 /// gives 0; above 1 counts as 1.
 Rgb albedo(const PreparedBrdf& brdf, float cos_v);
 
-}  // namespace srbf
+SRBF_END

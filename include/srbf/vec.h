@@ -6,7 +6,7 @@
 
 #include "srbf/elementary.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 inline constexpr double k_pi = 3.14159265358979323846;
 inline constexpr double k_degree = k_pi / 180;
@@ -65,4 +65,4 @@ constexpr double luminance(const Rgb& c) { return 0.2126 * double(c.r) + 0.7152 
 constexpr bool is_finite(float x) { return std::bit_cast<std::uint32_t>(x) << 1 < 0xff000000u; }
 constexpr bool is_finite(const Rgb& c) { return is_finite(c.r) && is_finite(c.g) && is_finite(c.b); }
 
-}  // namespace srbf
+SRBF_END

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A vector that begins at a cache line.
 template <typename T> using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;

@@ -16,7 +16,7 @@
 #include <variant>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 template <typename T> inline constexpr bool is_list = false;
 template <typename T> inline constexpr bool is_list<std::vector<T>> = true;

@@ -2,7 +2,7 @@
 #pragma once
 #include <cstddef>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 inline constexpr std::size_t k_block = 512;  ///< rows per block
 /// Loops process a multiple of this number of rows.

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The words before the texels of a file whose texels are four 16-bit floats: DDS_HEADER with its DDS_PIXELFORMAT, of
 /// Microsoft's "Programming Guide for DDS". `format` stands in the place of the four characters.

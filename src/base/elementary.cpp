@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace srbf::elementary {
+namespace SRBF_NAMESPACE::elementary {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();

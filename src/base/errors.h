@@ -3,7 +3,7 @@
 
 #include "srbf/result.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The error of a computation that was cancelled.
 Error cancelled_error(std::string source);
@@ -24,4 +24,4 @@ Result<Done> require_range(const char* source, const char* what, Number found, N
     return argument_error(source, what, fmt::format("{} to {}", least, most), fmt::format("{}", found));
 }
 
-}  // namespace srbf
+SRBF_END

@@ -13,7 +13,7 @@
 #include "base/system_files.h"
 #include "base/text.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

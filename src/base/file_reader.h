@@ -10,7 +10,7 @@
 #include "base/text.h"
 #include "srbf/result.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 class FileReader {
   public:
@@ -59,4 +59,4 @@ class FileLines {
     Lines lines_;
 };
 
-}  // namespace srbf
+SRBF_END

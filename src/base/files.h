@@ -9,7 +9,7 @@
 
 #include "srbf/file.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 inline constexpr std::uint64_t k_largest_file = std::uint64_t(1) << 34;
 /// So much of a file tells its format.
@@ -62,4 +62,4 @@ inline bool is_safetensors(std::span<const std::byte> bytes) {
     return bytes.size() > 9 && bytes[8] == std::byte('{') && bytes[7] == std::byte(0) && bytes[6] == std::byte(0);
 }
 
-}  // namespace srbf
+SRBF_END

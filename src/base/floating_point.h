@@ -6,7 +6,7 @@
 #include <xmmintrin.h>
 #endif
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Sets the default floating-point mode of IEEE 754 for the current thread: round to nearest, no traps, and subnormal
 /// numbers kept. The destructor restores the caller's mode and exception flags. Implemented for x86 (SSE's MXCSR) and

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 std::uint16_t to_half(float x) { return Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(x)); }
 

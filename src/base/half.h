@@ -2,7 +2,9 @@
 #pragma once
 #include <cstdint>
 
-namespace [[gnu::visibility("default")]] srbf {
+#include "srbf/version.h"
+
+SRBF_BEGIN
 
 inline constexpr float k_half_max = 65504;  ///< the largest finite half
 /// the smallest normal half, which has the full precision of 11 bits
@@ -14,4 +16,4 @@ float from_half(std::uint16_t bits);
 
 inline float round_to_half(float x) { return from_half(to_half(x)); }
 
-}  // namespace srbf
+SRBF_END

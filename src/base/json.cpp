@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 using JsonLibrary = nlohmann::json;

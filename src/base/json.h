@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct JsonValue;
 using JsonList = std::vector<JsonValue>;

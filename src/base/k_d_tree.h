@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Points with `dimensions` coordinates each, in the interface that nanoflann requires.
 template <typename Real, std::size_t dimensions> struct PointCloud {

@@ -3,7 +3,7 @@
 #include "base/parameters.h"
 #include "base/safetensors.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A specialisation for each kind of model M, in src/models/NAME/NAME_kind.h, has
 ///   std::string_view name, words                       the value of `model` in its file's metadata; its name in text

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 // Inner products of float columns are accurate to about 1e-7 of the product of the norms; a ridge of 1e-6 exceeds that.
 constexpr double k_ridge = 1e-6;

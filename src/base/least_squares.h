@@ -2,7 +2,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The x within 0 ≤ x ≤ upper that minimises ½ xᵀGx − gᵀx, with G symmetric and positive semidefinite. An active-set
 /// method from x = 0 (Lawson & Hanson 1974, with bounds as in Stark & Parker 1995). A ridge of 1e-6 of G's diagonal

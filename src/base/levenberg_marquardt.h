@@ -7,7 +7,7 @@
 #include "base/least_squares.h"
 #include "base/step_bounds.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A sum of squares whose linear variables have been eliminated: a function of x only.
 template <typename P>

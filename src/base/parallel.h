@@ -8,7 +8,7 @@
 
 #include "base/floating_point.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Runs body() with `threads` threads, at most as many as the machine has; 0 for as many. (TBB warns about more.)
 template <typename Body> void on_threads(int threads, const Body& body) {

@@ -7,7 +7,7 @@
 
 #include "base/errors.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 const Parameter* ParameterReader::find(std::string_view name) const {
     const auto found = std::ranges::find(all_, name, &Parameter::name);

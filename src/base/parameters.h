@@ -13,7 +13,7 @@
 #include "srbf/result.h"
 #include "srbf/vec.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// An array of numbers in row-major order; a single number has an empty shape.
 struct NumberArray {
@@ -112,4 +112,4 @@ class ParameterReader {
     std::optional<Error> error_;
 };
 
-}  // namespace srbf
+SRBF_END

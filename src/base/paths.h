@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-namespace srbf::system_files {
+namespace SRBF_NAMESPACE::system_files {
 
 #ifdef _WIN32
 inline std::filesystem::path path_of(const std::string& path) { return {std::u8string(path.begin(), path.end())}; }

@@ -6,7 +6,7 @@
 #include <array>
 #include <iterator>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// A character of UTF-8, or one byte that does not belong to a valid character.

@@ -6,7 +6,9 @@
 #include <string>
 #include <string_view>
 
-namespace [[gnu::visibility("default")]] srbf {
+#include "srbf/version.h"
+
+SRBF_BEGIN
 
 /// `text` as one line without control sequences. Tabs and line ends become blanks. A question mark replaces each byte
 /// that is not UTF-8, control (C0, DEL, C1), U+2028, U+2029, direction of writing (such as U+202E), noncharacter, and
@@ -50,4 +52,4 @@ struct ValueRange {
     std::string text() const;
 };
 
-}  // namespace srbf
+SRBF_END

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <mutex>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct ProgressToken::State {
     ProgressCallback callback;

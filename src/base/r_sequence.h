@@ -6,7 +6,7 @@
 
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The R_D sequence, low-discrepancy points in the D-dimensional unit cube: fractional parts of multiples of powers of
 /// 1/g with g^(D+1) = g + 1 (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018), offset by

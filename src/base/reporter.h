@@ -5,7 +5,7 @@
 
 #include "srbf/progress.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Reports the completed share of a stage's work, from any thread.
 class Reporter {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 
@@ -9,7 +10,7 @@
 #include "base/files.h"
 #include "base/printable.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 std::string message(const Error& error) {
     std::string line = error.source;
@@ -38,8 +39,16 @@ Error out_of_memory_error(std::string source) {
     return {std::move(source), {}, "out of memory", {}, {}, ErrorCode::unreadable};
 }
 
+namespace {
+std::atomic<MisuseHandler> misuse_handler = nullptr;
+}
+MisuseHandler set_misuse_handler(MisuseHandler handler) { return misuse_handler.exchange(handler); }
+
 void misused(std::string_view what) {
-    std::fprintf(stderr, "srbf: misuse: %.*s\n", int(what.size()), what.data());
+    if (const MisuseHandler handler = misuse_handler)
+        handler(what);
+    else
+        std::fprintf(stderr, "srbf: misuse: %.*s\n", int(what.size()), what.data());
     std::abort();
 }
 

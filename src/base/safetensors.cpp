@@ -11,7 +11,7 @@
 #include "base/json.h"
 #include "base/text.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr std::uint64_t k_length_bytes = 8;

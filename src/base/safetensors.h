@@ -13,7 +13,7 @@
 #include "base/parameters.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 enum class Type16 { half, count };  // "F16", "U16"
 

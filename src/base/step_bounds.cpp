@@ -7,7 +7,7 @@
 
 #include "base/least_squares.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
                      const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {

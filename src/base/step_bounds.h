@@ -1,7 +1,7 @@
 #pragma once
 #include <Eigen/Dense>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Clamps the components of the step δ = −A⁻¹g that exceed bounds, and solves for the others again.
 void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,

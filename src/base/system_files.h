@@ -25,7 +25,7 @@
 #include <unistd.h>
 #endif
 
-namespace srbf::system_files {
+namespace SRBF_NAMESPACE::system_files {
 
 #ifdef _WIN32
 using Status = struct ::_stat64;

@@ -12,7 +12,7 @@
 
 #include "srbf/result.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 inline std::string_view as_text(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -102,4 +102,4 @@ inline Error at_line(const std::string& file_name, std::uint64_t line, const std
     return {file_name, {}, "line " + std::to_string(line) + ": " + what, std::move(expected), std::move(found)};
 }
 
-}  // namespace srbf
+SRBF_END

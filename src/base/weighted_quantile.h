@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The smallest number for which the weights of all numbers up to it sum to at least `share`, in (0, 1], of all
 /// weights; 0 if there are no numbers. `numbers` are pairs of a number and its weight ≥ 0. Halves them about a median

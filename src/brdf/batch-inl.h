@@ -22,7 +22,7 @@
 #include "srbf/kernel.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;

@@ -5,7 +5,7 @@
 
 #include "srbf/brdf.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The channels R, G and B of `brdf`.
 inline Channels rgb_channels(Evaluate brdf) {
@@ -23,4 +23,4 @@ inline std::vector<Channels> rgb_channels(std::span<const Evaluate> brdfs) {
     return channels;
 }
 
-}  // namespace srbf
+SRBF_END

@@ -5,7 +5,7 @@
 
 #include "srbf/vec.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// CIE 1931 tristimulus values (2° observer); Y of the perfect white reflector is 1.
 struct Xyz {
@@ -49,4 +49,4 @@ inline constexpr std::array<float, 18> k_primary_wavelengths{380, 400, 420, 440,
                                                              560, 580, 600, 620, 640, 660, 680, 700, 720};
 std::array<float, 18> reflectance_spectrum(const Rgb& colour);
 
-}  // namespace srbf
+SRBF_END

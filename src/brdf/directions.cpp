@@ -7,7 +7,7 @@
 #include "srbf/kernel.h"
 #include "srbf/models/su.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Vec3d fibonacci_direction(int i, int n, double theta_max) {
     static const double golden_angle = k_pi * (3 - std::sqrt(5.0));

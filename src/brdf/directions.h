@@ -8,7 +8,7 @@
 
 #include "srbf/vec.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A double uniform in [0,1), the same on every machine.
 inline double uniform(std::mt19937_64& random) { return double(random() >> 11) * 0x1p-53; }
@@ -86,4 +86,4 @@ std::array<double, 3> weighted_sum(std::span<const Rgb> f, std::span<const doubl
 /// True if the sine of the angle between wv and the plane of wl and the normal is at most 0.01: half a degree.
 bool is_in_plane(Vec3f wl, Vec3f wv);
 
-}  // namespace srbf
+SRBF_END

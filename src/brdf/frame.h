@@ -4,7 +4,7 @@
 
 #include "srbf/vec.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Three orthonormal axes.
 struct Frame {
@@ -24,4 +24,4 @@ inline Frame frame_about(Vec3d z, Vec3d up) {
 /// The frame about the unit vector z with some x.
 inline Frame frame_about(Vec3d z) { return frame_about(z, std::abs(z.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}); }
 
-}  // namespace srbf
+SRBF_END

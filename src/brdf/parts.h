@@ -10,7 +10,7 @@
 
 #include "srbf/bsdf.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The part with the light on the other side.
 constexpr Part counterpart(Part part) { return Part(std::size_t(part) ^ 1); }
@@ -96,4 +96,4 @@ inline constexpr std::size_t k_most_beam_rings = 256, k_most_beam_nodes = 2048;
 inline constexpr std::array<std::string_view, k_parts> k_beam_names{"reflection_front", "reflection_back",
                                                                     "transmission", "transmission_back"};
 
-}  // namespace srbf
+SRBF_END

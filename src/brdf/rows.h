@@ -15,7 +15,7 @@
 #include "brdf/parts.h"
 #include "srbf/bsdf.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 inline void add_row(std::string& text, std::string_view name, const std::string& what) {
     fmt::format_to(std::back_inserter(text), "  {:<18}{}\n", printable(name), printable(what));

@@ -7,7 +7,7 @@
 #include "brdf/colour.h"
 #include "srbf/brdf.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// a + share (b − a).
 constexpr Rgb mixed(const Rgb& a, const Rgb& b, float share) {

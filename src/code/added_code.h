@@ -10,7 +10,7 @@
 #include "srbf/prepared.h"
 #include "srbf/shading_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Functions that an extra adds to the code of each model.
 struct AddedCode {

@@ -7,7 +7,7 @@
 #include "code/bsdf_code.h"
 #include "code/syntax.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr const char* k_weights[k_most_blended] = {"weights.x", "weights.y", "weights.z"};

@@ -7,7 +7,7 @@
 #include "code/defined_names.h"
 #include "srbf/shading_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 inline constexpr std::size_t k_most_blended = 3;
 

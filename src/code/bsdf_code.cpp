@@ -7,7 +7,7 @@
 #include "code/syntax.h"
 #include "models/bsdf/bsdf_functions.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 using syntax::Program;

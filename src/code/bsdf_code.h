@@ -8,7 +8,7 @@
 #include "code/syntax.h"
 #include "srbf/shading_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Functions that call those of models.
 struct Caller {

@@ -6,7 +6,7 @@
 
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 class DefinedNames {
   public:

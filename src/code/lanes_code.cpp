@@ -12,7 +12,7 @@
 #include "srbf/kernel.h"
 #include "srbf/models/exponent_terms.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// kernel.glsl reads models by these functions, which runtime_host.h defines.

@@ -7,7 +7,7 @@
 #include "srbf/models/pm.h"
 #include "srbf/sampling.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The definitions that these functions of kernel.glsl need, in C and with this prefix, of numbers or of vectors of
 /// them. Those in `known` are left out, and all are added to it.

@@ -2,7 +2,7 @@
 #include "srbf/load.h"
 #include "srbf/shading_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Result<std::string> shading_code(const LoadedBrdf& model, const std::string& name, std::string_view language) {
     const auto* fitted = std::get_if<Model>(&content(model));

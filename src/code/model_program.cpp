@@ -13,7 +13,7 @@
 #include "sampling/mixture.h"
 #include "srbf/prepared.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 using syntax::Program;

@@ -7,7 +7,7 @@
 #include "code/syntax.h"
 #include "srbf/shading_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The storage of a model's numbers in a program. Numbers of lobes are in a table.
 enum class ParameterStorage {

@@ -7,7 +7,7 @@
 
 #include "srbf/shading_code.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A language and its name for users.
 struct CodeLanguageRow {
@@ -48,4 +48,4 @@ struct CodeModule {
 };
 std::span<const CodeModule> code_modules();
 
-}  // namespace srbf
+SRBF_END

@@ -8,7 +8,7 @@
 #include "code/syntax.h"
 #include "srbf/result.h"
 
-namespace srbf::syntax {
+namespace SRBF_NAMESPACE::syntax {
 namespace {
 
 struct Token {

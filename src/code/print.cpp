@@ -10,7 +10,7 @@
 
 #include "base/printable.h"
 
-namespace srbf::syntax {
+namespace SRBF_NAMESPACE::syntax {
 
 using Word = std::pair<std::string_view, std::string_view>;
 

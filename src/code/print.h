@@ -7,7 +7,7 @@
 #include "code/syntax.h"
 #include "srbf/shading_code.h"
 
-namespace srbf::syntax {
+namespace SRBF_NAMESPACE::syntax {
 
 struct Language;
 

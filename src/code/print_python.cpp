@@ -8,7 +8,7 @@
 
 #include "code/print_python.h"
 
-namespace srbf::syntax {
+namespace SRBF_NAMESPACE::syntax {
 namespace {
 
 using EKind = Expression::Kind;

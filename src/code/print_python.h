@@ -3,7 +3,7 @@
 
 #include "code/syntax.h"
 
-namespace srbf::syntax {
+namespace SRBF_NAMESPACE::syntax {
 
 /// Definitions in Python, which require these names:
 ///   exp, exp2, log, sqrt, inversesqrt, cos, sin, abs, minimum, maximum, dot   on numbers or arrays

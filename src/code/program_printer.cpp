@@ -2,7 +2,7 @@
 
 #include "code/print.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 template <typename Visit> void visit_definitions(const syntax::Program& program, const Visit& visit) {

@@ -10,7 +10,7 @@
 #include "code/syntax.h"
 #include "srbf/shading_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Names of definitions: in the kernel's language, and in the code.
 using Names = std::map<std::string, std::string>;

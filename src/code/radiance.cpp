@@ -11,7 +11,7 @@
 #include "srbf/elementary.h"
 #include "srbf/shading_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "models/openpbr/openpbr_parameters.h"
 #include "srbf/shading_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The items of a list in C, with commas, in lines of 120 columns.

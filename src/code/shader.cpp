@@ -15,7 +15,7 @@
 #include "sampling/mixture.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Vectors of four for the numbers of a node of a mixture.

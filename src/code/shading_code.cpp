@@ -23,7 +23,7 @@
 #include "models/library_file.h"
 #include "srbf/sampling.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The entry functions: their names in the kernel's language, and in the code.

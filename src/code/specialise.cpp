@@ -5,7 +5,7 @@
 
 #include "code/syntax.h"
 
-namespace srbf::syntax {
+namespace SRBF_NAMESPACE::syntax {
 namespace {
 
 using Expressions = std::vector<Expression>;

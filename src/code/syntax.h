@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace srbf::syntax {
+namespace SRBF_NAMESPACE::syntax {
 
 // The language is the subset of GLSL that kernel.glsl uses: numbers, vectors of three and fixed arrays of them,
 // structures, functions without side effects, declarations, assignments, `if`, loops

@@ -7,7 +7,7 @@
 #include "code/print.h"
 #include "code/syntax.h"
 
-namespace srbf::syntax {
+namespace SRBF_NAMESPACE::syntax {
 namespace {
 
 using EKind = Expression::Kind;

@@ -11,7 +11,7 @@
 #include "edit/reshape.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The values of the rough interface itself: GGX facets with Fresnel's reflectance.

@@ -18,7 +18,7 @@
 #include "observe/albedo_bound.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr int k_lobes_of_coat = 3, k_bounded_azimuths = 5;

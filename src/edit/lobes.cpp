@@ -7,7 +7,7 @@
 #include "brdf/values.h"
 #include "observe/bound.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include "srbf/edit.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The shares of lobes that belong to the highlight, and to the body.
 struct HighlightAndBody {

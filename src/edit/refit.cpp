@@ -11,7 +11,7 @@
 #include "models/pm/search/random_lobes.h"
 #include "models/pm/solve/rounding.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Observations of a function without noise: a quarter of those of a measurement.

@@ -2,7 +2,7 @@
 #pragma once
 #include "srbf/edit.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Fits `lobes` lobes to f. It begins with the best of the models `begin`, at least one, all of one form and parameterization:
 /// without the least useful lobes if it has more, and with the best of many random ones if it has fewer. The albedo is at

@@ -2,7 +2,7 @@
 #pragma once
 #include "srbf/edit.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// α of the GGX facets that have the highlight's median slope of half vectors, with light and viewer 30° from the half
 /// vector and across its tilt, where masking hardly matters; 0 if the highlight is black.

@@ -6,7 +6,7 @@
 #include "edit/reshape.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace kernel {
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 using Matrix3 = std::array<std::array<double, 3>, 3>;
 /// factor a b

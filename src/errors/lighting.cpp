@@ -5,7 +5,7 @@
 #include "errors/sphere.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// 0 for x ≤ a, 1 for x ≥ b, and smooth between.

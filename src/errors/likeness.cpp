@@ -10,7 +10,7 @@
 #include "brdf/colour.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 struct Plane {

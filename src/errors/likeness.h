@@ -3,7 +3,7 @@
 
 #include "errors/picture.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Errors of a displayed image (8-bit sRGB) against a reference of the same size, with at least one pixel.
 struct Likeness {
@@ -30,4 +30,4 @@ std::vector<double> flip_map(const Image& reference, const Image& other,
 /// A map in [0, 1] as colours from black over violet and orange to pale yellow.
 Image8 in_false_colours(const std::vector<double>& map, int width, int height);
 
-}  // namespace srbf
+SRBF_END

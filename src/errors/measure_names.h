@@ -4,7 +4,7 @@
 
 #include "srbf/metrics.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Names of a measure in output.
 struct MeasureName {
@@ -24,4 +24,4 @@ inline constexpr std::array<MeasureName, 6> k_measures{{
     {"log10_rms", "RMS of log10 f", &Measures::log10_rms, false, k_log_10},
 }};
 
-}  // namespace srbf
+SRBF_END

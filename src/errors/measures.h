@@ -5,7 +5,7 @@
 
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The number of directions of the matrix of Tsai 2009, the Fibonacci set on the cap θ ≤ θmax.
 inline constexpr int k_matrix_directions = 1536;

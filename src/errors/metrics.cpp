@@ -15,7 +15,7 @@
 #include "errors/picture_errors.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Pairs of directions with weights; a pair of weight 0 is ignored.

@@ -12,7 +12,7 @@
 #include "errors/measure_names.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 static_assert(k_pair_block % (HWY_MAX_BYTES / sizeof(float)) == 0);
@@ -134,7 +134,7 @@ ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 HWY_EXPORT(transform);
 HWY_EXPORT(error_sums);

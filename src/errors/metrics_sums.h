@@ -6,7 +6,7 @@
 #include "errors/measure_names.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A number for each pair of a block, aligned for SIMD.
 struct alignas(64) PairColumn : std::array<float, 256> {};

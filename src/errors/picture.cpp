@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 float exposure_to(const Image& image, double value) {
     std::vector<double> largest_channels;

@@ -6,7 +6,7 @@
 
 #include "srbf/vec.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Pixels in rows, row 0 at the top.
 template <typename Pixel> struct Picture {
@@ -30,4 +30,4 @@ using Image8 = Picture<Rgb8>;
 float exposure_to(const Image& image, double value);
 inline constexpr double k_exposed_quantile = 0.9;
 
-}  // namespace srbf
+SRBF_END

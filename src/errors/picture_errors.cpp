@@ -14,7 +14,7 @@
 #include "errors/sphere.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr double k_most_psnr = 100;  ///< [dB]; the PSNR of equal pictures is infinite

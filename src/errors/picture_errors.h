@@ -9,7 +9,7 @@
 
 #include "srbf/metrics.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 inline constexpr int k_sphere_pixels = 64;  ///< of a picture along a side
 
@@ -51,4 +51,4 @@ std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<co
                                          const ProgressToken& progress = {}, int size = k_sphere_pixels,
                                          bool is_isotropic = false);
 
-}  // namespace srbf
+SRBF_END

@@ -12,7 +12,7 @@
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr int k_source_points = 32;

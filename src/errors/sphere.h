@@ -7,7 +7,7 @@
 #include "errors/picture.h"
 #include "errors/picture_errors.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Distant light on a sphere: a sky, a ground, and sources. World axes: +x to the right, +y up, +z to the viewer.
 struct Lighting {
@@ -50,4 +50,4 @@ PictureErrors picture_errors(const Image& reference, const Image& other);
 /// C_P) of ITU-R BT.2100.
 double delta_e_itp(const Rgb& a, const Rgb& b);
 
-}  // namespace srbf
+SRBF_END

@@ -11,7 +11,7 @@
 #include "models/pm/pm_functions.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The rows of a short fit, and its work.

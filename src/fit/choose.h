@@ -6,7 +6,7 @@
 #include "models/pm/search/fit_pm.h"
 #include "srbf/fit.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 inline constexpr int k_most_chosen_variates = 6;
 /// Returns the error of a model by the objective's measure, for a target ΔE_ITP the mean ΔE_ITP. With `in_short`, a few

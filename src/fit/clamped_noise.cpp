@@ -7,7 +7,7 @@
 
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Neighbours along an azimuth whose mean and variance are compared.

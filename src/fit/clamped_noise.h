@@ -2,7 +2,7 @@
 #pragma once
 #include "srbf/measured.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The standard deviation of the noise of a table's samples [1/sr], of each channel, before those below 0 were set to
 /// 0; 0 of a channel where nothing suggests that: fewer than 1 % of its samples are 0 beside others above 0, or some

@@ -20,7 +20,7 @@
 #include "samples/folds.h"
 #include "samples/observe_samples.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of lobes for the decision whether to fill the gaps between samples.

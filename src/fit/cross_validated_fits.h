@@ -7,7 +7,7 @@
 #include "samples/observe_samples.h"
 #include "srbf/fit.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The options by which a fit of the request observes samples.
 ObserveSamplesOptions observe_options(const FitRequest& request);

@@ -7,7 +7,7 @@
 #include "models/pm/solve/rounding.h"
 #include "observe/bound.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Over 64 blends of five measurements and 64 GGX materials, more candidates or steps lower no mean error by a tenth.

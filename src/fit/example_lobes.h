@@ -8,7 +8,7 @@
 #include "observe/pairs.h"
 #include "srbf/objective.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The lobes of examples, from which fits start in place of a search. Texels of a material are alike, so that the lobes
 /// of one are near those of others, and a few steps from them are enough.

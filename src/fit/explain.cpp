@@ -9,7 +9,7 @@
 #include "observe/objectives.h"
 #include "observe/pair_weights.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// A row of the table of terms: what is an error, and what it costs.

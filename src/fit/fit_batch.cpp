@@ -21,7 +21,7 @@
 #include "srbf/convert.h"
 #include "srbf/sampling.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 Error refused(const char* what, const char* expected, std::string found) {

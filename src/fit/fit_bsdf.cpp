@@ -20,7 +20,7 @@
 #include "srbf/elementary.h"
 #include "srbf/fit_bsdf.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Directions of the pairs at which parts are compared with their counterparts.

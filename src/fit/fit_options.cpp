@@ -14,7 +14,7 @@
 #include "models/su/su_functions.h"
 #include "observe/objectives.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 using Text = std::string_view;

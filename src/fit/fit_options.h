@@ -9,7 +9,7 @@
 
 #include "srbf/fit.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 inline constexpr int k_most_threads = 1024;
 
@@ -40,4 +40,4 @@ using Spelling = std::function<std::string(std::string_view name)>;
 /// that is not accepted; an option that the model does not read; options that exclude each other.
 Result<FitRequest> fit_request(const FitTexts& texts, const Spelling& spelled = {});
 
-}  // namespace srbf
+SRBF_END

@@ -32,7 +32,7 @@
 #include "samples/observe_samples.h"
 #include "srbf/fit.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of held-out pairs for short comparisons in a choice.

@@ -16,7 +16,7 @@
 #include "srbf/elementary.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// More than the distance of most tables' nodes, so that their noise differs.

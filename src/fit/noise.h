@@ -2,7 +2,7 @@
 #pragma once
 #include "srbf/fit.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The noise of f where it is dark, from its second differences over 3° of the light's direction: smooth values have
 /// hardly any, independent noise of variance σ² has 3/2 σ². f may be negative or NaN.

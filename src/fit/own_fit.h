@@ -6,7 +6,7 @@
 
 #include "srbf/fit_bsdf.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A part counts as answered by its counterpart if the squared error ratio between the two is at most this.
 inline constexpr double k_same_part = 1e-4;
@@ -26,4 +26,4 @@ void end_mirrors(Beams& beams, const std::array<Evaluate, k_parts>& parts);
 /// How a part is fitted; null: to its values, as the measurement of a BRDF.
 const OwnFit* own_fit_of(const Measured& part);
 
-}  // namespace srbf
+SRBF_END

@@ -9,7 +9,7 @@
 
 #include "srbf/fit.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The bytes of a `ByteBudget`, and the ΔE_ITP of a `TargetDeltaE`.
 inline constexpr std::size_t k_least_chosen_bytes = 12, k_most_chosen_bytes = 512;
@@ -52,4 +52,4 @@ std::string explain(const FitRequest& request);
 /// the Fibonacci set of k_matrix_directions within θmax [rad].
 std::vector<Vec3f> matrix_directions(const Model& model, double theta_max);
 
-}  // namespace srbf
+SRBF_END

@@ -10,7 +10,7 @@
 #include "models/su/fit_su.h"
 #include "srbf/fit.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Bytes of f at all pairs of n directions in floats.
 constexpr std::uint64_t raw_bytes(std::uint64_t n, std::uint64_t channels = 3) {

@@ -6,7 +6,7 @@
 
 #include "srbf/fit_batch.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Texels that are read and fitted in slabs, so that only one slab of them is in memory.
 struct TexelStream {
@@ -24,4 +24,4 @@ struct TexelStream {
 Result<Done> fit_batch(const SharedPairs& pairs, const TexelStream& texels, const BatchOptions& options,
                        const ProgressToken& progress = {});
 
-}  // namespace srbf
+SRBF_END

@@ -6,7 +6,7 @@
 #include "srbf/elementary.h"
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Bounds denominators, so that the zero vector has the angle 0.
 inline constexpr double k_least_length = 1e-37;

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 static_assert(std::endian::native == std::endian::little, "the formats read here are little-endian");
 

@@ -10,7 +10,7 @@
 
 #include "srbf/measured.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A part of a BSDF without the light that its table keeps as a peak though it is not scattered.
 struct SeparatedBeam {
@@ -35,4 +35,4 @@ struct TableFunctions {
     std::function<std::string()> packed = {};    ///< the table as bytes, for copies in other processes
 };
 
-}  // namespace srbf
+SRBF_END

@@ -13,7 +13,7 @@
 #include "srbf/measured.h"
 #include "srbf/progress.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The source of a table: a BRDF or BSDF, with its properties.
 struct TableSource {
@@ -90,4 +90,4 @@ std::string names_of_formats();
 /// ".bsdf, .mbsdf, ... or .csv": the extensions of formats with a writer.
 std::string extensions_of_formats();
 
-}  // namespace srbf
+SRBF_END

@@ -16,7 +16,7 @@
 #include "srbf/kernel.h"
 #include "srbf/measured.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr std::size_t k_pairs = 16384;

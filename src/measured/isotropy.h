@@ -1,7 +1,7 @@
 #pragma once
 #include "srbf/brdf.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// True if f(Rωl, Rωv) = f(ωl, ωv) for rotations R about the normal, up to rounding or noise, over θ ≤ max_theta [rad]:
 /// the mean squared change of f cosθl cosθv under random rotations is at most 1e-6 of the mean square of f cosθl cosθv,

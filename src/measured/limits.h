@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 inline constexpr std::uint32_t k_largest_dimension = 4096;  ///< the largest dimension of a table
 /// The largest f_r [1/sr]: far above any measurement, while sums and products of such numbers stay finite.

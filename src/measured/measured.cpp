@@ -9,7 +9,7 @@
 #include "measured/readers.h"
 #include "measured/tables.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Quantity quantity_named(std::string_view name) {
     const auto found = std::ranges::find(k_quantities, name);

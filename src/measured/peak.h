@@ -6,7 +6,7 @@
 #include "srbf/brdf.h"
 #include "srbf/measured.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The directions to the viewer at which f is largest.
 enum class PeakPosition {
@@ -44,4 +44,4 @@ Peak peak_of(const Measured& measured);
 /// A sentence about the peak, with a question if the azimuths seem wrong.
 std::string peak_text(const Peak& peak, bool is_transmission = false);
 
-}  // namespace srbf
+SRBF_END

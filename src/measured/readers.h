@@ -9,7 +9,7 @@
 
 #include "srbf/measured.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Reads the bytes of a MERL `.binary`: int32 dimensions, then three planes (R, G, B) of n_h n_d n_p doubles. The
 /// channels are scaled by 1/1500, 1.15/1500, 1.66/1500. A negative or non-finite value means not measured. `file_name`
@@ -67,4 +67,4 @@ Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string
 /// Errors: those of `read_file`.
 Result<std::vector<std::byte>> read_input(const std::string& path, const ReadOptions& options = {});
 
-}  // namespace srbf
+SRBF_END

@@ -11,7 +11,7 @@
 #include "srbf/convert.h"
 #include "srbf/handles.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 bool has_colours(std::span<const float> wavelengths) {
     constexpr float blue = 500, red = 600;

@@ -16,7 +16,7 @@
 #include "srbf/elementary.h"
 #include "srbf/measured.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The numbers of a sample. The two of a polarized one are averaged.
 enum class Values { grey, rgb, xyz, spectrum, polarized };

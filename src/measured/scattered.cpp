@@ -14,7 +14,7 @@
 #include "measured/tables.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include "brdf/directions.h"
 #include "measured/limits.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::size_t bytes,
                                          const std::string& file_name, std::string description, bool isotropic) {

@@ -12,7 +12,7 @@
 #include "measured/limits.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 using Indices = hn::Vec<hn::RebindToSigned<Lanes>>;
@@ -181,7 +181,7 @@ void evaluate_merl(const MerlTable& table, const Vec3f* wl, const Vec3f* wv, Rgb
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 HWY_EXPORT(evaluate_rgl);
 HWY_EXPORT(evaluate_merl);

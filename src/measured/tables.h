@@ -4,7 +4,7 @@
 
 #include "srbf/measured.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 // f_r [1/sr] of unit vectors, which is not checked: 0 if wl.z ≤ 0 or wv.z ≤ 0, and otherwise finite, or NaN in every
 // channel where each function says so. Negative channels occur where a saturated colour lies outside of the gamut.
@@ -48,4 +48,4 @@ double change_by_azimuth(const ScatteredSamples& samples);
 Channels signed_spectra(const Measured& measured);
 Channels signed_spectra(const Measured&&) = delete;
 
-}  // namespace srbf
+SRBF_END

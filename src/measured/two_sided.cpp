@@ -10,7 +10,7 @@
 #include "brdf/parts.h"
 #include "measured/tables.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

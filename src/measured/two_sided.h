@@ -4,7 +4,7 @@
 
 #include "srbf/measured.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// True if two shares of a beam are equal within the accuracy of a fit: 1 % of their mean, or 0.001.
 bool are_same_share(const Rgb& a, const Rgb& b);

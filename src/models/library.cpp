@@ -12,7 +12,7 @@
 #include "models/lobes_file.h"
 #include "models/pm/pm_kind.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// `model` with the lobes of these indices only, and coefficients 0.

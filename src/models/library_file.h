@@ -6,7 +6,7 @@
 
 #include "srbf/library.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Bytes of the shared lobes, and of one material: 6 for each coefficient, and 2 for each index.
 std::size_t basis_bytes(const Library& library);
@@ -25,4 +25,4 @@ LibraryParts parts_of_library(const Library& library, std::size_t texels);
 /// True if these are the bytes of a library.
 bool is_library(std::span<const std::byte> bytes);
 
-}  // namespace srbf
+SRBF_END

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The metadata `srbf` of all files.
 inline constexpr std::string_view k_file_version = "1";

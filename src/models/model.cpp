@@ -20,7 +20,7 @@
 #include "models/range.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 Safetensors content_of(const Model& model);

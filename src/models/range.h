@@ -5,7 +5,7 @@
 #include "srbf/model.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// An error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float, 65504,
 /// which `write_model` stores instead. `source` is that of the error.

@@ -11,7 +11,7 @@
 #include "models/texel.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 std::vector<std::byte> write_stack(const ModelStack& stack) {
     const StandardArithmetic mode;

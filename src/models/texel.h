@@ -2,7 +2,7 @@
 #pragma once
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Model 0..T−1 of a stack's file, with its state and its error in the provenance. Errors: those of read_stack; there
 /// is no such texel.

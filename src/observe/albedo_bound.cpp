@@ -10,7 +10,7 @@
 #include "observe/pairs.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The views have cosθv in steps of a constant factor, from 1 to this. Those of the same cosine share so many

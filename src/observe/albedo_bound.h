@@ -8,7 +8,7 @@
 #include "observe/observations.h"
 #include "srbf/models/pm.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The cost of a bound relative to that of all observed albedos together.
 inline constexpr double k_albedo_bound_cost = 8;

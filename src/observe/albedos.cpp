@@ -9,7 +9,7 @@
 #include "observe/pairs.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// θv of the albedos [degrees], cosθv of those near the horizon, and the number of directions for each.

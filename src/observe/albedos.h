@@ -4,7 +4,7 @@
 
 #include "observe/observations.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The albedos that `observe` lists, up to θmax [rad]. Every second one takes part in a search.
 std::vector<ObservedIntegral> observe_albedos(const Evaluate& f, const ObserveOptions& options, double theta_max);

@@ -8,7 +8,7 @@
 #include "observe/pairs.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 double bound_cosines(Vec3f wl, Vec3f wv) {
     return std::max(double(wl.z), k_brink_cosine) * std::max(double(wv.z), k_brink_cosine);

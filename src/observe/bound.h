@@ -5,7 +5,7 @@
 #include "observe/observations.h"
 #include "srbf/models/pm.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Between the stages, f cosθl cosθv of a fit may reach this multiple of the largest measured value. The documented
 /// limit after rounding is twice that value.

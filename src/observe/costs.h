@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 // Weights of pairs: the loss of a 100 % error everywhere under each term, as a fraction of the same loss under the
 // objective's own weights.

@@ -10,7 +10,7 @@
 #include "observe/pair_weights.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Phases are equal intervals of the phase angle over [0, π].

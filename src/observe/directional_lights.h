@@ -7,7 +7,7 @@
 
 #include "observe/observations.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// With these weights, Σ w |f−f̂|² over the pairs of a phase is the mean squared error of the radiance of a
 /// sphere's picture at that phase, relative to the picture's own, up to a common factor. `solid_angle` is the

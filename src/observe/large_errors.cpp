@@ -5,7 +5,7 @@
 #include "observe/pair_weights.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// For an objective whose weights hold for small errors: the factor that turns the weighted square into the actual

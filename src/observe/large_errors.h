@@ -2,7 +2,7 @@
 #pragma once
 #include "observe/observations.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Models with few parameters, such as Lambert and GGX, leave large residuals. Their weights adapt to them in this
 /// many rounds, each by at most this factor.

@@ -6,7 +6,7 @@
 
 #include "srbf/objective.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 std::span<const Objective> objectives();        ///< all objectives
 std::string_view summary(Objective objective);  ///< what it minimises, a line in ASCII
@@ -14,4 +14,4 @@ std::optional<Objective> objective_named(std::string_view text);
 /// The measure that an objective minimises and by which its fits are judged.
 double Measures::*measure_of(Objective objective);
 
-}  // namespace srbf
+SRBF_END

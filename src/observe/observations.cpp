@@ -8,7 +8,7 @@
 #include "brdf/directions.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 void Observations::add(Vec3f l, Vec3f v, const Rgb& value, double value_weight, std::span<const float> value_spectrum) {
     wl.push_back(l), wv.push_back(v), f.push_back(value), weight.push_back(value_weight);

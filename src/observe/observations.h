@@ -10,7 +10,7 @@
 #include "observe/costs.h"
 #include "srbf/objective.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// An integral of f, as a quadrature: Σ_i weight_i f(wl_i, wv_i). If all wv are equal and the weights are solid
 /// angles times cosθl, it is the directional albedo. If the weights also contain the radiance of a light, it is the

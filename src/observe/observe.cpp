@@ -14,7 +14,7 @@
 #include "observe/pairs.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr double k_least_theta = k_degree;

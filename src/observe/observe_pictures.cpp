@@ -10,7 +10,7 @@
 #include "observe/pairs.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of views, and of points for the extended lights of each. Eight times or half as many of either make no

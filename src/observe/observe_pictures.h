@@ -4,7 +4,7 @@
 
 #include "observe/observations.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Views at points of equal area over the disc of a sphere, under extended and directional lights, none of which is
 /// one of `standard_lightings`. Pairs with a direction beyond θmax [rad] or without a measurement are dark.

@@ -11,7 +11,7 @@
 #include "observe/observations.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 #define SRBF_FN inline

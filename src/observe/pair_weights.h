@@ -10,7 +10,7 @@
 #include "observe/observations.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Definition of an objective: a row of the table in pair_weights.cpp.
 struct ObjectiveTraits {

@@ -4,7 +4,7 @@
 
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 // Angles of the grid [degrees], denser near the normal, the horizon and the plane of incidence.

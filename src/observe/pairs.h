@@ -9,7 +9,7 @@
 #include "base/r_sequence.h"
 #include "brdf/directions.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The angle from the normal up to which a fit is bounded, whatever its θmax. It is close to 90°, where f cosθl
 /// cosθv vanishes.

@@ -13,7 +13,7 @@
 #include "brdf/batch-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 #include "errors/itp.inl"
@@ -82,7 +82,7 @@ void delta_e(const float* reference, const Pixels::Colours& colours, std::size_t
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 double sum_of(std::span<const float> column) {

@@ -6,7 +6,7 @@
 #include "base/aligned.h"
 #include "base/block.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Columns of a block of pixels. Half the gradient of the error with respect to the colour is jacobianᵀ r.
 struct PixelSlopes {

@@ -8,7 +8,7 @@
 #include "brdf/values.h"
 #include "observe/raw_matrix.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// All sampled directions have the same points, each shifted by its own offset: remainders by primes, which differ

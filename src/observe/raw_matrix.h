@@ -8,7 +8,7 @@
 #include "srbf/progress.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct TabulateOptions {
     int directions = 1536;                     ///< n, k_least_views..k_most_views

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Cosines below this count as this.

@@ -2,7 +2,7 @@
 #pragma once
 #include "srbf/brdf.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl) [1/sr]. A table has f as a quotient of what an instrument
 /// received by a cosine; this is the mean of what it received, so that the value with the larger cosine counts most.

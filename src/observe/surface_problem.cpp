@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr std::size_t k_most_surface_pairs = 16384;

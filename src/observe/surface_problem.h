@@ -7,7 +7,7 @@
 #include "observe/observations.h"
 #include "observe/pixels.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The data of a fit, and its loss: the mean of ρ(ΔE_ITP) over pixels (see `Pixels`) plus Σ w |f − f̂|² over pairs, which
 /// are used if no pictures are observed or if they are added. The outputs of a model are the colours of pixels and the

@@ -14,7 +14,7 @@
 #include "srbf/file.h"
 #include "srbf/library.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

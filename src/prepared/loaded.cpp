@@ -7,7 +7,7 @@
 #include "srbf/load.h"
 #include "srbf/prepared.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct LoadedBrdf::Contents {
     AnyBrdf brdf;

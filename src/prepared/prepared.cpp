@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cassert>
 #include <cmath>
 #include <mutex>
 
@@ -16,7 +17,7 @@
 #include "sampling/elevation_nodes.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr int k_albedo_points = 1 << 14;
@@ -185,9 +186,13 @@ Evaluate evaluator(PreparedBrdf brdf) {
 }
 
 LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector) {
+    assert(has_unit_lengths(wv, wv));
     return sample(brdf, proposal(brdf), wv, u, selector);
 }
-float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) { return pdf(proposal(brdf), wl, wv); }
+float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) {
+    assert(has_unit_lengths(wl, wv));
+    return pdf(proposal(brdf), wl, wv);
+}
 ValuePdf value_pdf(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
     if (!above_horizon(wl, wv)) return {};
     return {value(brdf, wl, wv), pdf(proposal(brdf), wl, wv)};

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Lower bound on the probability of a part that reflects or transmits anything, relative to the sum of all.

@@ -9,7 +9,7 @@
 #include "brdf/colour.h"
 #include "models/pm/pm_lanes.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 using Row = MixtureProposal::Row;

@@ -2,7 +2,7 @@
 
 #include "base/errors.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

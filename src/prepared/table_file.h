@@ -6,7 +6,7 @@
 #include "measured/formats.h"
 #include "srbf/load.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// True if a part of it is known, or answered by its counterpart; of a BRDF the front reflection alone.
 bool has_part(const AnyBrdf& brdf, Part part);
@@ -18,4 +18,4 @@ Beams beams_of(const AnyBrdf& brdf);
 /// measurement, a BSDF or beams that files of the format do not hold; it was cancelled.
 Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, const Format& format, const TableOptions& options = {});
 
-}  // namespace srbf
+SRBF_END

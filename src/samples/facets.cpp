@@ -12,7 +12,7 @@
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Roughnesses in half octaves down to 1/1024, as in the scan of Lambert-GGX fits.

@@ -5,7 +5,7 @@
 
 #include "observe/observations.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Lambert and one GGX lobe for each roughness α_r, from 1/1024 to 1 in half octaves: in channel c
 ///   f_c = k_c / π + Σ_r ggx_facets(α_r) (F0_rc (1 − s) + F90_rc s) [1/sr], s = (1 − l·h)⁵.

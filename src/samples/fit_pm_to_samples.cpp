@@ -14,7 +14,7 @@
 #include "samples/fit_pm_to_samples.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 // The quick fit: its error is needed within a factor of about two.

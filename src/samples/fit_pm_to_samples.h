@@ -3,7 +3,7 @@
 #include "models/pm/search/fit_pm.h"
 #include "samples/observe_samples.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct SampleFitOptions {
     PmFitOptions pm;

@@ -14,7 +14,7 @@
 #include "samples/near_samples.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Sorts the groups for the assignment of folds: those within θmax first, then by brightness.

@@ -9,7 +9,7 @@
 #include "srbf/metrics.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Assigns each sample to a fold, 0..k_folds−1, for cross-validation. Samples within `k_group_distance` of each
 /// other form a *group* and belong to the same fold. That includes samples with light and viewer swapped and, for

@@ -19,7 +19,7 @@
 #include "srbf/elementary.h"
 #include "srbf/fit.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Candidates: the two-lobe or the one-lobe prior; used above 5 % of the largest sample or only above it; at full

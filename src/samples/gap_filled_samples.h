@@ -10,7 +10,7 @@
 #include "srbf/models/ggx.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// How the highlights of gap-filled samples continue beyond the samples. Let x be the larger of f A and g_i A, i =
 /// `prior`, divided by `from` times the largest sample. f is blended linearly into `share` times g_i, from x = 1/2

@@ -6,7 +6,7 @@
 
 #include "srbf/measured.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Neighbour search over distinct sample positions. Its cost depends on the samples found, not on how densely they
 /// lie: whole branches of a tree are skipped once all their points have a group.

@@ -15,7 +15,7 @@
 #include "samples/folds.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Bound pairs around the mirror direction: a quarter of a table's number, because each one takes an interpolation.

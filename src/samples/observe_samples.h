@@ -5,7 +5,7 @@
 #include "observe/observations.h"
 #include "samples/gap_filled_samples.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct ObserveSamplesOptions {
     Objective objective = k_default_objective;

@@ -1,7 +1,7 @@
 // Choices by uniform random numbers.
 #pragma once
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The largest float below 1.
 inline constexpr float k_below_one = 0x1.fffffep-1f;

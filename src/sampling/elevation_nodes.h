@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// t = (1 + ∜cosθv − √(1 − cosθv)) / 2 for cosθv in [0, 1]: 0 at the horizon, 1 at the normal. Nodes that are
 /// uniform in t are dense towards the normal, where highlights are, and denser still towards the horizon, where

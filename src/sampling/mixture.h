@@ -7,7 +7,7 @@
 #include "srbf/kernel.h"
 #include "srbf/sampling.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The least weight of the cosine in a mixture.
 inline constexpr float k_least_cosine = 0.02f;
@@ -35,4 +35,4 @@ inline std::array<float, k_node_numbers> numbers_of(const MixtureProposal& propo
     return numbers;
 }
 
-}  // namespace srbf
+SRBF_END

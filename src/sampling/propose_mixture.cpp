@@ -14,7 +14,7 @@
 #include "srbf/kernel.h"
 #include "srbf/sampling.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 // Points for each lobe and view, and steps of the weights: at last, and in the search for shapes.

@@ -7,7 +7,7 @@
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 using K = Kernel<float>;
 }

@@ -18,7 +18,7 @@
 
 #ifndef SRBF_SAMPLING_MIXTURE
 #define SRBF_SAMPLING_MIXTURE
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The parameters of the lobes, as columns: lobes of light directions, then as many lobes of half vectors.
 struct LobeTable {
@@ -44,7 +44,7 @@ struct MixtureView {
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 // A vector of lobes of one kind.
@@ -343,7 +343,7 @@ double compute_slopes(const SamplingPoints& points, const float* lobe_weight, do
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 HWY_EXPORT(mixture_pdf);

@@ -6,7 +6,7 @@
 #include "sampling/mixture.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 using K = Kernel<float>;

@@ -8,7 +8,7 @@
 #include "base/aligned.h"
 #include "srbf/sampling.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The shapes of half-vector lobes, of the even and of the odd ones. They are stretched along the tangent with this
 /// azimuth, or along the plane of incidence if `cosine` and `sine` are both 0.

@@ -13,7 +13,7 @@
 #include "srbf/elementary.h"
 #include "srbf/sampling.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 // The cells are sectors and rings around the mirror direction m, with coordinates `turn` and ρ². `turn` is the

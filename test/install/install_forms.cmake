@@ -1,18 +1,8 @@
 # The library in each other form in which it is configured (alone or with the program, static or shared), used as in
 # install.cmake.
 include(${CMAKE_CURRENT_LIST_DIR}/used.cmake)
-# The library is not compiled again: its files are those of the build, or the shared one is linked of the static one.
-string(REGEX MATCH "^[0-9]+.[0-9]+" interface ${VERSION})
-set(shared_library libsrbf.so.${VERSION})
-if(SHARED)
-  file(COPY ${BUILD}/${shared_library} DESTINATION ${FOLDER})
-elseif(POSITION_INDEPENDENT)
-  run(${COMPILER} -shared -o ${FOLDER}/${shared_library} -Wl,-soname,libsrbf.so.${interface}
-      -Wl,--whole-archive ${BUILD}/libsrbf.a -Wl,--no-whole-archive -ltbb -lhwy -lfmt -lpugixml)
-endif()
-file(CREATE_LINK ${shared_library} ${FOLDER}/libsrbf.so.${interface} SYMBOLIC)
-file(CREATE_LINK ${shared_library} ${FOLDER}/libsrbf.so SYMBOLIC)
-file(GLOB libraries ${FOLDER}/libsrbf.so* ${BUILD}/libsrbf.a ${BUILD}/libsrbf_shader.a ${BUILD}/srbf_runtime.h)
+# The static library is that of the build, without srbf_runtime.h. The shared one is compiled, quickly.
+file(GLOB libraries ${BUILD}/libsrbf.a ${BUILD}/libsrbf_shader.a)
 # configured(BUILD OPTION..)
 function(configured build)
   run(${configure} -S ${SOURCE} -B ${build} -DSRBF_TESTS=OFF -DSRBF_PYTHON=OFF ${ARGN})
@@ -22,12 +12,12 @@ if(NOT SHARED)
   configured(${FOLDER}/library_static -DSRBF_LIBRARY_ONLY=ON)
   used(${FOLDER}/library_static)
 endif()
-if(SHARED OR POSITION_INDEPENDENT)
-  configured(${FOLDER}/library_shared -DSRBF_LIBRARY_ONLY=ON -DBUILD_SHARED_LIBS=ON)
-  used(${FOLDER}/library_shared)
-  configured(${FOLDER}/whole_shared -DBUILD_SHARED_LIBS=ON)
-  used(${FOLDER}/whole_shared library development)  # its program is not built
-endif()
+configured(${FOLDER}/library_shared -DSRBF_LIBRARY_ONLY=ON -DBUILD_SHARED_LIBS=ON -DCMAKE_CXX_FLAGS_RELEASE=-O1)
+run(${CMAKE_COMMAND} --build ${FOLDER}/library_shared)
+used(${FOLDER}/library_shared)
+file(GLOB libraries ${FOLDER}/library_shared/libsrbf*)
+configured(${FOLDER}/whole_shared -DBUILD_SHARED_LIBS=ON)
+used(${FOLDER}/whole_shared library development)  # its program is not built
 
 # What draws with environments, which takes long to filter.
 find_program(XVFB xvfb-run)

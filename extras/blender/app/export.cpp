@@ -19,7 +19,7 @@
 #include "srbf/objective.h"
 #include "srbf/shading_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The subject of a material.

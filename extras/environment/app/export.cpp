@@ -14,7 +14,7 @@
 #include "extras/render/app/path.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 int filter_environment(const ExportCommand& command) {

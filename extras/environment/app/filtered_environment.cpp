@@ -15,7 +15,7 @@
 #include "brdf/values.h"
 #include "src/base/parallel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of samples of K for each texel; small levels, whose kernels are wide, have more. Eight times as many

@@ -7,7 +7,7 @@
 #include "extras/render/environment.h"
 #include "srbf/extended_light.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// An image on the faces of a cube, +x −x +y −y +z −z, each with `side` × `side` texels in rows as in OpenGL and
 /// Direct3D.

@@ -12,7 +12,7 @@
 #include "sampling/elevation_nodes.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 using syntax::Program;

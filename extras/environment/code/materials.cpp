@@ -2,7 +2,7 @@
 
 #include <cctype>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 std::string capitalised(const std::string& name) {
     std::string words;

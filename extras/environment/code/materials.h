@@ -7,7 +7,7 @@
 #include "srbf/model.h"
 #include "srbf/shading_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// "CcIbizaSunset" for "cc_ibiza_sunset".
 std::string capitalised(const std::string& name);

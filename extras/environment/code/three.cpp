@@ -10,7 +10,7 @@
 #include "models/su/su_functions.h"
 #include "srbf/environment_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// With five a frame under an environment takes up to twice the time of MeshStandardMaterial's, with six longer.

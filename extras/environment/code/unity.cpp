@@ -3,7 +3,7 @@
 #include "extras/environment/texts.h"
 #include "srbf/environment_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Result<std::string> unity_shader(std::span<const NamedModel> models, UnityPipeline pipeline, int threads) {
     if (models.size() != 1)

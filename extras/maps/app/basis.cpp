@@ -20,7 +20,7 @@
 #include "srbf/file.h"
 #include "srbf/npy.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 namespace fs = std::filesystem;

@@ -18,7 +18,7 @@
 #include "base/text.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr std::string_view k_mark = "srbf part 1, key ";

@@ -8,7 +8,7 @@
 
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A file OUTPUT.part that records what a long run has done: a line with the key of the work, then records. A
 /// record has its number of bytes and a hash of the key and of all bytes up to its end, so that torn or changed

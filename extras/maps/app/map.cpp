@@ -8,7 +8,7 @@
 #include "base/text.h"
 #include "srbf/basis.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 struct MapOptions {

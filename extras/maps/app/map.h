@@ -7,7 +7,7 @@
 #include "fit/texel_stream.h"
 #include "srbf/fit_batch.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct MapCommand {
     std::string texels, pairs, output;

@@ -24,7 +24,7 @@
 #include "srbf/basis.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of values in memory, and of texels whose coefficients are in a record of the journal, at least 64.

@@ -17,7 +17,7 @@
 #include "fit/texel_stream.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 namespace fs = std::filesystem;

@@ -8,7 +8,7 @@
 #include "brdf/values.h"
 #include "measured/tables.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of candidates for the texels that span the set, and the most values of them in memory.

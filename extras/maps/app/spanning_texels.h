@@ -5,7 +5,7 @@
 #include "extras/maps/app/texels.h"
 #include "srbf/fit_batch.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The values [T, pairs] of at most `most` texels that span the map: of equally spaced ones each is the one farthest from
 /// those chosen before, by cube roots. Values that no other texel is near are NaN. Errors: those of reading.

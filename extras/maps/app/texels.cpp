@@ -9,7 +9,7 @@
 #include "srbf/file.h"
 #include "srbf/npy.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Result<Texels> Texels::open(const std::string& path, std::size_t pairs) {
     const auto beginning = read_part(path, 0, k_most_npy_head);

@@ -9,7 +9,7 @@
 #include "srbf/result.h"
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A file of f_r [1/sr]: float32 [T, M, 3], or [T, M, 1] and [T, M] for grey texels.
 class Texels {

@@ -16,7 +16,7 @@
 #include "extras/render/exr.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 struct PageOptions {

@@ -5,7 +5,7 @@
 #include "extras/render/raster.h"
 #include "srbf/shading_code.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 #ifdef SRBF_RASTER
 Result<std::vector<Rendering>> rasterize_maps(const Scene& scene, std::span<const Library* const> maps, int width,

@@ -8,7 +8,7 @@
 #include "extras/render/tone.h"
 #include "srbf/library.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Renders the scene with each of the maps, linear between texels. Under directional lights alone the levels are those of
 /// `map_ktx2`; under an environment the samples of a pixel are all over it. Requires a mesh with texture coordinates.

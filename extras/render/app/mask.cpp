@@ -25,7 +25,7 @@
 #include <stb/stb_image.h>
 #pragma GCC diagnostic pop
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Result<Image> load_mask(const std::string& path) {
     constexpr std::uint64_t k_most_bytes = std::uint64_t(1) << 29;

@@ -7,7 +7,7 @@
 #include "extras/render/tone.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The numbers of a picture as they are stored: of .png and .jpg 0 to 1, without a conversion of colours; of .exr limited to
 /// this range. Errors: another file, more than 8192 pixels a side.

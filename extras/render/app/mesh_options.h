@@ -5,7 +5,7 @@
 
 #include "app/options.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Options for the mesh of pictures and its upward axis.
 std::vector<Option> add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up);

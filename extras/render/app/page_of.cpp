@@ -14,7 +14,7 @@
 #include "measured/tables.h"
 #include "srbf/convert.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

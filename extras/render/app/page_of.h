@@ -6,7 +6,7 @@
 #include "app/load.h"
 #include "extras/render/page.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The page material of a subject: its plots, and for a model also its picture and parameters.
 PageMaterial shown(const Subject& subject);

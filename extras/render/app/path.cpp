@@ -5,7 +5,7 @@
 #include "brdf/frame.h"
 #include "extras/render/room.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr Rgb k_ground{0.35f, 0.35f, 0.35f};  // reflectance

@@ -10,7 +10,7 @@
 #include "app/load.h"
 #include "extras/render/path.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Materials that a mask mixes, see `MaskedMaterials`.
 struct MaskedSubjects {

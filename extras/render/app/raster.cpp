@@ -5,7 +5,7 @@
 
 #include "extras/render/raster.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Result<Material> material_of(const Subject& subject) { return material_of(subject.content, subject.path); }
 

@@ -12,7 +12,7 @@
 #include "extras/render/tone.h"
 #include "srbf/sampling.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The material of a subject in OpenGL. Errors: an anisotropic measurement.
 Result<Material> material_of(const Subject& subject);

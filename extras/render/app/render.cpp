@@ -25,7 +25,7 @@
 #include "extras/render/tone.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 struct RenderCommand {

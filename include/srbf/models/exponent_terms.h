@@ -5,7 +5,9 @@
 #include <optional>
 #include <string_view>
 
-namespace [[gnu::visibility("default")]] srbf {
+#include "srbf/version.h"
+
+SRBF_BEGIN
 
 /// A term κ_jk x_k(wl, wv) of the exponent of lobe j. The feature x_k is line k of `pm_further_features` in
 /// kernel.glsl.
@@ -75,4 +77,4 @@ constexpr std::optional<PmForm> form_named(std::string_view text) {
     return std::nullopt;
 }
 
-}  // namespace srbf
+SRBF_END

@@ -7,7 +7,7 @@
 
 #include "srbf/brdf.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A diffuse term and one or two microfacet lobes, isotropic and reciprocal:
 ///   ρ(wl,wv) = kd/π + Σ_i D_i G_i (F0_i + (F90_i − F0_i)(1 − l·h)⁵) / (4 cosθl cosθv) [1/sr],
@@ -40,4 +40,4 @@ Rgb value(const GgxModel& model, Vec3f wl, Vec3f wv);
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const GgxModel& model);
 
-}  // namespace srbf
+SRBF_END

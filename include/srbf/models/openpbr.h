@@ -6,7 +6,7 @@
 
 #include "srbf/brdf.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The parameters of OpenPBR Surface 1.1 that an opaque surface has, with the specification's names and defaults
 /// (Academy Software Foundation 2025): fuzz over a coat over a base that blends a metal with a dielectric over rough
@@ -60,4 +60,4 @@ Rgb value(const OpenPbrModel& model, Vec3f wl, Vec3f wv);
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const OpenPbrModel& model);
 
-}  // namespace srbf
+SRBF_END

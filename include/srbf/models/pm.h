@@ -7,7 +7,7 @@
 #include "srbf/brdf.h"
 #include "srbf/models/exponent_terms.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The parameterization of a variate, ψ(wl, wv) = normalize(a wl + b wv), with (a, b) finite and not (0, 0).
 struct Parameterization {
@@ -60,4 +60,4 @@ constexpr std::size_t auxiliary_bytes(const PmModel&) { return 0; }
 /// `model` with every number rounded to its stored precision: read_model(write_model(model)).
 PmModel rounded(const PmModel& model);
 
-}  // namespace srbf
+SRBF_END

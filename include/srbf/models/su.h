@@ -9,7 +9,7 @@
 
 #include "srbf/brdf.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Which of the two directions is sampled; the lobes are functions of the other one.
 enum class Discretise { view, light };
@@ -67,4 +67,4 @@ Rgb value(const SuModel& model, Vec3f wl, Vec3f wv);
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const SuModel& model);
 
-}  // namespace srbf
+SRBF_END

@@ -7,7 +7,7 @@
 #include "measured/samples.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include "measured/readers.h"
 #include "measured/samples.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <cctype>
 #include <utility>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

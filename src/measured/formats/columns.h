@@ -8,7 +8,7 @@
 
 #include "measured/samples.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// One of the angles of a sample: a column or a constant.
 struct AngleColumn {

@@ -20,7 +20,7 @@
 #include "srbf/elementary.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

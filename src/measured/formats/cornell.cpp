@@ -4,7 +4,7 @@
 #include "measured/readers.h"
 #include "measured/samples.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

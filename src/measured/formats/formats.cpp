@@ -15,7 +15,7 @@
 #include "measured/samples.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

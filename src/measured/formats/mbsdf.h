@@ -2,7 +2,7 @@
 #pragma once
 #include <string_view>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The first line, and the lines at the head of a block. Reflection has two alternatives.
 inline constexpr std::string_view k_mbsdf_magic = "NVIDIA ARC MBSDF V1", k_mbsdf_reflection = "MBSDF_DATA_REFLECTION=",

@@ -4,7 +4,7 @@
 #include "srbf/elementary.h"
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The factors from numbers of the file to f_r [1/sr].
 inline constexpr std::array<double, 3> k_merl_channel_scale{1.0 / 1500, 1.15 / 1500, 1.66 / 1500};

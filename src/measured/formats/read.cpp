@@ -9,7 +9,7 @@
 #include "measured/samples.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The first bytes in hexadecimal, by which a reader of the error may know the format.

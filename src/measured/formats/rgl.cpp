@@ -13,7 +13,7 @@
 #include "measured/samples.h"
 #include "measured/tables.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include "measured/formats.h"
 #include "measured/tables.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 template <typename Table> Result<Measured> measurement_of(Result<Table> table) {
     if (!table) return table.error();
@@ -41,7 +41,7 @@ EvaluatedTable evaluated_as(std::string_view format, const std::shared_ptr<const
         for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(*table, wl[i], wv[i]);
     };
     evaluated.isotropic = is_isotropic(*table);
-    evaluated.own = table;
+    evaluated.own = table, evaluated.name_of_own = Table::k_name;
     evaluated.functions = std::make_shared<const TableFunctions>(std::move(functions));
     return evaluated;
 }

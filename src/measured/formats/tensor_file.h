@@ -17,7 +17,7 @@
 #include "measured/bytes.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 inline constexpr std::string_view k_tensor_magic("tensor_file\0", 12);
 /// Limits far above those of any measurement.

@@ -13,7 +13,7 @@
 #include "srbf/file.h"
 #include "srbf/measured.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -8,7 +8,7 @@
 
 #include "srbf/measured.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A position on a uniform grid: between nodes `first` and `first + 1`, with the fraction in [0, 1].
 struct GridPosition {

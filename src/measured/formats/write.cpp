@@ -6,7 +6,7 @@
 #include "measured/samples.h"
 #include "srbf/convert.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include "measured/formats.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Result<std::vector<std::byte>> write_as_merl(const TableSource& source, const TableOptions& options);
 Result<std::vector<std::byte>> write_as_rgl(const TableSource& source, const TableOptions& options);

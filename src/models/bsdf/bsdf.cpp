@@ -12,7 +12,7 @@
 #include "srbf/elementary.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Rgb value(const BsdfModel& model, Vec3f wl, Vec3f wv) { return value(model.part, wl, wv); }
 

@@ -5,7 +5,7 @@
 
 #include "srbf/model.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 void evaluate(const BsdfModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 bool is_isotropic(const BsdfModel& model);
@@ -14,4 +14,4 @@ std::size_t payload_bytes(const BsdfModel& model);
 std::size_t payload_bytes(const Beam& beam);
 std::size_t auxiliary_bytes(const BsdfModel& model);
 
-}  // namespace srbf
+SRBF_END

@@ -4,7 +4,7 @@
 #include "models/bsdf/bsdf_functions.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Adds a part's tensors and metadata to `content`, with the part's name as prefix.
 void add_part(const Safetensors& tensors, Part part, Safetensors& content);

@@ -10,7 +10,7 @@
 #include "models/bsdf/bsdf_kind.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 std::string Kind<BsdfModel>::summary(const BsdfModel&) { return "bsdf"; }
 

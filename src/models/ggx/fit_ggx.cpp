@@ -17,7 +17,7 @@
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 // For given roughness the model is linear in kd and F0_i of each channel and in F90_i of all channels. At an

@@ -11,7 +11,7 @@
 #include "models/ggx/ggx_kind.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 using Formula = Kernel<float>;

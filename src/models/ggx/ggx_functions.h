@@ -5,7 +5,7 @@
 
 #include "srbf/models/ggx.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 void evaluate(const GgxModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 inline bool is_isotropic(const GgxModel&) { return true; }
@@ -14,4 +14,4 @@ inline std::size_t payload_bytes(const GgxModel& model) { return 2 * (3 + 5 * mo
 constexpr std::size_t auxiliary_bytes(const GgxModel&) { return 0; }
 GgxModel rounded(const GgxModel& model);
 
-}  // namespace srbf
+SRBF_END

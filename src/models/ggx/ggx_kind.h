@@ -8,7 +8,7 @@
 #include "srbf/models/ggx.h"
 #include "srbf/progress.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 template <> struct Kind<GgxModel> {
     static constexpr std::string_view name = GgxRequest::k_name, words = "Lambert and GGX";

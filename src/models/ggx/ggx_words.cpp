@@ -7,7 +7,7 @@
 #include "models/ggx/ggx_kind.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 std::string number_of_lobes(const GgxModel& model) { return model.lobes.size() == 1 ? "one lobe" : "two lobes"; }

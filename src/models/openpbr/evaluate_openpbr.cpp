@@ -12,7 +12,7 @@
 #include "models/openpbr/openpbr_functions.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 using Formula = Formulas<Batch, PmModel>;
@@ -54,7 +54,7 @@ void evaluate_surface(const OpenPbrModel& model, const Vec3f* wl, const Vec3f* w
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 HWY_EXPORT(evaluate_surface);
 

@@ -14,7 +14,7 @@
 #include "observe/pair_weights.h"
 #include "observe/surface_problem.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// A parameter that fits vary, and the kinds of surface that have it.

@@ -9,7 +9,7 @@
 #include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_parameters.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 std::optional<OpenPbrSurfaceKind> openpbr_surface_named(std::string_view name) {
     const auto found = std::ranges::find(k_openpbr_surfaces, name);

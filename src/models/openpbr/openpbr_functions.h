@@ -5,7 +5,7 @@
 
 #include "srbf/models/openpbr.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 void evaluate(const OpenPbrModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 inline bool is_isotropic(const OpenPbrModel& model) { return model.specular_roughness_anisotropy == 0; }
@@ -14,4 +14,4 @@ std::size_t payload_bytes(const OpenPbrModel& model);
 constexpr std::size_t auxiliary_bytes(const OpenPbrModel&) { return 0; }
 OpenPbrModel rounded(const OpenPbrModel& model);
 
-}  // namespace srbf
+SRBF_END

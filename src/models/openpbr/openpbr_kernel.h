@@ -4,7 +4,7 @@
 #include "srbf/kernel.h"
 #include "srbf/models/openpbr.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 inline Kernel<float>::OpenPbrSurface kernel_surface(const OpenPbrModel& model) {
     const auto colour = [](const Rgb& c, float weight = 1) { return Vec3f{weight * c.r, weight * c.g, weight * c.b}; };

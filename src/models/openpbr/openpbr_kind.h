@@ -9,7 +9,7 @@
 #include "srbf/models/openpbr.h"
 #include "srbf/progress.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 template <> struct Kind<OpenPbrModel> {
     static constexpr std::string_view name = OpenPbrRequest::k_name, words = "surface of OpenPBR";

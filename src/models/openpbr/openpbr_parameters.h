@@ -7,7 +7,7 @@
 
 #include "srbf/models/openpbr.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A parameter of `OpenPbrModel`: its name, its range, and which member it is.
 struct OpenPbrParameter {
@@ -64,4 +64,4 @@ inline constexpr std::array<std::string_view, 3> k_openpbr_surfaces{"openpbr", "
 constexpr std::string_view name(OpenPbrSurfaceKind kind) { return k_openpbr_surfaces[std::size_t(kind)]; }
 std::optional<OpenPbrSurfaceKind> openpbr_surface_named(std::string_view name);
 
-}  // namespace srbf
+SRBF_END

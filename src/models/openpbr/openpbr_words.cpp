@@ -9,7 +9,7 @@
 #include "models/openpbr/openpbr_parameters.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 std::vector<float> numbers_of(const OpenPbrModel& model, const OpenPbrParameter& parameter) {

@@ -19,7 +19,7 @@
 #include "models/pm/pm_functions.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 // Two batches processed together, which hides latency.
@@ -266,7 +266,7 @@ PairEvaluator pair_evaluator(const PmLanes& model) {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 HWY_EXPORT(evaluate);
 HWY_EXPORT(pair_evaluator);

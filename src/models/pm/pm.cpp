@@ -7,7 +7,7 @@
 #include "models/pm/pm_functions.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 static_assert(k_terms.size() == SRBF_TERMS);
 

@@ -14,7 +14,7 @@
 #include "models/pm/pm_functions.h"
 #include "models/pm/pm_kind.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Maps −0 to 0, the same azimuth, so that a model that was read is written with the same bytes.

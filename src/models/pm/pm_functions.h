@@ -6,7 +6,7 @@
 
 #include "srbf/models/pm.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The colour (`to_rgb`) of each of the spectra, which are stored contiguously.
 std::vector<Rgb> colours(std::span<const float> spectra, std::span<const float> wavelengths);
@@ -29,4 +29,4 @@ constexpr std::size_t payload_bytes(PmForm form, bool axial, bool log_scale, int
     return 2 * std::size_t(lobes * of_lobe + 2 * variates);
 }
 
-}  // namespace srbf
+SRBF_END

@@ -7,7 +7,7 @@
 #include "models/pm/pm_functions.h"
 #include "srbf/models/pm.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 template <> struct Kind<PmModel> {
     static constexpr std::string_view name = "pm", words = "multivariate";

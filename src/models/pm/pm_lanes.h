@@ -9,7 +9,7 @@
 
 #include "srbf/models/pm.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The numbers of a multivariate model as kernel.glsl expects them, with exponents to base 2. Lobes form groups of
 /// eight, so that a vector with up to eight lanes loads as many lobes at once. Padding lobes contribute 0.

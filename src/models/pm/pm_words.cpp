@@ -15,7 +15,7 @@
 #include "srbf/elementary.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Lists the factors of a lobe other than its variates.

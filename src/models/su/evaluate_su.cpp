@@ -15,7 +15,7 @@
 #include "models/su/su_functions.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 void evaluate_run(const SuModel& model, const ViewNeighbours& neighbours, const Vec3f* w, Rgb* f, std::size_t count) {
@@ -43,7 +43,7 @@ void evaluate_run(const SuModel& model, const ViewNeighbours& neighbours, const 
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 HWY_EXPORT(evaluate_run);

@@ -14,7 +14,7 @@
 #include "models/su/su_functions.h"
 #include "observe/pair_weights.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of consecutive views in a chain: each view is fitted from the previous one, the first from scratch.

@@ -7,7 +7,7 @@
 #include "srbf/progress.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct SuFitOptions {
     int lobes = 8;  ///< J, 1..k_most_view_lobes

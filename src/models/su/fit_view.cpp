@@ -7,7 +7,7 @@
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Bounds on the steps of Levenberg-Marquardt: from a neighbour's lobes, from scratch, and after a lobe was replaced.

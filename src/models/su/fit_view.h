@@ -7,7 +7,7 @@
 #include "base/levenberg_marquardt.h"
 #include "models/su/view_problem.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct ViewFit {
     std::vector<ViewLobe> lobes;

@@ -3,7 +3,7 @@
 #include "srbf/kernel.h"
 #include "srbf/models/su.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Sampled views with weights that sum to 1.
 struct ViewNeighbours {

@@ -10,7 +10,7 @@
 #include "observe/pair_weights.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Bounds a lobe's maximum over the hemisphere times the cosine there, relative to the largest such product that was

@@ -3,7 +3,7 @@
 #include "models/su/view_problem.h"
 #include "observe/raw_matrix.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The rows of a raw matrix for each sampled direction, with the weights of an objective.
 class SampledViews {

@@ -8,7 +8,7 @@
 #include "models/su/su_kind.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The direction at which lobes are evaluated, and the one that was sampled.

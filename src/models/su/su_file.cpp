@@ -10,7 +10,7 @@
 #include "brdf/values.h"
 #include "models/su/su_functions.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 // A centre is stored by its angles relative to the mirror direction of its view. Near the highlight these are small,

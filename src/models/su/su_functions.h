@@ -9,7 +9,7 @@
 
 #include "srbf/models/su.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// In SIMD over consecutive pairs that share the sampled direction. Within 1e-4 of `value` or 1e-6 of the model's peak.
 void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
@@ -47,4 +47,4 @@ NearestViews nearest_views(const SuModel& model, Vec3f w);
 /// The texture of nearest views; `size` 0: `default_size`.
 IndexTexture index_texture(const SuModel& model, DirectionMap map, int size = 0);
 
-}  // namespace srbf
+SRBF_END

@@ -6,7 +6,7 @@
 #include "models/su/su_functions.h"
 #include "srbf/models/su.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 template <> struct Kind<SuModel> {
     static constexpr std::string_view name = "su", words = "view by view";

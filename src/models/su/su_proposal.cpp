@@ -10,7 +10,7 @@
 #include "sampling/choice.h"
 #include "srbf/sampling.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 using SuKernel = Kernel<float>;

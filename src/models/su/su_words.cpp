@@ -9,7 +9,7 @@
 #include "models/su/su_kind.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 std::string Kind<SuModel>::summary(const SuModel& model) {
     return fmt::format("su, {} lobes for each of {} directions to the {}, interpolation {}", model.lobes,

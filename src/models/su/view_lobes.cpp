@@ -10,7 +10,7 @@
 #include "brdf/batch-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 Vec3<Batch> load(const DirectionRows& rows, std::size_t i) {
@@ -51,7 +51,7 @@ void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 HWY_EXPORT(view_exponents);
 HWY_EXPORT(derive);

@@ -7,7 +7,7 @@
 #include "models/pm/solve/columns.h"
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Directions as an array for each component, padded to whole blocks.
 struct DirectionRows {

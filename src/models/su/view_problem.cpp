@@ -9,7 +9,7 @@
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// A lobe may peak between the rows. If less than a quarter of its peak is on them, its bound is lowered accordingly.

@@ -6,7 +6,7 @@
 #include "models/pm/solve/coefficients.h"
 #include "models/su/view_lobes.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The nonlinear parameters of a lobe.
 struct ViewLobe {

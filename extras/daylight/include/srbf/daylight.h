@@ -9,7 +9,7 @@
 #include "srbf/fit_bsdf.h"
 #include "srbf/measured.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// A division of the hemisphere into patches, after Klems ("A new method for predicting the solar heat gain of
 /// complex fenestration systems", 1994). Rings of polar angles are divided into patches of equal width; the first
@@ -50,6 +50,7 @@ AngleBasis klems_basis(KlemsBasis basis);
 /// patch corresponds to the view direction (−x, y, z). So the mirror direction lies in the same patch. Look-up is
 /// constant over patches.
 struct KlemsTable {
+    static constexpr std::string_view k_name = "KlemsTable";
     AngleBasis incident, outgoing;
     std::vector<Rgb> cells;    ///< f [1/sr] without the beam, outgoing × incident
     std::vector<Rgb> beam;     ///< for each incident patch, the share of light in a peak within one patch; or empty
@@ -90,6 +91,7 @@ struct TensorTree {
 /// f [1/sr] is the leaf of `y` at x. Its colour has the chromaticity CIE 1976 u′, v′; (4/19, 9/19), equal energy,
 /// is white.
 struct TreeTable {
+    static constexpr std::string_view k_name = "TreeTable";
     TensorTree y;
     std::vector<TensorTree> chromaticity;  ///< u′ and v′; empty: grey
 };
@@ -155,4 +157,4 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
 /// anisotropic, and the sums of `f` and the part's beam for light from the middles of these patches.
 std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate& f, const Beams& beams, Part part);
 
-}  // namespace srbf
+SRBF_END

@@ -9,7 +9,7 @@
 #include "srbf/extended_light.h"
 #include "srbf/shading_code.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Functions that are added to those of `shading_code`. "environment", "environment-draws" and "area" of
 /// `CodeOptions::with` select the first members; the functions below select the others too.
@@ -80,4 +80,4 @@ Result<std::string> unity_shader(std::span<const NamedModel> models, UnityPipeli
 Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file,
                                      int threads = 0);
 
-}  // namespace srbf
+SRBF_END

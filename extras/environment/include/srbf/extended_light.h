@@ -7,7 +7,7 @@
 
 #include "srbf/prepared.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The lobes of f(wl, wv) cosθl as a function of the light wl, for views wv at some cosines to the normal:
 ///   f cosθl ≈ Σ_k weight_k K(roughness_k, axis_k · wl)
@@ -84,4 +84,4 @@ struct SharedLight {
 /// radiance: its coefficients are therefore typical ones.
 SharedLight shared_light(const PmModel& model, const ExtendedLightOptions& options = {});
 
-}  // namespace srbf
+SRBF_END

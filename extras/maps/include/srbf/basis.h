@@ -12,7 +12,7 @@
 #include "srbf/progress.h"
 #include "srbf/result.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 struct BasisOptions {
     PmForm form = PmForm::extended;  ///< not reciprocal
@@ -78,4 +78,4 @@ struct TexelCoefficients {
 TexelCoefficients fit_texels_to_basis(const Library& basis, const SharedPairs& pairs, std::span<const Rgb> f,
                                       int threads = 0);
 
-}  // namespace srbf
+SRBF_END

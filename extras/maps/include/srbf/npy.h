@@ -8,7 +8,7 @@
 
 #include "srbf/result.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// The head of a file of float32 numbers in C order. The file has the magic "\x93NUMPY", a version, the length of
 /// the header, the header (a Python dictionary of descr, fortran_order and shape), and the numbers.
@@ -21,4 +21,4 @@ struct NpyHead {
 Result<NpyHead> read_npy_head(std::span<const std::byte> beginning, std::uint64_t size, const std::string& file_name);
 inline constexpr std::size_t k_most_npy_head = 4096;
 
-}  // namespace srbf
+SRBF_END

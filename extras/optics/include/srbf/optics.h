@@ -10,7 +10,7 @@
 
 #include "srbf/measured.h"
 
-namespace [[gnu::visibility("default")]] srbf {
+SRBF_BEGIN
 
 /// Scatter on grids of angles, in the form of Zemax and Speos. For each rotation of the sample and each angle of
 /// incidence, a slice has values at polar angles and azimuths around the mirror direction of the light or around
@@ -24,6 +24,7 @@ namespace [[gnu::visibility("default")]] srbf {
 /// interpolates values at the same position relative to the mirror direction. It is constant before the first and
 /// after the last angle of incidence. Beyond the angles of a slice nothing was measured.
 struct ScatterTable {
+    static constexpr std::string_view k_name = "ScatterTable";
     struct Slice {
         float theta_l = 0;                  ///< [rad]
         std::vector<float> polar, azimuth;  ///< [rad], rising; azimuths up to π are mirrored at the plane of incidence
@@ -68,4 +69,4 @@ std::string write_speos(std::span<const ScatterTable* const> tables);
 /// Writes isotropic samples as a table of ASAM OpenMATERIAL 3D. Colours become the smoothest spectra
 /// (`reflectance_spectrum`).
 std::string write_openmaterial(const ScatteredSamples& samples);
-}  // namespace srbf
+SRBF_END

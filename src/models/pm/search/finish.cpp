@@ -17,7 +17,7 @@
 #include "observe/pair_weights.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 constexpr int k_bound_rounds = 12;

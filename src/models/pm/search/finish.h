@@ -4,7 +4,7 @@
 #include "models/pm/search/fit_pm.h"
 #include "models/pm/solve/lobes.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Factors of the terms other than that of the pairs, see RowOptions.
 struct TermFactors {

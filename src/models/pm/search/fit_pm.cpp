@@ -14,7 +14,7 @@
 #include "observe/directional_lights.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 std::string_view name(StopReason reason) {
     switch (reason) {

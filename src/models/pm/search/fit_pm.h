@@ -10,7 +10,7 @@
 #include "srbf/progress.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 struct PmFitOptions {
     PmForm form = PmForm::extended;

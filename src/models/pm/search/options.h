@@ -8,7 +8,7 @@
 #include "models/pm/solve/lobes.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 inline LobeShape shape_of(const PmFitOptions& options) {
     return {options.form, options.variates, options.axial, options.finest};

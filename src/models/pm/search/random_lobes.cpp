@@ -6,7 +6,7 @@
 #include "brdf/directions.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of random lobes from which the best is added.

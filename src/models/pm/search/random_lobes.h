@@ -5,7 +5,7 @@
 
 #include "models/pm/solve/lobes.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The random generator of one of the streams of a start: 0 for its growth, 1 for its polish, 2 + i for
 /// perturbation i.

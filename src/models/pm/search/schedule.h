@@ -8,7 +8,7 @@
 
 #include "models/pm/search/options.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The work of a stage on each of its candidates.
 enum class StageKind {

@@ -6,7 +6,7 @@
 #include "base/levenberg_marquardt.h"
 #include "brdf/directions.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Numbers of steps: after each grown lobe except the last; after the last one; on new rows; after a perturbation.

@@ -8,7 +8,7 @@
 #include "models/pm/search/random_lobes.h"
 #include "models/pm/solve/lobe_problem.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A candidate of the search.
 struct Candidate {

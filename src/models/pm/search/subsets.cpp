@@ -12,7 +12,7 @@
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Maximum number of exceeded bound pairs that are added for each candidate.

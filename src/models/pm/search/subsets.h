@@ -5,7 +5,7 @@
 #include "models/pm/search/schedule.h"
 #include "models/pm/search/search.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The first observations, in colours: for the search, for the selection, and for the polish. From stage to stage,
 /// observations are added at which candidates exceeded the measurement.

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Maximum number of steps with pixels. Steps end when the predicted decrease of the loss is below a fraction

@@ -3,7 +3,7 @@
 #include "base/least_squares.h"
 #include "models/pm/solve/pixel_term.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Coefficients β_jc of J lobes in C channels, 0 ≤ β_jc ≤ limit_jc, that minimise Σ_c |y_c − Σ_j β_jc E_j|² plus a
 /// term of pixels. They are eliminated from the problem by variable projection.

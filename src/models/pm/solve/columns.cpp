@@ -10,7 +10,7 @@
 #include "brdf/batch-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 // Four vectors are processed together, so that a weight is broadcast and a column addressed only once for all four.
@@ -210,7 +210,7 @@ void add_products(std::span<const float* const> rows, std::span<const float* con
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 HWY_EXPORT(exponent);
 HWY_EXPORT(exponentiate);

@@ -7,7 +7,7 @@
 
 #include "base/block.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 // All arrays hold k_block numbers and are aligned for SIMD. Only the first `count`, a multiple of k_row_multiple,
 // are computed.

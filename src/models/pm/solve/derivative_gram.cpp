@@ -4,7 +4,7 @@
 
 #include "models/pm/solve/columns.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 DerivativeGram::DerivativeGram(LobeBasis& basis, const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
                                const Aligned<float>& residuals)

@@ -6,7 +6,7 @@
 
 #include "models/pm/solve/derivative_sums.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The sums of `DerivativeSums` for lobes that are a sum over sides: the products of all columns with one another. The
 /// columns are E_j and its derivatives by its weights, for each lobe; the columns of angles; and the residuals.

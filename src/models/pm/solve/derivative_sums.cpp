@@ -6,7 +6,7 @@
 
 #include "models/pm/solve/columns.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// Number of pairs of lobes processed together, so that their products stay in the cache.

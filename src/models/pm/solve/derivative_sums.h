@@ -6,7 +6,7 @@
 
 #include "models/pm/solve/lobe_basis.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The coefficients β of lobes, in multiples of `unit`, and the columns from which the derivatives by an angle are
 /// combined: one for each channel, or one for each lobe if there are fewer lobes than channels.

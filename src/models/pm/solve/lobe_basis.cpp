@@ -7,7 +7,7 @@
 #include "models/pm/solve/row_features.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 LobeBasis::LobeBasis(const Rows& rows, const LobeShape& shape, bool parallel)
     : rows_(rows),

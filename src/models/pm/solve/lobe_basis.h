@@ -6,7 +6,7 @@
 #include "models/pm/solve/lobes.h"
 #include "models/pm/solve/rows.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The values √w E_j of lobes on all rows, and the factors of their derivatives: E_j s_i with respect to weight i
 /// of lobe j, and Σ_j E_j p_jn·∂ψ_n/∂angle with respect to angle n. Each is a sum over the sides of the shape.

@@ -10,7 +10,7 @@
 #include "models/pm/solve/derivative_sums.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 LobeProblem::LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel, double log_peak_limit)
     : rows_(rows),

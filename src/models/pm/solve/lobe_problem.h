@@ -7,7 +7,7 @@
 #include "models/pm/solve/coefficients.h"
 #include "models/pm/solve/lobe_basis.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Σ w |f − Σ_j β_j E_j|² over C channels and the rows of pairs, plus the squares of the sums of integrals, plus
 /// the term of pixels if the rows have views. The variables are x = (angles, weights); the `Coefficients` β are

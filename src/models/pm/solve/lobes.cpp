@@ -6,7 +6,7 @@
 #include "base/half.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Eigen::VectorXd pack(const Lobes& lobes) {
     Eigen::VectorXd x(Eigen::Index(lobes.angle.size() + lobes.weight.size()));

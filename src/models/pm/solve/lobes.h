@@ -8,7 +8,7 @@
 #include "srbf/model.h"
 #include "srbf/models/exponent_terms.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// Structure of the lobes of a fit.
 struct LobeShape {

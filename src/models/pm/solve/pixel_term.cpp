@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "models/pm/solve/columns.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 void CoefficientTerms::eliminate(Eigen::MatrixXd& H_x, Eigen::VectorXd& g_x) const {
     if (free.empty()) return;

@@ -6,7 +6,7 @@
 
 #include "models/pm/solve/lobe_basis.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// A sum to second order in the coefficients, in the order of β's columns.
 struct CoefficientTerms {

@@ -8,7 +8,7 @@
 #include "models/pm/pm_functions.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 Parameterization rounded_direction(double angle) {
     const double a = elementary::cos(angle), b = elementary::sin(angle);

@@ -2,7 +2,7 @@
 #pragma once
 #include "models/pm/solve/lobe_problem.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The (a, b) in 16-bit floats whose direction is nearest to (cos angle, sin angle). Their scale is free, so that
 /// the larger one may be any of the 1024 halves of a binade. The error is below 3e-5; plain rounding has 3e-4.

@@ -7,7 +7,7 @@
 #include "brdf/batch-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace HWY_NAMESPACE {
 
 Vec3<Batch> direction(const std::array<Aligned<float>, 3>& w, std::size_t i) {
@@ -49,7 +49,7 @@ void further_features(const Rows& rows, std::size_t block, int count, float* fea
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 HWY_EXPORT(variate_features);
 HWY_EXPORT(further_features);

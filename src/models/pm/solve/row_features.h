@@ -2,7 +2,7 @@
 #pragma once
 #include "models/pm/solve/rows.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 // Arrays hold k_block numbers and are aligned for SIMD; the first `rows_in` of the block are computed.
 

@@ -7,7 +7,7 @@
 
 #include "models/pm/solve/columns.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// A search uses every ninth node of an integral.

@@ -13,7 +13,7 @@
 #include "observe/observations.h"
 #include "observe/pixels.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// The parts of the observations that Rows hold.
 struct RowOptions {

@@ -8,7 +8,7 @@
 #include "models/pm/solve/rounding.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 /// The cost of an error of a lobe's colour, compared with that of an error of its spectrum. It is small, so that the

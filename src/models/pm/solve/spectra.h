@@ -4,7 +4,7 @@
 #include "observe/observations.h"
 #include "srbf/models/pm.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 /// `model`, a fit to the colours of these spectral observations, with a coefficient ≥ 0 for each wavelength. Lobes and
 /// colours remain: with the fundamental of a lobe's spectrum, which is its component that has a colour, only the other

@@ -12,7 +12,7 @@
 #include "measured/tables.h"
 #include "srbf/elementary.h"
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 
 namespace {
 

@@ -1,7 +1,7 @@
 """Shaders for engines that no test runs compile with stand-ins for the engines' names: python3 test/engine_shaders.py GLSLANG.
 
-The stand-ins have the types that the engines' documentation gives. URP's Light lacks its direction, which is `half`. The shaders for Unity
-are compiled by their passes and stages, as HLSL; that for Godot as GLSL. test/hosts/engine_shaders.py runs both.
+The stand-ins have the types that the engines' documentation gives. URP's Light lacks its direction, which is `half`. The shader for Unity
+is compiled by its passes and stages, as HLSL; that for Godot as GLSL. test/hosts/engine_shaders.py runs both.
 """
 import os
 import re
@@ -10,37 +10,6 @@ import sys
 import tempfile
 
 root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
-BUILT_IN = """
-#ifndef UNITY
-#define UNITY
-#define fixed min16float
-#define UNITY_PI 3.14159265359
-#define UNITY_SPECCUBE_LOD_STEPS 6
-#define UNITY_FOG_COORDS(n) float fogCoord : TEXCOORD##n;
-#define UNITY_SHADOW_COORDS(n) float4 _ShadowCoord : TEXCOORD##n;
-#define UNITY_INITIALIZE_OUTPUT(type, name) name = (type)0;
-#define UNITY_TRANSFER_SHADOW(o, uv) o._ShadowCoord = mul(unity_WorldToShadow, mul(unity_ObjectToWorld, v.vertex)) + uv.x;
-#define UNITY_TRANSFER_FOG(o, position) o.fogCoord = position.z;
-#define UNITY_APPLY_FOG_COLOR(coord, colour, fog) colour.rgb = lerp(fog.rgb, colour.rgb, saturate(coord));
-#define UNITY_APPLY_FOG(coord, colour) UNITY_APPLY_FOG_COLOR(coord, colour, unity_FogColor)
-#define UNITY_LIGHT_ATTENUATION(name, input, position) fixed name = input._ShadowCoord.x + 0 * position.x;
-#define UNITY_SAMPLE_TEXCUBE_LOD(name, direction, level) name.SampleLevel(sampler##name, direction, level)
-struct appdata_full { float4 vertex : POSITION; float3 normal : NORMAL; float4 texcoord1 : TEXCOORD1; };
-cbuffer Unity : register(b0) {
-    float4x4 unity_ObjectToWorld, unity_MatrixVP, unity_WorldToShadow;
-    float4 unity_SpecCube0_HDR, unity_FogColor, unity_Ambient, _WorldSpaceLightPos0, _LightColor0;
-    float3 _WorldSpaceCameraPos;
-};
-TextureCube unity_SpecCube0 : register(t1);
-SamplerState samplerunity_SpecCube0 : register(s2);
-float4 UnityObjectToClipPos(float4 p) { return mul(unity_MatrixVP, mul(unity_ObjectToWorld, p)); }
-float3 UnityObjectToWorldNormal(float3 n) { return mul((float3x3)unity_ObjectToWorld, n); }
-float3 UnityWorldSpaceViewDir(float3 p) { return _WorldSpaceCameraPos - p; }
-float3 UnityWorldSpaceLightDir(float3 p) { return _WorldSpaceLightPos0.xyz - p * _WorldSpaceLightPos0.w; }
-half3 ShadeSH9(half4 n) { return unity_Ambient.rgb * n.w; }
-half3 DecodeHDR(half4 texel, half4 hdr) { return texel.rgb * hdr.x; }
-#endif
-"""
 URP = """
 #ifndef UNITY
 #define UNITY
@@ -85,9 +54,7 @@ int GetPerObjectLightIndex(uint i) { return int(i); }
 uint GetAdditionalLightsCount() { return uint(unity_Lights); }
 #endif
 """
-PACKAGE = "Packages/com.unity.render-pipelines.universal/ShaderLibrary/"
-# Of each shader for Unity: the stand-ins, and the files in which it expects them.
-FOR_UNITY = {"film_built_in": (BUILT_IN, ("UnityCG.cginc", "Lighting.cginc", "AutoLight.cginc")), "film": (URP, (PACKAGE + "Core.hlsl", PACKAGE + "Lighting.hlsl"))}
+INCLUDED = [f"Packages/com.unity.render-pipelines.universal/ShaderLibrary/{name}.hlsl" for name in ("Core", "Lighting")]
 GODOT = """#version 330
 vec3 ALBEDO, DIFFUSE_LIGHT, SPECULAR_LIGHT = vec3(0.0);
 float SPECULAR, METALLIC, ROUGHNESS, ATTENUATION = 1.0;
@@ -110,23 +77,20 @@ def read(*path):
         return file.read()
 
 
-def compile_unity(glslang, work, shader):
+def compile_unity(glslang, work):
     """Compiles each stage of each pass, to work/passI.STAGE.spv, and returns the number of passes."""
-    names, files = FOR_UNITY[shader]
-    for name in files:
+    for name in INCLUDED:
         os.makedirs(os.path.dirname(os.path.join(work, name)), exist_ok=True)
         with open(os.path.join(work, name), "w", encoding="utf-8") as file:
-            file.write(names)
-    text = read("data", "ready", shader + ".shader")
-    shared = "".join(re.findall(r"^ *CGINCLUDE\n(.*?)^ *ENDCG", text, flags=re.M | re.S))
-    passes = re.findall(r"^ *(?:CG|HLSL)PROGRAM\n(.*?)^ *END(?:CG|HLSL)", text, flags=re.M | re.S)
+            file.write(URP)
+    passes = re.findall(r"^ *HLSLPROGRAM\n(.*?)^ *ENDHLSL", read("data", "ready", "film.shader"), flags=re.M | re.S)
     for i, of_pass in enumerate(passes):
         for stage, pragma in (("vert", "#pragma vertex vert"), ("frag", "#pragma fragment frag")):
             assert pragma in of_pass
             path = os.path.join(work, f"pass{i}.{stage}")
             for keyword in ["", *sorted(set(re.findall("_FORWARD_PLUS|_MAIN_LIGHT_SHADOWS_SCREEN", of_pass)))]:
                 define = f"#define {keyword}\n" if keyword else ""
-                compile_text(glslang, path + ".hlsl", "#extension GL_GOOGLE_include_directive : enable\n" + define + shared + of_pass, "-D", "-V", "-S", stage,
+                compile_text(glslang, path + ".hlsl", "#extension GL_GOOGLE_include_directive : enable\n" + define + of_pass, "-D", "-V", "-S", stage,
                              "-e", stage, "-o", path + ("2" if keyword else "") + ".spv", f"-I{work}")
     return len(passes)
 
@@ -140,7 +104,6 @@ def godot_text():
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as work:
-        for shader in FOR_UNITY:
-            print(f"Unity, {shader}.shader: {compile_unity(sys.argv[1], work, shader)} passes compile")
+        print(f"Unity: {compile_unity(sys.argv[1], work)} passes compile")
         compile_text(sys.argv[1], os.path.join(work, "film.frag"), godot_text())
         print("Godot 4: compiles")

@@ -73,7 +73,7 @@ def under(light, around):
         block = np.concatenate([np.zeros(48), ones, ones, around * ones, lamp.LAMP, [0], light / np.pi * ones, [0, 0, lamp.DISTANCE, 0]])
         numbers, tint = gl.buffer(block.astype("f4").tobytes()), gl.buffer(ones.astype("f4").tobytes())
         cube = gl.texture_cube((1, 1), 4, np.full(24, around, "f4").tobytes(), dtype="f4")
-        for name, of, binding in (("Unity", numbers, 0), ("_Global", tint, 1), ("UnityPerMaterial", tint, 1)):
+        for name, of, binding in (("Unity", numbers, 0), ("UnityPerMaterial", tint, 1)):
             if name in shader:
                 shader[name].binding = binding
                 of.bind_to_uniform_block(binding)
@@ -86,11 +86,9 @@ with tempfile.TemporaryDirectory() as folder:
     model = Path(folder, "film.srbf")
     subprocess.run([program, "fit", data / "cc_ibiza_sunset_rgb.bsdf", "-o", model], check=True, stdout=subprocess.DEVNULL)
     exact = lamp.reference(program, model, folder)
-    unity = {}
-    for shader in shaders.FOR_UNITY:
-        shaders.compile_unity(glslang, folder, shader)
-        subprocess.run([spirv_cross, f"{folder}/pass0.frag.spv", "--version", "450", "--no-es", "--output", f"{folder}/unity.glsl"], check=True)
-        unity[shader] = Path(folder, "unity.glsl").read_text(encoding="utf-8")
+    shaders.compile_unity(glslang, folder)
+    subprocess.run([spirv_cross, f"{folder}/pass0.frag.spv", "--version", "450", "--no-es", "--output", f"{folder}/unity.glsl"], check=True)
+    unity = Path(folder, "unity.glsl").read_text(encoding="utf-8")
 sphere = Sphere()
 in_godot, albedo = sphere.drawn(GODOT, shaders.godot_text())
 failures = 0
@@ -102,13 +100,11 @@ def check(good, text):
     failures += not good
 
 
-pictures = {"Godot 4": in_godot, **{f"Unity, {shader}": sphere.drawn(UNITY, text, under(lamp.IRRADIANCE, 0))[0] for shader, text in unity.items()}}
-for name, drawn in pictures.items():
+for name, drawn in {"Godot 4": in_godot, "Unity": sphere.drawn(UNITY, unity, under(lamp.IRRADIANCE, 0))[0]}.items():
     picture = np.zeros_like(exact)
     picture[sphere.inside] = drawn
     error = lamp.apart(picture, exact)
     check(error <= lamp.WITHIN, f"shader for {name}, with stand-ins: film {error:.2f}")
-for shader, text in unity.items():
-    around = np.abs(sphere.drawn(UNITY, text, under(0, 1))[0] - np.minimum(albedo, 1)).max()
-    check(around < 0.01, f"shader for Unity, {shader}, in white surroundings: differs from the albedo by {around:.4f} at most")
+around = np.abs(sphere.drawn(UNITY, unity, under(0, 1))[0] - np.minimum(albedo, 1)).max()
+check(around < 0.01, f"shader for Unity in white surroundings: differs from the albedo by {around:.4f} at most")
 sys.exit(bool(failures))

@@ -20,10 +20,9 @@ NUMBER = re.compile(r"-?\d+\.\d+(?:e[-+]?\d+)?")
 MEASURED = data / "cc_ibiza_sunset_rgb.bsdf"
 MODEL = ["export", "film.srbf", "--to"]
 COMMANDS = [["fit", MEASURED, "-o", "film.srbf"], [*MODEL, "three", "-o", "film.js"], ["export", "film.bsdf", "--to", "blender", "-o", "film.py"],
-            [*MODEL, "html", "--reference", MEASURED, "-o", "page.html"], [*MODEL, "unity", "-o", "film.shader"], [*MODEL, "unity-built-in", "-o", "film_built_in.shader"],
+            [*MODEL, "html", "--reference", MEASURED, "-o", "page.html"], [*MODEL, "unity", "-o", "film.shader"],
             [*MODEL, "glsl", "--with", "albedo", "-o", "film.gdshaderinc"]]
-KEPT = {"film.js": data / "ready", "film.py": data / "ready", "film.html": data / "ready", "film.shader": data / "ready", "film_built_in.shader": data / "ready",
-        "film.gdshaderinc": root / "examples/hosts/godot4"}
+KEPT = {"film.js": data / "ready", "film.py": data / "ready", "film.html": data / "ready", "film.shader": data / "ready", "film.gdshaderinc": root / "examples/hosts/godot4"}
 
 
 def text_of(path):

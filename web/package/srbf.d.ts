@@ -44,7 +44,7 @@ export interface Report {
   smoothed?: Seen;
 }
 
-export type Language = "glsl" | "hlsl" | "wgsl" | "msl" | "c" | "three" | "three-webgpu" | "unity" | "unity-built-in";
+export type Language = "glsl" | "hlsl" | "wgsl" | "msl" | "c" | "three" | "three-webgpu" | "unity";
 
 /** A measurement or a model. */
 export interface Brdf {

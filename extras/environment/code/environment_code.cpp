@@ -192,11 +192,8 @@ AddedCode light_functions(const CodeOptions& options) {
     return code.environment || code.draws || code.area ? added_of(code, options) : AddedCode{};
 }
 
-Result<std::string> for_unity_6(std::span<const NamedModel> models, std::string_view, int threads) {
-    return unity_shader(models, UnityPipeline::universal, threads);
-}
-Result<std::string> for_unity_built_in(std::span<const NamedModel> models, std::string_view, int threads) {
-    return unity_shader(models, UnityPipeline::built_in, threads);
+Result<std::string> for_unity(std::span<const NamedModel> models, std::string_view, int threads) {
+    return unity_shader(models, threads);
 }
 
 }  // namespace
@@ -239,8 +236,7 @@ const CodeExtra& code_of_environment() {
           "NAME.ktx2 beside it, one with coefficients from textures; of a BSDF each part is a material",
           three_module, three_map_module},
          {"three-webgpu", "such a module of models for the WebGPURenderer of three.js", three_webgpu_module, nullptr},
-         {"unity", "a shader for the Universal Render Pipeline of Unity 6, not run in Unity", for_unity_6, nullptr},
-         {"unity-built-in", "such a shader for the built-in render pipeline", for_unity_built_in, nullptr}},
+         {"unity", "a shader for the Universal Render Pipeline of Unity 6, not run in Unity", for_unity, nullptr}},
         light_functions};
     return extra;
 }

@@ -1,11 +1,11 @@
-// Models as shaders of Unity.
+// Models as shaders for the Universal Render Pipeline of Unity.
 #include "extras/environment/code/materials.h"
 #include "extras/environment/texts.h"
 #include "srbf/environment_code.h"
 
 namespace SRBF_NAMESPACE {
 
-Result<std::string> unity_shader(std::span<const NamedModel> models, UnityPipeline pipeline, int threads) {
+Result<std::string> unity_shader(std::span<const NamedModel> models, int threads) {
     if (models.size() != 1)
         return Error{"unity", {}, "models", "one", std::to_string(models.size()), ErrorCode::argument};
     if (const auto valid = check_materials(models); !valid) return valid.error();
@@ -13,7 +13,7 @@ Result<std::string> unity_shader(std::span<const NamedModel> models, UnityPipeli
     const auto functions =
         environment_code(models, name, {.language = CodeLanguage::hlsl, .threads = threads}, {.environment = true});
     if (!functions) return functions.error();
-    std::string text = pipeline == UnityPipeline::universal ? k_unity_urp_text : k_unity_built_in_text;
+    std::string text = k_unity_urp_text;
     replace_all(text, "$NAME", name);
     replace_all(text, "$TITLE", capitalised(name));
     replace_all(text, "$FUNCTIONS", *functions);

@@ -69,11 +69,10 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
 /// Such a module for the WebGPURenderer (run with release 185). Its classes extend MeshStandardNodeMaterial. Errors:
 /// those of `shading_code`.
 Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std::string_view prefix, int threads = 0);
-enum class UnityPipeline { universal, built_in };
-/// One model as a shader of Unity, whose name is Measured/Film or Measured/Film (URP) for "film". It reflects lamps with
-/// their shadows, the reflection probe, ambient light and light probes. It was not run in Unity. Errors: those of
-/// `shading_code`, a number of models that is not 1.
-Result<std::string> unity_shader(std::span<const NamedModel> models, UnityPipeline pipeline, int threads = 0);
+/// One model as a shader for the Universal Render Pipeline of Unity 6, whose name is Measured/Film (URP) for "film". It
+/// reflects lamps with their shadows, the reflection probe, ambient light and light probes. It was not run in Unity.
+/// Errors: those of `shading_code`, a number of models that is not 1.
+Result<std::string> unity_shader(std::span<const NamedModel> models, int threads = 0);
 /// A dense library (library.h) as a module for WebGLRenderer. It has a class, FilmMaterial for "film", whose `coefficients` are
 /// a texture, and a function `loadCoefficients` that reads the texture from a KTX 2 file, by default `file` beside
 /// the module. Errors: those of `map_code`.

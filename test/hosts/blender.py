@@ -191,7 +191,7 @@ with tempfile.TemporaryDirectory() as folder:
     kept, ready = Path(__file__).resolve().parents[2] / "data/ready", f"{folder}/ready.py"
     for name, material in {"film.blend": "film", "library.blend": "Ibiza Sunset film"}.items():
         Path(ready).write_text(READY.replace("FILE", repr(str(kept / name))).replace("NAME", repr(material)))
-        apart = delta_e(drawn_by_cycles(ready, f"{folder}/lit.exr", LAMP)[inside], formula(str(kept / "film.py"))[inside])
+        apart = delta_e(drawn_by_cycles(ready, f"{folder}/lit.exr", LAMP)[inside], formula(script)[inside])
         expect(apart <= FORMULA_WITHIN, f"{name}: Cycles against the formula {apart:.2f}")
     measured, shader, scene = data / f"rgl/{MATERIALS[0]}.bsdf", f"{folder}/film.osl", f"{folder}/film_osl.py"
     print(run("export", measured, "--to", "osl", "-o", shader).strip())

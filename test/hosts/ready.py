@@ -19,10 +19,10 @@ program, data = Path(sys.argv[1]).resolve(), root / "data"
 NUMBER = re.compile(r"-?\d+\.\d+(?:e[-+]?\d+)?")
 MEASURED = data / "cc_ibiza_sunset_rgb.bsdf"
 MODEL = ["export", "film.srbf", "--to"]
-COMMANDS = [["fit", MEASURED, "-o", "film.srbf"], [*MODEL, "three", "-o", "film.js"], ["export", "film.bsdf", "--to", "blender", "-o", "film.py"],
+COMMANDS = [["fit", MEASURED, "-o", "film.srbf"], [*MODEL, "three", "-o", "film.js"],
             [*MODEL, "html", "--reference", MEASURED, "-o", "page.html"], [*MODEL, "unity", "-o", "film.shader"],
             [*MODEL, "glsl", "--with", "albedo", "-o", "film.gdshaderinc"]]
-KEPT = {"film.js": data / "ready", "film.py": data / "ready", "film.html": data / "ready", "film.shader": data / "ready", "film.gdshaderinc": root / "examples/hosts/godot4"}
+KEPT = {"film.js": data / "ready", "film.html": data / "ready", "film.shader": data / "ready", "film.gdshaderinc": root / "examples/hosts/godot4"}
 
 
 def text_of(path):
@@ -64,7 +64,6 @@ def check_page(path):
 
 
 with tempfile.TemporaryDirectory() as folder:
-    shutil.copy(MEASURED, Path(folder, "film.bsdf"))
     for command in COMMANDS:
         subprocess.run([program, *command], cwd=folder, check=True, stdout=subprocess.DEVNULL)
     Path(folder, "film.html").write_text(packed(Path(folder, "page.html").read_text(encoding="utf-8")), encoding="utf-8")

@@ -93,19 +93,6 @@ def by_c(example, code, picture):
     np.save(picture, np.frombuffer(pixels, np.float32).reshape(lamp.SIZE, lamp.SIZE, 3))
 
 
-def by_godot(example, code, picture):
-    """Draws by the project of an example, in a copy of it."""
-    folder = Path(picture).parent
-    for file in example.iterdir():
-        shutil.copy(file, folder)
-    environment = {**os.environ, "HOME": str(folder), "LC_ALL": "C.UTF-8"}
-    done = subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 640x480x24", "godot3", "--path", folder, "-s", "sphere.gd", "--audio-driver", "Dummy",
-                           folder / "picture"], capture_output=True, text=True, env=environment, timeout=600)
-    if not (folder / "picture").exists():
-        raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])
-    np.save(picture, np.fromfile(folder / "picture", np.float32).reshape(lamp.SIZE, lamp.SIZE, 4)[..., :3])
-
-
 def by_filament(example, code, picture):
     """Compiles the material and the program of an example, and draws in a display of its own."""
     folder = Path(picture).parent
@@ -148,17 +135,12 @@ def hosts():
         yield name, texts and chromium() and re.search(r"REVISION = '(\w+)'", texts["three.core.js"])[1], ("--to", kind), ".js", by_page(flags, texts)
     bundle = babylon()
     yield ("babylon", bundle and chromium() and re.search(r'"(7\.\d+\.\d+)"', bundle)[1], ("--to", "glsl"), ".glsl", by_page(WEBGL, {"babylon.js": bundle}))
-    godot = shutil.which("godot3") and shutil.which("xvfb-run") and subprocess.run(["godot3", "--version"], capture_output=True, text=True).stdout.strip()
-    yield "godot3", godot, ("--to", "glsl"), ".glsl", by_godot
     filament = Path(FILAMENT).exists() and all(map(shutil.which, ("matc", "xvfb-run"))) and subprocess.run(
         ["dpkg-query", "-W", "-f", "${Version}", "libfilament-dev"], capture_output=True, text=True).stdout
     yield "filament", filament, ("--to", "glsl"), ".glsl", by_filament
-    yield "panda3d", of("panda3d"), ("--to", "glsl"), ".glsl", by_script
     yield "materialx", of("materialx", "MaterialX", "moderngl"), ("--to", "glsl"), ".glsl", by_script
-    yield "pygfx", of("pygfx"), ("--to", "wgsl"), ".wgsl", by_script
     yield "slang", of("slangpy"), ("--to", "hlsl", "--with", "sampling"), ".hlsl", by_slang
     yield "radiance", of("pyradiance"), ("--to", "radiance"), ".cal", by_script
-    yield "raysect", of("raysect"), ("--to", "c"), ".h", by_script
     yield "mitsuba", of("mitsuba", "mitsuba", "srbf"), None, ".srbf", by_script
 
 

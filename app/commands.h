@@ -45,7 +45,6 @@ inline Check png_name() {
 
 // Each function adds its subcommand. If it is chosen, parsing runs it and stores its exit status in `status`.
 void add_fit(CommandLine& app, int& status);
-void add_explain(CommandLine& app, int& status);
 void add_info(CommandLine& app, int& status);
 void add_eval(CommandLine& app, int& status);
 void add_compare(CommandLine& app, int& status);

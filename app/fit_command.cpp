@@ -69,7 +69,7 @@ void add_former(const Subcommand& sub) {
     sub.add_former({"--pairs", "--texels", "--slab", "--width"}, "an option of srbf map TEXELS.npy --pairs P.csv");
     sub.add_former({"--basis", "--active"},
                    "srbf basis INPUT.. --lobes J --active K -o LIBRARY; of texels, srbf map --basis J");
-    sub.add_former({"--explain"}, "srbf explain");
+    sub.add_former({"--explain"}, "docs/fitting.md, which has the terms and the stages");
     sub.add_former({"--target-error"}, "--target-delta-e, the visible error, or --budget");
     sub.add_former({"--reciprocal"}, "nothing: the default is reciprocal; and --as-measured for the table as it is");
     sub.add_former({"--between"}, "512 directions in every fit");

@@ -62,7 +62,6 @@ void add_subcommands(CommandLine& app, int& status) {
         .type_name("MB")
         .check(within<int>(64, 1'000'000'000));
     add_fit(app, status);
-    add_explain(app, status);
     add_info(app, status);
     add_eval(app, status);
     add_compare(app, status);

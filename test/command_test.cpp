@@ -316,12 +316,12 @@ TEST_F(WithModel, completions_and_the_manual_agree_with_help) {
         return text;
     };
     EXPECT_TRUE(offered("srbf re").starts_with("render"));
-    EXPECT_EQ(offered("srbf ex"), "explain export\n");
+    EXPECT_EQ(offered("srbf ex"), "export\n");
     EXPECT_EQ(offered("srbf fit --model ''"), "pm su ggx openpbr\n");
     EXPECT_EQ(offered("srbf fit --ob"), "--objective\n");
     EXPECT_EQ(offered("srbf --max"), "--max-memory\n");
     EXPECT_EQ(offered("srbf --max-memory ''"), "\n");
-    EXPECT_EQ(offered("srbf --max-memory 500 ex"), "explain export\n");
+    EXPECT_EQ(offered("srbf --max-memory 500 ex"), "export\n");
     EXPECT_EQ(offered("srbf --max-memory 500 fit --ob"), "--objective\n");
     EXPECT_EQ(offered("srbf fit pap"), "\n");  // a file: bash's own completion
 }

@@ -110,7 +110,7 @@ TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
     expect_failure(2, {"convert", "m.binary", "-o", "x.csv", "--rgb-alone"}, "--rgb-alone: only with an output .bsdf");
     expect_failure(2, {"convert", "m.binary", "-o", "x.mbsdf", "--directions", "9"}, "only with an output .csv");
     expect_failure(2, {"export", "m.srbf", "--to", "html", "-o", "x.html", "--up", "z"}, "--up: only with --mesh");
-    for (const auto& [option, command] : {std::pair("--explain", "srbf explain"),
+    for (const auto& [option, command] : {std::pair("--explain", "docs/fitting.md"),
                                           {"--basis", "srbf basis INPUT"},
                                           {"--active", "srbf basis INPUT"},
                                           {"--pairs", "srbf map TEXELS"},

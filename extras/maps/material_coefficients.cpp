@@ -17,8 +17,8 @@ namespace {
 constexpr double k_largest_coefficient = 64;
 constexpr double k_none = -std::numeric_limits<double>::infinity();
 
-constexpr Stage k_active_stage{.name = "active", .pairs = Pairs::selection, .albedos = true};
-constexpr Stage k_picture_stage{.name = "pictures", .pairs = Pairs::selection, .albedos = true, .pictures = true};
+constexpr Stage k_active_stage{.pairs = Pairs::selection, .albedos = true};
+constexpr Stage k_picture_stage{.pairs = Pairs::selection, .albedos = true, .pictures = true};
 
 Lobes select_lobes(const Lobes& lobes, std::span<const std::size_t> which) {
     Lobes selected{lobes.shape, lobes.angle, {}};

@@ -18,7 +18,7 @@ constexpr int k_basis_groups = 16, k_group_steps = 4, k_last_basis_steps = 16;
 /// Rounds in which active lobes are chosen and all lobes follow, and the steps of each round.
 constexpr int k_refinements = 3, k_refinement_steps = 6;
 
-constexpr Stage k_basis_stage{.name = "basis", .pairs = Pairs::search, .albedos = true};
+constexpr Stage k_basis_stage{.pairs = Pairs::search, .albedos = true};
 
 void optimise(SharedProblem& problem, Eigen::VectorXd& x, int steps) {
     levenberg_marquardt(problem, x, {.max_iterations = steps, .adapts_to_bounds = true});

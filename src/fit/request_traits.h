@@ -2,7 +2,6 @@
 #pragma once
 #include <array>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -43,10 +42,6 @@ inline bool is_by_pictures(const FitRequest& request) {
 /// Picture error between f and its transpose f(wv, wl). A reciprocal fit differs from one of them by at least half of
 /// it.
 Appearance compare_exchanged(const Evaluate& f, int threads = 0);
-
-/// Describes the terms that a multivariate fit of a table by this request minimises, and its stages, in several lines;
-/// empty for other models.
-std::string explain(const FitRequest& request);
 
 /// The directions of the matrix on which a model is measured: the sampled directions of a view-by-view model, otherwise
 /// the Fibonacci set of k_matrix_directions within θmax [rad].

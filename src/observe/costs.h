@@ -1,5 +1,4 @@
-// The costs of the terms of a loss, for fits of tables. `srbf explain` prints them. See "The objective" in
-// docs/fitting.md.
+// The costs of the terms of a loss, for fits of tables. See "The objective" in docs/fitting.md.
 #pragma once
 #include <algorithm>
 #include <cstddef>

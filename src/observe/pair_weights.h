@@ -24,7 +24,6 @@ struct ObjectiveTraits {
     /// Weights added for pairs that `weight` alone neglects. With them, an error of 100 % everywhere adds
     /// `importance` times Σ w |f|² to the loss.
     struct Further {
-        std::string_view name = {}, error_of = {};  ///< as printed by `srbf explain`
         double (*weight)(double f, double typical, double cos_l, double cos_v) = nullptr;
         double importance = 0;
     };

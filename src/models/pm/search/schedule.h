@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
-#include <string_view>
 
 #include "models/pm/search/options.h"
 
@@ -26,7 +25,6 @@ enum class Pairs : std::size_t { search = 2048, selection = 4096, polish = 16384
 
 /// A stage of a fit, a row of the tables below.
 struct Stage {
-    std::string_view name = {};
     StageKind kind = StageKind::by_pictures;
     bool adds_exceeded_pairs = false;        ///< first adds pairs at which candidates exceed the measurement
     bool adds_directional_lights = false;    ///< first adds these weights, relative to the best candidate's errors
@@ -53,33 +51,32 @@ using enum Pairs;
 /// With pairs and albedos only. A candidate after the best one is finished only if its error is at most 1 % larger: the
 /// last steps lower the loss by 1 to 4 %.
 inline constexpr Stage by_pairs[] = {
-    {.name = "grow", .kind = StageKind::grow, .pairs = search},
-    {.name = "perturb", .kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = search, .albedos = true,
-     .perturbations = 0.2},
-    {.name = "perturb", .kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = selection, .albedos = true,
+    {.kind = StageKind::grow, .pairs = search},
+    {.kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = search, .albedos = true, .perturbations = 0.2},
+    {.kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = selection, .albedos = true,
      .fraction = 0.5, .perturbations = 0.5},
-    {.name = "perturb", .kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = selection, .albedos = true,
+    {.kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = selection, .albedos = true,
      .fraction = 0.25, .perturbations = 1},
-    {.name = "polish", .kind = StageKind::polish, .adds_exceeded_pairs = true, .pairs = polish, .albedos = true,
+    {.kind = StageKind::polish, .adds_exceeded_pairs = true, .pairs = polish, .albedos = true,
      .max_candidates = 4, .steps = 25},
-    {.name = "finish", .kind = StageKind::finish, .pairs = all, .albedos = true, .max_candidates = 3},
+    {.kind = StageKind::finish, .pairs = all, .albedos = true, .max_candidates = 3},
 };
 /// With pictures. Candidates with the same loss of pairs look different, and further perturbations hardly lower
 /// that loss: all candidates remain for pictures to choose from. The best one after all steps is nearly always
 /// among the best ones after three.
 inline constexpr Stage with_pictures[] = {
-    {.name = "grow", .kind = StageKind::grow, .pairs = search},
-    {.name = "perturb", .kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = search, .albedos = true,
+    {.kind = StageKind::grow, .pairs = search},
+    {.kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = search, .albedos = true,
      .perturbations = 0.12},
-    {.name = "perturb", .kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = search, .albedos = true,
+    {.kind = StageKind::perturb, .adds_exceeded_pairs = true, .pairs = search, .albedos = true,
      .perturbations = 0.28},
-    {.name = "pictures", .kind = StageKind::by_pictures, .adds_exceeded_pairs = true, .adds_directional_lights = true,
+    {.kind = StageKind::by_pictures, .adds_exceeded_pairs = true, .adds_directional_lights = true,
      .pairs = selection, .albedos = true, .pictures = true, .steps = 3},
-    {.name = "pictures", .kind = StageKind::by_pictures, .pairs = selection, .albedos = true, .pictures = true,
+    {.kind = StageKind::by_pictures, .pairs = selection, .albedos = true, .pictures = true,
      .fraction = 0.25, .steps = 4},
-    {.name = "pictures", .kind = StageKind::by_pictures, .pairs = selection, .albedos = true, .pictures = true,
+    {.kind = StageKind::by_pictures, .pairs = selection, .albedos = true, .pictures = true,
      .fraction = 0.125, .steps = 8},
-    {.name = "finish", .kind = StageKind::finish, .adds_directional_lights = true, .pairs = all, .albedos = true,
+    {.kind = StageKind::finish, .adds_directional_lights = true, .pairs = all, .albedos = true,
      .pictures = true, .max_candidates = 1},
 };
 // clang-format on

@@ -53,7 +53,7 @@ std::optional<Line> line_of(const Json& report) {
     }
     const Json* pictures = judged_pictures(report);
     if (pictures == nullptr) return {};
-    // Of samples, the worse of the errors at them and in cross-validation.
+    // A fit to samples has errors at them and in cross-validation; the worse one counts.
     const auto error = [&](const std::string& name) {
         const auto heldout = number(report, ("heldout_" + name).c_str());
         return number(report, "samples") ? std::max(heldout, number(report, name.c_str())) : heldout;

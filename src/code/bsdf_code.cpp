@@ -278,8 +278,8 @@ PartModels part_models(const NamedModel& named, bool sampling) {
 Result<std::string> bsdf_code(const NamedModel& named, const CodeOptions& options, DefinedNames& defined) {
     const BsdfModel& bsdf = bsdf_of(named);
     Program program;
-    std::string text = value_text(bsdf, options.sampling) +
-                       beams_text(completed(bsdf.part, bsdf.beam), options.language, program);
+    std::string text =
+        value_text(bsdf, options.sampling) + beams_text(completed(bsdf.part, bsdf.beam), options.language, program);
     if (options.sampling) text += chance_text(bsdf) + sampling_text(bsdf) + density_text(bsdf);
     return print_functions({named.name, part_stubs(bsdf, options.sampling), named.name + "_"}, std::move(program), text,
                            options.language, defined);

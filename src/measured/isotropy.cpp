@@ -25,7 +25,7 @@ constexpr double k_small_rotation = 15 * k_degree;
 constexpr double k_rounding = 1e-6, k_noise = 0.02;
 /// Noise changes as much under a small rotation as under any other; a brushed surface changes far less.
 constexpr double k_most_growth = 2.5;
-/// The same of samples if none counts more, and the least change of pairs that are exactly rotated.
+/// The growth for samples where each counts the same, and the least change of pairs that are exactly rotated.
 constexpr double k_least_growth = 1.5, k_weakest = 1e-4;
 /// Known noise changes the sum by as much as its variance, which is known to a tenth, and by so many deviations of it.
 constexpr double k_noise_margin = 1.1, k_deviations = 3;
@@ -136,7 +136,7 @@ double change_by_azimuth(const ScatteredSamples& samples) {
         double mean_relative() const { return relative / double(pairs); }  // a bright sample counts no more than others
     };
     // Changes under small rotations are compared with the others: of exact pairs, which may lack them; also of exact
-    // pairs, those near 0 and 180°, since many surfaces look the same from both ends; and of pairs within 10°, where
+    // pairs, those near 0 and 180°, since many surfaces are symmetric by half a turn; and of pairs within 10°, where
     // values also change with the distance.
     struct Test {
         double reach, most_sine, least;

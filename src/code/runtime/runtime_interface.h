@@ -14,7 +14,9 @@
 
 #include <string.h>
 
+// clang-format off
 #define SRBF_VERSIONED(name) srbf_v@PROJECT_VERSION_MAJOR@_@PROJECT_VERSION_MINOR@_##name
+// clang-format on
 #define srbf_memory_needed SRBF_VERSIONED(memory_needed)
 #define srbf_open SRBF_VERSIONED(open)
 #define srbf_prepare SRBF_VERSIONED(prepare)

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "brdf/channels.h"
+#include "brdf/values.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "models/su/fit_su.h"
@@ -183,11 +184,6 @@ TEST(FitSu, ScalesWithItsData) {
         const double f = double(value(fit->unrounded, wl, wv).g), scaled_f = double(value(scaled->unrounded, wl, wv).g);
         EXPECT_TRUE(near_relative(scaled_f, 4 * f, 1e-3)) << f << ' ' << scaled_f;
     }
-}
-
-/// The same function with light and viewer exchanged.
-Evaluate exchanged(const Evaluate& f) {
-    return [&f](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) { f(wv, wl, out); };
 }
 
 TEST(FitSu, DiscretisesEitherDirection) {

@@ -38,7 +38,7 @@ TEST(Formats, ReadingTakesFourTimesTheFile) {
     };
     expect_frugal("small.csv", as_bytes(k_small_csv));
     expect_frugal("t.bin", utia_file([](int, int, int, int, int) { return 0.1; }));
-    expect_frugal("t.bsdf", write_rgl(to_rgl(grey, {8, 64, "grey", 1})));
+    expect_frugal("t.bsdf", write_rgl(to_rgl(grey, {8, 64, "grey", {}, 1})));
     expect_frugal("t.csv", as_bytes(write_csv(to_samples(grey, true, 400, 80 * k_degree))));
     // One number a sample in the file, three in memory.
     const auto white = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {

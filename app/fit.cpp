@@ -102,11 +102,11 @@ Result<Measured> load_measured(FileFit& fit) {
     }
     auto measured = files.size() > 1 ? joined(files) : std::move(files[0]);
     if (!measured) return measured;
-    if (files.size() > 1) fmt::print(stderr, "srbf: {}\n", printable(notes(*measured)[0]));
     if (fit.exchange) exchange(*measured);
     if (!fit.band.empty())
         if (const auto chosen = choose_band(*measured, fit.band); !chosen) return chosen.error();
     if (const auto read = check_read(*measured, fit); !read) return read.error();
+    if (files.size() > 1) fmt::print(stderr, "srbf: {}\n", printable(notes(*measured)[0]));
     fit.load_seconds = loading.seconds();
     return measured;
 }

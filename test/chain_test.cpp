@@ -32,6 +32,7 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
     std::mt19937_64 random(1);
     BsdfModel two = full_bsdf();  // of four parts two: each file of samples is fitted part by part
     two.part[std::size_t(Part::reflection_back)] = two.part[std::size_t(Part::transmission_back)] = nullptr;
+    two.beam = {};  // which tables of samples cannot hold
     const Model pm{random_model(random, {.lobes = 2, .variates = 2}), {}}, bsdf{two, {}},
         su{random_su(random, 8, 2), {}}, ggx{GgxModel{{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.1f, 0.1f}, 1}}}, {}},
         spectral{spectral_model(random, {.lobes = 2}, 3), {}};

@@ -268,7 +268,7 @@ TEST(Edit, SaysWhatALimitStops) {
     const Model brighter = with_edit(fit, Tint{{10, 10, 10}, {1, 1, 1}}),
                 darker = with_edit(fit, Tint{{0.5f, 1, 1}, {}});
     ASSERT_TRUE(brighter.provenance.contains("limited"));
-    EXPECT_NE(brighter.provenance.at("limited").find("done: tint highlight 1."), std::string::npos);
+    EXPECT_NE(brighter.provenance.at("limited").find(", to tint highlight "), std::string::npos);
     EXPECT_FALSE(darker.provenance.contains("limited"));
     const Edit tiny = Tint{{1e-9f, 1e-9f, 1e-9f}, {1, 1, 1}};
     EXPECT_FALSE(edited(fit, std::span(&tiny, 1)).ok());  // 16-bit floats would make it black

@@ -126,7 +126,7 @@ TEST_P(DefaultFit, ReflectsWhatIsMeasuredAtGrazingAngles) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
-                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 6.13, 0.1233, 0.0607},
+                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 6.13, 0.1233, 0.1527},
                                          Bound{"paper_white_rgb", 1.43, 0.0916, 0.0084}),
                          [](const auto& one) { return std::string(one.param.name); });
 

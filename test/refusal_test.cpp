@@ -193,7 +193,8 @@ TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
 
 TEST_F(CommandLine, convert_refuses) {
     write(folder / "m.binary", small_merl());
-    write(folder / "a.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
+    write(folder / "a.csv",
+          "# anisotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
     expect_failure(2, {"convert", "m.binary", "-o", "m.exr"}, "ends in .bsdf, .mbsdf, .binary, ");
     expect_failure(2, {"convert", "m.binary"}, "--output");
     expect_failure(1, {"convert", "m.binary", "-o", "m.binary"}, "another file than the input");

@@ -324,6 +324,14 @@ void set_native(Program& program, std::string_view name, std::string native) {
     function.body.clear(), function.native = std::move(native);
 }
 
+/// albedo.glsl, in which C recognises a NaN by its bits.
+std::string albedo_text(CodeLanguage language) {
+    std::string text = k_albedo_text;
+    if (language == CodeLanguage::c)
+        text.insert(text.find("Real(0.0) < cosine"), "is_finite(Vec3(cosine, cosine, cosine)) && ");
+    return text;
+}
+
 }  // namespace
 
 Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
@@ -345,7 +353,8 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(model_text.brdf, program, defines);
     if (is_mixture)
-        syntax::parse(mixture + k_mixture_text + k_value_pdf_text + nodes + k_albedo_text + more, program, defines);
+        syntax::parse(mixture + k_mixture_text + k_value_pdf_text + nodes + albedo_text(options.language) + more,
+                      program, defines);
     if (options.language == CodeLanguage::c && storage == ParameterStorage::constants) {
         if (const auto* pm = std::get_if<PmModel>(&model.model)) set_native(program, "pm_value", value_in_c(*pm));
         if (options.sampling) {

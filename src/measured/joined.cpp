@@ -53,6 +53,7 @@ std::string note_of(std::span<const Measured> files) {
                             ? fmt::format("{}", fmt::join(incidences, ", "))
                             : fmt::format("{} to {}", *incidences.begin(), *incidences.rbegin());
     std::string same = kind_of(files[0]), different;
+    lines.erase("");
     for (const auto& [line, count] : lines)
         if (count == files.size())
             same += fmt::format(", {}", line);

@@ -77,13 +77,13 @@ Safetensors content_of(const Model& model) {
         model.model);
 }
 
-/// An error if a number is beyond the range of the 16-bit floats that a model stores, or so small that it becomes 0.
+/// An error if a number is not stored within a half of itself: beyond the range of 16-bit floats, or too small for them.
 std::optional<Error> lost_number(const Parameters& given, const Parameters& stored) {
     for (std::size_t i = 0; i < given.size(); ++i) {
         const auto *from = std::get_if<NumberArray>(&given[i].value), *to = std::get_if<NumberArray>(&stored[i].value);
         const bool is_direction = given[i].name == "centre" || given[i].name == "parameterization";
         for (std::size_t k = 0; from && to && !is_direction && k < from->numbers.size(); ++k)
-            if (const float x = from->numbers[k], y = to->numbers[k]; x != y && (std::abs(x) > k_half_max || y == 0))
+            if (const float x = from->numbers[k], y = to->numbers[k]; !(std::abs(x - y) <= std::abs(x) / 2))
                 return argument_error({}, given[i].name, "0, or 6e-08 to 65504, the range of 16-bit floats",
                                       fmt::format("{:g}", x));
     }

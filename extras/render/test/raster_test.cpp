@@ -377,7 +377,8 @@ TEST(Render, WritesAPictureOfEachFileSideBySide) {
     EXPECT_EQ(number(16), 3 * 160);
     EXPECT_EQ(number(20), 120 + 20);  // with a strip of captions
     // Of what is not isotropic there is no table.
-    write(folder / "a.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
+    write(folder / "a.csv",
+          "# anisotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
     const ProgramRun refused = run(folder, {"render", "a.csv", "--renderer", "raster", "-o", "a.png"});
     EXPECT_EQ(refused.status, 1);
     EXPECT_NE(refused.err.find("expected an isotropic one, found an anisotropic one"), std::string::npos)

@@ -323,7 +323,7 @@ struct ColumnAssignment {
         if (kinds.empty())
             return refuse("values in columns r,g,b or x,y,z or value, or a spectrum in columns as 450nm",
                           "none of them");
-        std::ranges::stable_sort(kinds, {}, &Kind::quantity);
+        std::ranges::sort(kinds, {}, [](const Kind& kind) { return std::pair(kind.quantity, kind.columns[0]); });
         if (kinds.size() > 1 && kinds[0].quantity == kinds[1].quantity)
             refuse("one kind of value, with other names for the others in --columns",
                    fmt::format("{} and {}", quoted(names[kinds[0].columns[0]]), quoted(names[kinds[1].columns[0]])));

@@ -433,7 +433,7 @@ ScatteredSamples to_samples(const Evaluate& brdf, bool isotropic, int n, double 
 }
 
 std::string write_csv(const ScatteredSamples& samples, const ProgressToken& token) {
-    std::string csv = samples.isotropic ? "# isotropic\n" : "";
+    std::string csv = samples.isotropic ? "# isotropic\n" : "# anisotropic\n";
     csv += "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z";
     if (samples.wavelengths.empty()) csv += ",r,g,b";
     for (const float nm : samples.wavelengths) csv += fmt::format(",{}nm", nm);

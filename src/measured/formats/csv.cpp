@@ -17,7 +17,13 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 /// Comments that `srbf` writes and reads; the second one without "# ".
-constexpr std::string_view k_both_sides = "# both sides", k_isotropic = "isotropic";
+constexpr std::string_view k_both_sides = "# both sides";
+
+/// What a comment states of the samples, if it does.
+std::optional<bool> isotropy_in(std::string_view comment) {
+    const bool isotropic = equal_ignoring_case(comment, "isotropic");
+    return isotropic || equal_ignoring_case(comment, "anisotropic") ? std::optional(isotropic) : std::nullopt;
+}
 
 /// Separators, in the order in which they are tried.
 constexpr char k_separators[] = {';', '\t', ',', ' ', k_any_separator};
@@ -56,7 +62,8 @@ struct Preamble {
     std::uint64_t line = 0;            ///< the line of the header
     Lines rows;
     std::vector<std::string_view> lines;  ///< comments and other text before the header
-    bool both_sides = false, isotropic = false;
+    bool both_sides = false;
+    std::optional<bool> isotropic = {};
 };
 
 /// True if a row has as many fields as a header in a comment has names.
@@ -83,9 +90,10 @@ Preamble read_preamble(std::string_view text, bool has_names) {
         std::string_view content = comment.value_or(*line);
         if (constexpr std::string_view format = "format:"; content.starts_with(format))  // of pab's goniophotometers
             content = trimmed(content.substr(format.size()));
-        const bool both_sides = comment && equal_ignoring_case(content, k_both_sides.substr(2)),
-                   isotropic = comment && equal_ignoring_case(content, k_isotropic);
-        preamble.both_sides |= both_sides, preamble.isotropic |= isotropic;
+        const bool both_sides = comment && equal_ignoring_case(content, k_both_sides.substr(2));
+        const auto isotropic = comment ? isotropy_in(content) : std::nullopt;
+        preamble.both_sides |= both_sides;
+        if (isotropic) preamble.isotropic = isotropic;
         if (both_sides || isotropic) continue;
         if (!comment && (has_names || !preamble.header.empty()) && is_row(*line)) {
             if (!has_names && !has_as_many_fields(*line, preamble)) preamble.header = {};
@@ -129,7 +137,7 @@ struct Table {
     Lines rows;
     char separator;
     std::string description;
-    bool isotropic;
+    std::optional<bool> isotropic;
 };
 
 /// Bounds of the angles of all rows, in the unit of the file.
@@ -291,7 +299,7 @@ Directions directions_in(NumberRow& row, const Columns& columns) {
 struct CollectedSamples {
     std::array<std::optional<SampleBuilder>, k_parts> part;
     std::vector<SpectralRow> rows;  ///< of a table with a row for each wavelength, instead
-    bool isotropic = false;
+    std::optional<bool> isotropic;  ///< as the file states
     Columns columns;
     std::string description;
 };
@@ -345,7 +353,7 @@ Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::st
     };
     for (Lines& lines = table->rows; const auto line = lines.next();) {
         if (const auto comment = comment_in(*line)) {
-            collected.isotropic |= equal_ignoring_case(*comment, k_isotropic);
+            if (const auto isotropic = isotropy_in(*comment)) collected.isotropic = isotropic;
             continue;
         }
         row.read(*line, lines.number(), table->separator);
@@ -379,10 +387,12 @@ Result<CollectedSamples> collect(std::span<const std::byte> bytes, const std::st
 /// If `quantity` is `stated`, converts the values from the quantity that the names state.
 Result<ScatteredSamples> finish(SampleBuilder&& builder, CollectedSamples& collected, std::size_t bytes,
                                 const std::string& file_name, Quantity quantity) {
+    const bool isotropic = collected.isotropic.value_or(false);
     auto samples = collected.rows.empty()
-                       ? std::move(builder).finish(file_name, collected.description, collected.isotropic)
-                       : samples_of_rows(collected.rows, bytes, file_name, collected.description, collected.isotropic);
+                       ? std::move(builder).finish(file_name, collected.description, isotropic)
+                       : samples_of_rows(collected.rows, bytes, file_name, collected.description, isotropic);
     if (!samples) return samples;
+    if (collected.isotropic) samples->isotropic = isotropic;
     const Columns& columns = collected.columns;
     to_bsdf(*samples, quantity == Quantity::stated ? columns.quantity : Quantity::bsdf, columns.unit);
     if (!columns.notes.empty())

@@ -83,7 +83,7 @@ TEST(Page, HoldsItsShadersAndNothingFromOutside) {
     EXPECT_EQ(html.find("<every>"), html.npos);
     EXPECT_EQ(html.find("{{"), html.npos);
     EXPECT_EQ(count(html, "<canvas"), page.materials.size() + 1);  // and the difference of the first two
-    EXPECT_EQ(count(html, "<svg"), k_slice_theta.size());
+    EXPECT_EQ(count(html, "<svg class="), k_slice_theta.size());
     EXPECT_EQ(count(html, "<script"), 2u);
     EXPECT_EQ(count(html, "</script>"), 2u);
     // Without a picture the plots and the table remain.
@@ -91,7 +91,7 @@ TEST(Page, HoldsItsShadersAndNothingFromOutside) {
     for (PageMaterial& of : blind.materials) of.material.reset();
     const std::string plots = page_html(blind);
     EXPECT_EQ(count(plots, "<figure"), 0u);
-    EXPECT_EQ(count(plots, "<svg"), k_slice_theta.size());
+    EXPECT_EQ(count(plots, "<svg class="), k_slice_theta.size());
     EXPECT_LT(plots.size(), html.size());
     // What there is but one of is not to be chosen from, nor does it differ.
     Page one = page;

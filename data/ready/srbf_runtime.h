@@ -2,7 +2,10 @@
 // <string.h>, and on x86 <immintrin.h>, allocates nothing, reads no file, and has no variables. Printed by srbf; the
 // text is under the MIT License.
 //
-// One source file of the program defines SRBF_RUNTIME_IMPLEMENTATION before it includes this header.
+// One source file of the program defines SRBF_RUNTIME_IMPLEMENTATION before it includes this header. Or each file that
+// includes it defines SRBF_RUNTIME_STATIC, and has functions of its own. For a linker, names have the version, so that
+// two plugins with two versions in one process do not call each other's functions: srbf_value is
+// srbf_v0_1_value.
 //
 // Directions are unit vectors (x, y, z) in the local frame, whose z is the shading normal; wl points to the light, wv
 // to the viewer. Lengths are not checked. Colours are R, G, B in linear sRGB.
@@ -10,6 +13,27 @@
 #define SRBF_RUNTIME_H
 
 #include <string.h>
+
+// clang-format off
+#define SRBF_VERSIONED(name) srbf_v0_1_##name
+// clang-format on
+#define srbf_memory_needed SRBF_VERSIONED(memory_needed)
+#define srbf_open SRBF_VERSIONED(open)
+#define srbf_prepare SRBF_VERSIONED(prepare)
+#define srbf_is_two_sided SRBF_VERSIONED(is_two_sided)
+#define srbf_value SRBF_VERSIONED(value)
+#define srbf_values SRBF_VERSIONED(values)
+#define srbf_sample SRBF_VERSIONED(sample)
+#define srbf_pdf SRBF_VERSIONED(pdf)
+#define srbf_value_pdf SRBF_VERSIONED(value_pdf)
+#define srbf_albedo SRBF_VERSIONED(albedo)
+#if defined SRBF_RUNTIME_STATIC && defined __GNUC__
+#define SRBF_API static __attribute__((unused))
+#elif defined SRBF_RUNTIME_STATIC
+#define SRBF_API static
+#else
+#define SRBF_API
+#endif
 
 #ifdef __cplusplus
 extern "C" {
@@ -31,25 +55,27 @@ typedef struct srbf_brdf srbf_brdf;
 
 // The memory that srbf_open needs for this file, about 150 kB and 16 bytes for each byte of a file at most; 0 if the
 // file cannot be opened.
-size_t srbf_memory_needed(const void* bytes, size_t size);
+SRBF_API size_t srbf_memory_needed(const void* bytes, size_t size);
 
 // Reads a model file in the caller's memory, of any alignment; *brdf lies there. The bytes are not needed afterwards.
 // In case of an error, *offset (unless offset is null) is where in the file it is.
-srbf_error srbf_open(const void* bytes, size_t size, void* memory, size_t capacity, srbf_brdf** brdf, size_t* offset);
+SRBF_API srbf_error srbf_open(const void* bytes, size_t size, void* memory, size_t capacity, srbf_brdf** brdf,
+                              size_t* offset);
 
 // Computes the densities that samples are drawn from, and the directional albedos: about 0.2 s for each side
 // of a surface. Before it, samples are drawn by the cosine, and albedos are 0. Afterwards, several threads may use a
 // model.
-void srbf_prepare(srbf_brdf* brdf);
+SRBF_API void srbf_prepare(srbf_brdf* brdf);
 
 // 1 for a two-sided surface, for which z < 0 is the back. Other models are 0 where a z is not above 0.
-int srbf_is_two_sided(const srbf_brdf* brdf);
+SRBF_API int srbf_is_two_sided(const srbf_brdf* brdf);
 
 // f(wl, wv) [1/sr], without the cosine. Finite and at least 0. It is 0 if a direction lies below the horizon or in the
-// surface (z is 0 or subnormal), or has a component that is not finite; of a two-sided surface also without its beams.
-void srbf_value(const srbf_brdf* brdf, const float wl[3], const float wv[3], float rgb[3]);
+// surface (z is 0 or subnormal), or has a component that is not finite or at least 2^50; of a two-sided surface also
+// without its beams.
+SRBF_API void srbf_value(const srbf_brdf* brdf, const float wl[3], const float wv[3], float rgb[3]);
 // Evaluates `count` pairs; each direction and colour is three floats of the arrays.
-void srbf_values(const srbf_brdf* brdf, size_t count, const float* wl, const float* wv, float* rgb);
+SRBF_API void srbf_values(const srbf_brdf* brdf, size_t count, const float* wl, const float* wv, float* rgb);
 
 typedef struct srbf_light {
     float wl[3];      // the direction to the light, if pdf > 0 or is_beam
@@ -60,16 +86,16 @@ typedef struct srbf_light {
 
 // Samples a direction to the light from three independent numbers, uniform in [0, 1): a point, and the selector of a
 // lobe.
-void srbf_sample(const srbf_brdf* brdf, const float wv[3], const float u[3], srbf_light* light);
+SRBF_API void srbf_sample(const srbf_brdf* brdf, const float wv[3], const float u[3], srbf_light* light);
 // The density of srbf_sample [1/sr], 0 where srbf_value is 0 by its directions.
-float srbf_pdf(const srbf_brdf* brdf, const float wl[3], const float wv[3]);
+SRBF_API float srbf_pdf(const srbf_brdf* brdf, const float wl[3], const float wv[3]);
 // Both.
-float srbf_value_pdf(const srbf_brdf* brdf, const float wl[3], const float wv[3], float rgb[3]);
+SRBF_API float srbf_value_pdf(const srbf_brdf* brdf, const float wl[3], const float wv[3], float rgb[3]);
 
 // The share of the light that is reflected to a view at this cosine to the normal, as the mean over four azimuths:
 // ∫ f(wl, wv) cos(theta_l) dwl, estimated by samples. It is within about 3 %, and rough where it depends on the
 // azimuth. Cosines below 0 are at the back.
-void srbf_albedo(const srbf_brdf* brdf, float cosine, float rgb[3]);
+SRBF_API void srbf_albedo(const srbf_brdf* brdf, float cosine, float rgb[3]);
 
 #ifdef __cplusplus
 }
@@ -77,9 +103,10 @@ void srbf_albedo(const srbf_brdf* brdf, float cosine, float rgb[3]);
 
 #endif
 
-#if defined SRBF_RUNTIME_IMPLEMENTATION && !defined SRBF_RUNTIME_IMPLEMENTED
+#if (defined SRBF_RUNTIME_IMPLEMENTATION || defined SRBF_RUNTIME_STATIC) && !defined SRBF_RUNTIME_IMPLEMENTED
 #define SRBF_RUNTIME_IMPLEMENTED
 #include <math.h>
+#include <string.h>
 
 #ifndef SRBF_VEC3
 #define SRBF_VEC3
@@ -108,6 +135,12 @@ SRBF_FN float srbf_sqrt(float x) { return _mm_cvtss_f32(_mm_sqrt_ss(_mm_set_ss(x
 SRBF_FN float srbf_sqrt(float x) { return sqrtf(x); }
 #endif
 SRBF_FN float srbf_inversesqrt(float x) { return 1.0f / srbf_sqrt(x); }
+// True if no component is a NaN, infinite, or 2^50 and more: by bits, since fast math takes every number for finite.
+SRBF_FN int srbf_is_finite(srbf_vec3 w) {
+    unsigned bits[3];
+    memcpy(bits, &w, sizeof bits);
+    return bits[0] << 1 < 0xb1000000u && bits[1] << 1 < 0xb1000000u && bits[2] << 1 < 0xb1000000u;
+}
 #endif
 
 #define SRBF_MOST_VARIATES 8
@@ -115,7 +148,6 @@ SRBF_FN float srbf_inversesqrt(float x) { return 1.0f / srbf_sqrt(x); }
 #ifndef SRBF_LANES
 // Vectors of floats, if the compiler has them: lobes and components of a density are computed SRBF_LANES at a time.
 // Without them, or with SRBF_ONE_LANE, each is computed alone by the same functions.
-#include <string.h>
 #if defined __GNUC__ && !defined __OPTIMIZE_SIZE__
 #define SRBF_INLINE SRBF_FN __attribute__((always_inline))
 #define SRBF_APART static __attribute__((noinline))
@@ -130,7 +162,8 @@ SRBF_FN float srbf_inversesqrt(float x) { return 1.0f / srbf_sqrt(x); }
 #else
 #define SRBF_UNROLL
 #endif
-#if defined __GNUC__ && !defined __CUDACC__ && !defined SRBF_ONE_LANE
+#if (defined __clang__ || __GNUC__ >= 9) && (defined __SSE2_MATH__ || !defined __i386__) && !defined __CUDACC__ && \
+    !defined SRBF_ONE_LANE
 // GCC does not align the stack of Windows for eight.
 #if defined __AVX2__ && (!defined __MINGW32__ || defined __clang__)
 #define SRBF_LANES 8
@@ -140,6 +173,7 @@ SRBF_FN float srbf_inversesqrt(float x) { return 1.0f / srbf_sqrt(x); }
 typedef float srbf_x __attribute__((vector_size(4 * SRBF_LANES)));
 typedef int srbf_x_mask __attribute__((vector_size(4 * SRBF_LANES)));
 typedef unsigned srbf_x_bits __attribute__((vector_size(4 * SRBF_LANES)));
+#define SRBF_X_CONVERTED(type, a) __builtin_convertvector(a, type)
 SRBF_FN srbf_x srbf_x_select(srbf_x_mask where, srbf_x a, srbf_x b) {
     return (srbf_x)(((srbf_x_mask)a & where) | ((srbf_x_mask)b & ~where));
 }
@@ -148,6 +182,7 @@ SRBF_FN srbf_x srbf_x_select(srbf_x_mask where, srbf_x a, srbf_x b) {
 typedef float srbf_x;
 typedef int srbf_x_mask;
 typedef unsigned srbf_x_bits;
+#define SRBF_X_CONVERTED(type, a) ((type)(a))
 SRBF_FN srbf_x srbf_x_select(srbf_x_mask where, srbf_x a, srbf_x b) { return where ? a : b; }
 #endif
 SRBF_FN srbf_x srbf_x_load(const float* from) {
@@ -210,13 +245,15 @@ SRBF_FN srbf_x srbf_x_inversesqrt(srbf_x a) {
 #endif
 SRBF_FN srbf_x srbf_x_sqrt(srbf_x a) { return a * srbf_x_inversesqrt(a); }
 
-// 2^a by the nearest integer and a polynomial for the rest, for |a| < 126; relative error 2e-7.
+// 2^a by the nearest integer and a polynomial for the rest, for |a| < 126; relative error 2e-7. The integer is that of
+// a conversion: adding and subtracting a large number rounds too, but fast math cancels both.
 SRBF_FN srbf_x srbf_x_exp2(srbf_x a) {
-    const srbf_x sum = a + 12582912.0f, r = a - (sum - 12582912.0f);
+    const srbf_x_mask whole = SRBF_X_CONVERTED(srbf_x_mask, a + 128.5f) - 128;
+    const srbf_x r = a - SRBF_X_CONVERTED(srbf_x, whole);
     srbf_x power = 0.00132646454f * r + 0.00967157641f;
     power = (power * r + 0.0555073452f) * r + 0.240222411f;
     power = (power * r + 0.693146977f) * r + 1.0f;
-    return srbf_x_of_bits(srbf_x_bits_of(power) + (srbf_x_bits_of(sum) << 23));
+    return srbf_x_of_bits(srbf_x_bits_of(power) + ((srbf_x_bits)whole << 23));
 }
 SRBF_FN srbf_x srbf_x_exp(srbf_x a) { return srbf_x_exp2(1.44269504f * a); }
 
@@ -1908,10 +1945,10 @@ int srbf_is_two_sided(const srbf_brdf* brdf) { return brdf->is_two_sided; }
 
 // True if no direction lies in the surface. Sets the pair in the frame of a part, above its horizon.
 SRBF_INLINE int srbf_is_above(const srbf_brdf* brdf, const float wl[3], const float wv[3], srbf_vec3* l, srbf_vec3* v) {
-    const float sum = (wl[0] + wl[1]) + (wv[0] + wv[1]) + (wl[2] + wv[2]);
-    *l = srbf_vec3_of(wl[0], wl[1], brdf->is_two_sided ? fabsf(wl[2]) : wl[2]);
-    *v = srbf_vec3_of(wv[0], wv[1], brdf->is_two_sided ? fabsf(wv[2]) : wv[2]);
-    return l->z >= 1.17549435e-38f && v->z >= 1.17549435e-38f && sum - sum == 0.0f;
+    *l = srbf_vec3_at(wl), *v = srbf_vec3_at(wv);
+    if (!srbf_is_finite(*l) || !srbf_is_finite(*v)) return 0;
+    if (brdf->is_two_sided) l->z = fabsf(l->z), v->z = fabsf(v->z);
+    return l->z >= 1.17549435e-38f && v->z >= 1.17549435e-38f;
 }
 // The part that answers for the pair; -1 if there is none.
 SRBF_INLINE int srbf_part_of(const srbf_brdf* brdf, const float wl[3], const float wv[3], srbf_vec3* l, srbf_vec3* v) {
@@ -2028,7 +2065,8 @@ float srbf_value_pdf(const srbf_brdf* brdf, const float wl[3], const float wv[3]
 void srbf_albedo(const srbf_brdf* brdf, float cosine, float rgb[3]) {
     const srbf_part* part = &brdf->part[cosine < 0.0f];
     srbf_vec3 albedo = srbf_vec3_of(0.0f, 0.0f, 0.0f);
-    if (part->model && fabsf(cosine) > 0.0f) albedo = srbf_part_albedo(part, srbf_min(fabsf(cosine), 1.0f));
+    if (part->model && srbf_is_finite(srbf_vec3_of(cosine, 0.0f, 0.0f)) && fabsf(cosine) > 0.0f)
+        albedo = srbf_part_albedo(part, srbf_min(fabsf(cosine), 1.0f));
     memcpy(rgb, &albedo, sizeof albedo);
 }
 

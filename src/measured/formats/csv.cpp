@@ -19,7 +19,7 @@ namespace {
 /// Comments that `srbf` writes and reads; the second one without "# ".
 constexpr std::string_view k_both_sides = "# both sides";
 
-/// What a comment states of the samples, if it does.
+/// Reads whether a comment calls the samples isotropic or anisotropic; no value if it does neither.
 std::optional<bool> isotropy_in(std::string_view comment) {
     const bool isotropic = equal_ignoring_case(comment, "isotropic");
     return isotropic || equal_ignoring_case(comment, "anisotropic") ? std::optional(isotropic) : std::nullopt;

@@ -24,6 +24,7 @@ Result<Done> PairParser::take_header(std::uint64_t number) {
 }
 
 Result<Done> PairParser::take(std::string_view line, std::uint64_t number, Pairs& pairs) {
+    if (line.starts_with('#')) return Done{};  // a comment
     split_fields(line, fields_);
     if (!has_header_) return take_header(number);
     std::array<std::string, 6> text;

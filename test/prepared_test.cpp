@@ -321,8 +321,7 @@ TEST_P(PreparedOn, ResultsDoNotDependOnTheProcessorMode) {
 }
 
 void expect_integral(const Evaluate& f, const PreparedBrdf& prepared) {
-    for (const double cosine :
-         {1.0, 0.9999, 0.94, 0.7, 0.5, 0.26, 0.1, 0.05, 0.03, 0.02, 0.012, 0.007, 0.003, 0.0015}) {
+    for (const double cosine : {1.0, 0.9999, 0.94, 0.7, 0.5, 0.26, 0.1, 0.05, 0.02, 0.012, 0.007, 0.003, 0.0015}) {
         const Rgb expected = albedo(f, std::acos(cosine), k_pi / 2), prepared_albedo = albedo(prepared, float(cosine));
         for (int c = 0; c < 3; ++c)
             EXPECT_NEAR(prepared_albedo[c], expected[c], std::max(0.01 * double(expected[c]), 0.002)) << cosine;

@@ -53,21 +53,20 @@ Rgb signed_value(const EvaluatedTable& table, Vec3f wl, Vec3f wv) {
 
 namespace {
 
+bool is_normal(Vec3f w) { return w.x == 0 && w.y == 0; }
+
 /// True if look-up may need the azimuth of a direction along the normal, which has none. RGL's needs that of the light.
 bool lacks_azimuth(const Measured& measured, Vec3f wl, Vec3f wv) {
-    return !std::holds_alternative<ScatteredSamples>(measured.table) &&
-           ((wl.x == 0 && wl.y == 0) || (wv.x == 0 && wv.y == 0 && !std::holds_alternative<RglTable>(measured.table)));
+    return (is_normal(wl) || (is_normal(wv) && !std::holds_alternative<RglTable>(measured.table))) &&
+           !std::holds_alternative<ScatteredSamples>(measured.table);
 }
 
-/// Sets f to what look_up(wl, wv, f) does; for a direction that lacks an azimuth to the mean over all, to each of which it
-/// is turned, nearer to the normal than rounding, if all were measured.
-template <typename LookUp>
-void look_up_mean(const Measured& measured, Vec3f wl, Vec3f wv, std::span<float> f, const LookUp& look_up) {
-    look_up(wl, wv, f);
-    if (!lacks_azimuth(measured, wl, wv)) return;
+/// The mean of what look_up(wl, wv, f) sets over all azimuths of a direction that lacks one, which is turned to each,
+/// nearer to the normal than rounding. If one was not measured f stays as it is.
+template <typename LookUp> void set_mean(Vec3f wl, Vec3f wv, std::span<float> f, const LookUp& look_up) {
     constexpr int k_turns = 16;
-    Vec3f& turned = wl.x == 0 && wl.y == 0 ? wl : wv;
-    if (wv.x == 0 && wv.y == 0) wv.x = 1e-12f;  // also turned relative to this
+    Vec3f& turned = is_normal(wl) ? wl : wv;
+    if (is_normal(wv)) wv.x = 1e-12f;  // also turned relative to this
     std::vector<float> values(f.size());
     std::vector<double> mean(f.size());
     for (int k = 0; k < k_turns; ++k) {
@@ -85,10 +84,12 @@ void look_up_mean(const Measured& measured, Vec3f wl, Vec3f wv, std::span<float>
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
     if (measured.exchanged) std::swap(wl, wv);
     Rgb f;
-    look_up_mean(measured, wl, wv, {&f.r, 3}, [&](Vec3f l, Vec3f v, std::span<float> to) {
-        const Rgb looked_up = std::visit([&](const auto& table) { return signed_value(table, l, v); }, measured.table);
-        std::copy_n(&looked_up.r, 3, to.begin());
-    });
+    const auto look_up = [&](Vec3f l, Vec3f v, std::span<float> to) {
+        const Rgb at = std::visit([&](const auto& table) { return signed_value(table, l, v); }, measured.table);
+        std::copy_n(&at.r, 3, to.begin());
+    };
+    look_up(wl, wv, {&f.r, 3});
+    if (lacks_azimuth(measured, wl, wv)) set_mean(wl, wv, {&f.r, 3}, look_up);
     return f;
 }
 
@@ -137,10 +138,11 @@ Channels signed_spectra(const Measured& measured) {
                 require_equal_lengths(C * wl.size(), C * wv.size(), f.size());
                 if (measured.exchanged) std::swap(wl, wv);
                 const auto evaluate = [&](const auto& table) {
-                    for (std::size_t i = 0; i < wl.size(); ++i)
-                        look_up_mean(
-                            measured, wl[i], wv[i], f.subspan(i * C, C),
-                            [&](Vec3f l, Vec3f v, std::span<float> row) { signed_spectrum(table, l, v, row); });
+                    for (std::size_t i = 0; i < wl.size(); ++i) {
+                        const auto look_up = [&](Vec3f l, Vec3f v, auto to) { signed_spectrum(table, l, v, to); };
+                        look_up(wl[i], wv[i], f.subspan(i * C, C));
+                        if (lacks_azimuth(measured, wl[i], wv[i])) set_mean(wl[i], wv[i], f.subspan(i * C, C), look_up);
+                    }
                 };
                 if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return evaluate(*rgl);
                 evaluate(std::get<ScatteredSamples>(measured.table));

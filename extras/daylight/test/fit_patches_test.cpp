@@ -3,7 +3,9 @@
 #include "brdf/parts.h"
 #include "extras/daylight/test/bsdf_files.h"
 #include "furnace.h"
+#include "measured/formats.h"
 #include "models/bsdf/bsdf_functions.h"
+#include "prepared/table_file.h"
 #include "srbf/fit_bsdf.h"
 
 namespace srbf::fit_patches_test {
@@ -75,6 +77,62 @@ TEST(FitPatches, WhatNoLobesFollowHasAnAnswer) {
     EXPECT_EQ(std::get<PmModel>(one->model.model).lobes, 1);
     const PatchSums sums = sums_of(table, k_measured_points);
     EXPECT_LE(sums.error_ratio(evaluator(any->model)), sums.error_ratio(evaluator(one->model)));
+}
+
+/// The share of the light from θ [degrees] that a part scatters or lets go on.
+double total(const AnyBrdf& brdf, Part part, double theta) {
+    const Evaluate f = part_of(std::visit([](const auto& of) { return evaluator(of); }, brdf), part);
+    const Vec3f wl = to_float(spherical(theta * k_degree, 0.1));
+    double sum = double(share_at(beams_of(brdf), part, wl).g);
+    for (const Vec3f& wv : fibonacci_directions(500, k_pi / 2)) {
+        Rgb value;
+        f({&wl, 1}, {&wv, 1}, {&value, 1});
+        sum += double(value.g) * double(wv.z) * 2 * k_pi / 500;
+    }
+    return sum;
+}
+
+/// What is read, fitted, written and read again has the same totals, whether its parts scatter, have beams, both or
+/// neither. The side that a file lacks is like the other one. At 90° a mirror rises to what is not scattered, and what
+/// passes falls to 0.
+TEST(FitPatches, TotalsAreKept) {
+    const AngleBasis basis = klems_basis(KlemsBasis::quarter);
+    for (const double scattered : {0.0, 0.3})
+        for (const double beam : {0.0, 1.0}) {
+            const auto matrix = [&](const char* direction, double first, double last, double f) {
+                return matrix_xml(direction, basis.name, basis.patches(), [=, &basis](std::size_t o, std::size_t i) {
+                    const std::size_t ring = basis.ring_of(i);
+                    const double share = o == i ? beam * (ring == 4 ? last : first) : 0;
+                    return f / k_pi + share / basis.projected_solid_angle(ring);
+                });
+            };
+            const std::string text = bsdf_xml(
+                "", matrix("Transmission Back", 0.6, 0.2, 0) + matrix("Reflection Back", 0.08, 0.4, scattered));
+            const auto measured = read_measured(as_bytes(text), "f");
+            ASSERT_TRUE(measured.ok()) << message(measured.error());
+            const auto fitted = fit_bsdf(*measured, {.model = GgxRequest{}});
+            ASSERT_TRUE(fitted.ok()) << message(fitted.error());
+            std::vector<AnyBrdf> all{*measured, fitted->model};
+            for (const Format& format : formats()) {
+                if (!format.write || format.one_sided) continue;
+                const auto bytes = table_file(
+                    all[1], format, {.description = {}, .directions = 32, .choice = format.option ? "quarter" : ""});
+                EXPECT_EQ(bytes.ok(), format.beams || beam == 0) << format.name;
+                if (!bytes) continue;
+                const auto again = read_as(format, *bytes, "f");
+                ASSERT_TRUE(again.ok()) << message(again.error());
+                all.push_back(*again);
+            }
+            for (const AnyBrdf& brdf : all)
+                for (const std::size_t back : {0, 1}) {
+                    if (back && !is_two_sided(brdf)) continue;  // of light from the front alone
+                    const double last = beam * 0.4, end = beam * (1 - scattered);
+                    EXPECT_PRED3(near, total(brdf, Part(back), 0), 0.08 * beam + scattered, 0.01);
+                    EXPECT_PRED3(near, total(brdf, Part(back), 76.5), last + scattered, 0.02);
+                    EXPECT_PRED3(near, total(brdf, Part(back), 85), last + scattered + (end - last) * 17 / 27, 0.02);
+                    EXPECT_PRED3(near, total(brdf, Part(2 + back), 85), beam * 0.2 * 10 / 27, 0.01);
+                }
+        }
 }
 
 // ---- The roller shade ----

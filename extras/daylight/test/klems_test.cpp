@@ -6,7 +6,6 @@
 #include "measured/formats.h"
 #include "measured/tables.h"
 #include "peaks.h"
-#include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "temporary_folder.h"
 
@@ -335,62 +334,6 @@ TEST(Klems, KeepsTheHighlight) {
         bsdf.bands[0].part[std::size_t(Part::transmission_front)] = std::make_shared<const Measured>(part);
         return std::vector<Measured>{part, {"f", "BSDF", 0, bsdf}};
     });
-}
-
-/// The share of the light from θ [degrees] that a part scatters or lets go on.
-double total(const AnyBrdf& brdf, Part part, double theta) {
-    const Evaluate f = part_of(std::visit([](const auto& of) { return evaluator(of); }, brdf), part);
-    const Vec3f wl = to_float(spherical(theta * k_degree, 0.1));
-    const auto views = fibonacci_directions(500, k_pi / 2);
-    std::vector<Rgb> values(views.size());
-    f(std::vector<Vec3f>(views.size(), wl), views, values);
-    double sum = double(share_at(beams_of(brdf), part, wl).g);
-    for (std::size_t k = 0; k < views.size(); ++k)
-        sum += double(values[k].g) * double(views[k].z) * 2 * k_pi / double(views.size());
-    return sum;
-}
-
-/// What is read, fitted, written and read again has the same totals, whether its parts scatter, have beams, both or
-/// neither. The side that a file lacks is like the other one. At 90° a mirror rises to what is not scattered, and what
-/// passes falls to 0.
-TEST(Klems, TotalsAreKept) {
-    const AngleBasis basis = klems_basis(KlemsBasis::quarter);
-    for (const double scattered : {0.0, 0.3})
-        for (const double beam : {0.0, 1.0}) {
-            const auto matrix = [&](const char* direction, double first, double last, double f) {
-                return matrix_xml(direction, basis.name, basis.patches(), [=, &basis](std::size_t o, std::size_t i) {
-                    const std::size_t ring = basis.ring_of(i);
-                    return f / k_pi +
-                           (o == i ? beam * (ring == 4 ? last : first) / basis.projected_solid_angle(ring) : 0);
-                });
-            };
-            const auto measured = read(bsdf_xml(
-                "", matrix("Transmission Back", 0.6, 0.2, 0) + matrix("Reflection Back", 0.08, 0.4, scattered)));
-            ASSERT_TRUE(measured.ok()) << message(measured.error());
-            const auto fitted = fit_bsdf(*measured, {.model = GgxRequest{}});
-            ASSERT_TRUE(fitted.ok()) << message(fitted.error());
-            std::vector<AnyBrdf> all{*measured, fitted->model};
-            for (const Format& format : formats()) {
-                if (!format.write || format.one_sided) continue;
-                const auto bytes = table_file(
-                    all[1], format, {.description = {}, .directions = 32, .choice = format.option ? "quarter" : ""});
-                EXPECT_EQ(bytes.ok(), format.beams || beam == 0) << format.name;
-                if (!bytes) continue;
-                const auto again = read_as(format, *bytes, "f");
-                ASSERT_TRUE(again.ok()) << message(again.error());
-                all.push_back(*again);
-            }
-            for (const AnyBrdf& brdf : all)
-                for (const std::size_t back : {0, 1}) {
-                    if (back && !is_two_sided(brdf)) continue;  // of light from the front alone
-                    const double last = beam * 0.4, end = beam * (1 - scattered);
-                    EXPECT_PRED3(near, total(brdf, Part(back), 0), 0.08 * beam + scattered, 0.01);
-                    EXPECT_PRED3(near, total(brdf, Part(2 + back), 0), 0.6 * beam, 0.01);
-                    EXPECT_PRED3(near, total(brdf, Part(back), 76.5), last + scattered, 0.02);
-                    EXPECT_PRED3(near, total(brdf, Part(back), 85), last + scattered + (end - last) * 17 / 27, 0.02);
-                    EXPECT_PRED3(near, total(brdf, Part(2 + back), 85), beam * 0.2 * 10 / 27, 0.01);
-                }
-        }
 }
 
 }  // namespace

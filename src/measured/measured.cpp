@@ -57,14 +57,15 @@ bool is_normal(Vec3f w) { return w.x == 0 && w.y == 0; }
 
 /// True if look-up may need the azimuth of a direction along the normal, which has none. RGL's needs that of the light.
 bool lacks_azimuth(const Measured& measured, Vec3f wl, Vec3f wv) {
-    return (is_normal(wl) || (is_normal(wv) && !std::holds_alternative<RglTable>(measured.table))) &&
+    return (is_normal(wl) || (!std::holds_alternative<RglTable>(measured.table) && is_normal(wv))) &&
            !std::holds_alternative<ScatteredSamples>(measured.table);
 }
 
 /// The mean of what look_up(wl, wv, f) sets over all azimuths of a direction that lacks one, which is turned to each,
-/// nearer to the normal than rounding. If one was not measured f stays as it is.
-template <typename LookUp> void set_mean(Vec3f wl, Vec3f wv, std::span<float> f, const LookUp& look_up) {
+/// nearer to the normal than rounding. Where one was not measured, it is what the pair itself has.
+template <typename LookUp> void look_up_mean(Vec3f wl, Vec3f wv, std::span<float> f, const LookUp& look_up) {
     constexpr int k_turns = 16;
+    look_up(wl, wv, f);
     Vec3f& turned = is_normal(wl) ? wl : wv;
     if (is_normal(wv)) wv.x = 1e-12f;  // also turned relative to this
     std::vector<float> values(f.size());
@@ -78,19 +79,22 @@ template <typename LookUp> void set_mean(Vec3f wl, Vec3f wv, std::span<float> f,
     for (std::size_t c = 0; c < f.size(); ++c)
         if (std::isfinite(mean[c])) f[c] = float(mean[c]);
 }
+[[gnu::noinline]] Rgb mean_value(const Measured& measured, Vec3f wl, Vec3f wv) {  // pairs look up faster without it
+    Rgb f;
+    look_up_mean(wl, wv, {&f.r, 3}, [&](Vec3f l, Vec3f v, std::span<float> to) {
+        const Rgb at = std::visit([&](const auto& table) { return signed_value(table, l, v); }, measured.table);
+        std::copy_n(&at.r, 3, to.begin());
+    });
+    return f;
+}
 
 }  // namespace
 
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
     if (measured.exchanged) std::swap(wl, wv);
-    Rgb f;
-    const auto look_up = [&](Vec3f l, Vec3f v, std::span<float> to) {
-        const Rgb at = std::visit([&](const auto& table) { return signed_value(table, l, v); }, measured.table);
-        std::copy_n(&at.r, 3, to.begin());
-    };
-    look_up(wl, wv, {&f.r, 3});
-    if (lacks_azimuth(measured, wl, wv)) set_mean(wl, wv, {&f.r, 3}, look_up);
-    return f;
+    if (lacks_azimuth(measured, wl, wv)) [[unlikely]]
+        return mean_value(measured, wl, wv);
+    return std::visit([&](const auto& table) { return signed_value(table, wl, wv); }, measured.table);
 }
 
 Evaluate signed_evaluator(const Measured& measured) {
@@ -107,9 +111,10 @@ Evaluate signed_evaluator(const Measured& measured) {
                 for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
         };
         std::visit(evaluate, measured.table);
-        for (std::size_t i = 0; i < wl.size(); ++i)
-            if (lacks_azimuth(measured, wl[i], wv[i]))
-                f[i] = measured.exchanged ? signed_value(measured, wv[i], wl[i]) : signed_value(measured, wl[i], wv[i]);
+        int normals = 0;
+        for (std::size_t i = 0; i < wl.size(); ++i) normals |= int(is_normal(wl[i])) | int(is_normal(wv[i]));
+        for (std::size_t i = 0; normals != 0 && i < wl.size(); ++i)
+            if (lacks_azimuth(measured, wl[i], wv[i])) f[i] = mean_value(measured, wl[i], wv[i]);
     };
 }
 
@@ -138,11 +143,12 @@ Channels signed_spectra(const Measured& measured) {
                 require_equal_lengths(C * wl.size(), C * wv.size(), f.size());
                 if (measured.exchanged) std::swap(wl, wv);
                 const auto evaluate = [&](const auto& table) {
-                    for (std::size_t i = 0; i < wl.size(); ++i) {
-                        const auto look_up = [&](Vec3f l, Vec3f v, auto to) { signed_spectrum(table, l, v, to); };
-                        look_up(wl[i], wv[i], f.subspan(i * C, C));
-                        if (lacks_azimuth(measured, wl[i], wv[i])) set_mean(wl[i], wv[i], f.subspan(i * C, C), look_up);
-                    }
+                    const auto look_up = [&](Vec3f l, Vec3f v, auto to) { signed_spectrum(table, l, v, to); };
+                    for (std::size_t i = 0; i < wl.size(); ++i)
+                        if (const auto to = f.subspan(i * C, C); lacks_azimuth(measured, wl[i], wv[i]))
+                            look_up_mean(wl[i], wv[i], to, look_up);
+                        else
+                            look_up(wl[i], wv[i], to);
                 };
                 if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return evaluate(*rgl);
                 evaluate(std::get<ScatteredSamples>(measured.table));

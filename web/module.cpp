@@ -43,7 +43,7 @@ extern "C" __attribute__((import_module("srbf"), import_name("progress"))) int s
                                                                                                   std::size_t size,
                                                                                                   double fraction);
 
-namespace srbf {
+namespace SRBF_NAMESPACE {
 namespace {
 
 std::vector<std::unique_ptr<Subject>> g_subjects;

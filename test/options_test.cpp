@@ -101,7 +101,7 @@ const std::map<std::string, std::string> k_argument{
     {"--examples", "2"},
     {"--columns", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value"},
     {"--quantity", "factor"},
-    {"--floor", "0.25"},
+    {"--floor", "0.32"},
     {"--renderer", "raster"},
     {"--mesh", "knot"},
     {"--up", "z"},
@@ -200,7 +200,8 @@ class Options : public CommandLine {
             const Vec3d wl = random_direction(random), wv = random_direction(random);
             const std::string pair =
                 fmt::format("{},{},{},{},{},{}", wl.x, wl.y, std::abs(wl.z) + 1e-3, wv.x, wv.y, std::abs(wv.z) + 1e-3);
-            samples += fmt::format("{},{},0.3,0.3\n", pair, 0.3 + 0.1 * wl.z * wv.z);
+            const double f = 0.3 + 0.1 * wl.z * wv.z;
+            samples += fmt::format("{},{},{},{}\n", pair, f, f + 0.01, f + 0.02);
             pairs += pair + "\n";
         }
         for (int i = 0; i < 2 * 60 * 3; ++i) texels.push_back(float(0.2 + 0.1 * uniform(random)));

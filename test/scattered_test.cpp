@@ -545,7 +545,7 @@ TEST(Csv, RefusesAmbiguousColumns) {
     has(error_of(read_csv, angles + "wavelength,r,g,b\n1,2,3,500,1,1,1\n1,2,3,600,1,1,1\n"),
         "line 3: wavelength: expected one in all rows, or one value in a row, or a column for each as 532nm");
     has(error_of(read_csv, angles + "value,brdf\n"), "found 'value' and 'brdf'");
-    has(error_of(read_csv, angles + "brdf,550nm\n"), "found '550nm' and 'brdf'");
+    has(error_of(read_csv, angles + "brdf,550nm\n"), "found 'brdf' and '550nm'");
     has(error_of(read_csv, angles + "BRDF [dB]\n"), "found the unit of 'BRDF [dB]'");
     has(error_of(read_csv, "angle_deg,reflectance_percent\n"), "theta_both_deg");
     has(error_of(read_csv, "theta_v_deg,phi_v_deg,value\n1,2,3\n"), "theta_l_deg=30 in --columns, found no theta_l");

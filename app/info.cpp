@@ -12,6 +12,7 @@
 #include "app/read_options.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
+#include "brdf/values.h"
 #include "measured/evaluated_table.h"
 #include "measured/peak.h"
 #include "models/bsdf/bsdf_functions.h"
@@ -158,10 +159,10 @@ void print_behaviour(const Subject& subject) {
 
     const auto* measured = std::get_if<Measured>(&subject.content);
     print_row("peak", peak_text(measured ? peak_of(*measured) : peak_of(brdf)));
-    const Evaluate exchanged[] = {[&](auto wl, auto wv, auto f) { brdf(wv, wl, f); }};
+    const Evaluate other[] = {exchanged(brdf)};
     constexpr double max_theta = 80;
     const Measures reciprocity =
-        compare(brdf, exchanged, {.max_theta = max_theta * k_degree, .pictures = false}, {})[0].heldout;
+        compare(brdf, other, {.max_theta = max_theta * k_degree, .pictures = false}, {})[0].heldout;
     print_row("reciprocity error", fmt::format("{} of f cosθl, squared, between f(wl, wv) and f(wv, wl), θ ≤ {}°",
                                                percent(reciprocity.squared_error_ratio_cosine), max_theta));
     if (const auto repeats = repeatability(subject.content)) print_row("repeats", repeats_text(*repeats));
@@ -191,11 +192,11 @@ void print_sides(const Subject& subject) {
     for (std::size_t p = 0; p < k_parts; ++p) {
         const Part part = Part(p);
         if (!has_part(subject.content, part)) continue;
-        const Evaluate exchanged = [brdf = part_of(bsdf, part)](auto wl, auto wv, auto f) { brdf(wv, wl, f); };
+        const Evaluate from_light = exchanged(part_of(bsdf, part));
         fmt::print("  {:<22}", name(part));
         for (std::size_t i = 0; i < k_info_theta.size(); ++i) {
             const double theta = k_info_theta[i] * k_degree;
-            const double sum = double(albedo(exchanged, theta, k_pi / 2).g) +
+            const double sum = double(albedo(from_light, theta, k_pi / 2).g) +
                                double(share_at(beams, part, to_float(spherical(theta, 0.0))).g);
             side_sums[std::size_t(is_back(part))][i] += sum;
             fmt::print("{:>#10.4g}", sum);

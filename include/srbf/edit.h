@@ -75,8 +75,8 @@ struct EditOptions {
 /// Applies the edits in their order. Refits minimise the objective appearance (objective.h) against the edited model's
 /// own function. A directional albedo stays at most 1, or the model's largest: where an edit exceeds it, lobes are
 /// lowered, and "limited" of the provenance says how far it went. A reciprocal model stays reciprocal. The provenance
-/// keeps where the model comes from, gets "edits", and loses the errors of the measurement. Errors: not a multivariate model; of colours and refits, a spectral model; a
-/// number out of range; cancelled.
+/// keeps where the model comes from, gets "edits", and loses the errors of the measurement. Errors: not a multivariate
+/// model; of colours and refits, a spectral model; a number out of range; cancelled.
 Result<Model> edited(const Model& model, std::span<const Edit> edits, const EditOptions& options = {});
 
 /// (1 − mix) a + mix b, with the lobes and variates of both: an exact sum, before coefficients are rounded. Models of

@@ -48,9 +48,9 @@ Result<std::string> shading_code(const LoadedBrdf& model, const std::string& nam
 // ---- Evaluation and sampling ----
 
 // Directions are unit vectors in the local frame, which debug builds assert, and point away from the surface: wl to the
-// light, wv to the viewer. The frame's +z axis is the shading normal. Its +x axis matters to anisotropic BRDFs alone: it is the
-// tangent from which their data count azimuths. Colours are linear sRGB. Several threads may call all functions of a
-// PreparedBrdf at once, and no result depends on whether the processor flushes subnormal numbers to 0. prepared.h
+// light, wv to the viewer. The frame's +z axis is the shading normal. Its +x axis matters to anisotropic BRDFs alone: it
+// is the tangent from which their data count azimuths. Colours are linear sRGB. Several threads may call all functions
+// of a PreparedBrdf at once, and no result depends on whether the processor flushes subnormal numbers to 0. prepared.h
 // prepares any other BRDF, too.
 
 /// A sampled direction to the light.

@@ -12,6 +12,12 @@ inline Error argument_error(std::string source, std::string what, std::string ex
     return {std::move(source), {}, std::move(what), std::move(expected), std::move(found), ErrorCode::argument};
 }
 
+/// A number that a 16-bit float does not hold.
+inline Error half_range_error(std::string source, std::string what, double found) {
+    return argument_error(std::move(source), std::move(what), "0, or 6e-08 to 65504, the range of 16-bit floats",
+                          fmt::format("{:g}", found));
+}
+
 /// `expected` names what is missing.
 inline Error no_data_error(std::string source, std::string what, std::string expected = "some") {
     return {std::move(source), {}, std::move(what), std::move(expected), "none", ErrorCode::no_data};

@@ -183,15 +183,16 @@ std::vector<std::array<double, 2>> gauss_legendre(std::vector<double> ends) {
 
 }  // namespace
 
+Quadrature with_cosines(Quadrature points) {
+    for (std::size_t i = 0; i < points.w.size(); ++i) points.weight[i] *= double(points.w[i].z);
+    return points;
+}
+
 Quadrature albedo_quadrature(Vec3d wv, double theta_max, int count) {
     constexpr double k_grazing = 0.3, k_growth = 5, k_first_of_cosine = 1e-2, k_first_at_horizon = 1e-3,
                      k_first_azimuth = 1e-4;
+    if (wv.z >= k_grazing) return with_cosines(MirrorMixture(theta_max).quadrature(wv, count));
     Quadrature points;
-    if (wv.z >= k_grazing) {
-        points = MirrorMixture(theta_max).quadrature(wv, count);
-        for (std::size_t i = 0; i < points.w.size(); ++i) points.weight[i] *= double(points.w[i].z);
-        return points;
-    }
     const double least = elementary::cos(theta_max), sine = std::sqrt(1 - wv.z * wv.z);
     std::vector<double> cosine{least, 1}, azimuth{0, k_pi / 2};
     for (double s = 1; s < 1 / k_first_azimuth; s *= k_growth) {

@@ -75,6 +75,8 @@ class MirrorMixture {
     double retro_scale_;
 };
 
+/// `points` with their weights times cosθ.
+Quadrature with_cosines(Quadrature points);
 /// About `count` directions over the cap θ ≤ θmax for the albedo of a view; the weights include cosθl. Below cosθv = 0.3,
 /// where highlights are long and narrow, they are a product of Gauss-Legendre rules over cosθl and azimuth, whose
 /// intervals grow from the viewer's cosine, the horizon and the plane of incidence; otherwise those of MirrorMixture.

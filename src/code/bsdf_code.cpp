@@ -103,7 +103,6 @@ std::string beam_call(const Beams& beams, Part part) {
 }
 
 std::string beams_text(const Beams& beams, CodeLanguage language, Program& program) {
-    const char* const is_finite = language == CodeLanguage::c ? "is_finite(wv)" : "dot(wv, wv) < Real(1.0e30)";
     std::string text;
     for (std::size_t b = 0; b < beams.size(); ++b)
         if (!beams[b].empty()) text += beam_text(beams[b], fmt::format("{}_beam", k_beam_names[b]), program);
@@ -112,7 +111,8 @@ std::string beams_text(const Beams& beams, CodeLanguage language, Program& progr
         text += fmt::format(
             "// {0}\nVec3 {1}(Vec3 wv) {{\n    if (!({5})) return {4};\n"
             "    if (wv.z > Real(0.0)) return {2};\n    return {3};\n}}\n",
-            comment, name, beam_call(beams, above), beam_call(beams, below), k_black, is_finite);
+            comment, name, beam_call(beams, above), beam_call(beams, below), k_black,
+            syntax::are_finite(language, {"wv"}));
     };
     add_function("beam",
                  "The share for R, G, B of the light from -wv that passes unscattered to the viewer, on either side.",

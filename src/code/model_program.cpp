@@ -176,8 +176,6 @@ std::string vector(const Rgb& rgb) { return fmt::format("Vec3({}, {}, {})", real
 
 /// The function `brdf`. `statements` compute the value above the horizon. C recognises a NaN by its bits.
 std::string brdf_function(CodeLanguage language, const std::string& statements) {
-    const char* const is_finite =
-        language == CodeLanguage::c ? "is_finite(wl) && is_finite(wv)" : "dot(wl, wl) + dot(wv, wv) < Real(1.0e30)";
     return "// The BRDF f_r [1/sr] in linear sRGB, without the cosine: multiply by wl.z and by the irradiance of the "
            "light on a\n"
            "// surface that faces it. wl points to the light and wv to the viewer: unit vectors in the local frame, "
@@ -185,7 +183,8 @@ std::string brdf_function(CodeLanguage language, const std::string& statements) 
            "// shading normal. 0 where one of them is not above the horizon, or has a NaN.\n"
            "Vec3 brdf(Su su, Vec3 wl, Vec3 wv, Pm pm) {\n"
            "    if (!(Real(0.0) < wl.z && Real(0.0) < wv.z && " +
-           std::string(is_finite) + "))\n        return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" + statements + "}\n";
+           syntax::are_finite(language, {"wl", "wv"}) + "))\n        return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
+           statements + "}\n";
 }
 constexpr const char* k_value_pdf_text = R"(
 // The BRDF and the density of samples, as multiple importance sampling needs them together.
@@ -328,7 +327,8 @@ void set_native(Program& program, std::string_view name, std::string native) {
 std::string albedo_text(CodeLanguage language) {
     std::string text = k_albedo_text;
     if (language == CodeLanguage::c)
-        text.insert(text.find("Real(0.0) < cosine"), "is_finite(Vec3(cosine, cosine, cosine)) && ");
+        text.insert(text.find("Real(0.0) < cosine"),
+                    syntax::are_finite(language, {"Vec3(cosine, cosine, cosine)"}) + " && ");
     return text;
 }
 

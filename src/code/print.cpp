@@ -207,6 +207,16 @@ std::string code_line(const std::string& line, int depth) {
 
 }  // namespace
 
+std::string are_finite(CodeLanguage language, std::initializer_list<std::string_view> directions) {
+    const bool by_bits = language == CodeLanguage::c;
+    const char* const between = by_bits ? " && " : " + ";
+    std::string text;
+    for (const std::string_view w : directions)
+        text += fmt::format("{}{}", text.empty() ? "" : between,
+                            by_bits ? fmt::format("is_finite({})", w) : fmt::format("dot({0}, {0})", w));
+    return by_bits ? text : text + " < Real(1.0e30)";
+}
+
 Printer::Printer(CodeLanguage language, std::map<std::string, std::string> names)
     : Printer(row_of(language), std::move(names)) {}
 Printer::Printer(const Language& language, std::map<std::string, std::string> names)

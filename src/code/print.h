@@ -1,8 +1,10 @@
 // Prints the syntax tree in the languages of renderers.
 #pragma once
+#include <initializer_list>
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "code/syntax.h"
 #include "srbf/shading_code.h"
@@ -10,6 +12,9 @@
 namespace SRBF_NAMESPACE::syntax {
 
 struct Language;
+
+/// The condition that no component of these directions is a NaN or infinite, which C finds by their bits.
+std::string are_finite(CodeLanguage language, std::initializer_list<std::string_view> directions);
 
 /// Prints definitions in one language. `names` maps names of functions, structures and tables to printed names.
 class Printer {

@@ -72,7 +72,6 @@ Evaluate roughened(const HighlightAndBody& parts, double factor) {
 /// An edit in progress.
 struct Editor {
     const EditOptions& options;
-    double limit;  ///< of the albedo
     const AlbedoBound& bound;
     double asked = 0;       ///< the largest albedo that the edit asks for, as a fraction of the limit
     std::string done = {};  ///< the edit that is done instead, if it is another of its kind
@@ -81,7 +80,7 @@ struct Editor {
     Result<PmModel> fit(const Evaluate& f, const PmModel& model, double factor, int lobes) {
         const PmModel begin[] = {model, widened(model, factor)};
         asked = bound.excess(f);
-        return refit(f, begin, options.lobes.value_or(std::min(lobes, k_most_fitted_lobes)), limit, options);
+        return refit(f, begin, options.lobes.value_or(std::min(lobes, k_most_fitted_lobes)), bound.limit(), options);
     }
 
     Result<PmModel> operator()(const PmModel& model, const Roughen& of) {
@@ -96,6 +95,7 @@ struct Editor {
         const std::array<Evaluate, 2> f{evaluator(parts.highlight), evaluator(parts.body)};
         const std::array<Rgb, 2> tint{wanted.highlight, wanted.body};
         double share = 1;
+        const double limit = bound.limit();
         for (const double view : {0.0, 25.0, 45.0, 60.0, 75.0}) {
             const std::array<Rgb, 2> reflected{albedo(f[0], view * k_degree, k_pi / 2),
                                                albedo(f[1], view * k_degree, k_pi / 2)};
@@ -133,7 +133,7 @@ struct Editor {
         return rotated(model, of.degrees * k_degree);
     }
     Result<PmModel> operator()(const PmModel& model, const Reduce& of) const {
-        return refit(evaluator(model), std::span(&model, 1), of.lobes, limit, options);
+        return refit(evaluator(model), std::span(&model, 1), of.lobes, bound.limit(), options);
     }
 };
 
@@ -151,8 +151,7 @@ Result<PmModel> in_halves(const PmModel& model, const char* where) {
     for (std::size_t j = 0; j < stored.coefficient.size(); ++j)
         if (const double beta = largest_of(model.coefficient[j]);
             beta > double(k_half_max) || (beta > 0 && largest_of(stored.coefficient[j]) <= 0))
-            return argument_error(where, "coefficient", "0, or 6e-08 to 65504, the range of 16-bit floats",
-                                  fmt::format("{:g}", beta));
+            return half_range_error(where, "coefficient", beta);
     return stored;
 }
 
@@ -205,7 +204,7 @@ Result<Model> edited(const Model& model, std::span<const Edit> edits, const Edit
         if (const auto valid = validate(edit); !valid) return valid.error();
         if (!now.wavelength.empty() && is_of_colours(edit))
             return argument_error("edit", "model", "one of colours", "a spectral one");
-        Editor editor{options, limit, bound};
+        Editor editor{options, bound};
         auto next = std::visit([&](const auto& of) { return editor(now, of); }, edit);
         if (!next) return next.error();
         if (const double asked = std::max(editor.asked, bound.excess(evaluator(*next))); asked > k_noted_excess)

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -28,6 +29,11 @@ using Image8 = Picture<Rgb8>;
 /// The exposure that maps a quantile of the lit pixels' largest channels to `value`; 1 if no pixel is lit (finite, with
 /// a channel above 0). The brightness of the brightest tenth thus does not darken the image.
 float exposure_to(const Image& image, double value);
+/// Radiance at this exposure, each channel in [0, 1].
+inline Rgb exposed(const Rgb& radiance, float exposure) {
+    const auto channel = [&](float x) { return std::clamp(exposure * x, 0.f, 1.f); };
+    return {channel(radiance.r), channel(radiance.g), channel(radiance.b)};
+}
 inline constexpr double k_exposed_quantile = 0.9;
 
 SRBF_END

@@ -25,8 +25,8 @@ Image expose(const Image& radiance, float exposure) {
     for (int y = 0; y < shown.height; ++y)
         for (int x = 0; x < shown.width; ++x) {
             Rgb& pixel = shown.at(x, y);
-            const bool sphere = shows_sphere(shown.width, x, y);
-            for (int c = 0; c < 3; ++c) pixel[c] = sphere ? std::clamp(exposure * pixel[c], 0.f, 1.f) : k_background;
+            pixel = shows_sphere(shown.width, x, y) ? exposed(pixel, exposure)
+                                                    : Rgb{k_background, k_background, k_background};
         }
     return shown;
 }

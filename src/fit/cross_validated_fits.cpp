@@ -246,13 +246,9 @@ class SampleFits {
             fitted.pixels.push_back(scaled(wl.z, value(model, wl, wv)));
         }
         const float exposure = exposure_to(lit, k_exposed_value);
-        const auto shown = [&](const Rgb& pixel) {
-            const auto at = [&](float x) { return std::clamp(exposure * x, 0.f, 1.f); };
-            return Rgb{at(pixel.r), at(pixel.g), at(pixel.b)};
-        };
         double sum = 0;
         for (std::size_t i = 0; i < lit.pixels.size(); ++i)
-            sum += delta_e_itp(shown(lit.pixels[i]), shown(fitted.pixels[i]));
+            sum += delta_e_itp(exposed(lit.pixels[i], exposure), exposed(fitted.pixels[i], exposure));
         return sum / double(lit.pixels.size());
     }
     /// The cross-validated errors of Lambert and at most one lobe of GGX; none unless they fill gaps, or of spectra.

@@ -50,8 +50,8 @@ Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::
 Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name);
 
 /// Joins files of samples of one material, such as one for each incidence. The first note has what their headers state
-/// alike and differently. The result is isotropic if each file is, and all lights have one azimuth or those of each file
-/// have several. Errors: fewer than two; one is not of samples; their wavelengths, colours or names of values differ.
+/// alike and differently. `change_by_azimuth` decides whether the result is isotropic. Errors: fewer than two; one is not
+/// of samples; their wavelengths, colours or names of values differ.
 Result<Measured> joined(std::span<const Measured> files);
 
 /// The names of all but `stated`, in their order.

@@ -9,6 +9,7 @@
 #include "measured/limits.h"
 #include "measured/tables.h"
 #include "srbf/convert.h"
+#include "srbf/file.h"
 #include "srbf/handles.h"
 
 namespace SRBF_NAMESPACE {
@@ -232,7 +233,7 @@ bool is_text(std::span<const std::byte> bytes) {
     });
 }
 
-std::optional<std::vector<std::byte>> plain_text(std::span<const std::byte> bytes) {
+std::optional<std::string> plain_text(std::span<const std::byte> bytes) {
     const std::string_view raw = as_text(bytes);
     std::string text;
     if (const bool is_little = raw.starts_with("\xff\xfe"); is_little || raw.starts_with("\xfe\xff")) {
@@ -251,9 +252,7 @@ std::optional<std::vector<std::byte>> plain_text(std::span<const std::byte> byte
     } else if (raw.find('\n') >= raw.size() - 1 && raw.find('\r') < raw.size() && is_text(bytes)) {
         std::ranges::replace_copy(raw, std::back_inserter(text), '\r', '\n');
     }
-    const auto converted = std::as_bytes(std::span(text));
-    return text.empty() || !is_text(converted) ? std::nullopt
-                                               : std::optional(std::vector(converted.begin(), converted.end()));
+    return text.empty() || !is_text(as_bytes(text)) ? std::nullopt : std::optional(std::move(text));
 }
 
 }  // namespace srbf

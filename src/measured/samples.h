@@ -101,6 +101,7 @@ Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
 
 /// Tolerance of azimuths [rad] and of components of directions, which files state with four digits or more.
 inline constexpr double k_azimuth_rounding = 1e-4;
+
 /// Stands for any number of blanks, tabs or commas between fields.
 inline constexpr char k_any_separator = 0;
 /// Splits a row into fields; for ' ' and `k_any_separator`, into words.
@@ -191,7 +192,7 @@ bool has_colours(std::span<const float> wavelengths);
 bool is_text(std::span<const std::byte> bytes);
 /// Text in UTF-16 with a byte-order mark, or with lines ended by CR alone, as UTF-8 with lines ended by LF. No value for
 /// any other bytes.
-std::optional<std::vector<std::byte>> plain_text(std::span<const std::byte> bytes);
+std::optional<std::string> plain_text(std::span<const std::byte> bytes);
 /// Recognise formats by their first lines.
 bool is_cornell(std::string_view text);
 bool is_astm(std::string_view text);

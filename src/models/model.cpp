@@ -84,8 +84,7 @@ std::optional<Error> lost_number(const Parameters& given, const Parameters& stor
         const bool is_direction = given[i].name == "centre" || given[i].name == "parameterization";
         for (std::size_t k = 0; from && to && !is_direction && k < from->numbers.size(); ++k)
             if (const float x = from->numbers[k], y = to->numbers[k]; !(std::abs(x - y) <= std::abs(x) / 2))
-                return argument_error({}, given[i].name, "0, or 6e-08 to 65504, the range of 16-bit floats",
-                                      fmt::format("{:g}", x));
+                return half_range_error({}, given[i].name, double(x));
     }
     return {};
 }

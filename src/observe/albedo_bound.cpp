@@ -47,10 +47,10 @@ AlbedoBound::AlbedoBound(double limit, int azimuths, bool is_fine) : limit_(limi
     for (int i = 0; i < cosines * azimuths; ++i) {
         const double cosine = elementary::pow(k_least_bounded_cosine, double(i % cosines) / (cosines - 1));
         const Vec3d wv = spherical(elementary::acos(cosine), k_golden_angle * double(i));
-        Quadrature light = is_fine ? albedo_quadrature(wv, k_pi / 2, k_fine_light_directions)
-                                   : mixture.quadrature(wv, k_light_directions / azimuths);
-        for (std::size_t k = 0; !is_fine && k < light.w.size(); ++k) light.weight[k] *= double(light.w[k].z);
-        views_.push_back({to_float(wv), std::move(light), {}});
+        views_.push_back({to_float(wv),
+                          is_fine ? albedo_quadrature(wv, k_pi / 2, k_fine_light_directions)
+                                  : with_cosines(mixture.quadrature(wv, k_light_directions / azimuths)),
+                          {}});
     }
 }
 

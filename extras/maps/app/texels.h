@@ -18,7 +18,7 @@ class Texels {
     std::size_t count() const { return count_; }
     /// Reads texels from `first` on, as many as fit into `f`. Numbers that stand for no value, as −999, become NaN.
     Result<Done> read(std::size_t first, std::span<Rgb> f) const;
-    /// Tells of such numbers in the first texel that was read and has them.
+    /// A line on such numbers, of the first texel that was read and has them; empty if none has.
     const std::string& note() const { return note_; }
 
   private:

@@ -16,7 +16,7 @@ namespace SRBF_NAMESPACE {
 
 namespace {
 
-/// Comments that `srbf` writes and reads; the second one without "# ".
+/// A comment that `srbf` writes and reads.
 constexpr std::string_view k_both_sides = "# both sides";
 
 /// Reads whether a comment calls the samples isotropic or anisotropic; no value if it does neither.
@@ -212,8 +212,7 @@ std::optional<Error> infer_angles(Table& table, const std::string& file_name, st
                                        polar.least_light, polar.most_light));
         columns.notes.push_back(
             fmt::format("a scan in the plane of incidence, {} > 0 on the mirror side; --columns with "
-                        "phi_l_deg=0,phi_v_deg=0 puts it "
-                        "on the side of the light",
+                        "phi_l_deg=0,phi_v_deg=0 puts it on the side of the light",
                         angle[2].name));
     }
     return {};

@@ -110,7 +110,7 @@ const Format* format_written_to(std::string_view path) {
 }
 
 std::uint64_t most_bytes(Bytes head) {
-    if (const auto text = plain_text(head)) return most_bytes(*text);
+    if (const auto text = plain_text(head)) return most_bytes(as_bytes(*text));
     std::uint64_t most = 0;
     for (const Format& format : formats())
         most = std::max(most, format.size ? format.size(head) : recognises(format, head) ? k_largest_file : 0);

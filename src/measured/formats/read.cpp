@@ -57,7 +57,7 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
                                 const ReadOptions& options) {
     if (const auto what = other_file(bytes); !what.empty())
         return Error{file_name, {}, "input", "a measurement", std::string(what)};
-    if (const auto text = plain_text(bytes)) return read_unindexed(*text, file_name, options);
+    if (const auto text = plain_text(bytes)) return read_unindexed(as_bytes(*text), file_name, options);
     if (!options.columns.empty()) {
         auto samples = read_csv_samples(bytes, file_name, options);
         if (!samples) return samples.error();

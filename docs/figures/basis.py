@@ -11,7 +11,9 @@ import statistics
 import struct
 import sys
 
-import comparison
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "paper"))
+import comparison  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 CSV, PAGE, PLOT = (os.path.join(HERE, "..", name) for name in ("basis.csv", "basis.md", "basis.svg"))
@@ -134,7 +136,7 @@ def main():
     with open(PAGE, encoding="utf-8") as file:
         page = file.read()
     page = comparison.replaced(page, "errors", errors_table(errors))
-    comparison.write_or_check({PAGE: page, PLOT: plot(errors)}, "basis")
+    comparison.write_or_check({PAGE: page, PLOT: plot(errors)}, "basis", "docs/figures/basis.py")
 
 
 if __name__ == "__main__":

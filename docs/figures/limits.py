@@ -1,5 +1,5 @@
 """docs/limits.jpg: python3 docs/figures/limits.py SRBF SUNFLOWER OBSIDIAN OUT.jpg. What one sees of the errors of three fits: of the bundled
-film, of RGL's cg_sunflower, and of black obsidian, a stand-in (bench/stand_ins.py). Spheres under three lamps; Chromium sets the text."""
+film, of RGL's cg_sunflower, and of black obsidian, a stand-in (paper/stand_ins.py). Spheres under three lamps; Chromium sets the text."""
 import os
 import subprocess
 import sys

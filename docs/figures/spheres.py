@@ -4,7 +4,7 @@ PYTHONPATH=build/release/python python3 docs/figures/spheres.py lights docs/ligh
     The bundled paper and film with fits of them under the eight lights; a number is ΔE_ITP of a picture against the one of the measurement.
 PYTHONPATH=build/release/python python3 docs/figures/spheres.py models docs/models.jpg RGL NETWORKS
     Four files of the folder RGL and models of them under the light `studio`; a number is the mean ΔE_ITP of the eight lights. In the second
-    row the film is under `flash`, and a number is the ΔE_ITP of this light. NETWORKS is the folder of networks that bench/rivals.py takes.
+    row the film is under `flash`, and a number is the ΔE_ITP of this light. NETWORKS is the folder of networks that paper/rivals.py takes.
 """
 import base64
 import os
@@ -15,7 +15,7 @@ import numpy as np
 import srbf
 
 here = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [os.path.join(here, "..", "..", name) for name in ("test", "bench")]
+sys.path[:0] = [os.path.join(here, "..", "..", name) for name in ("test", "paper")]
 import chromium  # noqa: E402
 import rivals  # noqa: E402
 import stand_ins  # noqa: E402

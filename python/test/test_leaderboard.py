@@ -1,4 +1,4 @@
-"""The leaderboard of bench/leaderboard.py."""
+"""The leaderboard of paper/leaderboard.py."""
 import os
 import subprocess
 import sys
@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 
 def run(*arguments):
     environment = {**os.environ, "PYTHONPATH": str(Path(srbf.__file__).parent.parent)}
-    return subprocess.run([sys.executable, ROOT / "bench/leaderboard.py", *map(str, arguments)], capture_output=True, text=True, env=environment, check=False)
+    return subprocess.run([sys.executable, ROOT / "paper/leaderboard.py", *map(str, arguments)], capture_output=True, text=True, env=environment, check=False)
 
 
 def test_results_repeat_and_merge(tmp_path):

@@ -1,12 +1,9 @@
-// Errors of fits to noisy tables. Each measurement is sampled to a table of MBSDF's layout (the truth). The table gets
-// independent normal noise of a share of its median value, signed or with negative values set to 0. Prints for each fit
-// ΔE_ITP against the truth, also relative to the fit to the truth; the largest errors of albedo from 0 to 75°, of
-// luminance and of a channel (relative to luminance); the same for the noisy table; and processor seconds. With
-// --seeds, prints the mean ΔE_ITP and the largest errors of N fits.
-//   usage: noisy_tables [--signed] [--clamped] [--share X] [--seeds N] FILE...
-// For N samples of signed noise as large as the median, prints the errors of the albedo's luminance of the tables and
-// of the fits at angles from 0.5 to 75°: mean and standard deviation, then the median of the largest errors.
-//   usage: noisy_tables --draws N FILE...
+// Errors of fits to noisy tables. Each measurement is sampled to a table of MBSDF's layout (the truth), and the table
+// gets independent normal noise of a share of its median value. Prints for each fit ΔE_ITP against the truth, also
+// relative to the fit to the truth; the largest errors of albedo from 0 to 75°, of luminance and of a channel (relative
+// to luminance); the same for the noisy table; and processor seconds. With --seeds, prints the mean ΔE_ITP and the
+// largest errors of N fits.
+//   usage: noisy_tables [--share X] [--seeds N] FILE...
 // Compares each channel's albedo of a fit with that of the file.
 //   usage: noisy_tables --own FILE...
 #include <fmt/format.h>
@@ -58,14 +55,11 @@ double median(const MbsdfTable& table) {
     return double(means[means.size() / 2]);
 }
 
-MbsdfTable with_noise(MbsdfTable table, double deviation, bool clamped, std::uint64_t seed = 1) {
-    std::mt19937_64 random(seed);
+MbsdfTable with_noise(MbsdfTable table, double deviation) {
+    std::mt19937_64 random(1);
     std::normal_distribution<double> normal;
     for (Rgb& cell : table.cells)
-        for (int c = 0; c < 3; ++c) {
-            cell[c] += float(deviation * normal(random));
-            if (clamped) cell[c] = std::max(cell[c], 0.f);
-        }
+        for (int c = 0; c < 3; ++c) cell[c] += float(deviation * normal(random));
     return table;
 }
 
@@ -129,60 +123,11 @@ void print_own(const Measured& measured) {
     std::fflush(stdout);
 }
 
-/// Relative errors of albedo at `k_angles`, in per cent.
-std::vector<double> luminance_errors(const Evaluate& truth, const Evaluate& other) {
-    std::vector<double> errors;
-    for (const double theta : k_angles) {
-        const auto reflected = [&](const Evaluate& f) { return luminance(albedo(f, theta * k_degree, 89 * k_degree)); };
-        errors.push_back(100 * (double(reflected(other)) / double(reflected(truth)) - 1));
-    }
-    return errors;
-}
-
-void print_draws(const std::string& name, const char* kind, const std::vector<std::vector<double>>& draws) {
-    fmt::print("| {} | {} |", name, kind);
-    for (std::size_t k = 0; k < std::size(k_angles); ++k) {
-        double sum = 0, squares = 0;
-        for (const auto& errors : draws) sum += errors[k], squares += errors[k] * errors[k];
-        const double count = double(draws.size()), mean = sum / count;
-        fmt::print(" {:+.2f} ± {:.2f} |", mean, std::sqrt(std::max(squares / count - mean * mean, 0.)));
-    }
-    std::vector<double> largest;
-    for (const auto& errors : draws) {
-        const auto [low, high] = std::ranges::minmax(errors);
-        largest.push_back(std::max(high, -low));
-    }
-    std::ranges::sort(largest);
-    fmt::print(" {:.2f} |\n", largest[largest.size() / 2]);
-    std::fflush(stdout);
-}
-
-void print_draws(const std::string& file, int draws) {
-    const auto measured = load_measured(file);
-    if (!measured) return void(fmt::print(stderr, "{}\n", message(measured.error())));
-    const MbsdfTable table = table_of(evaluator(*measured));
-    const Measured clean{"", "", 0, table};
-    const Evaluate truth = evaluator(clean);
-    std::vector<std::vector<double>> fits, tables;
-    for (int seed = 1; seed <= draws; ++seed) {
-        const Measured noisy{"", "", 0, with_noise(table, median(table), false, std::uint64_t(seed))};
-        tables.push_back(luminance_errors(truth, signed_evaluator(noisy)));
-        Fitter fitter(noisy);
-        const auto outcome = fitter.fit({});
-        if (!outcome) return void(fmt::print(stderr, "{}\n", message(outcome.error())));
-        fits.push_back(luminance_errors(truth, evaluator(outcome->model)));
-    }
-    const std::string name = std::filesystem::path(file).stem().string();
-    print_draws(name, "table", tables);
-    print_draws(name, "fit", fits);
-}
-
 }  // namespace
 }  // namespace srbf
 
 int main(int argc, char** argv) {
     using namespace srbf;
-    bool with_signed = false, with_clamped = false;
     int seeds = 1;
     std::vector<double> shares;
     std::vector<std::string> files;
@@ -192,16 +137,7 @@ int main(int argc, char** argv) {
             for (++i; i < argc; ++i) print_own(*load_measured(argv[i]));
             return 0;
         }
-        if (word == "--draws") {
-            const int draws = std::stoi(argv[++i]);
-            for (++i; i < argc; ++i) print_draws(argv[i], draws);
-            return 0;
-        }
-        if (word == "--signed")
-            with_signed = true;
-        else if (word == "--clamped")
-            with_clamped = true;
-        else if (word == "--seeds")
+        if (word == "--seeds")
             seeds = std::stoi(argv[++i]);
         else if (word == "--share")
             shares.push_back(std::stod(argv[++i]));
@@ -209,7 +145,6 @@ int main(int argc, char** argv) {
             files.push_back(word);
     }
     if (shares.empty()) shares = {0.01, 0.1, 1};
-    if (!with_signed && !with_clamped) with_signed = with_clamped = true;
     fmt::print(
         "| table | noise | ΔE_ITP | of the clean fit's | albedo, luminance, % | channel, % | "
         "table: ΔE_ITP | luminance, % | found | s |\n|---|---|---|---|---|---|---|---|---|---|\n");
@@ -229,13 +164,10 @@ int main(int argc, char** argv) {
         };
         print("none", clean_fit, {});
         const double median_value = median(table);
-        for (const bool clamped : {false, true})
-            for (const double share : shares) {
-                if (!(clamped ? with_clamped : with_signed)) continue;
-                const Measured noisy{"", "", 0, with_noise(table, share * median_value, clamped)};
-                const Evaluate shown = clamped ? evaluator(noisy) : signed_evaluator(noisy);
-                print(fmt::format("{:g} % {}", 100 * share, clamped ? "clamped" : "signed"),
-                      fit_errors(noisy, truth, seeds), errors_against(truth, shown));
-            }
+        for (const double share : shares) {
+            const Measured noisy{"", "", 0, with_noise(table, share * median_value)};
+            print(fmt::format("{:g} %", 100 * share), fit_errors(noisy, truth, seeds),
+                  errors_against(truth, signed_evaluator(noisy)));
+        }
     }
 }

@@ -1,8 +1,6 @@
 """Fits models of sized_brdfs.py by the default objective of `srbf`, so that a comparison is one of forms and not of losses.
 
-The sum is that of docs/fitting.md with its weights: pairs, directional lights, albedos, and pixels of the same pictures, without the
-terms for overshoots and beyond 89°. As by default, values are those of the reciprocal mean, and pixels of the fit choose among the
-starts: sixteen are improved by a quarter of the data, four of them by all, then two and one.
+The sum is that of docs/fitting.md with its weights: pairs, albedos, and pixels of the same pictures, without the overshoots and beyond 89°. As by default, values are those of the reciprocal mean, and pixels of the fit choose among the starts: sixteen are improved by a quarter of the data, four of them by all, then two and one.
 """
 import pathlib
 import sys
@@ -10,6 +8,7 @@ from typing import NamedTuple
 
 import classic_brdfs
 import numpy as np
+import sized_brdfs
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "test"))
 from seen import C1, C2, C3, M1, M2, TO_2020, TO_ITP, TO_LMS  # noqa: E402
@@ -120,28 +119,17 @@ def observed(brdf, wl, wv, weight):
     return Block(wl, wv, np.where(known[:, None], np.maximum(f, 0), 0), np.where(known, weight, 0))
 
 
-def phases(pairs):
-    """The interval of the phase angle of each pair, of sixteen equal ones."""
-    return np.minimum(np.arccos(np.clip((pairs.wl * pairs.wv).sum(axis=1), -1, 1)) * (16 / np.pi), 15).astype(int)
-
-
 def weighed(pairs):
-    """Replaces the solid angles [1, n] of pairs by weights [2, n] of squared errors: those of a fit, and of directional lights."""
+    """Replaces the solid angles [1, n] of pairs by weights [1, n] of squared errors."""
     solid_angle, cos_l, cos_v = pairs.weight[0], pairs.wl[:, 2].astype(float), pairs.wv[:, 2].astype(float)
-    r, square, phase = pairs.f.mean(axis=1) * cos_l, (pairs.f ** 2).sum(axis=1), phases(pairs)
+    r, square = pairs.f.mean(axis=1) * cos_l, (pairs.f ** 2).sum(axis=1)
     order = np.argsort(r)
     total = np.cumsum((solid_angle * cos_v * (r > 0))[order])
     q, weight = r[order][np.searchsorted(total, 0.75 * total[-1])], 0
-    for share, slope in ((1, (r + 0.07 * q) ** (-5 / 3) * cos_v), (1, (1 + r / q) ** (-4 / 3) * np.sqrt(cos_v)), (0.03, cos_v)):
+    for share, slope in ((1, (r + 0.07 * q) ** (-5 / 3) * cos_v), (1, (1 + r / q) ** (-4 / 3) * np.sqrt(cos_v)), (0.3, cos_v)):
         term = solid_angle * cos_l ** 2 * slope
-        weight = weight + share / 2.03 * term / (term @ square)
-    area, energy = solid_angle * cos_v, square * cos_l ** 2
-    area = area / (2 * np.pi * (np.cos(phase * np.pi / 16) - np.cos((phase + 1) * np.pi / 16)))
-    rest = np.bincount(phase, area * energy, 16)
-    for _ in range(20):
-        rest = np.bincount(phase, area * energy / (1 + energy / 1024 / np.maximum(rest[phase], 1e-300)), 16)
-    lamps = area * cos_l ** 2 / np.maximum(rest[phase] + energy / 1024, 1e-300)
-    return pairs._replace(weight=np.stack([weight, lamps]))
+        weight = weight + share / 2.3 * term / (term @ square)
+    return pairs._replace(weight=weight[None])
 
 
 def observe(brdf):
@@ -182,7 +170,7 @@ class Loss:
     def weigh(self, x, least=None):
         """Sets weights that suit the model x, and returns its loss of pairs. `least` is L0; without it the sum has pairs alone."""
         square = ((self.value(x)[:len(self.pairs.f)] - self.pairs.f) ** 2).sum(axis=1)
-        weight, lamps = self.pairs.weight
+        weight = self.pairs.weight[0]
         loss = weight @ square
         self.root, self.of_albedos, self.of_pixels = np.sqrt(weight)[:, None], 0, 0
         if least is None:
@@ -191,12 +179,6 @@ class Loss:
             self.of_pixels, pairs = np.sqrt(1 / len(self.target)), self.root.size
             self.root *= np.sqrt(0.3 * np.sum(self.residuals(x, False)[3 * pairs:] ** 2) / loss)
             return loss
-        phase = phases(self.pairs)
-        rms, energy = (np.sqrt(np.bincount(phase, lamps * of, 16)) for of in (square, (self.pairs.f ** 2).sum(axis=1)))
-        lit = np.where(energy > 0, np.cos((np.arange(16) + 0.5) * np.pi / 32), 0)
-        factor = lit / np.maximum(rms, 0.1 * rms.max())
-        share = 5 * min(1, (0.25 * lit.sum() / (lit @ (rms / np.maximum(energy, 1e-300)))) ** 2)
-        self.root = np.sqrt(weight + share * loss / (factor @ rms ** 2) * factor[phase] * lamps)[:, None]
         self.of_albedos = np.sqrt(8 * min(least, 0.004) / (3 * 0.02 ** 2) / len(self.albedos))
         self.of_pixels = np.sqrt(3.5 * least / self.delta_e(x) / len(self.target))
         return loss
@@ -242,8 +224,14 @@ def rounded(loss, x, coordinates):
     return min(results, key=lambda y: np.sum(loss.residuals(y, False) ** 2))
 
 
-def fit(brdf, model, as_ggx):
-    """The parameters of a model that is fitted to a BRDF; `as_ggx`: by the pixels and pairs that GGX is fitted to, without the other terms."""
+MODELS = {**{f"gtr-{count}-pictures": sized_brdfs.Lobes(classic_brdfs.Parameter, count) for count in (1, 2, 3, 6)},
+          **{f"lafortune-{count}-pictures": sized_brdfs.Cosines(classic_brdfs.Parameter, count) for count in (1, 3, 8)},
+          **{f"network-{width}-pictures": sized_brdfs.Network(classic_brdfs.Parameter, width) for width in (2, 4, 6, 9)}}
+
+
+def fit(brdf, name):
+    """Fits a model to a BRDF; returns what `classic_brdfs.fit` does. Networks have all terms, the others the pixels and pairs of GGX alone."""
+    model, as_ggx = MODELS[name], not name.startswith("network")
     observations, coordinates = observe(brdf), classic_brdfs.Coordinates(model)
     few, all_ = (Loss(observations, every, model, coordinates, as_ggx) for every in (4, 1))
     angle, weight = classic_brdfs.angles(few.pairs.wl, few.pairs.wv), np.sqrt(classic_brdfs.pairs(MAX_THETA)[2])[::4]
@@ -257,4 +245,4 @@ def fit(brdf, model, as_ggx):
     least = min(map(few.weigh, found))
     for loss, kept, iterations in ((few, 16, 10), (all_, 4, 20), (all_, 2, 60), (all_, 1, 200)):
         found = sorted((improve(loss, x, least, iterations) for x in found[:kept]), key=loss.delta_e)
-    return coordinates.to_parameters(rounded(all_, found[0], coordinates))
+    return classic_brdfs.function_of(model, coordinates.to_parameters(rounded(all_, found[0], coordinates)))

@@ -28,14 +28,12 @@ import time
 import zlib
 
 import classic_brdfs
+import comparison
 import numpy as np
 import rivals
 import srbf
 import stand_ins
-
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "docs", "figures"))
-import comparison  # noqa: E402
-from comparison import models_in, table, text  # noqa: E402
+from comparison import models_in, table, text
 
 DEFAULT = ["ggx-2", "srbf"]
 NAMES = {model: name.strip("*") for model, (name, _) in comparison.MODELS.items()}

@@ -1,5 +1,5 @@
 """The tables and the plot of docs/comparison.md, and a table each of docs/accuracy.md, docs/choosing.md and docs/paper.md, from docs/comparison.csv and further_tables.csv:
-python3 docs/figures/comparison.py [--check]
+python3 paper/comparison.py [--check]
 
 Writes docs/comparison.svg, and the tables of the pages after `<!-- NAME -->`. With --check nothing is written;
 the exit status is 1 if a page has other numbers.
@@ -11,13 +11,12 @@ import statistics
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-CSV, FURTHER, PAGE, PLOT, ACCURACY, CHOOSING, PAPER = (os.path.join(HERE, "..", name) for name in (
+CSV, FURTHER, PAGE, PLOT, ACCURACY, CHOOSING, PAPER = (os.path.join(HERE, "..", "docs", name) for name in (
     "comparison.csv", "further_tables.csv", "comparison.md", "comparison.svg", "accuracy.md", "choosing.md", "paper.md"))
 MODELS = {  # name, and in the plot the curve that it belongs to
     "ggx": ("Lambert, 1 GGX", "GGX"),
     "ggx-2": ("Lambert, 2 GGX", "GGX"),
     "abc": ("ABC, our fit ‡", "ABC"),
-    "sgd": ("SGD", None),
     "openpbr": ("OpenPBR", "OpenPBR"),
     "nbrdf": ("NBRDF, 32-bit floats", None),
     "nps": ("neural process", "neural process"),
@@ -30,9 +29,7 @@ MODELS = {  # name, and in the plot the curve that it belongs to
 SIZED = {  # in rows of the measurements alone: models of several sizes, and their curves
     **{f"srbf-{lobes}": "srbf" for lobes in (1, 2, 6, 32)},
     **{f"gtr-{lobes}-pictures": "GTR lobes" for lobes in (1, 2, 3, 6)},
-    **{f"gtr-{lobes}": None for lobes in (1, 2, 3, 4, 6)},  # by cube roots, in no table
     **{f"lafortune-{lobes}-pictures": "cosine lobes" for lobes in (1, 3, 8)},
-    **{f"lafortune-{lobes}": None for lobes in (1, 3, 8)},
     **{f"network-{width}-pictures": "small network" for width in (2, 4, 6, 9)},
     **{f"network-{width}": "small network, ∛f" for width in (4, 6)},
     **{f"pca-{count}": "principal components" for count in (4, 8, 16)},
@@ -335,21 +332,21 @@ def pages(rows):
     return made
 
 
-def write_or_check(contents, script):
+def write_or_check(contents, name, script):
     """Writes the files of `contents`, by path; with --check ends with a message if one has other numbers than the script makes."""
     for path, content in contents.items():
         if "--check" in sys.argv:
             with open(path, encoding="utf-8") as file:
                 if file.read() != content:
-                    sys.exit(f"{os.path.basename(path)} has other numbers than {script}.csv: python3 docs/figures/{script}.py")
+                    sys.exit(f"{os.path.basename(path)} has other numbers than {name}.csv: python3 {script}")
         else:
             with open(path, "w", encoding="utf-8") as file:
                 file.write(content)
 
 
 def main():
-    rows = [row for row in read() if row["model"] != "sgd"]  # our fit of SGD fails, and no table has it
-    write_or_check({**pages(rows), PLOT: plot(rows)}, "comparison")
+    rows = read()
+    write_or_check({**pages(rows), PLOT: plot(rows)}, "comparison", "paper/comparison.py")
 
 
 if __name__ == "__main__":

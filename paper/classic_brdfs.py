@@ -1,14 +1,9 @@
-"""Fits rivals of our own making to measurements: python3 bench/classic_brdfs.py FILE...
+"""Fits the microfacet model ABC and small networks to pairs of directions: python3 paper/classic_brdfs.py FILE...
 
-Prints the visible error of two analytic BRDFs of 2012 by each loss and weight below. Needs the package `srbf`
-(PYTHONPATH=build/release/python) and NumPy. sized_brdfs.py has the models of any size.
-
-abc  the microfacet model of Löw, Kronander, Ynnerman and Unger, BRDF Models for Accurate and Efficient Rendering of
-     Glossy Surfaces, 2012, https://doi.org/10.1145/2077341.2077350
-sgd  the shifted gamma distribution of Bagher, Soler and Holzschuch, Accurate fitting of measured reflectances using a
-     Shifted Gamma micro-facet distribution, 2012, https://doi.org/10.1111/j.1467-8659.2012.03147.x
-
-The fits are our own: Levenberg-Marquardt from several starts, without random numbers.
+Prints the visible error of ABC by each loss and weight below. Needs the package `srbf` (PYTHONPATH=build/release/python)
+and NumPy. The fits are our own: Levenberg-Marquardt from several starts, without random numbers. ABC is the model of
+Löw, Kronander, Ynnerman and Unger, BRDF Models for Accurate and Efficient Rendering of Glossy Surfaces, 2012,
+https://doi.org/10.1145/2077341.2077350; sized_brdfs.py has the networks.
 """
 import sys
 from typing import NamedTuple
@@ -49,7 +44,6 @@ class Abc:
     w = B^(-1/2) for the authors' B, which exceeds 16-bit floats. F is the Fresnel term of a dielectric for unpolarized
     light, G the shadowing of V-shaped grooves.
     """
-    joint = True  # channels are fitted together
     parameters = [Parameter("kd", 0, 4, False)] * 3 + [Parameter("A", 1e-6, 6e4, True)] * 3 + [
         Parameter("w", 1e-4, 3, True), Parameter("C", 0.02, 60, True), Parameter("eta", 1.01, 100, True)]
 
@@ -87,80 +81,15 @@ class Abc:
                     yield with_scales(Abc, x, f, angle, slice(0, 3), slice(3, 6))
 
 
-class Sgd:
-    """f = (kd + s F G1(θl) G1(θv) e^(-tan²θh / α) / ((1 + tan²θh / α²)^p cos⁴θh cosθl cosθv)) / π, for each channel.
-
-    F = F0 - F1 cosθd + (1 - F0) (1 - cosθd)⁵ with Fn = F0 - F1, and G1 = 1 + Λ (1 - e^(((θ - θ0) / τ)^k)) for θ > θ0,
-    clamped to [0, 1]. The authors' numbers are ks K = π s e^α α^p and c = τ^-k. They compute Λ, c, k and θ0 from α and
-    p; here they are free.
-    """
-    joint = False
-    parameters = [Parameter("kd", 0, 4, False), Parameter("s", 1e-6, 6e4, True), Parameter("alpha", 6.2e-5, 4, True),
-                  Parameter("p", 0, 4, False), Parameter("F0", 0, 4, False), Parameter("Fn", 0, 4, False),
-                  Parameter("Lambda", 1e-3, 1e3, True), Parameter("tau", 0.05, 10, True), Parameter("k", 1, 60, True),
-                  Parameter("theta0", -1, 1.4, False)]
-
-    @staticmethod
-    def value(x, angle, derivatives=False):
-        """f [n, 1], and if `derivatives` its derivatives by the coordinates of the fit, [10, n, 1]."""
-        kd, scale, alpha, p, f0, fn, big, tau, k, theta0 = x
-        tan2 = np.maximum(angle.cos_h ** -2 - 1, 0)
-        schlick = (1 - angle.cos_d) ** 5
-        fresnel = f0 - (f0 - fn) * angle.cos_d + (1 - f0) * schlick
-        ratio = tan2 / (alpha * alpha)
-        rest = scale * np.exp(-tan2 / alpha) * (1 + ratio) ** -p / (np.pi * angle.cos_h ** 4 * angle.cos_l * angle.cos_v)
-        shadowing = []
-        for cosine in (angle.cos_l, angle.cos_v):
-            t = np.maximum(np.arccos(np.minimum(cosine, 1)) - theta0, 1e-9) / tau
-            power = np.minimum(t ** k, 50)
-            grown = np.exp(power)
-            shadowing.append((np.clip(1 + big * (1 - grown), 0, 1), t, power, grown))
-        (g_l, *_), (g_v, *_) = shadowing
-        lobe = rest * fresnel * g_l * g_v
-        f = kd / np.pi + lobe
-        if not derivatives:
-            return f[:, None]
-        by = np.zeros((10, len(f)))
-        by[0], by[1] = 1 / np.pi, lobe
-        by[2] = lobe * (tan2 / alpha + 2 * p * ratio / (1 + ratio))
-        by[3] = -lobe * np.log1p(ratio)
-        by[4] = rest * g_l * g_v * (1 - angle.cos_d - schlick)
-        by[5] = rest * g_l * g_v * angle.cos_d
-        for (g, t, power, grown), other in zip(shadowing, (g_v, g_l)):
-            outer = np.where(g > 0, rest * fresnel * other * big, 0)
-            by[6] += outer * (1 - grown)
-            by[7] += outer * grown * k * power
-            by[8] -= outer * grown * power * k * np.log(t)
-            by[9] += outer * grown * power * k / (t * tau)
-        return f[:, None], by[..., None]
-
-    @staticmethod
-    def starts(f, angle):
-        for alpha in (1, 0.3, 0.1, 0.03, 0.01, 0.002, 0.0004):
-            for p in (0.3, 1.2):
-                for fn in (0.05, 0.8):
-                    x = np.array([0, 1, alpha, p, fn + 0.01, fn, 1, 1.5, 10, 0])
-                    yield with_scales(Sgd, x, f, angle, slice(0, 1), slice(1, 2))
-
-
-MODELS = {"abc": Abc, "sgd": Sgd}
-SIZED = {**{f"gtr-{count}": sized_brdfs.Lobes(Parameter, count) for count in (1, 2, 3, 4, 6)},
-         **{f"lafortune-{count}": sized_brdfs.Cosines(Parameter, count) for count in (1, 3, 8)},
-         **{f"network-{width}": sized_brdfs.Network(Parameter, width) for width in (4, 6)}}
-# Those that fitted_to_pictures.py fits.
-SIZED |= {f"gtr-{count}-pictures": sized_brdfs.Lobes(Parameter, count) for count in (1, 2, 3, 6)}
-SIZED |= {f"lafortune-{count}-pictures": sized_brdfs.Cosines(Parameter, count) for count in (1, 3, 8)}
-SIZED |= {f"network-{width}-pictures": sized_brdfs.Network(Parameter, width) for width in (2, 4, 6, 9)}
+MODELS = {"abc": Abc, **{f"network-{width}": sized_brdfs.Network(Parameter, width) for width in (4, 6)}}
 LOSSES = {  # the function of f that a fit compares, and its derivative
     "log": (lambda f, cos_l: np.log1p(f * cos_l), lambda f, cos_l: cos_l / (1 + f * cos_l)),  # the loss of Löw et al.
     "cube-root": (lambda f, cos_l: np.cbrt(f + 1e-4), lambda f, cos_l: np.cbrt(f + 1e-4) ** -2 / 3),
 }
 # The power of the solid angle of a node in MERL's layout.
 WEIGHTS = {"solid-angle": 1, "between": 0.5, "table": 0}
-# The loss and weight with the smallest mean visible error of five measurements.
-CHOSEN = {"abc": ("cube-root", "between"), "sgd": ("cube-root", "solid-angle"), "gtr": ("cube-root", "solid-angle"),
-          "lafortune": ("cube-root", "solid-angle"),
-          "network": ("cube-root", "between")}
+# The loss and weight with the smallest mean visible error of five measurements, for all of these models.
+CHOSEN = ("cube-root", "between")
 
 
 def with_scales(model, x, f, angle, diffuse, specular):
@@ -262,42 +191,35 @@ def fit_values(model, f, angle, weight, loss):
     return coordinates.to_parameters(min(found, key=lambda pair: pair[1])[0])
 
 
-def fit(measured, name, loss=None, weights=None):
+def fit(measured, name, loss=CHOSEN[0], weights=CHOSEN[1]):
     """Fits a model to a BRDF with `eval`. Returns f(wl, wv), and the size of its parameters as 16-bit floats in bytes."""
     import srbf
-    if name.endswith("-pictures"):
-        import fitted_to_pictures  # which imports this file
-        parameters = fitted_to_pictures.fit(measured, SIZED[name], as_ggx=not name.startswith("network"))
-        return function_of(SIZED[name], [parameters])
     limits = MAX_THETAS_OF_NETWORKS if name.startswith("network") else [MAX_THETA]
-    fits = [fit_within(measured, name, limit, loss, weights) for limit in limits]
+    fits = [fit_within(measured, MODELS[name], limit, loss, weights) for limit in limits]
     return fits[0] if len(fits) == 1 else min(fits, key=lambda of: srbf.errors(measured, of[0], max_theta=MAX_THETA)["delta_e_itp"])
 
 
-def fit_within(measured, name, max_theta, loss, weights):
+def fit_within(measured, model, max_theta, loss, weights):
     """Fits a model to pairs within `max_theta` [degrees]; returns what `fit` does."""
-    model, (best_loss, best_weights) = {**MODELS, **SIZED}[name], CHOSEN[name.split("-")[0]]
-    loss, weights = loss or best_loss, weights or best_weights
     wl, wv, solid_angle = pairs(max_theta)
     f = measured.eval(wl.astype(np.float32), wv.astype(np.float32)).astype(float)
     known = np.isfinite(f).all(axis=1)
     f, angle = np.maximum(f[known], 0), angles(wl[known], wv[known])
     weight = solid_angle[known] ** WEIGHTS[weights]
-    channels = [f] if model.joint else f.T[:, :, None]
-    return function_of(model, [fit_values(model, channel, angle, weight / weight.mean(), loss) for channel in channels])
+    return function_of(model, fit_values(model, f, angle, weight / weight.mean(), loss))
 
 
 def function_of(model, parameters):
-    """f(wl, wv) of a model with parameters rounded to 16-bit floats, one array or one for each channel, and their size in bytes."""
-    fitted = [x.astype(np.float16) for x in parameters]
+    """f(wl, wv) of a model with parameters rounded to 16-bit floats, and their size in bytes."""
+    fitted = parameters.astype(np.float16)
 
     def value(wl, wv):
         above = ((np.asarray(wl)[..., 2] > 0) & (np.asarray(wv)[..., 2] > 0))[..., None]
         angle = Angles(*map(np.ravel, angles(np.where(above, wl, [0, 0, 1]), np.where(above, wv, [0, 0, 1]))))
-        f = np.concatenate([model.value(x.astype(float), angle) for x in fitted], axis=-1)
+        f = model.value(fitted.astype(float), angle)
         return np.where(above, f.reshape(above.shape[:-1] + (3,)), 0).astype(np.float32)
 
-    return value, sum(x.nbytes for x in fitted)
+    return value, fitted.nbytes
 
 
 def main():
@@ -306,12 +228,11 @@ def main():
         sys.exit(__doc__)
     for path in sys.argv[1:]:
         measured = srbf.load_measurement(path)
-        for name in MODELS:
-            for loss in LOSSES:
-                for weights in WEIGHTS:
-                    value, size = fit(measured, name, loss, weights)
-                    errors = srbf.errors(measured, value, max_theta=MAX_THETA)
-                    print(path, name, loss, weights, f"{size} bytes: {errors['delta_e_itp']:.3f}", flush=True)
+        for loss in LOSSES:
+            for weights in WEIGHTS:
+                value, size = fit(measured, "abc", loss, weights)
+                errors = srbf.errors(measured, value, max_theta=MAX_THETA)
+                print(path, loss, weights, f"{size} bytes: {errors['delta_e_itp']:.3f}", flush=True)
 
 
 if __name__ == "__main__":

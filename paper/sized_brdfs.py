@@ -1,4 +1,4 @@
-"""Three families of BRDFs of any size, which classic_brdfs.py and fitted_to_pictures.py fit.
+"""Three families of BRDFs of any size, for classic_brdfs.py and fitted_to_pictures.py.
 
 gtr-K      a diffuse term and K microfacet lobes of generalised Trowbridge-Reitz (Burley, Physically-Based Shading at Disney,
            2012): 3 + 8 K numbers
@@ -26,8 +26,6 @@ class Lobes:
 
     D = (α² / (α² cos²θh + sin²θh))^γ, and G = G1(θl) G1(θv) with Smith's G1 = 2 cosθ / (cosθ + √(α² + (1 - α²) cos²θ)).
     """
-    joint = True
-
     def __init__(self, parameter, count):
         self.count = count
         self.parameters = [parameter("kd", 0, 4, False)] * 3 + count * (
@@ -80,8 +78,6 @@ class Lobes:
 
 class Cosines:
     """f = kd / π + Σ_k A_k s_k^n_k, s = max(0, Cx (l·v - cosθl cosθv) + Cz cosθl cosθv), with kd and A_k for each channel; Cx = Cy."""
-    joint = True
-
     def __init__(self, parameter, count):
         self.count = count
         self.parameters = [parameter("kd", 0, 4, False)] * 3 + count * (
@@ -128,8 +124,6 @@ class Cosines:
 
 class Network:
     """f = exp(W3 t(W2 t(W1 i + b1) + b2) + b3) with t = tanh, of the symmetric inputs i below."""
-    joint = True
-
     def __init__(self, parameter, width):
         self.layers = [(4, width), (width, width), (width, 3)]
         count = sum((inputs + 1) * outputs for inputs, outputs in self.layers)

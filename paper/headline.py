@@ -1,4 +1,4 @@
-"""Fits the five measurements as the front page and the paper do, and compares errors with theirs: python3 bench/headline.py PROGRAM FOLDER
+"""Fits the five measurements as the front page and the paper do, and compares errors with theirs: python3 paper/headline.py PROGRAM FOLDER
 
 PROGRAM is `srbf`, and FOLDER has RGL's files; `./run paper FOLDER` calls it. The numbers of the pages are read from their tables. The exit
 status is 1 if one of them differs from that of the fits, rounded as there.
@@ -8,11 +8,10 @@ import re
 import statistics
 import sys
 
+from comparison import MEASURED
 from reports import material, report, reports
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
-sys.path.insert(0, os.path.join(ROOT, "docs", "figures"))
-from comparison import MEASURED  # noqa: E402
 
 README, PAPER, ACCURACY = "README.md", "docs/paper.md", "docs/accuracy.md"
 FILM, *OTHERS = FILES = list(MEASURED)

@@ -1,4 +1,4 @@
-"""Makes the stand-ins of docs/comparison.md: python3 bench/stand_ins.py NETWORKS OUT
+"""Makes the stand-ins of docs/comparison.md: python3 paper/stand_ins.py NETWORKS OUT
 
 Writes a table of MERL's layout, OUT/NAME.binary, for each network that Sztrajman et al. published (Neural BRDF
 Representation and Importance Sampling, 2021). NETWORKS is a folder with, for each material, either

@@ -1,8 +1,8 @@
-"""Writes docs/comparison.csv: python3 bench/rivals.py FILE... [--networks FOLDER] [--codes FOLDER] [--tables FOLDER] > docs/comparison.csv
+"""Writes docs/comparison.csv: python3 paper/rivals.py FILE... [--networks FOLDER] [--codes FOLDER] [--tables FOLDER] > docs/comparison.csv
 
 Fits each measurement by each model, and compares them by the same measures. Needs the package `srbf`
-(PYTHONPATH=build/release/python) and NumPy. classic_brdfs.py fits the models `abc` and `sgd`, and of RGL's files models of several
-sizes. For two published models the authors' fits are read, for the materials that they have:
+(PYTHONPATH=build/release/python) and NumPy. classic_brdfs.py fits `abc`; to RGL's files it also fits small networks, and
+fitted_to_pictures.py models of several sizes. For two published models the authors' fits are read, for the materials that they have:
 
 --networks FOLDER  networks of layers 6, 21, 21, 3 (Sztrajman, Rainer, Ritschel, Weyrich: Neural BRDF Representation
                    and Importance Sampling, 2021), in files that stand_ins.py describes: `nbrdf` as published, and
@@ -21,6 +21,7 @@ import sys
 import tempfile
 
 import classic_brdfs
+import fitted_to_pictures
 import numpy as np
 import principal_components
 import srbf
@@ -44,7 +45,8 @@ FITS = {  # options of srbf.fit
 }
 SIZED = {f"srbf-{lobes}": {"lobes": lobes} for lobes in (1, 2, 6, 32)}  # of RGL's files alone
 COMPONENTS = (4, 8, 16)
-MODELS = [*FITS, *classic_brdfs.MODELS, *SIZED, *classic_brdfs.SIZED]
+OF_RGL = {*SIZED, *classic_brdfs.MODELS, *fitted_to_pictures.MODELS} - {"abc"}
+MODELS = [*FITS, *classic_brdfs.MODELS, *SIZED, *fitted_to_pictures.MODELS]
 KINDS = {  # names of materials
     "metal": "alum-bronze brass chrome-steel gold-metallic-paint3 grease-covered-steel nickel ilm_l3_37_metallic "
              "two-layer-silver",
@@ -142,10 +144,10 @@ def rows_of(path, models, networks, file_order, codes, components, work):
     of_rgl = path.endswith("_rgb.bsdf")
     for model in models:
         options = {**FITS, **SIZED}.get(model)
-        if not of_rgl and model in [*SIZED, *classic_brdfs.SIZED]:
+        if not of_rgl and model in OF_RGL:
             continue
         if options is None:
-            value, payload = classic_brdfs.fit(measured, model)
+            value, payload = (fitted_to_pictures if model in fitted_to_pictures.MODELS else classic_brdfs).fit(measured, model)
             yield row(model, value, value, payload)
             continue
         fitted = srbf.fit(measured, **options).model

@@ -1,0 +1,88 @@
+"""The table of docs/paper.md that shows what each term of the default objective adds: python3 paper/terms.py [PROGRAM FILE... | --check]
+
+PROGRAM is `srbf` with paper/times.patch, by which the environment variable SRBF_TIMES multiplies constants. Fits each FILE with each
+setting and seed, and adds the rows that docs/terms.csv lacks. Then, and without arguments, writes the table from the rows.
+"""
+import csv
+import os
+import statistics
+import sys
+
+import comparison
+from reports import material, report, reports
+
+CSV = os.path.join(comparison.HERE, "..", "docs", "terms.csv")
+SEEDS = range(3)
+WITHOUT = "highlights=1e-9 peaks=1e-9 albedos=1e-9 pixels=1e-9"
+TERMS = {  # rows of the table
+    "sixth roots alone, candidates chosen by pairs": WITHOUT + " stage=0",
+    "the same, candidates chosen by pictures": WITHOUT,
+    "all terms": "default",
+    "without pixels": "pixels=1e-9",
+    "without albedos": "albedos=1e-9",
+    "without cube roots and peaks of highlights": "highlights=1e-9 peaks=1e-9",
+}
+ERRORS = {  # columns, of a report; `mean_` against the reciprocal mean, others against the file
+    "delta_e_itp": lambda of: of["pictures"]["delta_e_itp"],
+    "rms": lambda of: of["pictures"]["rms"],
+    "squared_error": lambda of: of["heldout_squared_error_ratio_cosine"],
+    "albedo_error": lambda of: of["albedo_error"],
+    "mean_delta_e_itp": lambda of: of["mean_pictures"]["delta_e_itp"],
+    "mean_worst_delta_e_itp": lambda of: of["mean_pictures"]["worst_delta_e_itp"],
+    "mean_psnr": lambda of: of["mean_pictures"]["psnr"],
+    "mean_rms": lambda of: of["mean_pictures"]["rms"],
+}
+COLUMNS = {
+    "delta_e_itp": ("ΔE_ITP (files)", ".2f"), "mean_delta_e_itp": ("ΔE_ITP (means)", ".2f"), "mean_worst_delta_e_itp": ("worst light (means)", ".1f"),
+    "mean_psnr": ("PSNR (means)", ".1f"), "mean_rms": ("RMS of radiance (means)", ".3f"), "squared_error": ("squared error of r (files)", ".1%"), "albedo_error": ("albedo error (files)", ".1%"),
+}
+
+
+def read():
+    """The errors of each row, by file, setting and seed."""
+    if not os.path.exists(CSV):
+        return {}
+    with open(CSV, encoding="utf-8") as file:
+        return {(row["material"], row["setting"], int(row["seed"])): {key: float(row[key]) for key in ERRORS} for row in csv.DictReader(file)}
+
+
+def add_rows(program, paths):
+    with open(program, "rb") as file:
+        if b"SRBF_TIMES" not in file.read():
+            sys.exit(f"{program}: expected a program with paper/times.patch")
+    rows = read()
+    wanted = [(path, setting, seed) for seed in SEEDS for setting in TERMS.values() for path in paths]
+    missing = [(path, setting, seed) for path, setting, seed in wanted if (material(path), setting, seed) not in rows]
+    with open(CSV, "a", encoding="utf-8") as file:
+        out = csv.writer(file, lineterminator="\n")
+        if not rows:
+            out.writerow(["material", "setting", "seed", *ERRORS])
+        fit = lambda path, setting, seed: report(program, path, "--seed", str(seed), SRBF_TIMES=setting)
+        for (path, setting, seed), of in reports(fit, missing):
+            out.writerow([material(path), setting, seed, *(f"{error(of):.5g}" for error in ERRORS.values())])
+            file.flush()
+
+
+def terms_table(rows):
+    """Means over the files: the least and the largest of the seeds."""
+    materials, lines = sorted({name for name, _, _ in rows}), []
+    for name, setting in TERMS.items():
+        line = [name]
+        for key, (_, form) in COLUMNS.items():
+            of_seeds = [statistics.fmean(rows[file, setting, seed][key] for file in materials) for seed in SEEDS]
+            least, largest = (format(of(of_seeds), form) for of in (min, max))
+            line.append(f"{least.removesuffix('%')} to {largest.replace('%', ' %')}")
+        lines.append(line)
+    return comparison.table(["terms", *(head for head, _ in COLUMNS.values())], lines)
+
+
+def main():
+    if len(sys.argv) > 2:
+        add_rows(sys.argv[1], sys.argv[2:])
+    with open(comparison.PAPER, encoding="utf-8") as file:
+        page = file.read()
+    comparison.write_or_check({comparison.PAPER: comparison.replaced(page, "terms", terms_table(read()))}, "terms", "paper/terms.py")
+
+
+if __name__ == "__main__":
+    main()

@@ -22,6 +22,8 @@ ROWS = [  # of the tables, with options of `srbf fit`
     (README, "9 lobes (default)", DEFAULT), (README, "16 lobes, not reciprocal", SIXTEEN_AS_MEASURED),
     (PAPER, "Lambert and two GGX lobes", GGX), (PAPER, "OpenPBR", OPENPBR), (PAPER, "four lobes", ("--lobes", "4")),
     (PAPER, "nine lobes", DEFAULT), (PAPER, "sixteen lobes", ("--lobes", "16")),
+    (PAPER, "twelve Gaussian lobes", ("--form", "gaussian", "--lobes", "12")),
+    (PAPER, "nine lobes, fitted to cube roots", ("--objective", "cube-root", "--max-theta", "80")),
     (PAPER, "eight lobes, not reciprocal", ("--as-measured",)), (PAPER, "sixteen lobes, not reciprocal", SIXTEEN_AS_MEASURED),
 ]
 OF_FILES = {"mean of five measurements": FILES, "mean of the five": FILES, "the film": [FILM], "the other four": OTHERS}  # columns

@@ -1,3 +1,4 @@
-in_program(extras -O1)
-srbf_test(closures             all  fit)
-srbf_test(blender_script       one  program)
+list(APPEND parallel_tests closures)
+test_program(extras -O1)
+tests(extras fit closures)
+tests(extras program blender_script)

@@ -1,4 +1,4 @@
-in_program(extras_files SANITIZED)
-srbf_test(scatter              one  unit input)
-filtered(scatter -*.WriteReadIdentity)
+test_program(extras_files -O0 SANITIZED)
+tests(extras_files "unit;input" scatter)
+sanitized_filter(scatter -*.WriteReadIdentity)
 target_link_libraries(extras_files_tests PRIVATE srbf::optics)

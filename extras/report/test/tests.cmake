@@ -1,5 +1,5 @@
-if(NOT SRBF_SANITIZE)  # under which its fits take too long
-  in_program(extras_program)
-  srbf_test(report               one  program fit)
-  in_host(report_in_browser report Report.IsShownByABrowser)
+if(NOT SRBF_SANITIZE)  # its fits take too long under sanitizers
+  test_program(extras_program -O0)
+  tests(extras_program "program;fit" report)
+  browser_test(report_in_browser extras_program report Report.IsShownByABrowser)
 endif()

@@ -1,5 +1,5 @@
 if(SRBF_HAS_WINDOW)
-  in_program(view)
-  srbf_test(view                 one  program fit)
+  test_program(view -O0)
+  tests(view "program;fit" view)
   target_link_libraries(view_tests PRIVATE srbf_view)
 endif()

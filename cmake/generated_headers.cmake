@@ -1,0 +1,72 @@
+# Headers that CMake writes into ${PROJECT_BINARY_DIR}/shaders.
+
+# embedded(HEADER FILE..): writes a header with the text of each file as a string k_NOUN_text, with its includes
+# of srbf/ expanded.
+function(embedded header)
+  set(texts "// Made by CMake from ${ARGN}.\n#pragma once\nnamespace SRBF_NAMESPACE {\n")
+  foreach(file ${ARGN})
+    get_filename_component(noun ${file} NAME_WE)
+    get_property(nouns GLOBAL PROPERTY embedded_nouns)
+    if(noun IN_LIST nouns)  # the names would clash
+      message(FATAL_ERROR "${file}: a text named ${noun} is embedded already")
+    endif()
+    set_property(GLOBAL APPEND PROPERTY embedded_nouns ${noun})
+    file(READ ${file} content)
+    string(REGEX MATCHALL "#include \"srbf/[^\"]+\"" lines "${content}")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE ".*\"(.*)\"" "${PROJECT_SOURCE_DIR}/include/\\1" part ${line})
+      file(READ ${part} part_content)
+      string(REPLACE "${line}" "${part_content}" content "${content}")
+      set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${part})
+    endforeach()
+    string(APPEND texts "inline constexpr char k_${noun}_text[] = R\"text(${content})text\";\n")
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+  endforeach()
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/${header} CONTENT "${texts}}  // namespace srbf\n" @ONLY)
+endfunction()
+
+# extras_listed(HEADER FILE NOUN TYPE): writes a header with the array k_extra_NOUN of all k_NAME_NOUN in the FILEs
+# of extras.
+function(extras_listed header file noun type)
+  set(included "")
+  set(names "")
+  foreach(extra IN LISTS format_extras)
+    string(APPEND included "#include \"extras/${extra}/${file}\"\n")
+    string(APPEND names "k_${extra}_${noun}, ")
+  endforeach()
+  list(LENGTH format_extras count)
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/${header} @ONLY CONTENT "// Made by CMake: ${noun} of extras.
+#pragma once
+#include <array>
+#include <span>
+
+@included@
+namespace SRBF_NAMESPACE {
+inline constexpr std::array<std::span<const @type@>, @count@> k_extra_@noun@{@names@};
+}  // namespace srbf
+")
+endfunction()
+
+# function_table(HEADER TYPE NAME INCLUDE FUNCTION..): writes a header with the array NAME of these functions. TYPE
+# has %s for its name.
+function(function_table header type name include)
+  set(declared "")
+  set(names "")
+  list(LENGTH ARGN count)
+  foreach(function IN LISTS ARGN)
+    string(REPLACE "%s" ${function} declaration "${type}")
+    string(APPEND declared "${declaration};\n")
+    string(APPEND names "${function}, ")
+  endforeach()
+  string(REPLACE "%s" "(*)" pointer "${type}")
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/${header} @ONLY CONTENT "// Made by CMake: functions of extras.
+#pragma once
+#include <array>
+
+#include \"@include@\"
+
+namespace SRBF_NAMESPACE {
+@declared@inline constexpr std::array<@pointer@, @count@> @name@{@names@};
+}  // namespace srbf
+")
+endfunction()

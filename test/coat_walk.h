@@ -49,7 +49,7 @@ class CoatWalk {
         const double slope = alpha * std::sqrt(std::max(1 - w.z * w.z, 0.0)) / w.z;
         return 0.5 * (std::copysign(std::sqrt(1 + slope * slope), w.z) - 1);
     }
-    /// Where light along w, at this height of −1..1, meets the surface next; infinite: it leaves.
+    /// The height where light along w, now at a height of −1..1, meets the surface next; infinite if it leaves.
     double next_height(Vec3d w, double height, std::mt19937_64& random) const {
         const double u = uniform(random), below = 0.5 * (height + 1);
         if (w.z < -0.9999) return 2 * u * below - 1;
@@ -57,7 +57,7 @@ class CoatWalk {
         if (std::abs(w.z) < 1e-4) return height;
         return std::clamp(2 * below / std::pow(1 - u, 1 / lambda(w, alpha_)) - 1, -1.0, 1.0);
     }
-    /// Where light that comes from w, on either side of the interface, goes.
+    /// The next direction of light that comes from w, on either side of the interface.
     Vec3d crossed(Vec3d w, std::mt19937_64& random) const {
         const double side = w.z > 0 ? 1 : -1, ior = w.z > 0 ? ior_ : 1 / ior_;
         Vec3d to{-w.x, -w.y, -std::abs(w.z)};  // in the frame of the side where the walk begins
@@ -81,7 +81,7 @@ class CoatWalk {
         }
         return {0, 0, -side};
     }
-    /// Light from w after the material, by Lambert or by facets that scatter once.
+    /// The direction of light from w after the material scatters it, by Lambert or by facets.
     Vec3d reflected(Vec3d w, Vec3d& weight, std::mt19937_64& random) const {
         const bool is_diffuse = luminance(base_.diffuse) > 0;
         const double of_diffuse = is_diffuse ? 0.5 : 0;
@@ -108,8 +108,8 @@ class CoatWalk {
     double alpha_, ior_;
 };
 
-/// The BRDF that paths have, as `near` times the ratio of both in bins of directions: of equal steps of sin²θ of viewer and
-/// light, and of the azimuth between them. It is symmetrized.
+/// The BRDF of the paths: `near` times the ratio of both in bins of directions, which are equal steps of sin²θ of viewer
+/// and light and of the azimuth between them. It is symmetrized.
 class WalkedCoat {
   public:
     WalkedCoat(const CoatWalk& coat, Evaluate near, int paths) : near_(std::move(near)) {

@@ -31,13 +31,13 @@ inline Arguments operator+(Arguments a, const Arguments& b) {
 
 inline std::string text_of(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-/// Arguments that stand between blanks.
+/// Splits a text at blanks.
 inline Arguments words(const std::string& text) {
     std::istringstream in(text);
     return {std::istream_iterator<std::string>(in), {}};
 }
 
-/// The long names of all options by subcommand, as the completion for bash lists them.
+/// The long names of all options of each subcommand, from the completion for bash.
 inline std::map<std::string, Arguments> long_options(const TemporaryFolder& folder) {
     std::map<std::string, Arguments> all;
     std::istringstream lines(run(folder, {"completion", "bash"}).out);
@@ -50,8 +50,8 @@ inline std::map<std::string, Arguments> long_options(const TemporaryFolder& fold
     return all;
 }
 
-/// True if the program has what the command line names of extras, which may be left out: subcommands, kinds of
-/// `srbf export` and functions of its code.
+/// True if the program has all extras that the command line needs: subcommands, kinds of `srbf export`, and functions
+/// of its code.
 inline bool is_offered(const Arguments& arguments) {
     static const std::set<std::string> extras{"render",       "map",   "basis",       "report",
                                               "view",         "html",  "exr",         "dds",
@@ -72,15 +72,15 @@ inline std::string small_merl() {
     return text_of(merl_file({9, 6, 8}, [](int h, int, int, int c) { return 0.1 + std::exp(-h) * (1 + c); }));
 }
 
-/// A fit of a table that takes least, without the names of files.
+/// The fastest fit of a table, without the names of files.
 inline const Arguments k_quick_fit{"fit", "--model",     "su",  "--directions", "8", "--lobes",
                                    "1",   "--objective", "raw", "--threads",    "1"};
 
 /// The command line in a folder of its own.
 class CommandLine : public testing::Test {
   protected:
-    /// Runs in `folder`, expects `status`, one line on standard error that holds `named`, and nothing else. What an
-    /// extra has that was left out is not tried.
+    /// Runs in `folder`, and expects `status`, one line on standard error that contains `named`, and nothing else. Skips
+    /// subcommands of extras that are not built.
     void expect_failure(int status, const Arguments& arguments, const std::string& named, std::string out = {}) {
         if (!is_offered(arguments)) return;
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));

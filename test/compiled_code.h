@@ -24,7 +24,7 @@ inline testing::AssertionResult runs(const std::string& command) {
     return testing::AssertionFailure() << command << "\n" << output.substr(0, 4000);
 }
 
-/// A folder of texts, and what compilers make of them.
+/// A folder of source files, and compilers for them.
 class WrittenCode : public testing::Test {
   protected:
     ~WrittenCode() override {
@@ -37,7 +37,7 @@ class WrittenCode : public testing::Test {
         return path(name);
     }
 
-    /// The library of this C or C++, loaded until the test ends; null, and a failure, where there is none.
+    /// Compiles C or C++ to a library, which is loaded until the test ends. Null, and a failure of the test, on errors.
     void* compiled(const std::string& compiler, const std::string& name, const std::string& text,
                    const std::string& level = "-O1") {
         const std::string source = written(name + ".c", text), file = path(name + ".so");
@@ -53,11 +53,11 @@ class WrittenCode : public testing::Test {
         return reinterpret_cast<Function*>(::dlsym(library, name));
     }
 
-    /// Whether glslang accepts a shader; NAME ends with its stage.
+    /// True if glslang accepts a shader; the ending of NAME is its stage.
     testing::AssertionResult compiles_as_glsl(const std::string& name, const std::string& text) const {
         return glslang("", name, text);
     }
-    /// The same of HLSL, in which NAME.spv is made.
+    /// The same for HLSL. Writes NAME.spv.
     testing::AssertionResult compiles_as_hlsl(const std::string& stage, const std::string& name,
                                               const std::string& text) const {
         return glslang(fmt::format("-D -V -S {} -e main -o '{}'", stage, path(name + ".spv")), name + ".hlsl", text);

@@ -6,7 +6,7 @@
 
 namespace srbf {
 
-/// The folder of each target.
+/// Folders of each target.
 inline std::map<std::string, std::filesystem::path> corpora() {
     namespace fs = std::filesystem;
     const fs::path root(SRBF_SOURCE_DIR);

@@ -1,4 +1,4 @@
-// Tests with an OpenGL context off screen, in each dialect.
+// Tests that draw off screen, in each dialect of OpenGL.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 namespace srbf {
 
-/// Skipped where there is no such context.
+/// Skips the test without such a context.
 class InEachDialect : public testing::TestWithParam<Dialect> {
   protected:
     void SetUp() override {
@@ -20,7 +20,7 @@ class InEachDialect : public testing::TestWithParam<Dialect> {
     std::optional<OffscreenContext> context;
 };
 
-/// Their names: Of/SUITE.TEST/OpenGL.
+/// Names the tests Of/SUITE.TEST/OpenGL.
 #define IN_EACH_DIALECT(SUITE)                                                             \
     INSTANTIATE_TEST_SUITE_P(Of, SUITE, testing::Values(Dialect::gl_450, Dialect::es_300), \
                              [](const auto& of) { return of.param == Dialect::gl_450 ? "OpenGL" : "OpenGLES"; })

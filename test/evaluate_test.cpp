@@ -34,7 +34,7 @@ std::vector<Vec3d> exact(const PmModel& model, const Pairs& pairs) {
     return f;
 }
 
-/// Within 1e-4, or 1e-6 of the largest value of that channel, or what float holds no more.
+/// Relative tolerance 1e-4; absolute 1e-6 of the channel's maximum, or the smallest normal float.
 void expect_exact(const PmModel& model, const Pairs& pairs) {
     const std::vector<Rgb> f = evaluated(model, pairs);
     const std::vector<Vec3d> expected = exact(model, pairs);

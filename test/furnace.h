@@ -1,4 +1,4 @@
-// A sphere in even light: what a model of both sides sends to its viewer.
+// A sphere of a two-sided model under uniform light.
 #pragma once
 #include <optional>
 
@@ -10,8 +10,8 @@
 
 namespace srbf {
 
-/// A thin sphere in even light of radiance 1, seen from far away: after one bounce without occlusion, or as many as it
-/// takes with it.
+/// A picture of a thin sphere under uniform light of radiance 1, seen from far away: after one bounce without
+/// occlusion, or after all bounces with it.
 inline PathPicture furnace(const PreparedBsdf& bsdf, bool whole) {
     static const Environment even_light(Image(8, 4, {1, 1, 1}));
     static const Mesh mesh = sphere(64);
@@ -21,7 +21,7 @@ inline PathPicture furnace(const PreparedBsdf& bsdf, bool whole) {
     options.bounces = whole ? 64 : 1, options.occlusion = whole;
     return render_paths(scene, options);
 }
-/// The cosine of a pixel's normal to the viewer; none outside of the sphere.
+/// The cosine between a pixel's normal and the viewer; no value outside the sphere.
 inline std::optional<double> cosine_at(const PathPicture& picture, std::size_t pixel) {
     const Rgb n = picture.first.normal.pixels[pixel];
     const double length = std::sqrt(double(n.r * n.r + n.g * n.g + n.b * n.b));
@@ -34,8 +34,8 @@ inline double mean_of(const PathPicture& picture) {
     EXPECT_GT(count, 300);
     return sum / count;
 }
-/// Expects of the light that a model sends to its viewer in even light: after one bounce the sum of its parts' albedos
-/// and beams, along the middle of the picture; in all no more than that, since it is not brighter within than around it.
+/// Expects that under uniform light the sphere has, after one bounce, the sum of its parts' albedos and beams along the
+/// middle of the picture, and after all bounces no more, since light inside is no brighter than outside.
 inline double expect_furnace(const Model& model) {
     const auto& bsdf = std::get<BsdfModel>(model.model);
     const PreparedBsdf prepared = prepare_bsdf(model, {.threads = 1});

@@ -33,7 +33,7 @@ inline Bytes merl_file(std::array<int, 3> size, const std::function<double(int, 
     return bytes;
 }
 
-/// A field to be written, with its numbers as bytes.
+/// A field of a tensor file, with its numbers as bytes.
 struct FieldToWrite {
     std::string name;
     TensorType type;
@@ -162,7 +162,7 @@ inline Bytes mbsdf_file(const std::string& lines, const std::vector<Bytes>& bloc
     return bytes;
 }
 
-/// Small ones: of colours, some of them negative, and grey with a block of transmission.
+/// Small MBSDF files: one of colours, some of them negative, and a grey one with transmission.
 inline Bytes small_mbsdf() {
     return mbsdf_file("material=\"blue \\\"paint\\\"\"\n",
                       {mbsdf_block("MBSDF_DATA_REFLECTION=", 3, 4, 3,
@@ -222,8 +222,7 @@ inline Vec3f rotate(Vec3f w, double phi) {
     return to_float(Vec3d{c * double(w.x) - s * double(w.y), s * double(w.x) + c * double(w.y), double(w.z)});
 }
 
-/// The contract of a BRDF at a pair: zero below the horizon, else finite and ≥ 0, or not measured in every
-/// channel.
+/// Expects of a BRDF at a pair: zero below the horizon; elsewhere finite and ≥ 0, or NaN in every channel.
 inline bool keeps_contract(const Rgb& f, Vec3f wl, Vec3f wv, bool may_lack) {
     if (wl.z <= 0 || wv.z <= 0) return f == Rgb{};
     if (may_lack && std::isnan(f.r) && std::isnan(f.g) && std::isnan(f.b)) return true;

@@ -53,7 +53,7 @@ inline PmModel spectral_model(std::mt19937_64& random, const RandomModelOptions&
     return model;
 }
 
-/// A map of width × height texels that share such lobes, as a file holds it.
+/// A map of width × height texels that share random lobes.
 inline Library random_map(std::mt19937_64& random, const RandomModelOptions& options, std::size_t width,
                           std::size_t height) {
     Library map;
@@ -73,7 +73,7 @@ inline std::shared_ptr<const Model> random_part(std::uint64_t seed, const Random
     return std::make_shared<const Model>(Model{model, {}});
 }
 
-/// Four parts of different models, and beams.
+/// A BSDF of four different models, with beams.
 inline BsdfModel full_bsdf(double most_bandwidth = 30) {
     BsdfModel bsdf;
     const PmForm form = PmForm::horizon;
@@ -86,7 +86,7 @@ inline BsdfModel full_bsdf(double most_bandwidth = 30) {
     return bsdf;
 }
 
-/// Lambert and GGX, other in each part.
+/// A BSDF of four models of Lambert and GGX.
 inline BsdfModel rough_bsdf() {
     BsdfModel bsdf;
     for (std::size_t p = 0; p < k_parts; ++p)

@@ -1,4 +1,4 @@
-// One of Highway's instruction sets at a time.
+// Limits Highway to one instruction set.
 #pragma once
 #include <hwy/highway.h>
 
@@ -6,7 +6,7 @@ namespace srbf {
 
 using Target = decltype(hwy::SupportedTargets());  // uint32_t before Highway 0.17, int64_t from then on
 
-/// While it lives, Highway dispatches to that instruction set alone.
+/// Makes Highway use one instruction set until the end of its scope.
 class OneTarget {
   public:
     explicit OneTarget(Target target) { choose(target); }

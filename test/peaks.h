@@ -1,4 +1,4 @@
-// Synthetic BRDFs with a highlight, and tables that keep its place.
+// Synthetic BRDFs with a highlight, and conversions that must not move it.
 #pragma once
 #include "brdf/directions.h"
 #include "measured/peak.h"
@@ -17,7 +17,7 @@ inline Evaluate brdf_of(Function f) {
         }
     };
 }
-/// A lobe about a direction that the light determines.
+/// A lobe about a direction that depends on the light.
 inline Function lobe(double bandwidth, double height, Vec3d (*centre)(const Vec3d&)) {
     return [=](const Vec3d& wl, const Vec3d& wv) {
         return 0.1 + height * std::exp(bandwidth * (dot(centre(wl), wv) - 1));
@@ -27,7 +27,7 @@ inline Vec3d mirrored(const Vec3d& wl) { return mirror(wl); }
 inline Vec3d to_light(const Vec3d& wl) { return wl; }
 inline Vec3d turned(const Vec3d& wl) { return {-wl.y, wl.x, wl.z}; }
 
-/// The tables that are made of a BRDF have its highlight at the same place, with light and viewer exchanged too.
+/// Expects that tables made from a BRDF have its highlight at the same place, also with light and viewer exchanged.
 inline void expect_peaks_kept(const std::function<std::vector<Measured>(const Evaluate&)>& tables) {
     for (const auto& [f, place] : {std::pair<Function, PeakPosition>{lobe(40, 2, mirrored), PeakPosition::mirror},
                                    {lobe(40, 2, to_light), PeakPosition::retro},

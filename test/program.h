@@ -12,13 +12,13 @@
 
 namespace srbf {
 
-/// How a run of the program ended; a status below 0 is the signal that killed it.
+/// The result of a run. A status below 0 is the signal that killed the program.
 struct ProgramRun {
     int status = 0;
     std::string out, err;
 };
 
-/// Starts the program with `arguments` in `folder`, its standard output and error in these files; 0: it did not start.
+/// Starts the program with `arguments` in `folder`, with its standard output and error in these files. Returns 0 if it did not start.
 inline pid_t start(const TemporaryFolder& folder, const std::vector<std::string>& arguments, const std::string& out,
                    const std::string& err) {
     const std::string program = SRBF_PROGRAM;

@@ -1,4 +1,4 @@
-// Common to all tests: comparisons that NaN fails, the location of data, random directions.
+// Parts of all tests: comparisons that fail for NaN, the location of data, random directions.
 #pragma once
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Opens bytes with srbf_runtime.h, and uses what opens: values are finite, and nothing is negative. In C and C++.
+// Opens bytes with srbf_runtime.h, and checks that values of the model are finite and not negative. C and C++.
 #define SRBF_RUNTIME_IMPLEMENTATION
 #include "srbf_runtime.h"
 
@@ -32,7 +32,7 @@ static void use_model(const srbf_brdf* brdf) {
     }
 }
 
-// True if the bytes are a model. They are opened as a copy, whose end sanitizers watch, and which is freed before use.
+// True if the bytes are a model. It opens a copy, so that sanitizers see reads beyond the end, and frees it before use.
 static int use_file(const unsigned char* bytes, size_t size, int is_prepared) {
     unsigned char* copy = (unsigned char*)malloc(size ? size : 1);
     size_t needed, offset;

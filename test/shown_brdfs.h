@@ -15,7 +15,7 @@ inline Rgb value(const Lambert& b, Vec3f wl, Vec3f wv) {
     return {float(b.albedo.r / k_pi), float(b.albedo.g / k_pi), float(b.albedo.b / k_pi)};
 }
 
-/// A glossy one, sharp and far from symmetric, that has no value where `hole` says so.
+/// A sharp, glossy BRDF, far from symmetric, without values where `hole` is true.
 struct Glossy {
     float scale = 1;
     bool (*hole)(Vec3f wl, Vec3f wv) = [](Vec3f, Vec3f) { return false; };

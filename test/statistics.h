@@ -34,8 +34,8 @@ inline double upper_gamma_ratio(double a, double x) {
     return front * fraction;
 }
 
-/// The probability that counts with these expectations differ from them by more than the observed ones do (Pearson).
-/// Bins with an expectation below five are pooled. 0 if anything is not a number or the sums do not agree.
+/// Pearson's p-value: the probability that random counts differ from these expectations by more than the observed ones.
+/// Bins with an expectation below five are pooled. 0 if anything is NaN or the sums do not agree.
 inline double chi2_p_value(std::span<const double> observed, std::span<const double> expected) {
     double chi2 = 0, few_observed = 0, few_expected = 0, total_observed = 0, total_expected = 0;
     int bins = 0;
@@ -52,7 +52,7 @@ inline double chi2_p_value(std::span<const double> observed, std::span<const dou
     return upper_gamma_ratio(0.5 * (bins - 1), 0.5 * chi2);
 }
 
-/// The significance of each of `tests` for them all to have `significance` (Šidák).
+/// The significance of each of `tests` tests, such that all together have `significance` (Šidák).
 inline double sidak(double significance, int tests) { return -std::expm1(std::log1p(-significance) / tests); }
 
 /// Bins of directions about an axis: rings between values of 1 − cos θ, cut into sectors.
@@ -100,7 +100,7 @@ double sampler_p_value(const PolarBins& bins, const std::function<double(Vec3d)>
     for (double& mass : expected) mass *= count;
     for (int i = 0; i < count; ++i) {
         const Vec3d w = sample();
-        // A vector that is not a direction falls into no bin, so that the sums do not agree.
+        // An invalid direction falls into no bin, so the sums do not agree.
         if (std::abs(dot(w, w) - 1) <= 1e-5) observed[bins.index(w)] += 1;
     }
     return chi2_p_value(observed, expected);

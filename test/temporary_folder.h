@@ -1,4 +1,4 @@
-// Files of tests.
+// Temporary files of tests.
 #pragma once
 #include <stdlib.h>
 
@@ -34,7 +34,7 @@ struct TemporaryFolder {
         if (!path.empty()) std::filesystem::remove_all(path, ignored);
     }
     std::filesystem::path operator/(const std::string& name) const { return path / name; }
-    /// What its files hold, by name.
+    /// The contents of its files, by name.
     std::map<std::string, std::string> files() const {
         std::map<std::string, std::string> all;
         for (const auto& entry : std::filesystem::directory_iterator(path))

@@ -14,7 +14,7 @@ namespace srbf {
 
 inline constexpr std::size_t k_pairs = 150;
 
-/// Pairs within 75°, half of the lights uniform and half about the mirror direction.
+/// Pairs within 75°. Half of the lights are uniform, half are near the mirror direction.
 inline SharedPairs shared_pairs(std::uint64_t seed = 1) {
     SharedPairs pairs;
     std::mt19937_64 random(seed);

@@ -17,7 +17,7 @@ inline constexpr std::size_t k_head_bytes = std::size_t(1) << 20;
 
 /// The size that a file may have that begins with `head`, its first `k_head_bytes`.
 using MostBytes = std::function<std::uint64_t(std::span<const std::byte> head)>;
-/// Everything of a file whose head is of a known format, of any other the head alone.
+/// The whole file if its first bytes are of a known format, otherwise these bytes only.
 template <typename IsKnown> MostBytes all_if(const IsKnown& is_known) {
     return [is_known](std::span<const std::byte> head) { return is_known(head) ? k_largest_file : head.size(); };
 }

@@ -10,7 +10,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// Runs body() with `threads` threads, at most as many as the machine has; 0 for as many. (TBB warns about more.)
+/// Runs body() on `threads` threads, or on all if it is 0. More than the machine has are ignored.
 template <typename Body> void on_threads(int threads, const Body& body) {
     const int most = tbb::info::default_concurrency();
     tbb::task_arena(threads > 0 ? std::min(threads, most) : most).execute([&] {

@@ -40,7 +40,7 @@ Real su_shape(Su su, int view, int j);
 int su_nearest(SuNearest nearest, int k);
 )";
 
-/// kernel.glsl behind the declarations of what it is supplied with.
+/// kernel.glsl, preceded by declarations of the functions that the host defines.
 struct KernelProgram {
     syntax::Program program;
     std::vector<std::string> supplied;

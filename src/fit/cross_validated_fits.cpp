@@ -121,7 +121,7 @@ class SampleFits {
         return all;
     }
 
-    // One fit of `samples`, of which `observed` is, unless the model is view by view.
+    // Fits `samples`. `observed` holds their observations; null for view-by-view models.
     Result<FitOutcome> fitted(const SuRequest&, const ScatteredSamples& samples, const SampleObservations*,
                               const Variant&, const ProgressToken& progress) const {
         const Measured measured{"", "", 0, samples};

@@ -32,7 +32,7 @@ constexpr double k_noisy = 0.3;
 constexpr double k_negative = 0.01;
 /// A value within so many deviations of the fitted one differs by noise.
 constexpr float k_noise_limit = 3;
-/// Values of less than so many deviations get similar weights before anything is fitted.
+/// Before the first fit, values below this many standard deviations are weighted alike.
 constexpr float k_alike = 5;
 constexpr int k_rounds = 3;
 /// The options of the short fits, by pairs alone.

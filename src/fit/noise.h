@@ -26,7 +26,7 @@ inline double share_of(const Noise& noise) {
 /// value that is not above 0.
 double largest_share(const Noise& noise);
 
-/// A measurement without what noise does to a fit.
+/// A measurement with its noise removed, as fits use it.
 struct Smoothed {
     /// The measurement as it is; where its maker set values below 0 to 0, less what that adds to their mean at the
     /// fitted f̂: f − (E[max(0, f̂ + n)] − f̂).

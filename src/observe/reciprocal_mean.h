@@ -4,8 +4,8 @@
 
 namespace SRBF_NAMESPACE {
 
-/// (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl) [1/sr]. A table has f as a quotient of what an instrument
-/// received by a cosine; this is the mean of what it received, so that the value with the larger cosine counts most.
+/// (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl) [1/sr]. Instruments
+/// measure f cosθ; this averages the measured signals, so the value with the larger cosine counts most.
 /// Where only one of the two was measured, the mean is that one.
 Evaluate reciprocal_mean(Evaluate f);
 Channels reciprocal_mean(Channels f);

@@ -236,8 +236,8 @@ void look_alike(std::vector<GgxCandidate>& candidates, std::size_t kept, const S
 /// the RMS of radiance is up to twice as large.
 constexpr double k_pair_share = 0.3;
 
-/// The model with the least loss of pixels and pairs, from `solved`, which is so for pairs, and from the solutions for
-/// pairs with each roughness of the grid.
+/// The model with the least loss of pixels and pairs, starting from `solved`, the best model by pairs, and from the best
+/// by pairs at each roughness of the grid.
 Result<Fitted<GgxModel>> fit_pixels(const Observations& observations, GgxProblem& pairs, const GgxModel& solved,
                                     double least_log, int threads, const ProgressToken& progress) {
     const GgxVariables variables{least_log, solved.lobes.size(), observations.is_grey()};

@@ -7,7 +7,7 @@ set(about_program "The program, its manual page and completions of bash, zsh and
 set(about_library "The shared library.")
 set(about_development "Headers, the component of shading code, and what find_package of CMake reads.")
 
-# What Debian wants of every package: the licence and what has changed, compressed with neither name nor time.
+# Every Debian package contains the licence and the changelog, compressed without name and time.
 set(changes ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz)
 if(GZIP)
   execute_process(COMMAND ${GZIP} -9n -c ${PROJECT_SOURCE_DIR}/CHANGELOG.md OUTPUT_FILE ${changes})

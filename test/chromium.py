@@ -1,4 +1,4 @@
-"""A page in a headless Chromium, driven over the pipe of its DevTools protocol: nothing but Python's own library is needed."""
+"""A page in a headless Chromium, driven over the pipe of its DevTools protocol with Python's standard library."""
 import base64
 import json
 import os
@@ -10,7 +10,7 @@ import time
 
 
 def program():
-    """Chromium's name; None where there is none."""
+    """The name of the installed Chromium, or None."""
     return next((name for name in ("chromium", "chromium-browser", "google-chrome") if shutil.which(name)), None)
 
 
@@ -18,7 +18,7 @@ LIMIT = 3600  # seconds after which a browser hangs
 
 
 class Chromium:
-    """A browser with one page. `problems` is what its console and network had to say."""
+    """A browser with one page. `problems` lists messages of its console and network."""
 
     def __init__(self, flags):
         self.profile = tempfile.TemporaryDirectory(prefix="srbf-chromium-", ignore_cleanup_errors=True)
@@ -26,11 +26,11 @@ class Chromium:
         self.in_, their_out = os.pipe()
 
         def as_3_and_4():
-            # By way of numbers that neither of the two ends has.
+            # Temporary numbers that differ from both ends.
             a, b = os.dup2(their_in, 100), os.dup2(their_out, 101)
             os.dup2(a, 3), os.dup2(b, 4)
 
-        # Containers have little shared memory, or none.
+        # Containers have little or no shared memory.
         command = [program(), "--headless=new", "--remote-debugging-pipe", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run", "--hide-scrollbars",
                    "--disable-background-networking", "--disable-component-update", "--disable-extensions",
                    "--user-data-dir=" + self.profile.name, *flags, "about:blank"]
@@ -109,11 +109,11 @@ class Chromium:
         self.settle()
 
     def settle(self):
-        """Waits until what is due is drawn."""
+        """Waits until pending frames are drawn."""
         self.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done))))")
 
     def middle(self, selector):
-        """Of the element, on the screen, to which the page is scrolled."""
+        """The position of an element on the screen, after scrolling to it."""
         return self.run(f"""(() => {{ const e = document.querySelector({selector!r}); e.scrollIntoView({{block: "center"}});
             const r = e.getBoundingClientRect(); return [r.x + r.width / 2, r.y + r.height / 2]; }})()""")
 
@@ -144,7 +144,7 @@ class Chromium:
         self.settle()
 
     def screenshot(self, path, whole=False):
-        """As PNG, or as JPEG by the path's ending."""
+        """Saves the screen as PNG or JPEG, by the ending of the path."""
         jpeg = {"format": "jpeg", "quality": 90} if str(path).endswith(".jpg") else {"format": "png"}
         answer = self.ask("Page.captureScreenshot", captureBeyondViewport=whole, **jpeg)
         with open(path, "wb") as file:
@@ -152,7 +152,7 @@ class Chromium:
 
 
 def picture(html, width, path, folder=None):
-    """Writes a picture of a whole page without scripts, `width` pixels wide; its files are of `folder`, or have whole paths."""
+    """Writes a picture of a whole page without scripts, `width` pixels wide; relative paths of its files begin in `folder`."""
     with tempfile.TemporaryDirectory() as work:
         page = os.path.join(folder or work, "page.html")
         with open(page, "w", encoding="utf-8") as file:

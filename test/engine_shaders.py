@@ -96,7 +96,7 @@ def compile_unity(glslang, work):
 
 
 def godot_text():
-    """A fragment shader whose outputs are the light of a lamp and ALBEDO. What Godot's language lacks of GLSL, Godot alone can tell."""
+    """A fragment shader whose outputs are the light of a lamp and ALBEDO. Only Godot can tell what its language lacks of GLSL."""
     text = read("examples", "hosts", "godot4", "film.gdshader").replace("shader_type spatial;", "").replace(" : source_color", "")
     text = text.replace('#include "film.gdshaderinc"', read("examples", "hosts", "godot4", "film.gdshaderinc"))
     return GODOT + text + "void main() {\n    fragment();\n    light();\n    lamp = vec4(SPECULAR_LIGHT, 1.0);\n    albedo = vec4(ALBEDO, 1.0);\n}\n"

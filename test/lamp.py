@@ -1,4 +1,4 @@
-"""A sphere under a lamp: the picture that a model itself gives, and how far the pictures of other programs are from it.
+"""A sphere under a lamp: the picture of a model, and the differences of other programs from it.
 
 The sphere has radius 1 about the origin. The camera at (0, 0, 5) looks at it with a field of 26 degrees, and the lamp is in the direction
 (-2, 2, 3), of irradiance 3 on a surface that faces it. A picture is linear radiance [256, 256, 3], its highest row first.
@@ -16,7 +16,7 @@ WITHIN = 1  # ΔE_ITP in the mean over the sphere
 
 
 def points():
-    """Which pixels lie on the sphere, except those at its silhouette, and their normals and directions to the viewer, [n, 3]."""
+    """A mask of the pixels on the sphere, without its silhouette, and their normals and directions to the viewer, [n, 3]."""
     at = math.tan(HALF_FIELD) * ((np.arange(SIZE) + 0.5) / SIZE * 2 - 1)
     x, y = np.meshgrid(at, -at)
     ray = np.stack([x, y, -np.ones_like(x)], axis=-1) / np.sqrt(x**2 + y**2 + 1)[..., None]
@@ -44,7 +44,7 @@ def reflected(program, model, directions, folder):
 
 
 def reference(program, model, folder):
-    """The picture by the values of the model."""
+    """The picture from values of the model."""
     picture = np.zeros((SIZE, SIZE, 3))
     picture[points()[0]] = reflected(program, model, pairs(), folder)
     return picture
@@ -57,6 +57,6 @@ def apart(picture, of_model):
 
 
 def beside(of_model, pictures):
-    """8 bits of sRGB: the model's picture and those of hosts, in a row, with the exposure of the first."""
+    """The model's picture and those of hosts in a row, 8-bit sRGB, with the exposure of the first."""
     by = exposure(of_model[points()[0]])
     return np.concatenate([displayed(of, by) for of in (of_model, *pictures)], axis=1)

@@ -15,13 +15,13 @@ def text(page):
 
 
 def is_left_out(path):
-    """True for what is in a folder of extras that was deleted, as may be done."""
+    """True for a path in a folder of extras that was deleted."""
     extra = re.match(r"extras/[a-z_]+", path)
     return bool(extra) and not os.path.exists(os.path.join(folder, extra[0]))
 
 
 def anchors(page):
-    """As GitHub makes them of headings: words with hyphens, without punctuation; a repeated one has a number."""
+    """The anchors that GitHub makes from headings: words with hyphens, without punctuation. A repeated one gets a number."""
     found = {}
     for heading in re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", text(page), flags=re.M | re.S), flags=re.M):
         heading = re.sub(r"\]\([^)]*\)", "", heading).lower().strip()
@@ -44,7 +44,7 @@ for page in PAGES:
             problems.append(f"{page}: no {link}")
         elif anchor and target.endswith(".md") and anchor not in anchors(target):
             problems.append(f"{page}: no heading {link}")
-# Files by their paths from here, or from one of these folders; NAME stands for any.
+# A file is named by its path from the root, or from one of these folders. NAME stands for any name.
 NAMED = re.compile(r"`((?:[a-z_.]+/)+[a-z_0-9]+\.(?:cpp|h|glsl))`")
 for page in (page for page in PAGES if page != "CHANGELOG.md" and not page.startswith("docs/notes/")):
     for name in NAMED.findall(text(page)):

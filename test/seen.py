@@ -1,4 +1,4 @@
-"""What is seen of the difference of two pictures: ΔE_ITP (ITU-R BT.2124) on a display of 100 cd/m², as `srbf compare` has it."""
+"""The visible difference of two pictures, ΔE_ITP (ITU-R BT.2124) on a display of 100 cd/m², as `srbf compare` computes it."""
 import base64
 
 import numpy as np
@@ -11,14 +11,14 @@ TO_ITP = np.diag([720, 360, 720]) @ np.array([[2048, 2048, 0], [6610, -13613, 70
 
 
 def itp(colour):
-    """Of linear sRGB, 1 is the display's white."""
+    """The coordinates I, T and P of linear sRGB, where 1 is the display's white."""
     lms = np.maximum(colour @ (TO_LMS @ TO_2020).T, 1e-9) / 100
     y = lms**M1
     return ((C1 + C2 * y) / (1 + C3 * y))**M2 @ TO_ITP.T
 
 
 def exposure(reference):
-    """Of pixels [n, 3]: as the pictures of `srbf compare` are exposed."""
+    """The exposure of pixels [n, 3], as in the pictures of `srbf compare`."""
     return EXPOSED_TO / np.quantile(reference.max(axis=1), EXPOSED_AT)
 
 
@@ -30,13 +30,13 @@ def delta_e(picture, reference):
 
 
 def displayed(picture, by):
-    """8 bits of sRGB."""
+    """Converts linear values to 8-bit sRGB."""
     x = np.clip(by * picture, 0, 1)
     return (255 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * x**(1 / 2.4) - 0.055) + 0.5).astype(np.uint8)
 
 
 def hdr_of(path):
-    """[height, width, 3] of a Radiance picture whose rows are not compressed."""
+    """Reads a Radiance picture without compressed rows, [height, width, 3]."""
     with open(path, "rb") as file:
         content = file.read()
     head = content.index(b"\n\n") + 2

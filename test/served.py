@@ -1,4 +1,4 @@
-"""A page of a folder that is served, in Chromium."""
+"""Serves a folder, and opens one of its pages in Chromium."""
 import base64
 import contextlib
 import functools
@@ -19,7 +19,7 @@ class Handler(http.server.SimpleHTTPRequestHandler):
 
 @contextlib.contextmanager
 def opened(folder, page, flags):
-    """The browser, with that page of the folder."""
+    """A browser that shows this page of the folder."""
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=folder))
     threading.Thread(target=server.serve_forever, daemon=True).start()
     browser = Chromium(flags)
@@ -33,7 +33,7 @@ def opened(folder, page, flags):
 
 
 def picture(browser, promise, size):
-    """Linear [size, size, 3], the highest row first, of a promise of float32 RGBA whose lowest row is the first; at most 100 seconds."""
+    """The linear picture [size, size, 3] of a promise of float32 RGBA, whose first row is the lowest. Waits for 100 seconds."""
     text = browser.run(f"""Promise.race([{promise}, new Promise((_, no) => setTimeout(() => no("no picture"), 100000))]).then(({{ buffer }}) => {{
         let text = "";
         for (const byte of new Uint8Array(buffer)) text += String.fromCharCode(byte);

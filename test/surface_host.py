@@ -1,4 +1,4 @@
-"""What the scripts that draw surfaces in other programs share: materials, the camera of `srbf render`, and what is said of a picture."""
+"""Common parts of scripts that draw surfaces in other programs: materials, the camera of `srbf render`, and reports."""
 import math
 import subprocess
 import sys
@@ -25,7 +25,7 @@ def run(*words):
 
 
 def pixels_of(path):
-    """[SIZE, SIZE, 3] of an EXR."""
+    """Reads an EXR file, [SIZE, SIZE, 3]."""
     import OpenEXR
     channels = OpenEXR.File(str(path)).channels()
     if "RGBA" in channels or "RGB" in channels:
@@ -89,19 +89,19 @@ def drawn_by_cycles(script, out, lamp=None, environment=studio):
 
 
 def drawn(subject, out, environment=studio):
-    """By `srbf render`."""
+    """Draws by `srbf render`."""
     run("render", subject, "-o", out, "--mesh", "sphere", "--env", environment, "--no-ground", "--no-occlusion", "--size", f"{SIZE}x{SIZE}", "--spp", SAMPLES)
     return pixels_of(out)
 
 
 def on_sphere():
-    """The pixels that lie on the sphere whole."""
+    """A mask of the pixels that are completely on the sphere."""
     at = (np.arange(SIZE) + 0.5) / SIZE * 2 - 1
     return math.tan(FIELD / 2) * np.hypot(*np.meshgrid(at, at)) < 0.97 / math.sqrt(DISTANCE**2 - 1)
 
 
 def coarse(picture):
-    """Means of COARSE x COARSE pixels."""
+    """Averages blocks of COARSE x COARSE pixels."""
     return picture.reshape(SIZE // COARSE, COARSE, SIZE // COARSE, COARSE, -1).mean(axis=(1, 3))
 
 
@@ -111,13 +111,13 @@ def lost(reference, surface, host):
 
 
 def draws_brushed(host, apart):
-    """Says how far a host's picture of the brushed surface is from ours, ΔE_ITP, and whether that is as near as expected."""
+    """Prints ΔE_ITP between a host's picture of the brushed surface and ours, and returns whether it is as small as expected."""
     print(f"{'ok  ' if apart <= BRUSHED_WITHIN else 'BAD '} brushed metal: {host} against ours {apart:.2f}", flush=True)
     return apart <= BRUSHED_WITHIN
 
 
 def holds(name, host, losses, own_formulas):
-    """Says what the surface and the host lose, and whether that is as near as expected, or has a reason that is known."""
+    """Prints the errors of surface and host, and returns whether they are as small as expected or have a known reason."""
     ours, of_host, apart = losses
     near = name in own_formulas or abs(of_host / ours - 1) <= HOST_WITHIN
     print(f"{'ok  ' if near else 'BAD '} {name}: against the measurement ours {ours:.2f}, {host} {of_host:.2f}; {host} against ours {apart:.2f}", flush=True)

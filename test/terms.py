@@ -15,7 +15,7 @@ folder = sys.argv[1]
 STRINGS = re.compile(r'(?<!\w)"((?:[^"\\\n]|\\.)*)"')  # of one line of C++; adjacent ones are one string
 COMMENT = re.compile(r"(^|\s)//+<?(.*)$")
 BARE = re.compile(r"(Of|What|Whether|The same|Those|As many|So many)\b")
-SHOWN = re.compile(r'"([^"\n]*)"|`([^`]*)`|>([^<>]*)<|"""(.*?)"""', flags=re.S)  # of scripts and pages
+SHOWN = re.compile(r'"([^"\n]*)"|`([^`]*)`|>([^<>]*)<|"""(.*?)"""', flags=re.S)  # strings of scripts and pages
 
 
 def text(path):
@@ -33,7 +33,7 @@ def prose(page):
 
 
 def strings(path):
-    """The strings of a file of C++, with comments left out and adjacent ones joined."""
+    """The strings of a C++ file, without comments; adjacent ones are joined."""
     code = re.sub(r"^\s*//.*$", "", text(path), flags=re.M).replace('\\n"', ' "')
     return "\n".join(STRINGS.findall(re.sub(r'"\s*\n\s*"', "", code)))
 
@@ -43,7 +43,7 @@ def shown(path):
 
 
 def comments(path):
-    """The comments of a file of C++ or GLSL; the lines of one are joined."""
+    """The comments of a C++ or GLSL file; lines of one comment are joined."""
     lines = [re.sub(r'"(?:[^"\\\n]|\\.)*"', '""', line) for line in text(path).split("\n")]
     found = [COMMENT.search(line) for line in lines]
     blocks = "\n".join(of.group(2) if of else "\f" for of in found)

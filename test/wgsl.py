@@ -1,7 +1,7 @@
 """python3 wgsl.py FOLDER RATIO: compiles FOLDER/plain.wgsl and runs FOLDER/code.wgsl on FOLDER/questions in a browser's WebGPU; the
 answers, RATIO times as many bytes, into FOLDER/answers.
 
-Exit status 77: there is no Chromium, or none with WebGPU; standard output says which."""
+Exits with status 77 without Chromium or WebGPU; standard output says which is missing."""
 import base64
 import os
 import sys

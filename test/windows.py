@@ -1,5 +1,5 @@
-"""windows.py BUILD [ARGUMENT..]: the build for Windows under Wine: golden, which has these arguments, and what the
-program does with files. Where this system's program is built, both must write the same bytes."""
+"""windows.py BUILD [ARGUMENT..]: tests the build for Windows under Wine: golden, with these arguments, and the program's
+handling of files. If this system's program is built, both must write the same bytes."""
 import os
 import subprocess
 import sys
@@ -25,7 +25,7 @@ def expect(holds, what):
 
 
 def same_as_native(folder, ending, *arguments):
-    """The bytes of the file that the command writes, which are those that the native program writes."""
+    """The bytes that the command writes. They must equal those of the native program."""
     out = folder / f"aus gabe λ.{ending}"
     result = run(*arguments, "-o", out.name)
     expect(result.returncode == 0 and out.exists(), f"{' '.join(arguments)}: {result.stderr.decode()[:300]}")
@@ -38,7 +38,7 @@ def same_as_native(folder, ending, *arguments):
 
 
 def killed_writes(folder):
-    """A table that is written again and killed meanwhile is the old one or the new one."""
+    """A program that is killed while it writes a table leaves the old or the new one."""
     table, old = folder / "table.binary", b"old"
     whole = None
     for delay in [None, *(i / 10 for i in range(3, 28))]:

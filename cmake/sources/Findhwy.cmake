@@ -1,4 +1,4 @@
-# From its source, with what a system lacks.
+# Highway, compiled from source with replacements of functions that the system lacks.
 file(GLOB hwy_source ${SRBF_SOURCES}/highway-*)
 string(REGEX MATCH "[0-9.]+$" hwy_VERSION ${hwy_source})
 file(GLOB hwy_files ${hwy_source}/hwy/abort.cc ${hwy_source}/hwy/targets.cc ${hwy_source}/hwy/aligned_allocator.cc)

@@ -1,4 +1,4 @@
-// node run.mjs PROGRAM FOLDER ARGUMENT...: runs it with that folder as the only one there is, by the name of /.
+// node run.mjs PROGRAM FOLDER ARGUMENT...: runs it with that folder as its file system, under the name /.
 import { readFile } from "node:fs/promises";
 import { WASI } from "node:wasi";
 

@@ -1,4 +1,4 @@
-// What compilers call for exceptions, of which the library has none, and at the end of a thread, of which there is one.
+// Functions that compilers call for exceptions, which the library does not throw, and at the end of a thread. There is one thread.
 #include <cstddef>
 #include <cstdlib>
 

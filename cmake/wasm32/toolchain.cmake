@@ -1,5 +1,5 @@
-# WebAssembly with vectors of 128 bits by Debian's clang and wasi-libc: a proof that fits are the same there. It has no threads, no
-# exceptions and no folders: `include` stands in for what the library has of them.
+# WebAssembly with vectors of 128 bits by Debian's clang and wasi-libc: fits must be the same there. It has no threads,
+# exceptions or folders: `include` has replacements.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR wasm32)
 set(CMAKE_CXX_COMPILER clang++-22)

@@ -12,7 +12,7 @@ from chromium import WEBGL, Chromium, program  # noqa: E402
 
 SIZES = [(360, 740), (768, 1024), (1440, 900)]
 LEAST_CONTRAST = 4.5
-# Of texts in charts, whose background axe does not determine: their colour against the page's.
+# The contrast of texts in charts with the page, since axe does not determine their background.
 CHARTS = """(() => {
     const channels = (colour) => colour.match(/[\\d.]+/g).map(Number);
     const luminance = (rgb) => rgb.slice(0, 3).map((c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
@@ -34,13 +34,13 @@ RULES = "{ runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'] }"
 
 
 def axe():
-    """The script; None where the package is not installed. Its browser is not needed."""
+    """The script of axe, or None without the package. The package's browser is not needed."""
     found = importlib.util.find_spec("axe_playwright_python")
     return found and (Path(found.submodule_search_locations[0]) / "axe.min.js").read_text()
 
 
 def violations(chromium):
-    """Rule, severity and the elements that violate it; how many elements a rule could not judge."""
+    """Violations, as rule, severity and elements, and the number of elements that rules could not judge."""
     found = chromium.run(f"axe.run({RULES}).then((r) => ({{passes: r.passes.length, open: r.incomplete.map((v) => [v.id, v.nodes.length]), "
                          "wrong: r.violations.map((v) => [v.id, v.impact, v.nodes.map((n) => n.html.slice(0, 120))])}))")
     return found["wrong"], found["passes"], found["open"]

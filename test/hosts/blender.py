@@ -71,7 +71,7 @@ SUB = 3  # points of a pixel along a side
 
 
 def table_of(path):
-    """Terms and rows of texels of a script or a shader."""
+    """The terms, and the rows of texels, of a script or a shader."""
     text = Path(path).read_text(encoding="utf-8")
     if path.endswith(".osl"):
         columns, terms = map(int, re.search(r"\(tables, (\d+), (\d+)", text).groups())
@@ -114,7 +114,7 @@ def reflected(terms, table, normal, viewer, light):
 
 
 def formula(script, mapped=None):
-    """The picture of the tables under the lamp, with the normal of the sphere or that of a map."""
+    """The picture of the tables under the lamp, with normals of the sphere or of a map."""
     a = (np.arange(SIZE * SUB) + 0.5) / (SIZE * SUB) * 2 - 1
     x, z = np.meshgrid(a, -a)
     forward, up = np.array([0, math.cos(ELEVATION), -math.sin(ELEVATION)]), np.array([0, math.sin(ELEVATION), math.cos(ELEVATION)])
@@ -132,7 +132,7 @@ def formula(script, mapped=None):
 
 
 def round_lamp(path, towards, radius):
-    """An environment that is black but for a round lamp."""
+    """A black environment with a round lamp."""
     width, height = 1024, 512
     azimuth, elevation = np.radians(towards)
     x, y = np.meshgrid((np.arange(width) + 0.5) / width * 2 * np.pi - np.pi, np.pi / 2 - (np.arange(height) + 0.5) / height * np.pi)

@@ -36,7 +36,7 @@ void main() {
     SET
 }
 """
-# Of the interpolated values of the shader for Unity the third is the fog's and the fourth is that of shadows; of Godot's all have names.
+# The third and fourth interpolated values of Unity's shader are for fog and shadows. Godot's all have names.
 UNITY = ("layout(location = 0) out vec3 a; layout(location = 1) out vec3 b; layout(location = 2) out float c; layout(location = 3) out vec4 d;",
          "a = position; b = normal; c = 1.0; d = vec4(1.0);")
 GODOT = ("out vec3 NORMAL, VIEW, LIGHT, LIGHT_COLOR;",
@@ -45,7 +45,7 @@ GODOT = ("out vec3 NORMAL, VIEW, LIGHT, LIGHT_COLOR;",
 
 
 class Sphere:
-    """A pixel for each point of the sphere of radius 1 that a fragment shader draws."""
+    """Draws a pixel for each point of the unit sphere by a fragment shader."""
 
     def __init__(self):
         self.inside, normal, _ = lamp.points()
@@ -55,7 +55,7 @@ class Sphere:
         self.vertices = self.gl.buffer(np.hstack([at, normal, normal]).astype("f4").tobytes())
 
     def drawn(self, outputs, fragment, prepare=lambda gl, shader: None):
-        """What the shader gives there: two arrays [n, 3]."""
+        """The outputs of the shader at the pixels: two arrays [n, 3]."""
         vertex = VERTEX.replace("NAMES", outputs[0]).replace("SET", outputs[1])
         shader = self.gl.program(vertex_shader=vertex, fragment_shader=fragment)
         targets = [self.gl.texture((lamp.SIZE, lamp.SIZE), 4, dtype="f4") for _ in range(2)]

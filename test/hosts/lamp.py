@@ -43,7 +43,7 @@ CHUNK
 
 
 def package(name):
-    """The folder of a Python package; None if it is not installed."""
+    """The folder of a Python package, or None if it is not installed."""
     found = importlib.util.find_spec(name)
     return found and Path(found.submodule_search_locations[0])
 
@@ -108,7 +108,7 @@ def by_filament(example, code, picture):
 
 
 def three(files):
-    """Files of three.js by name, from a folder in peers/ beside the measurements that has all; None without one."""
+    """Files of three.js by name, from a folder in peers/ beside the measurements, or None if one is missing."""
     for folder in Path(sys.argv[2]).parent.glob("peers/*"):
         paths = [folder / f"three.{file}.js" for file in files]
         if all(path.exists() for path in paths):
@@ -117,7 +117,7 @@ def three(files):
 
 
 def babylon():
-    """Babylon.js as a script of its own, which pybabylonjs has within a module of its widget; None without it."""
+    """The script Babylon.js, which a module of pybabylonjs contains, or None without the package."""
     folder = package("pybabylonjs") or here
     text = "".join(path.read_text(encoding="utf-8") + ";\n" for path in folder.glob("labextension/static/*.js") if path.stat().st_size > 2e5)
     whole = re.search(r"(\d+):\(\w,(\w),\w\)=>\{\"use strict\";\w\.r\(\2\),\w\.d\(\2,\{AbstractActionManager:", text)
@@ -125,7 +125,7 @@ def babylon():
 
 
 def hosts():
-    """Of each example: its name, the version of the host or None, what `srbf export` writes for it, and what draws."""
+    """For each example its name, the version of the host or None, the export that it needs, and the function that draws it."""
     def of(distribution, *modules):
         return version(distribution) if all(map(importlib.util.find_spec, modules or (distribution,))) else None
     compiler = shutil.which("cc") and subprocess.run(["cc", "--version"], capture_output=True, text=True).stdout.splitlines()[0]

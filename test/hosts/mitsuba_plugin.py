@@ -81,7 +81,7 @@ def interaction(wi):
 
 
 def integrals(bsdf, at):
-    """Of density and value (green) over the cells of the sphere, by the midpoints of smaller cells."""
+    """Integrals of density and value (green) over cells of the sphere, by midpoints of smaller cells."""
     z = (np.arange(CELLS[0] * FINER) + 0.5) / (CELLS[0] * FINER) * 2 - 1
     phi = (np.arange(CELLS[1] * FINER) + 0.5) / (CELLS[1] * FINER) * 2 * np.pi
     both = [bsdf.eval_pdf(mi.BSDFContext(), at, mi.Vector3f(*wo)) for wo in directions(*np.meshgrid(z, phi, indexing="ij")).reshape(-1, 3).tolist()]
@@ -95,7 +95,7 @@ def uniform_numbers(count):
 
 
 def relative_variance(bsdf, z):
-    """Of the weights of samples, the mean over azimuths of the viewer."""
+    """The mean weight of samples over azimuths of the viewer."""
     views = [interaction(directions(np.array(z), np.array(phi))) for phi in np.arange(8) * np.pi / 4]
     weights = np.array([[bsdf.sample(mi.BSDFContext(), at, a, mi.Point2f(b, c))[1][1] for a, b, c in uniform_numbers(4000)] for at in views])
     return float((weights.var(1) / weights.mean(1)**2).mean())
@@ -123,7 +123,7 @@ def check_samples(name, bsdf, wi):
     found = np.histogram2d(*cells, bins=CELLS, range=[[0, CELLS[0]], [0, CELLS[1]]])[0].ravel()
     of_cells = integrals(bsdf, at)
     expected = SAMPLES * of_cells[..., 0].ravel()
-    # Cells with few samples count as one, and all that is no scattered direction as another.
+    # Cells with few samples are pooled, and so are samples that are not scattered.
     many = expected >= 10
     expected, found = (np.concatenate([of[many], [of[~many].sum(), SAMPLES - of.sum()]]) for of in (expected, found))
     statistic, freedom = ((found - expected)**2 / np.maximum(expected, 10)).sum(), len(found) - 1
@@ -136,7 +136,7 @@ def check_samples(name, bsdf, wi):
 
 
 def seen_in_white(bsdf, wi):
-    """The radiance (green) of a flat surface in white surroundings, by paths: its albedo for this viewer, with beams."""
+    """The path-traced radiance (green) of a flat surface in white surroundings: its albedo for this viewer, with beams."""
     return np.array(mi.render(mi.load_dict({
         "type": "scene", "integrator": {"type": "path", "max_depth": 3}, "sky": {"type": "constant", "radiance": {"type": "rgb", "value": 1}},
         "surface": {"type": "rectangle", "to_world": mi.ScalarTransform4f().scale(100), "bsdf": bsdf},

@@ -35,7 +35,7 @@ def materials(folder, page):
 
 
 def texels(folder, page):
-    """Texels, each the paper times a colour of its own: six rows of 512 that share lobes, or few whose lobes are their own."""
+    """Texels, each the paper times a colour of its own: six rows of 512, or a few."""
     import numpy as np
 
     pairs = np.loadtxt(folder / "data/paper_white_rgb.csv", delimiter=",", skiprows=1)[:256, :9]
@@ -59,7 +59,7 @@ OWN = {"materials/": materials, "texels.npy": texels, "scan.csv": chassis,
 
 
 def prepare(folder, page):
-    """Makes the folder that a page begins in, and returns the environment: the program, its package, and where the library is installed."""
+    """Makes the folder for a page, and returns the environment with paths to program, Python package and installed library."""
     for name in ("data", "examples"):
         (folder / name).symlink_to(root / name)
     for name, make in OWN.items():

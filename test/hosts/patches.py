@@ -1,4 +1,4 @@
-"""Patches of experiments apply to the sources of today."""
+"""The patches of paper/ apply to the sources."""
 import subprocess
 import sys
 from pathlib import Path

@@ -37,7 +37,7 @@ def values(path, pairs, folder, luminance=False):
 
 
 def transmittance(path, theta):
-    """Radiance's, of light from `theta`. In a process of its own, since other files may crash the module."""
+    """The value of Radiance for light from `theta`, in a process of its own, since other files may crash the module."""
     code = ("import sys, pyradiance.bsdf as b; print(b.direct_hemi(b.load_file(sys.argv[1]), float(sys.argv[2]), 0., "
             "b.SAMPLE_ALL & ~b.SAMPLE_R))")
     return float(subprocess.run([sys.executable, "-c", code, path, str(theta)], check=True, capture_output=True, text=True).stdout)
@@ -61,7 +61,7 @@ def tree_values(name, folder):
         expected.append(radiance.query(bsdf, angles[0][0], angles[1][0], angles[0][1], angles[1][1])[1])
     pairs, expected = np.reshape(pairs, (-1, 6)), np.array(expected)
     own = values(path, pairs, folder)
-    # At the edge of a leaf either side is right.
+    # At the edge of a leaf the values of both sides are valid.
     agree = np.mean(np.abs(own - expected) <= 2e-4 * np.abs(expected) + 1e-5)
     expect(agree > 0.998, f"{name}: {agree:.4%} of {len(own)} directions have Radiance's value")
 

@@ -1,5 +1,5 @@
-"""The ready files of the bundled film are what the program writes: test/hosts/ready.py PROGRAM; with --write they are written anew. Texts are
-equal; numbers that are fitted to values of a renderer's arithmetic may differ in their last digits."""
+"""The ready files of the bundled film are what the program writes: test/hosts/ready.py PROGRAM; --write writes them anew. Texts
+must be equal; numbers that are fitted to values of a renderer's arithmetic may differ in their last digits."""
 import base64
 import math
 import re
@@ -26,7 +26,7 @@ KEPT = {"film.js": data / "ready", "film.html": data / "ready", "film.shader": d
 
 
 def text_of(path):
-    """Of a packed page what is packed, without the numbers of shapes and of the measurement."""
+    """The unpacked contents of a packed page, without the numbers of shapes and of the measurement."""
     text = path.read_text(encoding="utf-8")
     found = re.search(r'<script id="packed" type="text/plain">(.*?)</script>', text)
     return zlib.decompress(base64.b64decode(found[1])).split(b"\0", 1)[0].decode() if found else text

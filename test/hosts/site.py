@@ -45,7 +45,7 @@ class Page:
         self.chromium = Chromium(WEBGL)
         self.chromium.size(1280, 800)
         self.chromium.open(path)
-        # Tasks that keep the page from answering.
+        # Tasks during which the page does not respond.
         self.chromium.run("""window.tasks = []; new PerformanceObserver((list) => {
             for (const e of list.getEntries()) tasks.push(e.duration); }).observe({ type: "longtask", buffered: true })""")
         self.chromium.run("document.body.append(Object.assign(document.createElement('input'), { type: 'file', id: 'given' }))")
@@ -78,7 +78,7 @@ class Page:
         return state, PATIENCE
 
     def longest_task(self):
-        """Of those since the last call [ms]."""
+        """The longest task since the last call [ms]."""
         return self.chromium.run("Math.max(0, ...tasks.splice(0))")
 
     def model(self):
@@ -87,7 +87,7 @@ class Page:
         return bytes(self.chromium.run(f"app.save_as('srbf', '').then({content})"))
 
     def saved(self, what, name):
-        """The hash of what the page would save, or its error."""
+        """The hash of the file that the page would save, or its error."""
         return self.chromium.run(f"""app.save_as({what!r}, {name!r}).then(async (content) => {{
             const digest = await crypto.subtle.digest("SHA-256", await content.arrayBuffer());
             return [...new Uint8Array(digest)].map((x) => x.toString(16).padStart(2, "0")).join("");
@@ -117,7 +117,7 @@ def compared(page, file, folder):
     said = run("fit", file, "-o", theirs)
     check(said.returncode == 0, said.stderr)
     check(written(model) == written(theirs), f"{model.name} is not what the program writes")
-    # All else is compared with what the program makes of the page's model.
+    # The other exports are compared with the program's exports of the page's model.
     for what, ending in SAVED:
         name = file.stem + ending
         mine, path = page.saved(what, name), folder / name

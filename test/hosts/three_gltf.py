@@ -94,7 +94,7 @@ def rendered(subject, out, words):
 
 
 def write_white(glb, out):
-    """A file of binary glTF with its sphere diffuse and white."""
+    """A binary glTF file whose sphere is made diffuse and white."""
     content = Path(glb).read_bytes()
     end = 20 + struct.unpack_from("<I", content, 12)[0]
     gltf = json.loads(content[20:end])

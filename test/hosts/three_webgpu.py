@@ -90,7 +90,7 @@ whole = coarse(inside)[..., 0] == 1
 
 
 def words_of(process):
-    """Its command line, empty if it has ended meanwhile."""
+    """The command line of a process, empty if it has ended."""
     try:
         return (process / "cmdline").read_bytes()
     except OSError:
@@ -98,14 +98,14 @@ def words_of(process):
 
 
 def spent(browser):
-    """Milliseconds of processors that the browser's program of graphics has taken."""
+    """Processor time of the browser's graphics process [ms]."""
     graphics, = (process for process in Path("/proc").glob("[0-9]*") if b"--type=gpu-process" in (words := words_of(process))
                  and browser.profile.name.encode() in words)
     return sum(int(path.read_text().split()[0]) for path in graphics.glob("task/*/schedstat")) / 1e6
 
 
 def milliseconds(browser, material, light):
-    """The least of four times of a frame."""
+    """The least time of four frames."""
     times = []
     for _ in range(4):
         start = spent(browser)

@@ -296,8 +296,7 @@ function develop_mean(mean, count, scene) {
   gl.useProgram(develop.program);
   gl.uniform3f(develop.location("background"), ...data.background);
   gl.uniform1f(develop.location("exposure"), exposure * scene.stops);
-  gl.uniform1f(develop.location("full_scale"), 0);
-  draw_whole(develop, { radiance: picture.textures[0], other: picture.textures[0] }, 0);
+  draw_whole(develop, { radiance: picture.textures[0] }, 0);
 }
 // Adds these samples and draws the mean so far.
 function draw_under_environment(index, scene, width, height) {

@@ -55,7 +55,7 @@ Result<std::vector<FrameCost>> time_frames(const OffscreenContext& context, cons
     const auto surface = RasterSurface::make(dialect, options.width, options.height);
     if (!surface) return surface.error();
     const auto target =
-        two_passes ? RasterTarget::make_for(*surface, RasterTarget::Format::bytes)
+        two_passes ? RasterTarget::make_for(*surface)
                    : RasterTarget::make(options.width, options.height, options.samples, RasterTarget::Format::bytes);
     if (!target) return target.error();
     std::vector<RasterMaterial> raster_materials;
@@ -71,13 +71,12 @@ Result<std::vector<FrameCost>> time_frames(const OffscreenContext& context, cons
         for (std::size_t i = 0; i < raster_materials.size(); ++i) {
             const FrameTime time = time_frame(
                 [&] {
+                    if (two_passes) surface->draw(mesh, view);
                     target->begin();
-                    if (two_passes) {
-                        surface->draw(mesh, view);
+                    if (two_passes)
                         raster_materials[i].draw(*surface, view);
-                    } else {
+                    else
                         raster_materials[i].draw(mesh, view);
-                    }
                 },
                 on_cpu);
             if (round < 0) continue;

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "app/memory.h"
-#include "extras/render/app/raster.h"
+#include "extras/render/material.h"
 #include "extras/report/study.h"
 #ifdef SRBF_RASTER
 #include "extras/render/frames.h"
@@ -46,7 +46,6 @@ std::vector<TimedModel> timed_models(const Study& study) {
 
 Result<Done> time_study(Study& study, const StudyOptions& options) {
     if (const auto can_draw = check_drawing(); !can_draw) return can_draw;
-    ::setenv("EGL_LOG_LEVEL", "fatal", 0);
     const auto context = OffscreenContext::make(Dialect::gl_450);
     if (!context) return context.error();
     const FrameOptions frame_options{.frames = options.sweep == Sweep::whole   ? 60

@@ -1,4 +1,4 @@
-// The options of a fit by their names, for fronts that are given texts: the command line, Python, pages and the window.
+// The options of a fit by their names, for fronts that are given texts: the command line, Python and pages.
 #pragma once
 #include <functional>
 #include <map>

@@ -36,20 +36,11 @@ Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const Pa
     };
     if (command.scene_name != "object") return refuse("scene", "object", "room");
     if (command.draw == "cosine") return refuse("draws", "by the brdf", "by the cosine");
-    if (mesh.texture.empty()) return needs_texture(kind);
+    if (mesh.texture.empty()) return refuse("mesh", "one with texture coordinates", "none of a corner at least");
     return Done{};
 }
 
 }  // namespace
-
-Error needs_texture(const char* kind) {
-    return {"render",
-            {},
-            fmt::format("mesh of {}", kind),
-            "one with texture coordinates",
-            "none of a corner at least",
-            ErrorCode::argument};
-}
 
 Result<std::optional<Environment>> load_light(const std::string& name) {
     if (name == "none") return std::optional<Environment>();
@@ -72,19 +63,19 @@ PreparedMap prepare_subject(const Library& map, int threads) {
 
 std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
                                               std::function<bool()> is_path) {
-    sub.add_option("--env", environment,
-                   "Environment map, a .hdr or .exr file, or studio (default of path) or none (default of raster)")
-        .type_name("FILE");
+    const Option environment_option =
+        sub.add_option("--env", environment, "path: environment map, a .hdr or .exr file, or studio (default) or none")
+            .type_name("FILE");
     const Option further_lights =
         sub.add_option("--lights", lights,
                        "Further lights: three (directional; default without environment), behind (one behind the "
-                       "object,\nfor what light passes through), softbox (path: a square) or none")
+                       "object,\nfor what light passes through), or of path softbox (a square) or none")
             .type_name("NAME")
             .one_of({"none", "three", "behind", "softbox"});
-    sub.add_option("--spp", samples,
-                   "Samples per pixel, 1 to 1048576: paths, or of raster (64; 4 without environment) directions")
-        .type_name("S")
-        .check(within(1, 1 << 20));
+    const Option paths =
+        sub.add_option("--spp", samples, fmt::format("path: paths per pixel, 1 to 1048576 ({})", k_samples))
+            .type_name("S")
+            .check(within(1, 1 << 20));
     const Option most_bounces = sub.add_option("--bounces", bounces, "path: maximum number of bounces, 1 to 1000")
                                     .type_name("N")
                                     .check(within(1, 1000))
@@ -116,10 +107,13 @@ std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::
     std::vector<Option> object_options = about_mesh;
     object_options.push_back(without_ground);
     return {
-        {{most_bounces, draw_option, scene, without_ground, without_occlusion, seed_option, threads_option},
+        {{environment_option, paths, most_bounces, draw_option, scene, without_ground, without_occlusion, seed_option,
+          threads_option},
          "only with --renderer path",
          is_path},
-        {{further_lights}, "softbox only with --renderer path", [=, this] { return is_path() || lights != "softbox"; }},
+        {{further_lights},
+         "softbox and none only with --renderer path",
+         [=, this] { return is_path() || lights == "three" || lights == "behind"; }},
         {{most_bounces}, "not with --no-occlusion, in one bounce", [this] { return !no_occlusion; }},
         {object_options, "only with --scene object", [this] { return scene_name == "object"; }},
     };

@@ -15,12 +15,12 @@
 #include "base/printable.h"
 #include "errors/likeness.h"
 #include "errors/picture_errors.h"
-#include "extras/render/app/map_raster.h"
 #include "extras/render/app/mask.h"
 #include "extras/render/app/mesh_options.h"
 #include "extras/render/app/path.h"
-#include "extras/render/app/raster.h"
 #include "extras/render/exr.h"
+#include "extras/render/material.h"
+#include "extras/render/raster.h"
 #include "extras/render/scene.h"
 #include "extras/render/tone.h"
 #include "srbf/file.h"
@@ -65,45 +65,26 @@ Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Pictur
 
 Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictured> pictured,
                                        const RenderCommand& options) {
+#ifdef SRBF_RASTER
     if (const auto can_draw = check_drawing(); !can_draw) return can_draw.error();
-    std::vector<const Subject*> subjects;  // those of a mask are the first
-    std::vector<const Library*> maps;
-    const auto* const masked = std::get_if<const MaskedSubjects*>(&pictured[0]);
-    if (masked) {
-        if (scene.mesh.texture.empty()) return needs_texture("a mask");
-        subjects = (*masked)->of;
-    }
+    std::vector<Material> materials;
     for (const Pictured& item : pictured) {
-        if (const auto* subject = std::get_if<const Subject*>(&item)) subjects.push_back(*subject);
-        if (const auto* map = std::get_if<const Library*>(&item)) maps.push_back(*map);
+        const auto* const* subject = std::get_if<const Subject*>(&item);
+        if (!subject)
+            return Error{options.files[0],          {},      "input of raster",
+                         "measurements and models", "a map", ErrorCode::argument};
+        auto material = material_of((*subject)->content, (*subject)->path);
+        if (!material) return material.error();
+        materials.push_back(*std::move(material));
     }
-    if (!maps.empty() && scene.mesh.texture.empty()) return needs_texture("a map");
-    if (!maps.empty() && !subjects.empty())
-        return Error{options.files[0],   {}, "inputs of raster", "maps alone, or measurements and models", "both",
-                     ErrorCode::argument};
-    const PathCommand& path_options = options.path;
-    const auto environment = load_light(path_options.environment.empty() ? "none" : path_options.environment);
-    if (!environment) return environment.error();
-    RasterLight light;
-    ProgressLine line;
-    if (*environment) {
-        light.environment = &**environment;
-        light.samples = k_samples;
-        light.progress = [&](double part) { line.show("drawing", part); };
-    }
-    if (path_options.samples > 0) light.samples = path_options.samples;
     Scene lit = scene;
-    if (path_options.lights == "behind") lit.lights = {light_behind(scene.camera)};
-    if (path_options.lights == "none" || (path_options.lights.empty() && *environment)) lit.lights.clear();
-    auto renderings = maps.empty() ? rasterize(lit, subjects, options.width, options.height, light)
-                                   : rasterize_maps(lit, maps, options.width, options.height, light);
+    if (options.path.lights == "behind") lit.lights = {light_behind(scene.camera)};
+    auto renderings = rasterize(lit, materials, options.width, options.height);
     if (!renderings) return renderings.error();
-    if (masked) {
-        const auto count = std::ptrdiff_t((*masked)->of.size());
-        (*renderings)[0] = mixed(scene, (*masked)->mask, std::span(*renderings).first(std::size_t(count)));
-        renderings->erase(renderings->begin() + 1, renderings->begin() + count);
-    }
     return RenderedPictures{*std::move(renderings), {}};
+#else
+    return Error{"renderer raster", {}, "this program", "one built with libepoxy", "one without"};
+#endif
 }
 
 /// A renderer: draws one picture of the scene for each subject.
@@ -363,10 +344,11 @@ void add_render(CommandLine& app, int& status) {
     const Option aov =
         sub.add_flag("--aov", command->aov,
                      "path: also write normal, albedo and depth: as channels of an .exr, or as further pictures");
-    sub.add_option("--mask", command->mask,
-                   "One picture of two or three materials, mixed by this picture (.png, .jpg, .exr) at the "
-                   "mesh's\ntexture coordinates: red is the share of the second, green that of the third")
-        .type_name("FILE");
+    const Option mask =
+        sub.add_option("--mask", command->mask,
+                       "path: one picture of two or three materials, mixed by this picture (.png, .jpg, .exr) at the "
+                       "mesh's\ntexture coordinates: red is the share of the second, green that of the third")
+            .type_name("FILE");
     sub.add_option("--compare", command->compare,
                    "Print PSNR, SSIM and FLIP against this reference, a BRDF to render or an .exr, and write "
                    "OUTPUT.difference.png")
@@ -375,7 +357,7 @@ void add_render(CommandLine& app, int& status) {
                             .type_name("FILE");
     const auto is_path = [command] { return command->renderer == "path"; };
     std::vector<Reading> readings = command->path.add_options(sub, about_mesh, is_path);
-    readings.push_back({{aov}, "only with --renderer path", is_path});
+    readings.push_back({{aov, mask}, "only with --renderer path", is_path});
     readings.push_back({{json}, "only with --compare", [command] { return !command->compare.empty(); }});
     sub.footer(
         "Examples:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf -o paper.png\n"

@@ -21,8 +21,7 @@ srbf_test(page                 one  program fit)
 in_host(page_in_browser page Page.DrawsInABrowserWhatTheDesktopDraws)
 if(EPOXY_LIBRARY)
   srbf_test(raster               one  program)
-  srbf_test(raster_environment   one  program)
-  set_property(TEST raster raster_environment PROPERTY ENVIRONMENT LP_NUM_THREADS=1)  # of Mesa's, which draws on the processor
+  set_property(TEST raster PROPERTY ENVIRONMENT LP_NUM_THREADS=1)  # of Mesa's, which draws on the processor
 endif()
 in_program(paths)
 srbf_test(path                 all  program input)

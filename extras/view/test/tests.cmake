@@ -1,5 +1,0 @@
-if(SRBF_HAS_WINDOW)
-  in_program(view)
-  srbf_test(view                 one  program fit)
-  target_link_libraries(view_tests PRIVATE srbf_view)
-endif()

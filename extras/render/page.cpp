@@ -347,20 +347,26 @@ std::string page_html(const Page& page) {
         {"behind", shows_both_sides(page) ? "<button type='button' name='behind'>Light from behind</button>\n" : ""},
         {"picture_note", note(page.picture_note)},
     };
-    const std::pair<std::string_view, std::string> parts[] = {
-        {"title", html_escaped(page.title)},
-        {"style", k_style_text},
+    const std::string title = html_escaped(page.title);
+    const std::pair<std::string_view, std::string> body_parts[] = {
+        {"title", title},
         {"viewer", filled(k_pictures_text, viewer_parts)},
         {"slices_lead", slices_lead_of(page)},
         {"slices", slices_of(page)},
         {"table", table_of(page)},
         {"table_note", note(page.table_note)},
         {"texts", texts_of(page)},
-        {"generator", html_escaped(page.generator)},
-        {"data", script_text(data_of(page))},
-        {"script", std::string(k_light_text) + k_painter_text + k_viewer_text + k_exported_text},
     };
-    return filled(k_page_text, parts);
+    const std::pair<std::string_view, std::string> parts[] = {
+        {"title", title},
+        {"style", k_style_text},
+        {"body", filled(k_page_text, body_parts)},
+        {"generator", html_escaped(page.generator)},
+        {"scripts",
+         fmt::format("<script id=\"data\" type=\"application/json\">{}</script>\n<script>\n{}{}{}{}</script>\n",
+                     script_text(data_of(page)), k_light_text, k_painter_text, k_viewer_text, k_exported_text)},
+    };
+    return filled(k_frame_text, parts);
 }
 
 }  // namespace srbf

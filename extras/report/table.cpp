@@ -97,9 +97,7 @@ namespace {
 /// The columns of all measures, on both sets of pairs, and of albedo.
 std::vector<std::string> measure_columns(const std::string& prefix) {
     std::vector<std::string> columns;
-    for (const char* set : {"", "heldout_"})
-        for (const MeasureName& m : k_measures) columns.push_back(prefix + set + m.name);
-    columns.push_back(prefix + "albedo_error");
+    for_measures({}, [&](const std::string& name, double) { columns.push_back(prefix + name); });
     return columns;
 }
 

@@ -30,7 +30,7 @@ namespace {
 
 struct RenderCommand {
     std::vector<std::string> files;
-    std::string renderer, mesh = "ball", up = "y", mask, output, compare, json;
+    std::string renderer = "path", mesh = "ball", up = "y", mask, output, compare, json;
     int width = 640, height = 480;  ///< of each picture
     bool aov = false;
     PathCommand path;
@@ -63,8 +63,9 @@ Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Pictur
     return rendered;
 }
 
-Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictured> pictured,
-                                       const RenderCommand& options) {
+Result<RenderedPictures> render_raster([[maybe_unused]] const Scene& scene,
+                                       [[maybe_unused]] std::span<const Pictured> pictured,
+                                       [[maybe_unused]] const RenderCommand& options) {
 #ifdef SRBF_RASTER
     if (const auto can_draw = check_drawing(); !can_draw) return can_draw.error();
     std::vector<Material> materials;
@@ -86,16 +87,6 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictu
     return Error{"renderer raster", {}, "this program", "one built with libepoxy", "one without"};
 #endif
 }
-
-/// A renderer: draws one picture of the scene for each subject.
-struct Renderer {
-    std::string_view name;
-    Result<RenderedPictures> (*render)(const Scene& scene, std::span<const Pictured> subjects,
-                                       const RenderCommand& options);
-};
-
-/// The first one is the default.
-constexpr std::array<Renderer, 2> k_renderers{{{"path", render_paths}, {"raster", render_raster}}};
 
 /// Images of equal size side by side.
 template <typename Pixel> Picture<Pixel> join_images(const std::vector<Picture<Pixel>>& images) {
@@ -262,7 +253,6 @@ int RenderCommand::run() const {
 
     const Viewpoint viewpoint{.z_up = up == "z"};
     const Scene scene = scene_of(*std::move(loaded), viewpoint, double(width) / height);
-    const auto chosen = std::ranges::find(k_renderers, renderer, &Renderer::name);
     std::vector<Pictured> pictured;
     for (const Loaded& subject : subjects)
         std::visit([&](const auto& content) { pictured.emplace_back(&content); }, subject);
@@ -275,7 +265,7 @@ int RenderCommand::run() const {
         pictured[0] = &masked;
         captions = {fmt::format("{}", fmt::join(captions, " and "))};
     }
-    auto pictures = chosen->render(scene, pictured, *this);
+    auto pictures = renderer == "path" ? render_paths(scene, pictured, *this) : render_raster(scene, pictured, *this);
     if (!pictures) return complain(pictures.error());
     if (pictures->renderings.size() > captions.size()) {
         reference = std::move(pictures->renderings.back().radiance);
@@ -318,16 +308,13 @@ Option add_up_option(const Subcommand& sub, std::string& up, const std::string& 
 
 void add_render(CommandLine& app, int& status) {
     const auto command = std::make_shared<RenderCommand>();
-    std::vector<std::string> names;
-    for (const Renderer& renderer : k_renderers) names.emplace_back(renderer.name);
-    command->renderer = names.front();
     const Subcommand sub = app.add_subcommand("render", "Render a mesh with each of the materials, side by side");
     sub.add_option("FILE", command->files, "Measurements, models and maps of texels, one picture each")
         .type_name("")
         .required();
-    sub.add_option("--renderer", command->renderer, fmt::format("{}", fmt::join(names, " or ")))
+    sub.add_option("--renderer", command->renderer, "path or raster")
         .type_name("NAME")
-        .one_of(names)
+        .one_of({"path", "raster"})
         .capture_default_str();
     const std::vector<Option> about_mesh = add_mesh_options(sub, command->mesh, command->up);
     sub.add_option("--size", "Size of each picture in pixels (640x480)")

@@ -190,10 +190,9 @@ std::string verdicts_text() {
     return text + verdict_text(words(Verdict::other)) + " above";
 }
 
-/// The roles of the three models that are compared, and statistics of a measure over materials.
-constexpr const char *k_compared[] = {"pm", "su", "ggx"}, *k_spread[] = {"mean", "median", "percentile_95", "worst"};
-const std::vector<std::string> k_compared_names{"multi­variate", "view by view", "GGX"},
-    k_spread_names{"mean", "median", "95 % below", "worst"};
+/// The roles of the three models that are compared.
+constexpr const char* k_compared[] = {"pm", "su", "ggx"};
+const std::vector<std::string> k_compared_names{"multi­variate", "view by view", "GGX"};
 
 std::string materials_table(const Tables& tables) {
     std::string rows;
@@ -224,32 +223,6 @@ std::string materials_table(const Tables& tables) {
            "of saturated colours, set to 0. For scattered samples, a single bright sample that the others do not "
            "predict "
            "may dominate the held-out error.</p>";
-}
-
-/// Statistics of the compared models over all materials of a kind, a row per measure.
-std::string statistics_of(const Tables& tables, const std::string& input) {
-    std::vector<Rows> models;
-    for (const char* role : k_compared) {
-        const Json* fit = row_with(rows_with(tables.fits, "input", input), "role", role);
-        models.push_back(fit == nullptr ? Rows() : rows_with(tables.statistics, "id", fit->at("id")));
-        std::erase_if(models.back(),
-                      [&](const Json* row) { return row->at("input") != input || row->at("materials") < 2; });
-    }
-    if (models[0].empty()) return {};
-    std::string rows;
-    for (const MeasureText& measure : k_measure_texts) {
-        std::vector<std::string> cells;
-        for (const Rows& model : models)
-            for (const char* statistic : k_spread)
-                cells.push_back(number(row_with(model, "measure", measure.column), statistic, format_of(measure)));
-        rows += row(measure.title, cells);
-    }
-    std::vector<Head> heads{{"error"}};
-    for (const std::string& name : k_compared_names) heads.push_back({name, k_spread_names});
-    return section(
-        fmt::format("{}: mean, median, worst of {} materials", input == "table" ? "Tables" : "Scattered samples",
-                    models[0][0]->at("materials").get<int>()),
-        table(heads, rows));
 }
 
 std::string measures_html(const Tables& tables) {
@@ -517,8 +490,7 @@ std::string index_html(const Tables& tables) {
     const std::pair<std::string_view, std::string> gallery[] = {{"cards", cards}, {"verdicts", verdicts_text()}};
     return page("Measured materials and their fits",
                 lead_of(tables) + failed_of(tables) + filled(k_gallery_text, gallery) +
-                    section("All materials", materials_table(tables)) + statistics_of(tables, "table") +
-                    statistics_of(tables, "samples") + section("The measures", measures_html(tables)));
+                    section("All materials", materials_table(tables)) + section("The measures", measures_html(tables)));
 }
 
 std::string material_html(const Tables& tables, const Json& material, const Study& study) {

@@ -7,8 +7,7 @@
 
 namespace SRBF_NAMESPACE {
 
-/// The first page: a gallery in an order that the reader chooses, the errors of all materials in one table, and their
-/// statistics.
+/// The first page: a gallery in an order that the reader chooses, and the errors of all materials in one table.
 std::string index_html(const Tables& tables);
 /// The page of a material: its pictures, files to download, errors and lobes.
 std::string material_html(const Tables& tables, const Json& material, const Study& study);

@@ -203,48 +203,6 @@ void add_material(Tables& tables, const MaterialEntry& entry) {
     }
 }
 
-/// Adds statistics of each measure for each kind of fit that several materials have.
-void add_statistics(Tables& tables) {
-    std::vector<std::pair<std::string, std::vector<const Json*>>> kinds;
-    for (const Json& fit : tables.fits.rows) {
-        const std::string kind = fit["input"].get<std::string>() + " " + fit["id"].get<std::string>();
-        auto entry = std::ranges::find(kinds, kind, [](const auto& item) { return item.first; });
-        if (entry == kinds.end()) entry = kinds.insert(kinds.end(), {kind, {}});
-        entry->second.push_back(&fit);
-    }
-    std::vector<std::string> measures = measure_columns("");
-    measures.insert(measures.end(), k_picture_columns.begin(), k_picture_columns.end());
-    measures.emplace_back("fit_seconds");
-    for (const auto& [kind, fits] : kinds)
-        for (const std::string& measure : measures) {
-            std::vector<std::pair<double, const Json*>> values;
-            for (const Json* fit : fits)
-                if (const Json& value = fit->at(measure); value.is_number()) values.emplace_back(value, fit);
-            if (values.empty()) continue;
-            std::ranges::stable_sort(values, {}, [](const auto& item) { return item.first; });
-            double sum = 0;
-            for (const auto& [value, fit] : values) sum += value;
-            const auto quantile_of = [&](double quantile) {  // interpolates linearly between values
-                const double position = quantile * double(values.size() - 1),
-                             fraction = position - std::floor(position);
-                const double lower = values[std::size_t(position)].first;
-                return fraction > 0 ? lower + fraction * (values[std::size_t(position) + 1].first - lower) : lower;
-            };
-            Json row;
-            for (const char* key :
-                 {"input", "id", "model", "form", "lobes", "variates", "objective", "max_theta", "payload_bytes"})
-                row[key] = fits[0]->at(key);
-            row.update({{"measure", measure},
-                        {"materials", values.size()},
-                        {"mean", sum / double(values.size())},
-                        {"median", quantile_of(0.5)},
-                        {"percentile_95", quantile_of(0.95)},
-                        {"worst", quantile_of(1)},
-                        {"worst_material", values.back().second->at("material")}});
-            tables.statistics.rows.push_back(std::move(row));
-        }
-}
-
 /// The words of a text, as names of columns.
 std::vector<std::string> columns_of(std::string_view text) {
     std::vector<std::string> columns;
@@ -274,10 +232,6 @@ Tables tables_of(const std::vector<MaterialEntry>& materials) {
                         {}};
     tables.fits = {"fits", fit_columns(), {}};
     tables.failures = {"failures", columns_of("material id error"), {}};
-    tables.statistics = {"statistics",
-                         columns_of("input id model form lobes variates objective max_theta payload_bytes measure "
-                                    "materials mean median percentile_95 worst worst_material"),
-                         {}};
     tables.pictures = {"pictures", columns_of("material object id role psnr ssim flip picture difference"), {}};
     tables.frames = {"frames",
                      columns_of("material id drawn data_bytes auxiliary_bytes total_bytes frames_per_second "
@@ -289,7 +243,6 @@ Tables tables_of(const std::vector<MaterialEntry>& materials) {
                                 "most_frames_per_second renderer"),
                      source_rows()};
     for (const MaterialEntry& entry : materials) add_material(tables, entry);
-    add_statistics(tables);
     return tables;
 }
 

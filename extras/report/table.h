@@ -28,16 +28,13 @@ struct MaterialEntry {
 };
 
 struct Tables {
-    Table materials;   ///< for each file: its origin, masked and clamped values, failures
-    Table fits;        ///< for each fit: its kind, bytes, seconds and errors
-    Table failures;    ///< fits that failed
-    Table statistics;  ///< for each measure and kind of fit: mean, median, 95th percentile and maximum over materials
-    Table pictures;    ///< differences of pictures from that of the measurement
-    Table frames;      ///< frames per second, and the size of the data that shaders read
-    Table source;      ///< Tsai 2009, Tables 7.1 and 7.2
-    std::vector<const Table*> all() const {
-        return {&materials, &fits, &failures, &statistics, &pictures, &frames, &source};
-    }
+    Table materials;  ///< for each file: its origin, masked and clamped values, failures
+    Table fits;       ///< for each fit: its kind, bytes, seconds and errors
+    Table failures;   ///< fits that failed
+    Table pictures;   ///< differences of pictures from that of the measurement
+    Table frames;     ///< frames per second, and the size of the data that shaders read
+    Table source;     ///< Tsai 2009, Tables 7.1 and 7.2
+    std::vector<const Table*> all() const { return {&materials, &fits, &failures, &pictures, &frames, &source}; }
 };
 Tables tables_of(const std::vector<MaterialEntry>& materials);
 
@@ -58,7 +55,7 @@ struct MeasureText {
     const char* meaning;
     bool is_ratio;  ///< displayed in per cent
 };
-/// The measures of the statistics, in the order of the page.
+/// The measures of the pages' tables, in their order.
 extern const std::vector<MeasureText> k_measure_texts;
 
 }  // namespace srbf

@@ -9,10 +9,10 @@
 #include "app/html.h"
 #include "base/half.h"
 #include "base/printable.h"
+#include "errors/sphere.h"
 #include "extras/render/environment.h"
 #include "extras/render/scene.h"
 #include "extras/render/slices.h"
-#include "extras/render/sphere_picture.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/su/su_functions.h"
 #include "render/page_text.h"
@@ -143,11 +143,6 @@ Json common_data(bool two_sided) {
     return data;
 }
 
-/// The exposure of pictures under directional lights.
-float exposure_of(const PageMaterial& entry) {
-    return automatic_exposure(render_sphere(entry.brdf, {.size = 160, .samples = 2}));
-}
-
 Json data_of(const PageMaterial& entry) {
     if (!entry.material) return {};
     Json numbers = std::visit([](const auto& m) { return numbers_of(m); }, *entry.material);
@@ -166,7 +161,8 @@ Json data_of(const Page& page) {
     Json data = common_data(shows_both_sides(page));
     const auto first_picture =
         std::ranges::find_if(page.materials, [](const PageMaterial& entry) { return entry.material.has_value(); });
-    data["exposure"] = exposure_of(first_picture == page.materials.end() ? page.materials[0] : *first_picture);
+    data["exposure"] =
+        exposure_under_lights((first_picture == page.materials.end() ? page.materials[0] : *first_picture).brdf);
     if (page.mesh) data["meshes"][k_own_mesh] = json_of(*page.mesh);
     for (const PageMaterial& entry : page.materials) data["materials"].push_back(data_of(entry));
     return data;
@@ -319,11 +315,18 @@ Mesh page_mesh(std::string_view name) {
     return ball(48);
 }
 
+float exposure_under_lights(const Evaluate& brdf) {
+    Lighting three{"three", {}, {}, {}, {}};
+    for (const DirectionalLight& light : k_three_lights) three.sources.push_back({light.towards, 0, light.irradiance});
+    return automatic_exposure(sphere_pictures({&brdf, 1}, {&three, 1}, k_sphere_pixels, 0, {}, 1)[0][0]);
+}
+
 std::string viewer_data() { return common_data(true).dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 std::string viewer_material(const PageMaterial& entry) {
     Json data = data_of(entry);
-    if (entry.material) data["text"] = text_of(*entry.material).fragment, data["exposure"] = exposure_of(entry);
+    if (entry.material)
+        data["text"] = text_of(*entry.material).fragment, data["exposure"] = exposure_under_lights(entry.brdf);
     return data.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

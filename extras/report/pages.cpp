@@ -377,7 +377,7 @@ std::string charts_of(const Tables& tables, const Json& material) {
     for (const ChartCurve& curve : k_curves) {
         const std::string colour = fmt::format("var({})", curve.colour);
         const bool is_ggx = std::string_view(curve.model) == "ggx";
-        ChartSeries lobes{curve.name, colour, curve.dash, true, {}}, bytes = lobes;
+        ChartSeries lobes{curve.name, colour, curve.dash, {}}, bytes = lobes;
         for (const Json* fit : fits_of(tables, material)) {
             if (fit->at("model") != curve.model || fit->at("objective") != objective ||
                 fit->at("variates") != curve.variates || (fit->at("model") == "pm" && fit->at("form") != curve.form) ||

@@ -280,13 +280,13 @@ TEST(Charts, AreLogarithmicInBothDirections) {
     const Chart chart{"<a> title",
                       "J",
                       {1, 4, 16},
-                      {{"a", "red", "", true, {{16, 0.001, "x & y"}, {1, 0.1, ""}, {4, 0.01, ""}}},
-                       {"b", "red", "", false, {{4, 0.02, ""}, {2, 0, ""}, {2, NAN, ""}}}}};
+                      {{"a", "red", "", {{16, 0.001, "x & y"}, {1, 0.1, ""}, {4, 0.01, ""}}},
+                       {"b", "red", "", {{4, 0.02, ""}, {2, 0, ""}, {2, NAN, ""}}}}};
     const std::string svg = chart_drawing(chart);
     EXPECT_EQ(svg.find("<a>"), svg.npos);
     EXPECT_NE(svg.find("x &amp; y"), svg.npos);
     const auto curves = curves_of(svg);
-    ASSERT_EQ(curves.size(), 1u);  // one of them is joined: in the order of x
+    ASSERT_EQ(curves.size(), 1u);  // in the order of x; a single point has no curve
     ASSERT_EQ(curves[0].size(), 3u);
     for (const int axis : {0, 1})
         EXPECT_PRED3(near, curves[0][1][std::size_t(axis)],

@@ -116,31 +116,6 @@ Result<Done> write_float(const RenderedPictures& pictures, const RenderCommand& 
     return write_exr(joined.width, joined.height, channels, options.output);
 }
 
-/// Writes the first hits of paths as pictures: normals from −1 to 1, depths from the nearest (white) to the
-/// farthest.
-Result<Done> write_first_hits(const RenderedPictures& pictures, const RenderCommand& options) {
-    std::vector<Image8> normal, albedo, depth;
-    for (const FirstHits& first : pictures.first) {
-        for (auto* images : {&normal, &albedo, &depth}) images->emplace_back(options.width, options.height);
-        float nearest = std::numeric_limits<float>::infinity(), furthest = 0;
-        for (const float z : first.depth)
-            if (z > 0) nearest = std::min(nearest, z), furthest = std::max(furthest, z);
-        for (std::size_t i = 0; i < first.depth.size(); ++i) {
-            const Rgb n = first.normal.pixels[i];
-            const float z = first.depth[i],
-                        near = z > 0 && furthest > nearest ? (furthest - z) / (furthest - nearest) : z > 0;
-            const auto byte = [](float x) { return std::uint8_t(255 * std::clamp(x, 0.f, 1.f) + 0.5f); };
-            normal.back().pixels[i] = {byte(0.5f + 0.5f * n.r), byte(0.5f + 0.5f * n.g), byte(0.5f + 0.5f * n.b)};
-            albedo.back().pixels[i] = to_srgb8(first.albedo.pixels[i]);
-            depth.back().pixels[i] = {byte(near), byte(near), byte(near)};
-        }
-    }
-    for (const auto& [what, images] : {std::pair(".normal", &normal), {".albedo", &albedo}, {".depth", &depth}})
-        if (const auto written = write_png(join_images(*images), options.beside(what)); !written)
-            return written.error();
-    return Done{};
-}
-
 /// Prints the difference of each image from the reference, and writes it.
 Result<Done> compare_pictures(const Image8& reference, std::span<const Image8> images,
                               std::span<const std::string> captions, const RenderCommand& options) {
@@ -201,8 +176,6 @@ Result<Done> write_pictures(const RenderedPictures& pictures, const std::optiona
     const auto written =
         options.is_exr() ? write_float(pictures, options) : write_png(side_by_side(images, captions), options.output);
     if (!written) return written.error();
-    if (options.aov && !options.is_exr())
-        if (const auto done = write_first_hits(pictures, options); !done) return done.error();
     if (!reference) return Done{};
     const Rendering reference_rendering{*reference, pictures.renderings.front().coverage};
     return compare_pictures(shown(reference_rendering, exposure), images, captions, options);
@@ -247,8 +220,6 @@ int RenderCommand::run() const {
     if (!mask.empty()) inputs.push_back(mask);
     std::vector<std::string> outputs{output, json == "-" ? "" : json};
     if (!compare.empty()) outputs.push_back(beside(".difference"));
-    if (aov && !is_exr())
-        for (const char* what : {".normal", ".albedo", ".depth"}) outputs.push_back(beside(what));
     if (const auto writable = check_outputs(inputs, outputs); !writable) return complain(writable.error());
 
     const Viewpoint viewpoint{.z_up = up == "z"};
@@ -329,8 +300,7 @@ void add_render(CommandLine& app, int& status) {
             return fmt::format("expected a name that ends in .png or .exr, found {}", name);
         });
     const Option aov =
-        sub.add_flag("--aov", command->aov,
-                     "path: also write normal, albedo and depth: as channels of an .exr, or as further pictures");
+        sub.add_flag("--aov", command->aov, "path: also write normal, albedo and depth, as channels of an .exr");
     const Option mask =
         sub.add_option("--mask", command->mask,
                        "path: one picture of two or three materials, mixed by this picture (.png, .jpg, .exr) at the "
@@ -345,6 +315,7 @@ void add_render(CommandLine& app, int& status) {
     const auto is_path = [command] { return command->renderer == "path"; };
     std::vector<Reading> readings = command->path.add_options(sub, about_mesh, is_path);
     readings.push_back({{aov, mask}, "only with --renderer path", is_path});
+    readings.push_back({{aov}, "only with an output .exr", [command] { return command->is_exr(); }});
     readings.push_back({{json}, "only with --compare", [command] { return !command->compare.empty(); }});
     sub.footer(
         "Examples:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf -o paper.png\n"

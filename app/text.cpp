@@ -72,10 +72,7 @@ std::string repeats_text(const Appearance& exchanged) {
 }
 
 void add_measures(Json& json, const Comparison& comparison, std::string_view prefix) {
-    add_measures(json, comparison.matrix, prefix);
-    for (const MeasureName& m : k_measures)
-        json[fmt::format("{}heldout_{}", prefix, m.name)] = comparison.heldout.*m.member;
-    json[fmt::format("{}albedo_error", prefix)] = comparison.albedo_error;
+    for_measures(comparison, [&](const std::string& name, double value) { json[std::string(prefix) + name] = value; });
     json[fmt::format("{}pictures", prefix)] = json_of(comparison.appearance);
     if (comparison.heldout_appearance)
         json[fmt::format("{}heldout_pictures", prefix)] = json_of(*comparison.heldout_appearance);

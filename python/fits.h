@@ -21,11 +21,7 @@ namespace srbf {
 
 inline py::dict measures_of(const Comparison& comparison) {
     py::dict errors;
-    for (const MeasureName& measure : k_measures) {
-        errors[measure.name] = comparison.matrix.*measure.member;
-        errors[("heldout_" + std::string(measure.name)).c_str()] = comparison.heldout.*measure.member;
-    }
-    errors["albedo_error"] = comparison.albedo_error;
+    for_measures(comparison, [&](const std::string& name, double value) { errors[name.c_str()] = value; });
     if (comparison.appearance.lighting.empty()) return errors;
     for (const PictureErrorName& error : k_picture_errors)
         errors[error.name] = comparison.appearance.mean.*error.member;

@@ -53,10 +53,21 @@ inline std::map<std::string, Arguments> long_options(const TemporaryFolder& fold
 /// True if the program has all extras that the command line needs: subcommands, kinds of `srbf export`, and functions
 /// of its code.
 inline bool is_offered(const Arguments& arguments) {
-    static const std::set<std::string> extras{"render",       "map",   "basis",       "report",
-                                              "view",         "html",  "exr",         "dds",
-                                              "three",        "area",  "environment", "environment-draws",
-                                              "three-webgpu", "unity", "blender",     "osl"};
+    static const std::set<std::string> extras{"render",
+                                              "map",
+                                              "basis",
+                                              "report",
+                                              "html",
+                                              "exr",
+                                              "dds",
+                                              "three",
+                                              "area",
+                                              "environment",
+                                              "environment-draws",
+                                              "three-webgpu",
+                                              "unity",
+                                              "blender",
+                                              "osl"};
     static const std::set<std::string> offered = [] {
         std::string text = run(TemporaryFolder(), {"completion", "bash"}).out;
         std::ranges::replace(text, '\'', ' ');

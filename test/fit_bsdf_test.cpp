@@ -86,9 +86,7 @@ void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alik
     }
     EXPECT_PRED3(near, fitted->most_fitted, fitted->most_measured, 0.01);
     EXPECT_LE(fitted->most_fitted, 1.01);
-#ifdef SRBF_RENDER
     EXPECT_GT(expect_furnace(fitted->model), 0.1);
-#endif
 }
 
 TEST(FitBsdf, RoughDielectricSlab) { expect_good(rough_slab(), true); }

@@ -31,7 +31,7 @@ const std::vector<std::vector<std::string>> k_levels{
     {"extras/environment/code", "app"},
     {"extras/render", "extras/maps/app"},
     {"extras/render/app"},
-    {"extras/view", "extras/report", "extras/environment/app", "extras/optics", "extras/daylight", "extras/blender"},
+    {"extras/report", "extras/environment/app", "extras/optics", "extras/daylight", "extras/blender"},
     {"extras/blender/app"},
 };
 

@@ -40,7 +40,6 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"a room", "render b.srbf -o o.exr --size 9x8 --spp 2 --scene room"},
     {"without occlusion", "render m.srbf -o o.exr --size 9x8 --spp 2 --no-occlusion --draw cosine"},
     {"raster", "render m.srbf -o o.exr --size 9x8 --renderer raster"},
-    {"raster, environment", "render m.srbf -o o.exr --size 9x8 --renderer raster --env studio --spp 1"},
     {"an edit", "edit m.srbf --hue 10 -o o.srbf"},
     {"a coat", "edit m.srbf --coat 0.3 -o o.srbf"},
     {"a blend", "blend m.srbf m.srbf -o o.srbf"},

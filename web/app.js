@@ -27,11 +27,11 @@ function load_data(name) {
 
 // ---- The worker that fits ----------------------------------------------------------------------------------------
 
-// `worker` has the file that the page shows; `spare` has begun and has none.
+// `worker` holds the file that the page shows; `spare` is started and idle.
 let worker = null, spare = null, question_count = 0, cache = null;
 const url = URL.createObjectURL(new Blob([`${binding}\n${working}\nworking();`], { type: "text/javascript" }));
 
-// A worker with the module. What it was asked and has not answered when it ends fails, with null.
+// A worker with the module. Requests that are unanswered when it ends are rejected with null.
 function new_worker() {
   const thread = new Worker(url), open = new Map(), own = {
     is_busy: () => open.size > 0,
@@ -70,7 +70,7 @@ const ask = (question) => worker.ask(question);
 
 const k_level = ["good", "good", "fair", "poor"];
 let file = null, fitted = null, edited = null, started = 0, draws = false, run = 0;
-let saving = null; // the file that is written: its name, when that began, and progress, 0 if it is unknown
+let saving = null; // the file being written: its name, the start time and the progress (0: unknown)
 
 const grouped = (n) => n.toLocaleString("en");
 const two_digits = (x) => Number(x.toPrecision(2)).toString();
@@ -123,7 +123,7 @@ function show_measurement(measurement) {
   viewer.set_material(0, measurement.material);
   show_drawing();
 }
-// Says that pictures are still to come, until the first of them is there.
+// Shows a waiting message until the first picture arrives.
 let drawing = 0;
 async function show_drawing() {
   const mine = ++drawing, { classList } = $("viewer");
@@ -131,7 +131,7 @@ async function show_drawing() {
   await viewer.settled();
   if (mine === drawing) classList.remove("drawing");
 }
-// Says what a ready material was made of, or that it is edited, and its terms.
+// Describes the source of a ready material, or that it is edited, and its licence terms.
 function show_ready() {
   const { kind, error, about, terms } = file.link.dataset;
   $("name").textContent = edited ? `Edited: made from ${kind}` : kind;
@@ -178,7 +178,7 @@ function show_fit(report) {
 
 // ---- Edits -------------------------------------------------------------------------------------------------------
 
-// `shown`: what the picture of the edited material is, "edit" of the fitted one or "model"; null: there is none.
+// `shown`: the content of the edited picture, "edit" (of the fitted model) or "model"; null without a picture.
 let shown = null, wanted = null, is_editing = false, applied = Promise.resolve(), restored = Promise.resolve();
 const editing = new_editing({
   preview(edit) {
@@ -186,7 +186,7 @@ const editing = new_editing({
     if (shown !== "edit") viewer.set_material(2, { ...fitted.material, bytes: fitted.bytes_to_edit.slice() }, true), shown = "edit";
     viewer.set_edit(2, edit);
   },
-  // One edit at a time; of those that come meanwhile the last counts.
+  // Runs one edit at a time; of the edits requested meanwhile only the last one is computed.
   apply(edits, words) {
     wanted = { edits, words };
     if (!is_editing) applied = apply_wanted(run);
@@ -231,8 +231,8 @@ async function step(mine, action) {
   }
 }
 
-// Starts the pictures, with the sliders, what saves and the light beside them. `common`: what a worker has begun with.
-let pictures = null; // the promise that they are started
+// Starts the pictures, and places the sliders, buttons and light controls beside them. `common`: the data of `begin`.
+let pictures = null; // a promise that resolves when they have started
 const ensure_pictures = (common) => pictures ??= start_pictures(common);
 async function start_pictures(common) {
   draws = await viewer.start(common, "2");
@@ -243,7 +243,7 @@ async function open_in(own, { name, bytes, link }) {
   await ensure_pictures(await own.begun);
   return own.ask({ kind: "open", name, bytes, is_ready: Boolean(link) });
 }
-// Ends the worker. The next one reads the file of this page again, and the models that this one had made.
+// Ends the worker. Its successor reads the page's file again, and the models made so far.
 function renew() {
   const mine = run, made = fitted && { kind: "restore", name: stem(file.name), fitted: fitted.file, edited: edited?.file };
   worker.end();
@@ -252,7 +252,7 @@ function renew() {
 }
 function take_fit(result) {
   fitted = result;
-  fitted.bytes_to_edit = result.material && result.material.bytes.slice(); // the painter takes the others
+  fitted.bytes_to_edit = result.material && result.material.bytes.slice(); // the original bytes are transferred to the painter
 }
 async function fit(mine) {
   started = performance.now();
@@ -265,12 +265,12 @@ async function fit(mine) {
   show_fit(result);
   begin_editing(result.highlight);
 }
-// What a picture shows, in words.
+// Describes a picture in words.
 function name_picture(subject, name) {
   for (const element of document.querySelectorAll(`[data-show="${subject}"], figure[data-material="${subject}"] figcaption`)) element.textContent = name;
   document.querySelector(`figure[data-material="${subject}"] canvas`)?.setAttribute("aria-label", name);
 }
-// The name of a file. A ready material has its stored picture beside it, and in place of the picture until that is drawn.
+// Shows the name of a file. For a ready material it also shows the stored picture, until the first one is drawn.
 function show_name(name, link) {
   $("name").textContent = link?.dataset.kind ?? stem(name);
   set_shown("stored", Boolean(link)), set_shown("lobes_row", !link);
@@ -278,8 +278,8 @@ function show_name(name, link) {
   if (link) document.body.style.setProperty("--stored", link.querySelector("i").style.backgroundPosition);
   set_shown("state", true);
 }
-// Reads a measurement and fits it, or reads a model and shows it; `link` is that of a ready material. What the page shows stays
-// until the file is read. The file that was chosen last counts.
+// Reads a measurement and fits it, or reads a model and shows it; `link` is the address of a ready material. The page keeps its
+// content until the file is read. If several files are chosen, only the last one is shown.
 let opening = 0;
 function begin_opening() {
   say(""), fail("");
@@ -321,7 +321,7 @@ function show_opened(opened, next, own) {
   show_model(opened);
   begin_editing(opened.highlight);
 }
-// What is said of a file that is not read: its kind where the library does not know the format, or else the library's message.
+// The message for a file that cannot be read: its kind if the library does not know the format, else the library's error.
 function refusal(name, bytes, why) {
   const kind = bytes instanceof Uint8Array ? light.kind_of(bytes) : null, is_unknown = why.includes(": unknown format: ");
   return is_unknown || /(picture|page)$/.test(kind) ? `${name}: this is ${kind ?? "a file of another kind"}; drop a measurement, a model or an .hdr` : why;
@@ -336,7 +336,7 @@ async function take_file(chosen) {
   if (draws && viewer.previews()) await viewer.open_environment(chosen, fail);
   else fail(`${name}: this browser draws no pictures under an environment`);
 }
-// Ends the worker at once. The next one reads the file again, for another number of lobes or to save.
+// Ends the worker at once. Its successor reads the file again.
 async function cancel() {
   ++run;
   show_working("");
@@ -360,7 +360,7 @@ function element(kind, ...content) {
   made.append(...content);
   return made;
 }
-// Says what to do with the file that was saved: a line of `steps` each. The pattern `name` finds a name in it that they use.
+// Shows how to use the saved file, one line for each of `steps`. The pattern `name` finds a name in the file for these lines.
 async function show_saved({ note = "", steps = "", name: pattern }, file_name, { content, error }) {
   const parts = { file: file_name, name: pattern && (await content.text()).match(pattern)?.[1] };
   const of = error && (error.isOfModel ? "material on this page, which has an error of its own" : "measurement");
@@ -369,13 +369,13 @@ async function show_saved({ note = "", steps = "", name: pattern }, file_name, {
   $("saved").replaceChildren(element("p", said, element("strong", note)));
   if (steps) $("saved").append(element("ol", ...steps.split("\n").map((step) => element("li", filled(step)))));
 }
-// A material for Blender of a ball whose measurement the page has is made from the measurement.
+// If the page has the measurement, the material for Blender is made from it.
 async function write(what, name) {
   const measured = `${stem(file.name)}_rgb.bsdf`, has_measured = file.link && document.querySelector(`[data-sample="${measured}"]`);
   const measurement = what === "blender" && has_measured && !edited ? { name: measured, bytes: await load_data(measured) } : null;
   return ask({ kind: "save", what, name, measurement });
 }
-// Saves one file at a time, because all share a line for what is said of them.
+// Saves one file at a time, because all saves share one status line.
 async function save(button) {
   const buttons = [...document.querySelectorAll("[data-save]")];
   for (const each of buttons) each.disabled = true;
@@ -391,7 +391,7 @@ async function write_file(button) {
   const name = stem(file.name) + (edited ? "_edited" : "") + ending;
   $("saved").textContent = "";
   saving = { name, begun: performance.now(), progress: 0 };
-  const timer = setInterval(show_saving, 400); // what is written at once needs no word
+  const timer = setInterval(show_saving, 400); // quick saves show no status
   const written = await step(mine, () => write(what, name));
   saving = clearInterval(timer), set_shown("writing", false);
   $("saved").textContent = !written && mine === run ? "Nothing was saved." : "";
@@ -427,7 +427,7 @@ function show_address() {
   if (href !== location.href) history.replaceState(null, "", href);
 }
 window.addEventListener("hashchange", () => { if (!file?.link || linked() !== file.link) show_linked(); });
-// A click on the ball that is shown changes no address.
+// A click on the current ball does not change the address.
 for (const link of links) link.addEventListener("click", () => { if (link === linked()) show_linked(); });
 for (const button of document.querySelectorAll("[data-save]")) button.addEventListener("click", () => save(button));
 $("file").addEventListener("change", () => {

@@ -61,7 +61,7 @@ async function new_srbf(module, progress = () => true) {
   }
   const content = () => bytes_at(c.srbf_content(), c.srbf_content_size()).slice();
   const text = () => decoder.decode(content());
-  // A message without its parts that name an option of the command line: after a comma or a semicolon, or in parentheses.
+  // Removes the parts of a message that name command-line options: after a comma or semicolon, or in parentheses.
   const plain = (message) => message.replace(/ \([^()]*--[a-z][^()]*\)|[,;] (?:(?![,;] | \().)*?--[a-z](?:(?![,;] |\)).)*/g, "");
   // Returns a function's result; if it failed, throws its content, which is the error in one line.
   function check(status) {
@@ -84,7 +84,7 @@ async function new_srbf(module, progress = () => true) {
     draft: (number, options = {}) => describe(check(with_bytes([JSON.stringify(options)], (address, size) => c.srbf_draft(number, address, size)))),
     // A model of the measurement, and a report.
     fit: (number, options = {}) => describe(check(with_bytes([JSON.stringify(options)], (address, size) => c.srbf_fit(number, address, size)))),
-    // What pictures of edits need of a model, or null; and the model edited.
+    // Data for a preview of edits, or null if the model cannot be edited; and the edited model.
     highlight: (number) => (check(c.srbf_highlight(number)), JSON.parse(text())),
     edit: (number, edits) => describe(check(with_bytes([JSON.stringify(edits)], (address, size) => c.srbf_edit(number, address, size)))),
     model_file: (number) => (check(c.srbf_model_file(number)), content()),

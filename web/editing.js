@@ -1,12 +1,12 @@
 // The sliders that edit the fitted model. While one moves, the shader shows the edit of the fitted model; then the worker
 // computes the edited model.
 "use strict";
-// `apply(edits, words)` computes and shows the edited model, or without edits forgets it; `preview(edit)` shows an edit of
-// the painter before.
+// `apply(edits, words)` computes and shows the edited model; without edits it discards the model. `preview(edit)` shows an
+// edit by the shader.
 function new_editing({ apply, preview }) {
 const form = document.querySelector("#editing form"), inputs = [...form.querySelectorAll("input")];
 const value = (name) => Number(form.elements[name].value);
-let highlight = null; // what the pictures need of the fitted model
+let highlight = null; // data of the fitted model for previews
 
 // A factor, 1/3 to 3 (that of α, of which the roughness of Blender and three.js is the root), and a colour of luminance 1 from cool to warm.
 const factor = (name) => 3 ** value(name);
@@ -22,7 +22,7 @@ const texts = {
 };
 const warmth_text = (x) => x === 0 ? "as it is" : x < 0 ? `${Math.round(-100 * x)} % cooler` : `${Math.round(100 * x)} % warmer`;
 
-// The edits for the library, those alone that change something.
+// The edits for the library: only those that change the model.
 function edits() {
   const of = {}, is_changed = (...names) => names.some((name) => value(name) !== 0);
   if (is_changed("roughen")) of.roughen = factor("roughen");
@@ -32,10 +32,10 @@ function edits() {
   if (is_changed("hue")) of.hue = value("hue");
   return of;
 }
-// The same in the words of the sliders.
+// The same edits, described with the labels of the sliders.
 const words = () => inputs.filter((input) => value(input.name) !== 0)
   .map((input) => `${input.labels[0].textContent.toLowerCase()} ${input.nextElementSibling.value}`).join(", ");
-// A colour further from grey of its luminance, or nearer; and turned about grey, at the same luminance, as `TurnHue`.
+// Scales the distance of a colour from grey; rotates its hue about grey, as `TurnHue`. Both keep the luminance.
 function saturated(colour) {
   const grey = luminance(colour);
   return colour.map((x) => grey + saturation() * (x - grey));
@@ -45,7 +45,7 @@ function turned(colour) {
   const around = colour.map((x, i) => Math.cos(angle) * (x - mean) + Math.sin(angle) / Math.sqrt(3) * (colour[(i + 2) % 3] - colour[(i + 1) % 3]));
   return around.map((x) => x + luminance(colour) - luminance(around));
 }
-// The edits for the painter. A matrix, column by column, does to each primary colour what the edits do.
+// The edits for the painter. Each column of a matrix is an edited primary colour.
 function edit() {
   const matrix = (tint) => [0, 1, 2].flatMap((column) => turned(saturated(tint.map((x, row) => row === column ? x : 0))));
   return { shares: highlight.shares, roughness: [factor("roughen"), highlight.roughness], colours: [...matrix(tint("highlight")), ...matrix(tint("body"))] };

@@ -7,12 +7,11 @@
 //   edit         `index`, `edit` of a material that shows edits: shares, roughness (factor, own), colours (two matrices)
 //   environment  `image` (width, height, texels)
 //   draw         `pictures`, each with `subject` (a material's index, or "difference" of the first two), width,
-//   height, scene; `is_quick`: as little as possible at first, since another picture may follow at once
+//                height, scene; `is_quick`: starts with the coarsest picture, because another one may follow at once
 //   rest         `is_resting`: take few samples of a picture, because a fit is running
 //   lose         for tests: loses the context, or restores it
 // and posts { kind, .. }: picture (subject, image, number), drawn (number, samples, exposure), refused (subject, why), busy
-// (compiling
-//   shaders), environment (preparing one), lost, restored.
+// (compiling shaders), environment (preparing one), lost, restored.
 "use strict";
 function painting(surface, post) {
 "use strict";
@@ -23,15 +22,15 @@ if (!gl) return post({ kind: "none" }), null;
 const has_floats = gl.getExtension("EXT_color_buffer_float") !== null;
 const k_samples = 1024, k_samples_resting = 8; // of a picture whose scene does not change
 const k_difference_gain = 10;
-const k_quick = 10, k_coarsest = 8; // milliseconds for what a quick picture draws, and pixels that then share a width
-const k_calm = 150; // milliseconds after a quick picture until its details follow
+const k_quick = 10, k_coarsest = 8; // milliseconds for a quick picture; its pixels are up to this many times wider
+const k_calm = 150; // milliseconds from a quick picture to the detailed one
 
 let data = null, descriptions = {}, image = null;
 // Objects of the context, which are lost with it.
 let materials = {}, meshes = {}, programs = new Map(), last_pictures = {}, environment = null, visible = null, develop = null, comparison = null, smoothing = null, means = {};
 // For pictures under an environment: the number of samples that were averaged, and the exposure.
 let samples = 0, exposure = 1, is_exposed = false, is_resting = false;
-// Milliseconds that a sample of a pixel took last. Until that is known, a picture begins as coarsely as any.
+// The last measured time of a sample of a pixel, in milliseconds. Until it is known, pictures start at the coarsest level.
 let pace = Infinity;
 
 // The matrix from world to clip coordinates, column-major. `shift` moves the picture, in units of its width and
@@ -260,7 +259,7 @@ function prepare_environment() {
 }
 // The number of samples that the next picture adds: several at first, because a single sample is noisy.
 const samples_added = () => samples === 0 && !job.is_quick ? data.first_samples : 1;
-// The mean of each pixel and its neighbours on the same surface, those most whose normals are alike.
+// Averages each pixel with its neighbours, weighted by the similarity of their normals.
 const k_smoothing_text = `#version 300 es
 precision highp float;
 uniform sampler2D radiance, normals;
@@ -296,8 +295,7 @@ function develop_mean(mean, count, scene) {
   gl.useProgram(develop.program);
   gl.uniform3f(develop.location("background"), ...data.background);
   gl.uniform1f(develop.location("exposure"), exposure * scene.stops);
-  gl.uniform1f(develop.location("full_scale"), 0);
-  draw_whole(develop, { radiance: picture.textures[0], other: picture.textures[0] }, 0);
+  draw_whole(develop, { radiance: picture.textures[0] }, 0);
 }
 // Adds these samples and draws the mean so far.
 function draw_under_environment(index, scene, width, height) {
@@ -313,21 +311,21 @@ function draw_under_environment(index, scene, width, height) {
 
 // ---- Edits -------------------------------------------------------------------------------------------------------
 
-// A material that shows edits has a picture each of its highlight, its body and what is around it. Tints and saturation are
-// linear maps of the first two, and another roughness changes the first alone. Under lights a picture is drawn once,
-// under an environment it is a mean of samples.
-//   key       what all three depend on
+// A material that shows edits has three pictures: of its highlight, its body and the surroundings. Tints and saturation are
+// linear maps of the first two, and roughness changes only the first. Under lights a picture is drawn once; under an
+// environment it is a mean of samples.
+//   key       the scene and size, common to all three
 //   parts     the number of samples, pixels per pixel of the whole picture, and the buffer of each
 //   duration  milliseconds that a sample of the highlight took at full size
 let edited = null;
 const k_highlight = 0, k_body = 1, k_around = 2;
 
-// Their sum, each part enlarged or reduced linearly to the picture's size: under an environment as it is, under lights displayed. Must
-// follow develop.glsl without its main.
+// Adds the parts, each scaled linearly to the picture's size. Under an environment the result is radiance, under lights a
+// displayed colour. Must follow develop.glsl without its main.
 const k_sum_text = `
 uniform sampler2D highlight, body, around;
 uniform mat3 colours[2];
-uniform bool is_around; // whether there is a picture of what is around
+uniform bool is_around; // whether there is a picture of the surroundings
 uniform vec2 size;
 vec4 texel(sampler2D part, ivec2 at) { return texelFetch(part, clamp(at, ivec2(0), textureSize(part, 0) - 1), 0); }
 vec4 enlarged(sampler2D part) {
@@ -371,13 +369,13 @@ function draw_part(index, which, scene, width, height) {
   ++part.samples;
 }
 
-// Draws what is missing of the parts, of a quick picture coarsely if it takes long, and another sample of all otherwise.
+// Draws the missing parts (coarsely for a quick picture that would take long), or else one more sample of each part.
 function draw_parts(index, scene, width, height) {
   const { is_quick } = job, { edit } = descriptions[index], { mesh, eye, frame, directions, irradiances, turned, around } = scene;
   const key = JSON.stringify([index, width, height, mesh, eye, frame, directions, irradiances, turned, around]);
   if (edited?.key !== key) forget_edited(), edited = { key, parts: [0, 1, 2].map(() => ({ samples: 0, size: 0, buffer: null })), duration: 0 };
   const { parts } = edited, is_rougher = edited.roughness !== edit.roughness[0], drawn = around ? parts : parts.slice(0, k_around);
-  // A calm picture under lights has four points in each pixel.
+  // When nothing moves, a picture under lights has four points per pixel.
   const whole = around || is_quick ? 1 : 2, coarse = 1 / Math.min(Math.max(Math.ceil(Math.sqrt(edited.duration / k_quick)), 1), k_coarsest);
   for (const part of drawn) {
     const is_new = part.samples === 0 || part === parts[k_highlight] && is_rougher;
@@ -413,7 +411,7 @@ function draw_edited(index, scene, width, height) {
   if (around) develop_mean(radiances, Math.min(...parts.map(({ samples }) => samples)), scene);
 }
 function forget_edited() {
-  // Buffers of means are used again.
+  // Buffers of means are kept for reuse.
   if (edited) for (const { buffer } of edited.parts) if (buffer?.depth) light.delete_buffer(gl, buffer);
   edited = null;
 }
@@ -462,8 +460,8 @@ function finish(buffer = null) {
 }
 
 const pixels_of = (pictures) => pictures.reduce((sum, { width, height }) => sum + width * height, 0);
-// Pixels per pixel of the page, in width and height, that a new picture begins with: fewer under an environment where
-// samples of all pixels take long. Edits have their own way to be quick.
+// The initial resolution of a new picture, relative to the page's pixels: lower under an environment if samples are slow.
+// Edits choose their own resolution.
 function first_size({ is_quick, pictures }) {
   if (is_quick || samples > 0 || !pictures.length || !pictures[0].scene.around || pictures.some(({ subject }) => descriptions[subject]?.edit)) return 1;
   return Math.min(Math.max(Math.sqrt(k_quick / (pace * pixels_of(pictures))), 1 / k_coarsest), 1);

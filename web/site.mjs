@@ -13,7 +13,7 @@ const filled = (template, parts) => template.replace(/{{(\w+)}}/g, (_, name) => 
 // The page, with the same pictures as exported ones.
 const button = (show, name) => `<button type="button" data-show="${show}" aria-pressed="false">${name}</button>\n`;
 const figure = (subject, name) => `<figure data-material="${subject}"><canvas tabindex="0" aria-label="${name}"></canvas><figcaption>${name}</figcaption></figure>\n`;
-// A slider of an edit, of a part of the material or of all, with its button. It goes from -range to range; `ends` are the words at both.
+// A slider of an edit with its reset button, from -range to range; `ends` are the labels of both ends.
 function slider(name, label, part = "", { range = 1, step = 0.02, ends = [] } = {}) {
   const of = part && ` of the ${part}`, words = ends.map((end) => `<span>${end}</span>`).join(" ");
   return `<label for="edit_${name}">${label}${of && `<span class="unseen">${of}</span>`}</label> <input type="range" id="edit_${name}" name="${name}" min="-${range}" max="${range}" step="${step}" value="0"> <output></output>\n` +
@@ -66,7 +66,7 @@ for (const name of ["style.css", "app.css", "light.js", "painter.js", "viewer.js
   await writeFile(path.join(folder, name), parts[name]);
 }
 
-// What the page shows of the ready models, so that it need not compute this. Their shaders have nearly all lines in common.
+// Precomputed data of the ready models. Their shaders have nearly all lines in common.
 const binding = new Function(`${await text("binding.js")}\nreturn binding;`)();
 const srbf = await binding().new_srbf(await WebAssembly.compile(await readFile(module_file)));
 const lines = new Map(), models_shown = {}, number_of = (line) => lines.get(line) ?? lines.set(line, lines.size).size - 1;

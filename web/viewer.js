@@ -5,7 +5,7 @@ const section = document.getElementById("viewer");
 const controls = section.querySelector("form");
 const figures = [...section.querySelectorAll("figure[data-material]")];
 const wipe = section.querySelector(".wipe");
-const k_degree = Math.PI / 180, k_smooth = 64; // samples of a picture from which on its noise is hardly visible
+const k_degree = Math.PI / 180, k_smooth = 64; // the number of samples at which noise becomes hardly visible
 let data = null; // the message `common` of painter.js, and the exposure under lights of an exported page
 
 // ---- The view ----------------------------------------------------------------------------------------------------
@@ -104,7 +104,7 @@ function take(message) {
   }
 }
 
-// Shows an image in a canvas; or the picture of a canvas in another.
+// `put` shows an image in a canvas; `copy` copies the picture of one canvas to another.
 function put(image, canvas) {
   if (canvas.width !== image.width || canvas.height !== image.height) canvas.width = image.width, canvas.height = image.height;
   if (image instanceof ImageBitmap) canvas.getContext("bitmaprenderer").transferFromImageBitmap(image);
@@ -127,8 +127,8 @@ const settled = () => new Promise((done) => {
 // ---- The page ----------------------------------------------------------------------------------------------------
 
 let is_due = false, is_new = true, exposes = false, only = null;
-// The figures whose last picture is of another material or scene, the number of the first pictures that are not, and the canvas
-// with the last picture of all, which such a figure shows until it has its own.
+// The figures whose picture is outdated, the number of the first up-to-date pictures, and the canvas with the latest picture,
+// which an outdated figure shows until its own arrives.
 const outdated = new Set();
 let changed = 0, latest = null;
 function outdate(materials) {
@@ -167,7 +167,7 @@ function draw_now() {
 }
 // Whether there is a picture of the subject. A material or difference that is missing takes no space.
 const is_available = (subject) => subject === "difference" ? known.has("0") && known.has("1") : known.has(subject);
-// The second figure alone, which has no measurement, or the figure that shows edits of it in its place.
+// True if there is only a model, without a measurement: then one figure shows it, or its edits.
 const is_lone = () => edits !== null && known.has("1") && !known.has("0");
 const stays = (shown) => is_available(shown) || shown === "wipe" && is_available("difference") || shown === "all" && is_lone() && known.has(edits);
 // A narrow page shows one picture at a time, or two with the wipe.
@@ -196,7 +196,7 @@ function show_state() {
     figure.hidden = !is_shown;
   }
 }
-// States in place of a picture why it cannot be drawn.
+// Replaces a picture by the reason why it cannot be drawn.
 function refuse(figure, why) {
   const refused = document.createElement("p");
   refused.className = "refused";
@@ -263,7 +263,7 @@ function zoom(factor) {
   view.zoom = clamp(view.zoom * factor, 0.3, 4);
   redraw();
 }
-// What a drag moves. With Shift or the right button it is what lights the object.
+// The object of a drag. With Shift or the right button a drag moves the light or the environment.
 function drag_target(event) {
   if (event.shiftKey || event.buttons === 2) return has_lights() ? "light" : "environment";
   return controls.drag.value;
@@ -340,7 +340,7 @@ function listen() {
   });
   wipe.addEventListener("input", () => section.querySelector(".pictures").style.setProperty("--wiped", wipe.value + "%"));
   controls.file.addEventListener("change", () => { if (controls.file.files[0]) open_environment(controls.file.files[0]); });
-  if (edits === null) { // otherwise the page takes all files
+  if (edits === null) { // otherwise the page itself handles dropped files
     document.addEventListener("dragover", (event) => event.preventDefault());
     document.addEventListener("drop", (event) => {
       event.preventDefault();
@@ -390,7 +390,7 @@ async function start(common, edited = null) {
   if (!has_floats) without_floats();
   return true;
 }
-// Sets the material of a figure; null: none. With `is_edited` it shows what `set_edit` says.
+// Sets the material of a figure; null removes it. With `is_edited` the figure shows the edit of `set_edit`.
 function set_material(index, material, is_edited = false) {
   known[material ? "add" : "delete"](String(index));
   material?.exposure ? exposures.set(index, material.exposure) : exposures.delete(index);
@@ -400,7 +400,7 @@ function set_material(index, material, is_edited = false) {
   restart();
 }
 
-// Draws this picture alone, edited so.
+// Draws only this picture, with this edit.
 function set_edit(index, edit) {
   painter.send({ kind: "edit", index, edit });
   if (view.shown !== "all") view.shown = String(index);

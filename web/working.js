@@ -16,21 +16,20 @@ async function unpack(text) {
   return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer());
 }
 
-// The material of a picture, as bytes because the page only passes it from worker to worker; null: there is no
-// picture.
+// The material of a picture, as bytes because the page only passes it on; null without a picture.
 function material_of({ number }) {
   const bytes = srbf.viewer_material(number), material = JSON.parse(new TextDecoder().decode(bytes));
   return material && { bytes, exposure: material.exposure };
 }
 
-// The same of a ready material, without computation: `prepared` has what site.mjs computed.
+// The same for a ready material, from `prepared`, which site.mjs computed.
 function prepared_for(name) {
   const { material, highlight } = prepared.models[name], text = material.text.map((line) => prepared.lines[line]).join("\n");
   return { highlight, material: { bytes: new TextEncoder().encode(JSON.stringify({ ...material, text })), exposure: material.exposure } };
 }
 
-let part = [0, 1]; // of an action, which the progress that the module reports is of
-const k_draft_part = 0.15; // of the time of a fit with its errors, about
+let part = [0, 1]; // the part of an action to which the module's progress refers
+const k_draft_part = 0.15; // approximate share of the draft in the time of a fit
 
 const actions = {
   open({ name, bytes, is_ready }) {
@@ -66,14 +65,14 @@ const actions = {
     if (Object.keys(edits).length) edited = srbf.edit(model.number, edits);
     return edited ? { ...edited, material: material_of(edited), file: srbf.model_file(edited.number) } : {};
   },
-  // Opens the models that an ended worker had made of this file, from the bytes of their files.
+  // Opens the models that an earlier worker made from this file, from their bytes.
   restore(made) {
     if (made.fitted) model = srbf.open(`${made.name}.srbf`, made.fitted);
     if (made.edited) edited = srbf.open(`${made.name}_edited.srbf`, made.edited);
     return {};
   },
-  // The content is a Blob, which the page receives without a copy. A material for Blender has an error of its own.
-  // `measurement`: name and packed bytes of what the model was fitted to, if the page has it; else null.
+  // The content is a Blob, which the page receives without a copy. A material for Blender reports its own error.
+  // `measurement`: the name and packed bytes of the model's measurement, or null if the page does not have it.
   async save({ what, name, measurement }) {
     const own = measurement && srbf.open(measurement.name, await unpack(measurement.bytes));
     const { number } = edited ?? model, table = own ?? measured, is_table = table && !table.twoSided && table.samples === null;

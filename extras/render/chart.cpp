@@ -67,7 +67,7 @@ std::string chart_drawing(const Chart& chart) {
         std::string path;
         for (const auto& point : points)
             path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x_of(point.x), y_of(point.y));
-        if (series.is_joined && points.size() > 1)
+        if (points.size() > 1)
             svg +=
                 fmt::format("<path class='curve' style='stroke:{}' stroke-width='1.5' stroke-dasharray='{}' d='{}'/>",
                             series.colour, series.dash.empty() ? "none" : series.dash, path);

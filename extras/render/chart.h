@@ -9,7 +9,6 @@ struct ChartSeries {
     std::string name;
     std::string colour;     ///< CSS colour
     std::string dash;       ///< CSS dash pattern, "4 3"; empty: solid
-    bool is_joined = true;  ///< connected by a line, in the order of x
     struct Point {
         double x, y;        ///< skipped unless both are positive and finite
         std::string title;  ///< tooltip of the point

@@ -1,17 +1,14 @@
 // Adds one more sample of a pixel under an environment, and directional lights beside it. Must follow
 // proposal_text, shading.glsl, environment.glsl and LIGHTS. It covers the picture: where there is no surface it
-// shows the environment. A material that varies defines PLACE(uv), which sets it to that of texture coordinates.
+// shows the environment. Two directions are sampled from the environment and one from the BRDF, combined with the
+// power heuristic (Veach & Guibas 1995).
 out vec4 pixel;  // the mean of the samples so far
 
 uniform sampler2D surface_positions;  // at 2 x 2 points of each pixel
 uniform sampler2D surface_normals;
-#ifdef PLACE
-uniform sampler2D surface_places;
-#endif
 uniform sampler2D before;  // the mean without this sample
 uniform float share;  // weight of this sample in the mean: 1 for the first
 uniform int sample_index;
-uniform int draws;  // a LightDraws
 uniform vec3 eye;
 uniform mat3 picture_axes;  // x and y to the right and upper edge, and -z to the middle of a picture at distance 1
 uniform vec2 picture_size;
@@ -161,14 +158,14 @@ Vec3 by_material(SurfaceFrame frame, Vec3 wv, LitLobes lit, float side, vec2 u) 
     if (density <= 0.0) return Vec3(0.0);
     Vec3 wl = to_side(direction, side);
     vec2 place = environment_place(from_surface(frame, wl));
-    float weight = draws == 0 ? power_heuristic(density, float(LIGHT_DRAWS) * environment_pdf(place)) : 1.0;
+    float weight = power_heuristic(density, float(LIGHT_DRAWS) * environment_pdf(place));
     return weight / density * reflectance(wl, wv) * environment_radiance(place, 0.0);
 }
 // The contribution of a direction wl on the given side that was sampled from the environment.
 Vec3 by_environment(Vec3 wl, Vec3 wv, LitLobes lit, float side, EnvironmentSample light) {
     choose_part(side, wv);
     float density = float(LIGHT_DRAWS) * light.pdf;
-    float weight = draws == 0 ? power_heuristic(density, lit_pdf(lit, to_part(wl))) : 1.0;
+    float weight = power_heuristic(density, lit_pdf(lit, to_part(wl)));
     return weight / density * reflectance(wl, wv) * light.radiance;
 }
 
@@ -182,12 +179,12 @@ Vec3 scattered_radiance(Vec3 position, vec4 normal, int index) {
     uint seed = hashed(uint(gl_FragCoord.x) + hashed(uint(gl_FragCoord.y)));
     vec2 u_material = point_at(index, seed + 2u);
     LitLobes front = lit_lobes(frame, wv, 1.0);
-    if (draws != 2) sum += by_material(frame, wv, front, 1.0, u_material);
+    sum += by_material(frame, wv, front, 1.0, u_material);
 #if SIDES == 2
     LitLobes back = lit_lobes(frame, wv, -1.0);
-    if (draws != 2) sum += by_material(frame, wv, back, -1.0, u_material);
+    sum += by_material(frame, wv, back, -1.0, u_material);
 #endif
-    for (int i = 0; i < LIGHT_DRAWS && draws != 1; ++i) {
+    for (int i = 0; i < LIGHT_DRAWS; ++i) {
         vec2 u = point_at(LIGHT_DRAWS * index + i, seed);
         EnvironmentSample light = sample_environment(u.x, u.y);
         Vec3 wl = to_surface(frame, light.towards);
@@ -225,9 +222,6 @@ vec3 radiance_at(ivec2 pixel_, int k) {
     if (!shows(position.w > 0.0)) {
         radiance = vec3(0.0);
     } else if (position.w > 0.0) {
-#ifdef PLACE
-        PLACE(texelFetch(surface_places, texel, 0).xy);
-#endif
         // Each point has its own section of the sequence.
         radiance = scattered_radiance(position.xyz, texelFetch(surface_normals, texel, 0), sample_index + (k << 20));
     } else {

@@ -75,6 +75,8 @@ EGLContext current_context(EGLDisplay display, Dialect dialect) {
 
 Result<OffscreenContext> OffscreenContext::make(std::optional<Dialect> dialect) {
     if (!is_loadable("libEGL.so.1")) return missing("EGL (Debian: libegl1, libgl1-mesa-dri)", "no libEGL.so.1");
+    // Suppresses the library's messages about drivers that it tried; the error reports the result.
+    ::setenv("EGL_LOG_LEVEL", "fatal", 0);
     const std::vector<EGLDisplay> displays = offscreen_displays();
     if (displays.empty()) return missing("an EGL display without a window (Debian: libgl1-mesa-dri)", "none");
     for (const Dialect candidate : {Dialect::gl_450, Dialect::es_300})

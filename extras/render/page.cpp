@@ -9,10 +9,10 @@
 #include "app/html.h"
 #include "base/half.h"
 #include "base/printable.h"
+#include "errors/sphere.h"
 #include "extras/render/environment.h"
 #include "extras/render/scene.h"
 #include "extras/render/slices.h"
-#include "extras/render/sphere_picture.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/su/su_functions.h"
 #include "render/page_text.h"
@@ -143,11 +143,6 @@ Json common_data(bool two_sided) {
     return data;
 }
 
-/// The exposure of pictures under directional lights.
-float exposure_of(const PageMaterial& entry) {
-    return automatic_exposure(render_sphere(entry.brdf, {.size = 160, .samples = 2}));
-}
-
 Json data_of(const PageMaterial& entry) {
     if (!entry.material) return {};
     Json numbers = std::visit([](const auto& m) { return numbers_of(m); }, *entry.material);
@@ -166,7 +161,8 @@ Json data_of(const Page& page) {
     Json data = common_data(shows_both_sides(page));
     const auto first_picture =
         std::ranges::find_if(page.materials, [](const PageMaterial& entry) { return entry.material.has_value(); });
-    data["exposure"] = exposure_of(first_picture == page.materials.end() ? page.materials[0] : *first_picture);
+    data["exposure"] =
+        exposure_under_lights((first_picture == page.materials.end() ? page.materials[0] : *first_picture).brdf);
     if (page.mesh) data["meshes"][k_own_mesh] = json_of(*page.mesh);
     for (const PageMaterial& entry : page.materials) data["materials"].push_back(data_of(entry));
     return data;
@@ -319,11 +315,18 @@ Mesh page_mesh(std::string_view name) {
     return ball(48);
 }
 
+float exposure_under_lights(const Evaluate& brdf) {
+    Lighting three{"three", {}, {}, {}, {}};
+    for (const DirectionalLight& light : k_three_lights) three.sources.push_back({light.towards, 0, light.irradiance});
+    return automatic_exposure(sphere_pictures({&brdf, 1}, {&three, 1}, k_sphere_pixels, 0, {}, 1)[0][0]);
+}
+
 std::string viewer_data() { return common_data(true).dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 std::string viewer_material(const PageMaterial& entry) {
     Json data = data_of(entry);
-    if (entry.material) data["text"] = text_of(*entry.material).fragment, data["exposure"] = exposure_of(entry);
+    if (entry.material)
+        data["text"] = text_of(*entry.material).fragment, data["exposure"] = exposure_under_lights(entry.brdf);
     return data.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -347,20 +350,26 @@ std::string page_html(const Page& page) {
         {"behind", shows_both_sides(page) ? "<button type='button' name='behind'>Light from behind</button>\n" : ""},
         {"picture_note", note(page.picture_note)},
     };
-    const std::pair<std::string_view, std::string> parts[] = {
-        {"title", html_escaped(page.title)},
-        {"style", k_style_text},
+    const std::string title = html_escaped(page.title);
+    const std::pair<std::string_view, std::string> body_parts[] = {
+        {"title", title},
         {"viewer", filled(k_pictures_text, viewer_parts)},
         {"slices_lead", slices_lead_of(page)},
         {"slices", slices_of(page)},
         {"table", table_of(page)},
         {"table_note", note(page.table_note)},
         {"texts", texts_of(page)},
-        {"generator", html_escaped(page.generator)},
-        {"data", script_text(data_of(page))},
-        {"script", std::string(k_light_text) + k_painter_text + k_viewer_text + k_exported_text},
     };
-    return filled(k_page_text, parts);
+    const std::pair<std::string_view, std::string> parts[] = {
+        {"title", title},
+        {"style", k_style_text},
+        {"body", filled(k_page_text, body_parts)},
+        {"generator", html_escaped(page.generator)},
+        {"scripts",
+         fmt::format("<script id=\"data\" type=\"application/json\">{}</script>\n<script>\n{}{}{}{}</script>\n",
+                     script_text(data_of(page)), k_light_text, k_painter_text, k_viewer_text, k_exported_text)},
+    };
+    return filled(k_frame_text, parts);
 }
 
 }  // namespace srbf

@@ -43,6 +43,9 @@ struct Page {
 /// picture.
 std::string page_html(const Page& page);
 
+/// The automatic_exposure of a sphere under `k_three_lights`.
+float exposure_under_lights(const Evaluate& brdf);
+
 /// Data of viewer.js as JSON, for pages that load their materials later. The first function returns meshes, lights,
 /// the environment and shaders; the second returns a material with the text of its shader and the exposure of its
 /// picture under directional lights.

@@ -20,14 +20,6 @@ enum class PixelInput {
     surface,
 };
 
-/// The directions from which a pixel sums the environment's light.
-enum class LightDraws {
-    /// two sampled from the environment and one from the BRDF, combined with the power heuristic (Veach & Guibas
-    /// 1995)
-    both,
-    material,  ///< one sampled from the BRDF
-    light,     ///< one sampled from the environment
-};
 /// The number of samples with which a picture begins, and with which it is drawn while it moves.
 inline constexpr int k_first_samples = 4;
 
@@ -39,9 +31,6 @@ struct ShaderOptions {
     /// True if the light is an environment's, with `lights` beside it: environment_pixel.glsl instead of
     /// pixel.glsl, for radiance from a surface.
     bool environment = false;
-    /// Use the open text of a multivariate model (`brdf_text`), because compiling a new text takes longer than a
-    /// fit.
-    bool open = false;
     bool two_sided = false;  ///< true for a material with two sides; `shader_text` sets it
 };
 
@@ -53,16 +42,12 @@ struct ShaderText {
 /// uniforms `eye`, `light_direction`, `light_irradiance` and `exposure`; and those of `brdf_text`. Shaders with an
 /// environment have the inputs of environment_pixel.glsl, environment.glsl and `proposal_text`.
 ShaderText shader_text(const Material& material, const ShaderOptions& options);
-/// The shaders of a map of shared lobes, from its code (`map_code` in GLSL, named "map"), whose coefficients are in the
-/// sampler `map_layers`. For PixelInput::triangles attribute 2 is `texture_coordinates`; with an environment they are in
-/// the sampler `surface_places`.
-ShaderText map_shader_text(const std::string& map_code, const ShaderOptions& options);
 /// The part of a fragment shader that follows the text of a material: shading.glsl, and pixel.glsl or
 /// environment_pixel.glsl.
 std::string pixel_text(const ShaderOptions& options);
-/// The shaders of a `RasterSurface`: positions to colour 0, normals to colour 1, and texture coordinates to colour 2.
-ShaderText surface_shader_text(Dialect dialect, bool textured = false);
-/// The shaders of a `RasterDevelopment`, see extras/render/develop.glsl.
+/// The shaders of a `RasterSurface`: positions to colour 0, normals to colour 1.
+ShaderText surface_shader_text(Dialect dialect);
+/// The shaders that display radiances, see extras/render/develop.glsl.
 ShaderText develop_shader_text(Dialect dialect);
 
 }  // namespace srbf

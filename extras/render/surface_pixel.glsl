@@ -1,19 +1,12 @@
 // Position and normal of the visible surface at a pixel, as input of pixel.glsl in a second pass. The normal points
-// to the viewer; its fourth number is 1 at the front and -1 at the back. With TEXTURED also its texture coordinates.
+// to the viewer; its fourth number is 1 at the front and -1 at the back.
 in vec3 surface_position;
 in vec3 surface_normal;
 layout(location = 0) out vec4 position;
 layout(location = 1) out vec4 normal;
-#ifdef TEXTURED
-in vec2 surface_texture;
-layout(location = 2) out vec4 place;
-#endif
 
 void main() {
     position = vec4(surface_position, 1.0);
     float side = gl_FrontFacing ? 1.0 : -1.0;
     normal = vec4(side * surface_normal, side);
-#ifdef TEXTURED
-    place = vec4(surface_texture, 0.0, 1.0);
-#endif
 }

@@ -1,15 +1,17 @@
 // Frames per second of the fitted models, for comparison with Table 7.2 of Tsai 2009.
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cstdlib>
+#include <ctime>
 #include <filesystem>
+#include <limits>
 
 #include "app/memory.h"
-#include "extras/render/app/raster.h"
+#include "extras/render/material.h"
 #include "extras/report/study.h"
 #ifdef SRBF_RASTER
-#include "extras/render/frames.h"
+#include <epoxy/gl.h>
+
+#include "extras/render/offscreen.h"
+#include "extras/render/raster.h"
 #include "models/su/su_functions.h"
 #endif
 
@@ -42,20 +44,87 @@ std::vector<TimedModel> timed_models(const Study& study) {
     return models;
 }
 
+/// Milliseconds of a frame: by the graphics library's clock, by the wall clock, and as CPU time of all threads.
+struct FrameTime {
+    double gpu, wall, cpu;
+};
+
+/// Draws a frame and waits for it. With `on_cpu` the query ends only after that, because a library that draws later
+/// on other threads would stop its clock before it begins.
+template <typename Draw> FrameTime time_frame(const Draw& draw, bool on_cpu) {
+    GLuint query = 0;
+    glGenQueries(1, &query);
+    glFinish();
+    const std::clock_t cpu_before = std::clock();
+    const Stopwatch watch;
+    glBeginQuery(GL_TIME_ELAPSED, query);
+    draw();
+    if (on_cpu) glFinish();
+    glEndQuery(GL_TIME_ELAPSED);
+    glFinish();
+    const double wall = 1e3 * watch.seconds(), cpu = 1e3 * double(std::clock() - cpu_before) / CLOCKS_PER_SEC;
+    GLuint64 nanoseconds = 0;
+    glGetQueryObjectui64v(query, GL_QUERY_RESULT, &nanoseconds);
+    glDeleteQueries(1, &query);
+    return {1e-6 * double(nanoseconds), wall, cpu};
+}
+
+/// The cost of drawing with a material: the minimum over all frames, separately for each clock, and the size of the data
+/// that a pixel looks up.
+struct FrameCost {
+    FrameTime least;
+    std::size_t data_bytes, auxiliary_bytes;
+};
+
+constexpr int k_width = 640, k_height = 480;
+
+/// Draws the scene with each material in two passes with one sample per pixel, with back faces culled. Materials
+/// alternate, so that other load on the machine affects all of them equally.
+Result<std::vector<FrameCost>> time_frames(Dialect dialect, bool on_cpu, const Scene& scene,
+                                           std::span<const Material> materials, int frames) {
+    const RasterMesh mesh(scene.mesh);
+    const RasterView view{scene.camera, double(k_width) / k_height, scene.lights, 3, false};
+    const auto surface = RasterSurface::make(dialect, k_width, k_height);
+    if (!surface) return surface.error();
+    const auto target = RasterTarget::make_for(*surface);
+    if (!target) return target.error();
+    std::vector<RasterMaterial> raster_materials;
+    std::vector<FrameCost> costs;
+    constexpr double never = std::numeric_limits<double>::infinity();
+    for (const Material& content : materials) {
+        auto material = RasterMaterial::make(content, {.dialect = dialect, .input = PixelInput::surface});
+        if (!material) return material.error();
+        costs.push_back({{never, never, never}, material->data_bytes(), material->auxiliary_bytes()});
+        raster_materials.push_back(*std::move(material));
+    }
+    for (int round = -2; round < frames; ++round)  // the first two rounds warm up caches
+        for (std::size_t i = 0; i < raster_materials.size(); ++i) {
+            const FrameTime time = time_frame(
+                [&] {
+                    surface->draw(mesh, view);
+                    target->begin();
+                    raster_materials[i].draw(*surface, view);
+                },
+                on_cpu);
+            if (round < 0) continue;
+            FrameTime& least = costs[i].least;
+            least = {std::min(least.gpu, time.gpu), std::min(least.wall, time.wall), std::min(least.cpu, time.cpu)};
+        }
+    return costs;
+}
+
 }  // namespace
 
 Result<Done> time_study(Study& study, const StudyOptions& options) {
     if (const auto can_draw = check_drawing(); !can_draw) return can_draw;
-    ::setenv("EGL_LOG_LEVEL", "fatal", 0);
     const auto context = OffscreenContext::make(Dialect::gl_450);
     if (!context) return context.error();
-    const FrameOptions frame_options{.frames = options.sweep == Sweep::whole   ? 60
-                                               : options.sweep == Sweep::quick ? 20
-                                                                               : 1};
+    // If the library renders on the CPU, only wall-clock time includes all of its work.
+    const bool on_cpu = context->renderer().find("llvmpipe") != std::string::npos;
+    const int frames = options.sweep == Sweep::whole ? 60 : options.sweep == Sweep::quick ? 20 : 1;
     auto mesh = load_mesh(options.mesh);
     if (!mesh) return mesh.error();
-    const Scene scene = scene_of(*std::move(mesh), {.azimuth = 0.4, .z_up = options.z_up},
-                                 double(frame_options.width) / frame_options.height);
+    const Scene scene = scene_of(*std::move(mesh), {.azimuth = 0.4, .z_up = options.z_up}, double(k_width) / k_height);
     const std::vector<TimedModel> models = timed_models(study);
     std::vector<Material> materials{Flat{}};
     for (const TimedModel& timed : models) {
@@ -68,13 +137,11 @@ Result<Done> time_study(Study& study, const StudyOptions& options) {
         }
         materials.push_back(material_of(*model));
     }
-    const auto costs = time_frames(*context, scene, materials, frame_options);
+    const auto costs = time_frames(context->dialect(), on_cpu, scene, materials, frames);
     if (!costs) return costs.error();
-    const bool on_cpu = draws_on_cpu(*context);
     Json rows = Json::array();
     for (std::size_t i = 0; i < costs->size(); ++i) {
         const FrameCost& cost = (*costs)[i];
-        // If the library renders on the CPU, only wall-clock time includes all of its work.
         const double milliseconds = on_cpu ? cost.least.wall : cost.least.gpu;
         rows.push_back({{"id", i == 0 ? "constant" : models[i - 1].id},
                         {"drawn", i == 0                     ? "constant f_r"
@@ -90,9 +157,9 @@ Result<Done> time_study(Study& study, const StudyOptions& options) {
     study.frames = {{"renderer", context->renderer()},
                     {"mesh", options.mesh},
                     {"triangles", scene.mesh.triangles.size()},
-                    {"width", frame_options.width},
-                    {"height", frame_options.height},
-                    {"frames", frame_options.frames},
+                    {"width", k_width},
+                    {"height", k_height},
+                    {"frames", frames},
                     {"rows", rows}};
     return write_json(study.frames, (std::filesystem::path(study.folder) / "frames.json").string());
 }

@@ -9,10 +9,10 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// A list of fits without duplicates.
-class Plan {
-  public:
-    explicit Plan(int threads) : threads_(threads) {}
+/// A list of fits without duplicates. The last fit that is given a role has it.
+struct Plan {
+    int threads;
+    std::vector<PlannedFit> fits;
 
     void pm(PmForm form, int lobes, int variates, Objective objective, std::string role = {}) {
         PmRequest pm;
@@ -20,36 +20,22 @@ class Plan {
         add(pm, objective, fmt::format("pm-{}-{}x{}-{}", stored_name(form), lobes, variates, name(objective)),
             std::move(role));
     }
-    /// A reciprocal model for scans, from which few incidences can be left out.
-    void reciprocal(int lobes, Objective objective, std::string role = {}) {
-        PmRequest pm;
-        pm.form = PmForm::reciprocal, pm.variates = 2, pm.size = LobeCount{lobes};
-        add(pm, objective, fmt::format("pm-reciprocal-{}x2-{}", lobes, name(objective)), std::move(role));
-    }
-    void su(int lobes, Objective objective, std::string role = {}, int directions = SuRequest{}.directions) {
-        SuRequest su;
-        su.lobes = lobes, su.directions = directions;
-        add(su, objective, fmt::format("su-{}-{}", lobes, name(objective)), std::move(role));
-    }
-    /// As in Tsai 2009: plain interpolation of the nearest sampled views from an index texture.
-    void su_by_texture(int lobes, Objective objective) {
-        SuRequest su;
-        su.lobes = lobes, su.interpolation = SuInterpolation::plain, su.index = DirectionMap::cube;
-        add(su, objective, fmt::format("su-{}-{}-plain", lobes, name(objective)), {});
+    void su(int lobes, Objective objective, std::string role = {}, SuRequest su = {}) {
+        const bool is_plain = su.interpolation == SuInterpolation::plain;
+        su.lobes = lobes;
+        add(su, objective, fmt::format("su-{}-{}{}", lobes, name(objective), is_plain ? "-plain" : ""),
+            std::move(role));
     }
     void ggx(int lobes, Objective objective, std::string role = {}) {
         add(GgxRequest{lobes}, objective, fmt::format("ggx-{}-{}", lobes, name(objective)), std::move(role));
     }
-    /// The parameters of OpenPBR Surface.
     void openpbr(Objective objective) {
         add(OpenPbrRequest{}, objective, fmt::format("openpbr-{}", name(objective)), {});
     }
-    std::vector<PlannedFit> fits;
 
-  private:
     void add(decltype(FitRequest::model) model, Objective objective, std::string id, std::string role) {
         FitRequest request;
-        request.model = std::move(model), request.objective = objective, request.threads = threads_;
+        request.model = std::move(model), request.objective = objective, request.threads = threads;
         for (PlannedFit& other : fits)
             if (!role.empty() && other.role == role) other.role.clear();
         const auto existing = std::ranges::find(fits, id, &PlannedFit::id);
@@ -58,7 +44,6 @@ class Plan {
         else if (!role.empty())
             existing->role = std::move(role);
     }
-    int threads_;
 };
 
 void plan_table(Plan& plan, bool quick) {
@@ -75,24 +60,18 @@ void plan_table(Plan& plan, bool quick) {
     for (const int lobes : {2, 4, 8}) plan.pm(PmForm::extended, lobes, 4, raw);
     if (quick) return;
     for (const Objective objective : {raw, cosine}) {
-        plan.pm(PmForm::gaussian, 8, 4, objective);
-        plan.pm(PmForm::horizon, 8, 4, objective);
-        plan.pm(PmForm::extended, 6, 4, objective);
-        plan.pm(PmForm::extended, 8, 4, objective);
-        plan.su(5, objective);
-        plan.ggx(1, objective);
-        plan.ggx(2, objective);
+        // For the plots of error over the number of lobes.
+        for (const int lobes : {1, 2, 3, 4, 6, 8, 12, 16})
+            for (const PmForm form : {PmForm::gaussian, PmForm::extended})
+                for (const int variates : {2, 3, 4})
+                    if (variates == 4 || objective == raw) plan.pm(form, lobes, variates, objective);
+        for (int lobes = 1; lobes <= 8; ++lobes) plan.su(lobes, objective);
+        for (const int lobes : {1, 2}) plan.ggx(lobes, objective);
     }
     plan.pm(PmForm::extended, 8, 4, cube_root);
-    plan.su_by_texture(5, raw);
-    // For the plots of error over the number of lobes.
-    for (const int lobes : {1, 2, 3, 4, 6, 8, 12, 16})
-        for (const PmForm form : k_forms) {
-            for (const int variates : {2, 3, 4}) plan.pm(form, lobes, variates, raw);
-            plan.pm(form, lobes, 4, cosine);
-        }
-    for (int lobes = 1; lobes <= 8; ++lobes) plan.su(lobes, raw), plan.su(lobes, cosine);
     plan.su(5, cube_root);
+    // As in Tsai 2009: the nearest sampled views from an index texture.
+    plan.su(5, raw, {}, {.interpolation = SuInterpolation::plain, .index = DirectionMap::cube});
 }
 
 void plan_samples(Plan& plan, bool quick) {
@@ -104,38 +83,33 @@ void plan_samples(Plan& plan, bool quick) {
     plan.pm(PmForm::gaussian, 8, 4, raw);  // size of Krylon Blue in Tsai 2009
     plan.su(4, raw, "su");                 // size of Krylon Blue in Tsai 2009
     if (quick) return;
-    plan.su(4, cube_root);
     plan.su(4, appearance, "su");
     plan.openpbr(appearance);
-    for (const Objective objective : {raw, appearance}) {
-        plan.ggx(1, objective);
-        plan.ggx(2, objective, objective == appearance ? "ggx" : "");
-    }
+    for (const Objective objective : {raw, appearance})
+        for (const int lobes : {1, 2}) plan.ggx(lobes, objective, objective == appearance && lobes == 2 ? "ggx" : "");
     for (const Objective objective : {raw, cube_root}) {
-        plan.pm(PmForm::horizon, 8, 4, objective);
-        for (const int lobes : {1, 2, 3, 4, 6, 8, 12}) {
-            plan.pm(PmForm::gaussian, lobes, 4, objective);
-            plan.pm(PmForm::extended, lobes, 4, objective);
-        }
+        for (const int lobes : {1, 2, 3, 4, 6, 8, 12})
+            for (const PmForm form : {PmForm::gaussian, PmForm::extended}) plan.pm(form, lobes, 4, objective);
         for (const int lobes : {2, 4, 8}) plan.su(lobes, objective);
     }
 }
 
-/// Scans of an instrument, fitted with the objectives relative and appearance.
+/// Scans of an instrument, fitted with the objectives relative and appearance by reciprocal models, from which few
+/// incidences can be left out.
 void plan_scans(Plan& plan, bool quick) {
     using enum Objective;
-    for (const int lobes : {3, 6, 9}) plan.reciprocal(lobes, relative, lobes == 6 ? "pm" : "");
+    for (const int lobes : {3, 6, 9}) plan.pm(PmForm::reciprocal, lobes, 2, relative, lobes == 6 ? "pm" : "");
     plan.pm(PmForm::extended, 8, 4, appearance, "pm2");
     plan.ggx(1, relative);
     plan.ggx(2, relative, "ggx");
     if (quick) return;
-    for (const int lobes : {2, 4, 12}) plan.reciprocal(lobes, relative);
+    for (const int lobes : {2, 4, 12}) plan.pm(PmForm::reciprocal, lobes, 2, relative);
     for (const Objective objective : {raw, cube_root, appearance}) plan.ggx(2, objective);
 }
 
 void plan_least(Plan& plan) {
     plan.pm(PmForm::gaussian, 2, 2, Objective::raw, "pm");
-    plan.su(1, Objective::raw, "su", 16);
+    plan.su(1, Objective::raw, "su", {.directions = 16});
     plan.ggx(1, Objective::cosine, "ggx");
 }
 
@@ -154,7 +128,7 @@ std::string_view name(Sweep sweep) {
 }
 
 std::vector<PlannedFit> plan(const Measured& measured, Sweep sweep, int threads) {
-    Plan fits_to_make(threads);
+    Plan fits_to_make{threads, {}};
     if (sweep == Sweep::least)
         plan_least(fits_to_make);
     else if (are_scans(measured))

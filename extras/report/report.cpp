@@ -15,8 +15,7 @@
 #include "errors/picture_errors.h"
 #include "extras/render/app/mesh_options.h"
 #include "extras/render/mesh.h"
-#include "extras/report/page.h"
-#include "extras/report/parts.h"
+#include "extras/report/pages.h"
 #include "srbf/file.h"
 
 namespace SRBF_NAMESPACE {
@@ -25,13 +24,12 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ReportCommand {
-    std::vector<std::string> files, labels;
-    std::string settings, folder, note, mesh = StudyOptions{}.mesh, up = "y";
+    std::vector<std::string> files;
+    std::string settings, folder, mesh = StudyOptions{}.mesh, up = "y";
     Sweep sweep = Sweep::whole;
     int threads = 0, jobs = 0;
 
     int run() const;
-    bool are_labels_valid() const;
 };
 
 /// The last stages of a fit use four candidates and then one at a time, so more than four threads would be mostly
@@ -83,25 +81,9 @@ void study_all(std::vector<MaterialEntry>& materials, const std::vector<std::str
     }
 }
 
-/// The names of a file that labels may use.
-std::array<std::string, 3> names_of(const std::string& file) {
-    return {fs::path(file).stem().string(), fs::path(file).filename().string(), file};
-}
-
-bool ReportCommand::are_labels_valid() const {
-    return std::ranges::all_of(labels, [&](const std::string& label) {
-        return std::ranges::any_of(files, [name = label.substr(0, label.find('='))](const std::string& file) {
-            return std::ranges::count(names_of(file), name) > 0;
-        });
-    });
-}
-
 /// The materials with their names and folders. A material that cannot be read has an error.
 std::vector<MaterialEntry> materials_of(const ReportCommand& command, const StudyOptions& options,
                                         std::vector<std::string>& folders) {
-    std::map<std::string, std::string> label_of;
-    for (const std::string& label : command.labels)
-        label_of[label.substr(0, label.find('='))] = label.substr(label.find('=') + 1);
     std::map<std::string, int> count;
     std::vector<MaterialEntry> materials;
     for (const std::string& file : command.files) {
@@ -110,8 +92,6 @@ std::vector<MaterialEntry> materials_of(const ReportCommand& command, const Stud
         const std::string stem = fs::path(file).stem().string();
         const int occurrences = ++count[stem];
         material.name = occurrences > 1 ? fmt::format("{} ({})", stem, occurrences) : stem;
-        for (const std::string& key : names_of(file))
-            if (const auto label = label_of.find(key); label != label_of.end()) material.label = label->second;
         const auto name = study_name(file, options);
         std::string folder = name ? (fs::path(command.folder) / *name).string() : "";
         if (!name)
@@ -128,14 +108,12 @@ Result<Done> write_all(const ReportCommand& command, const std::vector<MaterialE
                        const Tables& tables) {
     std::vector<std::pair<std::string, std::string>> texts;
     for (const Table* table : tables.all()) texts.emplace_back(table->name + ".csv", csv(*table));
-    texts.emplace_back("accuracy.md", report_markdown(tables));
-    texts.emplace_back("numbers.html", numbers_html(tables));
     for (const Json* material : rows_with(tables.materials, "status", "done")) {
         const auto material_entry = std::ranges::find(materials, field(material->at("material")), &MaterialEntry::name);
         texts.emplace_back(field(material->at("folder")) + "/index.html",
                            material_html(tables, *material, *material_entry->study));
     }
-    texts.emplace_back("index.html", gallery_html(materials, tables, command.note));
+    texts.emplace_back("index.html", index_html(tables));
     for (const auto& [name, text] : texts)
         if (const auto written = write_file((fs::path(command.folder) / name).string(), as_bytes(text)); !written)
             return written.error();
@@ -143,10 +121,9 @@ Result<Done> write_all(const ReportCommand& command, const std::vector<MaterialE
 }
 
 void print_summary(const ReportCommand& command, const Tables& tables) {
-    const View view{tables};
     fmt::print("{:<32}{:>10}{:>10}  {}\n", "material", "bytes", "ΔE_ITP", "difference");
-    for (const Json* material : view.by_visible_error()) {
-        const Json* fit = view.fit_with_role(*material, "pm");
+    for (const Json* material : by_visible_error(tables)) {
+        const Json* fit = fit_with_role(tables, *material, "pm");
         if (fit == nullptr) continue;
         const Json& error = fit->at("delta_e_itp");
         fmt::print(
@@ -201,17 +178,6 @@ void add_report(CommandLine& app, int& status) {
            "--least", [command] { command->sweep = Sweep::least; }, "")
         .hidden();
     add_mesh_options(sub, command->mesh, command->up);
-    const Option labels =
-        sub.add_option("--label", command->labels,
-                       "Text beside a material's name, for example nickel=stand-in; may be repeated")
-            .type_name("NAME=TEXT")
-            .one_at_a_time()  // the next argument is a file
-            .check([](std::string& text) -> std::string {
-                const auto position = text.find('=');
-                return position == 0 || position == text.npos ? fmt::format("expected NAME=TEXT, found {}", text) : "";
-            });
-    besides.push_back(labels);
-    besides.push_back(sub.add_option("--note", command->note, "Text at the top of the page").type_name("TEXT"));
     besides.push_back(sub.add_option("--threads", command->threads, "Total number of threads; 0: all of the machine")
                           .type_name("T")
                           .check(within(0, k_most_threads))
@@ -223,12 +189,10 @@ void add_report(CommandLine& app, int& status) {
             .check(within(0, k_most_threads))
             .capture_default_str());
     sub.footer("Example:\n  srbf report materials/*.binary -o report --quick");
-    sub.callback(
-        [command, sub, besides, &status] {
-            command->settings = sub.settings(besides);
-            status = command->run();
-        },
-        {{{labels}, "each with the name of a FILE", [command] { return command->are_labels_valid(); }}});
+    sub.callback([command, sub, besides, &status] {
+        command->settings = sub.settings(besides);
+        status = command->run();
+    });
 }
 
 }  // namespace srbf

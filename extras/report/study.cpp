@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <ranges>
 
 #include "app/hash.h"
 #include "base/files.h"
-#include "code/offered_code.h"
 #include "errors/likeness.h"
 #include "extras/render/app/page_of.h"
 #include "extras/render/app/path.h"
@@ -17,7 +15,6 @@
 #include "extras/render/slices.h"
 #include "measured/readers.h"
 #include "srbf/file.h"
-#include "srbf/shading_code.h"
 
 namespace SRBF_NAMESPACE {
 namespace {
@@ -25,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Version of a study's content. Increment it if the content changes without a new version of the program.
-constexpr int k_edition = 8;
+constexpr int k_edition = 9;
 /// Pixels per side and paths per pixel, for each sweep.
 struct PictureSize {
     int pixels, paths;
@@ -33,16 +30,6 @@ struct PictureSize {
 constexpr std::array<PictureSize, 3> k_picture_sizes{{{240, 256}, {176, 48}, {16, 1}}};
 /// The elevation of the eye [rad], high enough for the ground to fill the picture.
 constexpr double k_elevation = 20 * k_degree;
-/// A file with shading code of the default fit.
-struct CodeFile {
-    CodeLanguage language;
-    const char *ending, *what;
-};
-constexpr std::array<CodeFile, 5> k_code_files{{{CodeLanguage::glsl, ".glsl", "GLSL"},
-                                                {CodeLanguage::hlsl, ".hlsl", "HLSL"},
-                                                {CodeLanguage::wgsl, ".wgsl", "WGSL"},
-                                                {CodeLanguage::msl, ".metal", "Metal"},
-                                                {CodeLanguage::c, ".h", "C, C++ and CUDA"}}};
 /// JPEG quality of pictures on the page, and of difference maps.
 constexpr int k_quality = 85, k_difference_quality = 70;
 
@@ -91,7 +78,7 @@ class StudyMaker {
             if (const auto done = fit(study); !done) return done.error();
             if (const auto done = draw_lobes(study); !done) return done.error();
             if (const auto done = draw_pictures(study); !done) return done.error();
-            return write_exports(study, stem_of(file));
+            return write_exports(study);
         }();
         if (!written) return written.error();
         study.times["study_seconds"] = watch.seconds();
@@ -216,8 +203,8 @@ class StudyMaker {
         return Done{};
     }
 
-    /// Writes the default fit as files for other programs, and a page that compares it and GGX with the measurement.
-    Result<Done> write_exports(Study& study, const std::string& stem) {
+    /// Lists the default fit, and writes a page that compares it and GGX with the measurement.
+    Result<Done> write_exports(Study& study) {
         Json& exports = study.material["exports"] = Json::array();
         const auto subject_of = [&](std::string_view role) -> const Subject* {
             const auto role_entry = std::ranges::find(drawn_.roles, role);
@@ -226,30 +213,12 @@ class StudyMaker {
         };
         const Subject *fit = subject_of("pm"), *ggx = subject_of("ggx");
         if (fit == nullptr) return Done{};
-        const auto add = [&](const std::string& file, const char* description,
-                             const Result<std::string>& text) -> Result<Done> {
-            if (!text) return text.error();
-            exports.push_back({{"file", file}, {"what", description}});
-            return write_file(path(file), as_bytes(*text));
-        };
         exports.push_back({{"file", fit->path}, {"what", "the model"}});
-        const NamedModel named{identifier(stem), &std::get<Model>(fit->content)};
-        const std::span<const NamedModel> one(&named, 1);
-        for (const auto& [language, ending, title] : k_code_files) {
-            const CodeOptions options{.language = language, .sampling = true, .threads = options_.threads};
-            if (const auto done = add(folder_name(stem) + ending, title, shading_code(one, named.name, options)); !done)
-                return done;
-        }
-        for (const CodeModule& module : code_modules() | std::views::take(1))  // others differ in the renderer alone
-            if (const auto done =
-                    add(folder_name(stem) + ".js", "three.js", module.text(one, named.name, options_.threads));
-                !done)
-                return done;
         if (is_two_sided(drawn_.subjects[0].content)) return Done{};
         std::vector<Subject> models{{"fitted", fit->content}};
         if (ggx != nullptr) models.push_back({"GGX", ggx->content});
-        return add(k_page_file, "a page with both, to turn and to light",
-                   page_html(page_of(models, &drawn_.subjects[0])));
+        exports.push_back({{"file", k_page_file}, {"what", "a page with both, to turn and to light"}});
+        return write_file(path(k_page_file), as_bytes(page_html(page_of(models, &drawn_.subjects[0]))));
     }
 
     /// Writes a picture as PNG, and as JPEG for the page.

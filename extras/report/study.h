@@ -34,7 +34,7 @@ struct StudyOptions {
 ///   times.json     durations
 ///   frames.json    frames per second; measured later, while nothing else runs
 ///   *.srbf *.png *.jpg lobes.csv
-///   the default fit as shading code, and `k_page_file`
+///   `k_page_file`
 /// A folder is written under a temporary name and then renamed, so that an existing folder is complete.
 struct Study {
     std::string folder;  ///< its path

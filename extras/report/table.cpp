@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "base/printable.h"
 #include "base/text.h"
@@ -62,14 +63,14 @@ std::string csv(const Table& table) {
     return text;
 }
 
-std::vector<const Json*> rows_with(const Table& table, const std::string& column, const Json& value) {
-    std::vector<const Json*> rows;
+Rows rows_with(const Table& table, const std::string& column, const Json& value) {
+    Rows rows;
     for (const Json& row : table.rows)
         if (const auto entry = row.find(column); entry != row.end() && *entry == value) rows.push_back(&row);
     return rows;
 }
 
-const Json* row_with(const std::vector<const Json*>& rows, const std::string& column, const Json& value) {
+const Json* row_with(const Rows& rows, const std::string& column, const Json& value) {
     const auto match = std::ranges::find_if(rows, [&](const Json* row) {
         const auto entry = row->find(column);
         return entry != row->end() && *entry == value;
@@ -77,14 +78,26 @@ const Json* row_with(const std::vector<const Json*>& rows, const std::string& co
     return match == rows.end() ? nullptr : *match;
 }
 
+const Json* fit_with_role(const Tables& tables, const Json& material, const std::string& role) {
+    return row_with(rows_with(tables.fits, "material", material["material"]), "role", role);
+}
+
+Rows by_visible_error(const Tables& tables) {
+    Rows rows = rows_with(tables.materials, "status", "done");
+    std::ranges::stable_sort(rows, {}, [&](const Json* material) {
+        const Json* fit = fit_with_role(tables, *material, "pm");
+        const Json error = fit != nullptr ? fit->at("delta_e_itp") : Json();
+        return error.is_number() ? error.get<double>() : std::numeric_limits<double>::infinity();
+    });
+    return rows;
+}
+
 namespace {
 
 /// The columns of all measures, on both sets of pairs, and of albedo.
 std::vector<std::string> measure_columns(const std::string& prefix) {
     std::vector<std::string> columns;
-    for (const char* set : {"", "heldout_"})
-        for (const MeasureName& m : k_measures) columns.push_back(prefix + set + m.name);
-    columns.push_back(prefix + "albedo_error");
+    for_measures({}, [&](const std::string& name, double) { columns.push_back(prefix + name); });
     return columns;
 }
 
@@ -93,29 +106,40 @@ constexpr std::array<const char*, 5> k_picture_columns{"delta_e_itp", "worst_del
 
 /// Tables 7.1 and 7.2 of Tsai 2009, for materials whose measurements are available. The raw data are 1536 × 1536
 /// RGB floats. Minutes and frames per second are ranges over all its materials.
-struct SourceRow {
-    const char *material, *model;
-    int lobes, variates;
-    std::uint64_t payload_bytes;
-    double squared_error_ratio;
-};
-constexpr std::array<SourceRow, 6> k_source{{
-    {"blue-metallic-paint", "su", 5, 1, 92160, 0.0036},
-    {"blue-metallic-paint", "pm", 6, 3, 156, 0.0034},
-    {"krylon-blue", "su", 4, 1, 73728, 0.0101},
-    {"krylon-blue", "pm", 8, 4, 256, 0.0102},
-    {"nickel", "su", 5, 1, 92160, 0.0051},
-    {"nickel", "pm", 6, 3, 156, 0.0044},
-}};
-constexpr std::uint64_t k_source_raw_bytes = std::uint64_t(1536) * 1536 * 3 * 4, k_source_auxiliary_bytes = 1585152;
+std::vector<Json> source_rows() {
+    std::vector<Json> rows;
+    const auto add = [&](const char* material, const char* model, int lobes, int variates, int bytes, double error) {
+        const bool is_su = std::string_view(model) == "su";
+        rows.push_back({{"material", material},
+                        {"model", model},
+                        {"lobes", lobes},
+                        {"variates", variates},
+                        {"raw_bytes", std::uint64_t(1536) * 1536 * 3 * 4},
+                        {"payload_bytes", bytes},
+                        {"auxiliary_bytes", is_su ? 1585152 : 0},
+                        {"squared_error_ratio", error},
+                        {"least_minutes", is_su ? 8 : 10},
+                        {"most_minutes", is_su ? 11 : 19},
+                        {"least_frames_per_second", is_su ? 112 : 271},
+                        {"most_frames_per_second", is_su ? 142 : 672},
+                        {"renderer", "GeForce 9800 GX2"}});
+    };
+    add("blue-metallic-paint", "su", 5, 1, 92160, 0.0036);
+    add("blue-metallic-paint", "pm", 6, 3, 156, 0.0034);
+    add("krylon-blue", "su", 4, 1, 73728, 0.0101);
+    add("krylon-blue", "pm", 8, 4, 256, 0.0102);
+    add("nickel", "su", 5, 1, 92160, 0.0051);
+    add("nickel", "pm", 6, 3, 156, 0.0044);
+    return rows;
+}
 
-/// The material of Tsai 2009 in a file, determined from its name; "": none. A label overrides the name.
+/// The material of Tsai 2009 in a file, determined from its name; "": none.
 std::string source_material(const MaterialEntry& entry) {
     std::string name;
     for (const char c : std::filesystem::path(entry.file).stem().string())
         if (std::isalnum(static_cast<unsigned char>(c))) name += char(std::tolower(static_cast<unsigned char>(c)));
     if (name == "krylonblue" || name == "krylonbluergb") return "krylon-blue";
-    if (!entry.label.empty() || !entry.study || entry.study->material["format"] != "MERL") return {};
+    if (entry.study->material["format"] != "MERL") return {};
     if (name == "bluemetallicpaint") return "blue-metallic-paint";
     return name == "nickel" ? name : "";
 }
@@ -133,9 +157,7 @@ std::string_view verdict_of(const Study& study) {
 }
 
 void add_material(Tables& tables, const MaterialEntry& entry) {
-    Json row{{"material", entry.name},
-             {"label", entry.label},
-             {"file", std::filesystem::path(entry.file).filename().string()}};
+    Json row{{"material", entry.name}, {"file", std::filesystem::path(entry.file).filename().string()}};
     if (!entry.study) {
         row.update({{"status", "failed"}, {"error", entry.error}});
         tables.materials.rows.push_back(std::move(row));
@@ -181,58 +203,6 @@ void add_material(Tables& tables, const MaterialEntry& entry) {
     }
 }
 
-/// Adds statistics of each measure for each kind of fit that several materials have.
-void add_statistics(Tables& tables) {
-    std::vector<std::pair<std::string, std::vector<const Json*>>> kinds;
-    for (const Json& fit : tables.fits.rows) {
-        const std::string kind = fit["input"].get<std::string>() + " " + fit["id"].get<std::string>();
-        auto entry = std::ranges::find(kinds, kind, [](const auto& item) { return item.first; });
-        if (entry == kinds.end()) entry = kinds.insert(kinds.end(), {kind, {}});
-        entry->second.push_back(&fit);
-    }
-    std::vector<std::string> measures = measure_columns("");
-    measures.insert(measures.end(), k_picture_columns.begin(), k_picture_columns.end());
-    measures.emplace_back("fit_seconds");
-    for (const auto& [kind, fits] : kinds)
-        for (const std::string& measure : measures) {
-            std::vector<std::pair<double, const Json*>> values;
-            for (const Json* fit : fits)
-                if (const Json& value = fit->at(measure); value.is_number()) values.emplace_back(value, fit);
-            if (values.empty()) continue;
-            std::ranges::stable_sort(values, {}, [](const auto& item) { return item.first; });
-            double sum = 0;
-            for (const auto& [value, fit] : values) sum += value;
-            const auto quantile_of = [&](double quantile) {  // interpolates linearly between values
-                const double position = quantile * double(values.size() - 1),
-                             fraction = position - std::floor(position);
-                const double lower = values[std::size_t(position)].first;
-                return fraction > 0 ? lower + fraction * (values[std::size_t(position) + 1].first - lower) : lower;
-            };
-            Json row;
-            for (const char* key :
-                 {"input", "id", "model", "form", "lobes", "variates", "objective", "max_theta", "payload_bytes"})
-                row[key] = fits[0]->at(key);
-            row.update({{"measure", measure},
-                        {"materials", values.size()},
-                        {"mean", sum / double(values.size())},
-                        {"median", quantile_of(0.5)},
-                        {"percentile_95", quantile_of(0.95)},
-                        {"worst", quantile_of(1)},
-                        {"worst_material", values.back().second->at("material")}});
-            tables.statistics.rows.push_back(std::move(row));
-        }
-}
-
-/// Constants for the text of the pages.
-std::vector<Json> constants() {
-    std::vector<Json> rows{{{"name", "matrix_directions"}, {"value", k_matrix_directions}},
-                           {{"name", "heldout_pairs"}, {"value", k_heldout_pairs}},
-                           {{"name", "folds"}, {"value", k_folds}}};
-    for (const double theta : k_albedo_theta) rows.push_back({{"name", "albedo_theta"}, {"value", theta}});
-    for (const double theta : k_lobe_theta) rows.push_back({{"name", "lobe_theta"}, {"value", theta}});
-    return rows;
-}
-
 /// The words of a text, as names of columns.
 std::vector<std::string> columns_of(std::string_view text) {
     std::vector<std::string> columns;
@@ -251,55 +221,17 @@ std::vector<std::string> fit_columns() {
     return columns;
 }
 
-std::vector<Json> source_rows() {
-    std::vector<Json> rows;
-    for (const SourceRow& row : k_source) {
-        const bool is_su = std::string_view(row.model) == "su";
-        rows.push_back({{"material", row.material},
-                        {"model", row.model},
-                        {"lobes", row.lobes},
-                        {"variates", row.variates},
-                        {"raw_bytes", k_source_raw_bytes},
-                        {"payload_bytes", row.payload_bytes},
-                        {"auxiliary_bytes", is_su ? k_source_auxiliary_bytes : 0},
-                        {"squared_error_ratio", row.squared_error_ratio},
-                        {"least_minutes", is_su ? 8 : 10},
-                        {"most_minutes", is_su ? 11 : 19},
-                        {"least_frames_per_second", is_su ? 112 : 271},
-                        {"most_frames_per_second", is_su ? 142 : 672},
-                        {"renderer", "GeForce 9800 GX2"}});
-    }
-    return rows;
-}
-
-/// Numbers of materials by status and by verdict.
-std::vector<Json> summary_of(const Table& materials) {
-    std::vector<Json> rows;
-    const auto count = [&](const char* column, std::string_view value) {
-        rows.push_back({{"what", value}, {"materials", rows_with(materials, column, value).size()}});
-    };
-    for (const char* status : {"done", "failed"}) count("status", status);
-    for (std::size_t k = 0; k < k_verdicts; ++k) count("verdict", words(Verdict(k)));
-    return rows;
-}
-
 }  // namespace
 
 Tables tables_of(const std::vector<MaterialEntry>& materials) {
     Tables tables;
-    tables.constants = {"constants", columns_of("name value"), constants()};
-    tables.summary = {"summary", columns_of("what materials"), {}};
     tables.materials = {"materials",
-                        columns_of("material label verdict file format input isotropic source_bytes status error "
+                        columns_of("material verdict file format input isotropic source_bytes status error "
                                    "source_material masked_samples clamped_samples fits failed_fits pixels paths "
                                    "load_seconds study_seconds threads jobs frames_error sweep version folder"),
                         {}};
     tables.fits = {"fits", fit_columns(), {}};
     tables.failures = {"failures", columns_of("material id error"), {}};
-    tables.statistics = {"statistics",
-                         columns_of("input id model form lobes variates objective max_theta payload_bytes measure "
-                                    "materials mean median percentile_95 worst worst_material"),
-                         {}};
     tables.pictures = {"pictures", columns_of("material object id role psnr ssim flip picture difference"), {}};
     tables.frames = {"frames",
                      columns_of("material id drawn data_bytes auxiliary_bytes total_bytes frames_per_second "
@@ -311,8 +243,6 @@ Tables tables_of(const std::vector<MaterialEntry>& materials) {
                                 "most_frames_per_second renderer"),
                      source_rows()};
     for (const MaterialEntry& entry : materials) add_material(tables, entry);
-    add_statistics(tables);
-    tables.summary.rows = summary_of(tables.materials);
     return tables;
 }
 

@@ -20,8 +20,7 @@ std::string field(const Json& value);
 
 /// A material on the command line: a study, or an error.
 struct MaterialEntry {
-    std::string name;   ///< unique
-    std::string label;  ///< given by the user
+    std::string name;  ///< unique
     std::string file;
     std::optional<Study> study;
     std::string error;        ///< one line
@@ -29,25 +28,25 @@ struct MaterialEntry {
 };
 
 struct Tables {
-    Table constants;   ///< constants in the text of the pages: directions, pairs, folds, angles
-    Table summary;     ///< numbers of materials by status and by verdict
-    Table materials;   ///< for each file: its origin, masked and clamped values, failures
-    Table fits;        ///< for each fit: its kind, bytes, seconds and errors
-    Table failures;    ///< fits that failed
-    Table statistics;  ///< for each measure and kind of fit: mean, median, 95th percentile and maximum over materials
-    Table pictures;    ///< differences of pictures from that of the measurement
-    Table frames;      ///< frames per second, and the size of the data that shaders read
-    Table source;      ///< Tsai 2009, Tables 7.1 and 7.2
-    std::vector<const Table*> all() const {
-        return {&constants, &summary, &materials, &fits, &failures, &statistics, &pictures, &frames, &source};
-    }
+    Table materials;  ///< for each file: its origin, masked and clamped values, failures
+    Table fits;       ///< for each fit: its kind, bytes, seconds and errors
+    Table failures;   ///< fits that failed
+    Table pictures;   ///< differences of pictures from that of the measurement
+    Table frames;     ///< frames per second, and the size of the data that shaders read
+    Table source;     ///< Tsai 2009, Tables 7.1 and 7.2
+    std::vector<const Table*> all() const { return {&materials, &fits, &failures, &pictures, &frames, &source}; }
 };
 Tables tables_of(const std::vector<MaterialEntry>& materials);
 
+using Rows = std::vector<const Json*>;
 /// The rows of a table that have `value` in `column`.
-std::vector<const Json*> rows_with(const Table& table, const std::string& column, const Json& value);
+Rows rows_with(const Table& table, const std::string& column, const Json& value);
 /// The first of the rows that has `value` in `column`; null if there is none.
-const Json* row_with(const std::vector<const Json*>& rows, const std::string& column, const Json& value);
+const Json* row_with(const Rows& rows, const std::string& column, const Json& value);
+/// The fit of a material that is drawn in this role.
+const Json* fit_with_role(const Tables& tables, const Json& material, const std::string& role);
+/// The completed materials, sorted by the visible error of the default fit.
+Rows by_visible_error(const Tables& tables);
 
 /// The name, title, meaning and format of a measure.
 struct MeasureText {
@@ -56,7 +55,7 @@ struct MeasureText {
     const char* meaning;
     bool is_ratio;  ///< displayed in per cent
 };
-/// The measures of the statistics, in the order of the page.
+/// The measures of the pages' tables, in their order.
 extern const std::vector<MeasureText> k_measure_texts;
 
 }  // namespace srbf

@@ -59,15 +59,10 @@ std::string version_text(Dialect dialect);
 /// (`merl_texels`); for models of few numbers a uniform (`uniform_of`). Materials with the same text differ only in these.
 /// The text includes which centres of axial lobes are −z. A BSDF's model is in the text, with its numbers as constants.
 ///
-/// With `open`, the text is the same for all multivariate models of at most `k_most_open_lobes` lobes that are all
-/// axial or all general and have up to four, or five to eight, variates. A model that changes frequently then needs no
-/// new compilation. Other materials have their own text even with `open`.
-///
 /// Behind a line `#define PM_EDITED`, the text of a multivariate model is that of a part of it: int edited_part is 0 for the
 /// highlight, 1 for the body. Further uniforms are float edited_shares[], the shares of `body_shares` (edit.h), and vec2
 /// edited_roughness, the factor of the highlight's roughness and its own α. Tints and saturation are linear in both pictures.
-std::string brdf_text(const Material& material, bool open = false);
-inline constexpr int k_most_open_lobes = 32;
+std::string brdf_text(const Material& material);
 
 /// The text, to follow `brdf_text`, that defines
 ///   vec3 sample_light(vec3 wv, float u1, float u2, float selector)   a direction to the light for u1, u2 and selector
@@ -95,8 +90,8 @@ ProposalNumbers proposal_numbers(const Proposals& proposals);
 
 using Float4 = std::array<float, 4>;
 /// The contents of the block `PmNumbers` (std140): colours and log2 scales, exponents, kernels, weights of the
-/// parameterization. With `open`, those for the open text, if the model has one.
-std::vector<Float4> pm_numbers(const PmModel& model, bool open = false);
+/// parameterization.
+std::vector<Float4> pm_numbers(const PmModel& model);
 
 /// A uniform of vectors by its name; of some materials none.
 struct Uniform {

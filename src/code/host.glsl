@@ -14,13 +14,9 @@ layout(std140) uniform PmNumbers {
     vec4 pm_exponents[PM_LOBES * ((PM_FEATURES + 3) / 4)];  // times log2(e)
 #endif
     vec4 pm_kernels[PM_KERNELS];  // axial: falloffs of four variates; general: centre and falloff
-    vec4 pm_weights[PM_VARIATES];  // a, b; if PM_OPEN the first also holds the number of lobes
+    vec4 pm_weights[PM_VARIATES];  // a, b
 };
-#if PM_OPEN
-int pm_lobes(Pm pm) { return int(pm_weights[0].z); }
-#else
 int pm_lobes(Pm pm) { return PM_LOBES; }
-#endif
 int pm_variates(Pm pm) { return PM_VARIATES; }
 int pm_features(Pm pm) { return PM_FEATURES; }
 bool pm_axial(Pm pm) { return PM_AXIAL != 0; }
@@ -37,13 +33,7 @@ Vec3 pm_coefficient(Pm pm, int j) {
 Vec3 pm_coefficient(Pm pm, int j) { return pm_colours[j].rgb; }
 #endif
 Real pm_log2_scale(Pm pm, int j) { return pm_colours[j].w; }
-#if PM_AXIAL && PM_OPEN
-// A falloff is negative if the centre is -z.
-Real pm_kernel(int j, int n) { return pm_kernels[j * ((PM_VARIATES + 3) / 4) + n / 4][n % 4]; }
-Real pm_log2_falloff(Pm pm, int j, int n) { return abs(pm_kernel(j, n)); }
-bool pm_down(Pm pm, int j, int n) { return pm_kernel(j, n) < 0.0; }
-Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, pm_down(pm, j, n) ? -1.0 : 1.0); }
-#elif PM_AXIAL
+#if PM_AXIAL
 const int pm_downs[PM_LOBES] = int[PM_LOBES](PM_DOWNS);  // bit n is set if centre n is -z
 Real pm_log2_falloff(Pm pm, int j, int n) { return pm_kernels[j * ((PM_VARIATES + 3) / 4) + n / 4][n % 4]; }
 bool pm_down(Pm pm, int j, int n) { return (pm_downs[j] >> n & 1) != 0; }

@@ -27,54 +27,14 @@ std::string macros(const MerlTable& table) {
     const auto [h, d, p] = table.size;
     return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h);
 }
-bool has_open_text(const PmModel& model) { return model.lobes <= k_most_open_lobes; }
 int kernel_texels(const PmModel& model) { return model.axial ? (model.variates + 3) / 4 : model.variates; }
-/// Converts to the form of as many sides with the most terms, and to four or eight variates, without changing the
-/// function.
-PmModel widen(const PmModel& model) {
-    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
-    PmModel wide = model;
-    wide.form = is_reciprocal(model.form) ? PmForm::reciprocal : PmForm::extended;
-    wide.variates = model.variates <= 4 ? 4 : 8;
-    const auto W = std::size_t(wide.variates), E = std::size_t(features(wide.form));
-    wide.parameterization.resize(W);
-    wide.centre.assign(J * W, {0, 0, 1});
-    wide.bandwidth.assign(J * W, 0);
-    wide.exponent.assign(J * E, 0);
-    for (std::size_t j = 0; j < J; ++j) {
-        std::copy_n(model.centre.begin() + std::ptrdiff_t(j * N), N, wide.centre.begin() + std::ptrdiff_t(j * W));
-        std::copy_n(model.bandwidth.begin() + std::ptrdiff_t(j * N), N, wide.bandwidth.begin() + std::ptrdiff_t(j * W));
-        std::copy_n(model.exponent.begin() + std::ptrdiff_t(j * F), F, wide.exponent.begin() + std::ptrdiff_t(j * E));
-    }
-    return wide;
-}
-/// Adds lobes that contribute 0, up to the capacity of an open text.
-PmModel add_black_lobes(PmModel model) {
-    const auto J = std::size_t(k_most_open_lobes), N = std::size_t(model.variates);
-    model.lobes = k_most_open_lobes;
-    model.coefficient.resize(J);
-    model.log_scale.resize(J);
-    model.centre.resize(J * N, {0, 0, 1});
-    model.bandwidth.resize(J * N);
-    model.exponent.resize(J * std::size_t(features(model.form)));
-    return model;
-}
-
-std::string macros(const PmModel& model, bool open) {
-    if (open) {
-        const int variates = widen(model).variates;
-        return fmt::format(
-            "#define PM_LOBES {0}\n#define PM_VARIATES {1}\n#define PM_FEATURES {2}\n#define PM_AXIAL {3:d}\n"
-            "#define PM_RECIPROCAL {4:d}\n#define PM_KERNELS {5}\n#define PM_OPEN 1\n",
-            k_most_open_lobes, variates, k_terms.size(), model.axial, is_reciprocal(model.form),
-            k_most_open_lobes * (model.axial ? variates / 4 : variates));
-    }
+std::string macros(const PmModel& model) {
     std::vector<int> downs(std::size_t(model.lobes));
     for (int j = 0; j < model.lobes; ++j)
         for (int n = 0; n < model.variates; ++n) downs[std::size_t(j)] |= int(Kernel<float>::pm_down(model, j, n)) << n;
     std::string text = fmt::format(
         "#define PM_LOBES {}\n#define PM_VARIATES {}\n#define PM_FEATURES {}\n#define PM_AXIAL {:d}\n"
-        "#define PM_RECIPROCAL {:d}\n#define PM_KERNELS {}\n#define PM_OPEN 0\n",
+        "#define PM_RECIPROCAL {:d}\n#define PM_KERNELS {}\n",
         model.lobes, model.variates, features(model.form), model.axial, is_reciprocal(model.form),
         model.lobes * kernel_texels(model));
     if (model.axial) text += fmt::format("#define PM_DOWNS {}\n", fmt::join(downs, ", "));
@@ -140,15 +100,8 @@ std::string version_text(Dialect dialect) {
     return text;
 }
 
-std::string brdf_text(const Material& material, bool open) {
-    const std::string macro_text = std::visit(
-        [open](const auto& content) {
-            if constexpr (std::is_same_v<decltype(content), const PmModel&>)
-                return macros(content, open && has_open_text(content));
-            else
-                return macros(content);
-        },
-        material);
+std::string brdf_text(const Material& material) {
+    const std::string macro_text = std::visit([](const auto& content) { return macros(content); }, material);
     const std::string code = std::visit([](const auto& content) { return code_of(content); }, material);
     return fmt::format("#define SIDES {}\n", is_two_sided(material) ? 2 : 1) + macro_text + k_host_text +
            k_kernel_text + code + k_material_text;
@@ -202,10 +155,8 @@ Uniform uniform_of(const Material& material) {
     return std::visit([](const auto& content) { return uniform_of(content); }, material);
 }
 
-std::vector<Float4> pm_numbers(const PmModel& original, bool open) {
+std::vector<Float4> pm_numbers(const PmModel& model) {
     using Formulas = Kernel<float>;
-    open = open && has_open_text(original);
-    const PmModel model = open ? add_black_lobes(widen(original)) : original;
     const int J = model.lobes, N = model.variates, F = features(model.form);
     std::vector<Float4> numbers;
     for (int j = 0; j < J; ++j) {
@@ -226,10 +177,9 @@ std::vector<Float4> pm_numbers(const PmModel& original, bool open) {
                 continue;
             }
             if (n % 4 == 0) numbers.emplace_back();
-            numbers.back()[std::size_t(n % 4)] = open && Formulas::pm_down(model, j, n) ? -log2_falloff : log2_falloff;
+            numbers.back()[std::size_t(n % 4)] = log2_falloff;
         }
-    for (const Parameterization& weights : model.parameterization)
-        numbers.push_back({weights.a, weights.b, open ? float(original.lobes) : 0, 0});
+    for (const Parameterization& weights : model.parameterization) numbers.push_back({weights.a, weights.b, 0, 0});
     return numbers;
 }
 

@@ -16,7 +16,6 @@
 #include "extras/render/path.h"
 #include "extras/render/raster.h"
 #include "extras/render/scene.h"
-#include "extras/render/sphere_picture.h"
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_functions.h"
@@ -131,7 +130,7 @@ struct Expected {
 void add_rasterized(Expected& to, const std::vector<Model>& models, Dialect dialect) {
     for (std::size_t i = 0; i < k_classes.size(); ++i) {
         const Scene scene = scene_of(page_mesh(k_meshes[i]), {}, double(k_width) / k_height);
-        const float exposure = automatic_exposure(render_sphere(evaluator(models[i]), {.size = 80, .samples = 1}));
+        const float exposure = exposure_under_lights(evaluator(models[i]));
         const RasterView view{scene.camera, double(k_width) / k_height, scene.lights, exposure};
         const RasterMesh mesh(scene.mesh);
         const Material content = std::visit(

@@ -4,12 +4,9 @@
 #include <memory>
 
 #include "base/files.h"
-#include "base/parallel.h"
 #include "base/text.h"
 #include "brdf/values.h"
 #include "extras/render/exr.h"
-#include "extras/render/path.h"
-#include "extras/render/rays.h"
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
@@ -48,37 +45,6 @@ Result<Image> load_mask(const std::string& path) {
     for (std::size_t i = 0; i < mask.pixels.size(); ++i)
         for (int c = 0; c < 3; ++c) mask.pixels[i][c] = float(texels.get()[3 * i + std::size_t(c)]) / 255;
     return mask;
-}
-
-Rendering mixed(const Scene& scene, const Image& mask, std::span<const Rendering> of) {
-    constexpr int k_points = 4;  // along a side of a pixel
-    const Rays rays({&scene.mesh});
-    Rendering rendering = of[0];
-    const int width = rendering.radiance.width, height = rendering.radiance.height;
-    const auto shares_in = [&](int x, int y) {
-        Rgb sum;
-        float count = 0;
-        for (int i = 0; i < k_points * k_points; ++i) {
-            const double s = 2 * (x + (i % k_points + 0.5) / k_points) / width - 1,
-                         t = 1 - 2 * (y + (i / k_points + 0.5) / k_points) / height;
-            const Vec3d direction = direction_through(scene.camera, double(width) / height, s, t);
-            const auto hit = rays.closest(to_float(scene.camera.eye), to_float(direction));
-            if (!hit) continue;
-            const Rgb shares = mask_shares(mask, of.size(), texture_at(scene.mesh, *hit));
-            sum = {sum.r + shares.r, sum.g + shares.g, sum.b + shares.b}, ++count;
-        }
-        return count > 0 ? scaled(1 / count, sum) : Rgb{1, 0, 0};
-    };
-    parallel_for(std::size_t(height), 0, [&](std::size_t row) {
-        for (int x = 0, y = int(row); x < width; ++x) {
-            const Rgb shares = shares_in(x, y);
-            for (int c = 0; c < 3; ++c) {
-                float& mean = rendering.radiance.at(x, y)[c] = 0;
-                for (std::size_t k = 0; k < of.size(); ++k) mean += shares[int(k)] * of[k].radiance.at(x, y)[c];
-            }
-        }
-    });
-    return rendering;
 }
 
 }  // namespace srbf

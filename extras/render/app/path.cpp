@@ -3,7 +3,6 @@
 #include "app/output.h"
 #include "base/printable.h"
 #include "brdf/frame.h"
-#include "extras/render/room.h"
 
 namespace SRBF_NAMESPACE {
 namespace {
@@ -36,20 +35,56 @@ Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const Pa
     };
     if (command.scene_name != "object") return refuse("scene", "object", "room");
     if (command.draw == "cosine") return refuse("draws", "by the brdf", "by the cosine");
-    if (mesh.texture.empty()) return needs_texture(kind);
+    if (mesh.texture.empty()) return refuse("mesh", "one with texture coordinates", "none of a corner at least");
     return Done{};
 }
 
-}  // namespace
-
-Error needs_texture(const char* kind) {
-    return {"render",
-            {},
-            fmt::format("mesh of {}", kind),
-            "one with texture coordinates",
-            "none of a corner at least",
-            ErrorCode::argument};
+/// A room whose only light comes through a shade that fills the opening of one wall. Lengths are in metres, y is
+/// up. The wall with the opening is at z = 0, the room at z < 0.
+struct Room {
+    Mesh shade;     ///< a rectangle, its front outwards, to +z
+    Mesh walls;     ///< with floor and ceiling, visible from inside, without the opening
+    Mesh floor;     ///< above the floor of the walls
+    Mesh ball;      ///< on the floor
+    Camera camera;  ///< in the room, towards the shade
+};
+/// A rectangle with the corners `corner`, + s, + s + t and + t; its front faces s × t.
+void add_rectangle(Mesh& mesh, Vec3f corner, Vec3f s, Vec3f t) {
+    const auto first = std::uint32_t(mesh.positions.size());
+    const Vec3f n = normalize(cross(s, t));
+    for (const Vec3f p : {corner, corner + s, corner + s + t, corner + t})
+        mesh.positions.push_back(p), mesh.normals.push_back(n);
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
 }
+
+constexpr float k_width = 4, k_height = 2.6f, k_depth = 5;
+constexpr float k_left = -1.4f, k_right = 1.4f, k_sill = 0.7f, k_top = 2.3f;  // of the opening
+constexpr float k_radius = 0.4f;
+
+Room room() {
+    Room room;
+    const float x = k_width / 2;
+    add_rectangle(room.shade, {k_left, k_sill, 0}, {k_right - k_left, 0, 0}, {0, k_top - k_sill, 0});
+    Mesh& walls = room.walls;
+    add_rectangle(walls, {-x, 0, -k_depth}, {0, 0, k_depth}, {k_width, 0, 0});         // floor
+    add_rectangle(walls, {-x, k_height, -k_depth}, {k_width, 0, 0}, {0, 0, k_depth});  // ceiling
+    add_rectangle(walls, {-x, 0, -k_depth}, {0, k_height, 0}, {0, 0, k_depth});        // left
+    add_rectangle(walls, {x, 0, -k_depth}, {0, 0, k_depth}, {0, k_height, 0});         // right
+    add_rectangle(walls, {-x, 0, -k_depth}, {k_width, 0, 0}, {0, k_height, 0});        // far from the shade
+    const auto front = [&](float left, float bottom, float right, float top) {
+        add_rectangle(walls, {left, bottom, 0}, {0, top - bottom, 0}, {right - left, 0, 0});
+    };
+    front(-x, 0, x, k_sill), front(-x, k_top, x, k_height);
+    front(-x, k_sill, k_left, k_top), front(k_right, k_sill, x, k_top);
+    add_rectangle(room.floor, {-x, 1e-3f, -k_depth}, {0, 0, k_depth}, {k_width, 0, 0});
+    room.ball = sphere(48);
+    for (Vec3f& p : room.ball.positions) p = k_radius * p + Vec3f{0.7f, k_radius, -1.3f};
+    room.camera = {{-1.3, 1.5, -4.6}, {0.25, 1.1, 0}, {0, 1, 0}, 52 * k_degree};
+    return room;
+}
+
+}  // namespace
 
 Result<std::optional<Environment>> load_light(const std::string& name) {
     if (name == "none") return std::optional<Environment>();
@@ -72,19 +107,19 @@ PreparedMap prepare_subject(const Library& map, int threads) {
 
 std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
                                               std::function<bool()> is_path) {
-    sub.add_option("--env", environment,
-                   "Environment map, a .hdr or .exr file, or studio (default of path) or none (default of raster)")
-        .type_name("FILE");
+    const Option environment_option =
+        sub.add_option("--env", environment, "path: environment map, a .hdr or .exr file, or studio (default) or none")
+            .type_name("FILE");
     const Option further_lights =
         sub.add_option("--lights", lights,
                        "Further lights: three (directional; default without environment), behind (one behind the "
-                       "object,\nfor what light passes through), softbox (path: a square) or none")
+                       "object,\nfor what light passes through), or of path softbox (a square) or none")
             .type_name("NAME")
             .one_of({"none", "three", "behind", "softbox"});
-    sub.add_option("--spp", samples,
-                   "Samples per pixel, 1 to 1048576: paths, or of raster (64; 4 without environment) directions")
-        .type_name("S")
-        .check(within(1, 1 << 20));
+    const Option paths =
+        sub.add_option("--spp", samples, fmt::format("path: paths per pixel, 1 to 1048576 ({})", k_samples))
+            .type_name("S")
+            .check(within(1, 1 << 20));
     const Option most_bounces = sub.add_option("--bounces", bounces, "path: maximum number of bounces, 1 to 1000")
                                     .type_name("N")
                                     .check(within(1, 1000))
@@ -116,10 +151,13 @@ std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::
     std::vector<Option> object_options = about_mesh;
     object_options.push_back(without_ground);
     return {
-        {{most_bounces, draw_option, scene, without_ground, without_occlusion, seed_option, threads_option},
+        {{environment_option, paths, most_bounces, draw_option, scene, without_ground, without_occlusion, seed_option,
+          threads_option},
          "only with --renderer path",
          is_path},
-        {{further_lights}, "softbox only with --renderer path", [=, this] { return is_path() || lights != "softbox"; }},
+        {{further_lights},
+         "softbox and none only with --renderer path",
+         [=, this] { return is_path() || lights == "three" || lights == "behind"; }},
         {{most_bounces}, "not with --no-occlusion, in one bounce", [this] { return !no_occlusion; }},
         {object_options, "only with --scene object", [this] { return scene_name == "object"; }},
     };

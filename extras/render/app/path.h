@@ -20,9 +20,6 @@ struct MaskedSubjects {
 /// The subject of a picture: a measurement or model, a map of texels, or a mask's materials.
 using Pictured = std::variant<const Subject*, const Library*, const MaskedSubjects*>;
 
-/// The error for a mesh without texture coordinates. `kind`: what needs them, "a map" or "a mask".
-Error needs_texture(const char* kind);
-
 struct PathCommand {
     /// Empty: not given. The default environment is the renderer's; the default lights are three if `environment`
     /// is none.

@@ -15,12 +15,12 @@
 #include "base/printable.h"
 #include "errors/likeness.h"
 #include "errors/picture_errors.h"
-#include "extras/render/app/map_raster.h"
 #include "extras/render/app/mask.h"
 #include "extras/render/app/mesh_options.h"
 #include "extras/render/app/path.h"
-#include "extras/render/app/raster.h"
 #include "extras/render/exr.h"
+#include "extras/render/material.h"
+#include "extras/render/raster.h"
 #include "extras/render/scene.h"
 #include "extras/render/tone.h"
 #include "srbf/file.h"
@@ -30,7 +30,7 @@ namespace {
 
 struct RenderCommand {
     std::vector<std::string> files;
-    std::string renderer, mesh = "ball", up = "y", mask, output, compare, json;
+    std::string renderer = "path", mesh = "ball", up = "y", mask, output, compare, json;
     int width = 640, height = 480;  ///< of each picture
     bool aov = false;
     PathCommand path;
@@ -63,58 +63,30 @@ Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Pictur
     return rendered;
 }
 
-Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictured> pictured,
-                                       const RenderCommand& options) {
+Result<RenderedPictures> render_raster([[maybe_unused]] const Scene& scene,
+                                       [[maybe_unused]] std::span<const Pictured> pictured,
+                                       [[maybe_unused]] const RenderCommand& options) {
+#ifdef SRBF_RASTER
     if (const auto can_draw = check_drawing(); !can_draw) return can_draw.error();
-    std::vector<const Subject*> subjects;  // those of a mask are the first
-    std::vector<const Library*> maps;
-    const auto* const masked = std::get_if<const MaskedSubjects*>(&pictured[0]);
-    if (masked) {
-        if (scene.mesh.texture.empty()) return needs_texture("a mask");
-        subjects = (*masked)->of;
-    }
+    std::vector<Material> materials;
     for (const Pictured& item : pictured) {
-        if (const auto* subject = std::get_if<const Subject*>(&item)) subjects.push_back(*subject);
-        if (const auto* map = std::get_if<const Library*>(&item)) maps.push_back(*map);
+        const auto* const* subject = std::get_if<const Subject*>(&item);
+        if (!subject)
+            return Error{options.files[0],          {},      "input of raster",
+                         "measurements and models", "a map", ErrorCode::argument};
+        auto material = material_of((*subject)->content, (*subject)->path);
+        if (!material) return material.error();
+        materials.push_back(*std::move(material));
     }
-    if (!maps.empty() && scene.mesh.texture.empty()) return needs_texture("a map");
-    if (!maps.empty() && !subjects.empty())
-        return Error{options.files[0],   {}, "inputs of raster", "maps alone, or measurements and models", "both",
-                     ErrorCode::argument};
-    const PathCommand& path_options = options.path;
-    const auto environment = load_light(path_options.environment.empty() ? "none" : path_options.environment);
-    if (!environment) return environment.error();
-    RasterLight light;
-    ProgressLine line;
-    if (*environment) {
-        light.environment = &**environment;
-        light.samples = k_samples;
-        light.progress = [&](double part) { line.show("drawing", part); };
-    }
-    if (path_options.samples > 0) light.samples = path_options.samples;
     Scene lit = scene;
-    if (path_options.lights == "behind") lit.lights = {light_behind(scene.camera)};
-    if (path_options.lights == "none" || (path_options.lights.empty() && *environment)) lit.lights.clear();
-    auto renderings = maps.empty() ? rasterize(lit, subjects, options.width, options.height, light)
-                                   : rasterize_maps(lit, maps, options.width, options.height, light);
+    if (options.path.lights == "behind") lit.lights = {light_behind(scene.camera)};
+    auto renderings = rasterize(lit, materials, options.width, options.height);
     if (!renderings) return renderings.error();
-    if (masked) {
-        const auto count = std::ptrdiff_t((*masked)->of.size());
-        (*renderings)[0] = mixed(scene, (*masked)->mask, std::span(*renderings).first(std::size_t(count)));
-        renderings->erase(renderings->begin() + 1, renderings->begin() + count);
-    }
     return RenderedPictures{*std::move(renderings), {}};
+#else
+    return Error{"renderer raster", {}, "this program", "one built with libepoxy", "one without"};
+#endif
 }
-
-/// A renderer: draws one picture of the scene for each subject.
-struct Renderer {
-    std::string_view name;
-    Result<RenderedPictures> (*render)(const Scene& scene, std::span<const Pictured> subjects,
-                                       const RenderCommand& options);
-};
-
-/// The first one is the default.
-constexpr std::array<Renderer, 2> k_renderers{{{"path", render_paths}, {"raster", render_raster}}};
 
 /// Images of equal size side by side.
 template <typename Pixel> Picture<Pixel> join_images(const std::vector<Picture<Pixel>>& images) {
@@ -142,31 +114,6 @@ Result<Done> write_float(const RenderedPictures& pictures, const RenderCommand& 
         channels.push_back({"Z", channels_of(join_images(depth))[0].pixels});
     }
     return write_exr(joined.width, joined.height, channels, options.output);
-}
-
-/// Writes the first hits of paths as pictures: normals from −1 to 1, depths from the nearest (white) to the
-/// farthest.
-Result<Done> write_first_hits(const RenderedPictures& pictures, const RenderCommand& options) {
-    std::vector<Image8> normal, albedo, depth;
-    for (const FirstHits& first : pictures.first) {
-        for (auto* images : {&normal, &albedo, &depth}) images->emplace_back(options.width, options.height);
-        float nearest = std::numeric_limits<float>::infinity(), furthest = 0;
-        for (const float z : first.depth)
-            if (z > 0) nearest = std::min(nearest, z), furthest = std::max(furthest, z);
-        for (std::size_t i = 0; i < first.depth.size(); ++i) {
-            const Rgb n = first.normal.pixels[i];
-            const float z = first.depth[i],
-                        near = z > 0 && furthest > nearest ? (furthest - z) / (furthest - nearest) : z > 0;
-            const auto byte = [](float x) { return std::uint8_t(255 * std::clamp(x, 0.f, 1.f) + 0.5f); };
-            normal.back().pixels[i] = {byte(0.5f + 0.5f * n.r), byte(0.5f + 0.5f * n.g), byte(0.5f + 0.5f * n.b)};
-            albedo.back().pixels[i] = to_srgb8(first.albedo.pixels[i]);
-            depth.back().pixels[i] = {byte(near), byte(near), byte(near)};
-        }
-    }
-    for (const auto& [what, images] : {std::pair(".normal", &normal), {".albedo", &albedo}, {".depth", &depth}})
-        if (const auto written = write_png(join_images(*images), options.beside(what)); !written)
-            return written.error();
-    return Done{};
 }
 
 /// Prints the difference of each image from the reference, and writes it.
@@ -229,8 +176,6 @@ Result<Done> write_pictures(const RenderedPictures& pictures, const std::optiona
     const auto written =
         options.is_exr() ? write_float(pictures, options) : write_png(side_by_side(images, captions), options.output);
     if (!written) return written.error();
-    if (options.aov && !options.is_exr())
-        if (const auto done = write_first_hits(pictures, options); !done) return done.error();
     if (!reference) return Done{};
     const Rendering reference_rendering{*reference, pictures.renderings.front().coverage};
     return compare_pictures(shown(reference_rendering, exposure), images, captions, options);
@@ -275,13 +220,10 @@ int RenderCommand::run() const {
     if (!mask.empty()) inputs.push_back(mask);
     std::vector<std::string> outputs{output, json == "-" ? "" : json};
     if (!compare.empty()) outputs.push_back(beside(".difference"));
-    if (aov && !is_exr())
-        for (const char* what : {".normal", ".albedo", ".depth"}) outputs.push_back(beside(what));
     if (const auto writable = check_outputs(inputs, outputs); !writable) return complain(writable.error());
 
     const Viewpoint viewpoint{.z_up = up == "z"};
     const Scene scene = scene_of(*std::move(loaded), viewpoint, double(width) / height);
-    const auto chosen = std::ranges::find(k_renderers, renderer, &Renderer::name);
     std::vector<Pictured> pictured;
     for (const Loaded& subject : subjects)
         std::visit([&](const auto& content) { pictured.emplace_back(&content); }, subject);
@@ -294,7 +236,7 @@ int RenderCommand::run() const {
         pictured[0] = &masked;
         captions = {fmt::format("{}", fmt::join(captions, " and "))};
     }
-    auto pictures = chosen->render(scene, pictured, *this);
+    auto pictures = renderer == "path" ? render_paths(scene, pictured, *this) : render_raster(scene, pictured, *this);
     if (!pictures) return complain(pictures.error());
     if (pictures->renderings.size() > captions.size()) {
         reference = std::move(pictures->renderings.back().radiance);
@@ -337,16 +279,13 @@ Option add_up_option(const Subcommand& sub, std::string& up, const std::string& 
 
 void add_render(CommandLine& app, int& status) {
     const auto command = std::make_shared<RenderCommand>();
-    std::vector<std::string> names;
-    for (const Renderer& renderer : k_renderers) names.emplace_back(renderer.name);
-    command->renderer = names.front();
     const Subcommand sub = app.add_subcommand("render", "Render a mesh with each of the materials, side by side");
     sub.add_option("FILE", command->files, "Measurements, models and maps of texels, one picture each")
         .type_name("")
         .required();
-    sub.add_option("--renderer", command->renderer, fmt::format("{}", fmt::join(names, " or ")))
+    sub.add_option("--renderer", command->renderer, "path or raster")
         .type_name("NAME")
-        .one_of(names)
+        .one_of({"path", "raster"})
         .capture_default_str();
     const std::vector<Option> about_mesh = add_mesh_options(sub, command->mesh, command->up);
     sub.add_option("--size", "Size of each picture in pixels (640x480)")
@@ -361,12 +300,12 @@ void add_render(CommandLine& app, int& status) {
             return fmt::format("expected a name that ends in .png or .exr, found {}", name);
         });
     const Option aov =
-        sub.add_flag("--aov", command->aov,
-                     "path: also write normal, albedo and depth: as channels of an .exr, or as further pictures");
-    sub.add_option("--mask", command->mask,
-                   "One picture of two or three materials, mixed by this picture (.png, .jpg, .exr) at the "
-                   "mesh's\ntexture coordinates: red is the share of the second, green that of the third")
-        .type_name("FILE");
+        sub.add_flag("--aov", command->aov, "path: also write normal, albedo and depth, as channels of an .exr");
+    const Option mask =
+        sub.add_option("--mask", command->mask,
+                       "path: one picture of two or three materials, mixed by this picture (.png, .jpg, .exr) at the "
+                       "mesh's\ntexture coordinates: red is the share of the second, green that of the third")
+            .type_name("FILE");
     sub.add_option("--compare", command->compare,
                    "Print PSNR, SSIM and FLIP against this reference, a BRDF to render or an .exr, and write "
                    "OUTPUT.difference.png")
@@ -375,7 +314,8 @@ void add_render(CommandLine& app, int& status) {
                             .type_name("FILE");
     const auto is_path = [command] { return command->renderer == "path"; };
     std::vector<Reading> readings = command->path.add_options(sub, about_mesh, is_path);
-    readings.push_back({{aov}, "only with --renderer path", is_path});
+    readings.push_back({{aov, mask}, "only with --renderer path", is_path});
+    readings.push_back({{aov}, "only with an output .exr", [command] { return command->is_exr(); }});
     readings.push_back({{json}, "only with --compare", [command] { return !command->compare.empty(); }});
     sub.footer(
         "Examples:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf -o paper.png\n"

@@ -5,10 +5,7 @@
 
 #include <map>
 
-#include "base/half.h"
 #include "brdf/parts.h"
-#include "errors/sphere.h"
-#include "extras/render/app/map_raster.h"
 #include "extras/render/exr.h"
 #include "extras/render/shading.h"
 #include "measured/tables.h"
@@ -75,16 +72,15 @@ class Raster : public InEachDialect {
         const auto of = RasterMaterial::make(material, {.dialect = GetParam(), .input = input});
         const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
         if (!of || !surface) return ADD_FAILURE() << message(of ? surface.error() : of.error()), Image8();
-        const auto target = input == PixelInput::surface ? RasterTarget::make_for(*surface, bytes)
+        const auto target = input == PixelInput::surface ? RasterTarget::make_for(*surface)
                                                          : RasterTarget::make(k_width, k_height, 1, bytes);
         if (!target) return ADD_FAILURE() << message(target.error()), Image8();
+        if (input == PixelInput::surface) surface->draw(mesh, view);
         target->begin();
-        if (input == PixelInput::surface) {
-            surface->draw(mesh, view);
+        if (input == PixelInput::surface)
             of->draw(*surface, view);
-        } else {
+        else
             of->draw(mesh, view);
-        }
         return target->read_bytes();
     }
 
@@ -258,7 +254,7 @@ TEST_P(Raster, NothingPopsAsTheViewTurns) {
     plain.interpolation = SuInterpolation::plain;
     const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
     ASSERT_TRUE(surface) << message(surface.error());
-    const auto target = RasterTarget::make_for(*surface, RasterTarget::Format::bytes);
+    const auto target = RasterTarget::make_for(*surface);
     ASSERT_TRUE(target) << message(target.error());
     const RasterMesh mesh(knot_scene().mesh);
     std::vector<RasterMaterial> made;
@@ -293,22 +289,6 @@ TEST_P(Raster, NothingPopsAsTheViewTurns) {
         expect_alike(last, images, degrees);
         last = std::move(images);
     }
-}
-
-TEST_P(Raster, NumbersAreReplacedWithoutANewProgram) {
-    std::mt19937_64 random(3);
-    const RandomModelOptions options{.axial = false, .lobes = 4, .variates = 3, .most_bandwidth = 30};
-    const PmModel first = random_model(random, options), second = random_model(random, options);
-    const auto target = RasterTarget::make(k_width, k_height, 1, RasterTarget::Format::bytes);
-    auto of = RasterMaterial::make(first, {.dialect = GetParam()});
-    ASSERT_TRUE(target && of);
-    const RasterMesh mesh(sphere_scene().mesh);
-    of->update(second);
-    target->begin();
-    of->draw(mesh, view_of(sphere_scene(), 2));
-    const Image8 updated = target->read_bytes();
-    EXPECT_EQ(updated, shown(sphere_scene(), second, 2, PixelInput::triangles));
-    EXPECT_NE(updated, shown(sphere_scene(), first, 2, PixelInput::triangles));
 }
 
 TEST_P(Raster, SamplesSmoothOutlines) {
@@ -388,12 +368,10 @@ TEST(Render, WritesAPictureOfEachFileSideBySide) {
 constexpr int k_traced = 96;  // pixels across of pictures of paths
 
 /// Direct light by the path tracer.
-template <typename M>
-Rendering traced(const Scene& scene, const M& material, int size = k_traced, int samples = 16,
-                 const Environment* environment = nullptr) {
-    const PathScene paths{{{&scene.mesh, 0}}, {material}, scene.camera, scene.lights, {}, environment};
+template <typename M> Rendering traced(const Scene& scene, const M& material) {
+    const PathScene paths{{{&scene.mesh, 0}}, {material}, scene.camera, scene.lights, {}, nullptr};
     PathOptions options;
-    options.width = options.height = size, options.samples = samples, options.bounces = 1, options.occlusion = false,
+    options.width = options.height = k_traced, options.samples = 16, options.bounces = 1, options.occlusion = false,
     options.threads = 1;
     return render_paths(paths, options).rendering;
 }
@@ -441,93 +419,17 @@ TEST(Rasterize, BothSidesAreLitFromBothSides) {
         }
 }
 
-/// A map near, where texels are larger than pixels, and far, where levels are looked up; and under an environment beside
-/// the lamps.
-TEST(Rasterize, AMapLooksAsTraced) {
-    if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
-    std::mt19937_64 random(3);
-    const RandomModelOptions lobes{.lobes = 4, .most_bandwidth = 60};
-    Library coarse = random_map(random, lobes, 16, 8), fine = random_map(random, lobes, 256, 128);
-    for (Library* map : {&coarse, &fine})  // a wave for each lobe and channel
-        for (std::size_t i = 0; i < map->coefficient.size(); ++i)
-            for (int c = 0; c < 3; ++c) {
-                const std::size_t t = i / 4, x = t % map->width, y = t / map->width, k = i % 4 + std::size_t(c);
-                const double phase = double((k + 1) * x + k * y) / double(map->width);
-                map->coefficient[i][c] = round_to_half(float(0.6 + 0.4 * elementary::sin(2 * k_pi * phase)));
-            }
-    Image studio = load_environment("studio")->texels();
-    while (studio.width > 64) studio = halved(studio);
-    const Environment environment(studio), *const none = nullptr;
-    for (const auto& [map, size, samples, light] :
-         {std::tuple(&coarse, k_traced, 16, none), {&fine, 32, 256, none}, {&fine, 32, 1024, &environment}}) {
-        const Scene scene = scene_of(sphere(), {}, 1);
-        const Rendering expected = traced(scene, prepare_map(*map, {.threads = 1}), size, samples, light);
-        const auto drawn = rasterize_maps(scene, std::array{map}, size, size, {light, light ? 256 : 4, {}});
-        ASSERT_TRUE(drawn) << message(drawn.error());
-        const float exposure = automatic_exposure(expected.radiance);
-        double sum = 0, count = 0;
-        for (std::size_t i = 0; i < expected.coverage.size(); ++i) {
-            if (!(expected.coverage[i] == 1 && (*drawn)[0].coverage[i] == 1)) continue;
-            const auto seen = [&](Rgb radiance) {
-                for (int c = 0; c < 3; ++c) radiance[c] = std::min(exposure * radiance[c], 1.f);
-                return radiance;
-            };
-            sum += delta_e_itp(seen(expected.radiance.pixels[i]), seen((*drawn)[0].radiance.pixels[i])), ++count;
-        }
-        EXPECT_GT(count, 0.2 * size * size);
-        EXPECT_LT(sum / count, 1.5) << size;
-    }
-}
-
 /// The picture of `srbf render` with these arguments, 64 pixels wide and high.
 Image rendered(const TemporaryFolder& folder, std::vector<std::string> arguments, const char* renderer) {
     arguments.insert(arguments.begin(), "render");
-    for (const char* more : {"--size", "64x64", "--spp", "16", "-o", "x.exr", "--renderer"}) arguments.push_back(more);
+    for (const char* more : {"--size", "64x64", "-o", "x.exr", "--renderer"}) arguments.push_back(more);
     arguments.push_back(renderer);
-    if (renderer == std::string("path")) arguments.insert(arguments.end(), {"--no-ground", "--no-occlusion"});
+    if (renderer == std::string("path"))
+        arguments.insert(arguments.end(), {"--no-ground", "--no-occlusion", "--env", "none", "--spp", "16"});
     const ProgramRun made = run(folder, arguments);
     EXPECT_EQ(made.status, 0) << made.err;
     const auto bytes = read_file(folder / "x.exr");
     return bytes ? *read_exr(*bytes, "x.exr") : Image(64, 64);
-}
-
-TEST(Render, MixesMaterialsByAMaskAsPathsDo) {
-    if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
-    const TemporaryFolder folder;
-    std::vector<std::string> command;
-    for (const auto& [name, colour] :
-         {std::pair("r.srbf", Rgb{0.8f, 0, 0}), {"g.srbf", {0, 0.8f, 0}}, {"b.srbf", {0, 0, 0.8f}}}) {
-        ASSERT_TRUE(save_model({GgxModel{colour, {{0.3f, {0.04f, 0.04f, 0.04f}, 1}}}, {}}, folder / name).ok());
-        command.push_back(name);
-    }
-    write(folder / "plane.obj",
-          "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
-    Image mask(4, 2);
-    for (std::size_t i = 0; i < 8; ++i) mask.pixels[i] = {float(i % 3) / 2, float(i % 2), 0};  // some exceed 1 together
-    ASSERT_TRUE(write_exr(4, 2, channels_of(mask), folder / "mask.exr").ok());
-    command.insert(command.end(), {"--mask", "mask.exr", "--mesh", "plane.obj", "--env", "none"});
-    const Image by_raster = rendered(folder, command, "raster"), by_paths = rendered(folder, command, "path");
-    double sum = 0, apart = 0;
-    for (std::size_t i = 0; i < by_raster.pixels.size(); ++i)
-        for (int c = 0; c < 3; ++c) {
-            sum += double(by_paths.pixels[i][c]);
-            apart += std::abs(double(by_raster.pixels[i][c]) - double(by_paths.pixels[i][c]));
-        }
-    EXPECT_GT(sum, 100);
-    EXPECT_LT(apart, 0.15 * sum);  // sixteen paths a pixel choose among materials
-    for (int c = 0; c < 3; ++c) {
-        const auto total = [&](const Image& of) {
-            double energy = 0;
-            for (const Rgb& pixel : of.pixels) energy += double(pixel[c]);
-            return energy;
-        };
-        EXPECT_PRED3(near_relative, total(by_raster), total(by_paths), 0.02) << c;
-    }
-    write(folder / "plane.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n");
-    command.insert(command.begin(), "render"), command.insert(command.end(), {"--renderer", "raster", "-o", "x.exr"});
-    const ProgramRun refused = run(folder, command);
-    EXPECT_NE(refused.err.find("mesh of a mask: expected one with texture coordinates"), std::string::npos)
-        << refused.err;
 }
 
 TEST(Render, DrawsALightBehind) {
@@ -536,7 +438,7 @@ TEST(Render, DrawsALightBehind) {
     ASSERT_TRUE(save_model({rough_bsdf(), {}}, folder / "both.srbf").ok());
     ASSERT_TRUE(save_model(*rough_bsdf().part[0], folder / "front.srbf").ok());
     const auto render = [&](const char* file, const char* renderer) {
-        return rendered(folder, {file, "--env", "none", "--lights", "behind", "--mesh", "sphere"}, renderer);
+        return rendered(folder, {file, "--lights", "behind", "--mesh", "sphere"}, renderer);
     };
     const Image by_raster = render("both.srbf", "raster"), by_paths = render("both.srbf", "path"),
                 opaque = render("front.srbf", "raster");
@@ -560,43 +462,6 @@ TEST(Rasterize, GivesRadianceAndCoverage) {
     for (const Rgb& pixel : (*of)[0].radiance.pixels) most = std::max(most, pixel.r);
     EXPECT_GT(most, 2.95f * Flat::k_value);
     EXPECT_LT(most, 3.6f * Flat::k_value);
-}
-
-// One program draws models of any number of lobes, forms with as many sides, and centres, after others: as their own
-// programs do.
-TEST_P(Raster, AnOpenTextDrawsAnyModel) {
-    std::mt19937_64 random(7);
-    const Scene scene = scene_of(sphere(), {}, double(k_width) / k_height);
-    const RasterMesh mesh(scene.mesh);
-    const auto target = RasterTarget::make(k_width, k_height, 1, RasterTarget::Format::bytes);
-    ASSERT_TRUE(target);
-    for (const bool axial : {true, false})
-        for (const PmForm form : k_forms) {
-            const PmForm first_form = is_reciprocal(form) ? form : PmForm::gaussian;
-            const auto first = random_model(random, {.axial = axial, .lobes = 9, .variates = 4, .form = first_form});
-            auto open = RasterMaterial::make(first, {.dialect = GetParam(), .open = true});
-            ASSERT_TRUE(open);
-            for (const int lobes : GetParam() == Dialect::gl_450 ? std::vector{1, k_most_open_lobes} : std::vector{5}) {
-                const auto model =
-                    random_model(random, {.axial = axial, .lobes = lobes, .variates = 2 + lobes % 3, .form = form});
-                ASSERT_EQ(shader_text(first, {.dialect = GetParam(), .open = true}).fragment,
-                          shader_text(model, {.dialect = GetParam(), .open = true}).fragment);
-                open->update(model);
-                const auto own = RasterMaterial::make(model, {.dialect = GetParam()});
-                ASSERT_TRUE(own);
-                std::array<Image8, 2> pictures;
-                for (std::size_t i = 0; i < 2; ++i) {
-                    target->begin();
-                    (i == 0 ? *open : *own).draw(mesh, view_of(scene, 0.3f));
-                    pictures[i] = target->read_bytes();
-                }
-                int most = 0;
-                for (std::size_t i = 0; i < pictures[0].pixels.size(); ++i)
-                    for (std::size_t c = 0; c < 3; ++c)
-                        most = std::max(most, std::abs(pictures[0].pixels[i][c] - pictures[1].pixels[i][c]));
-                EXPECT_LE(most, 1) << name(form) << ' ' << lobes;
-            }
-        }
 }
 
 IN_EACH_DIALECT(Raster);

@@ -1,13 +1,10 @@
-// Pictures show the evaluated values: conversion to 8 bits, and a sphere.
+// Tone mapping, exposure and lights of pictures.
 #include <algorithm>
-#include <atomic>
 #include <limits>
 
-#include "extras/render/sphere_picture.h"
+#include "extras/render/scene.h"
+#include "extras/render/tone.h"
 #include "properties.h"
-#include "shown_brdfs.h"
-#include "srbf/file.h"
-#include "srbf/measured.h"
 
 namespace srbf::render_test {
 namespace {
@@ -125,10 +122,6 @@ TEST(AutomaticExposure, IsOneInTheDarkAndFiniteAlways) {
     EXPECT_NE(to_srgb8({0, 0, 0}, dim), k_not_measured);
 }
 
-// Spheres.
-
-using shown_brdfs::Glossy, shown_brdfs::Lambert;
-
 TEST(PreviewLights, AreUnitVectorsThatLightTheWholeVisibleHalf) {
     for (const auto& light : k_three_lights) EXPECT_TRUE(near(dot(light.towards, light.towards), 1, 1e-15));
     const auto& [key, rim, fill] = k_three_lights;
@@ -137,86 +130,6 @@ TEST(PreviewLights, AreUnitVectorsThatLightTheWholeVisibleHalf) {
     EXPECT_TRUE(near(std::acos(key.towards.z) / k_degree, 50, 0.5));
     EXPECT_TRUE(near(std::acos(rim.towards.z) / k_degree, 115, 0.5));
     EXPECT_LT(fill.irradiance.g, key.irradiance.g);
-}
-
-TEST(RenderSphere, OfLambertIsTheClosedForm) {
-    const Lambert lambert{{0.8f, 0.5f, 0.2f}};
-    for (const int samples : {1, 3}) {
-        const SphereOptions options{45, samples, 0};
-        const Image image = render_sphere(evaluator(lambert), options);
-        const auto coverage = sphere_coverage(options);
-        for (int y = 0; y < options.size; ++y)
-            for (int x = 0; x < options.size; ++x) {
-                Rgb sum;
-                int hits = 0;
-                for (int s = 0; s < samples * samples; ++s) {
-                    // Pixels are squares of side 2/size; the sphere's radius is k_radius, y points up.
-                    const double px = (x + (s % samples + 0.5) / samples) * 2 / options.size - 1;
-                    const double py = 1 - (y + (s / samples + 0.5) / samples) * 2 / options.size;
-                    const double nx = px / SphereOptions::k_radius, ny = py / SphereOptions::k_radius;
-                    if (nx * nx + ny * ny >= 1) continue;
-                    ++hits;
-                    const Vec3d n{nx, ny, std::sqrt(1 - nx * nx - ny * ny)};
-                    for (const auto& light : k_three_lights)
-                        for (int c = 0; c < 3; ++c)
-                            sum[c] += float(lambert.albedo[c] / k_pi * std::max(0.0, dot(n, light.towards)) *
-                                            light.irradiance[c]);
-                }
-                const std::size_t i = std::size_t(y * options.size + x);
-                EXPECT_EQ(coverage[i], float(hits) / float(samples * samples));
-                for (int c = 0; c < 3; ++c)
-                    EXPECT_TRUE(near(image.at(x, y)[c], sum[c] / float(std::max(1, hits)), 1e-6)) << x << ' ' << y;
-            }
-    }
-}
-
-TEST(RenderSphere, AsksInTheFrameOfTheLatitude) {
-    // With one point per pixel, wl·wv identifies the light of a pixel; it is independent of the frame.
-    const SphereOptions options{91, 1, 1};
-    const auto view_cosine = [](int k) { return float(k_three_lights[std::size_t(k)].towards.z); };
-    std::array<std::atomic<int>, 3> asked{};
-    const Evaluate check = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-        for (std::size_t i = 0; i < f.size(); ++i) {
-            EXPECT_TRUE(near(dot(wl[i], wl[i]), 1, 1e-6) && near(dot(wv[i], wv[i]), 1, 1e-6));
-            EXPECT_TRUE(wl[i].z >= 0 && wv[i].z > 0);
-            for (int k = 0; k < 3; ++k) asked[std::size_t(k)] += near(dot(wl[i], wv[i]), view_cosine(k), 1e-6);
-            f[i] = {wl[i].x, wl[i].y, wv[i].y};
-        }
-    };
-    const Image image = render_sphere(check, options);
-    for (const auto& count : asked) EXPECT_GT(count, 300);
-    // On the equator the bitangent is the vertical, in which the view has no part.
-    for (int x = 10; x < 40; ++x) {
-        const double nx = (2.0 * x + 1 - options.size) / (options.size * SphereOptions::k_radius);
-        const Vec3d n{nx, 0, std::sqrt(1 - nx * nx)}, t{n.z, 0, -n.x};
-        Rgb sum;
-        for (const auto& [towards, irradiance] : k_three_lights) {
-            const double e = std::max(0.0, dot(n, towards)) * irradiance.g;
-            sum.r += float(e * dot(towards, t));
-            sum.g += float(e * towards.y);
-        }
-        const Rgb pixel = image.at(x, 45);
-        EXPECT_TRUE(near(pixel.r, sum.r, 1e-5) && near(pixel.g, sum.g, 1e-5) && near(pixel.b, 0, 1e-6));
-    }
-}
-
-TEST(RenderSphere, IsTheSameForAnyNumberOfThreads) {
-    const Glossy glossy;
-    const Image one = render_sphere(evaluator(glossy), {64, 3, 1});
-    for (const int threads : {0, 2, 5})
-        EXPECT_EQ(render_sphere(evaluator(glossy), {64, 3, threads}).pixels, one.pixels);
-}
-
-TEST(SphereCoverage, AddsUpToTheDisc) {
-    for (const int size : {16, 101}) {
-        const auto coverage = sphere_coverage({size, 4, 0});
-        double sum = 0;
-        for (const float c : coverage) sum += c;
-        const double radius = SphereOptions::k_radius * size / 2;
-        EXPECT_TRUE(near_relative(sum, k_pi * radius * radius, 0.005));
-        EXPECT_EQ(coverage.front(), 0);
-        EXPECT_EQ(coverage[std::size_t(size / 2 * size + size / 2)], 1);
-    }
 }
 
 }  // namespace

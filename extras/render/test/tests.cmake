@@ -26,6 +26,6 @@ test_program(extras_program -O0)
 tests(extras_program "program;fit" page)
 browser_test(page_in_browser extras_program page Page.DrawsInABrowserWhatTheDesktopDraws)
 if(EPOXY_LIBRARY)
-  tests(extras_program program raster raster_environment)
-  set_property(TEST raster raster_environment PROPERTY ENVIRONMENT LP_NUM_THREADS=1)  # Mesa draws on the processor
+  tests(extras_program program raster)
+  set_property(TEST raster PROPERTY ENVIRONMENT LP_NUM_THREADS=1)  # Mesa draws on the processor
 endif()

@@ -1,5 +1,0 @@
-if(SRBF_HAS_WINDOW)
-  test_program(view -O0)
-  tests(view "program;fit" view)
-  target_link_libraries(view_tests PRIVATE srbf_view)
-endif()

@@ -76,7 +76,6 @@ void plan_table(Plan& plan, bool quick) {
     if (quick) return;
     for (const Objective objective : {raw, cosine}) {
         plan.pm(PmForm::gaussian, 8, 4, objective);
-        plan.pm(PmForm::horizon, 8, 4, objective);
         plan.pm(PmForm::extended, 6, 4, objective);
         plan.pm(PmForm::extended, 8, 4, objective);
         plan.su(5, objective);
@@ -87,7 +86,7 @@ void plan_table(Plan& plan, bool quick) {
     plan.su_by_texture(5, raw);
     // For the plots of error over the number of lobes.
     for (const int lobes : {1, 2, 3, 4, 6, 8, 12, 16})
-        for (const PmForm form : k_forms) {
+        for (const PmForm form : {PmForm::gaussian, PmForm::extended, PmForm::reciprocal}) {
             for (const int variates : {2, 3, 4}) plan.pm(form, lobes, variates, raw);
             plan.pm(form, lobes, 4, cosine);
         }
@@ -112,7 +111,6 @@ void plan_samples(Plan& plan, bool quick) {
         plan.ggx(2, objective, objective == appearance ? "ggx" : "");
     }
     for (const Objective objective : {raw, cube_root}) {
-        plan.pm(PmForm::horizon, 8, 4, objective);
         for (const int lobes : {1, 2, 3, 4, 6, 8, 12}) {
             plan.pm(PmForm::gaussian, lobes, 4, objective);
             plan.pm(PmForm::extended, lobes, 4, objective);

@@ -78,7 +78,7 @@ TEST_F(Command, fit_stores_eight_lobes_of_four_variates_by_default) {
     EXPECT_EQ(json.value("variates", 0), 4);
     const auto model = load_model(folder / "small.srbf");
     ASSERT_TRUE(model);
-    EXPECT_EQ(json.value("payload_bytes", 0), has_log_scale(std::get<PmModel>(model->model)) ? 144 : 128);
+    EXPECT_EQ(json.value("payload_bytes", 0), 128);
 }
 
 TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {

@@ -16,7 +16,6 @@ FitTexts with(const FitOptionRow& option, const std::string& text) {
     FitTexts texts{{std::string(option.name), text}};
     if (!option.models.empty()) texts["model"] = option.models.front();
     if (option.name == "neighbours") texts["interpolation"] = "plain";
-    if (option.name == "no_scale") texts["form"] = "gaussian";
     return texts;
 }
 
@@ -87,8 +86,7 @@ TEST(PmFitOptions, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
         {{{"budget", "100"}, {"channels", "spectral"}}, "<budget>: only with <channels> rgb"},
         {{{"model", "su"}, {"neighbours", "3"}}, "<neighbours>: only with <interpolation> plain or <with_index>"},
         {{{"model", "ggx"}, {"channels", "spectral"}}, "<channels>: spectral only with <model> pm"},
-        {{{"no_scale", "true"}}, "<no_scale>: only with <form> gaussian; other forms always store log scales"},
-        {{{"as_measured", "true"}, {"form", "horizon"}},
+        {{{"as_measured", "true"}, {"form", "extended"}},
          "<as_measured>: not together with <form>; forms that are not reciprocal imply it"},
         {{{"model", "ggx"}, {"lobes", "3"}}, "<lobes>: expected 1 to 2 with <model> ggx, found 3"},
         {{{"model", "ggx"}, {"form", "gaussian"}}, "<form>: only with <model> pm, found ggx"},

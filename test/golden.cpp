@@ -229,7 +229,7 @@ const std::vector<Row>& rows() {
              return g.pm_line(g.film, 3, Objective::cosine,
                               {.form = PmForm::reciprocal, .axial = false, .effort = 0.3});
          }},
-        {"paper-3-log", [](const G& g) { return g.pm_line(g.paper, 3, Objective::log, {.form = PmForm::horizon}); }},
+        {"paper-3-log", [](const G& g) { return g.pm_line(g.paper, 3, Objective::log, {.form = PmForm::extended}); }},
         {"film-3-cube-root", [](const G& g) { return g.pm_line(g.film, 3, Objective::cube_root); }},
         {"paper-budget", [](const G& g) { return g.goal_line(g.paper, ByteBudget{60}, Objective::cosine); }},
         {"paper-delta-e", [](const G& g) { return g.goal_line(g.paper, TargetDeltaE{4}, k_default_objective); }},

@@ -71,7 +71,6 @@ const std::map<std::string, std::string> k_argument{
     {"--no-axial", ""},
     {"--as-measured", ""},
     {"--albedo-limit", "0.01"},
-    {"--no-scale", ""},
     {"--exchange", ""},
     {"--smooth", ""},
     {"--objective", "cosine"},

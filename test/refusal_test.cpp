@@ -81,7 +81,6 @@ TEST_F(CommandLine, usage_errors_of_choices) {
     expect_failure(2, {"fit", k_paper, "--model", "ggx", "--form", "source"}, "only with --model pm");
     expect_failure(2, {"fit", k_paper, "--form", "sauce"},
                    "expected gaussian or horizon or extended or reciprocal, found sauce");
-    expect_failure(2, {"fit", k_paper, "--no-scale"}, "only with --form gaussian");
     expect_failure(2, {"fit", k_paper, "--model", "su", "--budget", "100"}, "only with --model pm");
     expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64 or auto, found many");
     expect_failure(2, {"fit", k_paper, "--as-measured", "--form", "extended"}, "not together with --form");

@@ -8,8 +8,6 @@
 namespace srbf::search_test {
 namespace {
 
-constexpr double k_no_peak_limit = std::numeric_limits<double>::infinity();
-
 /// A broad lobe and one with an edge, for a ψ far from half vector, light and view.
 PmModel tilted() {
     PmModel model;
@@ -38,7 +36,7 @@ PmFitOptions options_of(std::uint64_t seed) {
 
 Candidate improved(Candidate candidate, const PmFitOptions& options, int perturbations) {
     Reporter reporter({}, 1);
-    LobeProblem problem(rows(), shape_of(options), false, k_no_peak_limit);
+    LobeProblem problem(rows(), shape_of(options), false);
     perturb(problem, options, perturbations, candidate, reporter);
     return candidate;
 }
@@ -61,7 +59,7 @@ TEST(Search, GrowsWhatMadeTheData) {
     for (int start = 0; start < 10; ++start) {
         Reporter reporter({}, 1);
         Candidate candidate{.start = start};
-        LobeProblem problem(rows(), shape_of(options_of(3)), false, k_no_peak_limit);
+        LobeProblem problem(rows(), shape_of(options_of(3)), false);
         grow(problem, options_of(3), candidate, reporter);
         EXPECT_EQ(candidate.lobes.count(), 2);
         found += improved(candidate, options_of(3), 16).loss <= 1e-6;

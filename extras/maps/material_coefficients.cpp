@@ -17,9 +17,6 @@ namespace {
 constexpr double k_largest_coefficient = 64;
 constexpr double k_none = -std::numeric_limits<double>::infinity();
 
-constexpr Stage k_active_stage{.pairs = Pairs::selection, .albedos = true};
-constexpr Stage k_picture_stage{.pairs = Pairs::selection, .albedos = true, .pictures = true};
-
 Lobes select_lobes(const Lobes& lobes, std::span<const std::size_t> which) {
     Lobes selected{lobes.shape, lobes.angle, {}};
     for (const std::size_t j : which)
@@ -40,19 +37,13 @@ LogCoefficients coefficients_in(const LobeProblem& problem, const Lobes& lobes, 
 }
 
 /// The rows of one material with all terms of its objective, weighted for these lobes.
-std::unique_ptr<Rows> rows_of(const Observations& observations, const Lobes& lobes, const PmFitOptions& options) {
+std::unique_ptr<Rows> rows_of(const Observations& observations, const Lobes& lobes) {
     Subsets subsets(observations);
     Candidate candidate;
     candidate.lobes = lobes;
-    subsets.add_exceeded_pairs({candidate}, options, k_log_peak_limit);
-    auto rows = std::make_unique<Rows>(subsets.rows(k_active_stage, 0));
-    if (observations.views.empty()) return rows;
-    LobeProblem pair_problem(*rows, lobes.shape, false, k_log_peak_limit);
-    pair_problem.loss(pack(lobes));
-    const PmModel fitted = to_model(pair_problem, lobes, true);
-    subsets.add_directional_lights(evaluator(fitted));
-    const double importance = subsets.picture_importance(candidate, k_picture_stage, options, k_log_peak_limit);
-    return std::make_unique<Rows>(subsets.rows(k_picture_stage, importance));
+    subsets.add_exceeded_pairs({candidate}, lobes.shape);
+    const double importance = observations.views.empty() ? 0 : subsets.picture_importance(candidate);
+    return std::make_unique<Rows>(subsets.rows(Pairs::selection, {.pictures = importance}));
 }
 
 }  // namespace
@@ -78,20 +69,19 @@ PmFitOptions lobe_options(const BasisOptions& options) {
 }
 
 SharedRows material_of(const Observations& observations, const Lobes& lobes, const BasisOptions& options) {
-    const PmFitOptions pm_options = lobe_options(options);
-    SharedRows material{rows_of(observations, lobes, pm_options)};
-    LobeProblem problem(*material.rows, lobes.shape, false, k_log_peak_limit);
+    SharedRows material{rows_of(observations, lobes)};
+    LobeProblem problem(*material.rows, lobes.shape, false);
     problem.loss(pack(lobes));
     material.lobes = active_lobes(problem, std::size_t(options.active > 0 ? options.active : lobes.count()));
     if (material.lobes.size() < std::size_t(lobes.count()))
-        material.rows = rows_of(observations, select_lobes(lobes, material.lobes), pm_options);
+        material.rows = rows_of(observations, select_lobes(lobes, material.lobes));
     return material;
 }
 
 LogCoefficients coefficients_of(const Observations& observations, const Lobes& lobes, const BasisOptions& options) {
     SharedRows material = material_of(observations, lobes, options);
     const Lobes selected = select_lobes(lobes, material.lobes);
-    LobeProblem problem(*material.rows, lobes.shape, false, k_log_peak_limit);
+    LobeProblem problem(*material.rows, lobes.shape, false);
     problem.loss(pack(selected));
     return coefficients_in(problem, selected, std::move(material.lobes));
 }

@@ -29,7 +29,7 @@ Lobes search_for_lobes(std::span<SharedRows> materials, const BasisOptions& opti
     const LobeShape shape = shape_of(lobe_options(options));
     std::mt19937_64 random = generator(options.seed, 0, 0);
     Lobes lobes = initial_parameterizations(shape, 0, random);
-    SharedProblem problem(materials, shape, k_log_peak_limit);
+    SharedProblem problem(materials, shape);
     const int group = std::max(1, options.lobes / k_basis_groups);
     while (lobes.count() < options.lobes && !reporter.cancelled()) {
         const int end = std::min(lobes.count() + group, options.lobes), begin = lobes.count();
@@ -62,7 +62,7 @@ Lobes refine(Lobes lobes, std::size_t count, const ObservationsOf& observations,
         });
         std::erase_if(materials, [](const SharedRows& material) { return !material.rows; });
         if (materials.empty()) break;
-        SharedProblem problem(materials, lobes.shape, k_log_peak_limit);
+        SharedProblem problem(materials, lobes.shape);
         Eigen::VectorXd x = pack(lobes);
         problem.loss(x);
         problem.weigh();
@@ -75,9 +75,9 @@ Lobes refine(Lobes lobes, std::size_t count, const ObservationsOf& observations,
 
 /// The lobes with their stored precision.
 Lobes rounded(const Lobes& lobes, const Rows& any_rows) {
-    LobeProblem problem(any_rows, lobes.shape, false, k_log_peak_limit);
+    LobeProblem problem(any_rows, lobes.shape, false);
     problem.loss(pack(lobes));
-    return to_lobes(to_halves(to_model(problem, lobes, true), lobes), lobes.shape);
+    return to_lobes(to_halves(to_model(problem, lobes), lobes), lobes.shape);
 }
 
 /// The lobes as a model with coefficients and scales 1.

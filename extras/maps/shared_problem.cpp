@@ -18,10 +18,10 @@ constexpr std::size_t k_hessians = 8;
 
 }  // namespace
 
-SharedProblem::SharedProblem(std::span<SharedRows> materials, const LobeShape& shape, double log_peak_limit)
+SharedProblem::SharedProblem(std::span<SharedRows> materials, const LobeShape& shape)
     : shape_(shape), materials_(materials) {
     for (const SharedRows& material : materials)
-        problems_.push_back(std::make_unique<LobeProblem>(*material.rows, shape, false, log_peak_limit));
+        problems_.push_back(std::make_unique<LobeProblem>(*material.rows, shape, false));
     factor_.assign(materials.size(), 1.0), loss_.assign(materials.size(), 0.0);
 }
 

@@ -20,7 +20,7 @@ struct SharedRows {
 class SharedProblem {
   public:
     /// The materials must outlive this object.
-    SharedProblem(std::span<SharedRows> materials, const LobeShape& shape, double log_peak_limit);
+    SharedProblem(std::span<SharedRows> materials, const LobeShape& shape);
 
     double loss(const Eigen::VectorXd& x);
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);

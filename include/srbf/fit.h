@@ -65,9 +65,6 @@ struct PmRequest {
     std::optional<double> albedo_limit = {};
     /// The length of the search for lobes as a multiple of the default, k_least_effort..k_most_effort.
     double effort = 1;
-    /// True: a model of `PmForm::gaussian` stores a log scale a lobe where β leaves the range of 16-bit floats. False:
-    /// β is bounded.
-    bool log_scale = true;
 };
 /// A view-by-view model (SU).
 struct SuRequest {

@@ -261,9 +261,9 @@ class NotRead(srbf.Measurement):
     ("seed", 2**64, {}), ("seed", 1.5, {}), ("threads", -1, {}), ("threads", 1025, {}), ("variates", 0, {}), ("variates", 9, {}),
     ("form", "round", {}), ("objective", "best", {}), ("budget", 5, {}), ("target_delta_e", 101, {}),
     ("surface", "gltf", {}), ("surface", "usd", {"model": "openpbr"}), ("target_delta_e", -1, {}), ("axial", "no", {}),
-    ("as_measured", 1, {}), ("as_measured", True, {"form": "horizon"}), ("lobes", 2, {"model": "openpbr"}),
+    ("as_measured", 1, {}), ("as_measured", True, {"form": "extended"}), ("lobes", 2, {"model": "openpbr"}),
     *((option, value, {"model": kind}) for kind in ("su", "ggx") for option, value in (
-        ("variates", 2), ("form", "horizon"), ("axial", True), ("as_measured", True), ("budget", 100), ("target_delta_e", 2.0))),
+        ("variates", 2), ("form", "gaussian"), ("axial", True), ("as_measured", True), ("budget", 100), ("target_delta_e", 2.0))),
 ])
 def test_options_are_refused_by_name_at_once(name, value, options):
     with pytest.raises(ValueError, match=f"^{name}: (expected .*, found|only with model .*, found|spectral only with|not together with form)"):
@@ -276,7 +276,7 @@ def test_a_surface_has_the_parameters_of_its_program(paper):
 
 
 def test_options_are_those_of_the_program(paper):
-    assert {"lobes", "directions", "no_scale"} <= set(inspect.signature(srbf.fit).parameters)
+    assert {"lobes", "directions", "as_measured"} <= set(inspect.signature(srbf.fit).parameters)
     sampled = srbf.fit(paper, model="su", lobes=1, directions=9, interpolation="plain", objective="raw").model.parameters
     assert sampled["direction"].shape == (9, 3) and sampled["interpolation"] == "plain"
 

@@ -45,11 +45,10 @@ PmFitOptions with_model(PmFitOptions options, const Trial& model) {
     options.axial = model.axial;
     options.variates = model.variates;
     options.lobes = model.lobes;
-    if (model.form != PmForm::gaussian) options.log_scale = true;
     return options;
 }
-std::size_t bytes_of(const Trial& kind, int lobes, bool log_scale) {
-    return payload_bytes(kind.form, kind.axial, log_scale || kind.form != PmForm::gaussian, lobes, kind.variates);
+std::size_t bytes_of(const Trial& kind, int lobes) {
+    return payload_bytes(kind.form, kind.axial, has_log_scales(kind.form), lobes, kind.variates);
 }
 
 std::vector<Trial> kinds(const PmFitOptions& options) {
@@ -57,8 +56,7 @@ std::vector<Trial> kinds(const PmFitOptions& options) {
     for (const PmForm form : k_forms)
         for (const bool axial : {true, false})
             for (int n = 1; n <= k_most_chosen_variates; ++n)
-                if ((axial || !options.axial) && is_reciprocal(form) == is_reciprocal(options.form) &&
-                    (options.log_scale || form == PmForm::gaussian))
+                if (is_fitted(form) && (axial || !options.axial) && is_reciprocal(form) == is_reciprocal(options.form))
                     all.push_back({.form = form, .axial = axial, .variates = n});
     return all;
 }
@@ -106,8 +104,7 @@ class Search {
         std::vector<Trial> models;
         for (Trial model : kinds) {
             model.lobes = 0;
-            while (model.lobes < k_most_fitted_lobes && bytes_of(model, model.lobes + 1, options_.log_scale) <= bytes)
-                ++model.lobes;
+            while (model.lobes < k_most_fitted_lobes && bytes_of(model, model.lobes + 1) <= bytes) ++model.lobes;
             if (model.lobes > 0) models.push_back(model);
         }
         return fit_in_short(models, k_shortest_fit);
@@ -164,7 +161,7 @@ Result<Chosen> within_bytes(Search& search, std::size_t bytes) {
     if (!trials) return trials.error();
     if (trials->empty()) {
         std::size_t least = k_most_chosen_bytes;
-        for (const Trial& kind : all) least = std::min(least, bytes_of(kind, 1, search.options().log_scale));
+        for (const Trial& kind : all) least = std::min(least, bytes_of(kind, 1));
         return argument_error("fit", "budget", fmt::format("at least {} bytes, for one lobe", least),
                               fmt::format("{}", bytes));
     }
@@ -226,8 +223,7 @@ class SmallestWithin {
     Result<Done> fit_between(const std::vector<Trial>& largest, std::size_t bytes_before) {
         std::vector<Trial> models;
         for (Trial model : first_of(largest, k_few_kinds))
-            while (--model.lobes > 0 && bytes_of(model, model.lobes, search_.options().log_scale) > bytes_before)
-                models.push_back(model);
+            while (--model.lobes > 0 && bytes_of(model, model.lobes) > bytes_before) models.push_back(model);
         const auto smaller = search_.fit_in_short(models, k_shortest_fit);
         if (!smaller) return smaller.error();
         std::vector<Trial> open = *smaller;

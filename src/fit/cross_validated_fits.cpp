@@ -79,7 +79,7 @@ class SampleFits {
     double error(const FitOutcome& outcome) const { return error_of(outcome.errors->heldout, request_.objective); }
     std::size_t bytes(int lobes) const {
         const PmFitOptions options = sample_options(samples_, request_, lobes);
-        return payload_bytes(options.form, options.axial, options.log_scale, lobes, options.variates);
+        return payload_bytes(options.form, options.axial, has_log_scales(options.form), lobes, options.variates);
     }
     /// Three values of each sample outside a fold are at least twice as many as the numbers to find, of two bytes each.
     bool enough_samples(int lobes) const { return bytes(lobes) <= 3 * samples_.wl.size() * (k_folds - 1) / k_folds; }

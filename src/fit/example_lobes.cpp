@@ -47,18 +47,18 @@ ExampleLobes::Fit ExampleLobes::fit(const Observations& samples, const Observati
     const Rows rows(both);
     const LobeShape shape = shape_of(options_);
     const auto after_steps = [&](const Lobes& from, int steps) {
-        LobeProblem problem(rows, shape, false, log_peak_limit_of(options_));
+        LobeProblem problem(rows, shape, false);
         Eigen::VectorXd x = pack(from);
         if (steps == 0) return Attempt{problem.loss(x), from};
         const auto reached = levenberg_marquardt(problem, x, {.max_iterations = steps});
         return Attempt{reached.loss, unpack(x, shape), reached.stop};
     };
     const auto rounded = [&](const Attempt& attempt) {
-        LobeProblem problem(rows, shape, false, log_peak_limit_of(options_));
+        LobeProblem problem(rows, shape, false);
         problem.loss(pack(attempt.lobes));
         const Lobes lobes = round_lobes(problem, attempt.lobes, attempt.loss);
         problem.loss(pack(lobes));
-        return to_halves(to_model(problem, lobes, options_.log_scale), lobes);
+        return to_halves(to_model(problem, lobes), lobes);
     };
     std::vector<Attempt> attempts;
     for (const Lobes& start : starts_) attempts.push_back(after_steps(start, 0));

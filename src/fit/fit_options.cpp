@@ -103,6 +103,7 @@ void add_lobes(std::vector<FitOptionRow>& to) {
     std::vector<std::string_view> forms;
     std::vector<std::string> summaries;
     for (const FormRow& row : k_form_rows) {
+        if (!is_fitted(row.form)) continue;
         forms.push_back(row.name);
         summaries.push_back(fmt::format("{}: {}", row.name, row.summary));
     }
@@ -138,11 +139,6 @@ void add_lobes(std::vector<FitOptionRow>& to) {
                                 "Default: general for anisotropic measurements",
                        .negation = "no_axial"},
                       [](FitRequest& r, bool is) { pm(r).axial = is; }));
-    to.push_back(flag({.name = "no_scale",
-                       .models = k_of_pm,
-                       .about = "Store no log scales: bounds the coefficients in the fit.\n"
-                                "Saves 2 J bytes; larger errors"},
-                      [](FitRequest& r, bool is) { pm(r).log_scale = !is; }));
 }
 
 /// The number of lobes, of each model that has one.
@@ -272,9 +268,6 @@ const Rule k_rules[] = {
     {{"target_delta_e", "budget"},
      "chooses the number of lobes; not together with {lobes}",
      [](const FitRequest&, const FitTexts& texts) { return !texts.contains("lobes"); }},
-    {{"no_scale"},
-     "only with {form} gaussian; other forms always store log scales",
-     [](const FitRequest& r, const FitTexts&) { return std::get<PmRequest>(r.model).form == PmForm::gaussian; }},
     {{"as_measured"},
      "not together with {form}; forms that are not reciprocal imply it",
      [](const FitRequest&, const FitTexts& texts) { return !texts.contains("form"); }},

@@ -37,7 +37,6 @@ inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm for
     options.variates = pm.variates.value_or(row_of(options.form).variates);
     options.albedo_limit = pm.albedo_limit;
     options.effort = pm.effort;
-    options.log_scale = pm.log_scale;
     options.seed = request.seed;
     options.threads = request.threads;
     return options;

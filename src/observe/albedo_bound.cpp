@@ -93,11 +93,6 @@ std::size_t AlbedoBound::add_exceeded(Observations& observations, const Evaluate
     return count;
 }
 
-void AlbedoBound::remove_from(Observations& observations) {
-    std::erase_if(observations.integrals, [](const ObservedIntegral& integral) { return integral.is_bound; });
-    for (View& view : views_) view.integral.reset();
-}
-
 namespace {
 
 PmModel lowered_at_views(const AlbedoBound& bound, PmModel model) {

@@ -38,8 +38,6 @@ class AlbedoBound {
     /// Adds to the observations, as integrals with the limit as their value, the albedos that `model` exceeds, and
     /// raises the costs of earlier ones that it still exceeds. Returns their number.
     std::size_t add_exceeded(Observations& observations, const Evaluate& model);
-    /// Removes what was added.
-    void remove_from(Observations& observations);
 
   private:
     struct View {

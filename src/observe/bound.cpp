@@ -38,14 +38,6 @@ PmModel only_lobe(PmModel model, int lobe) {
     return model;
 }
 
-std::vector<int> exceeding_lobes(const Observations& observations, std::size_t first, const PmModel& model) {
-    const double largest = largest_measured(observations);
-    std::vector<int> lobes;
-    for (int j = 0; j < model.lobes; ++j)
-        if (!exceeded_pairs(observations, first, only_lobe(model, j), largest).empty()) lobes.push_back(j);
-    return lobes;
-}
-
 double bound_weight(const Observations& observations, std::size_t i, double loss, double largest) {
     return k_excess_weight * loss * elementary::square(bound_cosines(observations.wl[i], observations.wv[i]) / largest);
 }
@@ -64,12 +56,6 @@ std::size_t add_exceeded_pairs(Observations& observations, std::size_t first, co
         --observations.bound_pairs;
     }
     return where.size();
-}
-
-void reset_bound_weights(Observations& observations, std::size_t first, double loss) {
-    const double largest = largest_measured(observations);
-    for (std::size_t i = first; i < observations.fitted_count(); ++i)
-        observations.weight[i] = bound_weight(observations, i, loss, largest);
 }
 
 }  // namespace srbf

@@ -29,8 +29,6 @@ std::vector<std::size_t> exceeded_pairs(const Observations& observations, std::s
 
 /// A model whose other lobes are 0 in R, G, B.
 PmModel only_lobe(PmModel model, int lobe);
-/// Indices of the lobes of `model` that exceed this bound on their own.
-std::vector<int> exceeding_lobes(const Observations& observations, std::size_t first, const PmModel& model);
 
 /// The weight that bound pair i gets when it becomes an observation, for a fit with this loss.
 double bound_weight(const Observations& observations, std::size_t i, double loss, double largest);
@@ -38,8 +36,5 @@ double bound_weight(const Observations& observations, std::size_t i, double loss
 /// Turns bound pairs that `model` exceeds into observations, and raises the weight of earlier ones that it still
 /// exceeds. `first` is the index of the first of them. Returns their number.
 std::size_t add_exceeded_pairs(Observations& observations, std::size_t first, const PmModel& model, double loss);
-
-/// Resets the weights of observations that were bound pairs to their initial values, for a fit with this loss.
-void reset_bound_weights(Observations& observations, std::size_t first, double loss);
 
 }  // namespace srbf

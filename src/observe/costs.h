@@ -8,19 +8,14 @@ namespace SRBF_NAMESPACE {
 // Weights of pairs: the loss of a 100 % error everywhere under each term, as a fraction of the same loss under the
 // objective's own weights.
 inline constexpr double k_highlights = 1;  ///< appearance: cube roots, for values that a display clips
-/// appearance: squares; without it, one seed in ten produced a spurious peak
-inline constexpr double k_peaks = 0.03;
+inline constexpr double k_peaks = 0.3;     ///< appearance: squares
 /// Cosine: cube roots. Without it the diffuse base under a highlight has almost no weight.
 inline constexpr double k_diffuse_base = 5e-3;
 /// Cost of an error at all horizon pairs (beyond θmax) as large as the largest measured f cosθl cosθv.
 inline constexpr double k_horizon_importance = 1e-2;
 
-/// Radiance in pictures under directional lights of all phase angles, as a multiple of the fit's current loss.
-inline constexpr double k_directional_lights = 5;
-/// Pixels, as a multiple of the loss of the fit without them. The second value holds without directional lights,
-/// for scattered samples.
+/// Pixels, as a multiple of the loss of the fit without them.
 inline constexpr double k_pixels = 3.5;
-inline constexpr double k_pixels_alone = 2;
 
 /// A relative error of this size in every albedo costs as much as the fit's loss without albedos; the two values
 /// are for fits without and with pixels. The cost is proportional to 1 over the square: with half the value it is
@@ -40,9 +35,6 @@ inline constexpr double k_most_albedo_loss = 0.004;
 /// Errors of albedos near the horizon are relative to at least this value: few pixels show them. With smaller
 /// values (0.3 to 0.5) ΔE_ITP rose.
 inline constexpr double k_horizon_albedo = 1;
-/// The factor on the cost of albedos beside directional lights, whose loss is several times that of the pairs, most
-/// of it in highlights.
-inline constexpr double k_albedos_beside_directional_lights = 8;
 
 /// View by view: an error of 1 % in the radiances under all four lights of a view costs 1e-4 times this value in
 /// each of three channels.

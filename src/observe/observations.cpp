@@ -97,8 +97,6 @@ Observations beginning(const Observations& observations, std::size_t count) {
     copy_first(selected.wl, observations.wl, count), copy_first(selected.wv, observations.wv, count);
     copy_first(selected.f, observations.f, count), copy_first(selected.weight, observations.weight, count);
     copy_first(selected.spectrum, observations.spectrum, count * observations.wavelengths.size());
-    if (!observations.directional_light_weight.empty())
-        copy_first(selected.directional_light_weight, observations.directional_light_weight, count);
     selected.normalise();
     return selected;
 }

@@ -52,10 +52,6 @@ struct Observations {
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f;          ///< [1/sr], ≥ 0
     std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
-    /// For the objective appearance: the weight w ≥ 0 of the radiance in pictures under one directional light, up
-    /// to a factor, for all pairs except the bound pairs. Otherwise empty. A fit adds it to `weight` in its last
-    /// stages.
-    std::vector<double> directional_light_weight;
     /// The last `bound_pairs` pairs only bound a fit from above: they join the sum only if the fit exceeds them by
     /// far.
     std::size_t bound_pairs = 0;

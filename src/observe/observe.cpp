@@ -7,7 +7,6 @@
 #include "base/reporter.h"
 #include "observe/albedos.h"
 #include "observe/costs.h"
-#include "observe/directional_lights.h"
 #include "observe/observations.h"
 #include "observe/observe_pictures.h"
 #include "observe/pair_weights.h"
@@ -107,19 +106,13 @@ Result<MeasuredPairs> measure_pairs(const Evaluate& f, double theta_max, const O
     return pairs;
 }
 
-/// Pairs chosen from the pool.
-struct ChosenPairs {
-    Observations pairs;  ///< with Σ w |f|² = 1
-    std::vector<Rgb> level;
-    std::vector<double> solid_angle;  ///< solid angle that each pair stands for [sr²]
-};
 /// Chooses approximately `count` of the pairs, in order: half by their fraction of Σ w |f|², half uniformly.
 /// Weights are divided by the expected number of times that a pair is chosen, so that sums over the chosen pairs
-/// are unbiased. Pairs chosen several times are merged.
-ChosenPairs choose_pairs(const Observations& pool, std::span<const Rgb> level, std::span<const double> weight,
-                         std::size_t count) {
+/// are unbiased, and scaled so that Σ w |f|² = 1. Pairs chosen several times are merged.
+Observations choose_pairs(const Observations& pool, std::span<const Rgb> level, std::span<const double> weight,
+                          std::size_t count) {
     const double energy = energy_of(level, weight), size = double(pool.f.size());
-    ChosenPairs chosen;
+    Observations chosen;
     double sum = 0.5;  // rounds the number of chosen pairs to the nearest integer
     for (std::size_t i = 0; i < pool.f.size(); ++i) {
         const double energy_fraction = weight[i] * square_of(level[i]) / energy, uniform = 1 / size;
@@ -127,12 +120,9 @@ ChosenPairs choose_pairs(const Observations& pool, std::span<const Rgb> level, s
         const double number = std::floor(sum + expected) - std::floor(sum);
         sum += expected;
         if (!(number > 0)) continue;
-        const double times = number / expected;
-        chosen.pairs.add(pool.wl[i], pool.wv[i], pool.f[i], weight[i] * times);
-        chosen.level.push_back(level[i]);
-        chosen.solid_angle.push_back(pool.weight[i] * times / size);
+        chosen.add(pool.wl[i], pool.wv[i], pool.f[i], weight[i] * number / expected);
     }
-    chosen.pairs.normalise();
+    chosen.normalise();
     return chosen;
 }
 
@@ -141,23 +131,16 @@ void add_fitted(Observations& observations, const MeasuredPairs& measured, const
     const auto& [count, pool, horizon, bound, level] = measured;
     std::vector<double> weight = pool.weight;
     weigh(options.objective, observations.typical, pool.wl, pool.wv, level, weight, options.threads);
-    const auto [chosen, chosen_level, solid_angle] = choose_pairs(pool, level, weight, count);
+    const Observations chosen = choose_pairs(pool, level, weight, count);
     const std::size_t horizon_count = std::min(horizon.f.size(), chosen.f.size() / k_pairs_per_horizon_pair);
     const double largest = std::max({largest_square(pool), largest_square(horizon), largest_square(bound)});
-    std::vector<double> angle;
-    std::vector<Rgb> values;
     for (std::size_t k = 0; k < chosen.f.size(); ++k) {
         observations.add(chosen.wl[k], chosen.wv[k], chosen.f[k], chosen.weight[k]);
-        angle.push_back(solid_angle[k]), values.push_back(chosen_level[k]);
         const std::size_t h = k / k_pairs_per_horizon_pair;
         if (k % k_pairs_per_horizon_pair + 1 < k_pairs_per_horizon_pair || h >= horizon_count) continue;
         observations.add(horizon.wl[h], horizon.wv[h], horizon.f[h],
                          horizon_weight(horizon.wl[h], horizon.wv[h], k_horizon_importance, horizon_count, largest));
-        angle.push_back(0), values.push_back(horizon.f[h]);
     }
-    if (traits(options.objective).of_pictures)
-        observations.directional_light_weight =
-            directional_light_weights(observations.wl, observations.wv, values, angle);
 }
 
 }  // namespace

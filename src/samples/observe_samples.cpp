@@ -90,7 +90,6 @@ Result<Observations> observe_gap_filled(const GapFilledSamples& filled, const Ob
                                progress);
     if (!table) return table.error();
     Observations observations = *table;
-    observations.directional_light_weight.clear();
     if (is_quick) observations.views.clear();
     observations.resize(table->fitted_count());
     // Where Lambert replaces the samples, lobes would follow the samples' noise between the pairs.

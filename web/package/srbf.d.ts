@@ -5,7 +5,7 @@ export interface PmFitOptions {
   lobes?: number;
   variates?: number;
   /** Tables are fitted by "reciprocal". */
-  form?: "gaussian" | "horizon" | "extended" | "reciprocal";
+  form?: "gaussian" | "extended" | "reciprocal";
   /** Fits the table as it is, by a form that is not reciprocal. */
   asMeasured?: boolean;
   /** The largest directional albedo of each channel. */

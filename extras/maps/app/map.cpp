@@ -89,8 +89,7 @@ void add_shared_lobes(const Subcommand& sub, MapCommand& command, MapOptions& op
 
 std::vector<Reading> map_readings(const MapOptions& options, const MapCommand& fit) {
     return {
-        {{options.lobes, options.examples, options.fit.at("no_scale"), options.fit.at("objective"), options.range,
-          options.slab},
+        {{options.lobes, options.examples, options.fit.at("objective"), options.range, options.slab},
          "not with --basis",
          [&] { return fit.basis == 0; }},
         {{options.width}, "only with --basis", [&] { return fit.basis > 0; }},
@@ -112,8 +111,8 @@ void add_map(CommandLine& app, int& status) {
     const Subcommand sub =
         app.add_subcommand("map", "Fit the texels of a surface: of their own lobes, or of lobes that they share");
     for (const auto add : {add_texel_files, add_own_lobes, add_shared_lobes}) add(sub, fit, options);
-    options.fit = add_fit_options(
-        sub, fit.texts, {"form", "variates", "axial", "no_scale", "objective", "max_theta", "seed", "threads"});
+    options.fit =
+        add_fit_options(sub, fit.texts, {"form", "variates", "axial", "objective", "max_theta", "seed", "threads"});
     sub.footer(
         "Examples:\n  srbf map texels.npy --pairs pairs.csv -o slabs --resume\n"
         "  srbf map texels.npy --pairs pairs.csv --examples 64 -o slabs --resume\n"

@@ -29,9 +29,9 @@ inline constexpr std::array<ExponentTerm, 4> k_terms{{
 
 /// The factors of a lobe. The sizes are in 16-bit numbers, for J lobes of N variates.
 enum class PmForm {
-    gaussian,    ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
-    horizon,     ///< also (cosθl cosθv)^κ, κ ≥ 0, always with a log scale: axial J(3+N+2)+2N
-    extended,    ///< also e^{μ(l·h−1) − γδ − σ sinθh}, δ as in `k_terms`: axial J(3+N+5)+2N
+    gaussian,  ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
+    horizon,  ///< also (cosθl cosθv)^κ, κ ≥ 0, always with a log scale: axial J(3+N+2)+2N; only read, never fitted
+    extended,    ///< all terms, always with a log scale: axial J(3+N+5)+2N
     reciprocal,  ///< the mean of an extended sum and of the same with light and viewer exchanged: the same size
 };
 /// A form has the first `terms` terms of `k_terms`.
@@ -47,7 +47,7 @@ struct FormRow {
 inline constexpr std::array<FormRow, 4> k_form_rows{{
     {PmForm::gaussian, "gaussian", "source", 0, false, 8, 4, "as Tsai 2009 defines them"},
     {PmForm::horizon, "horizon", "horizon", 1, false, 8, 4, "also a power of cos(theta_l) cos(theta_v)"},
-    {PmForm::extended, "extended", "extended", 4, false, 8, 4, "also three further factors"},
+    {PmForm::extended, "extended", "extended", 4, false, 8, 4, "also powers of cosines and three further factors"},
     {PmForm::reciprocal, "reciprocal", "reciprocal", 4, true, 9, 3, "also the mean with light and viewer exchanged"},
 }};
 /// The form of a fit by default, of a table.
@@ -63,6 +63,9 @@ static_assert([] {
         if (std::size_t(k_form_rows[i].form) != i || k_form_rows[i].terms > k_terms.size()) return false;
     return k_form_rows.back().terms == k_terms.size();
 }());
+
+/// True if `fit` offers the form.
+constexpr bool is_fitted(PmForm form) { return form != PmForm::horizon; }
 
 /// F: the number of exponents of a lobe of that form besides its bandwidths.
 constexpr int features(PmForm form) { return int(row_of(form).terms); }

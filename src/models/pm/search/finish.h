@@ -9,7 +9,6 @@ namespace SRBF_NAMESPACE {
 /// Factors of the terms other than that of the pairs, see RowOptions.
 struct TermFactors {
     double integrals = 0, pictures = 0;
-    bool has_directional_lights = false;  ///< the weights of the pairs include directional lights
 };
 
 /// Optimises the lobes on all observations and rounds them. Bound pairs that the rounded model exceeds become

@@ -20,9 +20,6 @@ struct PmFitOptions {
     /// Upper bound 1/finest² on bandwidths, and 1/finest [1/rad] on the other weights; 0: the range of 16-bit
     /// floats.
     double finest = 0;
-    /// For the form gaussian: true stores a log scale for each lobe where β leaves the range of 16-bit floats;
-    /// false bounds β.
-    bool log_scale = true;
     /// Number of starts: independent growths of J lobes. The best four are polished and one to three of them
     /// finished. For appearance, pictures choose among all of them, and one is finished, or an eighth where pictures
     /// are far off. Default: 20, or 16 for 8 lobes and more.

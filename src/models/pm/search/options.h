@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/half.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/pm/solve/lobes.h"
-#include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {
 
@@ -35,15 +33,6 @@ inline PmFitOptions quick_options(PmFitOptions options, int starts, int perturba
     options.perturbations = std::min(perturbations_of(options), perturbations);
     options.effort = 1;
     return options;
-}
-
-/// Upper bound on the log of the coefficient of a lobe with peak 1. The peak may lie where no pair of directions
-/// maps to. But opposing lobes of ever larger bandwidths gain less than 1 % on the measured materials, and lose
-/// precision in float.
-inline constexpr double k_log_peak_limit = 300;
-/// The limit of a fit: without a log scale, coefficients are 16-bit floats.
-inline double log_peak_limit_of(const PmFitOptions& options) {
-    return options.log_scale ? k_log_peak_limit : elementary::log(double(k_half_max));
 }
 
 /// Number of free parameters of a fit.

@@ -7,7 +7,6 @@
 #include "models/pm/solve/rounding.h"
 #include "observe/bound.h"
 #include "observe/costs.h"
-#include "observe/directional_lights.h"
 #include "observe/observations.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
@@ -45,18 +44,16 @@ Subsets::Part Subsets::first_pairs(Pairs pairs) const {
     return {std::move(part), begin};
 }
 
-void Subsets::add_exceeded_pairs(const std::vector<Candidate>& candidates, const PmFitOptions& options,
-                                 double log_peak_limit) {
+void Subsets::add_exceeded_pairs(const std::vector<Candidate>& candidates, const LobeShape& shape) {
     const Rows selection_rows(selection_.observations), polish_rows(polish_.observations);
     std::vector<std::vector<std::size_t>> added(candidates.size());
     std::vector<double> loss(candidates.size());
     parallel_for(candidates.size(), [&](std::size_t i) {
         const Lobes& lobes = candidates[i].lobes;
-        LobeProblem selection(selection_rows, shape_of(options), false, log_peak_limit),
-            polish(polish_rows, shape_of(options), false, log_peak_limit);
+        LobeProblem selection(selection_rows, shape, false), polish(polish_rows, shape, false);
         selection.loss(pack(lobes));
         std::vector<std::size_t> indices =
-            exceeded_pairs(all_, search_.begin, to_model(selection, lobes, options.log_scale, {}), largest_);
+            exceeded_pairs(all_, search_.begin, to_model(selection, lobes, {}), largest_);
         // Bounds beyond the grid are left to the final model: candidates often exceed them, and they would displace
         // more important ones.
         std::erase_if(indices, [&](std::size_t k) { return std::min(all_.wl[k].z, all_.wv[k].z) < k_brink_cosine; });
@@ -75,32 +72,36 @@ void Subsets::add_exceeded_pairs(const std::vector<Candidate>& candidates, const
     }
 }
 
-void Subsets::add_directional_lights(const Evaluate& fitted) {
-    has_directional_lights_ = !selection_.observations.directional_light_weight.empty();
-    if (has_directional_lights_) srbf::add_directional_lights(selection_.observations, fitted);
+double Subsets::integral_importance() const {
+    return std::min(loss_, k_most_albedo_loss) / (3 * all_.integral_error * all_.integral_error);
 }
 
-double Subsets::integral_importance(bool beside_directional_lights) const {
-    return (beside_directional_lights ? k_albedos_beside_directional_lights : 1) * std::min(loss_, k_most_albedo_loss) /
-           (3 * all_.integral_error * all_.integral_error);
-}
-
-double Subsets::picture_importance(const Candidate& candidate, const Stage& stage, const PmFitOptions& options,
-                                   double log_peak_limit) const {
+double Subsets::picture_importance(const Candidate& candidate) const {
     constexpr double k_negligible = 1e-9, k_least_delta_e = 1e-3;
-    const Rows stage_rows = rows(stage, k_negligible);
-    LobeProblem problem(stage_rows, shape_of(options), true, log_peak_limit);
+    const Rows seen = rows(Pairs::selection, {.pictures = k_negligible});
+    LobeProblem problem(seen, candidate.lobes.shape, true);
     problem.loss(pack(candidate.lobes));
-    return (has_directional_lights_ ? k_pixels : k_pixels_alone) * loss_ / std::max(problem.delta_e(), k_least_delta_e);
+    return k_pixels * loss_ / std::max(problem.delta_e(), k_least_delta_e);
 }
 
-Rows Subsets::rows(const Stage& stage, double picture_importance) const {
-    const Part& part = stage.pairs == Pairs::search ? search_ : stage.pairs == Pairs::selection ? selection_ : polish_;
-    if (!stage.albedos) return Rows(part.observations);
-    return Rows(part.observations,
-                {.integral_importance = integral_importance(stage.pictures && has_directional_lights_),
-                 .subsampled_integrals = stage.pairs != Pairs::polish,
-                 .picture_importance = stage.pictures ? picture_importance : 0});
+const Observations& Subsets::observations(Pairs pairs) const {
+    switch (pairs) {
+        case Pairs::search:
+            return search_.observations;
+        case Pairs::selection:
+            return selection_.observations;
+        case Pairs::polish:
+            return polish_.observations;
+        case Pairs::all:
+            break;
+    }
+    return all_;
+}
+
+Rows Subsets::rows(Pairs pairs, const FurtherTerms& terms) const {
+    return Rows(observations(pairs), {.integral_importance = terms.albedos ? integral_importance() : 0,
+                                      .subsampled_integrals = pairs == Pairs::search || pairs == Pairs::selection,
+                                      .picture_importance = terms.pictures});
 }
 
 }  // namespace srbf

@@ -2,10 +2,20 @@
 #pragma once
 #include <vector>
 
-#include "models/pm/search/schedule.h"
 #include "models/pm/search/search.h"
 
 namespace SRBF_NAMESPACE {
+
+/// The number of first pairs that are rows: while there are many candidates, afterwards, and in the polish.
+/// Pictures are observed beside `selection` and `all`. A quick fit, with fewer observations than another's polish,
+/// uses `selection` instead of `search`, because its first candidates are its only ones.
+enum class Pairs : std::size_t { search = 2048, selection = 4096, polish = 16384, all = 0 };
+
+/// The terms of a loss other than that of the pairs.
+struct FurtherTerms {
+    bool albedos = true;
+    double pictures = 0;  ///< see RowOptions::picture_importance
+};
 
 /// The first observations, in colours: for the search, for the selection, and for the polish. From stage to stage,
 /// observations are added at which candidates exceeded the measurement.
@@ -16,21 +26,14 @@ class Subsets {
 
     /// Evaluates the candidates at the other observations. Adds those at which they exceed the measurement, and
     /// updates the loss to which the weight of integrals is relative.
-    void add_exceeded_pairs(const std::vector<Candidate>& candidates, const PmFitOptions& options,
-                            double log_peak_limit);
+    void add_exceeded_pairs(const std::vector<Candidate>& candidates, const LobeShape& shape);
 
-    /// Adds the weights of directional lights, relative to the errors of a fit, to the pairs used with pictures.
-    void add_directional_lights(const Evaluate& fitted);
+    Rows rows(Pairs pairs, const FurtherTerms& terms) const;
 
-    /// The rows of a stage that does not use all pairs.
-    Rows rows(const Stage& stage, double picture_importance) const;
-
-    /// The increase of the sum if every integral differs by its luminance in one of three channels. It is larger
-    /// beside weights of directional lights.
-    double integral_importance(bool beside_directional_lights = false) const;
+    /// The increase of the sum if every integral differs by its luminance in one of three channels.
+    double integral_importance() const;
     /// The factor with which the pixels of this candidate cost `k_pixels` times the loss per mean ΔE_ITP.
-    double picture_importance(const Candidate& candidate, const Stage& stage, const PmFitOptions& options,
-                              double log_peak_limit) const;
+    double picture_importance(const Candidate& candidate) const;
 
   private:
     struct Part {
@@ -38,11 +41,11 @@ class Subsets {
         std::size_t begin;  ///< number of initial observations from `all_`; the others were added
     };
     Part first_pairs(Pairs pairs) const;
+    const Observations& observations(Pairs pairs) const;
 
     const Observations& all_;
     Part search_, selection_, polish_;
     double largest_, loss_ = 1;
-    bool has_directional_lights_ = false;  ///< the weights of `selection_` include directional lights
 };
 
 }  // namespace srbf

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "base/least_squares.h"
+
 namespace SRBF_NAMESPACE {
 namespace {
 

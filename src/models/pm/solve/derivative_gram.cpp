@@ -6,6 +6,15 @@
 
 namespace SRBF_NAMESPACE {
 
+AngleColumns::AngleColumns(const Eigen::MatrixXd& coefficients) {
+    const double largest = coefficients.size() > 0 ? coefficients.maxCoeff() : 0;
+    unit = largest > 0 ? largest : 1;
+    beta = coefficients / unit;
+    channels = beta.transpose(), lobes = channels;
+    const Eigen::Index columns = std::min(beta.rows(), beta.cols());
+    (beta.cols() < beta.rows() ? channels : lobes).setIdentity(columns, columns);
+}
+
 DerivativeGram::DerivativeGram(LobeBasis& basis, const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
                                const Aligned<float>& residuals)
     : basis_(basis),
@@ -59,7 +68,7 @@ double DerivativeGram::angle_and_lobe(Eigen::Index n, Eigen::Index c, Eigen::Ind
 }
 
 Eigen::VectorXd DerivativeGram::residual_and_lobes(Eigen::Index c) const {
-    return Eigen::VectorXd::NullaryExpr(J_, [&](Eigen::Index j) { return residual_and_lobe(c, j); });
+    return Eigen::VectorXd::NullaryExpr(J_, [&](Eigen::Index j) { return G_(residual(c), lobe(j, 0)); });
 }
 
 void DerivativeGram::fill_columns(std::size_t block, Aligned<float>& memory, std::vector<const float*>& all) const {
@@ -68,9 +77,14 @@ void DerivativeGram::fill_columns(std::size_t block, Aligned<float>& memory, std
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = &memory[i * k_block];
     for (Eigen::Index j = 0; j < J_; ++j) {
         all[std::size_t(lobe(j, 0))] = basis_.lobe(block, int(j));
-        for (int i = 0; i < int(W_); ++i)
-            add_two_products(basis_.part(block, int(j), 0), basis_.factor(block, i, 0), basis_.part(block, int(j), 1),
-                             basis_.factor(block, i, 1), &memory[std::size_t(lobe(j, 1 + i)) * k_block], count);
+        for (int i = 0; i < int(W_); ++i) {
+            float* const column = &memory[std::size_t(lobe(j, 1 + i)) * k_block];
+            if (basis_.shape().sides() == 1)
+                multiply(basis_.lobe(block, int(j)), basis_.factor(block, i), column, count);
+            else
+                add_two_products(basis_.part(block, int(j), 0), basis_.factor(block, i, 0),
+                                 basis_.part(block, int(j), 1), basis_.factor(block, i, 1), column, count);
+        }
     }
     for (Eigen::Index n = 0; n < N_; ++n) fill_angle(block, n, memory);
     for (Eigen::Index c = 0; c < channels_; ++c)

@@ -1,30 +1,44 @@
-// Products of the derivatives of reciprocal lobes, summed over rows.
+// Products of the derivatives of lobes, summed over rows.
 #pragma once
 #include <Eigen/Dense>
-#include <span>
 #include <vector>
 
-#include "models/pm/solve/derivative_sums.h"
+#include "models/pm/solve/lobe_basis.h"
 
 namespace SRBF_NAMESPACE {
 
-/// The sums of `DerivativeSums` for lobes that are a sum over sides: the products of all columns with one another. The
-/// columns are E_j and its derivatives by its weights, for each lobe; the columns of angles; and the residuals.
+/// The coefficients β of lobes, in multiples of `unit`, and the columns from which the derivatives by an angle are
+/// combined: one for each channel, or one for each lobe if there are fewer lobes than channels.
+struct AngleColumns {
+    explicit AngleColumns(const Eigen::MatrixXd& coefficients);  ///< J × channels
+    double unit;                      ///< the largest coefficient, so that floats can hold products of two of them
+    Eigen::MatrixXd beta;             ///< J × channels
+    Eigen::MatrixXd channels, lobes;  ///< channels × lobes = βᵀ; S rows of `lobes`
+};
+
+/// Sums over rows that make up the Hessian and the gradient: for pairs sums of the products of derivatives and
+/// residuals, for integrals products of their sums. The columns that are multiplied with one another are E_j and its
+/// derivatives E_j s_i by its weights, for each lobe; those of angles; and the residuals r_c. The derivative by angle n
+/// is −A_nc in channel c, A_nc = Σ_j β_jc E_j p_jn·∂ψ_n/∂angle, a combination of S columns: see `AngleColumns`.
 class DerivativeGram {
   public:
-    /// As of `DerivativeSums`.
+    /// Computes the sums for the lobes that `basis` has evaluated at x. `beta` holds their coefficients, J ×
+    /// channels, and `residuals` blocks × channels × k_block numbers.
     DerivativeGram(LobeBasis& basis, const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
                    const Aligned<float>& residuals);
 
+    /// (E_j s_i) · (E_k s_l), where s_0 is 1.
     double product(Eigen::Index j, Eigen::Index i, Eigen::Index k, Eigen::Index l) const {
         return G_(lobe(j, i), lobe(k, l));
     }
+    /// Entries of the Hessian for angles n and m, and for angle n and weight i of lobe j; and minus half of the
+    /// gradient's.
     double angles(Eigen::Index n, Eigen::Index m) const;
     double angle_and_weight(Eigen::Index n, Eigen::Index j, Eigen::Index i) const;
     double residual_and_angle(Eigen::Index n) const;
     double residual_and_weight(Eigen::Index j, Eigen::Index i) const;
+    /// A_nc · E_k, and r_c · E_j.
     double angle_and_lobe(Eigen::Index n, Eigen::Index c, Eigen::Index k) const;
-    double residual_and_lobe(Eigen::Index c, Eigen::Index j) const { return G_(residual(c), lobe(j, 0)); }
     Eigen::VectorXd residual_and_lobes(Eigen::Index c) const;
 
   private:
@@ -43,7 +57,7 @@ class DerivativeGram {
     const Eigen::VectorXd& x_;
     const Aligned<float>& residuals_;
     AngleColumns columns_;
-    Eigen::Index J_, N_, W_, channels_, S_;  ///< as in `DerivativeSums`
+    Eigen::Index J_, N_, W_, channels_, S_;  ///< as in LobeShape; S: number of columns for each angle
     Eigen::MatrixXd G_;
 };
 

@@ -2,20 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "base/half.h"
 #include "base/least_squares.h"
 #include "models/pm/solve/columns.h"
-#include "models/pm/solve/derivative_gram.h"
-#include "models/pm/solve/derivative_sums.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {
 
-LobeProblem::LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel, double log_peak_limit)
+LobeProblem::LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel)
     : rows_(rows),
       shape_(shape),
-      log_peak_limit_(log_peak_limit),
       basis_(rows, shape, parallel),
       pixels_(basis_),
       residuals_(rows.total_blocks() * rows.y.size() * k_block) {}
@@ -37,7 +36,7 @@ Eigen::VectorXd LobeProblem::longest_step(const Eigen::VectorXd& x) const {
 
 double LobeProblem::loss(const Eigen::VectorXd& x) {
     basis_.evaluate(x);
-    bound_coefficients(x);
+    limit_coefficients(x);
     const bool has_pixels = rows_.views > 0;
     if (has_pixels) pixels_.evaluate(false);
     const PixelTerm pixels = pixels_.term();
@@ -55,14 +54,12 @@ Eigen::MatrixXd LobeProblem::products_with_data() {
                                });
 }
 
-void LobeProblem::bound_coefficients(const Eigen::VectorXd& x) {
-    const int W = shape_.width();
-    Eigen::VectorXd limit(basis_.count());
-    for (int j = 0; j < basis_.count(); ++j) {
-        const std::span<const double> weights(x.data() + shape_.variates + j * W, std::size_t(W));
-        const double factor = log_peak_factor(weights, shape_, basis_.offset()[std::size_t(j)]);
-        limit[j] = elementary::exp(std::min(log_peak_limit_ - elementary::log(rows_.scale) - factor, 700.0));
-    }
+void LobeProblem::limit_coefficients(const Eigen::VectorXd& x) {
+    Eigen::VectorXd limit = Eigen::VectorXd::Constant(basis_.count(), std::numeric_limits<double>::infinity());
+    const Lobes lobes = unpack(x, shape_);
+    for (int j = 0; j < limit.size() && !has_log_scales(shape_.form); ++j)
+        limit[j] = double(k_half_max) / rows_.scale *
+                   elementary::exp(-log_peak_factor(lobes.weights_of(j), shape_, offset()[std::size_t(j)]));
     coefficients_.limit = limit.replicate(1, channels());
 }
 
@@ -95,32 +92,35 @@ double LobeProblem::loss_with_residuals() {
 
 // The derivative of the residual of channel c is −β_jc E_j s_i with respect to weight i of lobe j, where s_i is the
 // factor of the weight, and −A_nc with respect to angle n, A_nc = Σ_j β_jc E_j p_jn·∂ψ_n/∂angle. A coefficient
-// strictly between its bounds adapts, so that only the component of the derivatives orthogonal to the free lobes
-// counts (Kaufman's approximation). A coefficient at its upper bound follows the bound: β_j E_j is then a lobe of
-// given peak, and the peak of exp(p·(ψ − ẑ)) is exp(|p| − p_z).
+// above 0 adapts, so that only the component of the derivatives orthogonal to the free lobes counts (Kaufman's
+// approximation).
 void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    if (shape_.sides() == 1)
-        linearise(DerivativeSums(basis_, x, beta(), residuals_), x, H, g);
-    else
-        linearise(DerivativeGram(basis_, x, beta(), residuals_), x, H, g);
-}
-
-template <typename Sums>
-void LobeProblem::linearise(const Sums& sums, const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+    const DerivativeGram sums(basis_, x, beta(), residuals_);
     H = Eigen::MatrixXd::Zero(x.size(), x.size());
     g = Eigen::VectorXd::Zero(x.size());
     fill_derivatives(sums, H, g);
-    const auto with_lobes = [&](Eigen::Index c) { return derivatives_with_lobes(x, sums, c, H, g); };
-    const auto residual_products = [&](Eigen::Index c) { return sums.residual_and_lobes(c); };
-    const auto add_pixels = [&](CoefficientTerms& terms) {
-        pixels_.evaluate(true);
-        pixels_.term().add_derivatives(beta(), pixels_.derivatives(x, beta(), coefficients_.limit), H, g, terms);
-    };
-    coefficients_.adapt(rows_.views > 0, with_lobes, residual_products, add_pixels, H, g);
+    const bool has_pixels = rows_.views > 0;
+    CoefficientTerms terms(x.size(), has_pixels ? beta().size() : 0);
+    for (Eigen::Index c = 0; c < channels(); ++c) {
+        const Eigen::MatrixXd with_lobes = derivatives_with_lobes(sums, c);
+        const std::vector<Eigen::Index> free = coefficients_.free(c);
+        if (has_pixels) {  // the coefficients of all channels adapt together
+            const auto channel = Eigen::seqN(c * gram().rows(), gram().rows());
+            terms.across(Eigen::all, channel) = with_lobes;
+            terms.H(channel, channel) = gram();
+            terms.g(channel) = -sums.residual_and_lobes(c);
+            for (const Eigen::Index j : free) terms.free.push_back(c * gram().rows() + j);
+        } else if (!free.empty()) {
+            eliminate(gram()(free, free), with_lobes(Eigen::all, free), H);
+        }
+    }
+    if (!has_pixels) return;
+    pixels_.evaluate(true);
+    pixels_.term().add_derivatives(beta(), pixels_.derivatives(x), H, g, terms);
+    terms.eliminate(H, g);
 }
 
-template <typename Sums>
-void LobeProblem::fill_derivatives(const Sums& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
+void LobeProblem::fill_derivatives(const DerivativeGram& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
     const Eigen::Index J = basis_.count(), N = shape_.variates, W = shape_.width();
     const auto weight = [&](Eigen::Index j, Eigen::Index i) { return N + j * W + i; };
     const Eigen::MatrixXd beta_products = beta() * beta().transpose();
@@ -141,26 +141,14 @@ void LobeProblem::fill_derivatives(const Sums& sums, Eigen::MatrixXd& H, Eigen::
     }
 }
 
-template <typename Sums>
-Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const Eigen::VectorXd& x, const Sums& sums, Eigen::Index c,
-                                                    Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
+Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const DerivativeGram& sums, Eigen::Index c) const {
     const Eigen::Index J = basis_.count(), N = shape_.variates, W = shape_.width();
-    Eigen::MatrixXd with_lobes(x.size(), J);
+    Eigen::MatrixXd with_lobes(N + J * W, J);
     for (Eigen::Index k = 0; k < J; ++k) {
         for (Eigen::Index n = 0; n < N; ++n) with_lobes(n, k) = sums.angle_and_lobe(n, c, k);
         for (Eigen::Index j = 0; j < J; ++j)
             for (Eigen::Index i = 0; i < W; ++i)
                 with_lobes(N + j * W + i, k) = beta()(j, c) * sums.product(j, 1 + i, k, 0);
-    }
-    for (Eigen::Index j = 0; j < J; ++j) {
-        if (!(beta()(j, c) > 0) || beta()(j, c) < coefficients_.limit(j, c)) continue;
-        // Following the bound adds a multiple of β_jc E_j to the derivative with respect to x_i.
-        Eigen::VectorXd bound = Eigen::VectorXd::Zero(x.size());
-        for (const auto& [i, slope] : limit_derivatives(x, shape_, j)) bound[i] = slope * beta()(j, c);
-        H += bound * with_lobes.col(j).transpose() + with_lobes.col(j) * bound.transpose() +
-             gram()(j, j) * bound * bound.transpose();
-        g -= sums.residual_and_lobe(c, j) * bound;
-        with_lobes += bound * gram().row(j);
     }
     return with_lobes;
 }

@@ -1,11 +1,10 @@
 // Lobes as a separable least-squares problem, for Levenberg-Marquardt and for the search.
 #pragma once
 #include <Eigen/Dense>
-#include <limits>
 #include <vector>
 
 #include "models/pm/solve/coefficients.h"
-#include "models/pm/solve/lobe_basis.h"
+#include "models/pm/solve/derivative_gram.h"
 
 namespace SRBF_NAMESPACE {
 
@@ -15,9 +14,7 @@ namespace SRBF_NAMESPACE {
 class LobeProblem {
   public:
     /// `parallel`: loops over rows use several threads; the result does not depend on it.
-    /// `log_peak_limit`: upper bound on the log of the coefficient of a lobe with peak 1.
-    LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel,
-                double log_peak_limit = std::numeric_limits<double>::infinity());
+    LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel);
 
     double loss(const Eigen::VectorXd& x);
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
@@ -53,26 +50,20 @@ class LobeProblem {
     }
     /// Products of all pairs of lobes and data, (J + C)².
     Eigen::MatrixXd products_with_data();
-    void bound_coefficients(const Eigen::VectorXd& x);
+    /// Bounds the coefficients of lobes without log scales: that of a lobe with peak 1 is a 16-bit float.
+    void limit_coefficients(const Eigen::VectorXd& x);
     /// Computes the residuals and returns the loss.
     double loss_with_residuals();
-    /// `linearise` with the sums of these products.
-    template <typename Sums>
-    void linearise(const Sums& sums, const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
     /// Fills the derivatives with respect to the variables for constant coefficients.
-    template <typename Sums> void fill_derivatives(const Sums& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
-    /// Products of the derivatives of channel c with the lobes, variables × J. Adds to H and g the contributions of
-    /// coefficients at their bounds.
-    template <typename Sums>
-    Eigen::MatrixXd derivatives_with_lobes(const Eigen::VectorXd& x, const Sums& sums, Eigen::Index c,
-                                           Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
+    void fill_derivatives(const DerivativeGram& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
+    /// Products of the derivatives of channel c with the lobes, variables × J.
+    Eigen::MatrixXd derivatives_with_lobes(const DerivativeGram& sums, Eigen::Index c) const;
     /// Products of candidate lobes with the lobes and the residuals of pairs, (J + C) × candidates. `squares`
     /// receives the candidates' squared norms.
     Eigen::MatrixXd products_with_candidates(std::span<const std::vector<double>> candidates, Eigen::VectorXd& squares);
 
     const Rows& rows_;
     LobeShape shape_;
-    double log_peak_limit_;
     LobeBasis basis_;
     PixelMoments pixels_;
     Aligned<float> residuals_;  ///< residuals: blocks × C × k_block

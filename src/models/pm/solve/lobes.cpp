@@ -50,21 +50,4 @@ Vec3d vector_of(std::span<const double> weights, const LobeShape& shape, int n) 
     return {p[0], p[1], p[2]};
 }
 
-std::vector<std::pair<Eigen::Index, double>> limit_derivatives(const Eigen::VectorXd& x, const LobeShape& shape,
-                                                               Eigen::Index j) {
-    const int N = shape.variates, W = shape.width(), C = shape.components();
-    std::vector<std::pair<Eigen::Index, double>> slopes;
-    for (int n = 0; n < N; ++n) {
-        const Vec3d p = vector_of({&x[N + j * W], std::size_t(W)}, shape, n);
-        const double bandwidth = elementary::hypot(p.x, p.y, p.z);
-        if (bandwidth == 0) continue;
-        const Eigen::Index last = N + j * W + (n + 1) * C - 1;  // index of p_z
-        slopes.emplace_back(last, 1 - p.z / bandwidth);
-        if (shape.axial) continue;
-        slopes.emplace_back(last - 2, -p.x / bandwidth);
-        slopes.emplace_back(last - 1, -p.y / bandwidth);
-    }
-    return slopes;
-}
-
 }  // namespace srbf

@@ -2,7 +2,6 @@
 #pragma once
 #include <Eigen/Dense>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "srbf/model.h"
@@ -48,14 +47,13 @@ struct Interval {
 /// The range of weight n of a lobe.
 Interval weight_range(int n, const LobeShape& shape);
 
+/// True if fits of that form store the coefficients of lobes with log scales, which have no bounds.
+constexpr bool has_log_scales(PmForm form) { return features(form) > 0; }
+
 /// p_n from the weights of a lobe.
 Vec3d vector_of(std::span<const double> weights, const LobeShape& shape, int n);
 /// Log of the factor that converts β_j in a problem's units to the coefficient of a lobe with peak 1; `offset`:
 /// o_j.
 double log_peak_factor(std::span<const double> weights, const LobeShape& shape, double offset);
-/// For a coefficient that follows its upper bound: the variables that change log β_j, and its derivatives with
-/// respect to them.
-std::vector<std::pair<Eigen::Index, double>> limit_derivatives(const Eigen::VectorXd& x, const LobeShape& shape,
-                                                               Eigen::Index j);
 
 }  // namespace srbf

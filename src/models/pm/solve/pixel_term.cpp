@@ -64,7 +64,7 @@ Eigen::MatrixXd PixelTerm::products(const Eigen::MatrixXd& beta, Eigen::Index X,
                 if (X == 0) continue;
                 const Eigen::VectorXf lobe_beta = beta.row(j).cast<float>();
                 combine({lobe_beta.data(), 3}, by_channel, lobe_derivative, count);
-                add_by_lobe(block, j, lobe_derivative, by_channel, scratch.data());
+                add_by_lobe(block, j, lobe_derivative, scratch.data());
             }
             gram_columns.push_back(slopes.residual(component));
             add_gram(gram_columns, parts[block].data(), count);
@@ -155,10 +155,8 @@ PixelTerm PixelMoments::term() {
             [this](std::size_t block, Eigen::Index j) { return moment(block, j); }};
 }
 
-PixelTerm::AddByLobe PixelMoments::derivatives(const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
-                                               const Eigen::MatrixXd& limit) {
-    return [&, this](std::size_t block, Eigen::Index j, const float* lobe_derivative,
-                     const PixelTerm::ByChannel& by_channel, float* columns) {
+PixelTerm::AddByLobe PixelMoments::derivatives(const Eigen::VectorXd& x) {
+    return [&, this](std::size_t block, Eigen::Index j, const float* lobe_derivative, float* columns) {
         const LobeShape& shape = basis_.shape();
         const Eigen::Index N = shape.variates, C = shape.components(), W = shape.width();
         const std::size_t count = rows_in_block(block, pixels().count());
@@ -167,16 +165,11 @@ PixelTerm::AddByLobe PixelMoments::derivatives(const Eigen::VectorXd& x, const E
             return moment(block, basis_.count() + j * basis_.factors() + i);
         };
         thread_local Aligned<float> scaled(k_block);
-        const auto add = [&](double weight, const float* derivative, const float* factor, Eigen::Index variable) {
-            combine(std::array{float(weight)}, std::array{derivative}, scaled.data(), count);
-            add_product(scaled.data(), factor, column(variable), count);
-        };
         for (Eigen::Index n = 0; n < W; ++n) multiply(lobe_derivative, with_factor(n), column(N + j * W + n), count);
-        for (Eigen::Index n = 0; n < N * C; ++n) add(x[N + j * W + n], lobe_derivative, with_factor(W + n), n / C);
-        for (Eigen::Index c = 0; c < 3; ++c)
-            for (const auto& [i, slope] : limit_derivatives(x, shape, j))
-                if (!(beta(j, c) < limit(j, c)))
-                    add(slope * beta(j, c), by_channel[std::size_t(c)], moment(block, j), i);
+        for (Eigen::Index n = 0; n < N * C; ++n) {
+            combine(std::array{float(x[N + j * W + n])}, std::array{lobe_derivative}, scaled.data(), count);
+            add_product(scaled.data(), with_factor(W + n), column(n / C), count);
+        }
     };
 }
 

@@ -16,7 +16,7 @@ struct CoefficientTerms {
           g(Eigen::VectorXd::Zero(count)) {}
     Eigen::MatrixXd H, across;       ///< Hessian; mixed derivatives by variables and coefficients
     Eigen::VectorXd g;               ///< half the gradient
-    std::vector<Eigen::Index> free;  ///< indices strictly between their bounds
+    std::vector<Eigen::Index> free;  ///< indices of coefficients above 0
     /// Changes the variables' Hessian and gradient to those of a sum to which the free coefficients adapt.
     void eliminate(Eigen::MatrixXd& H_x, Eigen::VectorXd& g_x) const;
 };
@@ -26,9 +26,9 @@ struct CoefficientTerms {
 struct PixelTerm {
     using ByChannel = std::array<const float*, 3>;
     /// Adds to the columns of the variables what lobe j contributes to the derivatives of one component.
-    /// `lobe_derivative` is the component's derivative by the value of the lobe, `by_channel` that by each channel.
-    using AddByLobe = std::function<void(std::size_t block, Eigen::Index j, const float* lobe_derivative,
-                                         const ByChannel& by_channel, float* columns)>;
+    /// `lobe_derivative` is the component's derivative by the value of the lobe.
+    using AddByLobe =
+        std::function<void(std::size_t block, Eigen::Index j, const float* lobe_derivative, float* columns)>;
 
     const Pixels& pixels;
     double cost_per_pixel = 0;  ///< cost of a pixel
@@ -68,10 +68,8 @@ class PixelMoments {
     void evaluate(bool with_derivatives);
     /// importance × the mean over pixels.
     PixelTerm term();
-    /// The derivatives of the lobes at x. `limit`: the coefficients' upper bounds, which coefficients at their
-    /// bounds follow.
-    PixelTerm::AddByLobe derivatives(const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
-                                     const Eigen::MatrixXd& limit);
+    /// The derivatives of the lobes at x.
+    PixelTerm::AddByLobe derivatives(const Eigen::VectorXd& x);
 
   private:
     const Pixels& pixels() const { return basis_.rows().pixels; }

@@ -55,29 +55,18 @@ PmModel without_coefficients(const Lobes& lobes) {
 }
 }  // namespace
 
-PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale,
-                 const std::vector<float>& wavelengths) {
+PmModel to_model(const LobeProblem& problem, const Lobes& lobes, const std::vector<float>& wavelengths) {
     PmModel model = without_coefficients(lobes);
-    const LobeShape& shape = lobes.shape;
-    std::vector<double> log_peak;                  // of the largest channel
-    bool out_of_range = features(shape.form) > 0;  // these forms always have log scales
     for (int j = 0; j < model.lobes; ++j) {
-        const double beta = problem.beta().row(j).maxCoeff();
-        const double log_beta = elementary::log(beta) + elementary::log(problem.scale()) +
-                                log_peak_factor(lobes.weights_of(j), shape, problem.offset()[std::size_t(j)]);
-        log_peak.push_back(log_beta);
-        if (beta > 1e-30)
-            out_of_range |=
-                log_beta > elementary::log(double(k_half_max)) || log_beta < elementary::log(double(k_half_min)) + 3;
-    }
-    for (int j = 0; j < model.lobes; ++j) {
-        const double largest = problem.beta().row(j).maxCoeff();
-        const bool is_used = largest > 1e-30;
-        const double scale =
-            log_scale && out_of_range && is_used ? double(round_to_half(float(log_peak[std::size_t(j)]))) : 0.0;
-        // β / largest × e^(log peak − scale): neither factor overflows.
-        const double factor =
-            is_used ? elementary::exp(std::min(log_peak[std::size_t(j)] - scale, 80.0)) / largest : 0.0;
+        const double largest = problem.beta().row(j).maxCoeff();  // of all channels
+        double scale = 0, factor = 0;
+        if (largest > 1e-30) {
+            const double log_peak = elementary::log(largest) + elementary::log(problem.scale()) +
+                                    log_peak_factor(lobes.weights_of(j), lobes.shape, problem.offset()[std::size_t(j)]);
+            if (has_log_scales(lobes.shape.form)) scale = double(round_to_half(float(log_peak)));
+            // β / largest × e^(log peak − scale): neither factor overflows.
+            factor = elementary::exp(std::min(log_peak - scale, 80.0)) / largest;
+        }
         const auto coefficient = [&](Eigen::Index c) { return float(problem.beta()(j, c) * factor); };
         if (wavelengths.empty()) model.coefficient[std::size_t(j)] = {coefficient(0), coefficient(1), coefficient(2)};
         for (std::size_t c = 0; c < wavelengths.size(); ++c) model.spectrum.push_back(coefficient(Eigen::Index(c)));

@@ -33,11 +33,10 @@ Eigen::MatrixXd coefficients_in(const LobeProblem& problem, const PmModel& model
 
 // Σ |y − Σ_j E_j s_j|², where s_j are spectra of given colours and y is data, is least if each s_j is the one of these
 // colours nearest to the spectrum without that condition, whatever the products of the lobes are.
-PmModel with_spectra(PmModel model, const LobeShape& shape, const Observations& observations, double log_peak_limit,
-                     bool log_scale) {
+PmModel with_spectra(PmModel model, const LobeShape& shape, const Observations& observations) {
     const Lobes lobes = to_lobes(model, shape);
     const Rows rows(observations, {.spectra = true});
-    LobeProblem problem(rows, shape, true, log_peak_limit);
+    LobeProblem problem(rows, shape, true);
     problem.loss(pack(lobes));
 
     const std::vector<Rgb> weights = rgb_weights(observations.wavelengths);
@@ -60,7 +59,7 @@ PmModel with_spectra(PmModel model, const LobeShape& shape, const Observations& 
         spectrum.row(j) = nearest.transpose();
     }
     problem.continue_from(spectrum);
-    const PmModel spectral = to_model(problem, lobes, log_scale, observations.wavelengths);
+    const PmModel spectral = to_model(problem, lobes, observations.wavelengths);
     model.spectrum = spectral.spectrum, model.wavelength = spectral.wavelength;
     model.coefficient = spectral.coefficient, model.log_scale = spectral.log_scale;
     return model;

@@ -35,15 +35,12 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
     const std::string fitted(own ? own->fitted : "");
     const auto* pm = std::get_if<PmRequest>(&fit.request.model);
     const bool is_view_by_view = std::holds_alternative<SuRequest>(fit.request.model);
-    const bool tries_kinds =
-        goal_of(fit.request) && pm->log_scale && !std::holds_alternative<ScatteredSamples>(measured.table);
     const ReadFor rows[] = {
-        {{"--form", "--variates"}, !tries_kinds, "samples", "a table, of which all forms and variates are tried"},
         {{"--variates"},
          !(own && pm && !pm->size),
          "a number of lobes too",
          fmt::format("none, so that sizes of {} are tried", fitted)},
-        {{"--target-delta-e", "--budget"}, !own, "a table or samples", fitted},
+        {{"--target-delta-e"}, !own, "a table", fitted},
         {{"--objective", "--max-theta"}, !own || is_view_by_view, "a table or samples", fitted},
         {{"--channels"}, !(own && fit.request.spectral), "rgb", "spectral, of " + fitted},
     };

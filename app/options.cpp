@@ -111,14 +111,6 @@ Option Subcommand::add_flag(const std::string& names, std::function<void()> when
                             const std::string& about) const {
     return Option(app_->add_flag_callback(names, std::move(when_given), about)->disable_flag_override());
 }
-void Subcommand::add_former(const std::vector<std::string>& names, const std::string& instead) const {
-    for (const std::string& name : names) {
-        const auto refuse = [what = name + " is now " + instead](const std::string&) {
-            throw CLI::ValidationError("", what);
-        };
-        app_->add_option_function<std::string>(name, refuse)->group("")->expected(0, 1)->trigger_on_parse();
-    }
-}
 std::vector<std::string> Subcommand::given() const {
     std::vector<std::string> names;
     for (const CLI::Option* option : app_->get_options())

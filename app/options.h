@@ -77,9 +77,6 @@ class Subcommand {
     Option add_flag(const std::string& names, std::function<void(int)> take, const std::string& about) const;
     Option add_flag(const std::string& names, std::function<void()> when_given, const std::string& about) const;
 
-    /// Former options, which --help does not list: using one is a usage error that says what to use `instead`.
-    void add_former(const std::vector<std::string>& names, const std::string& instead) const;
-
     /// The options that were on the command line, by their longest names.
     std::vector<std::string> given() const;
 

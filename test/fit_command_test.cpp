@@ -302,14 +302,16 @@ TEST_F(Command, fit_takes_spectra) {
     }
 }
 
-TEST_F(Command, fit_keeps_a_budget) {
+TEST_F(Command, fit_stops_at_the_first_size_that_reaches_the_target) {
     const ProgramRun fit =
-        run(folder, {"fit", k_paper, "--budget", "60", "--effort", "0.1", "-o", "b.srbf", "--json", "-"});
+        run(folder, {"fit", k_paper, "--target-delta-e", "6", "--effort", "0.1", "-o", "b.srbf", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
-    const Json json = Json::parse(fit.out, nullptr, false);
-    EXPECT_LE(json.value("payload_bytes", 99), 60);
+    const Json json = Json::parse(fit.out, nullptr, false), path = json["path"];
     EXPECT_TRUE(json.value("reached", false));
-    EXPECT_GE(json["path"].size(), 3u);
+    ASSERT_GE(path.size(), 1u);
+    for (std::size_t i = 0; i < path.size(); ++i) EXPECT_EQ(path[i].value("error", 0.0) <= 6, i + 1 == path.size());
+    EXPECT_EQ(path.back()["lobes"], json["lobes"]);
+    EXPECT_EQ(path.back()["error"], json["mean_pictures"]["delta_e_itp"]);
 }
 
 TEST_F(Command, fit_finds_how_many_shared_lobes_a_mean_error_needs) {

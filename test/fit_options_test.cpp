@@ -82,9 +82,8 @@ TEST(PmFitOptions, SetWhatTheyName) {
 TEST(PmFitOptions, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
     const Spelling loud = [](std::string_view name) { return "<" + std::string(name) + ">"; };
     const std::pair<FitTexts, std::string> wrong[] = {
-        {{{"budget", "100"}, {"lobes", "3"}}, "<budget>: chooses the number of lobes; not together with <lobes>"},
-        {{{"budget", "100"}, {"target_delta_e", "3"}}, "<target_delta_e>: not together with another goal of the size"},
-        {{{"budget", "100"}, {"channels", "spectral"}}, "<budget>: only with <channels> rgb"},
+        {{{"target_delta_e", "3"}, {"lobes", "3"}},
+         "<target_delta_e>: chooses the number of lobes; not together with <lobes>"},
         {{{"model", "su"}, {"neighbours", "3"}}, "<neighbours>: only with <interpolation> plain or <with_index>"},
         {{{"model", "ggx"}, {"channels", "spectral"}}, "<channels>: spectral only with <model> pm"},
         {{{"no_scale", "true"}}, "<no_scale>: only with <form> gaussian; other forms always store log scales"},

@@ -147,14 +147,15 @@ void add_lobes(std::vector<FitOptionRow>& to) {
 
 /// The number of lobes, of each model that has one.
 void add_counts(std::vector<FitOptionRow>& to) {
-    FitOptionRow lobes =
-        number<int>({"lobes", k_of_pm, "J|auto",
-                     fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
-                                 "auto: for a table the best\n"
-                                 "compromise between bytes and error; for samples by cross-validation, or the most. "
-                                 "Default: {}, or {} in forms that\nare not reciprocal; for samples auto; for ggx 1",
-                                 k_most_fitted_lobes, LobeCount{}.lobes, row_of(PmForm::extended).lobes)},
-                    1, k_most_fitted_lobes, [](FitRequest& r, int n) { pm(r).size = LobeCount{n}; });
+    FitOptionRow lobes = number<int>(
+        {"lobes", k_of_pm, "J|auto",
+         fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
+                     "auto: for a table the\n"
+                     "fewest with a visible error of at most {:g}; for samples by cross-validation, or the "
+                     "most. Default: {}, or {} in\nforms that are not reciprocal; for samples auto; for "
+                     "ggx 1",
+                     k_most_fitted_lobes, k_default_delta_e, LobeCount{}.lobes, row_of(PmForm::extended).lobes)},
+        1, k_most_fitted_lobes, [](FitRequest& r, int n) { pm(r).size = LobeCount{n}; });
     to.push_back(or_word(lobes, "auto", [](FitRequest& r) { pm(r).size = AutomaticLobes{}; }));
     to.push_back(
         number<int>({"lobes", k_of_su, "J"}, 1, k_most_view_lobes, [](FitRequest& r, int n) { su(r).lobes = n; }));
@@ -209,7 +210,7 @@ void add_views(std::vector<FitOptionRow>& to) {
         Words{"cube", "parabolic"}, [](FitRequest& r, Text text) { return store(map_named(text), su(r).index); }));
 }
 
-/// The channels, and goals of the size.
+/// The channels, and the goal of the size.
 void add_goals(std::vector<FitOptionRow>& to) {
     to.push_back(
         word({"channels", k_all, "NAME",
@@ -220,13 +221,10 @@ void add_goals(std::vector<FitOptionRow>& to) {
              }));
     to.push_back(number<double>(
         {"target_delta_e", k_of_pm, "E",
-         "pm: the smallest model of all forms and sizes with at most this visible error, the mean\n"
-         "Delta E (ITP) of pictures of a sphere, where 1 is just noticeable"},
-        k_finest_delta_e, k_most_delta_e, [](FitRequest& r, double e) { pm(r).size = TargetDeltaE{e}; }));
-    to.push_back(number<std::size_t>(
-        {"budget", k_of_pm, "BYTES", "pm: the best model of all forms and sizes with at most this many bytes"},
-        k_least_chosen_bytes, k_most_chosen_bytes,
-        [](FitRequest& r, std::size_t bytes) { pm(r).size = ByteBudget{bytes}; }));
+         fmt::format("pm: the fewest of up to {} lobes with at most this visible error against what is fitted, the\n"
+                     "mean Delta E (ITP) of pictures of a sphere, where 1 is just noticeable",
+                     *std::ranges::max_element(k_tried_lobes))},
+        k_finest_delta_e, k_most_delta_e, [](FitRequest& r, double e) { pm(r).size = AutomaticLobes{e}; }));
 }
 
 void add_running(std::vector<FitOptionRow>& to) {
@@ -261,15 +259,7 @@ const Rule k_rules[] = {
     {{"channels"},
      "spectral only with {model} pm",
      [](const FitRequest& r, const FitTexts&) { return !r.spectral || std::holds_alternative<PmRequest>(r.model); }},
-    {{"target_delta_e", "budget"},
-     "not together with another goal of the size",
-     [](const FitRequest&, const FitTexts& texts) {
-         return !texts.contains("target_delta_e") || !texts.contains("budget");
-     }},
-    {{"target_delta_e", "budget"},
-     "only with {channels} rgb",
-     [](const FitRequest& r, const FitTexts&) { return !r.spectral; }},
-    {{"target_delta_e", "budget"},
+    {{"target_delta_e"},
      "chooses the number of lobes; not together with {lobes}",
      [](const FitRequest&, const FitTexts& texts) { return !texts.contains("lobes"); }},
     {{"no_scale"},

@@ -14,7 +14,6 @@
 #include "brdf/values.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
-#include "fit/choose.h"
 #include "fit/cross_validated_fits.h"
 #include "fit/noise.h"
 #include "fit/request_traits.h"
@@ -34,10 +33,6 @@
 
 namespace SRBF_NAMESPACE {
 namespace {
-
-/// Number of held-out pairs for short comparisons in a choice.
-constexpr std::uint64_t k_pairs_in_short = 20000;
-constexpr int k_pixels_in_short = 16;
 
 /// Drafts use the first observations.
 struct Draft {
@@ -135,9 +130,12 @@ struct Fitter::State {
             return refused("a measurement at wavelengths", "one of colours");
         if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
             return refused("a multivariate model", "another");
-        if (request.spectral && goal_of(request)) return refused("a number of lobes", "a budget or a target delta E");
-        if (samples() && is_by_pictures(request))
+        const auto target = target_of(request);
+        if (target && samples())
             return argument_error("fit", "target delta E", "a measured table", "scattered samples");
+        if (target && !(*target > 0 && *target <= k_most_delta_e))
+            return argument_error("fit", "target delta E", fmt::format("above 0, at most {}", k_most_delta_e),
+                                  fmt::format("{}", *target));
         return Done{};
     }
 
@@ -316,56 +314,36 @@ struct Fitter::State {
                                     const ProgressToken& progress) {
         const PmFitOptions options = pm_options(request, axial(request), k_default_form);
         if (pm.size && std::holds_alternative<AutomaticLobes>(*pm.size))
-            return fit_best_size(observations, options, request, progress);
-        const auto goal = goal_of(request);
-        if (!goal) {
-            auto fitted = fit_pm(observations, options, progress);
-            if (!fitted) return fitted.error();
-            return outcome_of(*std::move(fitted));
-        }
-        const auto judge = [&](const PmModel& model, bool in_short) {
-            return error_of_model(model, request, in_short);
-        };
-        auto chosen = choose_pm(observations, options, *goal, judge, progress);
-        if (!chosen) return chosen.error();
-        FitOutcome outcome = outcome_of(std::move(chosen->fit));
-        outcome.path = std::move(chosen->path);
-        outcome.reached = chosen->reached;
-        return outcome;
+            return fit_first_size(observations, options, request, progress);
+        auto fitted = fit_pm(observations, options, progress);
+        if (!fitted) return fitted.error();
+        return outcome_of(*std::move(fitted));
     }
 
-    /// The best compromise between bytes and error.
-    Result<FitOutcome> fit_best_size(const Observations& observations, PmFitOptions options, const FitRequest& request,
-                                     const ProgressToken& progress) const {
+    /// The first size whose mean ΔE_ITP against what is fitted reaches the target, or the last.
+    Result<FitOutcome> fit_first_size(const Observations& observations, PmFitOptions options, const FitRequest& request,
+                                      const ProgressToken& progress) const {
+        const double target = target_of(request).value_or(k_default_delta_e);
+        const Evaluate reference = is_reciprocal(request) ? reciprocal_mean(clamped_) : clamped_;
         FitOutcome outcome;
         std::vector<Trial> path;
-        double least = std::numeric_limits<double>::infinity(), done = 0, all = 0;
-        for (const int lobes : k_tried_lobes) all += lobes;
+        double done = 0;
         for (const int lobes : k_tried_lobes) {
             options.lobes = lobes;
-            auto fitted = fit_pm(observations, options, progress.part(done / all, (done + lobes) / all));
+            const double next = done + (1 - done) / 2;  // each takes about as long as all smaller ones
+            auto fitted = fit_pm(observations, options, progress.part(done, next));
             if (!fitted) return fitted.error();
             if (progress.cancelled()) return cancelled_error("fit");
-            done += lobes;
-            path.push_back(trial_of(fitted->model, error_of_model(fitted->model, request, false), true));
-            const double trade = double(path.back().bytes) * path.back().error;
-            if (trade < least) least = trade, outcome = outcome_of(*std::move(fitted));
+            done = next;
+            outcome = outcome_of(*std::move(fitted));
+            const Evaluate others[] = {evaluator(outcome.model)};
+            const double error = compare_pictures(reference, others, request.threads)[0].mean.delta_e;
+            path.push_back({lobes, payload_bytes(outcome.model), error});
+            outcome.reached = error <= target;
+            if (outcome.reached) break;
         }
         outcome.path = std::move(path);
         return outcome;
-    }
-
-    /// The held-out error by the objective's own measure, or the mean ΔE_ITP if that is the goal.
-    double error_of_model(const PmModel& model, const FitRequest& request, bool in_short) const {
-        if (is_by_pictures(request)) {
-            const Evaluate others[] = {evaluator(model)};
-            const int size = in_short ? k_pixels_in_short : k_sphere_pixels;
-            return compare_pictures(clamped_, others, request.threads, {}, size)[0].mean.delta_e;
-        }
-        const Channels others[] = {request.spectral ? spectra(model) : rgb_channels(evaluator(model))};
-        const Measures measures = measure_heldout(channels_of(request), others, {request.theta(), request.threads},
-                                                  in_short ? k_pairs_in_short : k_heldout_pairs)[0];
-        return error_of(measures, request.objective);
     }
 
     Result<FitOutcome> draft_to(const ScatteredSamples& samples, const FitRequest& request, bool in_short,

@@ -52,11 +52,6 @@ template <typename Fit> FitOutcome outcome_of(Fit fit) {
     return outcome;
 }
 
-/// A model that was tried, with this error.
-inline Trial trial_of(const PmModel& model, double error, bool whole) {
-    return {model.form, model.axial, model.lobes, model.variates, payload_bytes(model), error, whole};
-}
-
 /// Writes the file of a measurement into a model of it, that light and viewer were exchanged, and the aperture.
 inline void name_source(Model& model, const Measured& measured) {
     if (!measured.source.empty())

@@ -13,13 +13,6 @@
 
 namespace SRBF_NAMESPACE {
 
-namespace {
-
-/// A table of an XML file.
-using PackedXml = std::variant<KlemsTable, TreeTable>;
-
-}  // namespace
-
 bool is_isotropic(const TreeTable& table) { return table.y.rank == 3; }
 
 std::vector<TableLine> lines_about(const KlemsTable& table) {
@@ -47,18 +40,14 @@ EvaluatedTable evaluated(KlemsTable matrix) {
         },
         [table](const Evaluate& f) { return sums_of(*table, k_measured_points).error_ratio(f); },
         [table](const Evaluate& f, const Beams& beams, Part part) { return hemispherical(*table, f, beams, part); }});
-    return evaluated_as<PackedXml>("BSDF XML", table, std::move(functions));
+    return evaluated_table(table, std::move(functions));
 }
 
 EvaluatedTable evaluated(TreeTable tree) {
     const auto table = std::make_shared<const TreeTable>(std::move(tree));
     TableFunctions functions;
     functions.separated_beam = [table] { return separated_beam(table); };
-    return evaluated_as<PackedXml>("BSDF XML", table, std::move(functions));
-}
-
-EvaluatedTable unpack_bsdf_xml(std::string_view bytes) {
-    return std::visit([](auto&& table) { return evaluated(std::move(table)); }, ArchiveReader{bytes}.next<PackedXml>());
+    return evaluated_table(table, std::move(functions));
 }
 
 }  // namespace srbf

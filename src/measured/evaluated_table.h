@@ -31,8 +31,6 @@ struct TableFunctions {
     /// The part without its peaks of unscattered light, if it has any; null: it has none.
     std::function<std::optional<SeparatedBeam>()> separated_beam = {};
     std::shared_ptr<const OwnFit> own_fit = {};  ///< how a part of a BSDF is fitted; null: to its values
-    std::string_view format = {};                ///< the name of the format that has `unpack` for `packed`
-    std::function<std::string()> packed = {};    ///< the table as bytes, for copies in other processes
 };
 
 SRBF_END

@@ -30,9 +30,6 @@ template <> struct Kind<BsdfModel> {
     static std::string formula_text(const BsdfModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& reader);
     static BsdfModel made_of(ParameterReader& reader);
-    template <typename Each> static void for_members(BsdfModel& model, const Each& each) {
-        each(model.part), each(model.beam);
-    }
 };
 
 }  // namespace srbf

@@ -32,9 +32,6 @@ template <> struct Kind<GgxModel> {
     /// Errors: options out of range, fewer observations than parameters, values that are not finite; cancelled.
     static Result<Fitted<GgxModel>> fit(const Observations& observations, const GgxRequest& request = {},
                                         const FitConditions& conditions = {}, const ProgressToken& progress = {});
-    template <typename Each> static void for_members(GgxModel& model, const Each& each) {
-        each(model.diffuse), each(model.lobes);
-    }
 };
 
 }  // namespace srbf

@@ -33,11 +33,6 @@ template <> struct Kind<OpenPbrModel> {
     /// Errors: fewer observations than parameters, values that are not finite; cancelled.
     static Result<Fitted<OpenPbrModel>> fit(const Observations& observations, const OpenPbrRequest& request = {},
                                             const FitConditions& conditions = {}, const ProgressToken& progress = {});
-    template <typename Each> static void for_members(OpenPbrModel& model, const Each& each) {
-        for (const OpenPbrParameter& parameter : k_openpbr_parameters)
-            for (int c = 0; c < parameter.count(); ++c) each(number(model, parameter, c));
-        each(model.is_exchanged);
-    }
 };
 
 }  // namespace srbf

@@ -23,13 +23,6 @@ template <> struct Kind<PmModel> {
     static bool is_of(const ParameterReader& reader);
     static PmModel made_of(ParameterReader& reader);
     /// Calls each(member) for all members.
-    template <typename Each> static void for_members(PmModel& model, const Each& each) {
-        each(model.form), each(model.axial), each(model.lobes), each(model.variates), each(model.coefficient),
-            each(model.wavelength);
-        each(model.spectrum), each(model.log_scale), each(model.centre), each(model.bandwidth),
-            each(model.parameterization);
-        each(model.exponent);
-    }
 };
 
 // For files that hold the lobes of several models:

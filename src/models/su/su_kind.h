@@ -22,17 +22,9 @@ template <> struct Kind<SuModel> {
     static std::string formula_text(const SuModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& reader);
     static SuModel made_of(ParameterReader& reader);
-    template <typename Each> static void for_members(SuModel& model, const Each& each) {
-        each(model.discretise), each(model.interpolation), each(model.neighbours), each(model.lobes),
-            each(model.direction);
-        each(model.coefficient), each(model.centre), each(model.bandwidth), each(model.shape), each(model.index);
-    }
 };
 
 template <> struct Kind<IndexTexture> {
-    template <typename Each> static void for_members(IndexTexture& index, const Each& each) {
-        each(index.map), each(index.size), each(index.texels);
-    }
 };
 
 }  // namespace srbf

@@ -69,7 +69,8 @@ Option Option::default_text(const std::string& text) const { return Option(optio
 Option Option::offers(const std::vector<std::string>& choices) const {
     return choices.empty() ? *this : check([](std::string&) { return std::string(); }, choices);
 }
-Option Option::hidden() const { return Option(option_->group("")); }
+Option Option::hidden() const { return group(""); }
+Option Option::group(const std::string& title) const { return Option(option_->group(title)); }
 Option Option::one_at_a_time() const { return Option(option_->allow_extra_args(false)); }
 bool Option::given() const { return option_->count() > 0; }
 void Option::fail(const std::string& what) const { throw CLI::ValidationError(option_->get_name(), what); }

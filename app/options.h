@@ -36,6 +36,7 @@ class Option {
     Option default_text(const std::string& text) const;            ///< for --help and `settings`
     Option offers(const std::vector<std::string>& choices) const;  ///< texts for shell completion
     Option hidden() const;                                         ///< from --help
+    Option group(const std::string& title) const;                  ///< of --help
     Option one_at_a_time() const;                                  ///< for a list: the option takes one text per use
 
     /// True if the option was on the command line.

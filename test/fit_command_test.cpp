@@ -387,7 +387,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
 TEST_F(Command, fit_su_by_light) {
     ASSERT_EQ(
         run(folder, {"fit", k_paper, "--model", "su", "--directions", "32", "--lobes", "1", "--objective", "raw",
-                     "--discretise", "light", "--interpolation", "plain", "--neighbours", "4", "-o", "light.srbf"})
+                     "--discretise", "light", "--interpolation", "4", "-o", "light.srbf"})
             .status,
         0);
     const auto by_light = load_model(folder / "light.srbf");
@@ -406,7 +406,7 @@ TEST_F(Command, fit_su_refuses) {
     expect_failure(1, {"fit", "zero.binary", "--model", "su", "--directions", "64"}, "zero.binary: values");
     expect_failure(2, k_fit_su + Arguments{"--variates", "2"}, "--variates: only with --model pm");
     expect_failure(2, {"fit", k_paper, "--with-index", "cube"}, "--with-index: only with --model su");
-    expect_failure(2, k_fit_su + Arguments{"--neighbours", "8"}, "--neighbours");
+    expect_failure(2, k_fit_su + Arguments{"--interpolation", "8"}, "--interpolation");
     expect_failure(2, k_fit_su + Arguments{"--between", "0"}, "--between is now 512 directions in every fit");
     for (const char* directions : {"7", "8193", "x"})
         expect_failure(2, {"fit", k_paper, "--model", "su", "--directions", directions}, "--directions");

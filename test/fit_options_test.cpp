@@ -15,7 +15,6 @@ namespace {
 FitTexts with(const FitOptionRow& option, const std::string& text) {
     FitTexts texts{{std::string(option.name), text}};
     if (!option.models.empty()) texts["model"] = option.models.front();
-    if (option.name == "neighbours") texts["interpolation"] = "plain";
     if (option.name == "no_scale") texts["form"] = "gaussian";
     return texts;
 }
@@ -84,7 +83,6 @@ TEST(PmFitOptions, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
     const std::pair<FitTexts, std::string> wrong[] = {
         {{{"target_delta_e", "3"}, {"lobes", "3"}},
          "<target_delta_e>: chooses the number of lobes; not together with <lobes>"},
-        {{{"model", "su"}, {"neighbours", "3"}}, "<neighbours>: only with <interpolation> plain or <with_index>"},
         {{{"model", "ggx"}, {"channels", "spectral"}}, "<channels>: spectral only with <model> pm"},
         {{{"no_scale", "true"}}, "<no_scale>: only with <form> gaussian; other forms always store log scales"},
         {{{"as_measured", "true"}, {"form", "horizon"}},
@@ -98,7 +96,6 @@ TEST(PmFitOptions, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
         EXPECT_EQ(message(refused.error()), error);
     }
     EXPECT_TRUE(message(fit_request({{"lobs", "3"}}, loud).error()).ends_with("<seed>, <threads>, found <lobs>"));
-    EXPECT_TRUE(fit_request({{"model", "su"}, {"neighbours", "3"}, {"with_index", "cube"}}).ok());
 }
 
 }  // namespace

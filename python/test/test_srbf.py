@@ -277,7 +277,7 @@ def test_a_surface_has_the_parameters_of_its_program(paper):
 
 def test_options_are_those_of_the_program(paper):
     assert {"lobes", "directions", "no_scale"} <= set(inspect.signature(srbf.fit).parameters)
-    sampled = srbf.fit(paper, model="su", lobes=1, directions=9, interpolation="plain", objective="raw").model.parameters
+    sampled = srbf.fit(paper, model="su", lobes=1, directions=9, interpolation=3, objective="raw").model.parameters
     assert sampled["direction"].shape == (9, 3) and sampled["interpolation"] == "plain"
 
 

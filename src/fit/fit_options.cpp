@@ -186,27 +186,24 @@ void add_objective(std::vector<FitOptionRow>& to) {
 void add_views(std::vector<FitOptionRow>& to) {
     using Words = std::vector<Text>;
     to.push_back(
-        word({"discretise", k_of_su, "view|light", "su: the sampled direction; lobes are functions of the other one",
+        word({"discretise", k_of_su, "view|light", "The sampled direction; lobes are functions of the other one",
               preset(name(k_su.discretise))},
              Words{"view", "light"},
              [](FitRequest& r, Text text) { return store(discretise_named(text), su(r).discretise); }));
     to.push_back(number<int>({"directions", k_of_su, "N",
-                              fmt::format("su: number of sampled directions, {} to {}", k_least_views, k_most_views),
+                              fmt::format("Number of sampled directions, {} to {}", k_least_views, k_most_views),
                               preset(k_su.directions)},
                              k_least_views, k_most_views, [](FitRequest& r, int n) { su(r).directions = n; }));
-    to.push_back(word({"interpolation", k_of_su, "NAME",
-                       "su: rotated: between the two samples adjacent in elevation, rotated to the azimuth of the\n"
-                       "direction, for isotropic measurements; plain: between the nearest samples",
-                       preset(name(k_su.interpolation))},
-                      Words{"rotated", "plain"},
-                      [](FitRequest& r, Text text) { return store(interpolation_named(text), su(r).interpolation); }));
-    to.push_back(
-        number<int>({"neighbours", k_of_su, "K",
-                     fmt::format("su: number of samples of the plain interpolation, 1 to {}", k_most_neighbours),
-                     preset(k_su.neighbours)},
-                    1, k_most_neighbours, [](FitRequest& r, int n) { su(r).neighbours = n; }));
+    to.push_back(or_word(
+        number<int>({"interpolation", k_of_su, "rotated|K",
+                     "Between the two samples adjacent in elevation, rotated to the azimuth of the direction,\n"
+                     "for isotropic measurements; or between the K nearest samples",
+                     preset(name(k_su.interpolation))},
+                    1, k_most_neighbours,
+                    [](FitRequest& r, int n) { su(r).interpolation = SuInterpolation::plain, su(r).neighbours = n; }),
+        "rotated", [](FitRequest& r) { su(r).interpolation = SuInterpolation::rotated; }));
     to.push_back(word(
-        {"with_index", k_of_su, "cube|parabolic", "su: store an index texture, the samples nearest to each direction"},
+        {"with_index", k_of_su, "cube|parabolic", "Store an index texture, the samples nearest to each direction"},
         Words{"cube", "parabolic"}, [](FitRequest& r, Text text) { return store(map_named(text), su(r).index); }));
 }
 
@@ -251,11 +248,6 @@ struct Rule {
     bool (*holds)(const FitRequest&, const FitTexts&);
 };
 const Rule k_rules[] = {
-    {{"neighbours"},
-     "only with {interpolation} plain or {with_index}",
-     [](const FitRequest& r, const FitTexts& texts) {
-         return std::get<SuRequest>(r.model).interpolation == SuInterpolation::plain || texts.contains("with_index");
-     }},
     {{"channels"},
      "spectral only with {model} pm",
      [](const FitRequest& r, const FitTexts&) { return !r.spectral || std::holds_alternative<PmRequest>(r.model); }},

@@ -22,7 +22,6 @@ template <> struct Kind<PmModel> {
     static std::string formula_text(const PmModel& model, const NumberText& number);
     static bool is_of(const ParameterReader& reader);
     static PmModel made_of(ParameterReader& reader);
-    /// Calls each(member) for all members.
 };
 
 // For files that hold the lobes of several models:

@@ -24,7 +24,4 @@ template <> struct Kind<SuModel> {
     static SuModel made_of(ParameterReader& reader);
 };
 
-template <> struct Kind<IndexTexture> {
-};
-
 }  // namespace srbf

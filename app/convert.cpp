@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <memory>
 
+#include "any/table_file.h"
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/read_options.h"
 #include "base/paths.h"
-#include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 
+#include "any/table_file.h"
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/read_options.h"
@@ -17,7 +18,6 @@
 #include "measured/peak.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/library_file.h"
-#include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"
 #include "srbf/library.h"

@@ -3,13 +3,13 @@
 // because of pybind11.
 #include <pybind11/stl.h>
 
+#include "any/table_file.h"
 #include "code/offered_code.h"
 #include "errors/sphere.h"
 #include "fit/fit_options.h"
 #include "fits.h"
 #include "measured/tables.h"
 #include "parameters.h"
-#include "prepared/table_file.h"
 #include "srbf/convert.h"
 #include "srbf/edit.h"
 #include "srbf/shading_code.h"

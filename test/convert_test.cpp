@@ -2,6 +2,7 @@
 #include "srbf/convert.h"
 #include "errors/measures.h"
 
+#include "any/table_file.h"
 #include "brdf/channels.h"
 #include "brdf/colour.h"
 #include "measured/formats/warp.h"
@@ -9,7 +10,6 @@
 #include "measured/tables.h"
 #include "measured_files.h"
 #include "models.h"
-#include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
 

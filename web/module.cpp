@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "any/table_file.h"
 #include "app/output.h"
 #include "base/files.h"
 #include "base/text.h"
@@ -27,7 +28,6 @@
 #include "measured/isotropy.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "observe/objectives.h"
-#include "prepared/table_file.h"
 #include "srbf/edit.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"

@@ -8,7 +8,6 @@
 #include "extras/daylight/klems.h"
 #include "extras/daylight/tensor_tree.h"
 #include "extras/daylight/tree_beam.h"
-#include "fit/own_fit.h"
 #include "measured/evaluated_table.h"
 
 namespace SRBF_NAMESPACE {
@@ -31,16 +30,7 @@ std::vector<TableLine> lines_about(const TreeTable& table) {
 }
 
 EvaluatedTable evaluated(KlemsTable matrix) {
-    const auto table = std::make_shared<const KlemsTable>(std::move(matrix));
-    TableFunctions functions;
-    functions.own_fit = std::make_shared<const OwnFit>(OwnFit{
-        "patches",
-        [table](const FitRequest& request, const ProgressToken& progress) {
-            return fit_patches(*table, request, progress);
-        },
-        [table](const Evaluate& f) { return sums_of(*table, k_measured_points).error_ratio(f); },
-        [table](const Evaluate& f, const Beams& beams, Part part) { return hemispherical(*table, f, beams, part); }});
-    return evaluated_table(table, std::move(functions));
+    return evaluated_table(std::make_shared<const KlemsTable>(std::move(matrix)));
 }
 
 EvaluatedTable evaluated(TreeTable tree) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/parameters.h"
+#include "models/kind/parameters.h"
 #include "models/su/su_functions.h"
 
 namespace SRBF_NAMESPACE {

@@ -20,6 +20,8 @@
 #include "srbf/elementary.h"
 #include "srbf/fit_bsdf.h"
 
+#include "fit/extra_fits.h"  // of the types above
+
 namespace SRBF_NAMESPACE {
 namespace {
 
@@ -70,7 +72,7 @@ bool alike(const Input& front, const Input& back, Part part) {
 Model black() { return {GgxModel{{}, {GgxModel::Lobe{}}}, {}}; }
 
 std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fitted, const Beams& beams, Part part) {
-    if (const OwnFit* own = input.own_fit()) return own->hemispherical(fitted, beams, part);
+    if (const OwnFit* own = input.own_fit()) return own->hemispherical(*input.measured, fitted, beams, part);
     std::vector<Hemispherical> all;
     for (const double degrees : k_incidences) {
         const double theta = degrees * k_degree,
@@ -84,7 +86,7 @@ std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fit
 Result<FitOutcome> fit_part(const Input& input, Part part, FitRequest request, const ProgressToken& progress) {
     auto* pm = std::get_if<PmRequest>(&request.model);
     if (pm && is_transmission(part) && !pm->form) pm->form = PmForm::extended;
-    auto fitted = input.own_fit()  ? input.own_fit()->fit(request, progress)
+    auto fitted = input.own_fit()  ? input.own_fit()->fit(*input.measured, request, progress)
                   : input.measured ? srbf::fit(*input.measured, request, progress)
                                    : srbf::fit(input.f, request, progress);
     if (fitted) return fitted;
@@ -131,7 +133,7 @@ void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
     };
     fit.hemispherical = hemispherical(input, fitted, bsdf.beam, fit.part);
     if (const OwnFit* own = input.own_fit()) {
-        fit.squared_error_ratio = own->error_ratio(fitted);
+        fit.squared_error_ratio = own->error_ratio(*input.measured, fitted);
     } else if (!fit.black) {
         const auto a = sampled(input.f, false);
         fit.squared_error_ratio = energy_between(a, sampled(fitted, false)) / energy(a);
@@ -189,8 +191,10 @@ Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const F
 }  // namespace
 
 const OwnFit* own_fit_of(const Measured& part) {
-    const auto* table = std::get_if<EvaluatedTable>(&part.table);
-    return table && table->functions ? table->functions->own_fit.get() : nullptr;
+    for (const std::span<const OwnFit> fits : k_extra_fits)
+        for (const OwnFit& own : fits)
+            if (own.is_of(part)) return &own;
+    return nullptr;
 }
 
 void end_mirrors(Beams& beams, const std::array<Evaluate, k_parts>& parts) {

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "base/parameters.h"
+#include "models/kind/parameters.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/pm/search/search.h"
 #include "models/su/fit_su.h"

@@ -9,7 +9,6 @@
 #include <chrono>
 #include <thread>
 
-#include "base/parameters.h"
 #include "brdf/channels.h"
 #include "errors/measures.h"
 #include "extras/view/display_state.h"
@@ -19,6 +18,7 @@
 #include "extras/view/readings.h"
 #include "extras/view/session.h"
 #include "models.h"
+#include "models/kind/parameters.h"
 #include "observe/objectives.h"
 #include "program.h"
 #include "properties.h"

@@ -1,7 +1,7 @@
 // `Kind` of BSDFs, and the tensors of their parts and beams in a model file.
 #pragma once
-#include "base/kind.h"
 #include "models/bsdf/bsdf_functions.h"
+#include "models/kind/kind.h"
 #include "srbf/model.h"
 
 namespace SRBF_NAMESPACE {

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "base/parameters.h"
 #include "brdf/parts.h"
 #include "brdf/rows.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/bsdf/bsdf_kind.h"
+#include "models/kind/parameters.h"
 #include "srbf/model.h"
 
 namespace SRBF_NAMESPACE {

@@ -2,8 +2,8 @@
 #include <string>
 #include <string_view>
 
-#include "base/kind.h"
 #include "models/ggx/ggx_functions.h"
+#include "models/kind/kind.h"
 #include "observe/observations.h"
 #include "srbf/models/ggx.h"
 #include "srbf/progress.h"

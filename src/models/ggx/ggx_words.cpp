@@ -1,10 +1,10 @@
 // Describes Lambert and GGX to programs and people.
 #include <fmt/format.h>
 
-#include "base/parameters.h"
 #include "brdf/rows.h"
 #include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
+#include "models/kind/parameters.h"
 #include "srbf/model.h"
 
 namespace SRBF_NAMESPACE {

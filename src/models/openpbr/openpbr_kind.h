@@ -2,7 +2,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/kind.h"
+#include "models/kind/kind.h"
 #include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_parameters.h"
 #include "observe/observations.h"

@@ -1,8 +1,8 @@
 // Describes a surface to programs and people.
 #include <fmt/ranges.h>
 
-#include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/kind/parameters.h"
 #include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kernel.h"
 #include "models/openpbr/openpbr_kind.h"

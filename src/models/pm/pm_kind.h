@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "base/kind.h"
+#include "models/kind/kind.h"
 #include "models/pm/pm_functions.h"
 #include "srbf/models/pm.h"
 

@@ -8,8 +8,8 @@
 #include <span>
 
 #include "base/half.h"
-#include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/kind/parameters.h"
 #include "models/pm/pm_functions.h"
 #include "models/pm/pm_kind.h"
 #include "srbf/elementary.h"

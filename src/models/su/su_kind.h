@@ -2,7 +2,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/kind.h"
+#include "models/kind/kind.h"
 #include "models/su/su_functions.h"
 #include "srbf/models/su.h"
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/kind/parameters.h"
 #include "models/su/su_functions.h"
 #include "models/su/su_kind.h"
 #include "srbf/model.h"

@@ -1,7 +1,7 @@
 // The interface of a kind of model, and the conditions and the result of a fit.
 #pragma once
-#include "base/parameters.h"
 #include "base/safetensors.h"
+#include "models/kind/parameters.h"
 
 namespace SRBF_NAMESPACE {
 
@@ -12,7 +12,7 @@ namespace SRBF_NAMESPACE {
 ///   double largest(const M&)                           the largest number before `content` clamps it to 65504
 ///   std::string summary(const M&), void add_rows(std::string& text, const M&), Parameters members(const M&),
 ///   Parameters parameters(const M&), std::vector<Model> terms(const M&, std::size_t most),
-///   std::string formula_text(const M&, const NumberText&)   as in base/parameters.h
+///   std::string formula_text(const M&, const NumberText&)   as in models/kind/parameters.h
 ///   const char* not_for_radiance                       if Radiance has no formula for it, its name in the error
 ///   bool is_of(const ParameterReader&)                 true if the parameters are of this kind, by a name that no kind
 ///                                                      before it in `AnyModel` has

@@ -2,7 +2,7 @@
 #include "command.h"
 #include "errors/picture_errors.h"
 #include "errors/sphere.h"
-#include "measured/readers.h"
+#include "measured/samples.h"
 #include "models/pm/pm_functions.h"
 #include "models/su/su_functions.h"
 #include "srbf/file.h"
@@ -290,7 +290,7 @@ TEST_F(Command, fit_takes_spectra) {
         ASSERT_EQ(eval.status, 0) << eval.err;
         EXPECT_TRUE(eval.out.starts_with(directions + nm)) << eval.out;
         // The output is a measurement at wavelengths again.
-        const auto samples = read_csv(as_bytes(eval.out), "e");
+        const auto samples = read_csv(as_bytes(eval.out), "e", {});
         ASSERT_TRUE(samples.ok());
         ASSERT_EQ(samples->spectrum.size(), 10u);
         for (std::size_t c = 0; c < 5; ++c)

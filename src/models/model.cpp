@@ -122,8 +122,7 @@ template <typename... M> struct Kinds<std::variant<M...>> {
     template <typename K> static Result<Model> rounded_of(ParameterReader& of) {
         K given = Kind<K>::made_of(of);
         if (const auto error = of.error()) return *error;
-        Safetensors content = Kind<K>::content(given);
-        auto rounded = Kind<K>::read(content, "parameters");
+        auto rounded = as_stored(given, "parameters");
         if (!rounded) return rounded.error();
         if (const auto lost = lost_number(Kind<K>::parameters(given), Kind<K>::parameters(*rounded))) return *lost;
         if constexpr (requires { given.centre; })

@@ -46,7 +46,7 @@ Evaluate evaluator(const GgxModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
 
-GgxModel rounded(const GgxModel& model) { return as_stored(model); }
+GgxModel rounded(const GgxModel& model) { return *as_stored(model); }
 
 Result<GgxModel> Kind<GgxModel>::read(Safetensors& content, const std::string& file_name) {
     const auto tensor = content.tensors.find("roughness");

@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "models/ggx/ggx_functions.h"
-#include "models/kind/numbers_kind.h"
+#include "models/kind/numbers.h"
 #include "observe/observations.h"
 #include "srbf/models/ggx.h"
 #include "srbf/progress.h"

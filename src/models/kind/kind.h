@@ -17,6 +17,7 @@ namespace SRBF_NAMESPACE {
 ///   bool is_of(const ParameterReader&)                 true if the parameters are of this kind, by a name that no kind
 ///                                                      before it in `AnyModel` has
 ///   M made_of(ParameterReader&)                        the inverse of `parameters`
+/// A kind that is a list of numbers inherits most of these from `KindOfNumbers` (numbers.h).
 /// A kind that is fitted to observations alone also has, with R its request,
 ///   Result<Fitted<M>> fit(const Observations&, const R&, const FitConditions&, const ProgressToken&)
 template <typename M> struct Kind;
@@ -34,10 +35,10 @@ template <typename M> struct Fitted {
     double unrounded_loss = 0;  ///< the loss of `unrounded`, which the fit minimises
 };
 
-/// `model` rounded as in its file.
-template <typename M> M as_stored(const M& model) {
+/// `model` rounded as in its file. A valid one has no error.
+template <typename M> Result<M> as_stored(const M& model, const std::string& file_name = {}) {
     Safetensors content = Kind<M>::content(model);
-    return *Kind<M>::read(content, "");  // a valid model can be encoded
+    return Kind<M>::read(content, file_name);
 }
 
 }  // namespace srbf

@@ -32,7 +32,7 @@ Evaluate evaluator(const OpenPbrModel& model) {
 
 std::size_t payload_bytes(const OpenPbrModel& model) { return 2 * openpbr_number_count(model); }
 
-OpenPbrModel rounded(const OpenPbrModel& model) { return as_stored(model); }
+OpenPbrModel rounded(const OpenPbrModel& model) { return *as_stored(model); }
 
 Safetensors Kind<OpenPbrModel>::content(const OpenPbrModel& model) {
     Safetensors content = KindOfNumbers::content(model);

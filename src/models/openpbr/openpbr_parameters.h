@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "models/kind/numbers_kind.h"
+#include "models/kind/numbers.h"
 #include "srbf/models/openpbr.h"
 
 SRBF_BEGIN

@@ -9,7 +9,7 @@
 #include "base/files.h"
 #include "base/printable.h"
 #include "brdf/values.h"
-#include "fit/own_fit.h"
+#include "fit/patch_fit.h"
 #include "fit/request_traits.h"
 #include "measured/readers.h"
 #include "srbf/file.h"
@@ -28,10 +28,10 @@ struct ReadFor {
 /// Returns an error if an option was given that the fit of this measurement does not read.
 Result<Done> check_read(const Measured& measured, const FileFit& fit) {
     const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
-    const OwnFit* own = nullptr;
+    const PatchFit* own = nullptr;
     if (bsdf)
         for (const auto& part : bsdf->band().part)
-            if (part && own_fit_of(*part)) own = own_fit_of(*part);
+            if (part && patch_fit_of(*part)) own = patch_fit_of(*part);
     const std::string fitted(own ? own->fitted : "");
     const auto* pm = std::get_if<PmRequest>(&fit.request.model);
     const bool is_view_by_view = std::holds_alternative<SuRequest>(fit.request.model);

@@ -42,8 +42,8 @@ void refuse_missing(const CLI::App& sub) {
         }
 }
 
-void refuse_unread(const std::vector<Reading>& readings) {
-    for (const Reading& reading : readings)
+void refuse_unread(const std::vector<AllowedWhen>& readings) {
+    for (const AllowedWhen& reading : readings)
         for (const Option& option : reading.options)
             if (option.given() && !reading.are_read()) option.fail(reading.where);
 }
@@ -132,7 +132,7 @@ std::string Subcommand::settings(const std::vector<Option>& besides) const {
 }
 void Subcommand::fail(const std::string& what) const { throw CLI::ValidationError("", what); }
 void Subcommand::footer(const std::string& text) const { app_->footer(text); }
-void Subcommand::callback(std::function<void()> run, std::vector<Reading> readings) const {
+void Subcommand::callback(std::function<void()> run, std::vector<AllowedWhen> readings) const {
     app_->parse_complete_callback([app = app_, readings = std::move(readings)] {
         refuse_missing(*app);
         refuse_unread(readings);

@@ -53,7 +53,7 @@ class Option {
 /// A row of a subcommand's table of the options that its modes read. If one of `options` is given while
 /// `are_read()` is false, parsing ends with a usage error that says `where` they are read, as in "only with
 /// --pairs". `are_read` is called once all options are parsed.
-struct Reading {
+struct AllowedWhen {
     std::vector<Option> options;
     std::string where;
     std::function<bool()> are_read;
@@ -90,7 +90,7 @@ class Subcommand {
     [[noreturn]] void fail(const std::string& what) const;
     /// Sets the action of the subcommand, which runs once all options are parsed. Before it, parsing refuses empty
     /// arguments, option names in place of arguments, and options that the chosen mode does not read.
-    void callback(std::function<void()> run, std::vector<Reading> readings = {}) const;
+    void callback(std::function<void()> run, std::vector<AllowedWhen> readings = {}) const;
 
   private:
     CLI::App* app_;

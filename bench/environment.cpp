@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "errors/likeness.h"
+#include "errors/image_errors.h"
 #include "extras/render/offscreen.h"
 #include "extras/render/path.h"
 #include "extras/render/raster.h"

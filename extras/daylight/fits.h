@@ -1,11 +1,11 @@
 // Fits to the averages over patches of a Klems matrix.
 #pragma once
-#include "fit/own_fit.h"
+#include "fit/patch_fit.h"
 #include "srbf/daylight.h"
 
 namespace SRBF_NAMESPACE {
 
-inline constexpr OwnFit k_daylight_fits[] = {
+inline constexpr PatchFit k_daylight_fits[] = {
     {"patches", [](const Measured& part) { return own_table<KlemsTable>(part) != nullptr; },
      [](const Measured& part, const FitRequest& request, const ProgressToken& progress) {
          return fit_patches(*own_table<KlemsTable>(part), request, progress);

@@ -119,12 +119,12 @@ class SampleFits {
     Result<FitOutcome> fitted(const SuRequest&, const ScatteredSamples& samples, const SampleObservations*,
                               const Variant&, const ProgressToken& progress) const {
         const Measured measured{"", "", 0, samples};
-        return fit_su(signed_evaluator(measured), request_, progress);
+        return fit_view_by_view(signed_evaluator(measured), request_, progress);
     }
     template <typename R>
     Result<FitOutcome> fitted(const R&, const ScatteredSamples&, const SampleObservations* observed, const Variant&,
                               const ProgressToken& progress) const {
-        return counted(fit_observed(request_, observed->samples, samples_.isotropic, progress), *observed);
+        return counted(fit_by_kind(request_, observed->samples, samples_.isotropic, progress), *observed);
     }
     Result<FitOutcome> fitted(const PmRequest&, const ScatteredSamples&, const SampleObservations* observed,
                               const Variant& candidate, const ProgressToken& progress) const {

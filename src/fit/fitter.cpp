@@ -62,7 +62,7 @@ void record(const Comparison& errors, Model& model) {
 
 // ---- Stages common to tables and samples ----
 
-Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress) {
+Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request, const ProgressToken& progress) {
     const SuRequest& su = std::get<SuRequest>(request.model);
     const auto matrix =
         tabulate(f, {.directions = su.directions, .discretise = su.discretise, .threads = request.threads},
@@ -90,8 +90,8 @@ Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const Pr
     return outcome;
 }
 
-Result<FitOutcome> fit_observed(const FitRequest& request, const Observations& observations, bool is_isotropic,
-                                const ProgressToken& progress) {
+Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& observations, bool is_isotropic,
+                               const ProgressToken& progress) {
     return std::visit(
         [&]<typename R>(const R& of) -> Result<FitOutcome> {
             if constexpr (std::same_as<R, PmRequest> || std::same_as<R, SuRequest>) {
@@ -286,13 +286,13 @@ struct Fitter::State {
     Result<FitOutcome> fit_table(const FitRequest& request, const ProgressToken& progress) {
         const auto quiet = smooth(request, progress);
         if (!quiet) return quiet.error();
-        if (const auto* su = std::get_if<SuRequest>(&request.model)) return fit_observed(*su, {}, request, *quiet);
+        if (const auto* su = std::get_if<SuRequest>(&request.model)) return fit_kind(*su, {}, request, *quiet);
         const auto found = observed(request, quiet->part(0, k_observed));
         if (!found) return found.error();
         const Observations& observations = **found;
         const ProgressToken fitting = quiet->part(k_observed, 1);
         auto outcome =
-            std::visit([&](const auto& of) { return fit_observed(of, observations, request, fitting); }, request.model);
+            std::visit([&](const auto& of) { return fit_kind(of, observations, request, fitting); }, request.model);
         if (!outcome) return outcome;
         outcome->masked = observations.masked;
         outcome->largest_albedo = std::max(1.0, most_measured_albedo(observations));
@@ -302,16 +302,16 @@ struct Fitter::State {
     }
 
     template <typename R>
-    Result<FitOutcome> fit_observed(const R&, const Observations& observations, const FitRequest& request,
-                                    const ProgressToken& progress) {
-        return srbf::fit_observed(request, observations, looks_isotropic(request), progress);
+    Result<FitOutcome> fit_kind(const R&, const Observations& observations, const FitRequest& request,
+                                const ProgressToken& progress) {
+        return fit_by_kind(request, observations, looks_isotropic(request), progress);
     }
-    Result<FitOutcome> fit_observed(const SuRequest&, const Observations&, const FitRequest& request,
-                                    const ProgressToken& progress) {
-        return fit_su(smoothed_ ? smoothed_ : signed_, request, progress);  // by a matrix of its own
+    Result<FitOutcome> fit_kind(const SuRequest&, const Observations&, const FitRequest& request,
+                                const ProgressToken& progress) {
+        return fit_view_by_view(smoothed_ ? smoothed_ : signed_, request, progress);  // by a matrix of its own
     }
-    Result<FitOutcome> fit_observed(const PmRequest& pm, const Observations& observations, const FitRequest& request,
-                                    const ProgressToken& progress) {
+    Result<FitOutcome> fit_kind(const PmRequest& pm, const Observations& observations, const FitRequest& request,
+                                const ProgressToken& progress) {
         const PmFitOptions options = pm_options(request, axial(request), k_default_form);
         if (pm.size && std::holds_alternative<AutomaticLobes>(*pm.size))
             return fit_first_size(observations, options, request, progress);
@@ -359,7 +359,7 @@ struct Fitter::State {
         if (!observations) return observations.error();
         PmFitOptions options = pm_options(request, axial(request), k_default_form);
         options.starts = draft.starts, options.perturbations = draft.perturbations;
-        auto fitted = fit_pm(beginning(**observations, draft.pairs), options, quiet->part(k_drafts_observed, 1));
+        auto fitted = fit_pm(first_pairs(**observations, draft.pairs), options, quiet->part(k_drafts_observed, 1));
         if (!fitted) return fitted.error();
         FitOutcome outcome = outcome_of(*std::move(fitted));
         outcome.masked = (*observations)->masked, outcome.clamped = (*observations)->clamped;

@@ -67,9 +67,9 @@ inline Error of_source(Error error, const Measured& measured) {
 }
 
 /// A fit to observations alone, of a model that is neither multivariate nor view by view.
-Result<FitOutcome> fit_observed(const FitRequest& request, const Observations& observations, bool is_isotropic,
-                                const ProgressToken& progress);
+Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& observations, bool is_isotropic,
+                               const ProgressToken& progress);
 /// A view-by-view fit, which observes all pairs of directions itself.
-Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress);
+Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request, const ProgressToken& progress);
 
 }  // namespace srbf

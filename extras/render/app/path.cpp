@@ -70,8 +70,8 @@ PreparedMap prepare_subject(const Library& map, int threads) {
     return prepare_map(map, {.azimuths = map.basis.axial ? 1 : k_anisotropic_azimuths, .threads = threads});
 }
 
-std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
-                                              std::function<bool()> is_path) {
+std::vector<AllowedWhen> PathCommand::add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
+                                                  std::function<bool()> is_path) {
     sub.add_option("--env", environment,
                    "Environment map, a .hdr or .exr file, or studio (default of path) or none (default of raster)")
         .type_name("FILE");

@@ -4,7 +4,7 @@
 
 #include "brdf/frame.h"
 #include "dialects.h"
-#include "errors/likeness.h"
+#include "errors/image_errors.h"
 #include "extras/render/path.h"
 #include "extras/render/raster.h"
 #include "measured/tables.h"

@@ -28,8 +28,8 @@ template <> struct Kind<BsdfModel> {
     static Parameters parameters(const BsdfModel& model);
     static std::vector<Model> terms(const BsdfModel& model, std::size_t most);
     static std::string formula_text(const BsdfModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& reader);
-    static BsdfModel made_of(ParameterReader& reader);
+    static bool matches(const ParameterReader& reader);
+    static BsdfModel from_parameters(ParameterReader& reader);
 };
 
 }  // namespace srbf

@@ -31,7 +31,7 @@ template <> struct Kind<GgxModel> : KindOfNumbers<GgxModel> {
     static Parameters members(const GgxModel& model);
     static std::vector<Model> terms(const GgxModel& model, std::size_t most);
     static std::string formula_text(const GgxModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& reader) { return reader.has("f0"); }
+    static bool matches(const ParameterReader& reader) { return reader.has("f0"); }
     /// Minimises Σ w |f−f̂|² over the observations. For given roughness all other parameters solve a non-negative
     /// linear problem. Roughness is optimised by pattern search from the best values on a grid of half octaves, which
     /// is evaluated on a subset; no roughness is below the observations' least. The loss of `model` is that before the

@@ -14,9 +14,9 @@ namespace SRBF_NAMESPACE {
 ///   Parameters parameters(const M&), std::vector<Model> terms(const M&, std::size_t most),
 ///   std::string formula_text(const M&, const NumberText&)   as in models/kind/parameters.h
 ///   const char* not_for_radiance                       if Radiance has no formula for it, its name in the error
-///   bool is_of(const ParameterReader&)                 true if the parameters are of this kind, by a name that no kind
+///   bool matches(const ParameterReader&)                 true if the parameters are of this kind, by a name that no kind
 ///                                                      before it in `AnyModel` has
-///   M made_of(ParameterReader&)                        the inverse of `parameters`
+///   M from_parameters(ParameterReader&)                        the inverse of `parameters`
 /// A kind that is a list of numbers inherits most of these from `KindOfNumbers` (numbers.h).
 /// A kind that is fitted to observations alone also has, with R its request,
 ///   Result<Fitted<M>> fit(const Observations&, const R&, const FitConditions&, const ProgressToken&)

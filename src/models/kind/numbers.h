@@ -115,7 +115,7 @@ template <typename M> struct KindOfNumbers {
         for (const auto& of : Kind<M>::numbers) all.push_back({std::string(of.name), array_of(model, of)});
         return all;
     }
-    static M made_of(ParameterReader& reader) {
+    static M from_parameters(ParameterReader& reader) {
         M model;
         for (const auto& of : Kind<M>::numbers) {
             const char* const colour = of.of_lobe() ? "L3" : "3";

@@ -77,8 +77,8 @@ Parameters Kind<OpenPbrModel>::parameters(const OpenPbrModel& model) {
     return all;
 }
 
-OpenPbrModel Kind<OpenPbrModel>::made_of(ParameterReader& reader) {
-    OpenPbrModel model = KindOfNumbers::made_of(reader);
+OpenPbrModel Kind<OpenPbrModel>::from_parameters(ParameterReader& reader) {
+    OpenPbrModel model = KindOfNumbers::from_parameters(reader);
     model.is_exchanged = reader.flag("is_exchanged", false);
     return model;
 }

@@ -22,8 +22,8 @@ template <> struct Kind<OpenPbrModel> : KindOfNumbers<OpenPbrModel> {
     static Parameters parameters(const OpenPbrModel& model);
     static std::vector<Model> terms(const OpenPbrModel& model, std::size_t most);
     static std::string formula_text(const OpenPbrModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& reader) { return reader.has("base_color"); }
-    static OpenPbrModel made_of(ParameterReader& reader);
+    static bool matches(const ParameterReader& reader) { return reader.has("base_color"); }
+    static OpenPbrModel from_parameters(ParameterReader& reader);
     /// Minimises the mean of ρ(ΔE_ITP) over the pixels of the observed pictures. If there are none, minimises Σ w
     /// |f−f̂|² over the pairs, with weights adapted to large errors. The search is Levenberg-Marquardt from the best of
     /// two thousand random surfaces, and from the best results with films added. A part of the surface without which

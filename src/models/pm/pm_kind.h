@@ -20,8 +20,8 @@ template <> struct Kind<PmModel> {
     static Parameters parameters(const PmModel& model);
     static std::vector<Model> terms(const PmModel& model, std::size_t most);
     static std::string formula_text(const PmModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& reader);
-    static PmModel made_of(ParameterReader& reader);
+    static bool matches(const ParameterReader& reader);
+    static PmModel from_parameters(ParameterReader& reader);
 };
 
 // For files that hold the lobes of several models:

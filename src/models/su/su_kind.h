@@ -20,8 +20,8 @@ template <> struct Kind<SuModel> {
     static Parameters parameters(const SuModel& model);
     static std::vector<Model> terms(const SuModel& model, std::size_t most);
     static std::string formula_text(const SuModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& reader);
-    static SuModel made_of(ParameterReader& reader);
+    static bool matches(const ParameterReader& reader);
+    static SuModel from_parameters(ParameterReader& reader);
 };
 
 }  // namespace srbf

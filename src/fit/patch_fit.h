@@ -11,7 +11,7 @@ SRBF_BEGIN
 inline constexpr double k_same_part = 1e-4;
 
 /// How tables of one type are fitted that are not fitted to their values at pairs of directions.
-struct OwnFit {
+struct PatchFit {
     std::string_view fitted;  ///< in messages, what is fitted: "patches"
     bool (*is_of)(const Measured& part);
     Result<FitOutcome> (*fit)(const Measured& part, const FitRequest& request, const ProgressToken& progress);
@@ -24,6 +24,6 @@ struct OwnFit {
 /// ends there, or in 0, stays.
 void end_mirrors(Beams& beams, const std::array<Evaluate, k_parts>& parts);
 /// How a part is fitted; null: to its values, as the measurement of a BRDF.
-const OwnFit* own_fit_of(const Measured& part);
+const PatchFit* patch_fit_of(const Measured& part);
 
 SRBF_END

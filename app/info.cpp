@@ -57,13 +57,6 @@ void print_table(const RglTable& table) {
     print_channel_ranges("colour", table.colour.nodes);
 }
 
-void print_table(const UtiaTable& table) {
-    print_row("dimensions",
-              fmt::format("{0} θl × {1} φl × {0} θv × {1} φv", UtiaTable::k_polar, UtiaTable::k_azimuths));
-    print_row("masked entries", fmt::format("{} of {}", grouped(table.masked), grouped(table.cells.size())));
-    print_channel_ranges("value [1/sr]", table.cells);
-}
-
 void print_table(const MbsdfTable& table) {
     for (const auto& [key, text] : table.metadata) print_row(key, text);
     print_row("dimensions",

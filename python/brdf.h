@@ -60,7 +60,7 @@ class PyBrdf {
         if (!measured()) return false;
         const auto& table = measured()->table;
         return !std::holds_alternative<MerlTable>(table) && !std::holds_alternative<RglTable>(table) &&
-               !std::holds_alternative<UtiaTable>(table) && !std::holds_alternative<MbsdfTable>(table);
+               !std::holds_alternative<MbsdfTable>(table);
     }
     /// Evaluates the BRDF. The result shares the content.
     Evaluate evaluate() const {
@@ -228,7 +228,8 @@ inline PyBrdf brdf_of_arrays(Origin origin) {
     const std::size_t n = origin.bytes.size() / (9 * sizeof(float));
     const auto* rows = reinterpret_cast<const Vec3f*>(origin.bytes.data());
     const auto* f = reinterpret_cast<const Rgb*>(rows + 2 * n);
-    ScatteredSamples samples = valid_samples(std::span(rows, n), std::span(rows + n, n), std::span(f, n), *origin.isotropic);
+    ScatteredSamples samples =
+        valid_samples(std::span(rows, n), std::span(rows + n, n), std::span(f, n), *origin.isotropic);
     if (samples.wl.empty())
         raise({"arrays",
                {},
@@ -278,11 +279,11 @@ inline py::tuple reading(const PyBrdf& brdf) {
 inline PyBrdf unpickled(const std::string& bytes, const py::tuple& reading) {
     const auto all = std::as_bytes(std::span(bytes));
     if (reading.empty()) return PyBrdf(required(read_model(all, "pickled BRDF")));
-    Origin origin{reading[0].cast<std::string>(),
-                  {all.begin(), all.end()},
-                  {reading[1].cast<std::string>(), quantity_named(reading[2].cast<std::string>()),
-                   reading[3].cast<float>()},
-                  reading[4].cast<std::optional<bool>>()};
+    Origin origin{
+        reading[0].cast<std::string>(),
+        {all.begin(), all.end()},
+        {reading[1].cast<std::string>(), quantity_named(reading[2].cast<std::string>()), reading[3].cast<float>()},
+        reading[4].cast<std::optional<bool>>()};
     return origin.isotropic ? brdf_of_arrays(std::move(origin)) : required(brdf_of_file(std::move(origin)));
 }
 

@@ -19,9 +19,11 @@ Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string&
 /// which distinguishes measured nodes from extrapolated ones, as the authors' own loader does.
 Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& file_name);
 
-/// Reads the bytes of a UTIA `.bin`: three planes (R, G, B) of doubles, 288 lights × 288 viewers. A non-finite value
-/// means not measured.
-Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name);
+/// Reads the bytes of a UTIA `.bin` (Filip & Vávra, "Template-based sampling of anisotropic BRDFs", 2014): three planes
+/// (R, G, B) of doubles, 288 lights × 288 viewers, θ_l and θ_v at 0, 15, .. 75°, φ_l and φ_v at 0, 7.5, .. 352.5°. A
+/// non-finite value means not measured. f_r is linear in all four angles between the nodes, like the look-up of the
+/// database's own code. Between 75 and 90° it is extrapolated from 60 to 75°. NaN where one of the nodes was not measured.
+Result<EvaluatedTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name);
 /// Reads the bytes of an MBSDF file, version 1: lines key="value", then a block of reflection: type (grey or RGB), n_θ,
 /// n_φ, and n_θ n_θ n_φ samples. A block of transmission may follow; its size is checked, and it is left out. A sample
 /// that is not finite is masked.

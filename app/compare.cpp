@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "any/table_file.h"
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/read_options.h"
@@ -9,7 +10,6 @@
 #include "brdf/directions.h"
 #include "errors/measures.h"
 #include "fit/request_traits.h"
-#include "prepared/table_file.h"
 #include "srbf/fit.h"
 
 namespace srbf {

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <memory>
 
+#include "any/table_file.h"
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/read_options.h"
 #include "base/paths.h"
-#include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
 
@@ -126,8 +126,8 @@ std::array<Option, 2> add_csv_options(const Subcommand& sub, const Command& comm
 }
 
 /// The options that one writer reads.
-std::vector<Reading> add_writer_options(const Subcommand& sub, const Command& command) {
-    std::vector<Reading> readings;
+std::vector<AllowedWhen> add_writer_options(const Subcommand& sub, const Command& command) {
+    std::vector<AllowedWhen> readings;
     for (const Format& format : formats()) {
         if (!format.option) continue;
         const auto& [name, help, values] = *format.option;
@@ -157,7 +157,7 @@ void add_convert(CommandLine& app, int& status) {
                        : fmt::format("expected a name that ends in {}, found {}", extensions_of_formats(), name);
         });
     const auto [directions, max_theta] = add_csv_options(sub, command);
-    std::vector<Reading> readings = add_writer_options(sub, command);
+    std::vector<AllowedWhen> readings = add_writer_options(sub, command);
     const Option rgb_alone =
         sub.add_flag("--rgb-alone", command->rgb_alone,
                      "RGL: colours without the spectra of the same material, as Mitsuba 3 needs them in its\n"

@@ -27,7 +27,7 @@ struct ExportKind {
 struct Exports {
     std::vector<ExportKind> kinds;
     std::string about;  ///< a line or more for each kind, for the help
-    std::vector<Reading> readings;
+    std::vector<AllowedWhen> readings;
 };
 
 /// Loads the models in the files; other content is an error.

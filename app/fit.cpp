@@ -9,7 +9,7 @@
 #include "base/files.h"
 #include "base/printable.h"
 #include "brdf/values.h"
-#include "fit/own_fit.h"
+#include "fit/patch_fit.h"
 #include "fit/request_traits.h"
 #include "measured/readers.h"
 #include "srbf/file.h"
@@ -28,21 +28,19 @@ struct ReadFor {
 /// Returns an error if an option was given that the fit of this measurement does not read.
 Result<Done> check_read(const Measured& measured, const FileFit& fit) {
     const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
-    const OwnFit* own = nullptr;
+    const PatchFit* own = nullptr;
     if (bsdf)
         for (const auto& part : bsdf->band().part)
-            if (part && own_fit_of(*part)) own = own_fit_of(*part);
+            if (part && patch_fit_of(*part)) own = patch_fit_of(*part);
     const std::string fitted(own ? own->fitted : "");
     const auto* pm = std::get_if<PmRequest>(&fit.request.model);
     const bool is_view_by_view = std::holds_alternative<SuRequest>(fit.request.model);
-    const bool tries_kinds = goal_of(fit.request) && !std::holds_alternative<ScatteredSamples>(measured.table);
     const ReadFor rows[] = {
-        {{"--form", "--variates"}, !tries_kinds, "samples", "a table, of which all forms and variates are tried"},
         {{"--variates"},
          !(own && pm && !pm->size),
          "a number of lobes too",
          fmt::format("none, so that sizes of {} are tried", fitted)},
-        {{"--target-delta-e", "--budget"}, !own, "a table or samples", fitted},
+        {{"--target-delta-e"}, !own, "a table", fitted},
         {{"--objective", "--max-theta"}, !own || is_view_by_view, "a table or samples", fitted},
         {{"--channels"}, !(own && fit.request.spectral), "rgb", "spectral, of " + fitted},
     };

@@ -65,16 +65,6 @@ void add_data(const Subcommand& sub, FitCommand& command) {
         .type_name("NAME");
 }
 
-void add_former(const Subcommand& sub) {
-    sub.add_former({"--pairs", "--texels", "--slab", "--width"}, "an option of srbf map TEXELS.npy --pairs P.csv");
-    sub.add_former({"--basis", "--active"},
-                   "srbf basis INPUT.. --lobes J --active K -o LIBRARY; of texels, srbf map --basis J");
-    sub.add_former({"--explain"}, "docs/fitting.md, which has the terms and the stages");
-    sub.add_former({"--target-error"}, "--target-delta-e, the visible error, or --budget");
-    sub.add_former({"--reciprocal"}, "nothing: the default is reciprocal; and --as-measured for the table as it is");
-    sub.add_former({"--between"}, "512 directions in every fit");
-}
-
 }  // namespace
 
 void add_fit(CommandLine& app, int& status) {
@@ -85,7 +75,6 @@ void add_fit(CommandLine& app, int& status) {
     add_files(sub, *command, options);
     const Option threads = add_fit_options(sub, command->texts).at("threads");
     add_data(sub, *command);
-    add_former(sub);
     sub.footer(
         "Examples:\n  srbf fit paper_white_rgb.bsdf\n"
         "  srbf fit nickel.binary --lobes 6 --variates 3 --objective raw --preview nickel.png --json -\n"

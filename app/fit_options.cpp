@@ -27,6 +27,7 @@ Option add_fit_option(const Subcommand& sub, FitTexts& texts, const FitOptionRow
     const Option option = sub.add_option(
                                  names, [&texts, name](const std::string& text) { texts[name] = text; }, row.about)
                               .type_name(row.type);
+    if (row.models == std::vector<std::string_view>{"su"}) option.group("View-by-view models, --model su");
     return option.default_text(row.preset).offers(row.choices);
 }
 

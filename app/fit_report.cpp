@@ -20,35 +20,15 @@
 namespace srbf {
 namespace {
 
-/// The goal of a choice of size, in JSON and as text.
-struct GoalWords {
-    const char* key;
-    Json value;
-    std::string text;
-};
-GoalWords words(const ByteBudget& goal) { return {"budget", goal.bytes, fmt::format("{} bytes", goal.bytes)}; }
-GoalWords words(const TargetDeltaE& goal) {
-    return {"target_delta_e", goal.delta_e, fmt::format("a Delta E of {:g}", goal.delta_e)};
-}
-GoalWords words(const SizeGoal& goal) {
-    return std::visit([](const auto& g) { return words(g); }, goal);
-}
-
-/// Prints the models that were tried, the best of each size. Short fits are listed only if their error is below
-/// that of all smaller models.
+/// Prints the sizes that were tried.
 void print_path(const FitRequest& request, const FitOutcome& outcome) {
     if (outcome.path.empty()) return;
-    const bool is_delta_e = is_by_pictures(request);
+    const bool is_delta_e = !outcome.samples;
     const bool is_ratio = !is_delta_e && measure_named_for(request.objective).is_ratio;
     fmt::print("\n  {:>9}  {:>10}   {}\n", "bytes", is_delta_e ? "Delta E" : is_ratio ? "error, %" : "error", "tried");
-    double smallest = std::numeric_limits<double>::infinity();
-    for (const Trial& step : outcome.path) {
-        if (!step.whole && step.error >= smallest) continue;
-        smallest = std::min(smallest, step.error);
-        fmt::print("  {:>9}  {:>10.4g}   {}, {} lobes, {} variates, {}{}\n", step.bytes,
-                   is_ratio ? 100 * step.error : step.error, name(step.form), step.lobes, step.variates,
-                   step.axial ? "axial" : "general", step.whole ? "" : ", short fit");
-    }
+    for (const Trial& trial : outcome.path)
+        fmt::print("  {:>9}  {:>10.4g}   {} lobes\n", trial.bytes, is_ratio ? 100 * trial.error : trial.error,
+                   trial.lobes);
 }
 
 /// True if the table was smoothed to its noise level before the fit.
@@ -159,19 +139,10 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     if (outcome.filled) json["filled_between_samples"] = *outcome.filled;
     if (!outcome.continued.empty()) json["highlights_continued_by"] = outcome.continued;
     if (outcome.ggx_heldout) add_measures(json, *outcome.ggx_heldout, "ggx_heldout_");
-    if (const auto goal = goal_of(request)) {
-        const GoalWords words_of_goal = words(*goal);
-        json[words_of_goal.key] = words_of_goal.value;
-        json["reached"] = outcome.reached;
-    }
-    for (const Trial& step : outcome.path)
-        json["path"].push_back({{"bytes", step.bytes},
-                                {"error", step.error},
-                                {"form", stored_name(step.form)},
-                                {"lobes", step.lobes},
-                                {"variates", step.variates},
-                                {"axial", step.axial},
-                                {"whole", step.whole}});
+    if (const auto target = target_of(request)) json["target_delta_e"] = *target;
+    if (!outcome.path.empty()) json["reached"] = outcome.reached;
+    for (const Trial& trial : outcome.path)
+        json["path"].push_back({{"bytes", trial.bytes}, {"error", trial.error}, {"lobes", trial.lobes}});
     return json;
 }
 
@@ -212,8 +183,9 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
         if (outcome.ggx_heldout) print_against_ggx(outcome.errors->heldout, *outcome.ggx_heldout);
     }
     print_path(request, outcome);
-    if (const auto goal = goal_of(request); goal && !outcome.reached)
-        fmt::print("  Not reached: {}; this is the best model found.\n", words(*goal).text);
+    if (!outcome.reached)
+        fmt::print("  Not reached: a Delta E of {:g}; this is the largest size that was tried.\n",
+                   target_of(request).value_or(k_default_delta_e));
     fmt::print("\n  model     {}\n", printable(fit.output));
     if (!fit.preview.empty()) fmt::print("  picture   {}\n", printable(fit.preview));
     if (!fit.json.empty()) fmt::print("  report    {}\n", printable(fit.json));

@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 
+#include "any/table_file.h"
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/read_options.h"
@@ -17,7 +18,6 @@
 #include "measured/peak.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/library_file.h"
-#include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"
 #include "srbf/library.h"
@@ -55,13 +55,6 @@ void print_table(const RglTable& table) {
                                     double(table.theta_l.back()) / k_degree));
     print_row("masked entries", "none");
     print_channel_ranges("colour", table.colour.nodes);
-}
-
-void print_table(const UtiaTable& table) {
-    print_row("dimensions",
-              fmt::format("{0} θl × {1} φl × {0} θv × {1} φv", UtiaTable::k_polar, UtiaTable::k_azimuths));
-    print_row("masked entries", fmt::format("{} of {}", grouped(table.masked), grouped(table.cells.size())));
-    print_channel_ranges("value [1/sr]", table.cells);
 }
 
 void print_table(const MbsdfTable& table) {

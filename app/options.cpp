@@ -42,8 +42,8 @@ void refuse_missing(const CLI::App& sub) {
         }
 }
 
-void refuse_unread(const std::vector<Reading>& readings) {
-    for (const Reading& reading : readings)
+void refuse_unread(const std::vector<AllowedWhen>& readings) {
+    for (const AllowedWhen& reading : readings)
         for (const Option& option : reading.options)
             if (option.given() && !reading.are_read()) option.fail(reading.where);
 }
@@ -69,7 +69,8 @@ Option Option::default_text(const std::string& text) const { return Option(optio
 Option Option::offers(const std::vector<std::string>& choices) const {
     return choices.empty() ? *this : check([](std::string&) { return std::string(); }, choices);
 }
-Option Option::hidden() const { return Option(option_->group("")); }
+Option Option::hidden() const { return group(""); }
+Option Option::group(const std::string& title) const { return Option(option_->group(title)); }
 Option Option::one_at_a_time() const { return Option(option_->allow_extra_args(false)); }
 bool Option::given() const { return option_->count() > 0; }
 void Option::fail(const std::string& what) const { throw CLI::ValidationError(option_->get_name(), what); }
@@ -111,14 +112,6 @@ Option Subcommand::add_flag(const std::string& names, std::function<void()> when
                             const std::string& about) const {
     return Option(app_->add_flag_callback(names, std::move(when_given), about)->disable_flag_override());
 }
-void Subcommand::add_former(const std::vector<std::string>& names, const std::string& instead) const {
-    for (const std::string& name : names) {
-        const auto refuse = [what = name + " is now " + instead](const std::string&) {
-            throw CLI::ValidationError("", what);
-        };
-        app_->add_option_function<std::string>(name, refuse)->group("")->expected(0, 1)->trigger_on_parse();
-    }
-}
 std::vector<std::string> Subcommand::given() const {
     std::vector<std::string> names;
     for (const CLI::Option* option : app_->get_options())
@@ -139,7 +132,7 @@ std::string Subcommand::settings(const std::vector<Option>& besides) const {
 }
 void Subcommand::fail(const std::string& what) const { throw CLI::ValidationError("", what); }
 void Subcommand::footer(const std::string& text) const { app_->footer(text); }
-void Subcommand::callback(std::function<void()> run, std::vector<Reading> readings) const {
+void Subcommand::callback(std::function<void()> run, std::vector<AllowedWhen> readings) const {
     app_->parse_complete_callback([app = app_, readings = std::move(readings)] {
         refuse_missing(*app);
         refuse_unread(readings);

@@ -36,6 +36,7 @@ class Option {
     Option default_text(const std::string& text) const;            ///< for --help and `settings`
     Option offers(const std::vector<std::string>& choices) const;  ///< texts for shell completion
     Option hidden() const;                                         ///< from --help
+    Option group(const std::string& title) const;                  ///< of --help
     Option one_at_a_time() const;                                  ///< for a list: the option takes one text per use
 
     /// True if the option was on the command line.
@@ -52,7 +53,7 @@ class Option {
 /// A row of a subcommand's table of the options that its modes read. If one of `options` is given while
 /// `are_read()` is false, parsing ends with a usage error that says `where` they are read, as in "only with
 /// --pairs". `are_read` is called once all options are parsed.
-struct Reading {
+struct AllowedWhen {
     std::vector<Option> options;
     std::string where;
     std::function<bool()> are_read;
@@ -77,9 +78,6 @@ class Subcommand {
     Option add_flag(const std::string& names, std::function<void(int)> take, const std::string& about) const;
     Option add_flag(const std::string& names, std::function<void()> when_given, const std::string& about) const;
 
-    /// Former options, which --help does not list: using one is a usage error that says what to use `instead`.
-    void add_former(const std::vector<std::string>& names, const std::string& instead) const;
-
     /// The options that were on the command line, by their longest names.
     std::vector<std::string> given() const;
 
@@ -92,7 +90,7 @@ class Subcommand {
     [[noreturn]] void fail(const std::string& what) const;
     /// Sets the action of the subcommand, which runs once all options are parsed. Before it, parsing refuses empty
     /// arguments, option names in place of arguments, and options that the chosen mode does not read.
-    void callback(std::function<void()> run, std::vector<Reading> readings = {}) const;
+    void callback(std::function<void()> run, std::vector<AllowedWhen> readings = {}) const;
 
   private:
     CLI::App* app_;

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "app/load.h"
-#include "base/parameters.h"
 #include "brdf/rows.h"
 #include "errors/measure_names.h"
+#include "models/kind/parameters.h"
 #include "srbf/metrics.h"
 #include "srbf/objective.h"
 

@@ -19,7 +19,6 @@ std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& options
                "cosine of the viewer")
             .type_name("NAME")
             .one_of({k_quantities.begin(), k_quantities.end()});
-    sub.add_former({"--unit"}, "--quantity bsdf, factor or cosine");
     const Option floor =
         sub.add_option(
                "--floor", [&options](const std::string& text) { options.floor = to_number<float>(text).value_or(0); },

@@ -9,6 +9,7 @@
 
 #include "brdf/directions.h"
 #include "in_process.h"
+#include "measured/bytes.h"
 #include "measured/formats.h"
 #include "measured/readers.h"
 #include "models/library_file.h"
@@ -94,7 +95,7 @@ struct NamedTarget {
 inline void check_utia(std::span<const std::byte> bytes) {
     check_values(read_utia(bytes, "f"));
     if (bytes.empty()) return;
-    std::vector<std::byte> table(3 * UtiaTable::k_directions * UtiaTable::k_directions * sizeof(double));
+    std::vector<std::byte> table(utia_bytes());
     for (std::size_t i = 0; i < table.size(); i += bytes.size())
         std::memcpy(&table[i], bytes.data(), std::min(bytes.size(), table.size() - i));
     check_values(read_utia(table, "f"));

@@ -3,13 +3,13 @@
 // because of pybind11.
 #include <pybind11/stl.h>
 
+#include "any/table_file.h"
 #include "code/offered_code.h"
 #include "errors/sphere.h"
 #include "fit/fit_options.h"
 #include "fits.h"
 #include "measured/tables.h"
 #include "parameters.h"
-#include "prepared/table_file.h"
 #include "srbf/convert.h"
 #include "srbf/edit.h"
 #include "srbf/shading_code.h"
@@ -130,8 +130,8 @@ void define_brdf(py::module_& module) {
                  return sample_at(brdf, {vx, vy, vz}, {u, v, selector});
              })
         .def("parameters", [](const PyBrdf& brdf) { return to_python(parameters(brdf.require_model())); })
-        .def("pickled", &pickled)
-        .def("numbers", &numbers)
+        .def("file_bytes", &file_bytes)
+        .def("reading", &reading)
         .def("is_model", [](const PyBrdf& brdf) { return brdf.model() != nullptr; })
         .def("is_slow", &PyBrdf::is_slow)
         .def("isotropic", &PyBrdf::isotropic)

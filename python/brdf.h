@@ -7,7 +7,6 @@
 #include <optional>
 #include <variant>
 
-#include "archive.h"
 #include "arrays.h"
 #include "base/files.h"
 #include "brdf/channels.h"
@@ -20,15 +19,27 @@
 
 namespace srbf {
 
+/// What a measurement was read from, for copies in other processes and for comparison.
+struct Origin {
+    std::string path;
+    std::vector<std::byte> bytes;  ///< of the file; of arrays the rows of wl, wv and f
+    ReadOptions options;
+    std::optional<bool> isotropic = {};  ///< of arrays
+};
+
 /// A measurement or a model. What sampling needs is prepared at the first use.
 class PyBrdf {
   public:
-    explicit PyBrdf(AnyBrdf content, bool exchanged = false)
-        : content_(std::make_shared<const AnyBrdf>(std::move(content))), exchanged_(exchanged) {}
+    explicit PyBrdf(Model model) : content_(std::make_shared<const AnyBrdf>(std::move(model))) {}
+    PyBrdf(AnyBrdf content, std::shared_ptr<const Origin> origin, bool exchanged = false)
+        : content_(std::make_shared<const AnyBrdf>(std::move(content))),
+          origin_(std::move(origin)),
+          exchanged_(exchanged) {}
 
     const AnyBrdf& content() const { return *content_; }
     const Model* model() const { return std::get_if<Model>(content_.get()); }
     const Measured* measured() const { return std::get_if<Measured>(content_.get()); }
+    const Origin& origin() const { return *origin_; }  ///< of a measurement
     const Model& require_model() const {
         if (!model()) raise({"srbf", {}, "brdf", "a model", "a measurement", ErrorCode::wrong_kind});
         return *model();
@@ -38,7 +49,7 @@ class PyBrdf {
     PyBrdf exchanged() const {
         AnyBrdf content = *content_;
         std::visit([](auto& brdf) { exchange(brdf); }, content);
-        return PyBrdf(std::move(content), !exchanged_);
+        return {std::move(content), origin_, !exchanged_};
     }
     bool isotropic() const {
         return std::visit([](const auto& brdf) { return is_isotropic(brdf); }, *content_);
@@ -49,7 +60,7 @@ class PyBrdf {
         if (!measured()) return false;
         const auto& table = measured()->table;
         return !std::holds_alternative<MerlTable>(table) && !std::holds_alternative<RglTable>(table) &&
-               !std::holds_alternative<UtiaTable>(table) && !std::holds_alternative<MbsdfTable>(table);
+               !std::holds_alternative<MbsdfTable>(table);
     }
     /// Evaluates the BRDF. The result shares the content.
     Evaluate evaluate() const {
@@ -86,7 +97,8 @@ class PyBrdf {
     };
 
     std::shared_ptr<const AnyBrdf> content_;
-    bool exchanged_;
+    std::shared_ptr<const Origin> origin_;
+    bool exchanged_ = false;
     std::shared_ptr<Once<PreparedBrdf>> front_ = std::make_shared<Once<PreparedBrdf>>();
     std::shared_ptr<Once<PreparedBsdf>> sides_ = std::make_shared<Once<PreparedBsdf>>();
 };
@@ -211,8 +223,13 @@ inline ScatteredSamples valid_samples(const Array& wl, const Array& wv, const Ar
     return valid_samples(span_of<Vec3f>(wl), span_of<Vec3f>(wv), span_of<Rgb>(f), isotropic);
 }
 
-inline PyBrdf brdf_of_samples(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
-    ScatteredSamples samples = valid_samples(wl, wv, f, isotropic);
+/// The measurement of arrays, whose rows are in `origin`.
+inline PyBrdf brdf_of_arrays(Origin origin) {
+    const std::size_t n = origin.bytes.size() / (9 * sizeof(float));
+    const auto* rows = reinterpret_cast<const Vec3f*>(origin.bytes.data());
+    const auto* f = reinterpret_cast<const Rgb*>(rows + 2 * n);
+    ScatteredSamples samples =
+        valid_samples(std::span(rows, n), std::span(rows + n, n), std::span(f, n), *origin.isotropic);
     if (samples.wl.empty())
         raise({"arrays",
                {},
@@ -220,38 +237,54 @@ inline PyBrdf brdf_of_samples(const Array& wl, const Array& wv, const Array& f, 
                "some above the horizon",
                samples.notes.empty() ? "none" : samples.notes[0],
                ErrorCode::no_data});
-    {
-        const py::gil_scoped_release released;
-        make_index(samples);
+    const py::gil_scoped_release released;
+    make_index(samples);
+    return {Measured{origin.path, "arrays", origin.bytes.size(), std::move(samples)},
+            std::make_shared<const Origin>(std::move(origin))};
+}
+inline PyBrdf brdf_of_samples(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
+    require_unit(wl, "wl");
+    require_unit(wv, "wv");
+    Origin origin{"arrays", {}, {}, isotropic};
+    for (const Array* array : {&wl, &wv, &f}) {
+        const auto bytes = std::as_bytes(std::span(array->data(), std::size_t(array->size())));
+        origin.bytes.insert(origin.bytes.end(), bytes.begin(), bytes.end());
     }
-    const std::uint64_t bytes = 36 * std::uint64_t(rows(wl));
-    return PyBrdf(Measured{"arrays", "arrays", bytes, std::move(samples)});
+    return brdf_of_arrays(std::move(origin));
 }
 
-inline py::bytes pickled(const PyBrdf& brdf) {
-    ArchiveWriter writer;
-    {
-        const py::gil_scoped_release released;
-        writer(brdf.content());
-    }
-    return writer.bytes;
+inline Result<PyBrdf> brdf_of_file(Origin origin) {
+    auto measured = read_measured(origin.bytes, origin.path, origin.options);
+    if (!measured) return measured.error();
+    return PyBrdf(*std::move(measured), std::make_shared<const Origin>(std::move(origin)));
 }
-inline PyBrdf unpickled(const py::bytes& bytes, bool exchanged) {
-    const auto text = std::string_view(bytes);
-    const py::gil_scoped_release released;
-    return PyBrdf(ArchiveReader{text}.next<AnyBrdf>(), exchanged);
+
+inline py::bytes to_bytes(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
-/// The members that determine the values: `pickled` without source and provenance.
-inline py::bytes numbers(const PyBrdf& brdf) {
-    ArchiveWriter writer;
-    {
-        const py::gil_scoped_release released;
-        if (brdf.model())
-            writer(brdf.model()->model);
-        else
-            writer(brdf.measured()->exchanged), writer(brdf.measured()->table);
-    }
-    return writer.bytes;
+/// The file of a model, or what a measurement was read from.
+inline py::bytes file_bytes(const PyBrdf& brdf, bool has_provenance) {
+    if (!brdf.model()) return to_bytes(brdf.origin().bytes);
+    return to_bytes(has_provenance ? write_model(*brdf.model()) : write_model({brdf.model()->model, {}}));
+}
+/// How the bytes of a measurement are read: path, columns, quantity, floor, and of arrays whether they are isotropic.
+inline py::tuple reading(const PyBrdf& brdf) {
+    if (brdf.model()) return py::tuple();
+    const Origin& of = brdf.origin();
+    const auto stated = std::size_t(of.options.quantity);
+    return py::make_tuple(py::bytes(of.path), of.options.columns, stated == 0 ? "" : k_quantities[stated - 1],
+                          of.options.floor, of.isotropic);
+}
+/// The inverse of `file_bytes` and `reading`.
+inline PyBrdf unpickled(const std::string& bytes, const py::tuple& reading) {
+    const auto all = std::as_bytes(std::span(bytes));
+    if (reading.empty()) return PyBrdf(required(read_model(all, "pickled BRDF")));
+    Origin origin{
+        reading[0].cast<std::string>(),
+        {all.begin(), all.end()},
+        {reading[1].cast<std::string>(), quantity_named(reading[2].cast<std::string>()), reading[3].cast<float>()},
+        reading[4].cast<std::optional<bool>>()};
+    return origin.isotropic ? brdf_of_arrays(std::move(origin)) : required(brdf_of_file(std::move(origin)));
 }
 
 inline py::list load_stack(const std::string& path) {
@@ -269,11 +302,16 @@ inline py::list load_stack(const std::string& path) {
 
 inline PyBrdf load_file(const std::string& path, const std::string& columns, const std::string& quantity, float floor) {
     const ReadOptions options{columns, quantity_named(quantity), floor};
-    const py::gil_scoped_release released;
-    Result<AnyBrdf> brdf = load_brdf(path, options);
-    if (brdf) return PyBrdf(*std::move(brdf));
-    const py::gil_scoped_acquire acquired;
-    raise(brdf.error());
+    return required([&]() -> Result<PyBrdf> {
+        const py::gil_scoped_release released;
+        return within_memory(path, [&]() -> Result<PyBrdf> {
+            auto bytes = read_input(path, options);
+            if (bytes && !is_safetensors(*bytes)) return brdf_of_file({path, *std::move(bytes), options});
+            auto model = load_brdf(path, options);
+            if (!model) return model.error();
+            return PyBrdf(std::get<Model>(*std::move(model)));
+        });
+    }());
 }
 
 }  // namespace srbf

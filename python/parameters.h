@@ -5,8 +5,8 @@
 #include <utility>
 #include <variant>
 
-#include "base/parameters.h"
 #include "brdf.h"
+#include "models/kind/parameters.h"
 
 namespace srbf {
 

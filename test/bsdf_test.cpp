@@ -1,9 +1,9 @@
 // BSDFs: their parts, models and files, sampling over the sphere, and fits of both sides.
+#include "any/table_file.h"
 #include "brdf/parts.h"
 #include "models.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_functions.h"
-#include "prepared/table_file.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/fit_bsdf.h"

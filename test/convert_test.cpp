@@ -2,14 +2,15 @@
 #include "srbf/convert.h"
 #include "errors/measures.h"
 
+#include "any/table_file.h"
 #include "brdf/channels.h"
 #include "brdf/colour.h"
 #include "measured/formats/warp.h"
 #include "measured/readers.h"
+#include "measured/samples.h"
 #include "measured/tables.h"
 #include "measured_files.h"
 #include "models.h"
-#include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
 
@@ -389,7 +390,7 @@ TEST(Convert, RglFilesAreSampledWell) {
 
 TEST(Convert, SamplesSurviveARoundTrip) {
     const auto spectral = *read_cornell(as_bytes(k_small_cornell), "c");
-    const auto reread = read_csv(as_bytes(write_csv(spectral)), "c");
+    const auto reread = read_csv(as_bytes(write_csv(spectral)), "c", {});
     ASSERT_TRUE(reread.ok()) << message(reread.error());
     EXPECT_EQ(reread->wavelengths, spectral.wavelengths);
     EXPECT_EQ(reread->spectrum, spectral.spectrum);
@@ -407,7 +408,7 @@ TEST(Convert, SamplesSurviveARoundTrip) {
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
         for (int c = 0; c < 3; ++c)
             EXPECT_PRED3(near_relative, samples.colour[i][c], value(model, samples.wl[i], samples.wv[i])[c], 1e-4);
-    const auto colours = read_csv(as_bytes(write_csv(samples)), "m");
+    const auto colours = read_csv(as_bytes(write_csv(samples)), "m", {});
     ASSERT_TRUE(colours.ok()) << message(colours.error());
     EXPECT_EQ(colours->colour, samples.colour);
     EXPECT_TRUE(colours->isotropic);
@@ -418,8 +419,8 @@ TEST(Convert, AnisotropicModelsAreNotCalledIsotropic) {
     std::mt19937_64 random(5);
     for (const bool axial : {true, false}) {
         const AnyBrdf model = Model{random_model(random, {.axial = axial}), {}};
-        const auto samples =
-            read_csv(*table_file(model, *format_written_to("x.csv"), {.description = "a model", .directions = 8}), "c");
+        const auto csv = table_file(model, *format_written_to("x.csv"), {.description = "a model", .directions = 8});
+        const auto samples = read_csv(*csv, "c", {});
         ASSERT_TRUE(samples.ok()) << message(samples.error());
         EXPECT_EQ(samples->isotropic, axial);
         const auto table = table_file(model, *format_written_to("x.binary"));

@@ -2,7 +2,7 @@
 #include "command.h"
 #include "errors/picture_errors.h"
 #include "errors/sphere.h"
-#include "measured/readers.h"
+#include "measured/samples.h"
 #include "models/pm/pm_functions.h"
 #include "models/su/su_functions.h"
 #include "srbf/file.h"
@@ -290,7 +290,7 @@ TEST_F(Command, fit_takes_spectra) {
         ASSERT_EQ(eval.status, 0) << eval.err;
         EXPECT_TRUE(eval.out.starts_with(directions + nm)) << eval.out;
         // The output is a measurement at wavelengths again.
-        const auto samples = read_csv(as_bytes(eval.out), "e");
+        const auto samples = read_csv(as_bytes(eval.out), "e", {});
         ASSERT_TRUE(samples.ok());
         ASSERT_EQ(samples->spectrum.size(), 10u);
         for (std::size_t c = 0; c < 5; ++c)
@@ -302,14 +302,16 @@ TEST_F(Command, fit_takes_spectra) {
     }
 }
 
-TEST_F(Command, fit_keeps_a_budget) {
+TEST_F(Command, fit_stops_at_the_first_size_that_reaches_the_target) {
     const ProgramRun fit =
-        run(folder, {"fit", k_paper, "--budget", "60", "--effort", "0.1", "-o", "b.srbf", "--json", "-"});
+        run(folder, {"fit", k_paper, "--target-delta-e", "6", "--effort", "0.1", "-o", "b.srbf", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
-    const Json json = Json::parse(fit.out, nullptr, false);
-    EXPECT_LE(json.value("payload_bytes", 99), 60);
+    const Json json = Json::parse(fit.out, nullptr, false), path = json["path"];
     EXPECT_TRUE(json.value("reached", false));
-    EXPECT_GE(json["path"].size(), 3u);
+    ASSERT_GE(path.size(), 1u);
+    for (std::size_t i = 0; i < path.size(); ++i) EXPECT_EQ(path[i].value("error", 0.0) <= 6, i + 1 == path.size());
+    EXPECT_EQ(path.back()["lobes"], json["lobes"]);
+    EXPECT_EQ(path.back()["error"], json["mean_pictures"]["delta_e_itp"]);
 }
 
 TEST_F(Command, fit_finds_how_many_shared_lobes_a_mean_error_needs) {
@@ -385,7 +387,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
 TEST_F(Command, fit_su_by_light) {
     ASSERT_EQ(
         run(folder, {"fit", k_paper, "--model", "su", "--directions", "32", "--lobes", "1", "--objective", "raw",
-                     "--discretise", "light", "--interpolation", "plain", "--neighbours", "4", "-o", "light.srbf"})
+                     "--discretise", "light", "--interpolation", "4", "-o", "light.srbf"})
             .status,
         0);
     const auto by_light = load_model(folder / "light.srbf");
@@ -404,7 +406,7 @@ TEST_F(Command, fit_su_refuses) {
     expect_failure(1, {"fit", "zero.binary", "--model", "su", "--directions", "64"}, "zero.binary: values");
     expect_failure(2, k_fit_su + Arguments{"--variates", "2"}, "--variates: only with --model pm");
     expect_failure(2, {"fit", k_paper, "--with-index", "cube"}, "--with-index: only with --model su");
-    expect_failure(2, k_fit_su + Arguments{"--neighbours", "8"}, "--neighbours");
+    expect_failure(2, k_fit_su + Arguments{"--interpolation", "8"}, "--interpolation");
     expect_failure(2, k_fit_su + Arguments{"--between", "0"}, "--between is now 512 directions in every fit");
     for (const char* directions : {"7", "8193", "x"})
         expect_failure(2, {"fit", k_paper, "--model", "su", "--directions", directions}, "--directions");

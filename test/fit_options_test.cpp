@@ -15,7 +15,6 @@ namespace {
 FitTexts with(const FitOptionRow& option, const std::string& text) {
     FitTexts texts{{std::string(option.name), text}};
     if (!option.models.empty()) texts["model"] = option.models.front();
-    if (option.name == "neighbours") texts["interpolation"] = "plain";
     return texts;
 }
 
@@ -81,10 +80,8 @@ TEST(PmFitOptions, SetWhatTheyName) {
 TEST(PmFitOptions, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
     const Spelling loud = [](std::string_view name) { return "<" + std::string(name) + ">"; };
     const std::pair<FitTexts, std::string> wrong[] = {
-        {{{"budget", "100"}, {"lobes", "3"}}, "<budget>: chooses the number of lobes; not together with <lobes>"},
-        {{{"budget", "100"}, {"target_delta_e", "3"}}, "<target_delta_e>: not together with another goal of the size"},
-        {{{"budget", "100"}, {"channels", "spectral"}}, "<budget>: only with <channels> rgb"},
-        {{{"model", "su"}, {"neighbours", "3"}}, "<neighbours>: only with <interpolation> plain or <with_index>"},
+        {{{"target_delta_e", "3"}, {"lobes", "3"}},
+         "<target_delta_e>: chooses the number of lobes; not together with <lobes>"},
         {{{"model", "ggx"}, {"channels", "spectral"}}, "<channels>: spectral only with <model> pm"},
         {{{"as_measured", "true"}, {"form", "extended"}},
          "<as_measured>: not together with <form>; forms that are not reciprocal imply it"},
@@ -97,7 +94,6 @@ TEST(PmFitOptions, ExcludeEachOtherInTheSpellingOfWhoeverGivesThem) {
         EXPECT_EQ(message(refused.error()), error);
     }
     EXPECT_TRUE(message(fit_request({{"lobs", "3"}}, loud).error()).ends_with("<seed>, <threads>, found <lobs>"));
-    EXPECT_TRUE(fit_request({{"model", "su"}, {"neighbours", "3"}, {"with_index", "cube"}}).ok());
 }
 
 }  // namespace

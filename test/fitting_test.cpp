@@ -214,7 +214,7 @@ TEST(Fitting, ProgressNeverDecreasesAndCancelsInEveryStage) {
         {"pm", &table, pm(LobeCount{1})},
         {"su", &table, su(32)},
         {"ggx", &table, ggx()},
-        {"budget", &table, pm(ByteBudget{24})},
+        {"a target", &table, pm(AutomaticLobes{6}, 1)},
         {"auto", &scattered, pm(LobeCount{1}, 1)},
     };
     std::set<std::string> cancelled_in;
@@ -278,16 +278,16 @@ TEST(Fitting, AsSmallAsLooksTheSame) {
     const Measured paper = bundled("paper_white_rgb");
     std::size_t bytes = 0;
     for (const double delta_e : {6.0, 4.0}) {
-        const auto outcome = fit(paper, pm(TargetDeltaE{delta_e}));
+        const auto outcome = fit(paper, pm(AutomaticLobes{delta_e}));
         ASSERT_TRUE(outcome) << message(outcome.error());
         EXPECT_TRUE(outcome->reached);
-        EXPECT_LE(outcome->errors->appearance.mean.delta_e, delta_e);
-        EXPECT_GT(payload_bytes(outcome->model), bytes);
+        EXPECT_LE(outcome->against_mean->mean.delta_e, delta_e);
+        EXPECT_GE(payload_bytes(outcome->model), bytes);
         bytes = payload_bytes(outcome->model);
     }
     EXPECT_LT(bytes, 208u);
     // Between samples there is no picture to compare with.
-    const auto of_samples = fit(samples(), pm(TargetDeltaE{2}));
+    const auto of_samples = fit(samples(), pm(AutomaticLobes{2}));
     ASSERT_FALSE(of_samples);
     EXPECT_EQ(of_samples.error().code, ErrorCode::argument);
 }
@@ -301,8 +301,7 @@ TEST(Fitting, RefusesWhatItCannotFit) {
     FitRequest spectral = pm(LobeCount{2});
     spectral.spectral = true;
     EXPECT_EQ(code(spectral), "argument");
-    EXPECT_EQ(code(pm(ByteBudget{4})), "argument");
-    EXPECT_EQ(code(pm(TargetDeltaE{0})), "argument");
+    EXPECT_EQ(code(pm(AutomaticLobes{0})), "argument");
     EXPECT_EQ(code(pm(LobeCount{65})), "argument");
     EXPECT_EQ(code(su(1)), "argument");
     FitRequest steep = ggx();

@@ -11,7 +11,6 @@
 #include <limits>
 #include <thread>
 
-#include "../python/archive.h"
 #include "measured/isotropy.h"
 #include "models.h"
 #include "models/ggx/ggx_kind.h"
@@ -25,6 +24,7 @@
 #include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/library.h"
+#include "srbf/load.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/sampling.h"
@@ -304,28 +304,32 @@ TEST(CallersMode, HasNoEffectAndIsKept) {
         }
 }
 
-/// The numbers in a file of any kind, and its values at some pairs.
+/// A file of any kind: models as their files, and values at some pairs.
 std::string contents_read(const std::filesystem::path& path) {
-    ArchiveWriter writer;
+    std::string read;
+    const auto add = [&](const auto& list) {
+        read.append(reinterpret_cast<const char*>(std::data(list)), std::size(list) * sizeof *std::data(list));
+    };
     if (const auto brdf = load_brdf(path.string())) {
-        writer(*brdf);
-        static const std::vector<Vec3f> wl = fibonacci_directions(40, 1.5), wv(wl.rbegin(), wl.rend());
+        if (const auto* model = std::get_if<Model>(&*brdf)) add(write_model(*model));
+        if (const auto* measured = std::get_if<Measured>(&*brdf))
+            for (const std::string& note : notes(*measured)) add(note);
+        static const std::vector<Vec3f> wl = fibonacci_directions(400, 1.5), wv(wl.rbegin(), wl.rend());
         std::vector<Rgb> f(wl.size());
         std::visit([&](const auto& brdf_of_kind) { evaluator(brdf_of_kind)(wl, wv, f); }, *brdf);
-        writer(f);
+        add(f);
     } else {
-        writer(message(brdf.error()));
+        add(message(brdf.error()));
     }
     const auto bytes = *read_file(path.string());
 #ifdef SRBF_RENDER
-    if (const auto environment = read_environment(bytes, "f")) writer(environment->texels().pixels);
-    if (const auto mesh = read_mesh(bytes, "f")) writer(mesh->positions), writer(mesh->normals);
+    if (const auto environment = read_environment(bytes, "f")) add(environment->texels().pixels);
+    if (const auto mesh = read_mesh(bytes, "f")) add(mesh->positions), add(mesh->normals);
 #endif
     if (const auto library = read_library(bytes, "f"))
-        for (std::size_t t = 0; t < library->count(); ++t) writer(material(*library, t));
-    if (const auto stack = read_stack(bytes, "f"))
-        for (const PmModel& model : stack->models) writer(model);
-    return writer.bytes;
+        for (std::size_t t = 0; t < library->count(); ++t) add(write_model(material(*library, t)));
+    if (const auto stack = read_stack(bytes, "f")) add(write_stack(*stack));
+    return read;
 }
 
 TEST(CallersMode, HasNoEffectOnReadingFiles) {

@@ -165,10 +165,6 @@ struct Golden {
         pm.size = LobeCount{lobes};
         return fitted(measured, request(pm, objective));
     }
-    Line goal_line(const Measured& measured, SizeGoal goal, Objective objective) const {
-        return fitted(measured,
-                      request({.form = PmForm::extended, .variates = 2, .size = goal, .effort = 0.1}, objective));
-    }
     Line su_line(const Measured& measured, SuRequest su, Objective objective) const {
         return fitted(measured, {.model = su, .objective = objective, .threads = threads});
     }
@@ -231,8 +227,10 @@ const std::vector<Row>& rows() {
          }},
         {"paper-3-log", [](const G& g) { return g.pm_line(g.paper, 3, Objective::log, {.form = PmForm::extended}); }},
         {"film-3-cube-root", [](const G& g) { return g.pm_line(g.film, 3, Objective::cube_root); }},
-        {"paper-budget", [](const G& g) { return g.goal_line(g.paper, ByteBudget{60}, Objective::cosine); }},
-        {"paper-delta-e", [](const G& g) { return g.goal_line(g.paper, TargetDeltaE{4}, k_default_objective); }},
+        {"paper-delta-e",
+         [](const G& g) {
+             return g.fitted(g.paper, g.request({.variates = 2, .size = AutomaticLobes{4}, .effort = 0.1}));
+         }},
         {"film-views",
          [](const G& g) { return g.su_line(g.film, {.lobes = 3, .directions = 96}, k_default_objective); }},
         {"film-lights",

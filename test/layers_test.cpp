@@ -20,13 +20,13 @@ const fs::path k_root = SRBF_SOURCE_DIR;
 const std::vector<std::vector<std::string>> k_levels{
     {"src/base"},
     {"src/brdf"},
-    {"src/errors", "src/measured", "src/sampling"},
+    {"src/errors", "src/measured", "src/sampling", "src/models/kind"},
     {"src/measured/formats", "src/observe", "src/models/bsdf", "src/models/pm"},
     {"src/models/ggx", "src/models/openpbr", "src/models/pm/solve"},
     {"src/models/pm/search", "src/models/su"},
     {"src/samples"},
     {"src/models"},
-    {"src/prepared", "src/fit", "src/edit"},
+    {"src/prepared", "src/fit", "src/edit", "src/any"},
     {"src/code", "src/code/runtime", "extras/maps", "extras/environment"},
     {"extras/environment/code", "app"},
     {"extras/render", "extras/maps/app"},
@@ -110,6 +110,28 @@ TEST(Layers, NoExtraIsNamedElsewhere) {
             EXPECT_TRUE(!own.empty() && needs.find(extra.filename().string()) != needs.npos)
                 << source.path << " includes " << included;
         }
+}
+
+/// A header declares ahead no type that a higher folder defines.
+TEST(Layers, TypesDeclaredAheadAreOfLowerFolders) {
+    const std::regex declared("\n(?:struct|class) ([A-Za-z]+);"), defined("\n(?:struct|class) ([A-Za-z]+) [^;\n]*\\{");
+    std::map<std::string, int> level_of_type;
+    std::map<fs::path, std::string> texts;
+    const auto names_in = [](const std::string& text, const std::regex& of) {
+        std::vector<std::string> names;
+        for (std::sregex_iterator match(text.begin(), text.end(), of), end; match != end; ++match)
+            names.push_back((*match)[1]);
+        return names;
+    };
+    for (const Source& source : sources()) {
+        if (is_public(source.path)) continue;
+        std::ifstream in(k_root / source.path);
+        const std::string& text = texts[source.path] = {std::istreambuf_iterator<char>(in), {}};
+        for (const std::string& name : names_in(text, defined)) level_of_type[name] = level_of(source.path);
+    }
+    for (const auto& [path, text] : texts)
+        for (const std::string& name : names_in(text, declared))
+            EXPECT_TRUE(!level_of_type.contains(name) || level_of_type[name] <= level_of(path)) << path << ": " << name;
 }
 
 TEST(Layers, NoFilesIncludeEachOther) {

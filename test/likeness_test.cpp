@@ -1,5 +1,5 @@
 // Perceptual differences of images.
-#include "errors/likeness.h"
+#include "errors/image_errors.h"
 
 #include <algorithm>
 

@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/parameters.h"
 #include "models.h"
+#include "models/kind/parameters.h"
 #include "models/pm/pm_functions.h"
 #include "srbf/file.h"
 #include "temporary_folder.h"

@@ -77,7 +77,7 @@ TEST(Observations, AreManyWhereTheEnergyIs) {
     EXPECT_GT(sum * sum / squares, 600);
 
     // A beginning is scaled like the whole.
-    const Observations few = beginning(*o, 4096);
+    const Observations few = first_pairs(*o, 4096);
     double of_few = 0;
     for (std::size_t i = 0; i < 4096; ++i) of_few += few.weight[i] * 3 * double(few.f[i].r) * double(few.f[i].r);
     EXPECT_TRUE(near(of_few, 1, 1e-6));

@@ -16,7 +16,6 @@ TEST_F(CommandLine, spectra_of_colours_are_refused) {
     for (const char* model : {"su", "ggx"})
         expect_failure(2, {"fit", k_paper, "--channels", "spectral", "--model", model},
                        "spectral only with --model pm");
-    expect_failure(2, {"fit", k_paper, "--channels", "spectral", "--budget", "160"}, "only with --channels rgb");
 }
 
 TEST_F(CommandLine, bad_input_leaves_nothing_behind) {
@@ -71,17 +70,14 @@ TEST_F(CommandLine, full_devices_leave_nothing_behind) {
 }
 
 TEST_F(CommandLine, usage_errors_of_choices) {
-    expect_failure(2, {"fit", k_paper, "--budget", "160", "--lobes", "3"}, "not together with --lobes");
-    expect_failure(2, {"fit", k_paper, "--budget", "4"}, "expected 12 to 512, found 4");
-    expect_failure(2, {"fit", k_paper, "--target-error", "0.1"}, "--target-error is now --target-delta-e");
+    expect_failure(2, {"fit", k_paper, "--target-delta-e", "2", "--lobes", "3"}, "not together with --lobes");
     expect_failure(2, {"fit", k_paper, "--target-delta-e", "0"}, "--target-delta-e");
-    expect_failure(2, {"fit", k_paper, "--target-delta-e", "2", "--budget", "160"}, "not together with");
     expect_failure(2, {"fit", k_paper, "--model", "ggx", "--lobes", "3"},
                    "--lobes: expected 1 to 2 with --model ggx, found 3");
     expect_failure(2, {"fit", k_paper, "--model", "ggx", "--form", "source"}, "only with --model pm");
     expect_failure(2, {"fit", k_paper, "--form", "sauce"},
-                   "expected gaussian or horizon or extended or reciprocal, found sauce");
-    expect_failure(2, {"fit", k_paper, "--model", "su", "--budget", "100"}, "only with --model pm");
+                   "expected gaussian or extended or reciprocal, found sauce");
+    expect_failure(2, {"fit", k_paper, "--model", "su", "--target-delta-e", "2"}, "only with --model pm");
     expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64 or auto, found many");
     expect_failure(2, {"fit", k_paper, "--as-measured", "--form", "extended"}, "not together with --form");
     expect_failure(2, {"fit", k_paper, "--axial", "--no-axial"}, "--axial");
@@ -109,16 +105,6 @@ TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
     expect_failure(2, {"convert", "m.binary", "-o", "x.csv", "--rgb-alone"}, "--rgb-alone: only with an output .bsdf");
     expect_failure(2, {"convert", "m.binary", "-o", "x.mbsdf", "--directions", "9"}, "only with an output .csv");
     expect_failure(2, {"export", "m.srbf", "--to", "html", "-o", "x.html", "--up", "z"}, "--up: only with --mesh");
-    for (const auto& [option, command] : {std::pair("--explain", "docs/fitting.md"),
-                                          {"--basis", "srbf basis INPUT"},
-                                          {"--active", "srbf basis INPUT"},
-                                          {"--pairs", "srbf map TEXELS"},
-                                          {"--texels", "srbf map TEXELS"},
-                                          {"--slab", "srbf map TEXELS"},
-                                          {"--width", "srbf map TEXELS"}})
-        for (const Arguments& former : {Arguments{"fit", option}, {"fit", "m.binary", option, "2", "--lobes", "99"}})
-            expect_failure(2, former, fmt::format("{} is now ", option)), expect_failure(2, former, command);
-    expect_failure(1, {"fit", "m.binary", "--budget", "100", "--variates", "2"}, "m.binary: --variates");
     for (const Arguments& empty :
          {Arguments{"fit", "m.binary", "-o", ""}, {"info", ""}, {"render", "m.binary", "-o", "x.png", "--env", ""}})
         expect_failure(2, empty, "found an empty one");
@@ -132,8 +118,6 @@ TEST_F(CommandLine, options_of_samples_are_refused_for_models) {
     ASSERT_EQ(run(folder, {"basis", "m.binary", "-o", "lib.srbf", "--lobes", "1", "--variates", "1"}).status, 0);
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
-    expect_failure(2, {"info", "a.csv", "--unit", "factor"},
-                   "--unit is now --quantity bsdf, factor or cosine (see srbf info --help)");
     const std::string words = "input: expected samples, for --columns, --quantity and --floor, found a fitted model";
     for (const std::string name : {"m.srbf", "lib.srbf", "lib.srbf#m"}) {
         expect_failure(1, {"info", name, "--quantity", "factor"}, fmt::format("{}: {}", name, words));

@@ -16,9 +16,12 @@
 namespace srbf::scattered_test {
 namespace {
 
+Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name) {
+    return srbf::read_csv(bytes, file_name, {});
+}
 Result<ScatteredSamples> read(Result<ScatteredSamples> (*reader)(std::span<const std::byte>, const std::string&),
                               std::string_view text) {
-    return reader(as_bytes(text), "f");
+    return indexed(reader(as_bytes(text), "f"));
 }
 std::string error_of(Result<ScatteredSamples> (*reader)(std::span<const std::byte>, const std::string&),
                      std::string_view text) {

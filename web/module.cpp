@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "any/table_file.h"
 #include "app/output.h"
 #include "base/files.h"
 #include "base/text.h"
@@ -27,7 +28,6 @@
 #include "measured/isotropy.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "observe/objectives.h"
-#include "prepared/table_file.h"
 #include "srbf/edit.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
@@ -137,12 +137,12 @@ void add_appearance(Json& json, const char* name, const Appearance& appearance) 
                   {"level", int(verdict(appearance.mean))}};
 }
 
-struct Fitted {
+struct ReportedFit {
     Model model;
     Json report;
 };
-Result<Fitted> fit_and_report(int number, const Measured& measured, const FitRequest& request,
-                              const ProgressToken& progress) {
+Result<ReportedFit> fit_and_report(int number, const Measured& measured, const FitRequest& request,
+                                   const ProgressToken& progress) {
     if (std::holds_alternative<BsdfTable>(measured.table)) {
         auto sides = fit_bsdf(measured, request, progress);
         if (!sides) return sides.error();
@@ -152,7 +152,7 @@ Result<Fitted> fit_and_report(int number, const Measured& measured, const FitReq
             for (const Hemispherical& sum : part.hemispherical)
                 worst = std::max(worst, std::abs(sum.fitted - sum.measured));
         report["twoSided"] = true, report["energyError"] = worst, report["seconds"] = sides->fit_seconds;
-        return Fitted{std::move(sides->model), std::move(report)};
+        return ReportedFit{std::move(sides->model), std::move(report)};
     }
     Fitter& fitter = fitter_of(number, measured);
     auto outcome = fitter.fit(request, progress.part(0, k_fit_fraction));
@@ -165,7 +165,7 @@ Result<Fitted> fit_and_report(int number, const Measured& measured, const FitReq
     report["heldout"] = outcome->errors->heldout.*measure_of(request.objective);
     report["headline"] = headline(*outcome->errors);
     if (outcome->noise && outcome->against_smoothed) add_appearance(report, "smoothed", *outcome->against_smoothed);
-    return Fitted{std::move(outcome->model), std::move(report)};
+    return ReportedFit{std::move(outcome->model), std::move(report)};
 }
 
 ProgressToken host_progress() {
@@ -177,7 +177,7 @@ std::string text_of(const char* text, std::size_t size) { return std::string(tex
 
 /// The model after a round trip through its file, so that everything derived from it is what the program derives
 /// from the file.
-Result<Model> as_stored(const Model& model, const std::string& name) { return read_model(write_model(model), name); }
+Result<Model> reread(const Model& model, const std::string& name) { return read_model(write_model(model), name); }
 
 }  // namespace
 
@@ -247,7 +247,7 @@ SRBF_EXPORT(fit) int fit_subject(int number, const char* options, std::size_t si
         return fail(error);
     }
     const std::string path = stem_of(subject->path) + ".srbf";
-    auto model = as_stored(fit->model, path);
+    auto model = reread(fit->model, path);
     if (!model) return fail(model.error());
     set_json(fit->report);
     return keep({path, *std::move(model)});
@@ -302,7 +302,7 @@ SRBF_EXPORT(edit) int edit(int number, const char* text, std::size_t size) {
     auto result = edited(*model, edits, {.progress = host_progress()});
     if (!result) return fail(result.error());
     const std::string path = stem_of(subject->path) + "_edited.srbf";
-    auto stored = as_stored(*result, path);
+    auto stored = reread(*result, path);
     if (!stored) return fail(stored.error());
     set_json(Json{{"bytes", payload_bytes(*stored)}, {"edits", result->provenance["edits"]}});
     return keep({path, *std::move(stored)});

@@ -12,7 +12,7 @@
 #include "extras/daylight/formats.h"
 #include "extras/daylight/klems.h"
 #include "extras/daylight/tensor_tree.h"
-#include "fit/own_fit.h"
+#include "fit/patch_fit.h"
 #include "measured/samples.h"
 
 namespace SRBF_NAMESPACE {

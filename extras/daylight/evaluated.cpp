@@ -8,17 +8,9 @@
 #include "extras/daylight/klems.h"
 #include "extras/daylight/tensor_tree.h"
 #include "extras/daylight/tree_beam.h"
-#include "fit/own_fit.h"
 #include "measured/evaluated_table.h"
 
 namespace SRBF_NAMESPACE {
-
-namespace {
-
-/// A table of an XML file.
-using PackedXml = std::variant<KlemsTable, TreeTable>;
-
-}  // namespace
 
 bool is_isotropic(const TreeTable& table) { return table.y.rank == 3; }
 
@@ -38,27 +30,14 @@ std::vector<TableLine> lines_about(const TreeTable& table) {
 }
 
 EvaluatedTable evaluated(KlemsTable matrix) {
-    const auto table = std::make_shared<const KlemsTable>(std::move(matrix));
-    TableFunctions functions;
-    functions.own_fit = std::make_shared<const OwnFit>(OwnFit{
-        "patches",
-        [table](const FitRequest& request, const ProgressToken& progress) {
-            return fit_patches(*table, request, progress);
-        },
-        [table](const Evaluate& f) { return sums_of(*table, k_measured_points).error_ratio(f); },
-        [table](const Evaluate& f, const Beams& beams, Part part) { return hemispherical(*table, f, beams, part); }});
-    return evaluated_as<PackedXml>("BSDF XML", table, std::move(functions));
+    return evaluated_table(std::make_shared<const KlemsTable>(std::move(matrix)));
 }
 
 EvaluatedTable evaluated(TreeTable tree) {
     const auto table = std::make_shared<const TreeTable>(std::move(tree));
     TableFunctions functions;
     functions.separated_beam = [table] { return separated_beam(table); };
-    return evaluated_as<PackedXml>("BSDF XML", table, std::move(functions));
-}
-
-EvaluatedTable unpack_bsdf_xml(std::string_view bytes) {
-    return std::visit([](auto&& table) { return evaluated(std::move(table)); }, ArchiveReader{bytes}.next<PackedXml>());
+    return evaluated_table(table, std::move(functions));
 }
 
 }  // namespace srbf

@@ -117,7 +117,7 @@ class PatchFits {
     }
 
     Result<FitOutcome> fit_means(const ProgressToken& progress) const {
-        return fit_observed(request_, observations_of(means_), is_isotropic(table_), progress);
+        return fit_by_kind(request_, observations_of(means_), is_isotropic(table_), progress);
     }
 
     /// Fits this size in several rounds and keeps the best fit. A search that does not improve on a smaller size is
@@ -260,7 +260,7 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
     const Evaluate look_up = [&](auto wl, auto wv, auto f) {
         for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
     };
-    if (std::holds_alternative<SuRequest>(request.model)) return fit_su(look_up, request, progress);
+    if (std::holds_alternative<SuRequest>(request.model)) return fit_view_by_view(look_up, request, progress);
     PatchFits fits(table, request);
     const auto* pm = std::get_if<PmRequest>(&request.model);
     if (!pm) {

@@ -1,7 +1,5 @@
 // The formats of daylighting simulation.
 #pragma once
-#include <variant>
-
 #include "measured/formats/rows.h"
 #include "srbf/daylight.h"
 
@@ -10,7 +8,6 @@ namespace SRBF_NAMESPACE {
 bool is_xml(std::string_view text);
 Result<Measured> read_as_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&);
 Result<std::vector<std::byte>> write_as_bsdf_xml(const TableSource& source, const TableOptions& options);
-EvaluatedTable unpack_bsdf_xml(std::string_view bytes);
 
 inline constexpr std::string_view k_klems_bases[] = {"full", "half", "quarter"};  ///< in the order of `KlemsBasis`
 inline constexpr WriterOption k_klems_option{
@@ -25,8 +22,7 @@ inline constexpr Format k_daylight_formats[] = {
      .anisotropic = true,
      .beams = true,
      .write = write_as_bsdf_xml,
-     .option = &k_klems_option,
-     .unpack = unpack_bsdf_xml},
+     .option = &k_klems_option},
 };
 
 }  // namespace srbf

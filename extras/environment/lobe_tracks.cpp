@@ -46,10 +46,10 @@ constexpr LevenbergMarquardtOptions k_steps{.max_iterations = 30, .decrease_tole
 /// A least-squares problem in x = (p, r) of each lobe except the first: the squared errors of a view, plus
 /// `k_ridge_of_lobes` times squared fractions, plus `smoothness` times the squared distances from `near`. The
 /// weights are linear, and eliminated. The first lobe's weight is the remainder of the albedo.
-class ViewProblem {
+class TrackProblem {
   public:
-    ViewProblem(const LitView& view, const BlurredKernels& kernels, VectorXd near, double smoothness,
-                bool fixed = false)
+    TrackProblem(const LitView& view, const BlurredKernels& kernels, VectorXd near, double smoothness,
+                 bool fixed = false)
         : view_(view),
           kernels_(kernels),
           fixed_(fixed),
@@ -190,7 +190,7 @@ void LobeTracks::sweep() {
         });
 }
 void LobeTracks::search_roughnesses() {
-    std::vector<ViewProblem> problems;
+    std::vector<TrackProblem> problems;
     for (std::size_t v = 0; v < views_.size(); ++v) problems.emplace_back(views_[v], kernels_, x_[v], 0);
     const auto loss = [&] {  // without smoothness
         std::vector<double> losses(views_.size());
@@ -218,14 +218,14 @@ VectorXd LobeTracks::best_of_starts(const LitView& view, int lobes) const {
             x[2 * k] = 0.9;
             x[2 * k + 1] = 0.08 + 0.9 * (k + numbers.next()[0]) / (lobes - 1);
         }
-        ViewProblem problem(view, kernels_, x, 0);
+        TrackProblem problem(view, kernels_, x, 0);
         const double loss = levenberg_marquardt(problem, x, k_steps).loss;
         starts[i] = {loss, std::move(x)};
     });
     return std::ranges::min(starts, {}, [](const auto& start) { return start.first; }).second;
 }
 VectorXd LobeTracks::refine(std::size_t v, VectorXd x, const VectorXd& near) const {
-    ViewProblem problem(views_[v], kernels_, near, k_smoothness * closeness(std::min(v, views_.size() - 2)), fixed_);
+    TrackProblem problem(views_[v], kernels_, near, k_smoothness * closeness(std::min(v, views_.size() - 2)), fixed_);
     x = x.cwiseMax(problem.lower(x)).cwiseMin(problem.upper(x));
     levenberg_marquardt(problem, x, k_steps);
     return x;
@@ -237,7 +237,7 @@ MatrixXd shares_of(const std::vector<LitView>& views, const BlurredKernels& kern
     MatrixXd g = MatrixXd::Zero(n, 3), shares(n, 3);
     H.fill(MatrixXd::Zero(n, n));
     for (std::size_t v = 0; v < views.size(); ++v) {
-        ViewProblem problem(views[v], kernels, tracks[v], 0);
+        TrackProblem problem(views[v], kernels, tracks[v], 0);
         problem.loss(tracks[v]);
         const Eigen::Index first = others * Eigen::Index(v);
         for (int c = 0; c < 3; ++c) {

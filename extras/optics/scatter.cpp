@@ -303,7 +303,7 @@ std::vector<TableLine> lines_about(const ScatterTable& table) {
 }
 
 EvaluatedTable evaluated(ScatterTable table) {
-    return evaluated_as<ScatterTable>("Zemax", std::make_shared<const ScatterTable>(std::move(table)));
+    return evaluated_table(std::make_shared<const ScatterTable>(std::move(table)));
 }
 
 Measured measured_of(std::array<std::optional<ScatterTable>, 2> tables, const std::string& file_name,

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "any/table_file.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/su/su_functions.h"
-#include "prepared/table_file.h"
 
 namespace SRBF_NAMESPACE {
 

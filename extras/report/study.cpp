@@ -8,7 +8,7 @@
 
 #include "app/hash.h"
 #include "base/files.h"
-#include "errors/likeness.h"
+#include "errors/image_errors.h"
 #include "extras/render/app/page_of.h"
 #include "extras/render/app/path.h"
 #include "extras/render/page.h"

@@ -17,37 +17,25 @@
 
 SRBF_BEGIN
 
-/// Minimise the held-out error among models of at most `bytes` bytes.
-struct ByteBudget {
-    std::size_t bytes = 160;  ///< 12..512
-};
-/// Minimise the bytes among models whose pictures of a sphere have at most this mean ΔE_ITP (metrics.h). For tables.
-struct TargetDeltaE {
-    double delta_e = 2;  ///< (0, 100]
-};
-using SizeGoal = std::variant<ByteBudget, TargetDeltaE>;
-
-/// A model that was tried.
+/// A size that was tried.
 struct Trial {
-    PmForm form = PmForm::extended;
-    bool axial = true;
-    int lobes = 0, variates = 0;
+    int lobes = 0;
     std::size_t bytes = 0;
-    double error = 0;    ///< held out, by the objective's measure; for a target ΔE_ITP the mean ΔE_ITP
-    bool whole = false;  ///< a full fit, as `fit_pm` does by itself; false: a short fit, whose error only ranks models
+    double error = 0;  ///< of a table the mean ΔE_ITP; of samples held out, by the objective's measure
 };
 
 /// J, the number of lobes of a multivariate model, 1..k_most_fitted_lobes.
 struct LobeCount {
     int lobes = row_of(k_default_form).lobes;
 };
-/// Chooses J from 2, 3, 4, 6, 9 and 12. For a table it takes the least product of bytes and held-out error. For samples
-/// it takes the fewest lobes whose cross-validated error is within 3 % of the least, or, if their gaps are filled, the
-/// most lobes that the samples determine.
-struct AutomaticLobes {};
-/// A goal is sought among all forms and sizes of a table. For samples it is sought among the numbers of lobes above, in
-/// the requested form.
-using PmSize = std::variant<LobeCount, AutomaticLobes, SizeGoal>;
+/// Chooses J. For a table it is the first of 2, 3, 4, 6, 9, 12, 16 and 24 for which pictures of a sphere have at most
+/// this mean ΔE_ITP (metrics.h) against what is fitted, or else 24. For samples it is the fewest of 2 to 12 lobes whose
+/// cross-validated error is within 3 % of the least, or, if their gaps are filled, the most that the samples determine.
+struct AutomaticLobes {
+    std::optional<double> delta_e = {};  ///< (0, 100], of a table; none: k_default_delta_e
+};
+inline constexpr double k_default_delta_e = 2;
+using PmSize = std::variant<LobeCount, AutomaticLobes>;
 
 /// A parameterized multivariate model (PM).
 struct PmRequest {
@@ -133,8 +121,8 @@ struct FitOutcome {
     std::optional<Measures> ggx_heldout;
     /// Scattered samples, objective `relative`: the number of angles of incidence. The samples of one are in one fold.
     int incidences = 0;
-    std::vector<Trial> path;  ///< models that were tried in choosing the size
-    bool reached = true;      ///< whether the requested size or ΔE_ITP was reached
+    std::vector<Trial> path;  ///< sizes that were tried, ascending
+    bool reached = true;      ///< whether the requested ΔE_ITP was reached
     /// Errors of `model` and `unrounded` against the measurement; empty until they are measured. For scattered samples
     /// `matrix` covers the samples themselves, `heldout` is the 5-fold cross-validated error, and albedo and
     /// pictures are compared with the samples, gaps filled.

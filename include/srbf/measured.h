@@ -76,15 +76,6 @@ struct RglTable {
     Colours colour;              ///< slices: φ_l × θ_l
 };
 
-/// A table with the layout of UTIA (Filip & Vávra, "Template-based sampling of anisotropic BRDFs", 2014): θ_l and θ_v
-/// at 0, 15, .. 75°, φ_l and φ_v at 0, 7.5, .. 352.5°.
-struct UtiaTable {
-    static constexpr std::uint32_t k_polar = 6, k_azimuths = 48, k_directions = k_polar * k_azimuths;
-    /// f_r [1/sr]; φ_v varies fastest, then θ_v, φ_l, θ_l; negative channels not yet clamped. NaN: not measured
-    std::vector<Rgb> cells;
-    std::uint64_t masked = 0;  ///< cells without a measurement
-};
-
 /// A table of the reflection in an MBSDF file ("NVIDIA Material Definition Language", appendix "MBSDF file format"):
 /// isotropic. Sample (i, j, k) is f_r at θ_l = i/n_θ π/2, θ_v = j/n_θ π/2 and |φ_l − φ_v| = k/(n_φ − 1) π. Look-up is
 /// linear in these three; beyond the last θ it is constant.
@@ -135,7 +126,7 @@ struct ScatteredSamples {
 void make_index(ScatteredSamples& samples);
 
 struct TableFunctions;
-/// A table whose layout the files of its format alone know: its values, and what else its format knows of it.
+/// A table that only its format reads: its values, and what else its format knows of it.
 struct EvaluatedTable {
     /// f_r [1/sr] as `signed_value` has it: 0 below the horizon, NaN in every channel where nothing was measured
     Evaluate values;
@@ -165,7 +156,7 @@ struct Measured {
     std::string source;       ///< the file name
     std::string format;       ///< the name of one of `formats()` (measured/formats.h), unless its reader gives another
     std::uint64_t bytes = 0;  ///< size of the file
-    std::variant<MerlTable, RglTable, UtiaTable, MbsdfTable, ScatteredSamples, EvaluatedTable, BsdfTable> table;
+    std::variant<MerlTable, RglTable, MbsdfTable, ScatteredSamples, EvaluatedTable, BsdfTable> table;
     bool exchanged = false;  ///< all functions of a `Measured` look up the table at (wv, wl)
 };
 /// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument.

@@ -81,17 +81,20 @@ class Brdf:
         self._native = native
 
     def __eq__(self, other: object) -> bool:
-        """True if both have the same type and the same numbers. File names and provenance do not count."""
+        """True if both have the same type, and files of the same bytes. File names and provenance do not count."""
         if type(other) is not type(self):
             return NotImplemented
-        return self._native.numbers() == other._native.numbers()
+        return self._content() == other._content()
 
     def __hash__(self) -> int:
-        return hash(self._native.numbers())
+        return hash(self._content())
+
+    def _content(self) -> tuple[Any, ...]:
+        return self._native.file_bytes(False), self._native.reading()[1:], isinstance(self, Measurement) and self.is_exchanged
 
     def __reduce__(self) -> tuple[Any, ...]:
-        data = self._native.pickled()
-        return _unpickled, (__version__, data, zlib.crc32(data), self._native.is_exchanged())
+        data = self._native.file_bytes(True)
+        return _unpickled, (__version__, data, zlib.crc32(data), self._native.reading(), self.is_exchanged)
 
     def eval(self, wl: npt.ArrayLike, wv: npt.ArrayLike) -> Array:
         """f_r [1/sr] of shape [..., 3]; 0 where a direction is below the horizon, NaN where nothing was measured."""
@@ -272,12 +275,13 @@ class Model(Brdf):
         return f"<srbf.Model {self.kind}, {self.nbytes:,} bytes{', exchanged' * self.is_exchanged}>"
 
 
-def _unpickled(version: str, data: bytes, checksum: int, exchanged: bool) -> Brdf:
+def _unpickled(version: str, data: bytes, checksum: int, reading: tuple[Any, ...], exchanged: bool) -> Brdf:
     if version != __version__:
         raise ValueError(f"pickled BRDF: expected one of srbf {__version__}, found {version}; files keep models for other versions")
     if zlib.crc32(data) != checksum:
         raise ValueError("pickled BRDF: it is damaged")
-    return _brdf(_srbf.unpickled(data, exchanged))
+    brdf = _brdf(_srbf.unpickled(data, reading))
+    return brdf if brdf.is_exchanged == exchanged else brdf.exchanged()
 
 
 @dataclasses.dataclass
@@ -289,7 +293,7 @@ class Fit:
     errors: Optional[dict[str, Any]]
     seconds: float
     stop_reason: Optional[str]
-    #: true if a requested size or ΔE_ITP was reached
+    #: true if the requested ΔE_ITP was reached
     reached: bool
 
     def __repr__(self) -> str:
@@ -404,7 +408,7 @@ def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]],
     """Fits a measurement, a file of one, or a function f(wl, wv) of arrays [n, 3] that returns f_r as [n, 3] or [n, 1].
 
     The options are those of `srbf fit --help`, with "_" for "-" in their names: `model` "pm", "su", "ggx" or "openpbr" (OpenPBR, or
-    another `surface`); `lobes` a number or "auto", or instead the size as `budget` [bytes] or `target_delta_e`; `form` one of
+    another `surface`); `lobes` a number or "auto", or instead the visible error as `target_delta_e`; `form` one of
     `forms()`; `objective` one of `objectives()`; `max_theta` [degrees]; `channels` "rgb" or "spectral"; flags such as `axial` True or
     False; `threads` a number, or 0 for all. None is the default of each. The result depends on `seed` only, not on `threads`.
 

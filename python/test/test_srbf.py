@@ -259,11 +259,11 @@ class NotRead(srbf.Measurement):
     ("progress", "yes", {}), ("lobes", "many", {}), ("lobes", 0, {}), ("lobes", 65, {}), ("lobes", 2.5, {}), ("lobes", True, {}),
     ("lobes", 3, {"model": "ggx"}), ("lobes", "auto", {"model": "su"}), ("lobes", 65, {"model": "su"}), ("seed", -1, {}),
     ("seed", 2**64, {}), ("seed", 1.5, {}), ("threads", -1, {}), ("threads", 1025, {}), ("variates", 0, {}), ("variates", 9, {}),
-    ("form", "round", {}), ("objective", "best", {}), ("budget", 5, {}), ("target_delta_e", 101, {}),
+    ("form", "round", {}), ("objective", "best", {}), ("target_delta_e", 101, {}),
     ("surface", "gltf", {}), ("surface", "usd", {"model": "openpbr"}), ("target_delta_e", -1, {}), ("axial", "no", {}),
     ("as_measured", 1, {}), ("as_measured", True, {"form": "extended"}), ("lobes", 2, {"model": "openpbr"}),
     *((option, value, {"model": kind}) for kind in ("su", "ggx") for option, value in (
-        ("variates", 2), ("form", "gaussian"), ("axial", True), ("as_measured", True), ("budget", 100), ("target_delta_e", 2.0))),
+        ("variates", 2), ("form", "gaussian"), ("axial", True), ("as_measured", True), ("target_delta_e", 2.0))),
 ])
 def test_options_are_refused_by_name_at_once(name, value, options):
     with pytest.raises(ValueError, match=f"^{name}: (expected .*, found|only with model .*, found|spectral only with|not together with form)"):
@@ -277,13 +277,13 @@ def test_a_surface_has_the_parameters_of_its_program(paper):
 
 def test_options_are_those_of_the_program(paper):
     assert {"lobes", "directions", "as_measured"} <= set(inspect.signature(srbf.fit).parameters)
-    sampled = srbf.fit(paper, model="su", lobes=1, directions=9, interpolation="plain", objective="raw").model.parameters
+    sampled = srbf.fit(paper, model="su", lobes=1, directions=9, interpolation=3, objective="raw").model.parameters
     assert sampled["direction"].shape == (9, 3) and sampled["interpolation"] == "plain"
 
 
 def test_sizes_exclude_each_other(paper):
-    with pytest.raises(ValueError, match="budget: chooses the number of lobes; not together with lobes"):
-        srbf.fit(paper, lobes=3, budget=100)
+    with pytest.raises(ValueError, match="target_delta_e: chooses the number of lobes; not together with lobes"):
+        srbf.fit(paper, lobes=3, target_delta_e=2)
 
 
 def test_options_of_other_functions_are_refused_by_name(paper, facets, tmp_path):
@@ -298,8 +298,8 @@ def test_options_of_other_functions_are_refused_by_name(paper, facets, tmp_path)
                         ("picture", lambda: srbf.png(np.zeros((4, 4)))), ("picture", lambda: srbf.png(np.zeros((4, 3))))):
         with pytest.raises(ValueError, match=f"^{name}: "):
             wrong()
-    with pytest.raises(ValueError, match="budget: chooses the number of lobes"):
-        srbf.fit_batch(wl, wl, wl[None], budget=100)
+    with pytest.raises(ValueError, match="target_delta_e: chooses the number of lobes"):
+        srbf.fit_batch(wl, wl, wl[None], target_delta_e=2)
     with pytest.raises(TypeError, match="'lobs'; expected one of model, surface"):
         srbf.fit(paper, lobs=2)
     with pytest.raises(ValueError, match="lobes: only with model pm or su or ggx, found openpbr"):
@@ -385,9 +385,6 @@ def test_measurements_are_pickled_and_compared(paper, both_sides, facets, tmp_pa
     for wrong in (["0.0"] + state[1:], [state[0], state[1][:-1]] + state[2:], [state[0], b""] + state[2:]):
         with pytest.raises(ValueError, match="pickled BRDF"):
             srbf._unpickled(*wrong)
-    for length in range(0, len(state[1]), 9973):
-        with pytest.raises(ValueError, match="pickled BRDF"):
-            srbf._srbf.unpickled(state[1][:length], False)
 
 
 def test_what_is_exchanged_says_so(paper, facets):
@@ -513,7 +510,7 @@ def test_wrong_input(paper, facets, tmp_path):
             srbf.load(path)
         assert caught.value.code == code and caught.value.file == str(path) and caught.value.expected
     for wrong in (lambda: srbf.fit(facets), lambda: srbf.fit(paper, lobes=0), lambda: srbf.fit(paper, objective="best"),
-                  lambda: srbf.fit(paper, model="mlp"), lambda: srbf.fit(paper, lobes=2, budget=100), lambda: srbf.fit(paper, max_theta=100),
+                  lambda: srbf.fit(paper, model="mlp"), lambda: srbf.fit(paper, lobes=2, target_delta_e=2), lambda: srbf.fit(paper, max_theta=100),
                   lambda: srbf.fit(paper, channels="spectral"), lambda: srbf.convert(paper, tmp_path / "x.png"),
                   lambda: srbf.render(paper, "dark"), lambda: srbf.render(paper, size=0), lambda: srbf.code(facets, "cobol"),
                   lambda: facets.albedo(0), lambda: facets.sample([0, 0, 1], [0, 0, 1]), lambda: srbf.errors(paper, facets, max_theta=91),

@@ -10,7 +10,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/parameters.h"
 #include "srbf/result.h"
 
 namespace SRBF_NAMESPACE {

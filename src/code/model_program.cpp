@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <map>
 
-#include "base/parameters.h"
 #include "code/lanes_code.h"
 #include "code/print.h"
 #include "code/texts.h"
+#include "models/kind/parameters.h"
 #include "sampling/elevation_nodes.h"
 #include "sampling/mixture.h"
 #include "srbf/prepared.h"

@@ -8,10 +8,10 @@
 #include <type_traits>
 
 #include "base/half.h"
-#include "base/parameters.h"
 #include "brdf/parts.h"
 #include "code/bsdf_code.h"
 #include "code/texts.h"
+#include "models/kind/parameters.h"
 #include "sampling/mixture.h"
 #include "srbf/kernel.h"
 

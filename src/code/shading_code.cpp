@@ -7,7 +7,6 @@
 #include <ranges>
 #include <set>
 
-#include "base/parameters.h"
 #include "base/printable.h"
 #include "code/added_code.h"
 #include "code/blend_code.h"
@@ -20,6 +19,7 @@
 #include "code/print.h"
 #include "code/print_python.h"
 #include "code/program_printer.h"
+#include "models/kind/parameters.h"
 #include "models/library_file.h"
 #include "srbf/sampling.h"
 

@@ -7,8 +7,8 @@
 
 #include "base/parallel.h"
 #include "brdf/colour.h"
+#include "errors/image_errors.h"
 #include "errors/itp.h"
-#include "errors/likeness.h"
 #include "errors/measure_names.h"
 #include "errors/picture_errors.h"
 #include "errors/sphere.h"

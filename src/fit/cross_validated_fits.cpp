@@ -65,7 +65,9 @@ class SampleFits {
             return std::move(one->front());
         }
         const std::vector<int> lobes = tried_lobes(*pm);
-        auto all = fills_gaps(request_)                    ? fit_gap_filled(lobes)
+        // Gap-filled samples constrain any number of lobes. The largest number has the least visible error; held-out
+        // samples, which are few and crowded about highlights, prefer fewer half of the time.
+        auto all = fills_gaps(request_)                    ? fit_each({lobes.back()}, true)
                    : traits(request_.objective).of_scatter ? fit_each(lobes, true)
                                                            : fit_alone_or_filled(lobes, lobes_of(*pm));
         if (!all) return all.error();
@@ -73,31 +75,23 @@ class SampleFits {
     }
 
   private:
-    bool is_within_budget(std::size_t bytes) const {
-        return !goal_ || bytes <= std::get<ByteBudget>(*goal_).bytes;  // the only goal of samples
-    }
     double error(const FitOutcome& outcome) const { return error_of(outcome.errors->heldout, request_.objective); }
-    std::size_t bytes(int lobes) const {
-        const PmFitOptions options = sample_options(samples_, request_, lobes);
-        return payload_bytes(options.form, options.axial, has_log_scales(options.form), lobes, options.variates);
-    }
     /// Three values of each sample outside a fold are at least twice as many as the numbers to find, of two bytes each.
-    bool enough_samples(int lobes) const { return bytes(lobes) <= 3 * samples_.wl.size() * (k_folds - 1) / k_folds; }
+    bool enough_samples(int lobes) const {
+        const PmFitOptions options = sample_options(samples_, request_, lobes);
+        return payload_bytes(options.form, options.axial, has_log_scales(options.form), lobes, options.variates) <=
+               3 * samples_.wl.size() * (k_folds - 1) / k_folds;
+    }
 
     /// The requested number of lobes, or those to choose from.
     std::vector<int> tried_lobes(const PmRequest& pm) const {
         if (const auto asked = lobes_of(pm)) return {*asked};
         std::vector<int> lobes;
         for (const int j : k_tried_lobes)
-            if (enough_samples(j) && is_within_budget(bytes(j))) lobes.push_back(j);
+            if (j <= k_most_sample_lobes && enough_samples(j)) lobes.push_back(j);
         return lobes.empty() ? std::vector{1} : lobes;
     }
 
-    /// Gap-filled samples constrain any number of lobes. Without a goal the largest number has the least visible error;
-    /// held-out samples, which are few and crowded about highlights, prefer fewer half of the time.
-    Result<std::vector<FitOutcome>> fit_gap_filled(const std::vector<int>& lobes) {
-        return fit_each(goal_ ? lobes : std::vector{lobes.back()}, true);
-    }
     Result<std::vector<FitOutcome>> fit_each(const std::vector<int>& lobes, bool fill) {
         std::vector<Variant> candidates;
         for (const int j : lobes) candidates.push_back({j, fill});
@@ -125,12 +119,12 @@ class SampleFits {
     Result<FitOutcome> fitted(const SuRequest&, const ScatteredSamples& samples, const SampleObservations*,
                               const Variant&, const ProgressToken& progress) const {
         const Measured measured{"", "", 0, samples};
-        return fit_su(signed_evaluator(measured), request_, progress);
+        return fit_view_by_view(signed_evaluator(measured), request_, progress);
     }
     template <typename R>
     Result<FitOutcome> fitted(const R&, const ScatteredSamples&, const SampleObservations* observed, const Variant&,
                               const ProgressToken& progress) const {
-        return counted(fit_observed(request_, observed->samples, samples_.isotropic, progress), *observed);
+        return counted(fit_by_kind(request_, observed->samples, samples_.isotropic, progress), *observed);
     }
     Result<FitOutcome> fitted(const PmRequest&, const ScatteredSamples&, const SampleObservations* observed,
                               const Variant& candidate, const ProgressToken& progress) const {
@@ -268,25 +262,23 @@ class SampleFits {
         return measure_samples(samples_.wl, samples_.wv, colours, f, request_.theta());
     }
 
-    /// The outcome with the least error; without a budget the smallest whose error is almost that.
+    /// The smallest outcome whose error is almost the least.
     Result<FitOutcome> chosen(std::vector<FitOutcome>& all) const {
         const auto best = std::ranges::min_element(all, {}, [&](const FitOutcome& one) { return error(one); });
         const auto is_as_good = [&](const FitOutcome& one) { return error(one) <= k_as_good * error(*best); };
-        const auto taken = goal_ ? best : std::find_if(all.begin(), best, is_as_good);
+        const auto taken = std::find_if(all.begin(), best, is_as_good);
         std::vector<Trial> path;
         if (all.size() > 1)
             for (const FitOutcome& one : all)
-                path.push_back(trial_of(std::get<PmModel>(one.model.model), error(one), true));
+                path.push_back({std::get<PmModel>(one.model.model).lobes, payload_bytes(one.model), error(one)});
         FitOutcome outcome = std::move(*taken);
         outcome.path = std::move(path);
-        outcome.reached = is_within_budget(payload_bytes(outcome.model));
         return outcome;
     }
 
     const ScatteredSamples& samples_;
     const SampleObservations* observed_;
     const FitRequest& request_;
-    const std::optional<SizeGoal> goal_ = goal_of(request_);
     std::vector<int> fold_;
     ProgressToken progress_;
     double done_ = 0, validations_ = 1;  ///< share of the work done; number of candidates

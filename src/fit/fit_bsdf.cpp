@@ -11,7 +11,7 @@
 #include "brdf/directions.h"
 #include "brdf/parts.h"
 #include "brdf/values.h"
-#include "fit/own_fit.h"
+#include "fit/patch_fit.h"
 #include "fit/requests.h"
 #include "measured/evaluated_table.h"
 #include "measured/two_sided.h"
@@ -19,6 +19,8 @@
 #include "models/ggx/ggx_functions.h"
 #include "srbf/elementary.h"
 #include "srbf/fit_bsdf.h"
+
+#include "fit/extra_fits.h"  // of the types above
 
 namespace SRBF_NAMESPACE {
 namespace {
@@ -33,7 +35,7 @@ constexpr double k_incidences[] = {0, 10, 20, 30, 40, 50, 60, 70, 80};
 struct Input {
     Evaluate f;  ///< none: nothing
     std::shared_ptr<const Measured> measured;
-    const OwnFit* own_fit() const { return measured ? own_fit_of(*measured) : nullptr; }
+    const PatchFit* patch_fit() const { return measured ? patch_fit_of(*measured) : nullptr; }
 };
 using Inputs = std::array<Input, k_parts>;
 
@@ -70,7 +72,7 @@ bool alike(const Input& front, const Input& back, Part part) {
 Model black() { return {GgxModel{{}, {GgxModel::Lobe{}}}, {}}; }
 
 std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fitted, const Beams& beams, Part part) {
-    if (const OwnFit* own = input.own_fit()) return own->hemispherical(fitted, beams, part);
+    if (const PatchFit* own = input.patch_fit()) return own->hemispherical(*input.measured, fitted, beams, part);
     std::vector<Hemispherical> all;
     for (const double degrees : k_incidences) {
         const double theta = degrees * k_degree,
@@ -84,9 +86,9 @@ std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fit
 Result<FitOutcome> fit_part(const Input& input, Part part, FitRequest request, const ProgressToken& progress) {
     auto* pm = std::get_if<PmRequest>(&request.model);
     if (pm && is_transmission(part) && !pm->form) pm->form = PmForm::extended;
-    auto fitted = input.own_fit()  ? input.own_fit()->fit(request, progress)
-                  : input.measured ? srbf::fit(*input.measured, request, progress)
-                                   : srbf::fit(input.f, request, progress);
+    auto fitted = input.patch_fit() ? input.patch_fit()->fit(*input.measured, request, progress)
+                  : input.measured  ? srbf::fit(*input.measured, request, progress)
+                                    : srbf::fit(input.f, request, progress);
     if (fitted) return fitted;
     Error error = fitted.error();
     error.what = std::string(name(part)) + ": " + error.what;
@@ -130,8 +132,8 @@ void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
             of.exchanged ? evaluate(*of.brdf, wv, wl, f) : evaluate(*of.brdf, wl, wv, f);
     };
     fit.hemispherical = hemispherical(input, fitted, bsdf.beam, fit.part);
-    if (const OwnFit* own = input.own_fit()) {
-        fit.squared_error_ratio = own->error_ratio(fitted);
+    if (const PatchFit* own = input.patch_fit()) {
+        fit.squared_error_ratio = own->error_ratio(*input.measured, fitted);
     } else if (!fit.black) {
         const auto a = sampled(input.f, false);
         fit.squared_error_ratio = energy_between(a, sampled(fitted, false)) / energy(a);
@@ -188,9 +190,11 @@ Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const F
 
 }  // namespace
 
-const OwnFit* own_fit_of(const Measured& part) {
-    const auto* table = std::get_if<EvaluatedTable>(&part.table);
-    return table && table->functions ? table->functions->own_fit.get() : nullptr;
+const PatchFit* patch_fit_of(const Measured& part) {
+    for (const std::span<const PatchFit> fits : k_extra_fits)
+        for (const PatchFit& own : fits)
+            if (own.is_of(part)) return &own;
+    return nullptr;
 }
 
 void end_mirrors(Beams& beams, const std::array<Evaluate, k_parts>& parts) {

@@ -143,14 +143,15 @@ void add_lobes(std::vector<FitOptionRow>& to) {
 
 /// The number of lobes, of each model that has one.
 void add_counts(std::vector<FitOptionRow>& to) {
-    FitOptionRow lobes =
-        number<int>({"lobes", k_of_pm, "J|auto",
-                     fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
-                                 "auto: for a table the best\n"
-                                 "compromise between bytes and error; for samples by cross-validation, or the most. "
-                                 "Default: {}, or {} in forms that\nare not reciprocal; for samples auto; for ggx 1",
-                                 k_most_fitted_lobes, LobeCount{}.lobes, row_of(PmForm::extended).lobes)},
-                    1, k_most_fitted_lobes, [](FitRequest& r, int n) { pm(r).size = LobeCount{n}; });
+    FitOptionRow lobes = number<int>(
+        {"lobes", k_of_pm, "J|auto",
+         fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
+                     "auto: for a table the\n"
+                     "fewest with a visible error of at most {:g}; for samples by cross-validation, or the "
+                     "most. Default: {}, or {} in\nforms that are not reciprocal; for samples auto; for "
+                     "ggx 1",
+                     k_most_fitted_lobes, k_default_delta_e, LobeCount{}.lobes, row_of(PmForm::extended).lobes)},
+        1, k_most_fitted_lobes, [](FitRequest& r, int n) { pm(r).size = LobeCount{n}; });
     to.push_back(or_word(lobes, "auto", [](FitRequest& r) { pm(r).size = AutomaticLobes{}; }));
     to.push_back(
         number<int>({"lobes", k_of_su, "J"}, 1, k_most_view_lobes, [](FitRequest& r, int n) { su(r).lobes = n; }));
@@ -181,31 +182,28 @@ void add_objective(std::vector<FitOptionRow>& to) {
 void add_views(std::vector<FitOptionRow>& to) {
     using Words = std::vector<Text>;
     to.push_back(
-        word({"discretise", k_of_su, "view|light", "su: the sampled direction; lobes are functions of the other one",
+        word({"discretise", k_of_su, "view|light", "The sampled direction; lobes are functions of the other one",
               preset(name(k_su.discretise))},
              Words{"view", "light"},
              [](FitRequest& r, Text text) { return store(discretise_named(text), su(r).discretise); }));
     to.push_back(number<int>({"directions", k_of_su, "N",
-                              fmt::format("su: number of sampled directions, {} to {}", k_least_views, k_most_views),
+                              fmt::format("Number of sampled directions, {} to {}", k_least_views, k_most_views),
                               preset(k_su.directions)},
                              k_least_views, k_most_views, [](FitRequest& r, int n) { su(r).directions = n; }));
-    to.push_back(word({"interpolation", k_of_su, "NAME",
-                       "su: rotated: between the two samples adjacent in elevation, rotated to the azimuth of the\n"
-                       "direction, for isotropic measurements; plain: between the nearest samples",
-                       preset(name(k_su.interpolation))},
-                      Words{"rotated", "plain"},
-                      [](FitRequest& r, Text text) { return store(interpolation_named(text), su(r).interpolation); }));
-    to.push_back(
-        number<int>({"neighbours", k_of_su, "K",
-                     fmt::format("su: number of samples of the plain interpolation, 1 to {}", k_most_neighbours),
-                     preset(k_su.neighbours)},
-                    1, k_most_neighbours, [](FitRequest& r, int n) { su(r).neighbours = n; }));
+    to.push_back(or_word(
+        number<int>({"interpolation", k_of_su, "rotated|K",
+                     "Between the two samples adjacent in elevation, rotated to the azimuth of the direction,\n"
+                     "for isotropic measurements; or between the K nearest samples",
+                     preset(name(k_su.interpolation))},
+                    1, k_most_neighbours,
+                    [](FitRequest& r, int n) { su(r).interpolation = SuInterpolation::plain, su(r).neighbours = n; }),
+        "rotated", [](FitRequest& r) { su(r).interpolation = SuInterpolation::rotated; }));
     to.push_back(word(
-        {"with_index", k_of_su, "cube|parabolic", "su: store an index texture, the samples nearest to each direction"},
+        {"with_index", k_of_su, "cube|parabolic", "Store an index texture, the samples nearest to each direction"},
         Words{"cube", "parabolic"}, [](FitRequest& r, Text text) { return store(map_named(text), su(r).index); }));
 }
 
-/// The channels, and goals of the size.
+/// The channels, and the goal of the size.
 void add_goals(std::vector<FitOptionRow>& to) {
     to.push_back(
         word({"channels", k_all, "NAME",
@@ -216,13 +214,10 @@ void add_goals(std::vector<FitOptionRow>& to) {
              }));
     to.push_back(number<double>(
         {"target_delta_e", k_of_pm, "E",
-         "pm: the smallest model of all forms and sizes with at most this visible error, the mean\n"
-         "Delta E (ITP) of pictures of a sphere, where 1 is just noticeable"},
-        k_finest_delta_e, k_most_delta_e, [](FitRequest& r, double e) { pm(r).size = TargetDeltaE{e}; }));
-    to.push_back(number<std::size_t>(
-        {"budget", k_of_pm, "BYTES", "pm: the best model of all forms and sizes with at most this many bytes"},
-        k_least_chosen_bytes, k_most_chosen_bytes,
-        [](FitRequest& r, std::size_t bytes) { pm(r).size = ByteBudget{bytes}; }));
+         fmt::format("pm: the fewest of up to {} lobes with at most this visible error against what is fitted, the\n"
+                     "mean Delta E (ITP) of pictures of a sphere, where 1 is just noticeable",
+                     *std::ranges::max_element(k_tried_lobes))},
+        k_finest_delta_e, k_most_delta_e, [](FitRequest& r, double e) { pm(r).size = AutomaticLobes{e}; }));
 }
 
 void add_running(std::vector<FitOptionRow>& to) {
@@ -249,23 +244,10 @@ struct Rule {
     bool (*holds)(const FitRequest&, const FitTexts&);
 };
 const Rule k_rules[] = {
-    {{"neighbours"},
-     "only with {interpolation} plain or {with_index}",
-     [](const FitRequest& r, const FitTexts& texts) {
-         return std::get<SuRequest>(r.model).interpolation == SuInterpolation::plain || texts.contains("with_index");
-     }},
     {{"channels"},
      "spectral only with {model} pm",
      [](const FitRequest& r, const FitTexts&) { return !r.spectral || std::holds_alternative<PmRequest>(r.model); }},
-    {{"target_delta_e", "budget"},
-     "not together with another goal of the size",
-     [](const FitRequest&, const FitTexts& texts) {
-         return !texts.contains("target_delta_e") || !texts.contains("budget");
-     }},
-    {{"target_delta_e", "budget"},
-     "only with {channels} rgb",
-     [](const FitRequest& r, const FitTexts&) { return !r.spectral; }},
-    {{"target_delta_e", "budget"},
+    {{"target_delta_e"},
      "chooses the number of lobes; not together with {lobes}",
      [](const FitRequest&, const FitTexts& texts) { return !texts.contains("lobes"); }},
     {{"as_measured"},

@@ -14,7 +14,6 @@
 #include "brdf/values.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
-#include "fit/choose.h"
 #include "fit/cross_validated_fits.h"
 #include "fit/noise.h"
 #include "fit/request_traits.h"
@@ -34,10 +33,6 @@
 
 namespace SRBF_NAMESPACE {
 namespace {
-
-/// Number of held-out pairs for short comparisons in a choice.
-constexpr std::uint64_t k_pairs_in_short = 20000;
-constexpr int k_pixels_in_short = 16;
 
 /// Drafts use the first observations.
 struct Draft {
@@ -67,7 +62,7 @@ void record(const Comparison& errors, Model& model) {
 
 // ---- Stages common to tables and samples ----
 
-Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress) {
+Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request, const ProgressToken& progress) {
     const SuRequest& su = std::get<SuRequest>(request.model);
     const auto matrix =
         tabulate(f, {.directions = su.directions, .discretise = su.discretise, .threads = request.threads},
@@ -95,8 +90,8 @@ Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const Pr
     return outcome;
 }
 
-Result<FitOutcome> fit_observed(const FitRequest& request, const Observations& observations, bool is_isotropic,
-                                const ProgressToken& progress) {
+Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& observations, bool is_isotropic,
+                               const ProgressToken& progress) {
     return std::visit(
         [&]<typename R>(const R& of) -> Result<FitOutcome> {
             if constexpr (std::same_as<R, PmRequest> || std::same_as<R, SuRequest>) {
@@ -135,9 +130,12 @@ struct Fitter::State {
             return refused("a measurement at wavelengths", "one of colours");
         if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
             return refused("a multivariate model", "another");
-        if (request.spectral && goal_of(request)) return refused("a number of lobes", "a budget or a target delta E");
-        if (samples() && is_by_pictures(request))
+        const auto target = target_of(request);
+        if (target && samples())
             return argument_error("fit", "target delta E", "a measured table", "scattered samples");
+        if (target && !(*target > 0 && *target <= k_most_delta_e))
+            return argument_error("fit", "target delta E", fmt::format("above 0, at most {}", k_most_delta_e),
+                                  fmt::format("{}", *target));
         return Done{};
     }
 
@@ -288,13 +286,13 @@ struct Fitter::State {
     Result<FitOutcome> fit_table(const FitRequest& request, const ProgressToken& progress) {
         const auto quiet = smooth(request, progress);
         if (!quiet) return quiet.error();
-        if (const auto* su = std::get_if<SuRequest>(&request.model)) return fit_observed(*su, {}, request, *quiet);
+        if (const auto* su = std::get_if<SuRequest>(&request.model)) return fit_kind(*su, {}, request, *quiet);
         const auto found = observed(request, quiet->part(0, k_observed));
         if (!found) return found.error();
         const Observations& observations = **found;
         const ProgressToken fitting = quiet->part(k_observed, 1);
         auto outcome =
-            std::visit([&](const auto& of) { return fit_observed(of, observations, request, fitting); }, request.model);
+            std::visit([&](const auto& of) { return fit_kind(of, observations, request, fitting); }, request.model);
         if (!outcome) return outcome;
         outcome->masked = observations.masked;
         outcome->largest_albedo = std::max(1.0, most_measured_albedo(observations));
@@ -304,68 +302,48 @@ struct Fitter::State {
     }
 
     template <typename R>
-    Result<FitOutcome> fit_observed(const R&, const Observations& observations, const FitRequest& request,
-                                    const ProgressToken& progress) {
-        return srbf::fit_observed(request, observations, looks_isotropic(request), progress);
+    Result<FitOutcome> fit_kind(const R&, const Observations& observations, const FitRequest& request,
+                                const ProgressToken& progress) {
+        return fit_by_kind(request, observations, looks_isotropic(request), progress);
     }
-    Result<FitOutcome> fit_observed(const SuRequest&, const Observations&, const FitRequest& request,
-                                    const ProgressToken& progress) {
-        return fit_su(smoothed_ ? smoothed_ : signed_, request, progress);  // by a matrix of its own
+    Result<FitOutcome> fit_kind(const SuRequest&, const Observations&, const FitRequest& request,
+                                const ProgressToken& progress) {
+        return fit_view_by_view(smoothed_ ? smoothed_ : signed_, request, progress);  // by a matrix of its own
     }
-    Result<FitOutcome> fit_observed(const PmRequest& pm, const Observations& observations, const FitRequest& request,
-                                    const ProgressToken& progress) {
+    Result<FitOutcome> fit_kind(const PmRequest& pm, const Observations& observations, const FitRequest& request,
+                                const ProgressToken& progress) {
         const PmFitOptions options = pm_options(request, axial(request), k_default_form);
         if (pm.size && std::holds_alternative<AutomaticLobes>(*pm.size))
-            return fit_best_size(observations, options, request, progress);
-        const auto goal = goal_of(request);
-        if (!goal) {
-            auto fitted = fit_pm(observations, options, progress);
-            if (!fitted) return fitted.error();
-            return outcome_of(*std::move(fitted));
-        }
-        const auto judge = [&](const PmModel& model, bool in_short) {
-            return error_of_model(model, request, in_short);
-        };
-        auto chosen = choose_pm(observations, options, *goal, judge, progress);
-        if (!chosen) return chosen.error();
-        FitOutcome outcome = outcome_of(std::move(chosen->fit));
-        outcome.path = std::move(chosen->path);
-        outcome.reached = chosen->reached;
-        return outcome;
+            return fit_first_size(observations, options, request, progress);
+        auto fitted = fit_pm(observations, options, progress);
+        if (!fitted) return fitted.error();
+        return outcome_of(*std::move(fitted));
     }
 
-    /// The best compromise between bytes and error.
-    Result<FitOutcome> fit_best_size(const Observations& observations, PmFitOptions options, const FitRequest& request,
-                                     const ProgressToken& progress) const {
+    /// The first size whose mean ΔE_ITP against what is fitted reaches the target, or the last.
+    Result<FitOutcome> fit_first_size(const Observations& observations, PmFitOptions options, const FitRequest& request,
+                                      const ProgressToken& progress) const {
+        const double target = target_of(request).value_or(k_default_delta_e);
+        const Evaluate reference = is_reciprocal(request) ? reciprocal_mean(clamped_) : clamped_;
         FitOutcome outcome;
         std::vector<Trial> path;
-        double least = std::numeric_limits<double>::infinity(), done = 0, all = 0;
-        for (const int lobes : k_tried_lobes) all += lobes;
+        double done = 0;
         for (const int lobes : k_tried_lobes) {
             options.lobes = lobes;
-            auto fitted = fit_pm(observations, options, progress.part(done / all, (done + lobes) / all));
+            const double next = done + (1 - done) / 2;  // each takes about as long as all smaller ones
+            auto fitted = fit_pm(observations, options, progress.part(done, next));
             if (!fitted) return fitted.error();
             if (progress.cancelled()) return cancelled_error("fit");
-            done += lobes;
-            path.push_back(trial_of(fitted->model, error_of_model(fitted->model, request, false), true));
-            const double trade = double(path.back().bytes) * path.back().error;
-            if (trade < least) least = trade, outcome = outcome_of(*std::move(fitted));
+            done = next;
+            outcome = outcome_of(*std::move(fitted));
+            const Evaluate others[] = {evaluator(outcome.model)};
+            const double error = compare_pictures(reference, others, request.threads)[0].mean.delta_e;
+            path.push_back({lobes, payload_bytes(outcome.model), error});
+            outcome.reached = error <= target;
+            if (outcome.reached) break;
         }
         outcome.path = std::move(path);
         return outcome;
-    }
-
-    /// The held-out error by the objective's own measure, or the mean ΔE_ITP if that is the goal.
-    double error_of_model(const PmModel& model, const FitRequest& request, bool in_short) const {
-        if (is_by_pictures(request)) {
-            const Evaluate others[] = {evaluator(model)};
-            const int size = in_short ? k_pixels_in_short : k_sphere_pixels;
-            return compare_pictures(clamped_, others, request.threads, {}, size)[0].mean.delta_e;
-        }
-        const Channels others[] = {request.spectral ? spectra(model) : rgb_channels(evaluator(model))};
-        const Measures measures = measure_heldout(channels_of(request), others, {request.theta(), request.threads},
-                                                  in_short ? k_pairs_in_short : k_heldout_pairs)[0];
-        return error_of(measures, request.objective);
     }
 
     Result<FitOutcome> draft_to(const ScatteredSamples& samples, const FitRequest& request, bool in_short,
@@ -381,7 +359,7 @@ struct Fitter::State {
         if (!observations) return observations.error();
         PmFitOptions options = pm_options(request, axial(request), k_default_form);
         options.starts = draft.starts, options.perturbations = draft.perturbations;
-        auto fitted = fit_pm(beginning(**observations, draft.pairs), options, quiet->part(k_drafts_observed, 1));
+        auto fitted = fit_pm(first_pairs(**observations, draft.pairs), options, quiet->part(k_drafts_observed, 1));
         if (!fitted) return fitted.error();
         FitOutcome outcome = outcome_of(*std::move(fitted));
         outcome.masked = (*observations)->masked, outcome.clamped = (*observations)->clamped;

@@ -221,7 +221,7 @@ Result<Smoothed> smoothed(const Evaluate& f, const Noise& noise, bool axial, int
         PmFitOptions options;
         options.axial = axial, options.threads = threads;
         options.starts = k_noise_starts, options.perturbations = k_noise_perturbations;
-        const auto fitted = fit_pm(beginning(*observed, observed->fitted_count()), options, part(0.3, 1));
+        const auto fitted = fit_pm(first_pairs(*observed, observed->fitted_count()), options, part(0.3, 1));
         if (!fitted) return fitted.error();
         const Evaluate expected = expected_by(fitted->model, round == 0, noise.clamped);
         made.unbiased = without_excess(f, expected, noise.clamped);

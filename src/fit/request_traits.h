@@ -10,11 +10,10 @@
 
 SRBF_BEGIN
 
-/// The bytes of a `ByteBudget`, and the ΔE_ITP of a `TargetDeltaE`.
-inline constexpr std::size_t k_least_chosen_bytes = 12, k_most_chosen_bytes = 512;
+/// The ΔE_ITP of `AutomaticLobes`.
 inline constexpr double k_finest_delta_e = 0.01, k_most_delta_e = 100;
-/// The J that `AutomaticLobes` and goals of samples choose from.
-inline constexpr int k_tried_lobes[] = {2, 3, 4, 6, 9, 12};
+/// The J that it chooses from, for samples up to k_most_sample_lobes.
+inline constexpr int k_tried_lobes[] = {2, 3, 4, 6, 9, 12, 16, 24}, k_most_sample_lobes = 12;
 
 /// The names of the models that a request can ask for, in the order of `AnyRequest`.
 inline constexpr auto k_model_names = []<typename... R>(std::type_identity<std::variant<R...>>) {
@@ -26,17 +25,11 @@ inline std::string_view model_name(const FitRequest& request) { return k_model_n
 /// pictures. Fits by `relative` follow microfacets, others interpolated values if cross-validation finds them useful.
 bool fills_gaps(const FitRequest& request);
 
-/// The goal by which the size is chosen; none: it is a number of lobes or automatic, or the model is not multivariate.
-inline std::optional<SizeGoal> goal_of(const FitRequest& request) {
+/// The requested ΔE_ITP by which the size is chosen, if any.
+inline std::optional<double> target_of(const FitRequest& request) {
     const auto* pm = std::get_if<PmRequest>(&request.model);
-    const auto* goal = pm && pm->size ? std::get_if<SizeGoal>(&*pm->size) : nullptr;
-    return goal ? std::optional(*goal) : std::nullopt;
-}
-
-/// True if the size is chosen by the visible error.
-inline bool is_by_pictures(const FitRequest& request) {
-    const auto goal = goal_of(request);
-    return goal && std::holds_alternative<TargetDeltaE>(*goal);
+    const auto* chosen = pm && pm->size ? std::get_if<AutomaticLobes>(&*pm->size) : nullptr;
+    return chosen ? chosen->delta_e : std::nullopt;
 }
 
 /// Picture error between f and its transpose f(wv, wl). A reciprocal fit differs from one of them by at least half of

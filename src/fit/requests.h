@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "base/parameters.h"
+#include "models/kind/parameters.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/pm/search/search.h"
 #include "models/su/fit_su.h"
@@ -51,11 +51,6 @@ template <typename Fit> FitOutcome outcome_of(Fit fit) {
     return outcome;
 }
 
-/// A model that was tried, with this error.
-inline Trial trial_of(const PmModel& model, double error, bool whole) {
-    return {model.form, model.axial, model.lobes, model.variates, payload_bytes(model), error, whole};
-}
-
 /// Writes the file of a measurement into a model of it, that light and viewer were exchanged, and the aperture.
 inline void name_source(Model& model, const Measured& measured) {
     if (!measured.source.empty())
@@ -71,9 +66,9 @@ inline Error of_source(Error error, const Measured& measured) {
 }
 
 /// A fit to observations alone, of a model that is neither multivariate nor view by view.
-Result<FitOutcome> fit_observed(const FitRequest& request, const Observations& observations, bool is_isotropic,
-                                const ProgressToken& progress);
+Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& observations, bool is_isotropic,
+                               const ProgressToken& progress);
 /// A view-by-view fit, which observes all pairs of directions itself.
-Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress);
+Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request, const ProgressToken& progress);
 
 }  // namespace srbf

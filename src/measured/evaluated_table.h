@@ -23,16 +23,11 @@ struct TableLine {
     std::span<const Rgb> colours = {};
 };
 
-struct OwnFit;  // fit/own_fit.h
-
 /// The functions that any table has, by its format.
 struct TableFunctions {
     std::function<std::vector<TableLine>()> lines;
     /// The part without its peaks of unscattered light, if it has any; null: it has none.
     std::function<std::optional<SeparatedBeam>()> separated_beam = {};
-    std::shared_ptr<const OwnFit> own_fit = {};  ///< how a part of a BSDF is fitted; null: to its values
-    std::string_view format = {};                ///< the name of the format that has `unpack` for `packed`
-    std::function<std::string()> packed = {};    ///< the table as bytes, for copies in other processes
 };
 
 SRBF_END

@@ -70,8 +70,6 @@ struct Format {
     bool beams = false;               ///< written files hold the beams of a BSDF
     Result<std::vector<std::byte>> (*write)(const TableSource& source, const TableOptions& options) = nullptr;
     const WriterOption* option = nullptr;
-    /// The inverse of `EvaluatedTable::packed`.
-    EvaluatedTable (*unpack)(std::string_view bytes) = nullptr;
 };
 
 /// All formats, in the order in which they are tried.

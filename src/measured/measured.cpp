@@ -22,7 +22,7 @@ bool is_isotropic(const Measured& measured) {
     if (const auto* table = std::get_if<EvaluatedTable>(&measured.table)) return table->isotropic;
     if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table))
         return std::ranges::all_of(bsdf->band().part, [](const auto& part) { return !part || is_isotropic(*part); });
-    return !std::holds_alternative<UtiaTable>(measured.table);
+    return true;
 }
 
 std::vector<std::string> notes(const Measured& measured) {

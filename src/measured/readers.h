@@ -19,9 +19,11 @@ Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string&
 /// which distinguishes measured nodes from extrapolated ones, as the authors' own loader does.
 Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& file_name);
 
-/// Reads the bytes of a UTIA `.bin`: three planes (R, G, B) of doubles, 288 lights × 288 viewers. A non-finite value
-/// means not measured.
-Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name);
+/// Reads the bytes of a UTIA `.bin` (Filip & Vávra, "Template-based sampling of anisotropic BRDFs", 2014): three planes
+/// (R, G, B) of doubles, 288 lights × 288 viewers, θ_l and θ_v at 0, 15, .. 75°, φ_l and φ_v at 0, 7.5, .. 352.5°. A
+/// non-finite value means not measured. f_r is linear in all four angles between the nodes, like the look-up of the
+/// database's own code. Between 75 and 90° it is extrapolated from 60 to 75°. NaN where one of the nodes was not measured.
+Result<EvaluatedTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name);
 /// Reads the bytes of an MBSDF file, version 1: lines key="value", then a block of reflection: type (grey or RGB), n_θ,
 /// n_φ, and n_θ n_θ n_φ samples. A block of transmission may follow; its size is checked, and it is left out. A sample
 /// that is not finite is masked.
@@ -31,23 +33,6 @@ Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const
 /// Reads both blocks of an MBSDF file as reflection and transmission of light from the front, whose frame is that of
 /// the parts. Errors: those of `read_mbsdf`, or it has no block of transmission.
 Result<BsdfTable> read_mbsdf_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name);
-
-/// Reads a `.brdf` of Cornell's Program of Computer Graphics: the number of wavelengths, the wavelengths [nm], then for
-/// each sample θ_i φ_i θ_s φ_s [rad] of the light and the viewer and the spectrum of f_r. '#' starts a comment.
-Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads an ASTM E1392 file (`.astm`): lines of a key and its text. The last key is VARS, which names the columns of
-/// the following rows: theta_i, phi_i, theta_s, phi_s [rad] and the values, which are R, G, B, or X, Y, Z, or one
-/// column of any name.
-Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads ALTA's text format: `#DIM nX nY`, `#PARAM_IN` with one of sixteen parameterizations (docs/formats.md),
-/// `#PARAM_OUT`, `#VS` (error bars, ignored), then rows of nX + nY numbers.
-Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads rows of numbers below a line that names their columns. Directions: wl_x, wl_y, wl_z, wv_x, wv_y, wv_z, or
-/// theta_l, phi_l, theta_v, phi_v with the unit as the suffix _deg or _rad. Values [1/sr]: r, g, b, or x, y, z, or one
-/// column `value`, or a spectrum in columns named by wavelength (450nm or nm450). Lines that begin with '#' are
-/// comments; the comment `# isotropic` declares the samples isotropic. docs/formats.md lists other names, separators,
-/// and what is assumed of azimuths and units that are missing, which `notes` tells.
-Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name);
 
 /// Joins files of samples of one material, such as one for each incidence. The first note has what their headers state
 /// alike and differently. `change_by_azimuth` decides whether the result is isotropic. Errors: fewer than two; one is not

@@ -90,13 +90,24 @@ std::string expected_angle(AngleKind kind, double number, AngleUnit unit);
 /// Stands between the lines of a header in a description.
 inline constexpr std::string_view k_line_end = "; ";
 
-/// Readers without `make_index`, which can wait until the text is freed.
-Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, const std::string& file_name);
-Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, const std::string& file_name);
-Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads rows of numbers in named columns; `options` names them if the text does not.
-Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name,
-                                          const ReadOptions& options);
+// Readers without `make_index`, which can wait until the text is freed.
+/// Reads a `.brdf` of Cornell's Program of Computer Graphics: the number of wavelengths, the wavelengths [nm], then for
+/// each sample θ_i φ_i θ_s φ_s [rad] of the light and the viewer and the spectrum of f_r. '#' starts a comment.
+Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const std::string& file_name);
+/// Reads an ASTM E1392 file (`.astm`): lines of a key and its text. The last key is VARS, which names the columns of
+/// the following rows: theta_i, phi_i, theta_s, phi_s [rad] and the values, which are R, G, B, or X, Y, Z, or one
+/// column of any name.
+Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::string& file_name);
+/// Reads ALTA's text format: `#DIM nX nY`, `#PARAM_IN` with one of sixteen parameterizations (docs/formats.md),
+/// `#PARAM_OUT`, `#VS` (error bars, ignored), then rows of nX + nY numbers.
+Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::string& file_name);
+/// Reads rows of numbers below a line that names their columns. Directions: wl_x, wl_y, wl_z, wv_x, wv_y, wv_z, or
+/// theta_l, phi_l, theta_v, phi_v with the unit as the suffix _deg or _rad. Values [1/sr]: r, g, b, or x, y, z, or one
+/// column `value`, or a spectrum in columns named by wavelength (450nm or nm450). Lines that begin with '#' are
+/// comments; the comment `# isotropic` declares the samples isotropic. docs/formats.md lists other names, separators,
+/// and what is assumed of azimuths and units that are missing, which `notes` tells. `options` may name the columns.
+Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name,
+                                  const ReadOptions& options);
 Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
 
 /// Tolerance of azimuths [rad] and of components of directions, which files state with four digits or more.

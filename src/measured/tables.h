@@ -15,9 +15,6 @@ Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv);
 Rgb nearest(const MerlTable& table, Vec3f wl, Vec3f wv);
 /// f_r. Never NaN.
 Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv);
-/// f_r, linear in all four angles between the nodes, like the look-up of the database's own code. Between 75 and 90° it
-/// is extrapolated from 60 to 75°. NaN where one of the nodes was not measured.
-Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv);
 /// f_r by linear interpolation; NaN where one of the samples is masked.
 Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
 /// f_r by interpolation. Never NaN: masked samples are left out.

@@ -9,10 +9,10 @@
 #include "base/files.h"
 #include "base/floating_point.h"
 #include "base/half.h"
-#include "base/parameters.h"
 #include "base/safetensors.h"
 #include "brdf/channels.h"
 #include "models/bsdf/bsdf_functions.h"
+#include "models/kind/parameters.h"
 #include "models/kinds.h"
 #include "models/lobes_file.h"
 #include "models/openpbr/openpbr_functions.h"
@@ -108,10 +108,10 @@ template <typename... M> struct Kinds<std::variant<M...>> {
         return *std::move(model);
     }
     /// The model of these parameters, by which a kind recognises its own.
-    static Result<Model> made_of(ParameterReader of) {
+    static Result<Model> from_parameters(ParameterReader of) {
         std::optional<Result<Model>> model;
         const auto make_one = [&]<typename K>(std::type_identity<K>) {
-            if (!model && Kind<K>::is_of(of)) model.emplace(rounded_of<K>(of));
+            if (!model && Kind<K>::matches(of)) model.emplace(rounded_of<K>(of));
         };
         (make_one(std::type_identity<M>()), ...);
         if (model) return *std::move(model);
@@ -120,10 +120,9 @@ template <typename... M> struct Kinds<std::variant<M...>> {
 
   private:
     template <typename K> static Result<Model> rounded_of(ParameterReader& of) {
-        K given = Kind<K>::made_of(of);
+        K given = Kind<K>::from_parameters(of);
         if (const auto error = of.error()) return *error;
-        Safetensors content = Kind<K>::content(given);
-        auto rounded = Kind<K>::read(content, "parameters");
+        auto rounded = as_stored(given, "parameters");
         if (!rounded) return rounded.error();
         if (const auto lost = lost_number(Kind<K>::parameters(given), Kind<K>::parameters(*rounded))) return *lost;
         if constexpr (requires { given.centre; })
@@ -192,7 +191,7 @@ std::string formula_text(const Model& model, const NumberText& number) {
 }
 
 Result<Model> model_from(const Parameters& parameters, std::map<std::string, std::string> provenance) {
-    auto model = AllKinds::made_of(ParameterReader(parameters));
+    auto model = AllKinds::from_parameters(ParameterReader(parameters));
     if (model) model->provenance = std::move(provenance);
     return model;
 }

@@ -85,7 +85,7 @@ double horizon_weight(Vec3f wl, Vec3f wv, double importance, std::size_t count, 
     return importance * area * area / (double(count) * largest_square);
 }
 
-Observations beginning(const Observations& observations, std::size_t count) {
+Observations first_pairs(const Observations& observations, std::size_t count) {
     count = std::min(count, observations.fitted_count());
     Observations selected;
     selected.objective = observations.objective, selected.typical = observations.typical;

@@ -96,7 +96,7 @@ std::array<double, 3> mean_value(const Observations& observations);
 double largest_square(const Observations& observations);
 
 /// The first `count` observations, without bound pairs, integrals and views: for searches and quick fits.
-Observations beginning(const Observations& observations, std::size_t count);
+Observations first_pairs(const Observations& observations, std::size_t count);
 
 /// Checks the input of a fit. Errors: fewer values than `parameters` of the model; values or weights that are not
 /// finite; weights that are negative or all 0.

@@ -14,9 +14,8 @@ export interface PmFitOptions {
   seed?: number;
   /** Largest angle from the normal [degrees]. */
   maxTheta?: number;
-  /** Chooses the size: the smallest model within this visible error, or the best model within this number of bytes. */
+  /** Chooses the size: the fewest lobes with at most this visible error. */
   targetDeltaE?: number;
-  budget?: number;
   /** Called during the fit with the current stage and the completed fraction; returning false cancels. */
   progress?: (stage: string, fraction: number) => boolean | void;
 }

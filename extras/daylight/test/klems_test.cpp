@@ -310,23 +310,6 @@ TEST(Klems, RollerShade) {
     EXPECT_PRED3(near, share_at(band.beam[2], {0, 0, 1}).g, 0.0489, 2e-4);  // sold as 5 % open
 }
 
-/// A table unpacked from its bytes is the same table, for matrices and for trees.
-TEST(Klems, IsUnpacked) {
-    const auto matrix = read(small_shade());
-    const std::string text = contents(SRBF_SOURCE_DIR "/extras/daylight/corpus/bsdf_xml/tree.xml");
-    const auto tree = read(text);
-    ASSERT_TRUE(matrix.ok() && tree.ok());
-    for (const Measured* measured : {&*matrix, &*tree})
-        for (const auto& part : std::get<BsdfTable>(measured->table).band().part) {
-            if (!part) continue;
-            const auto& table = std::get<EvaluatedTable>(part->table);
-            const EvaluatedTable again = format_written_to("x.xml")->unpack(table.functions->packed());
-            EXPECT_EQ(again.functions->packed(), table.functions->packed());
-            EXPECT_EQ(again.functions->own_fit != nullptr, measured == &*matrix);
-            EXPECT_EQ(value(again, {0, 0.6f, 0.8f}, {0, 0, 1}), value(table, {0, 0.6f, 0.8f}, {0, 0, 1}));
-        }
-}
-
 TEST(Klems, KeepsTheHighlight) {
     expect_peaks_kept([](const Evaluate& brdf) {
         const Measured part{"f", "BSDF XML", 0, evaluated(to_klems(brdf, klems_basis(KlemsBasis::quarter)))};

@@ -87,7 +87,7 @@ void add_shared_lobes(const Subcommand& sub, MapCommand& command, MapOptions& op
                         .check(within(std::size_t(1), std::size_t(1) << 20));
 }
 
-std::vector<Reading> map_readings(const MapOptions& options, const MapCommand& fit) {
+std::vector<AllowedWhen> map_readings(const MapOptions& options, const MapCommand& fit) {
     return {
         {{options.lobes, options.examples, options.fit.at("objective"), options.range, options.slab},
          "not with --basis",

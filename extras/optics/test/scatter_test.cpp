@@ -576,16 +576,6 @@ TEST(Scatter, RealFiles) {
     EXPECT_TRUE(load_measured(folder / "AnoBlackEC1onAlum.txt").ok());
 }
 
-/// A table unpacked from its bytes is the same table.
-TEST(Scatter, IsUnpacked) {
-    const EvaluatedTable table = evaluated(to_scatter(lobe_brdf(), true, true, 1));
-    const std::string packed = table.functions->packed();
-    for (const char* name : {"x.zemax.bsdf", "x.anisotropicbsdf"})
-        EXPECT_EQ(format_written_to(name)->unpack(packed).functions->packed(), packed);
-    EXPECT_EQ(table.functions->format, format_written_to("x.zemax.bsdf")->name);
-    EXPECT_THROW((void)format_written_to("x.zemax.bsdf")->unpack("short"), std::invalid_argument);
-}
-
 TEST(Scatter, FormatsAreListed) {
     for (const char* name : {"Speos", "Zemax", "FRED", "OpenMATERIAL", "BiRD"})
         EXPECT_NE(std::ranges::find(formats(), name, &Format::name), formats().end()) << name;

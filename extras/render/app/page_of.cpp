@@ -7,11 +7,11 @@
 
 #include "app/output.h"
 #include "base/half.h"
-#include "base/parameters.h"
 #include "base/printable.h"
 #include "errors/picture_errors.h"
 #include "extras/render/material.h"
 #include "measured/tables.h"
+#include "models/kind/parameters.h"
 #include "srbf/convert.h"
 
 namespace SRBF_NAMESPACE {

@@ -105,8 +105,8 @@ PreparedMap prepare_subject(const Library& map, int threads) {
     return prepare_map(map, {.azimuths = map.basis.axial ? 1 : k_anisotropic_azimuths, .threads = threads});
 }
 
-std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
-                                              std::function<bool()> is_path) {
+std::vector<AllowedWhen> PathCommand::add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
+                                                  std::function<bool()> is_path) {
     const Option environment_option =
         sub.add_option("--env", environment, "path: environment map, a .hdr or .exr file, or studio (default) or none")
             .type_name("FILE");

@@ -31,8 +31,8 @@ struct PathCommand {
 
     /// Returns the conditions under which these options and `about_mesh` are read. `is_path()`: true for the path
     /// tracer, false for raster.
-    std::vector<Reading> add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
-                                     std::function<bool()> is_path);
+    std::vector<AllowedWhen> add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
+                                         std::function<bool()> is_path);
     /// Renders the scene with each of the subjects under the lights of `lights`. `progress` receives the completed
     /// fraction of all pictures. Errors: a map or a mask for a mesh without texture coordinates.
     Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Pictured> subjects, int width,

@@ -13,7 +13,7 @@
 #include "app/output.h"
 #include "base/files.h"
 #include "base/printable.h"
-#include "errors/likeness.h"
+#include "errors/image_errors.h"
 #include "errors/picture_errors.h"
 #include "extras/render/app/mask.h"
 #include "extras/render/app/mesh_options.h"
@@ -313,7 +313,7 @@ void add_render(CommandLine& app, int& status) {
     const Option json = sub.add_option("--json", command->json, "Write the results of --compare; - is standard output")
                             .type_name("FILE");
     const auto is_path = [command] { return command->renderer == "path"; };
-    std::vector<Reading> readings = command->path.add_options(sub, about_mesh, is_path);
+    std::vector<AllowedWhen> readings = command->path.add_options(sub, about_mesh, is_path);
     readings.push_back({{aov, mask}, "only with --renderer path", is_path});
     readings.push_back({{aov}, "only with an output .exr", [command] { return command->is_exr(); }});
     readings.push_back({{json}, "only with --compare", [command] { return !command->compare.empty(); }});

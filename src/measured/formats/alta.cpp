@@ -168,7 +168,7 @@ bool is_alta(std::string_view text) {
     return false;
 }
 
-Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, const std::string& file_name) {
+Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::string& file_name) {
     Lines lines(as_text(bytes));
     Header header;
     std::optional<SampleBuilder> builder;
@@ -223,11 +223,6 @@ Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, con
     auto samples = std::move(*builder).finish(file_name, header.description, header.parameterization->isotropic);
     if (samples && header.output == "INV_STERADIAN_COSINE_FACTOR") to_bsdf(*samples, Quantity::cosine);
     return samples;
-}
-
-Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::string& file_name) {
-    const StandardArithmetic mode;
-    return indexed(read_alta_samples(bytes, file_name));
 }
 
 }  // namespace srbf

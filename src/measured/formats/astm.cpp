@@ -109,7 +109,7 @@ bool is_astm(std::string_view text) {
     return false;
 }
 
-Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, const std::string& file_name) {
+Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::string& file_name) {
     Lines lines(as_text(bytes));
     auto header = read_astm_header(lines, file_name);
     if (!header) return header.error();
@@ -139,11 +139,6 @@ Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, con
     auto samples = std::move(builder).finish(file_name, std::move(header->description));
     if (samples && is_trinitron) std::ranges::transform(samples->colour, samples->colour.begin(), from_trinitron);
     return samples;
-}
-
-Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::string& file_name) {
-    const StandardArithmetic mode;
-    return indexed(read_astm_samples(bytes, file_name));
 }
 
 }  // namespace srbf

@@ -52,7 +52,7 @@ bool is_cornell(std::string_view text) {
     return false;
 }
 
-Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, const std::string& file_name) {
+Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const std::string& file_name) {
     const std::string_view text = as_text(bytes);
     Words words(text);
     std::string_view word = words.next();
@@ -93,11 +93,6 @@ Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, 
         builder.add(spherical(double(row[0]), double(row[1])), spherical(double(row[2]), double(row[3])),
                     std::span(row).subspan(4));
     }
-}
-
-Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const std::string& file_name) {
-    const StandardArithmetic mode;
-    return indexed(read_cornell_samples(bytes, file_name));
 }
 
 }  // namespace srbf

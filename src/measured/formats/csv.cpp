@@ -407,8 +407,8 @@ bool is_csv(std::string_view text) {
 
 bool is_csv_of_both_sides(std::string_view text) { return read_preamble(text, false).both_sides; }
 
-Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name,
-                                          const ReadOptions& options) {
+Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name,
+                                  const ReadOptions& options) {
     auto collected = collect(bytes, file_name, options.columns, false);
     if (!collected) return collected.error();
     return finish(*std::move(collected->part[0]), *collected, bytes.size(), file_name, options.quantity);
@@ -429,11 +429,6 @@ Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const
         table.bands[0].part[p] = std::make_shared<const Measured>(std::move(part));
     }
     return table;
-}
-
-Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name) {
-    const StandardArithmetic mode;
-    return indexed(read_csv_samples(bytes, file_name, {}));
 }
 
 }  // namespace srbf

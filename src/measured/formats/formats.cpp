@@ -29,7 +29,7 @@ Result<Measured> read_any_mbsdf(Bytes bytes, const std::string& file_name, const
 
 Result<Measured> read_any_csv(Bytes bytes, const std::string& file_name, const ReadOptions& options) {
     return is_csv_of_both_sides(as_text(bytes)) ? measurement_of(read_csv_of_both_sides(bytes, file_name))
-                                                : measurement_of(read_csv_samples(bytes, file_name, options));
+                                                : measurement_of(read_csv(bytes, file_name, options));
 }
 
 std::uint64_t utia_size(Bytes) { return utia_bytes(); }
@@ -60,9 +60,9 @@ constexpr Format k_with_heads[] = {
 };
 /// Formats that are recognised by words or by size.
 constexpr Format k_others[] = {
-    {.name = "ALTA", .is_text = true, .recognise = in_text<is_alta>, .read = read_by<read_alta_samples>},
-    {.name = "ASTM E1392", .is_text = true, .recognise = in_text<is_astm>, .read = read_by<read_astm_samples>},
-    {.name = "Cornell", .is_text = true, .recognise = in_text<is_cornell>, .read = read_by<read_cornell_samples>},
+    {.name = "ALTA", .is_text = true, .recognise = in_text<is_alta>, .read = read_by<read_alta>},
+    {.name = "ASTM E1392", .is_text = true, .recognise = in_text<is_astm>, .read = read_by<read_astm>},
+    {.name = "Cornell", .is_text = true, .recognise = in_text<is_cornell>, .read = read_by<read_cornell>},
     {.name = "CSV",
      .is_text = true,
      .recognise = in_text<is_csv>,

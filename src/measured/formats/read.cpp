@@ -59,7 +59,7 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
         return Error{file_name, {}, "input", "a measurement", std::string(what)};
     if (const auto text = plain_text(bytes)) return read_unindexed(as_bytes(*text), file_name, options);
     if (!options.columns.empty()) {
-        auto samples = read_csv_samples(bytes, file_name, options);
+        auto samples = read_csv(bytes, file_name, options);
         if (!samples) return samples.error();
         return Measured{file_name, "columns", bytes.size(), *std::move(samples)};
     }

@@ -2,7 +2,6 @@
 #pragma once
 #include <memory>
 
-#include "base/archive.h"
 #include "base/text.h"
 #include "measured/evaluated_table.h"
 #include "measured/formats.h"
@@ -27,15 +26,11 @@ inline std::vector<std::byte> bytes_of(std::string_view text) {
     return {bytes.begin(), bytes.end()};
 }
 
-/// Makes an `EvaluatedTable` of a format's own table by its `signed_value`, `is_isotropic` and `lines_about`. `Packed`
-/// is the type that is archived for copies in other processes.
+/// Makes an `EvaluatedTable` of a format's own table by its `signed_value`, `is_isotropic` and `lines_about`.
 /// `functions`: those that few formats have.
-template <typename Packed, typename Table>
-EvaluatedTable evaluated_as(std::string_view format, const std::shared_ptr<const Table>& table,
-                            TableFunctions functions = {}) {
+template <typename Table>
+EvaluatedTable evaluated_table(const std::shared_ptr<const Table>& table, TableFunctions functions = {}) {
     functions.lines = [table] { return lines_about(*table); };
-    functions.format = format;
-    functions.packed = [table] { return to_archive(Packed(*table)); };
     EvaluatedTable evaluated;
     evaluated.values = [table](auto wl, auto wv, auto f) {
         for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(*table, wl[i], wv[i]);
@@ -44,10 +39,6 @@ EvaluatedTable evaluated_as(std::string_view format, const std::shared_ptr<const
     evaluated.own = table, evaluated.name_of_own = Table::k_name;
     evaluated.functions = std::make_shared<const TableFunctions>(std::move(functions));
     return evaluated;
-}
-
-template <typename Table> EvaluatedTable unpack_as(std::string_view bytes) {
-    return evaluated(ArchiveReader{bytes}.next<Table>());
 }
 
 }  // namespace srbf

@@ -4,8 +4,10 @@
 
 #include "base/files.h"
 #include "base/floating_point.h"
+#include "base/printable.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/formats/rows.h"
 #include "measured/limits.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
@@ -16,6 +18,14 @@
 namespace SRBF_NAMESPACE {
 
 namespace {
+
+struct UtiaTable {
+    static constexpr std::string_view k_name = "UTIA";
+    static constexpr std::uint32_t k_polar = 6, k_azimuths = 48, k_directions = k_polar * k_azimuths;
+    /// f_r [1/sr]; φ_v varies fastest, then θ_v, φ_l, θ_l; negative channels not yet clamped. NaN: not measured
+    std::vector<Rgb> cells;
+    std::uint64_t masked = 0;  ///< cells without a measurement
+};
 
 constexpr std::size_t k_cells = std::size_t(UtiaTable::k_directions) * UtiaTable::k_directions;
 constexpr std::size_t k_bytes = 3 * k_cells * sizeof(double);
@@ -38,12 +48,34 @@ Corners corners(Vec3f w) {
             {(1 - t_i) * (1 - t_j), (1 - t_i) * t_j, t_i * (1 - t_j), t_i * t_j}};
 }
 
+Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv) {
+    if (!above_horizon(wl, wv)) return {};
+    const Corners light = corners(wl), view = corners(wv);
+    Rgb f;
+    for (std::size_t l = 0; l < 4; ++l)
+        for (std::size_t v = 0; v < 4; ++v) {
+            const float weight = light.weight[l] * view.weight[v];
+            const Rgb& cell = table.cells[std::size_t(light.node[l]) * UtiaTable::k_directions + view.node[v]];
+            for (int c = 0; c < 3; ++c) f[c] += weight * cell[c];
+        }
+    for (int c = 0; c < 3; ++c) f[c] = std::min(f[c], k_most_float);
+    return f;
+}
+
+bool is_isotropic(const UtiaTable&) { return false; }
+
+std::vector<TableLine> lines_about(const UtiaTable& table) {
+    return {{"dimensions", fmt::format("{0} θl × {1} φl × {0} θv × {1} φv", UtiaTable::k_polar, UtiaTable::k_azimuths)},
+            {"masked entries", fmt::format("{} of {}", grouped(table.masked), grouped(table.cells.size()))},
+            {"value [1/sr]", {}, table.cells}};
+}
+
 }  // namespace
 
 std::uint64_t utia_bytes() { return k_bytes; }
 bool is_utia(std::span<const std::byte> bytes) { return bytes.size() == utia_bytes() && !is_safetensors(bytes); }
 
-Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name) {
+Result<EvaluatedTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
     if (bytes.size() != k_bytes)
         return Error{file_name,
@@ -63,21 +95,7 @@ Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string&
         ++table.masked;
     }
     if (table.masked == k_cells) return Error{file_name, 0, "UTIA cells", "at least one that is finite", "none"};
-    return table;
-}
-
-Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv) {
-    if (!above_horizon(wl, wv)) return {};
-    const Corners light = corners(wl), view = corners(wv);
-    Rgb f;
-    for (std::size_t l = 0; l < 4; ++l)
-        for (std::size_t v = 0; v < 4; ++v) {
-            const float weight = light.weight[l] * view.weight[v];
-            const Rgb& cell = table.cells[std::size_t(light.node[l]) * UtiaTable::k_directions + view.node[v]];
-            for (int c = 0; c < 3; ++c) f[c] += weight * cell[c];
-        }
-    for (int c = 0; c < 3; ++c) f[c] = std::min(f[c], k_most_float);
-    return f;
+    return evaluated_table(std::make_shared<const UtiaTable>(std::move(table)));
 }
 
 }  // namespace srbf

@@ -1,7 +1,7 @@
 // `Kind` of BSDFs, and the tensors of their parts and beams in a model file.
 #pragma once
-#include "base/kind.h"
 #include "models/bsdf/bsdf_functions.h"
+#include "models/kind/kind.h"
 #include "srbf/model.h"
 
 namespace SRBF_NAMESPACE {
@@ -28,11 +28,8 @@ template <> struct Kind<BsdfModel> {
     static Parameters parameters(const BsdfModel& model);
     static std::vector<Model> terms(const BsdfModel& model, std::size_t most);
     static std::string formula_text(const BsdfModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& reader);
-    static BsdfModel made_of(ParameterReader& reader);
-    template <typename Each> static void for_members(BsdfModel& model, const Each& each) {
-        each(model.part), each(model.beam);
-    }
+    static bool matches(const ParameterReader& reader);
+    static BsdfModel from_parameters(ParameterReader& reader);
 };
 
 }  // namespace srbf

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "base/parameters.h"
 #include "brdf/parts.h"
 #include "brdf/rows.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/bsdf/bsdf_kind.h"
+#include "models/kind/parameters.h"
 #include "srbf/model.h"
 
 namespace SRBF_NAMESPACE {
@@ -47,14 +47,14 @@ Parameters Kind<BsdfModel>::parameters(const BsdfModel& model) {
     return all;
 }
 
-bool Kind<BsdfModel>::is_of(const ParameterReader& reader) {
+bool Kind<BsdfModel>::matches(const ParameterReader& reader) {
     const auto has = [&](std::string_view name) { return reader.has(name); };
     return std::ranges::any_of(k_part_names, has) || std::ranges::any_of(k_beam_names, [&](std::string_view name) {
                return reader.has(fmt::format("beam_{}_angle", name));
            });
 }
 
-BsdfModel Kind<BsdfModel>::made_of(ParameterReader& reader) {
+BsdfModel Kind<BsdfModel>::from_parameters(ParameterReader& reader) {
     BsdfModel model;
     for (std::size_t p = 0; p < k_parts; ++p) {
         const Parameters* parameters = reader.part(k_part_names[p]);

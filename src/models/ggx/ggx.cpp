@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "base/floating_point.h"
-#include "base/half.h"
+#include "brdf/rows.h"
 #include "brdf/values.h"
 #include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
 #include "srbf/kernel.h"
+#include "srbf/model.h"
 
 namespace SRBF_NAMESPACE {
 namespace {
@@ -21,6 +20,8 @@ Formula::GgxLobe kernel_lobe(const GgxModel& model, std::size_t i) {
     const GgxModel::Lobe& lobe = model.lobes[i];
     return {lobe.roughness, {lobe.f0.r, lobe.f0.g, lobe.f0.b}, lobe.f90};
 }
+
+std::string number_of_lobes(const GgxModel& model) { return model.lobes.size() == 1 ? "one lobe" : "two lobes"; }
 
 }  // namespace
 
@@ -45,61 +46,67 @@ Evaluate evaluator(const GgxModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
 
-GgxModel rounded(const GgxModel& model) { return as_stored(model); }
-
-Safetensors Kind<GgxModel>::content(const GgxModel& model) {
-    const auto L = std::uint64_t(model.lobes.size());
-    Tensor16 diffuse{Type16::half, {3}, {}}, roughness{Type16::half, {L}, {}}, f0{Type16::half, {L, 3}, {}},
-        f90{Type16::half, {L}, {}};
-    const auto add = [](Tensor16& tensor, float x) { tensor.data.push_back(to_half(std::min(x, k_half_max))); };
-    for (int c = 0; c < 3; ++c) add(diffuse, model.diffuse[c]);
-    for (const GgxModel::Lobe& lobe : model.lobes) {
-        add(roughness, std::clamp(lobe.roughness, k_least_roughness, 1.f));
-        for (int c = 0; c < 3; ++c) add(f0, lobe.f0[c]);
-        add(f90, lobe.f90);
-    }
-    return {{{"diffuse", diffuse}, {"roughness", roughness}, {"facing", f0}, {"grazing", f90}}, {}};
-}
+GgxModel rounded(const GgxModel& model) { return *as_stored(model); }
 
 Result<GgxModel> Kind<GgxModel>::read(Safetensors& content, const std::string& file_name) {
-    const auto& tensors = content.tensors;
-    const auto fail = [&](std::string what, std::string expected, std::string found) {
-        return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
-    };
-    const auto tensor = tensors.find("roughness");
-    if (tensor == tensors.end()) return fail("tensor 'roughness'", "present", "none");
-    const auto& extent = tensor->second.shape;
-    if (extent.size() != 1 || extent[0] < 1 || extent[0] > k_most_ggx_lobes)
-        return fail("tensor 'roughness': shape", fmt::format("[1] or [{}]", k_most_ggx_lobes), shape_text(extent));
-    const std::uint64_t L = extent[0];
-    const std::map<std::string, TensorShape> expected{{"diffuse", {Type16::half, {3}}},
-                                                      {"roughness", {Type16::half, {L}}},
-                                                      {"facing", {Type16::half, {L, 3}}},
-                                                      {"grazing", {Type16::half, {L}}}};
-    if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
-
-    for (const char* name : {"diffuse", "facing", "grazing"})
-        for (const std::uint16_t x : tensors.at(name).data)
-            if (from_half(x) < 0)
-                return fail(fmt::format("tensor '{}'", name), "numbers of at least 0", fmt::format("{}", from_half(x)));
-    const auto number = [&](const char* name, std::size_t i) { return from_half(tensors.at(name).data[i]); };
-    const auto colour = [&](const char* name, std::size_t i) {
-        return Rgb{number(name, 3 * i), number(name, 3 * i + 1), number(name, 3 * i + 2)};
-    };
-    GgxModel model{colour("diffuse", 0), {}};
-    for (std::size_t i = 0; i < L; ++i) {
-        const float alpha = number("roughness", i);
-        if (!(alpha >= k_least_roughness && alpha <= 1))
-            return fail("tensor 'roughness'", fmt::format("{} to 1", k_least_roughness), fmt::format("{}", alpha));
-        model.lobes.push_back({alpha, colour("facing", i), number("grazing", i)});
-    }
-    return model;
+    const auto tensor = content.tensors.find("roughness");
+    const auto shape = tensor == content.tensors.end() ? std::vector<std::uint64_t>{1} : tensor->second.shape;
+    if (shape.size() != 1 || shape[0] < 1 || shape[0] > k_most_ggx_lobes)
+        return Error{file_name,
+                     {},
+                     "tensor 'roughness': shape",
+                     fmt::format("[1] or [{}]", k_most_ggx_lobes),
+                     shape_text(shape)};
+    return read_into({{}, std::vector<GgxModel::Lobe>(shape[0])}, content, file_name);
 }
 
-double Kind<GgxModel>::largest(const GgxModel& model) {
-    double largest = largest_of(model.diffuse);
-    for (const GgxModel::Lobe& lobe : model.lobes) largest = std::max({largest, largest_of(lobe.f0), double(lobe.f90)});
-    return largest;
+std::string Kind<GgxModel>::summary(const GgxModel& model) {
+    return fmt::format("ggx, {} and Lambert", number_of_lobes(model));
+}
+
+void Kind<GgxModel>::add_rows(std::string& text, const GgxModel& model) {
+    add_row(text, "model", "ggx: Lambert and GGX");
+    add_row(text, "size", fmt::format("{} of GGX, {} bytes", number_of_lobes(model), payload_bytes(model)));
+    add_numbers(text, model, 18);
+}
+
+Parameters Kind<GgxModel>::members(const GgxModel& model) {
+    return {{"form", std::string("ggx")}, {"lobes", int(model.lobes.size())}, {"variates", 1}, {"axial", true}};
+}
+
+std::vector<Model> Kind<GgxModel>::terms(const GgxModel& model, std::size_t) {
+    GgxModel black = model;
+    black.diffuse = {};
+    for (GgxModel::Lobe& lobe : black.lobes) lobe.f0 = {}, lobe.f90 = 0;
+    std::vector<Model> all;
+    GgxModel diffuse = black;
+    diffuse.diffuse = model.diffuse;
+    all.push_back({diffuse, {}});
+    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
+        GgxModel lobe = black;
+        lobe.lobes[i] = model.lobes[i];
+        all.push_back({lobe, {}});
+    }
+    return all;
+}
+
+std::string Kind<GgxModel>::formula_text(const GgxModel& model, const NumberText& number) {
+    const auto colour = [&](const Rgb& rgb, const char* parameter, std::size_t i) {
+        const std::string r = number(rgb.r, parameter, 3 * i), g = number(rgb.g, parameter, 3 * i + 1),
+                          b = number(rgb.b, parameter, 3 * i + 2);
+        return fmt::format("Vec3({}, {}, {})", r, g, b);
+    };
+    constexpr std::array<const char*, k_most_ggx_lobes> names{"first", "second"};
+    std::string text, sum = "Real(2.0 / SRBF_TWO_PI) * " + colour(model.diffuse, "diffuse", 0);
+    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
+        const GgxModel::Lobe& lobe = model.lobes[i];
+        const std::string roughness = number(lobe.roughness, "roughness", i), f0 = colour(lobe.f0, "f0", i),
+                          f90 = number(lobe.f90, "f90", i);
+        text += fmt::format("    GgxLobe {0};\n    {0}.roughness = {1};\n    {0}.f0 = {2};\n    {0}.f90 = {3};\n",
+                            names[i], roughness, f0, f90);
+        sum += fmt::format(" + ggx_lobe_value({}, wl, wv)", names[i]);
+    }
+    return text + "    return " + sum + ";\n";
 }
 
 }  // namespace srbf

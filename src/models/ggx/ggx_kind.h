@@ -2,27 +2,36 @@
 #include <string>
 #include <string_view>
 
-#include "base/kind.h"
 #include "models/ggx/ggx_functions.h"
+#include "models/kind/numbers.h"
 #include "observe/observations.h"
 #include "srbf/models/ggx.h"
 #include "srbf/progress.h"
 
 namespace SRBF_NAMESPACE {
 
-template <> struct Kind<GgxModel> {
+constexpr bool is_stored(const GgxModel&, const Member<GgxModel, GgxModel::Lobe>&) { return true; }
+
+template <> struct Kind<GgxModel> : KindOfNumbers<GgxModel> {
     static constexpr std::string_view name = GgxRequest::k_name, words = "Lambert and GGX";
-    static Safetensors content(const GgxModel& model);
+    using Lobe = GgxModel::Lobe;
+    static constexpr Member<GgxModel, Lobe> numbers[] = {
+        {.name = "diffuse", .least = 0, .most = k_unbounded, .colour = &GgxModel::diffuse, .row = "diffuse RGB"},
+        {.name = "roughness",
+         .least = k_least_roughness,
+         .most = 1,
+         .lobe_number = &Lobe::roughness,
+         .row = "roughness α"},
+        {.name = "f0", .least = 0, .most = k_unbounded, .lobe_colour = &Lobe::f0, .tensor = "facing", .row = "F0 RGB"},
+        {.name = "f90", .least = 0, .most = k_unbounded, .lobe_number = &Lobe::f90, .tensor = "grazing", .row = "F90"},
+    };
     static Result<GgxModel> read(Safetensors& content, const std::string& file_name);
-    static double largest(const GgxModel& model);
     static std::string summary(const GgxModel& model);
     static void add_rows(std::string& text, const GgxModel& model);
     static Parameters members(const GgxModel& model);
-    static Parameters parameters(const GgxModel& model);
     static std::vector<Model> terms(const GgxModel& model, std::size_t most);
     static std::string formula_text(const GgxModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& reader);
-    static GgxModel made_of(ParameterReader& reader);
+    static bool matches(const ParameterReader& reader) { return reader.has("f0"); }
     /// Minimises Σ w |f−f̂|² over the observations. For given roughness all other parameters solve a non-negative
     /// linear problem. Roughness is optimised by pattern search from the best values on a grid of half octaves, which
     /// is evaluated on a subset; no roughness is below the observations' least. The loss of `model` is that before the
@@ -32,9 +41,6 @@ template <> struct Kind<GgxModel> {
     /// Errors: options out of range, fewer observations than parameters, values that are not finite; cancelled.
     static Result<Fitted<GgxModel>> fit(const Observations& observations, const GgxRequest& request = {},
                                         const FitConditions& conditions = {}, const ProgressToken& progress = {});
-    template <typename Each> static void for_members(GgxModel& model, const Each& each) {
-        each(model.diffuse), each(model.lobes);
-    }
 };
 
 }  // namespace srbf

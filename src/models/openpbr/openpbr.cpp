@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 
-#include "base/half.h"
+#include "brdf/rows.h"
 #include "models/openpbr/openpbr_functions.h"
+#include "models/openpbr/openpbr_kernel.h"
 #include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_parameters.h"
+#include "srbf/model.h"
 
 namespace SRBF_NAMESPACE {
 
@@ -29,44 +32,103 @@ Evaluate evaluator(const OpenPbrModel& model) {
 
 std::size_t payload_bytes(const OpenPbrModel& model) { return 2 * openpbr_number_count(model); }
 
-OpenPbrModel rounded(const OpenPbrModel& model) { return as_stored(model); }
+OpenPbrModel rounded(const OpenPbrModel& model) { return *as_stored(model); }
 
 Safetensors Kind<OpenPbrModel>::content(const OpenPbrModel& model) {
-    Safetensors content{{}, {{"exchanged_surface", model.is_exchanged ? "true" : "false"}}};
-    for (const OpenPbrParameter& parameter : k_openpbr_parameters) {
-        if (!is_stored(model, parameter)) continue;
-        Tensor16& tensor =
-            content.tensors[std::string(parameter.name)] = {Type16::half, {std::uint64_t(parameter.count())}, {}};
-        for (int c = 0; c < parameter.count(); ++c)
-            tensor.data.push_back(to_half(std::clamp(number(model, parameter, c), parameter.least, parameter.most)));
-    }
+    Safetensors content = KindOfNumbers::content(model);
+    content.metadata["exchanged_surface"] = model.is_exchanged ? "true" : "false";
     return content;
 }
 
 Result<OpenPbrModel> Kind<OpenPbrModel>::read(Safetensors& content, const std::string& file_name) {
     MetadataReader reader{content.metadata, file_name};
-    const bool is_exchanged = reader.take("exchanged_surface", {"true", "false"}) == "true";
-    if (reader.error) return *reader.error;
-    const auto& tensors = content.tensors;
-    OpenPbrModel example;  // has a film and anisotropy if the file has them
-    example.thin_film_weight = tensors.contains("thin_film_weight") ? 1 : 0;
-    example.specular_roughness_anisotropy = tensors.contains("specular_roughness_anisotropy") ? 1 : 0;
-    std::map<std::string, TensorShape> expected;
-    for (const OpenPbrParameter& parameter : k_openpbr_parameters)
-        if (is_stored(example, parameter))
-            expected[std::string(parameter.name)] = {Type16::half, {std::uint64_t(parameter.count())}};
-    if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
     OpenPbrModel model;
-    model.is_exchanged = is_exchanged;
-    for (const OpenPbrParameter& parameter : k_openpbr_parameters)
-        for (int c = 0; is_stored(example, parameter) && c < parameter.count(); ++c) {
-            const float x = from_half(tensors.at(std::string(parameter.name)).data[std::size_t(c)]);
-            if (!(x >= parameter.least && x <= parameter.most))
-                return Error{file_name, std::nullopt, fmt::format("tensor '{}'", parameter.name),
-                             fmt::format("{} to {}", parameter.least, parameter.most), fmt::format("{}", x)};
-            number(model, parameter, c) = x;
-        }
+    model.is_exchanged = reader.take("exchanged_surface", {"true", "false"}) == "true";
+    if (reader.error) return *reader.error;
+    // It has a film and anisotropy if the file has them.
+    model.thin_film_weight = content.tensors.contains("thin_film_weight") ? 1 : 0;
+    model.specular_roughness_anisotropy = content.tensors.contains("specular_roughness_anisotropy") ? 1 : 0;
+    return read_into(model, content, file_name);
+}
+
+std::string Kind<OpenPbrModel>::summary(const OpenPbrModel&) { return "openpbr, a surface by parameters of OpenPBR"; }
+
+void Kind<OpenPbrModel>::add_rows(std::string& text, const OpenPbrModel& model) {
+    add_row(text, "model", "openpbr: a surface by parameters of OpenPBR 1.1");
+    add_row(text, "size", fmt::format("{} numbers, {} bytes", openpbr_number_count(model), payload_bytes(model)));
+    add_numbers(text, model, 30);
+    if (model.is_exchanged) add_row(text, "exchanged", "light and viewer");
+}
+
+Parameters Kind<OpenPbrModel>::members(const OpenPbrModel& model) {
+    Parameters numbers = KindOfNumbers::parameters(model);
+    for (Parameter& of : numbers)
+        if (auto& shape = std::get<NumberArray>(of.value).shape; shape[0] == 1) shape.clear();
+    return {{"form", std::string("openpbr")},
+            {"lobes", 1},
+            {"variates", 1},
+            {"axial", model.specular_roughness_anisotropy == 0},
+            {"parameters", std::move(numbers)}};
+}
+
+Parameters Kind<OpenPbrModel>::parameters(const OpenPbrModel& model) {
+    Parameters all = KindOfNumbers::parameters(model);
+    all.push_back({"is_exchanged", model.is_exchanged});
+    return all;
+}
+
+OpenPbrModel Kind<OpenPbrModel>::from_parameters(ParameterReader& reader) {
+    OpenPbrModel model = KindOfNumbers::from_parameters(reader);
+    model.is_exchanged = reader.flag("is_exchanged", false);
     return model;
+}
+
+std::vector<Model> Kind<OpenPbrModel>::terms(const OpenPbrModel& model, std::size_t) {
+    std::vector<Model> all{{model, {}}};
+    for (float OpenPbrModel::*const weight : {&OpenPbrModel::fuzz_weight, &OpenPbrModel::coat_weight}) {
+        OpenPbrModel less = std::get<OpenPbrModel>(all.back().model);
+        if (less.*weight == 0) continue;
+        less.*weight = 0;
+        all.push_back({less, {}});
+    }
+    return all;
+}
+
+std::string Kind<OpenPbrModel>::formula_text(const OpenPbrModel& model, const NumberText& number) {
+    const auto surface = kernel_surface(model);
+    std::string text = "    OpenPbrSurface of;\n";
+    const auto set = [&](const std::string& member, float x, std::string_view parameter) {
+        text += fmt::format("    {} = {};\n", member, number(x, parameter, 0));
+    };
+    const auto set_colour = [&](std::string_view member, const Vec3f& x, std::string_view parameter) {
+        const std::string r = number(x.x, parameter, 0), g = number(x.y, parameter, 1), b = number(x.z, parameter, 2);
+        text += fmt::format("    of.{} = Vec3({}, {}, {});\n", member, r, g, b);
+    };
+    set_colour("base_color", surface.base_color, "");  // product of base_color and base_weight
+    for (const OpenPbrParameter& of : std::span(k_openpbr_parameters).subspan(2, 14))
+        if (of.colour) {
+            const Rgb& x = model.*of.colour;
+            set_colour(of.name, {x.r, x.g, x.b}, of.name);
+        } else {
+            set(fmt::format("of.{}", of.name), model.*of.number, of.name);
+        }
+
+    const std::string directions = model.is_exchanged ? "wv, wl" : "wl, wv";
+    const bool is_anisotropic = model.specular_roughness_anisotropy > 0;
+    if (model.thin_film_weight == 0 && !is_anisotropic)
+        return text + fmt::format("    return openpbr_value(of, {});\n", directions);
+    const auto film = kernel_film(model);
+    text += "    OpenPbrFilm film;\n";
+    set("film.weight", film.weight, "thin_film_weight");
+    set("film.thickness", film.thickness, "thin_film_thickness");
+    set("film.ior", film.ior, "thin_film_ior");
+    if (!is_anisotropic) return text + fmt::format("    return openpbr_film_value(of, film, {});\n", directions);
+    const auto anisotropy = kernel_anisotropy(model);
+    text += "    OpenPbrAnisotropy anisotropy;\n";
+    set("anisotropy.amount", anisotropy.amount, "specular_roughness_anisotropy");
+    set("anisotropy.cosine", anisotropy.cosine, "");
+    set("anisotropy.sine", anisotropy.sine, "");
+    return text + fmt::format("    return openpbr_anisotropic_value(of, film, anisotropy, {});\n", directions);
 }
 
 }  // namespace srbf

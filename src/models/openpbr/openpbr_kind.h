@@ -2,7 +2,6 @@
 #include <string>
 #include <string_view>
 
-#include "base/kind.h"
 #include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_parameters.h"
 #include "observe/observations.h"
@@ -11,20 +10,20 @@
 
 namespace SRBF_NAMESPACE {
 
-template <> struct Kind<OpenPbrModel> {
+template <> struct Kind<OpenPbrModel> : KindOfNumbers<OpenPbrModel> {
     static constexpr std::string_view name = OpenPbrRequest::k_name, words = "surface of OpenPBR";
     static constexpr const char* not_for_radiance = "a surface";
+    static constexpr const auto& numbers = k_openpbr_parameters;
     static Safetensors content(const OpenPbrModel& model);
     static Result<OpenPbrModel> read(Safetensors& content, const std::string& file_name);
-    static double largest(const OpenPbrModel&) { return 0; }  // each parameter has its own limit
     static std::string summary(const OpenPbrModel& model);
     static void add_rows(std::string& text, const OpenPbrModel& model);
     static Parameters members(const OpenPbrModel& model);
     static Parameters parameters(const OpenPbrModel& model);
     static std::vector<Model> terms(const OpenPbrModel& model, std::size_t most);
     static std::string formula_text(const OpenPbrModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& reader);
-    static OpenPbrModel made_of(ParameterReader& reader);
+    static bool matches(const ParameterReader& reader) { return reader.has("base_color"); }
+    static OpenPbrModel from_parameters(ParameterReader& reader);
     /// Minimises the mean of ρ(ΔE_ITP) over the pixels of the observed pictures. If there are none, minimises Σ w
     /// |f−f̂|² over the pairs, with weights adapted to large errors. The search is Levenberg-Marquardt from the best of
     /// two thousand random surfaces, and from the best results with films added. A part of the surface without which
@@ -33,11 +32,6 @@ template <> struct Kind<OpenPbrModel> {
     /// Errors: fewer observations than parameters, values that are not finite; cancelled.
     static Result<Fitted<OpenPbrModel>> fit(const Observations& observations, const OpenPbrRequest& request = {},
                                             const FitConditions& conditions = {}, const ProgressToken& progress = {});
-    template <typename Each> static void for_members(OpenPbrModel& model, const Each& each) {
-        for (const OpenPbrParameter& parameter : k_openpbr_parameters)
-            for (int c = 0; c < parameter.count(); ++c) each(number(model, parameter, c));
-        each(model.is_exchanged);
-    }
 };
 
 }  // namespace srbf

@@ -5,18 +5,12 @@
 #include <optional>
 #include <string_view>
 
+#include "models/kind/numbers.h"
 #include "srbf/models/openpbr.h"
 
 SRBF_BEGIN
 
-/// A parameter of `OpenPbrModel`: its name, its range, and which member it is.
-struct OpenPbrParameter {
-    std::string_view name;
-    float least, most;
-    float OpenPbrModel::*number = nullptr;  ///< or
-    Rgb OpenPbrModel::*colour = nullptr;
-    constexpr int count() const { return colour ? 3 : 1; }
-};
+using OpenPbrParameter = Member<OpenPbrModel>;
 inline constexpr std::array<OpenPbrParameter, 21> k_openpbr_parameters{{
     {"base_weight", 0, 1, &OpenPbrModel::base_weight},
     {"base_color", 0, 1, nullptr, &OpenPbrModel::base_color},
@@ -40,13 +34,6 @@ inline constexpr std::array<OpenPbrParameter, 21> k_openpbr_parameters{{
     {"specular_roughness_anisotropy", 0, 1, &OpenPbrModel::specular_roughness_anisotropy},
     {"specular_rotation", 0, 1, &OpenPbrModel::specular_rotation},
 }};
-/// Number c of a parameter, 0 ≤ c < count.
-inline float& number(OpenPbrModel& model, const OpenPbrParameter& of, int c) {
-    return of.colour ? (model.*of.colour)[c] : model.*of.number;
-}
-inline float number(const OpenPbrModel& model, const OpenPbrParameter& of, int c) {
-    return of.colour ? (model.*of.colour)[c] : model.*of.number;
-}
 /// True if a parameter is stored: those of a film and of anisotropy only if there is one.
 constexpr bool is_stored(const OpenPbrModel& model, const OpenPbrParameter& of) {
     if (of.name.starts_with("thin_film_")) return model.thin_film_weight > 0;

@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "base/kind.h"
+#include "models/kind/kind.h"
 #include "models/pm/pm_functions.h"
 #include "srbf/models/pm.h"
 
@@ -20,16 +20,8 @@ template <> struct Kind<PmModel> {
     static Parameters parameters(const PmModel& model);
     static std::vector<Model> terms(const PmModel& model, std::size_t most);
     static std::string formula_text(const PmModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& reader);
-    static PmModel made_of(ParameterReader& reader);
-    /// Calls each(member) for all members.
-    template <typename Each> static void for_members(PmModel& model, const Each& each) {
-        each(model.form), each(model.axial), each(model.lobes), each(model.variates), each(model.coefficient),
-            each(model.wavelength);
-        each(model.spectrum), each(model.log_scale), each(model.centre), each(model.bandwidth),
-            each(model.parameterization);
-        each(model.exponent);
-    }
+    static bool matches(const ParameterReader& reader);
+    static PmModel from_parameters(ParameterReader& reader);
 };
 
 // For files that hold the lobes of several models:

@@ -8,8 +8,8 @@
 #include <span>
 
 #include "base/half.h"
-#include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/kind/parameters.h"
 #include "models/pm/pm_functions.h"
 #include "models/pm/pm_kind.h"
 #include "srbf/elementary.h"
@@ -133,9 +133,9 @@ void round_log_scales(PmModel& model, std::vector<float>& coefficient) {
 
 }  // namespace
 
-bool Kind<PmModel>::is_of(const ParameterReader& reader) { return reader.has("parameterization"); }
+bool Kind<PmModel>::matches(const ParameterReader& reader) { return reader.has("parameterization"); }
 
-PmModel Kind<PmModel>::made_of(ParameterReader& reader) {
+PmModel Kind<PmModel>::from_parameters(ParameterReader& reader) {
     PmModel model;
     model.bandwidth = reader.numbers("bandwidth", "JN");
     model.parameterization = reader.vectors<Parameterization>("parameterization", "N2");

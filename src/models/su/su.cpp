@@ -98,7 +98,7 @@ std::size_t auxiliary_bytes(const SuModel& model) {
     return texels(map, size) * sizeof(NearestViews) + 8 * model.direction.size();
 }
 
-SuModel rounded(const SuModel& model) { return as_stored(model); }
+SuModel rounded(const SuModel& model) { return *as_stored(model); }
 
 void exchange(SuModel& model) {
     model.discretise = model.discretise == Discretise::view ? Discretise::light : Discretise::view;

@@ -2,7 +2,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/kind.h"
+#include "models/kind/kind.h"
 #include "models/su/su_functions.h"
 #include "srbf/models/su.h"
 
@@ -20,19 +20,8 @@ template <> struct Kind<SuModel> {
     static Parameters parameters(const SuModel& model);
     static std::vector<Model> terms(const SuModel& model, std::size_t most);
     static std::string formula_text(const SuModel& model, const NumberText& number);
-    static bool is_of(const ParameterReader& reader);
-    static SuModel made_of(ParameterReader& reader);
-    template <typename Each> static void for_members(SuModel& model, const Each& each) {
-        each(model.discretise), each(model.interpolation), each(model.neighbours), each(model.lobes),
-            each(model.direction);
-        each(model.coefficient), each(model.centre), each(model.bandwidth), each(model.shape), each(model.index);
-    }
-};
-
-template <> struct Kind<IndexTexture> {
-    template <typename Each> static void for_members(IndexTexture& index, const Each& each) {
-        each(index.map), each(index.size), each(index.texels);
-    }
+    static bool matches(const ParameterReader& reader);
+    static SuModel from_parameters(ParameterReader& reader);
 };
 
 }  // namespace srbf

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "base/parameters.h"
 #include "brdf/rows.h"
+#include "models/kind/parameters.h"
 #include "models/su/su_functions.h"
 #include "models/su/su_kind.h"
 #include "srbf/model.h"
@@ -78,9 +78,9 @@ Parameters Kind<SuModel>::parameters(const SuModel& model) {
     return all;
 }
 
-bool Kind<SuModel>::is_of(const ParameterReader& reader) { return reader.has("bandwidth"); }
+bool Kind<SuModel>::matches(const ParameterReader& reader) { return reader.has("bandwidth"); }
 
-SuModel Kind<SuModel>::made_of(ParameterReader& reader) {
+SuModel Kind<SuModel>::from_parameters(ParameterReader& reader) {
     SuModel model;
     model.bandwidth = reader.numbers("bandwidth", "nJ");
     model.coefficient = reader.vectors<Rgb>("coefficient", "nJ3");

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "base/kind.h"
+#include "models/kind/kind.h"
 #include "observe/observations.h"
 #include "srbf/models/pm.h"
 #include "srbf/objective.h"

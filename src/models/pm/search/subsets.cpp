@@ -37,7 +37,7 @@ Subsets::Subsets(const Observations& observations)
 }
 
 Subsets::Part Subsets::first_pairs(Pairs pairs) const {
-    Observations part = beginning(all_, std::size_t(pairs));
+    Observations part = first_pairs(all_, std::size_t(pairs));
     part.wavelengths.clear(), part.spectrum.clear();
     part.integrals = all_.integrals;
     const std::size_t begin = part.f.size();

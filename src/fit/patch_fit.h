@@ -1,6 +1,5 @@
 // Fits of tables whose entries are averages over patches.
 #pragma once
-#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -11,19 +10,20 @@ SRBF_BEGIN
 /// A part takes the model of its counterpart if the squared error ratio between the two is at most this.
 inline constexpr double k_same_part = 1e-4;
 
-/// The fit of a table that is not fitted to values at pairs of directions.
-struct OwnFit {
-    std::string_view fitted;  ///< the fitted things, for messages: "patches"
-    std::function<Result<FitOutcome>(const FitRequest&, const ProgressToken&)> fit;
+/// How tables of one type are fitted that are not fitted to their values at pairs of directions.
+struct PatchFit {
+    std::string_view fitted;  ///< in messages, what is fitted: "patches"
+    bool (*is_of)(const Measured& part);
+    Result<FitOutcome> (*fit)(const Measured& part, const FitRequest& request, const ProgressToken& progress);
     /// Σ w (f − f̂)² / Σ w f² of a function (`PartFit`).
-    std::function<double(const Evaluate&)> error_ratio;
+    double (*error_ratio)(const Measured& part, const Evaluate& f);
     /// Directional-hemispherical sums of the table, and of a function with the part's beam.
-    std::function<std::vector<Hemispherical>(const Evaluate&, const Beams&, Part)> hemispherical;
+    std::vector<Hemispherical> (*hemispherical)(const Measured& of, const Evaluate& f, const Beams& beams, Part part);
 };
 /// Ends beams of reflections at 90°, where they have the light that `parts` do not scatter at the last ring. A beam that
 /// ends there, or in 0, stays.
 void end_mirrors(Beams& beams, const std::array<Evaluate, k_parts>& parts);
-/// The fit of a part; null if it is fitted to values, as a BRDF is.
-const OwnFit* own_fit_of(const Measured& part);
+/// How a part is fitted; null: to its values, as the measurement of a BRDF.
+const PatchFit* patch_fit_of(const Measured& part);
 
 SRBF_END

@@ -1,7 +1,7 @@
 // The interface of a kind of model, and the conditions and the result of a fit.
 #pragma once
-#include "base/parameters.h"
 #include "base/safetensors.h"
+#include "models/kind/parameters.h"
 
 namespace SRBF_NAMESPACE {
 
@@ -12,12 +12,12 @@ namespace SRBF_NAMESPACE {
 ///   double largest(const M&)                           the largest number before `content` clamps it to 65504
 ///   std::string summary(const M&), void add_rows(std::string& text, const M&), Parameters members(const M&),
 ///   Parameters parameters(const M&), std::vector<Model> terms(const M&, std::size_t most),
-///   std::string formula_text(const M&, const NumberText&)   as in base/parameters.h
-///   void for_members(M&, const Each& each)             calls each(member) for all members, for `archive.h`
+///   std::string formula_text(const M&, const NumberText&)   as in models/kind/parameters.h
 ///   const char* not_for_radiance                       if Radiance has no formula for it, its name in the error
-///   bool is_of(const ParameterReader&)                 true if the parameters are of this kind, by a name that no kind
+///   bool matches(const ParameterReader&)                 true if the parameters are of this kind, by a name that no kind
 ///                                                      before it in `AnyModel` has
-///   M made_of(ParameterReader&)                        the inverse of `parameters`
+///   M from_parameters(ParameterReader&)                        the inverse of `parameters`
+/// A kind that is a list of numbers inherits most of these from `KindOfNumbers` (numbers.h).
 /// A kind that is fitted to observations alone also has, with R its request,
 ///   Result<Fitted<M>> fit(const Observations&, const R&, const FitConditions&, const ProgressToken&)
 template <typename M> struct Kind;
@@ -35,10 +35,10 @@ template <typename M> struct Fitted {
     double unrounded_loss = 0;  ///< the loss of `unrounded`, which the fit minimises
 };
 
-/// `model` rounded as in its file.
-template <typename M> M as_stored(const M& model) {
+/// `model` rounded as in its file. A valid one has no error.
+template <typename M> Result<M> as_stored(const M& model, const std::string& file_name = {}) {
     Safetensors content = Kind<M>::content(model);
-    return *Kind<M>::read(content, "");  // a valid model can be encoded
+    return Kind<M>::read(content, file_name);
 }
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-#include "prepared/table_file.h"
+#include "any/table_file.h"
 
 #include "base/errors.h"
 

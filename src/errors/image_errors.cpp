@@ -1,4 +1,4 @@
-#include "errors/likeness.h"
+#include "errors/image_errors.h"
 
 #include <algorithm>
 #include <cassert>

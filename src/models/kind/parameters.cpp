@@ -1,4 +1,4 @@
-#include "base/parameters.h"
+#include "models/kind/parameters.h"
 
 #include <fmt/format.h>
 

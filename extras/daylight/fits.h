@@ -1,0 +1,20 @@
+// Fits to the averages over patches of a Klems matrix.
+#pragma once
+#include "fit/patch_fit.h"
+#include "srbf/daylight.h"
+
+namespace SRBF_NAMESPACE {
+
+inline constexpr PatchFit k_daylight_fits[] = {
+    {"patches", [](const Measured& part) { return own_table<KlemsTable>(part) != nullptr; },
+     [](const Measured& part, const FitRequest& request, const ProgressToken& progress) {
+         return fit_patches(*own_table<KlemsTable>(part), request, progress);
+     },
+     [](const Measured& part, const Evaluate& f) {
+         return sums_of(*own_table<KlemsTable>(part), k_measured_points).error_ratio(f);
+     },
+     [](const Measured& of, const Evaluate& f, const Beams& beams, Part part) {
+         return hemispherical(*own_table<KlemsTable>(of), f, beams, part);
+     }}};
+
+}  // namespace srbf

@@ -81,7 +81,7 @@ Result<Done> print_rows(const std::string& path) {
 
     const Evaluate f_pm = evaluator(pm->model), f_su = evaluator(su->model), f_table = evaluator(*measured);
     const Proposal pm_proposal = propose(f_pm), su_proposal = propose(su->model), cosine,
-                   table_proposal = refine(f_table, propose(f_table));
+                   table_proposal = propose(f_table);
     const std::pair<const Evaluate&, const Proposal&> columns[] = {
         {f_pm, pm_proposal}, {f_su, su_proposal}, {f_table, table_proposal}, {f_table, pm_proposal}, {f_table, cosine}};
     for (const double theta : k_thetas) {
@@ -102,7 +102,7 @@ Result<Done> print_rows(const std::string& path) {
 /// The quality over the views of a file.
 struct ViewQuality {
     std::string file;
-    bool is_measured, has_table;
+    bool is_measured;
     double median, largest, largest_at, lost, lost_at;
     std::vector<double> variances = {};  ///< at views to 85°, in ascending order
     std::vector<double> grazing = {};    ///< variances at 87° and 89.4°
@@ -112,14 +112,8 @@ Result<ViewQuality> view_quality(const std::string& path) {
     const auto loaded = load_brdf(path);
     if (!loaded) return loaded.error();
     const PreparedBrdf brdf = std::visit([](const auto& kind) { return prepare(kind, ProposeOptions{}); }, *loaded);
-    ViewQuality quality{std::filesystem::path(path).stem().string(),
-                        std::holds_alternative<Measured>(*loaded),
-                        std::holds_alternative<TableProposal>(proposal(brdf)),
-                        0,
-                        0,
-                        0,
-                        0,
-                        0};
+    ViewQuality quality{
+        std::filesystem::path(path).stem().string(), std::holds_alternative<Measured>(*loaded), 0, 0, 0, 0, 0};
     std::vector<double> variances;
     for (double theta = 0; theta < 90; theta += theta < 84 ? 3 : 0.7) {
         const Vec3f wv = to_float(spherical(theta * k_degree, 0.3));
@@ -155,11 +149,11 @@ Result<Done> print_worst(std::span<char*> paths) {
         all.push_back(*quality);
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.largest > b.largest; });
-    fmt::print("file,of,drawn by,median variance,largest variance,at [degrees],most lost,lost at [degrees]\n");
+    fmt::print("file,of,median variance,largest variance,at [degrees],most lost,lost at [degrees]\n");
     for (const ViewQuality& quality : all)
-        fmt::print("{},{},{},{:.4f},{:.4f},{:.1f},{:.4f},{:.1f}\n", quality.file,
-                   quality.is_measured ? "measurement" : "fit", quality.has_table ? "table" : "mixture", quality.median,
-                   quality.largest, quality.largest_at, quality.lost, quality.lost_at);
+        fmt::print("{},{},{:.4f},{:.4f},{:.1f},{:.4f},{:.1f}\n", quality.file,
+                   quality.is_measured ? "measurement" : "fit", quality.median, quality.largest, quality.largest_at,
+                   quality.lost, quality.lost_at);
     print_views(all, "to 85 degrees", &ViewQuality::variances);
     print_views(all, "at 87 and 89.4 degrees", &ViewQuality::grazing);
     return Done{};

@@ -128,13 +128,6 @@ double variance(const Evaluate& brdf, const Proposal& proposal, double theta) {
     return second_moment / (mean * mean) - 1;
 }
 
-/// A GGX highlight that is dark on one side of the plane of incidence: no mixture of lobes resembles it.
-void half_highlight(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    evaluate(GgxModel{{0.02f, 0.02f, 0.02f}, {{0.1f, {0.5f, 0.5f, 0.5f}, 1}}}, wl, wv, f);
-    for (std::size_t i = 0; i < f.size(); ++i)
-        if (wv[i].x * wl[i].y - wv[i].y * wl[i].x < 0) f[i] = {0.01f, 0.01f, 0.01f};
-}
-
 /// Surfaces of facets: two rough lobes, and brushed metal under a coat.
 std::vector<Model> surfaces() {
     OpenPbrModel brushed;
@@ -194,40 +187,6 @@ TEST_F(Sampling, WeightsOfFacetsAreBounded) {
             EXPECT_LT(largest, 10) << m << ' ' << wv.z;
             EXPECT_LT(squares * count / (sum * sum) - 1, 0.3) << m << ' ' << wv.z;
         }
-    }
-}
-
-TEST_F(Sampling, CellsSampleWhatLobesCannot) {
-    const MixtureProposal mixture = propose(half_highlight);
-    const Proposal cells = refine(half_highlight, mixture);
-    ASSERT_TRUE(std::holds_alternative<TableProposal>(cells));
-    for (double theta = 4; theta < 85; theta += 6.7)
-        EXPECT_LT(variance(half_highlight, cells, theta), 0.3 * variance(half_highlight, mixture, theta)) << theta;
-    const auto matte = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
-        std::ranges::fill(f, Rgb{0.3f, 0.3f, 0.3f});
-    };
-    EXPECT_TRUE(std::holds_alternative<MixtureProposal>(refine(matte, propose(matte))));
-
-    // Lower views are the mixture's.
-    for (const float z : {0.029f, 0.003f, 1e-4f}) {
-        const Vec3f wv(std::sqrt(1 - z * z), 0, z), u = draw3(), wl = sample(cells, wv, u),
-                                                    expected = sample(mixture, wv, u);
-        EXPECT_TRUE(wl.x == expected.x && wl.y == expected.y && wl.z == expected.z) << z;
-        EXPECT_EQ(pdf(cells, expected, wv), pdf(mixture, expected, wv)) << z;
-    }
-
-    // A Monte Carlo estimate of ∫ cosθ / π = 1.
-    constexpr int count = 50000;
-    for (const double theta : k_thetas) {
-        const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
-        double sum = 0, squares = 0;
-        for (int i = 0; i < count; ++i) {
-            const Vec3f wl = sample(cells, wv, draw3());
-            const double estimate = wl.z > 0 ? double(wl.z) / k_pi / double(pdf(cells, wl, wv)) : 0;
-            sum += estimate, squares += estimate * estimate;
-        }
-        const double mean = sum / count, deviation = std::sqrt((squares / count - mean * mean) / count);
-        EXPECT_TRUE(near(mean, 1, 5 * deviation + 1e-3)) << theta << ": " << mean << " +- " << deviation;
     }
 }
 

@@ -10,11 +10,6 @@
 // (su_rotated_..., su_plain_...), which works on one pair of directions. Directions are unit vectors; wl points to the
 // light, wv to the viewer, the shading normal is +z. Angles are in radians.
 
-#include "srbf/kernel/elementary.glsl"
-#include "srbf/kernel/gaussian.glsl"
-#include "srbf/kernel/vmf.glsl"
-#include "srbf/kernel/proposal.glsl"
+#include "srbf/kernel/common.glsl"
 #include "srbf/kernel/pm.glsl"
 #include "srbf/kernel/su.glsl"
-#include "srbf/kernel/ggx.glsl"
-#include "srbf/kernel/openpbr.glsl"

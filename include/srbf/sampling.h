@@ -90,29 +90,12 @@ struct DirectionSample {
 };
 DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
 
-/// A table of cells, for BRDFs whose highlights do not resemble lobes. One sample in twenty is drawn by the cosine
-/// instead. Each node belongs to one elevation of the view. It has densities in cells of the projected hemisphere,
-/// the unit disk of p = (wl.x, wl.y), where dp = cosθl dωl. Views below `k_lowest_view` are left to a mixture: behind
-/// their mirror direction the disk ends after about cos²θv / 2, and a float does not resolve the cells there.
-struct TableProposal {
-    static constexpr float k_lowest_view = 0.03f;  ///< cosθv
-    static constexpr int k_nodes = 49, k_sectors = 32, k_rings = 48;
-    static constexpr float k_share = 0.95f;  ///< fraction of samples drawn by the table
-    std::vector<float> density;              ///< of (turn, ρ²): nodes × sectors × rings
-    /// running sums of probabilities, up to 1: over sectors (nodes × sectors), and over the rings of each sector
-    std::vector<float> sector_sums, ring_sums;
-    MixtureProposal grazing;  ///< for views below `k_lowest_view`
-};
-Vec3f sample(const TableProposal& proposal, Vec3f wv, Vec2f u, float selector);
-float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv);
-
 struct ProposeOptions {
     /// Number of azimuths of the view over which the variance is averaged. With more than one, half-vector lobes
-    /// may be stretched along an axis, and there is no table of cells. Of the functions of this header only
-    /// `propose(model)` chooses it, for facets that are rougher along a tangent.
+    /// may be stretched along an axis. Of the functions of this header only `propose(model)` chooses it, for facets
+    /// that are rougher along a tangent.
     int azimuths = 1;
     int threads = 0;                        ///< 0: as many as the machine has; the result does not depend on it
-    double most_variance = 0.15;            ///< limit on the relative variance of f cosθl / pdf, for `refine`
     std::optional<FacetTerms> facets = {};  ///< of a BRDF that consists of them, `facets_of`
 };
 /// The recommended number of azimuths for an anisotropic BRDF.
@@ -125,11 +108,10 @@ constexpr int azimuths_for(bool is_isotropic) { return is_isotropic ? 1 : k_anis
 /// each of which lowers the integral (Silvey, Titterington & Torgersen 1978). The cosine keeps a weight of 0.02.
 ///
 /// In the plane of incidence, stretches 0.8^i and powers 0.8^(2 − 2j) are tried, i from −4 to 20 and j from 0 to 15.
-/// Candidates of each node are shapes with the least integral among their neighbours: one that all half-vector lobes
-/// share, two of which the odd lobes have another, and those found from the next node's. The candidates with the least
-/// sum of the integrals at the nodes and half way between them are chosen, where two shapes count 0.05 more. With an
-/// axis, the stretch is one of eight up to 16 along one of 12 azimuths, with the least variance at views of 45°. Values
-/// that were not measured count as 0.
+/// Each node has the best shape that descents find from fixed steps and from the next node's shape. It has two, of which
+/// the odd half-vector lobes have another, if they lower the relative variance by more than 0.05. With an axis, the
+/// stretch is one of eight up to 16 along one of 12 azimuths, with the least variance at views of 45°. Values that were
+/// not measured count as 0.
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {});
 
 /// The proposal of a view-by-view model (Tsai 2009). It chooses a sampled view near wv by its interpolation weight,
@@ -151,7 +133,7 @@ Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv);
 
 /// A proposal of any kind.
-using Proposal = std::variant<CosineProposal, MixtureProposal, ViewProposal, TableProposal>;
+using Proposal = std::variant<CosineProposal, MixtureProposal, ViewProposal>;
 Vec3f sample(const Proposal& proposal, Vec3f wv, Vec2f u, float selector);
 DirectionSample sample_with_pdf(const Proposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv);
@@ -160,12 +142,6 @@ float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv);
 /// refers to the model; all others get a mixture.
 Proposal propose(const Model& model, const ProposeOptions& options = {});
 Proposal propose(const Model&&, const ProposeOptions& options = {}) = delete;
-
-/// Replaces a mixture by a table if that has a smaller variance. The mixture is kept if it samples facets, or its
-/// relative variance is at most `most_variance` at views every 5° from 2.5° on. Between these views, and for BRDFs that
-/// neither represents, there is no bound; docs/sampling.md has the largest variances found. A table suits only BRDFs
-/// that depend on the difference of the azimuths; none is made if `azimuths` is more than 1.
-Proposal refine(const Evaluate& brdf, const MixtureProposal& mixture, const ProposeOptions& options = {});
 
 /// A direction and its density, for proposals that have no faster way.
 template <typename P> DirectionSample sample_with_pdf(const P& proposal, Vec3f wv, Vec2f u, float selector) {

@@ -6,8 +6,8 @@
 #define SRBF_FN
 Real select(Bool condition, Real a, Real b) { return condition ? a : b; }
 
-struct Pm { int unused; };
 #ifdef PM_LOBES
+struct Pm { int unused; };
 layout(std140) uniform PmNumbers {
     vec4 pm_colours[PM_LOBES];      // coefficient, log2 of the scale
 #if PM_FEATURES > 0
@@ -48,26 +48,12 @@ Real pm_exponent(Pm pm, int j, int k) { return pm_exponents[j * ((PM_FEATURES + 
 #else
 Real pm_exponent(Pm pm, int j, int k) { return 0.0; }
 #endif
-#else
-int pm_lobes(Pm pm) { return 0; }
-int pm_variates(Pm pm) { return 0; }
-int pm_features(Pm pm) { return 0; }
-bool pm_axial(Pm pm) { return true; }
-bool pm_reciprocal(Pm pm) { return false; }
-Real pm_weight_l(Pm pm, int n) { return 0.0; }
-Real pm_weight_v(Pm pm, int n) { return 0.0; }
-Vec3 pm_coefficient(Pm pm, int j) { return Vec3(0.0); }
-Real pm_log2_scale(Pm pm, int j) { return 0.0; }
-Real pm_log2_falloff(Pm pm, int j, int n) { return 0.0; }
-bool pm_down(Pm pm, int j, int n) { return false; }
-Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0); }
-Real pm_exponent(Pm pm, int j, int k) { return 0.0; }
 #endif
 
+#ifdef SU_LOBES
 struct Su { int unused; };
 struct SuNearest { uvec4 pairs; };  // a texel of eight 16-bit numbers
 int su_nearest(SuNearest nearest, int k) { return int(nearest.pairs[k / 2] >> uint(16 * (k % 2)) & 0xffffu); }
-#ifdef SU_LOBES
 // one row per view, two texels per lobe: coefficient, bandwidth; centre - mirrored view, shape
 uniform sampler2D su_numbers;
 uniform sampler2D su_directions;  // one row per view
@@ -81,12 +67,4 @@ Vec3 su_centre(Su su, int view, int j) {
 Real su_bandwidth(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j, view), 0).w; }
 Real su_shape(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j + 1, view), 0).w; }
 Vec3 su_coefficient(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j, view), 0).rgb; }
-#else
-int su_lobes(Su su) { return 0; }
-int su_views(Su su) { return 1; }
-Vec3 su_direction(Su su, int view) { return Vec3(0.0, 0.0, 1.0); }
-Vec3 su_centre(Su su, int view, int j) { return Vec3(0.0); }
-Real su_bandwidth(Su su, int view, int j) { return 0.0; }
-Real su_shape(Su su, int view, int j) { return 0.0; }
-Vec3 su_coefficient(Su su, int view, int j) { return Vec3(0.0); }
 #endif

@@ -50,7 +50,7 @@ struct KernelProgram {
         syntax::parse(k_supplied, program, defines);
         for (const syntax::Function& function : program.functions) supplied.push_back(function.name);
         const std::string albedo = k_albedo_text;  // of which only the coordinate is used
-        syntax::parse(k_kernel_text, program, defines);
+        for (const char* text : {k_common_text, k_pm_text, k_su_text}) syntax::parse(text, program, defines);
         syntax::parse(albedo.substr(0, albedo.find("// The integral")), program, defines);
     }
 };

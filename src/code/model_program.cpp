@@ -19,22 +19,6 @@ namespace {
 using syntax::Program;
 using syntax::Table;
 
-/// Handles and accessors that kernel.glsl requires of a host, for a model that does not have these numbers.
-constexpr const char* k_handles = R"(
-struct Su { };
-struct SuNearest { };
-int su_nearest(SuNearest nearest, int k) { return 0; }
-)";
-constexpr const char* k_no_su = R"(
-int su_lobes(Su su) { return 0; }
-int su_views(Su su) { return 1; }
-Vec3 su_direction(Su su, int view) { return Vec3(0.0, 0.0, 1.0); }
-Vec3 su_centre(Su su, int view, int j) { return Vec3(0.0, 0.0, 1.0); }
-Real su_bandwidth(Su su, int view, int j) { return 0.0; }
-Vec3 su_coefficient(Su su, int view, int j) { return Vec3(0.0, 0.0, 0.0); }
-Real su_shape(Su su, int view, int j) { return 0.0; }
-)";
-
 /// Exponents of models are to the base e, those of kernel.glsl to the base 2.
 constexpr const char* k_log2_e = "1.4426950408889634";
 constexpr const char* k_half_log2_e = "0.7213475204444817";
@@ -127,21 +111,6 @@ std::string numbers_of(const PmModel& model, ParameterStorage storage, Program& 
     return text;
 }
 
-const std::string k_no_pm =
-    "int pm_lobes(Pm pm) { return 0; }\n"
-    "int pm_variates(Pm pm) { return 0; }\n"
-    "int pm_features(Pm pm) { return 0; }\n"
-    "bool pm_axial(Pm pm) { return true; }\n"
-    "bool pm_reciprocal(Pm pm) { return false; }\n"
-    "bool pm_down(Pm pm, int j, int n) { return false; }\n"
-    "Real pm_weight_l(Pm pm, int n) { return 0.0; }\n"
-    "Real pm_weight_v(Pm pm, int n) { return 0.0; }\n"
-    "Real pm_log2_scale(Pm pm, int j) { return 0.0; }\n"
-    "Real pm_log2_falloff(Pm pm, int j, int n) { return 0.0; }\n"
-    "Real pm_exponent(Pm pm, int j, int k) { return 0.0; }\n"
-    "Vec3 pm_coefficient(Pm pm, int j) { return Vec3(0.0, 0.0, 0.0); }\n"
-    "Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, 1.0); }\n";
-
 /// The accessors of a view-by-view model, whose numbers (`shading_data`) the host supplies.
 constexpr std::size_t k_view_numbers = 3, k_view_lobe_numbers = 8;
 std::string numbers_of(const SuModel& model, Program& program) {
@@ -158,6 +127,9 @@ std::string numbers_of(const SuModel& model, Program& program) {
         return fmt::format("number[{} * view + {} * j + {}]", row, k_view_lobe_numbers, k_view_numbers + offset);
     };
     return fmt::format(
+        "struct Su {{ }};\n"
+        "struct SuNearest {{ }};\n"
+        "int su_nearest(SuNearest nearest, int k) {{ return 0; }}\n"
         "int su_lobes(Su su) {{ return {0}; }}\n"
         "int su_views(Su su) {{ return {1}; }}\n"
         "Vec3 su_direction(Su su, int view) {{ return Vec3(number[{2} * view], number[{2} * view + 1], number[{2} * "
@@ -181,7 +153,7 @@ std::string brdf_function(CodeLanguage language, const std::string& statements) 
            "// surface that faces it. wl points to the light and wv to the viewer: unit vectors in the local frame, "
            "whose z is the\n"
            "// shading normal. 0 where one of them is not above the horizon, or has a NaN.\n"
-           "Vec3 brdf(Su su, Vec3 wl, Vec3 wv, Pm pm) {\n"
+           "Vec3 brdf(Vec3 wl, Vec3 wv, Pm pm) {\n"
            "    if (!(Real(0.0) < wl.z && Real(0.0) < wv.z && " +
            syntax::are_finite(language, {"wl", "wv"}) + "))\n        return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
            statements + "}\n";
@@ -192,9 +164,9 @@ struct ValuePdf {
     Vec3 value;
     Real pdf;
 };
-ValuePdf value_pdf(Su su, Vec3 wl, Vec3 wv, Pm pm) {
+ValuePdf value_pdf(Vec3 wl, Vec3 wv, Pm pm) {
     ValuePdf both;
-    both.value = brdf(su, wl, wv, pm);
+    both.value = brdf(wl, wv, pm);
     both.pdf = light_pdf(wl, wv);
     return both;
 }
@@ -300,19 +272,20 @@ std::string look_up_text(const PmModel& basis) {
         basis.lobes);
 }
 
+/// What the formulas of a model read, and these formulas. `Pm` is the handle of coefficients that are arguments.
 struct ModelText {
-    std::string accessors = k_no_pm + k_no_su, brdf;
+    std::string brdf, accessors = {}, kernel = {};
     int variates = 1, terms = 1;
     std::string handle = "struct Pm { };\n";
 };
 ModelText text_of(const Model& model, CodeLanguage language, ParameterStorage storage, Program& program) {
     ModelText text{.brdf = brdf_of(model, language, storage, program)};
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
-        text.accessors = numbers_of(*pm, storage, program) + k_no_su;
+        text.accessors = numbers_of(*pm, storage, program), text.kernel = k_pm_text;
         text.variates = pm->variates, text.terms = std::max(features(pm->form), 1);
         if (storage == ParameterStorage::arguments) text.handle = coefficients_of(*pm), text.brdf += look_up_text(*pm);
     } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
-        text.accessors = k_no_pm + numbers_of(*su, program);
+        text.accessors = numbers_of(*su, program), text.kernel = k_su_text;
     }
     return text;
 }
@@ -349,9 +322,8 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                                                         : added.albedo_node,
                       more =
                           added.text ? added.text(model, storage == ParameterStorage::arguments, program, defines) : "";
-    syntax::parse(model_text.handle + model_text.accessors + k_handles, program, defines, true);
-    syntax::parse(k_kernel_text, program, defines);
-    syntax::parse(model_text.brdf, program, defines);
+    syntax::parse(model_text.handle + model_text.accessors, program, defines, true);
+    syntax::parse(k_common_text + model_text.kernel + model_text.brdf, program, defines);
     if (is_mixture)
         syntax::parse(mixture + k_mixture_text + k_value_pdf_text + nodes + albedo_text(options.language) + more,
                       program, defines);

@@ -68,6 +68,12 @@ template <OfFewNumbers M> std::string macros(const M&) { return "#define VALUE m
 
 std::string uniform_name(const Model& model) { return fmt::format("{}_numbers", kind(model)); }
 
+/// What a material adds to the common text of the kernel.
+const char* kernel_text(const Material& material) {
+    return std::holds_alternative<PmModel>(material)   ? k_pm_text
+           : std::holds_alternative<SuModel>(material) ? k_su_text
+                                                       : "";
+}
 /// The code that precedes material.glsl.
 template <typename M> std::string code_of(const M&) { return {}; }
 template <OfFewNumbers M> std::string code_of(const M& formula) {
@@ -104,7 +110,7 @@ std::string brdf_text(const Material& material) {
     const std::string macro_text = std::visit([](const auto& content) { return macros(content); }, material);
     const std::string code = std::visit([](const auto& content) { return code_of(content); }, material);
     return fmt::format("#define SIDES {}\n", is_two_sided(material) ? 2 : 1) + macro_text + k_host_text +
-           k_kernel_text + code + k_material_text;
+           k_common_text + kernel_text(material) + code + k_material_text;
 }
 
 std::string proposal_text(int parts) {

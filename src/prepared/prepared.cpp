@@ -155,8 +155,6 @@ PreparedBrdf prepare(const Model& model, CosineProposal) { return prepare(parts_
 PreparedBrdf prepare(const Model& model, const ProposeOptions& options) {
     BrdfParts parts = parts_of(model);
     parts.proposal = propose(model, options);
-    if (const auto* mixture = std::get_if<MixtureProposal>(&parts.proposal))
-        parts.proposal = refine(parts.evaluate, MixtureProposal(*mixture), options);
     if (auto* views = std::get_if<ViewProposal>(&parts.proposal))
         views->model = static_cast<const SuModel*>(parts.held.get());
     return prepare(std::move(parts));
@@ -166,7 +164,7 @@ PreparedBrdf prepare(Measured measured, CosineProposal) { return prepare(parts_o
 
 PreparedBrdf prepare(Measured measured, const ProposeOptions& options) {
     BrdfParts parts = parts_of(std::move(measured));
-    parts.proposal = refine(parts.evaluate, propose(parts.evaluate, options), options);
+    parts.proposal = propose(parts.evaluate, options);
     return prepare(std::move(parts));
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "brdf/colour.h"
@@ -43,10 +42,8 @@ struct PreparedMap::Contents {
     std::vector<std::array<Row, k_nodes>> lobe_weights = {};
 };
 
-PreparedMap prepare_map(const Library& map, const ProposeOptions& caller_options) {
+PreparedMap prepare_map(const Library& map, const ProposeOptions& options) {
     if (!map.dense() || map.width == 0) misused("prepare_map: expected a map with all coefficients");
-    ProposeOptions options = caller_options;
-    options.most_variance = std::numeric_limits<double>::infinity();  // mixtures only, because they are blended
     const auto J = std::size_t(map.basis.lobes), width = std::size_t(map.width);
     const auto prepare_with = [&](std::vector<Rgb> coefficient) {
         return prepare({with_coefficients(map.basis, std::move(coefficient)), {}}, options);

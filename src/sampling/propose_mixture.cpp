@@ -72,64 +72,43 @@ std::array<ProposalShape, 3> sampled_shapes(const ProposalShape& start) {
     return {shape_of(both(0, 1), start), shape_of(both(4, 3), start), shape_of(both(12, 4), start)};
 }
 
-/// A shape of a node, with weights and the moment at the node's views.
-struct Candidate {
-    ProposalShape shape;
-    std::vector<float> weight;
-    double moment;
-};
-
-/// The search for the shapes of a node. With an anisotropy axis the stretch is kept.
+/// The search for the shape of a node. With an anisotropy axis the stretch is kept.
 class NodeSearch {
   public:
     NodeSearch(const Evaluate& brdf, std::size_t node, int azimuths, const ProposalShape& start)
         : start_(start), views_(views_about(node, azimuths)) {
-        points_ = make_points(brdf, views_, k_search_points, sampled_shapes(start));
         // At the normal the plane of incidence is undefined.
-        if (node == 0)
-            add(start);
-        else
-            search();
-    }
-    /// Adds the shapes that are found from those of the next node, so that shapes of neighbours are alike.
-    void follow(const NodeSearch& next) {
-        const ShapeSteps shared = descend(next.shared_, 0, 1);
-        if (moment(shared) < moment(shared_)) shared_ = shared;
-        add(shape_of(shared, start_));
-        add(shape_of(two_ = settle(next.two_), start_));
-    }
-    const ProposalShape& start() const { return start_; }
-    const std::vector<Vec3f>& views() const { return views_; }
-    const std::vector<Candidate>& candidates() const { return candidates_; }
-
-  private:
-    /// Finds the shapes with the least moment among their neighbours: one that all lobes share, and two of which the
-    /// odd lobes have another.
-    void search() {
-        shared_ = two_ = descend(both(stretch_step(1), 2), 0, 1);
-        add(shape_of(shared_, start_));
-        if (candidates_[0].moment < 1 + k_small_variance) return;
+        if (node == 0) return;
+        points_ = make_points(brdf, views_, k_search_points, sampled_shapes(start));
+        one_ = two_ = descend(both(stretch_step(1), 2), 0, 1);
+        if (variance(one_) < k_small_variance) return;
+        ShapeSteps best = one_;
         double least = std::numeric_limits<double>::infinity();
         for (int i = 1; i <= k_most_stretch_step; i += 4)
             for (int j = 0; j <= k_most_power_step; j += 5) {
-                const ShapeSteps steps{{shared_.i[0], stretch_step(i)}, {shared_.j[0], j}};
-                if (moment(steps) < least) two_ = steps, least = moment(steps);
+                const ShapeSteps steps{{one_.i[0], stretch_step(i)}, {one_.j[0], j}};
+                if (moment(steps) < least) best = steps, least = moment(steps);
             }
-        add(shape_of(two_ = settle(two_), start_));
+        two_ = settle(best);
     }
+    /// Searches from the shapes of the next node, so that shapes of neighbours are alike.
+    void follow(const NodeSearch& next) {
+        const ShapeSteps one = descend(next.one_, 0, 1), two = settle(next.two_);
+        if (moment(one) < moment(one_)) one_ = one;
+        if (moment(two) < moment(two_)) two_ = two;
+    }
+    /// The shape that all lobes share, or two if they have less variance.
+    ProposalShape shape() {
+        if (points_.size() == 0) return start_;
+        return shape_of(variance(two_) < variance(one_) - k_least_gain_of_two ? two_ : one_, start_);
+    }
+    const std::vector<Vec3f>& views() const { return views_; }
+
+  private:
     int stretch_step(int i) const {
         return start_.has_axis() ? 0 : std::clamp(i, k_least_stretch_step, k_most_stretch_step);
     }
-    void add(const ProposalShape& shape) {
-        for (const Candidate& candidate : candidates_)
-            if (candidate.shape.lobes == shape.lobes) return;
-        set_densities(points_, shape);
-        std::vector<float> weight = best_weights(points_, points_.density.size(), k_search_steps);
-        // It is at least 1; less is an error of the sum.
-        double moment = std::max(moment_of(points_, weight) / double(views_.size()), 1.);
-        if (shape.lobes[0] != shape.lobes[1]) moment += k_least_gain_of_two;
-        candidates_.push_back({shape, std::move(weight), moment});
-    }
+    double variance(const ShapeSteps& steps) { return moment(steps) / double(views_.size()) - 1; }
     /// The moment of a shape, summed over the views, from weights that begin with those of the best shape.
     double moment(const ShapeSteps& steps) {
         double& value = known_[steps];
@@ -177,75 +156,20 @@ class NodeSearch {
     std::map<ShapeSteps, double> known_;
     std::vector<float> weight_;  // of the least moment
     double least_ = std::numeric_limits<double>::infinity();
-    ShapeSteps shared_{}, two_{};
-    std::vector<Candidate> candidates_;
+    ShapeSteps one_{}, two_{};  // the best shape of all lobes, and the best two of the even and of the odd ones
 };
-
-/// The mean of two candidates, which is what a view half way between two nodes is sampled by.
-Candidate mean(Candidate a, const Candidate& b) {
-    for (std::size_t k = 0; k < 2; ++k) {
-        a.shape.lobes[k].stretch = (a.shape.lobes[k].stretch + b.shape.lobes[k].stretch) / 2;
-        a.shape.lobes[k].power = (a.shape.lobes[k].power + b.shape.lobes[k].power) / 2;
-    }
-    for (std::size_t k = 0; k < a.weight.size(); ++k) a.weight[k] = (a.weight[k] + b.weight[k]) / 2;
-    return a;
-}
-/// For each pair of candidates of two nodes the moment at a view half way between the nodes.
-using PairMoments = std::vector<std::vector<double>>;
-PairMoments moments_between(const Evaluate& brdf, const Vec3f& view, const NodeSearch& a, const NodeSearch& b) {
-    const auto sampled = sampled_shapes(a.start());
-    std::vector<ProposalShape> shapes(sampled.begin(), sampled.end());
-    for (const Candidate& candidate : b.candidates()) shapes.push_back(candidate.shape);
-    SamplingPoints points = make_points(brdf, {&view, 1}, k_search_points, shapes);
-    PairMoments moments;
-    for (const Candidate& x : a.candidates()) {
-        moments.emplace_back();
-        for (const Candidate& y : b.candidates()) {
-            const Candidate middle = mean(x, y);
-            set_densities(points, middle.shape);
-            moments.back().push_back(std::max(moment_of(points, middle.weight), 1.));
-        }
-    }
-    return moments;
-}
-
-/// The candidates, one for each node, with the least sum of the moments at the nodes and between them.
-std::array<std::size_t, MixtureProposal::k_nodes> choose_candidates(std::span<const NodeSearch* const> search,
-                                                                    std::span<const PairMoments> between) {
-    constexpr std::size_t nodes = MixtureProposal::k_nodes;
-    // For each candidate the least sum from its node to the horizon, and the next node's candidate in that sum.
-    std::array<std::vector<std::pair<double, std::size_t>>, nodes> least;
-    for (std::size_t node = nodes; node-- > 0;)
-        for (std::size_t a = 0; a < search[node]->candidates().size(); ++a) {
-            std::pair<double, std::size_t> best{0, 0};
-            if (node + 1 < nodes) best.first = std::numeric_limits<double>::infinity();
-            for (std::size_t b = 0; node + 1 < nodes && b < least[node + 1].size(); ++b)
-                best = std::min(best, {between[node][a][b] + least[node + 1][b].first, b});
-            least[node].emplace_back(search[node]->candidates()[a].moment + best.first, best.second);
-        }
-    std::array<std::size_t, nodes> chosen{};
-    for (std::size_t node = 1; node < nodes; ++node) chosen[node] = least[node - 1][chosen[node - 1]].second;
-    return chosen;
-}
 
 /// Computes the shapes and weights of all nodes.
 void make_nodes(const Evaluate& brdf, const ProposeOptions& options, MixtureProposal& proposal) {
     constexpr std::size_t nodes = MixtureProposal::k_nodes;
     std::array<std::optional<NodeSearch>, nodes> search;
-    std::array<const NodeSearch*, nodes> searches;
     parallel_for(nodes, options.threads, [&](std::size_t node) {
         const ProposalShape start{proposal.shape[node], proposal.cosine, proposal.sine, proposal.facets};
-        searches[node] = &search[node].emplace(brdf, node, options.azimuths, start);
+        search[node].emplace(brdf, node, options.azimuths, start);
     });
     for (std::size_t node = nodes - 1; node-- > 1;) search[node]->follow(*search[node + 1]);
-    std::array<PairMoments, nodes - 1> between;
-    parallel_for(nodes - 1, options.threads, [&](std::size_t node) {
-        const Vec3f view = views_at(node_cosine(double(node) + 0.5), 1)[0];
-        between[node] = moments_between(brdf, view, *search[node], *search[node + 1]);
-    });
-    const auto chosen = choose_candidates(searches, between);
     parallel_for(nodes, options.threads, [&](std::size_t node) {
-        const ProposalShape& shape = search[node]->candidates()[chosen[node]].shape;
+        const ProposalShape shape = search[node]->shape();
         const SamplingPoints points = make_points(brdf, search[node]->views(), k_points, {&shape, 1});
         const std::vector<float> weight = best_weights(points, shape.components(), k_steps);
         proposal.set_weights(node, std::span(weight).first<MixtureProposal::k_lobes>());

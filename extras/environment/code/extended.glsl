@@ -195,7 +195,7 @@ Real volume(Vec3 a, Vec3 b, Vec3 c) {
     return a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x);
 }
 // The integral over the directions of a quadrilateral, from four points, of what lobes lack of f_r cos(theta_l).
-Vec3 lacking(Su su, Vec3 wv, Quadrilateral light, LightLobes of_view, Pm pm) {
+Vec3 lacking(Vec3 wv, Quadrilateral light, LightLobes of_view, Pm pm) {
     Vec3 along = light.b - light.a;
     Vec3 across = light.d - light.a;
     Vec3 askew = light.c - light.d - along;
@@ -208,7 +208,7 @@ Vec3 lacking(Su su, Vec3 wv, Quadrilateral light, LightLobes of_view, Pm pm) {
         Vec3 p = light.a + s * along + t * across + s * t * askew;
         Real reciprocal = inversesqrt(max(dot(p, p), Real(1.0e-12)));
         Vec3 wl = reciprocal * p;
-        Vec3 value = max(wl.z, Real(0.0)) * brdf(su, wl, wv, pm);
+        Vec3 value = max(wl.z, Real(0.0)) * brdf(wl, wv, pm);
         for (int k = 0; k < EXTENDED_LOBES; ++k)
             value = value - kernel_of(dot(of_view.lobe[k].axis, wl), stretch[k]) * of_view.lobe[k].weight;
         Real solid_angle = abs(volume(p, along + t * askew, across + s * askew)) * reciprocal * reciprocal * reciprocal;
@@ -219,7 +219,7 @@ Vec3 lacking(Su su, Vec3 wv, Quadrilateral light, LightLobes of_view, Pm pm) {
 // The radiance that leaves towards the viewer from a quadrilateral that emits radiance 1 at its front and back. Its
 // consecutive corners are relative to the point of the surface, in the local frame. It is the sum of the lobes, and for
 // a small light also what they lack of f_r, at points.
-Vec3 area(Su su, Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {
+Vec3 area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     if (wv.z <= Real(0.0)) return sum;
     Quadrilateral light;
@@ -231,6 +231,6 @@ Vec3 area(Su su, Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {
     for (int k = 0; k < EXTENDED_LOBES; ++k) sum = sum + lobe_over(of_view.lobe[k], light) * of_view.lobe[k].weight;
     NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
     Real share = share_of_points(squared_size(light), min(light_width(nodes), width_of(of_view)));
-    if (share > Real(0.0)) sum = sum + share * lacking(su, wv, light, of_view, pm);
+    if (share > Real(0.0)) sum = sum + share * lacking(wv, light, of_view, pm);
     return not_negative(sum);
 }

@@ -10,7 +10,7 @@ struct LightDraw {
 // Sample i of `count`, from a sequence that covers the unit cube evenly (R2, Roberts 2018). Each sample represents
 // the solid angle in which one sample is expected (Krivanek & Colbert 2008). A sample without a direction to the
 // light has weight 0.
-LightDraw environment_draw(Su su, Vec3 wv, int i, int count, Pm pm) {
+LightDraw environment_draw(Vec3 wv, int i, int count, Pm pm) {
     Real number = Real(i);
     Real u2 = Real(0.5) + Real(0.75487767) * number;
     Real selector = Real(0.5) + Real(0.56984029) * number;
@@ -21,7 +21,7 @@ LightDraw environment_draw(Su su, Vec3 wv, int i, int count, Pm pm) {
     draw.solid_angle = Real(1.0) / (Real(count) * max(density, Real(1.0e-20)));
     draw.weight = Vec3(Real(0.0), Real(0.0), Real(0.0));
     if (density > Real(0.0))
-        draw.weight = draw.solid_angle * draw.direction.z * brdf(su, draw.direction, wv, pm);
+        draw.weight = draw.solid_angle * draw.direction.z * brdf(draw.direction, wv, pm);
     return draw;
 }
 
@@ -30,11 +30,11 @@ LightDraw environment_draw(Su su, Vec3 wv, int i, int count, Pm pm) {
 // that of a texel of the first level) / 2.
 Vec3 radiance_over(Vec3 direction, Real solid_angle);
 // The radiance that leaves towards the viewer, from `count` samples.
-Vec3 environment_sampled(Su su, Vec3 wv, int count, Pm pm) {
+Vec3 environment_sampled(Vec3 wv, int count, Pm pm) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     if (wv.z <= Real(0.0)) return sum;
     for (int i = 0; i < count; ++i) {
-        LightDraw draw = environment_draw(su, wv, i, count, pm);
+        LightDraw draw = environment_draw(wv, i, count, pm);
         if (draw.direction.z > Real(0.0))
             sum = sum + reflected(draw.weight, radiance_over(draw.direction, draw.solid_angle));
     }

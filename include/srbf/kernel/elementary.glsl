@@ -22,3 +22,8 @@ SRBF_FN Vec3 from_frame(Vec3 n, Real x, Real y, Real z) {
     return x * Vec3(Real(1.0) + sign * n.x * n.x * a, sign * b, -sign * n.x) +
            y * Vec3(b, sign + n.y * n.y * a, -n.y) + z * n;
 }
+
+// w rotated about the normal by the angle with this cosine and sine.
+SRBF_FN Vec3 turned(Vec3 w, Real cosine, Real sine) {
+    return Vec3(cosine * w.x - sine * w.y, sine * w.x + cosine * w.y, w.z);
+}

@@ -41,11 +41,6 @@ SRBF_FN Vec3 su_view_value(Su su, int view, Vec3 wl) {
     return sum;
 }
 
-// w rotated about the normal by the angle with this cosine and sine.
-SRBF_FN Vec3 turned(Vec3 w, Real cosine, Real sine) {
-    return Vec3(cosine * w.x - sine * w.y, sine * w.x + cosine * w.y, w.z);
-}
-
 // The contribution of a sampled view to the value at another view direction: its weight, and the rotation about the
 // normal that takes the view direction to the azimuth of the sampled view. wl is rotated by it too.
 struct SuNeighbour {

@@ -7,7 +7,6 @@
 
 #include "base/floating_point.h"
 #include "models/su/neighbours.h"
-#include "sampling/choice.h"
 #include "srbf/sampling.h"
 
 namespace SRBF_NAMESPACE {
@@ -22,6 +21,13 @@ constexpr int k_variance_samples = 128;  ///< samples that estimate this varianc
 /// Lower bound on the reflectance of a lobe, so that the shares of black lobes are defined.
 constexpr float k_least_integral = 1e-20f;
 
+/// The largest float below 1.
+constexpr float k_below_one = 0x1.fffffep-1f;
+/// A choice made by a number in [0,1), and that number rescaled, so that it is uniform again.
+struct Choice {
+    int index;
+    float u;
+};
 /// Chooses an index by probabilities that sum to 1, with u uniform in [0,1).
 template <typename Share> Choice choose(int count, float u, const Share& share) {
     int last = 0;

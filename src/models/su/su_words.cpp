@@ -115,7 +115,7 @@ std::vector<Model> Kind<SuModel>::terms(const SuModel& model, std::size_t most) 
 }
 
 std::string Kind<SuModel>::formula_text(const SuModel& model, const NumberText&) {
-    return fmt::format("    return su_rotated_value(su, {});\n",
+    return fmt::format("    Su su;\n    return su_rotated_value(su, {});\n",
                        model.discretise == Discretise::view ? "wl, wv" : "wv, wl");
 }
 

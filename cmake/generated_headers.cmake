@@ -30,11 +30,14 @@ endfunction()
 function(extras_listed header file noun type)
   set(included "")
   set(names "")
+  set(count 0)
   foreach(extra IN LISTS format_extras)
-    string(APPEND included "#include \"extras/${extra}/${file}\"\n")
-    string(APPEND names "k_${extra}_${noun}, ")
+    if(EXISTS ${PROJECT_SOURCE_DIR}/extras/${extra}/${file})
+      string(APPEND included "#include \"extras/${extra}/${file}\"\n")
+      string(APPEND names "k_${extra}_${noun}, ")
+      math(EXPR count "${count} + 1")
+    endif()
   endforeach()
-  list(LENGTH format_extras count)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/${header} @ONLY CONTENT "// Made by CMake: ${noun} of extras.
 #pragma once
 #include <array>

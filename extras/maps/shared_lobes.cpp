@@ -18,8 +18,6 @@ constexpr int k_basis_groups = 16, k_group_steps = 4, k_last_basis_steps = 16;
 /// Rounds in which active lobes are chosen and all lobes follow, and the steps of each round.
 constexpr int k_refinements = 3, k_refinement_steps = 6;
 
-constexpr Stage k_basis_stage{.pairs = Pairs::search, .albedos = true};
-
 void optimise(SharedProblem& problem, Eigen::VectorXd& x, int steps) {
     levenberg_marquardt(problem, x, {.max_iterations = steps, .adapts_to_bounds = true});
 }
@@ -106,7 +104,7 @@ PmModel basis_model(const Lobes& lobes) {
 }  // namespace
 
 SharedRows rows_for_search(const Observations& observations) {
-    return {std::make_unique<Rows>(Subsets(observations).rows(k_basis_stage, 0))};
+    return {std::make_unique<Rows>(Subsets(observations).rows(Pairs::search, {}))};
 }
 
 PmModel find_shared_lobes(std::span<SharedRows> rows, const ObservationsOf& observations, const BasisOptions& options,

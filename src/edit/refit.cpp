@@ -35,7 +35,7 @@ Beginning beginning_of(const PmModel& model, int lobes, const LobeShape& shape, 
     Eigen::VectorXd x = pack(left);
     const double loss = levenberg_marquardt(problem, x, {.max_iterations = k_first_steps}).loss;
     problem.loss(x);
-    return {to_model(problem, unpack(x, shape), true), loss};
+    return {to_model(problem, unpack(x, shape)), loss};
 }
 
 }  // namespace

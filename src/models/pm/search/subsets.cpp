@@ -29,14 +29,14 @@ std::vector<std::size_t> thin_out(const std::vector<std::size_t>& indices, std::
 
 Subsets::Subsets(const Observations& observations)
     : all_(observations),
-      search_(first_pairs(observations.f.size() < std::size_t(Pairs::polish) ? Pairs::selection : Pairs::search)),
-      selection_(first_pairs(Pairs::selection)),
-      polish_(first_pairs(Pairs::polish)),
+      search_(part_of(observations.f.size() < std::size_t(Pairs::polish) ? Pairs::selection : Pairs::search)),
+      selection_(part_of(Pairs::selection)),
+      polish_(part_of(Pairs::polish)),
       largest_(largest_measured(observations)) {
     selection_.observations.views = observations.views;
 }
 
-Subsets::Part Subsets::first_pairs(Pairs pairs) const {
+Subsets::Part Subsets::part_of(Pairs pairs) const {
     Observations part = first_pairs(all_, std::size_t(pairs));
     part.wavelengths.clear(), part.spectrum.clear();
     part.integrals = all_.integrals;

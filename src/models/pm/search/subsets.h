@@ -40,7 +40,7 @@ class Subsets {
         Observations observations;
         std::size_t begin;  ///< number of initial observations from `all_`; the others were added
     };
-    Part first_pairs(Pairs pairs) const;
+    Part part_of(Pairs pairs) const;
     const Observations& observations(Pairs pairs) const;
 
     const Observations& all_;

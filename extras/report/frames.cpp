@@ -76,15 +76,15 @@ struct FrameCost {
     std::size_t data_bytes, auxiliary_bytes;
 };
 
-constexpr int k_width = 640, k_height = 480;
+constexpr int k_frame_width = 640, k_frame_height = 480;
 
 /// Draws the scene with each material in two passes with one sample per pixel, with back faces culled. Materials
 /// alternate, so that other load on the machine affects all of them equally.
 Result<std::vector<FrameCost>> time_frames(Dialect dialect, bool on_cpu, const Scene& scene,
                                            std::span<const Material> materials, int frames) {
     const RasterMesh mesh(scene.mesh);
-    const RasterView view{scene.camera, double(k_width) / k_height, scene.lights, 3, false};
-    const auto surface = RasterSurface::make(dialect, k_width, k_height);
+    const RasterView view{scene.camera, double(k_frame_width) / k_frame_height, scene.lights, 3, false};
+    const auto surface = RasterSurface::make(dialect, k_frame_width, k_frame_height);
     if (!surface) return surface.error();
     const auto target = RasterTarget::make_for(*surface);
     if (!target) return target.error();
@@ -124,7 +124,8 @@ Result<Done> time_study(Study& study, const StudyOptions& options) {
     const int frames = options.sweep == Sweep::whole ? 60 : options.sweep == Sweep::quick ? 20 : 1;
     auto mesh = load_mesh(options.mesh);
     if (!mesh) return mesh.error();
-    const Scene scene = scene_of(*std::move(mesh), {.azimuth = 0.4, .z_up = options.z_up}, double(k_width) / k_height);
+    const Scene scene =
+        scene_of(*std::move(mesh), {.azimuth = 0.4, .z_up = options.z_up}, double(k_frame_width) / k_frame_height);
     const std::vector<TimedModel> models = timed_models(study);
     std::vector<Material> materials{Flat{}};
     for (const TimedModel& timed : models) {
@@ -157,8 +158,8 @@ Result<Done> time_study(Study& study, const StudyOptions& options) {
     study.frames = {{"renderer", context->renderer()},
                     {"mesh", options.mesh},
                     {"triangles", scene.mesh.triangles.size()},
-                    {"width", k_width},
-                    {"height", k_height},
+                    {"width", k_frame_width},
+                    {"height", k_frame_height},
                     {"frames", frames},
                     {"rows", rows}};
     return write_json(study.frames, (std::filesystem::path(study.folder) / "frames.json").string());

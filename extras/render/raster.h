@@ -6,13 +6,33 @@
 #include <utility>
 #include <vector>
 
-#include "extras/render/gl_object.h"
 #include "extras/render/pixel_shader.h"
 #include "extras/render/scene.h"
 #include "extras/render/tone.h"
 #include "models/su/su_functions.h"
 
 namespace SRBF_NAMESPACE {
+
+/// Owns an object of the graphics library. It must be destroyed while its context is current.
+class GlObject {
+  public:
+    using Delete = void (*)(unsigned id);
+    GlObject() = default;
+    GlObject(unsigned id, Delete destroy) : id_(id), delete_(destroy) {}
+    GlObject(GlObject&& other) noexcept : id_(std::exchange(other.id_, 0)), delete_(other.delete_) {}
+    GlObject& operator=(GlObject&& other) noexcept {
+        std::swap(id_, other.id_), std::swap(delete_, other.delete_);
+        return *this;
+    }
+    ~GlObject() {
+        if (id_ != 0) delete_(id_);
+    }
+    unsigned id() const { return id_; }
+
+  private:
+    unsigned id_ = 0;
+    Delete delete_ = nullptr;
+};
 
 /// Parameters of a picture.
 struct RasterView {

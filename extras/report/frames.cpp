@@ -124,7 +124,8 @@ Result<Done> time_study(Study& study, const StudyOptions& options) {
     const int frames = options.sweep == Sweep::whole ? 60 : options.sweep == Sweep::quick ? 20 : 1;
     auto mesh = load_mesh(options.mesh);
     if (!mesh) return mesh.error();
-    const Scene scene = scene_of(*std::move(mesh), {.azimuth = 0.4, .z_up = options.z_up}, double(k_frame_width) / k_frame_height);
+    const Scene scene =
+        scene_of(*std::move(mesh), {.azimuth = 0.4, .z_up = options.z_up}, double(k_frame_width) / k_frame_height);
     const std::vector<TimedModel> models = timed_models(study);
     std::vector<Material> materials{Flat{}};
     for (const TimedModel& timed : models) {

@@ -6,6 +6,7 @@
 #include "furnace.h"
 #include "measured/formats.h"
 #include "models/bsdf/bsdf_functions.h"
+#include "srbf/file.h"
 #include "srbf/fit_bsdf.h"
 
 namespace srbf::fit_patches_test {

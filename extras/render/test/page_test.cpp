@@ -360,19 +360,20 @@ Image8 traced_picture(const Json& of, const Material& material) {
     const PreparedBsdf prepared = std::visit(
         [](const auto& content) {
             using M = std::remove_cvref_t<decltype(content)>;
-            if constexpr (std::is_same_v<M, MerlTable>)
-                return prepare_bsdf(Measured{.table = content}, {});
-            else if constexpr (std::is_constructible_v<AnyModel, M>)
+            if constexpr (std::is_same_v<M, MerlTable>) {
+                Measured measured;
+                measured.table = content;
+                return prepare_bsdf(measured, {});
+            } else if constexpr (std::is_constructible_v<AnyModel, M>)
                 return prepare_bsdf(Model{content, {}}, {});
             else
                 return ADD_FAILURE(), prepare_bsdf(Model(), {});
         },
         material);
     const PathScene paths{{{&scene.mesh, 0}}, {prepared}, scene.camera, scene.lights, {}, &environment};
-    return shown(
-        render_paths(paths, {.width = of.at("width"), .height = of.at("height"), .samples = 256, .occlusion = false})
-            .rendering,
-        of["scene"]["exposure"]);
+    PathOptions options;
+    options.width = of.at("width"), options.height = of.at("height"), options.samples = 256, options.occlusion = false;
+    return shown(render_paths(paths, options).rendering, of["scene"]["exposure"]);
 }
 
 /// Its picture by the desktop's library.

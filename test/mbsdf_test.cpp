@@ -186,7 +186,7 @@ TEST(Mbsdf, PromisesBeyondTheFileAreRefused) {
     EXPECT_NE(with(1, 4096).find("expected 201326592 bytes, found 48 bytes"), std::string::npos);
 }
 
-/// NVIDIA's own files say where the samples stand (docs/notes/formats.md).
+/// NVIDIA's own files say where the samples stand (docs/formats.md#mbsdf).
 class CarPaint : public testing::TestWithParam<const char*> {
   protected:
     void SetUp() override {

@@ -154,20 +154,6 @@ TEST(FitSu, ErrorFallsWithTheNumberOfLobes) {
     }
 }
 
-TEST(FitSu, DoesNotDependOnThreads) {
-    const RawMatrix matrix = matrix_of("cc_ibiza_sunset_rgb", 200);
-    SuFitOptions options = k_raw;
-    options.threads = 1;
-    const auto one = fit_su(matrix, options);
-    options.threads = 2;
-    const auto two = fit_su(matrix, options);
-    ASSERT_TRUE(one && two);
-    EXPECT_EQ(write_model({one->model, {}}), write_model({two->model, {}}));
-    EXPECT_EQ(one->unrounded, two->unrounded);
-    const auto single = tabulate(signed_evaluator(bundled("cc_ibiza_sunset_rgb")), {.directions = 200, .threads = 1});
-    EXPECT_EQ(single->f, matrix.f);
-}
-
 TEST(FitSu, ScalesWithItsData) {
     // Three lobes are fitted with two, so that the error is not 0.
     RawMatrix matrix = *tabulate(evaluator(separated_lobes(3, true, 7)), {.directions = 128});
@@ -316,22 +302,6 @@ TEST(FitSu, RefusesBadOptionsAndMatrices) {
     const auto fit = fit_su(few, {.lobes = 2, .objective = Objective::raw});
     ASSERT_TRUE(fit);
     EXPECT_TRUE(is_finite(value(fit->model, {0, 0, 1}, {0, 0.6f, 0.8f})));
-}
-
-TEST(FitSu, ReportsProgressAndCanBeCancelled) {
-    const RawMatrix matrix = matrix_of("paper_white_rgb", 128);
-    double last = 0;
-    const auto whole = fit_su(matrix, k_raw, [&](const Progress& progress) {
-        EXPECT_GE(progress.fraction, last);
-        last = progress.fraction;
-        return true;
-    });
-    ASSERT_TRUE(whole);
-    EXPECT_TRUE(near(last, 1, 1e-9));
-    const auto cancelled = fit_su(matrix, k_raw, [](const Progress& progress) { return progress.fraction < 0.1; });
-    ASSERT_TRUE(cancelled);
-    EXPECT_EQ(cancelled->stop, StopReason::cancelled);
-    EXPECT_TRUE(is_finite(value(cancelled->model, {0, 0, 1}, {0, 0, 1})));
 }
 
 TEST(Tabulate, SamplesTheFunctionAndCountsInvalidValues) {

@@ -262,21 +262,6 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
             }
 }
 
-TEST(Lobes, AreTheSameInParallel) {
-    const Rows many(observations(Objective::appearance, 1 << 16), {.picture_importance = 0.01});
-    for (const Lobes& lobes : {some_lobes(), reciprocal(general_lobes())}) {
-        LobeProblem serial(many, lobes.shape, false), parallel(many, lobes.shape, true);
-        const Eigen::VectorXd x = pack(lobes);
-        EXPECT_EQ(serial.loss(x), parallel.loss(x));
-        Eigen::MatrixXd H1, H2;
-        Eigen::VectorXd g1, g2;
-        serial.linearise(x, H1, g1);
-        parallel.linearise(x, H2, g2);
-        EXPECT_EQ(H1, H2);
-        EXPECT_EQ(g1, g2);
-    }
-}
-
 TEST(Lobes, CostOfDroppingIsARiseOfTheLoss) {
     LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
     const Lobes lobes{{PmForm::gaussian, 3}, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};

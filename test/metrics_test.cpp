@@ -128,14 +128,6 @@ TEST(Metrics, LeaveOutAndCountWhatWasNotMeasured) {
     EXPECT_EQ(swapped.masked, half.masked);
 }
 
-TEST(Metrics, DoNotDependOnTheNumberOfThreads) {
-    const Glossy glossy, other{1, 100, 1};
-    for (const auto measure : k_all) {
-        EXPECT_EQ(matrix(glossy, other, {k_cap, 1}).*measure, matrix(glossy, other, {k_cap, 2}).*measure);
-        EXPECT_EQ(heldout(glossy, other, {k_cap, 1}).*measure, heldout(glossy, other, {k_cap, 2}).*measure);
-    }
-}
-
 TEST(Metrics, HeldOutPairsAreOfTheSeedAndTheCount) {
     const Glossy glossy, other{1, 100, 1};
     const Evaluate reference = evaluator(glossy), others[] = {evaluator(other)};

@@ -120,18 +120,6 @@ TEST(ModelFile, TruncationsAreErrorsAndFlippedBytesErrorsOrModels) {
     EXPECT_GT(models, 0);  // flipped bytes of numbers and of provenance
 }
 
-TEST(ModelFile, RandomBytesAreErrors) {
-    std::mt19937_64 random(3);
-    for (int trial = 0; trial < 2000; ++trial) {
-        Bytes bytes(random() % 200);
-        for (auto& b : bytes) b = std::byte(random());
-        if (trial % 2)  // a plausible length of the header
-            for (std::size_t i = 0; i < std::min<std::size_t>(8, bytes.size()); ++i)
-                bytes[i] = i == 0 ? std::byte(bytes.size() / 2) : std::byte(0);
-        EXPECT_NE(error_of(bytes), "");
-    }
-}
-
 TEST(ModelFile, InvalidHeaders) {
     EXPECT_TRUE(mentions(error_of({}), "at 0: header length: expected 8 bytes, found 0 bytes"));
     Bytes garbage;

@@ -82,11 +82,6 @@ TEST(Pictures, ASmallSourceShowsTheSameAsADistantLightOfItsPower) {
     EXPECT_TRUE(near(of_disc, of_light, 0.02 * of_light));
 }
 
-TEST(Pictures, DoNotDependOnThreads) {
-    const Evaluate brdfs[] = {glossy(100), lambert({0.1f, 0.2f, 0.3f})};
-    EXPECT_EQ(sphere_pictures(brdfs, standard_lightings(), 32, 1), sphere_pictures(brdfs, standard_lightings(), 32, 4));
-}
-
 TEST(Pictures, OfAnIsotropicBrdfMayShareValues) {
     const Evaluate brdfs[] = {glossy(100), glossy(90)};
     const auto one_by_one = sphere_pictures(brdfs, standard_lightings(), 24),

@@ -23,7 +23,7 @@ std::vector<std::pair<Vec3f, Vec3f>> random_pairs(int count) {
 }
 
 /// Each part answers in its frame; light from straight behind comes to it from the mirror direction.
-TEST(Bsdf, PartsAnswerInTheirFrames) {
+TEST(Bsdf, PartsHaveFramesOfTheirOwn) {
     const Model model{full_bsdf(), {}};
     const auto& parts = std::get<BsdfModel>(model.model).part;
     std::array<int, k_parts> asked{};
@@ -50,7 +50,7 @@ TEST(Bsdf, PartsAnswerInTheirFrames) {
 }
 
 /// A part that is empty is answered by its counterpart: transmission is then reciprocal.
-TEST(Bsdf, CounterpartsAnswer) {
+TEST(Bsdf, MissingPartsHaveTheValuesOfTheirCounterparts) {
     BsdfModel bsdf = full_bsdf();
     bsdf.part[1].reset(), bsdf.part[3].reset();
     const Model model{bsdf, {}};
@@ -110,7 +110,7 @@ TEST(Bsdf, RefusesBadBeams) {
 
 /// The density over the sphere integrates to 1 with the chances of beams and of draws without a direction, and draws
 /// follow it.
-TEST(Bsdf, SamplingIsThatOfItsDensity) {
+TEST(Bsdf, SamplesFollowTheDensity) {
     const PreparedBsdf bsdf = prepare_bsdf(Model{full_bsdf(), {}}, {.threads = 1});
     int test = 0;
     for (const double theta : {10.0, 55.0, 125.0, 165.0}) {
@@ -170,7 +170,7 @@ TEST(Bsdf, SamplingIsThatOfItsDensity) {
 }
 
 /// A BRDF is the same on both sides, and drawn as ever.
-TEST(Bsdf, BrdfsAreDrawnAsEver) {
+TEST(Bsdf, SamplesOfABrdfAreThoseOfTheBrdf) {
     std::mt19937_64 random(3);
     const Model model{random_model(random, {}), {}};
     const PreparedBrdf brdf = prepare(model, {.threads = 1});
@@ -191,7 +191,7 @@ TEST(Bsdf, BrdfsAreDrawnAsEver) {
 
 // ---- Formats of both sides ----
 
-TEST(Bsdf, CsvOfBothSides) {
+TEST(Bsdf, ReadsCsvOfBothSides) {
     const std::string text =
         "# both sides\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,0.6,0.8,1\n0,0,-1,0,0.6,-0.8,2\n"
         "0,0,1,0,0.6,-0.8,3\n0,0,1,1,0,0,9\n";

@@ -8,7 +8,7 @@
 namespace srbf::corpus_test {
 namespace {
 
-TEST(Corpus, BreaksNoPromise) {
+TEST(Corpus, KeepsThePromisesOfEachTarget) {
     const auto folders = corpora();
     for (const NamedTarget& target : all_targets()) {
         const std::filesystem::path& folder = folders.at(target.name);

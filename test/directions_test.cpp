@@ -8,7 +8,7 @@
 namespace srbf::directions_test {
 namespace {
 
-TEST(Fibonacci, DirectionsAreTheWrittenOnes) {
+TEST(Fibonacci, DirectionsMatchTheFormula) {
     for (const double theta_max : {10 * k_degree, 80 * k_degree, k_pi / 2, k_pi}) {
         for (const int n : {1, 2, 100, 1536}) {
             const auto all = fibonacci_directions(n, theta_max);
@@ -46,7 +46,7 @@ double discrepancy(const std::vector<Vec3f>& set, std::mt19937_64& random) {
     return worst;
 }
 
-TEST(Fibonacci, SetsAreEven) {
+TEST(Fibonacci, SetsAreUniform) {
     std::mt19937_64 random(1);
     for (const int n : {200, 1536, 6000}) {
         std::vector<Vec3f> by_chance;
@@ -63,7 +63,7 @@ TEST(Fibonacci, SetsAreEven) {
     }
 }
 
-TEST(Uniform, IsEvenAndBelowOne) {
+TEST(Uniform, IsUniformAndBelowOne) {
     std::mt19937_64 random(2);
     std::vector<double> observed(64);
     for (int i = 0; i < 64000; ++i) {
@@ -116,7 +116,7 @@ TEST(MirrorMixture, SamplesFollowTheDensity) {
     }
 }
 
-TEST(MirrorMixture, PartsMakeUpTheMixture) {
+TEST(MirrorMixture, IsTheSumOfItsParts) {
     std::mt19937_64 random(7);
     const MirrorMixture mixture(80 * k_degree);
     const Vec3d wv = spherical(0.6, 0.4);
@@ -133,7 +133,7 @@ TEST(MirrorMixture, PartsMakeUpTheMixture) {
     EXPECT_TRUE(near(before, 1, 1e-15));
 }
 
-TEST(MirrorMixture, AnotherViewIsToldApart) {
+TEST(MirrorMixture, TestDetectsTheDensityOfAnotherView) {
     std::mt19937_64 random(4);
     const MirrorMixture mixture(80 * k_degree);
     const Vec3d wv = spherical(0.6, 0.0), other = spherical(0.61, 0.0);
@@ -145,7 +145,7 @@ TEST(MirrorMixture, AnotherViewIsToldApart) {
     EXPECT_LT(sampler_p_value(bins_about(mirror(wv)), pdf, 50000, sample), 1e-6);
 }
 
-TEST(MirrorMixture, EvenPartIsThereAllOverTheCap) {
+TEST(MirrorMixture, UniformPartCoversTheCap) {
     std::mt19937_64 random(5);
     for (const double theta_max : {40 * k_degree, k_pi / 2}) {
         const MirrorMixture mixture(theta_max);
@@ -166,7 +166,7 @@ TEST(MirrorMixture, EvenPartIsThereAllOverTheCap) {
     EXPECT_TRUE(near(MirrorMixture::k_retro, 0.05, 1e-15));
 }
 
-TEST(MirrorMixture, CapSamplesAreEvenOverTheCap) {
+TEST(MirrorMixture, CapSamplesAreUniform) {
     std::mt19937_64 random(6);
     for (const double theta_max : {10 * k_degree, 80 * k_degree}) {
         const MirrorMixture mixture(theta_max);
@@ -185,7 +185,7 @@ TEST(MirrorMixture, CapSamplesAreEvenOverTheCap) {
     }
 }
 
-TEST(Nearest, AreThoseThatTryingAllFinds) {
+TEST(Nearest, MatchAnExhaustiveSearch) {
     std::mt19937_64 random(5);
     for (const int n : {8, 9, 100, 1536}) {
         const auto set = fibonacci_directions(n, k_pi / 2);
@@ -240,7 +240,7 @@ TEST(DirectionMaps, TexelsCoverTheHemisphere) {
     }
 }
 
-TEST(DirectionMaps, FacesAreOpenGLs) {
+TEST(DirectionMaps, FacesAreThoseOfOpenGl) {
     // The centres of the faces, and the corner of the first texel of face +x.
     const Vec3f centres[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
     for (std::size_t face = 0; face < 6; ++face) EXPECT_EQ(texel_direction(DirectionMap::cube, 1, face), centres[face]);

@@ -151,7 +151,7 @@ TEST(Fitting, LargerModelsErrNoMoreThanTheyDid) {
 
 // ---- A call and its stages ----
 
-TEST(Fitting, IsItsStagesOneAfterTheOther) {
+TEST(Fitting, EqualsItsStagesCalledSeparately) {
     const Measured measured = bundled("paper_white_rgb");
     const FitRequest request = pm(LobeCount{1});
     const auto at_once = fit(measured, request);
@@ -274,7 +274,7 @@ TEST(Progress, PartsAreOfTheWhole) {
 
 // ---- Errors ----
 
-TEST(Fitting, AsSmallAsLooksTheSame) {
+TEST(Fitting, ReachesItsTargetDeltaE) {
     const Measured paper = bundled("paper_white_rgb");
     std::size_t bytes = 0;
     for (const double delta_e : {6.0, 4.0}) {
@@ -292,7 +292,7 @@ TEST(Fitting, AsSmallAsLooksTheSame) {
     EXPECT_EQ(of_samples.error().code, ErrorCode::argument);
 }
 
-TEST(Fitting, RefusesWhatItCannotFit) {
+TEST(Fitting, RefusesInvalidRequests) {
     const Measured table = bundled("paper_white_rgb");
     const auto code = [&](FitRequest request) {
         const auto outcome = fit(table, request);

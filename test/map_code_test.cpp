@@ -127,7 +127,7 @@ TEST_F(MapCode, DdsHoldsTheLayersWithTheirLevels) {
     EXPECT_EQ(at, bytes.size());
 }
 
-TEST_F(MapCode, IsTheModelsOfTheTexels) {
+TEST_F(MapCode, HasTheValuesOfTheTexels) {
     for (const bool axial : {true, false}) {
         const Library map = map_of(axial);
         const Texture texture = texture_of(map_ktx2(map));
@@ -401,7 +401,7 @@ TEST_F(MapCode, CompilesWithTexturesOfItsLanguages) {
     EXPECT_NE(wgsl.find("fn map_coefficients(u: f32, v: f32) -> map_Coefficients {"), wgsl.npos);
 }
 
-TEST_F(MapCode, WhatIsNoMapIsRefused) {
+TEST_F(MapCode, RefusesOtherModels) {
     const auto expect_refused = [](const auto& made) {
         ASSERT_FALSE(made);
         EXPECT_EQ(made.error().code, ErrorCode::argument);

@@ -81,7 +81,7 @@ TEST(Mbsdf, MayHaveOneSample) {
     }
 }
 
-TEST(Mbsdf, WhatIsNotFiniteIsMasked) {
+TEST(Mbsdf, MasksValuesThatAreNotFinite) {
     const auto with = [](double bad) {
         return mbsdf_file("", {mbsdf_block(k_reflection, 4, 5, 3, [&](int i, int j, int, int c) {
                               return i == 1 && j == 2 && c == 1 ? bad : 0.5;
@@ -130,7 +130,7 @@ TEST(Mbsdf, KeepsTheContract) {
 }
 
 /// Every sentence of the format that a file may break, and where.
-TEST(Mbsdf, IsRefusedInOneLine) {
+TEST(Mbsdf, ReportsErrorsInOneLine) {
     const auto f = [](int, int, int, int) { return 0.5; };
     const Bytes block = mbsdf_block(k_reflection, 2, 3, 1, f),
                 through = mbsdf_block("MBSDF_DATA_TRANSMISSION=", 2, 3, 1, f);
@@ -170,7 +170,7 @@ TEST(Mbsdf, IsRefusedInOneLine) {
         "f: at 128: MBSDF block: expected type and numbers of angles in 12 bytes, found the end of the file after 7");
 }
 
-TEST(Mbsdf, PromisesBeyondTheFileAreRefused) {
+TEST(Mbsdf, RefusesSizesBeyondTheFile) {
     const auto with = [](std::size_t number, std::uint32_t n) {
         Bytes bytes = mbsdf_file("", {mbsdf_block(k_reflection, 2, 3, 1, [](int, int, int, int) { return 0.5; })});
         std::memcpy(&bytes[43 + 4 * number], &n, sizeof n);

@@ -116,7 +116,7 @@ TEST(Metrics, MatrixAndHeldOutPairsAgreeOnSmoothBrdfs) {
         EXPECT_TRUE(near_relative(matrix(wide, other).*measure, heldout(wide, other).*measure, 0.02));
 }
 
-TEST(Metrics, LeaveOutAndCountWhatWasNotMeasured) {
+TEST(Metrics, OmitAndCountMissingValues) {
     const Glossy glossy, other{1, 100, 1};
     const Measures whole = matrix(glossy, other), half = matrix(Holed{glossy}, other);
     EXPECT_EQ(whole.pairs, 400u * 400u);
@@ -128,7 +128,7 @@ TEST(Metrics, LeaveOutAndCountWhatWasNotMeasured) {
     EXPECT_EQ(swapped.masked, half.masked);
 }
 
-TEST(Metrics, HeldOutPairsAreOfTheSeedAndTheCount) {
+TEST(Metrics, HeldOutPairsDependOnSeedAndCount) {
     const Glossy glossy, other{1, 100, 1};
     const Evaluate reference = evaluator(glossy), others[] = {evaluator(other)};
     const auto with = [&](std::uint64_t count, std::uint64_t seed) {
@@ -189,7 +189,7 @@ TEST(Metrics, LogarithmsOfSmallNumbersAreExact) {
     }
 }
 
-TEST(Metrics, DecadesAreOfWhatIsAboveZeroAndAtMostSix) {
+TEST(Metrics, LogarithmsUsePositiveValuesAndAreLimited) {
     const std::vector<Vec3f> up(4, Vec3f(0, 0, 1));
     const std::vector<float> f{1e-3f, 1e4f, 0, 2}, g{1e-2f, 0, 5, 2};
     EXPECT_TRUE(near_relative(measure_samples(up, up, f, g, k_cap).log10_rms, std::sqrt((1 + 36 + 0) / 3.0), 1e-6));
@@ -252,7 +252,7 @@ TEST(Albedo, ResolvesSharpLobes) {
     }
 }
 
-TEST(Albedo, ErrorsOfManyAreThoseOfEach) {
+TEST(Albedo, ErrorsOfSeveralModelsAreThoseOfEach) {
     const Evaluate reference = evaluator(Glossy{}),
                    others[] = {evaluator(Glossy{1.1f}), evaluator(Glossy{1, 30, 2}), reference};
     const auto errors = albedo_errors(reference, others, {k_cap, 1});

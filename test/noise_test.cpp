@@ -51,7 +51,7 @@ double median(std::vector<double> x) {
     return x[x.size() / 2];
 }
 
-TEST(Noise, IsFound) {
+TEST(Noise, IsEstimated) {
     for (const float deviation : {0.02f, 0.3f}) {
         const Noise noise = noise_of(with_noise(bundled("paper_white_rgb"), deviation));
         for (int c = 0; c < 3; ++c) {

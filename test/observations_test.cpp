@@ -43,7 +43,7 @@ TEST(Observations, EstimateTheIntegralOfTheirObjective) {
     }
 }
 
-TEST(Observations, EveryBeginningIsASampleOfTheWhole) {
+TEST(Observations, EveryPrefixIsARepresentativeSample) {
     const auto o = observe(constant({1, 1, 1}), {Objective::raw, 80 * k_degree, 1 << 16, 0});
     ASSERT_TRUE(o);
     ASSERT_EQ(fitted(*o), std::size_t(1) << 16);
@@ -58,7 +58,7 @@ TEST(Observations, EveryBeginningIsASampleOfTheWhole) {
 
 // A highlight of half a degree contains nearly all of Σ w |f|². Sampled from the mixture alone, only a few dozen of
 // 4096 pairs would lie in it.
-TEST(Observations, AreManyWhereTheEnergyIs) {
+TEST(Observations, AreDenseWhereTheEnergyIs) {
     const auto o = observe(
         [](auto wl, auto wv, auto f) {
             for (std::size_t i = 0; i < f.size(); ++i) {
@@ -83,7 +83,7 @@ TEST(Observations, AreManyWhereTheEnergyIs) {
     EXPECT_TRUE(near(of_few, 1, 1e-6));
 }
 
-TEST(Observations, OfTheCosineAskForTheBodyUnderAHighlight) {
+TEST(Observations, CosineObjectiveKeepsDarkValuesUnderAHighlight) {
     const Evaluate glossy = [](auto wl, auto wv, auto f) {
         for (std::size_t i = 0; i < f.size(); ++i) {
             const float x =
@@ -119,7 +119,7 @@ TEST(Observations, ReachTheHorizonAndItsCorners) {
     EXPECT_LT(lowest_both, elementary::cos(89.89 * k_degree));
 }
 
-TEST(Observations, LeaveOutWhatWasNotMeasuredAndClampTheNegative) {
+TEST(Observations, OmitMissingValuesAndClampNegativeOnes) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const auto o = observe(
         [&](auto wl, auto, auto f) {
@@ -133,7 +133,7 @@ TEST(Observations, LeaveOutWhatWasNotMeasuredAndClampTheNegative) {
     for (const double w : o->weight) ASSERT_TRUE(std::isfinite(w) && w >= 0);
 }
 
-TEST(Observations, AreOfTheSeed) {
+TEST(Observations, DependOnTheSeed) {
     const auto with = [](std::uint64_t seed) { return *observe(constant({1, 1, 1}), {Objective::raw, 0, 4096, seed}); };
     EXPECT_EQ(with(1).weight, with(1).weight);
     EXPECT_EQ(with(1).weight,
@@ -180,7 +180,7 @@ TEST(Observations, ViewsOfPicturesAreExposedAndWithinTheCap) {
     }
 }
 
-TEST(Observations, RefuseWhatCannotBeFitted) {
+TEST(Observations, RefuseInvalidInput) {
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     for (const float x : {0.f, -1.f, nan, inf}) EXPECT_FALSE(observe(constant({x, x, x}), {}).ok()) << x;
     const Evaluate one = constant({1, 1, 1});

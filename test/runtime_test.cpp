@@ -115,7 +115,7 @@ class RuntimeHeader : public WrittenCode {
 /// Random directions; every fourth one at the back.
 Vec3f direction(std::mt19937_64& random, int i) { return to_float(random_direction(random, i % 4 == 3 ? -1 : 0.001)); }
 
-TEST_F(RuntimeHeader, LiesReadyInData) {
+TEST_F(RuntimeHeader, EqualsTheReadyFile) {
     const auto kept = read_file((fs::path(SRBF_SOURCE_DIR) / "data" / "ready" / "srbf_runtime.h").string());
     ASSERT_TRUE(kept.ok());
     const std::string_view text(reinterpret_cast<const char*>(kept->data()), kept->size());
@@ -253,7 +253,7 @@ TEST_F(RuntimeHeader, AlbedosAreThoseOfTheLibrary) {
     }
 }
 
-TEST_F(RuntimeHeader, SaysHowMuchMemoryItNeeds) {
+TEST_F(RuntimeHeader, ReturnsTheMemoryThatItNeeds) {
     const Runtime& runtime = compiled_runtime("");
     for (const Case& of : cases(runtime))
         for (std::size_t capacity = 0; capacity + 32 < of.memory.size(); capacity += of.memory.size() / 16) {
@@ -293,7 +293,7 @@ TEST_F(RuntimeHeader, CompilesWithoutWarnings) {
 }
 
 // Two plugins with two versions of the header do not call each other's functions.
-TEST_F(RuntimeHeader, OffersNamesWithTheVersion) {
+TEST_F(RuntimeHeader, NamesContainTheVersion) {
     for (const std::string options : {"", "-DSRBF_RUNTIME_STATIC"}) {
         compiled("gcc -std=c99 " + options, "names" + options, k_implementation);
         const std::string names = fmt::format("nm -D --defined-only '{}'", path("names" + options + ".so"));

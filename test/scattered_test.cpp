@@ -218,7 +218,7 @@ TEST(Alta, ReadsHeadersAndOutputs) {
 }
 
 // If lights or viewers have one azimuth, only differences of azimuths are known, and few samples tell no more.
-TEST(Csv, IsIsotropicIfNothingIsRotated) {
+TEST(Csv, IsIsotropicUnlessRotationsChangeValues) {
     const auto is_isotropic = [](const std::string& text) {
         const auto s = read(read_csv, text);
         EXPECT_TRUE(s.ok()) << message(s.error());
@@ -335,7 +335,7 @@ TEST(ScatteredSamples, MaskMissingValues) {
 }
 
 /// In every format such a number is masked, or is none by the format's own rule: nowhere is it a value.
-TEST(Formats, NumbersForNoValueAreNoValues) {
+TEST(Formats, MasksNumbersThatStandForNoValue) {
     const TableSource source{[](auto wl, auto wv, auto f) {
                                  for (std::size_t i = 0; i < f.size(); ++i) {  // the detector hides the light
                                      const float value = wl[i].z < 0.8f && dot(wl[i], wv[i]) > 0.8f ? -999 : 0.25f;
@@ -649,7 +649,7 @@ TEST(Joined, HasTheSamplesOfAllFilesAndTheAnglesOfTheirHeaders) {
     }
 }
 
-TEST(Joined, RefusesFilesThatAreOfNoOneSample) {
+TEST(Joined, RefusesFilesOfDifferentSamples) {
     const Measured first = of_incidence(10, "#intheta {}"), table{"d/m.binary", "MERL", 0, MerlTable{}};
     for (const Measured& other :
          {of_incidence(30, "#intheta {}", "BTDF"), of_incidence(30, "#intheta {}", "DSF"),

@@ -57,7 +57,7 @@ def scene_of(bsdf, lights, vertices):
 
 
 def drawn(scene, seed, paths=PATHS):
-    """The seconds of processor time that a picture takes, and the picture: of colour, luminance and its square the mean over the paths of a pixel."""
+    """Processor time of a picture [s], and the picture: means of colour, luminance and its square over the paths of a pixel."""
     begin = time.process_time()
     picture = mi.render(scene, spp=paths, seed=seed)
     took = time.process_time() - begin

@@ -12,7 +12,7 @@ import numpy as np
 import sized_brdfs
 
 MAX_THETA = 80  # [degrees], for the pairs of a fit and for errors
-# [degrees], for the pairs of networks, which do anything beyond: the limit with the smaller visible error is taken.
+# [degrees], for the pairs of networks, which are undefined beyond. The limit with the smaller visible error counts.
 MAX_THETAS_OF_NETWORKS = (80, 88)
 PAIRS = 12_000  # before those beyond MAX_THETA are removed
 

@@ -108,7 +108,7 @@ def with_bold_least(values):
 
 
 def means_table(rows):
-    """A row a model: its bytes, and the means of its errors, in order of bytes."""
+    """A row for each model, in order of bytes: its bytes and mean errors."""
     names, values = [], []
     of = {model: of_model(rows, model) for model in [*models_in(rows), *MEANS_ALONE]}
     for model in sorted(of, key=lambda model: max(row["payload"] + row["shared"] for row in of[model])):
@@ -140,7 +140,7 @@ def kinds_table(rows):
 
 
 def measured_table(rows):
-    """Their ΔE_ITP by all models."""
+    """ΔE_ITP of each measurement by all models."""
     names = {**{model: MODELS[model][0] for model in models_in(rows) if model in BY_MATERIAL}, **MEASURED_ALONE}
     lines = []
     for material in MEASURED:
@@ -156,7 +156,7 @@ OF_EQUAL_BYTES = {"srbf-4": "srbf, 4 lobes", "gtr-6-pictures": "6 GTR lobes", "l
 
 
 def equal_bytes_table(rows):
-    """All measures of models of similar sizes, means of the measurements, and a median where one file makes the mean."""
+    """All measures of models of similar sizes: means over the measurements, and the median of squared errors, whose mean one file determines."""
     names, values = [], []
     for model, name in OF_EQUAL_BYTES.items():
         of = of_model(rows, model)
@@ -170,7 +170,7 @@ NETWORKS = {"nbrdf": "NBRDF, 32-bit floats", "nps": "neural process", "network-6
 
 
 def measures_table(rows):
-    """By each measure the measurements of which a network has a smaller error than the default."""
+    """For each measure the measurements on which a network has a smaller error than the default."""
     lines = []
     for key, name in MEASURES.items():
         sign = -1 if key == "psnr" else 1
@@ -184,7 +184,7 @@ def measures_table(rows):
 
 
 def networks_table(rows):
-    """The default beside networks: means, and in brackets those without the film. The best of each are bold."""
+    """The default beside networks: means, and means without the film in brackets. The best are bold."""
     models = {"nbrdf-16": "NBRDF, 1,350 bytes", "srbf": "nine lobes, 210 bytes", "network-6-pictures": "network, 186 bytes"}
     all_lines, others = ([[mean(of_model(of, model), key) for key in COLUMNS] for model in models]
                          for of in (rows, [row for row in rows if row["material"] != "cc_ibiza_sunset"]))
@@ -199,7 +199,7 @@ OPTIONS = {"srbf": "**none**", "as-measured-8": "`--as-measured`",
 
 
 def options_table(rows):
-    """Visible and other errors of the program's options: of the five measurements, and of all."""
+    """Errors of the program's options on the five measurements and on all materials."""
     lines = []
     for model, name in OPTIONS.items():
         of = of_model(rows, model)
@@ -215,7 +215,7 @@ SIZES = {"ggx-2": "Lambert and two GGX lobes", "openpbr": "parameters of OpenPBR
 
 
 def sizes_table(rows):
-    """ΔE_ITP by size: of all materials, and of the five measurements."""
+    """ΔE_ITP by size, for all materials and for the five measurements."""
     lines = []
     for model, name in SIZES.items():
         of = of_model(rows, model)
@@ -226,7 +226,7 @@ def sizes_table(rows):
 
 
 def stand_ins_table(rows):
-    """Of the stand-ins, which are reciprocal: the default beside fits as measured."""
+    """The default beside fits as measured, on the stand-ins, which are reciprocal."""
     rest = [row for row in rows if row["material"] not in MEASURED]
     default, other = ({row["material"]: row["delta_e_itp"] for row in of_model(rest, model)} for model in ("srbf", "as-measured-8"))
     lines = []
@@ -239,7 +239,7 @@ def stand_ins_table(rows):
 
 
 def further_table(rows):
-    """Of the tables that no constant was chosen by."""
+    """Errors on the tables by which no constant was chosen."""
     errors = {model: sorted(row["delta_e_itp"] for row in of_model(rows, model)) for model in models_in(rows)}
     lines = [[MODELS[model][0]] + [text(value) for value in (statistics.fmean(of), statistics.median(of), of[len(of) * 95 // 100], of[-1])]
              for model, of in errors.items()]
@@ -247,7 +247,7 @@ def further_table(rows):
 
 
 def mark(x, y, colour, curve, hollow=False):
-    """A disc, a square or a triangle by what the curve's models minimise; hollow: they also need numbers that materials share."""
+    """A disc, a square or a triangle, by the loss of the curve's models. It is hollow if materials share further numbers."""
     fill = f'fill="#fff" stroke="{colour}" stroke-width="2"' if hollow else f'fill="{colour}"'
     if curve in SQUARES:
         return f'<rect x="{x - 4:.1f}" y="{y - 4:.1f}" width="8" height="8" {fill}/>'
@@ -257,14 +257,14 @@ def mark(x, y, colour, curve, hollow=False):
 
 
 def points_of(rows, curve):
-    """Of a curve's models, by bytes: mean payload, mean ΔE_ITP and the bytes that materials share."""
+    """The mean payload, mean ΔE_ITP and shared bytes of a curve's models, in order of bytes."""
     present = {row["model"] for row in rows}
     of_models = [of_model(rows, model) for model, own in CURVE_OF.items() if own == curve and model in present]
     return sorted((mean(of, "payload"), mean(of, "delta_e_itp"), of[0]["shared"]) for of in of_models)
 
 
 def panel(rows, title, x0, y0, width, height):
-    """ΔE_ITP over bytes, both logarithmic. What models share is not in the bytes: a hollow mark names it."""
+    """ΔE_ITP over bytes, both logarithmic. Bytes that materials share are named beside hollow marks."""
     x = lambda value: x0 + width * (math.log10(value) - 0.8) / 4.5
     y = lambda value: y0 + height * (1 - (math.log10(value) + 0.4) / 2.05)
     parts = [f'<text x="{x0}" y="{y0 - 8}" font-weight="bold">{title}</text>',
@@ -308,7 +308,7 @@ def plot(rows):
 
 
 def replaced(page, name, table_of):
-    """The table is the lines that begin with | after the mark."""
+    """Replaces a table, the lines that begin with | after its mark."""
     begin = page.index(f"<!-- {name} -->\n") + len(f"<!-- {name} -->\n")
     end = begin
     while page.startswith("|", end):
@@ -333,7 +333,7 @@ def pages(rows):
 
 
 def write_or_check(contents, name, script):
-    """Writes the files of `contents`, by path; with --check ends with a message if one has other numbers than the script makes."""
+    """Writes `contents`, texts by path. With --check it exits with a message if a file differs."""
     for path, content in contents.items():
         if "--check" in sys.argv:
             with open(path, encoding="utf-8") as file:

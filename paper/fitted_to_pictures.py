@@ -92,7 +92,7 @@ def albedo(k):
 
 
 def itp(colour):
-    """`seen.itp` of linear sRGB [n, 3], and its derivatives [n, 3, 3]."""
+    """The values of `seen.itp` for linear sRGB [n, 3], and their derivatives [n, 3, 3]."""
     to_lms = TO_LMS @ TO_2020
     luminance = np.maximum(colour @ to_lms.T, 1e-9) / 100
     y = luminance ** M1
@@ -110,7 +110,7 @@ class Block(NamedTuple):
 
 
 def observed(brdf, wl, wv, weight):
-    """Values of the reciprocal mean. Directions that were not measured have no weight."""
+    """Values of the reciprocal mean. Missing values have the weight 0."""
     wl, wv = (np.broadcast_to(w, wl.shape).astype(np.float32) for w in (wl, wv))
     there, back = (np.asarray(brdf.eval(*order), float) for order in ((wl, wv), (wv, wl)))
     mean = (wv[:, 2:] * there + wl[:, 2:] * back) / (wv[:, 2:] + wl[:, 2:])
@@ -144,7 +144,7 @@ def observe(brdf):
 
 
 class Loss:
-    """The sum of a fit and its residuals, for coordinates of a model; `weigh` sets the weights of its terms. It has every n-th pair and view."""
+    """The sum of a fit and its residuals at every n-th pair and view. `weigh` sets the weights of its terms."""
 
     def __init__(self, observations, every, model, coordinates, as_ggx=False):
         self.as_ggx = as_ggx
@@ -207,7 +207,7 @@ class Loss:
 
 
 def rounded(loss, x, coordinates):
-    """x of 16-bit floats: one is rounded after the other, and the others move to the least sum (docs/fitting.md#rounding)."""
+    """Rounds x to 16-bit floats, one number after the other, while the rest move to the least sum (docs/fitting.md#rounding)."""
     def nearest(x):
         return coordinates.from_parameters(coordinates.to_parameters(x).astype(np.float16).astype(float))
 

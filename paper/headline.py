@@ -49,7 +49,7 @@ def rows_of(path):
 
 
 def row_of(path, name):
-    """The row of this name, else the first that begins with it."""
+    """The row with this name, or the first whose name begins with it."""
     rows = [(row[0].replace("*", ""), row) for row in rows_of(path)]
     for is_named in (lambda text: text == name, lambda text: text.startswith((name + ":", name + ","))):
         for text, row in rows:
@@ -74,7 +74,7 @@ def fitted(program, folder):
 
 
 class Errors:
-    """Of the fits: errors by options and file, one for each seed, and their means over files."""
+    """Errors of fits by options and file, one for each seed, and their means over files."""
 
     def __init__(self, fits):
         self.fits = fits
@@ -90,7 +90,7 @@ class Errors:
 
 
 def numbers_of_rows(errors):
-    """Page, what a number is, the number of the page as text, and that of the fits."""
+    """Yields page, name, the number on the page as text, and the number of the fits."""
     for path, name, options in ROWS:
         row = row_of(path, name)
         yield path, f"{name}, bytes", row["bytes"], max(errors.fits[options, file, 0][2] for file in FILES)
@@ -110,7 +110,7 @@ def numbers_of_seeds(errors):
 
 
 def numbers_of_abstract(errors):
-    """Numbers that the abstract must have somewhere."""
+    """Numbers that the abstract must contain."""
     abstract = next(part for part in page(PAPER).split("\n\n") if part.startswith("**Abstract.**"))
     for name, value in (("nine lobes, medians", errors.mean_of_medians(DEFAULT, FILES)), ("two GGX lobes", errors.mean(GGX, FILES))):
         yield PAPER, f"abstract, {name}", f"{value:.1f}" if f"{value:.1f}" in NUMBER.findall(abstract) else "none", value

@@ -66,7 +66,7 @@ def named(found):
 
 
 def read_rows(path, columns):
-    """The rows of a file that a run left, by `KEY`."""
+    """The rows of a file of an earlier run, by `KEY`."""
     if not os.path.exists(path):
         return {}
     with open(path, encoding="utf-8", newline="") as file:

@@ -28,7 +28,7 @@ def directions():
 
 class PrincipalComponents:
     def __init__(self, folder):
-        """Of all tables of a folder."""
+        """Computes the components of all tables in a folder."""
         wl, wv = directions()
         self.above = np.minimum(wl[:, 2], wv[:, 2]) > 0
         self.wl, self.wv = wl[self.above], wv[self.above]

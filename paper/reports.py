@@ -7,7 +7,7 @@ import tempfile
 
 
 def report(program, path, *options, **environment):
-    """The report of a fit, which leaves no files."""
+    """The report of a fit. Its files are temporary."""
     with tempfile.TemporaryDirectory() as work:
         written = os.path.join(work, "report.json")
         subprocess.run([program, "fit", path, "-o", os.path.join(work, "model.srbf"), "--json", written, "--threads", "1", *options],
@@ -17,7 +17,7 @@ def report(program, path, *options, **environment):
 
 
 def reports(fit, wanted):
-    """Pairs of each of `wanted` and fit(*it), in their order."""
+    """Yields each element of `wanted` and fit(*element), in order."""
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         yield from zip(wanted, pool.map(lambda one: fit(*one), wanted))
 

@@ -12,12 +12,12 @@ TINY = 1e-6  # relative step of differences
 
 
 def diffuse_of(f, angle):
-    """A diffuse albedo to start from, for values f [n, 3]: of dark ones beside the highlight."""
+    """An initial diffuse albedo, from dark values f [n, 3] beside the highlight."""
     return np.clip(np.pi * np.quantile(f[angle.cos_h < 0.8], 0.3, axis=0), 0, 4)
 
 
 def scale_of(f, diffuse, shape):
-    """The factor of a lobe to start from: with it the sum of cube roots is that of the values f [n, 3] without the diffuse ones."""
+    """The initial factor of a lobe, which gives it the sum of cube roots of f [n, 3] without the diffuse term."""
     return (np.cbrt(np.maximum(f - diffuse / np.pi, 0)).sum(axis=0) / np.cbrt(shape).sum()) ** 3
 
 
@@ -62,7 +62,7 @@ class Lobes:
         return f, by
 
     def starts(self, f, angle):
-        """Lobes from wide to narrow, of which each has an equal share of the values near the mirror direction."""
+        """Lobes from wide to narrow, each with an equal share of the values near the mirror direction."""
         diffuse = diffuse_of(f, angle)
         for widest in (0.7, 0.35):
             for narrowest in (0.2, 0.06, 0.02, 0.006):
@@ -110,7 +110,7 @@ class Cosines:
         return f, by
 
     def starts(self, f, angle):
-        """Lobes about the mirror direction or beyond it, from wide to narrow, of which each has an equal share of the values."""
+        """Lobes about the mirror direction or beyond it, from wide to narrow, each with an equal share of the values."""
         diffuse = diffuse_of(f, angle)
         for least in (1, 5):
             for most in (20, 100, 500, 3000):

@@ -44,7 +44,7 @@ def network_of(folder, name):
 
 
 def rounded(layers):
-    """The layers with numbers that 16-bit floats have."""
+    """The layers with numbers rounded to 16-bit floats."""
     return [(weights.astype(np.float16).astype(float), offsets.astype(np.float16).astype(float)) for weights, offsets in layers]
 
 

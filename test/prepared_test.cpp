@@ -135,18 +135,6 @@ TEST_P(PreparedOn, IsClampedToAvoidSubnormalNumbersAndInfinity) {
     }
 }
 
-TEST_P(PreparedOn, IsZeroBelowTheHorizon) {
-    const PreparedBrdf model = prepare(Model{random_model(random_, {}), {}});
-    const Vec3f up{0, 0, 1};
-    for (const float z : {0.f, -0.f, -0.5f, 1e-40f}) {
-        const Vec3f low{1, 0, z};
-        EXPECT_EQ(value(model, low, up), Rgb());
-        EXPECT_EQ(value(model, up, low), Rgb());
-        EXPECT_EQ(pdf(model, low, up), 0);
-        EXPECT_EQ(pdf(model, up, low), 0);
-    }
-}
-
 /// A BRDF or BSDF of each kind and format.
 std::vector<AnyBrdf> all_kinds() {
     std::vector<AnyBrdf> list;

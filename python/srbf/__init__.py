@@ -235,23 +235,23 @@ class Model(Brdf):
     # and "limited", which is also a warning, if it would reflect more light than it may.
 
     def roughen(self, factor: float) -> "Model":
-        """The highlight as facets of `factor` (0.1 to 10) times the roughness have it. A refit."""
+        """Multiplies the roughness of the highlight by `factor` (0.1 to 10), as for facets. Fits the lobes again."""
         return _edited(self._native.roughened(factor))
 
     def tint(self, highlight: Sequence[float] = (1, 1, 1), body: Sequence[float] = (1, 1, 1)) -> "Model":
-        """The colours of highlight and body times these, 0 to 10 in R, G, B."""
+        """Multiplies the colours of highlight and body by these, 0 to 10 in R, G, B."""
         return _edited(self._native.tinted(highlight, body))
 
     def saturate(self, factor: float) -> "Model":
-        """Colours at `factor` (0 to 4) times their distance to grey of the same luminance."""
+        """Multiplies the distance of colours from grey of the same luminance by `factor` (0 to 4)."""
         return _edited(self._native.saturated(factor))
 
     def turn_hue(self, degrees: float) -> "Model":
-        """Colours turned about grey, with their luminance."""
+        """Turns colours about grey, and keeps their luminance."""
         return _edited(self._native.hue_turned(degrees))
 
     def rotate(self, degrees: float) -> "Model":
-        """The tangent turned, from x to y; an isotropic model stays as it is."""
+        """Turns the tangent from x to y. An isotropic model does not change."""
         return Model(self._native.rotated(degrees))
 
     def coat(self, roughness: float = 0.1, ior: float = 1.5, tint: Sequence[float] = (1, 1, 1)) -> "Model":

@@ -15,7 +15,7 @@ def run(*arguments):
 
 
 def test_results_repeat_and_merge(tmp_path):
-    """Fits of the same file have the same results, a file that is no measurement is left out, and two leaderboards become one."""
+    """Fits of one file have the same results, other files are skipped, and two leaderboards become one."""
     paper, second = ROOT / "data/paper_white_rgb.bsdf", tmp_path / "second"
     second.mkdir()
     (second / paper.name).write_bytes(paper.read_bytes())
@@ -31,7 +31,7 @@ def test_results_repeat_and_merge(tmp_path):
     page = (tmp_path / "both/README.md").read_text(encoding="utf-8")
     assert "Lambert, 1 GGX" in page and "## data" in page and "## second" in page
     assert "seconds" not in page  # which differ from run to run
-    # What is there already is not fitted again.
+    # Rows that exist are not fitted again.
     assert "1/1" not in run(paper, "--models", "ggx", "-o", tmp_path / "a").stderr
 
 

@@ -23,7 +23,7 @@ namespace SRBF_NAMESPACE {
 namespace {
 
 /// Candidates: the two-lobe or the one-lobe prior; used above 5 % of the largest sample or only above it; at full
-/// height or at 0.8, because GGX fitted to samples often rises too high beyond them (docs/notes/samples.md). The
+/// height or at 0.8, because GGX fitted to samples often rises too high beyond them. The
 /// last candidate uses no prior.
 constexpr double k_not_dark = 0.05, k_lowered = 0.8;
 constexpr auto k_continuations = [] {

@@ -72,7 +72,8 @@ void main() {
     PmFeatures x = pm_further_features(features, wl, wv);
     f += x.x[0] * x.x[1] + x.x[2] * x.x[SRBF_TERMS - 1];
     Real exponent = pm_with_variate(Pm(0), 0, 0, u.x, squared_distance_from_pole(axial_psi(wl, wv, u.x, u.y), 1.0));
-    f += pm_power(pm_with_features(Pm(0), 0, exponent + squared_distance(wl, wv), x)) * exp_of_lobe(u.x);
+    f += pm_power(pm_with_features(Pm(0), 0, exponent + squared_distance(wl, wv), x)) * exp_of_lobe(u.x) *
+         pm_lobe(Pm(0), 0, u.y, pm_variates_of(Pm(0), wl, wv));
     SuNearest nearest = SuNearest(texture(index_of_direction, wv));
     SuNeighbour neighbour = su_rotated_neighbour(Su(5), wv, 0);
     f += su_view_value(Su(5), neighbour.view, turned(wl, neighbour.cosine, neighbour.sine)) * neighbour.weight;

@@ -103,55 +103,48 @@ SRBF_FN Real pm_with_features(Pm pm, int j, Real exponent, PmFeatures features) 
 }
 SRBF_FN Real pm_power(Real exponent) { return exp2(max(min(exponent, Real(100.0)), Real(-100.0))); }
 
+// The variates of a pair: psi_n, or of axial lobes its squared distances from +z and -z, which suffice.
+struct PmVariates {
+    Vec3 x[SRBF_MAX_VARIATES];
+};
+SRBF_FN PmVariates pm_variates_of(Pm pm, Vec3 wl, Vec3 wv) {
+    PmVariates of_pair;
+    for (int n = 0; n < pm_variates(pm); ++n) {
+        if (pm_axial(pm)) {
+            AxialPsi psi_ = axial_psi(wl, wv, Real(pm_weight_l(pm, n)), Real(pm_weight_v(pm, n)));
+            of_pair.x[n] = Vec3(squared_distance_from_pole(psi_, Real(1.0)),
+                                squared_distance_from_pole(psi_, Real(-1.0)), Real(0.0));
+        } else {
+            of_pair.x[n] = psi(wl, wv, Real(pm_weight_l(pm, n)), Real(pm_weight_v(pm, n)));
+        }
+    }
+    return of_pair;
+}
+// Lobe j with the terms of its variates, from the exponent of its scale and features on.
+SRBF_FN Real pm_lobe(Pm pm, int j, Real exponent, PmVariates of_pair) {
+    Real sum = exponent;
+    for (int n = 0; n < pm_variates(pm); ++n) {
+        if (pm_axial(pm))
+            sum = pm_with_variate(pm, j, n, sum, pm_down(pm, j, n) ? of_pair.x[n].y : of_pair.x[n].x);
+        else
+            sum = pm_with_variate(pm, j, n, sum, squared_distance(of_pair.x[n], pm_centre(pm, j, n)));
+    }
+    return pm_power(sum);
+}
+
 // g(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) prod_k e^(kappa_jk x_k(wl, wv)) [1/sr], for
 // R, G, B. Here psi_n = normalize(a_n wl + b_n wv), and x_k are the further features, which are symmetric.
 // rho(wl, wv) = g(wl, wv), or the mean of g(wl, wv) and g(wv, wl) in a reciprocal model. A negative sum counts as 0:
 // the colour of a spectral model's lobe may have a negative channel.
 SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
-    // For axial lobes, the squared distances of psi_n from +z and -z suffice. The second three are of (wv, wl).
-    Vec3 variate[SRBF_MAX_VARIATES];
-    Real up[SRBF_MAX_VARIATES];
-    Real down[SRBF_MAX_VARIATES];
-    Vec3 exchanged_variate[SRBF_MAX_VARIATES];
-    Real exchanged_up[SRBF_MAX_VARIATES];
-    Real exchanged_down[SRBF_MAX_VARIATES];
-    for (int n = 0; n < pm_variates(pm); ++n) {
-        Real a = Real(pm_weight_l(pm, n));
-        Real b = Real(pm_weight_v(pm, n));
-        if (pm_axial(pm)) {
-            AxialPsi psi_ = axial_psi(wl, wv, a, b);
-            up[n] = squared_distance_from_pole(psi_, Real(1.0));
-            down[n] = squared_distance_from_pole(psi_, Real(-1.0));
-            if (pm_reciprocal(pm)) {
-                AxialPsi exchanged = axial_psi(wv, wl, a, b);
-                exchanged_up[n] = squared_distance_from_pole(exchanged, Real(1.0));
-                exchanged_down[n] = squared_distance_from_pole(exchanged, Real(-1.0));
-            }
-        } else {
-            variate[n] = psi(wl, wv, a, b);
-            if (pm_reciprocal(pm)) exchanged_variate[n] = psi(wv, wl, a, b);
-        }
-    }
+    PmVariates of_pair = pm_variates_of(pm, wl, wv);
+    PmVariates exchanged = pm_variates_of(pm, wv, wl);
     PmFeatures features = pm_further_features(pm_features(pm), wl, wv);
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     for (int j = 0; j < pm_lobes(pm); ++j) {
         Real exponent = pm_with_features(pm, j, Real(pm_log2_scale(pm, j)), features);
-        Real exchanged_exponent = exponent;
-        for (int n = 0; n < pm_variates(pm); ++n) {
-            if (pm_axial(pm)) {
-                exponent = pm_with_variate(pm, j, n, exponent, pm_down(pm, j, n) ? down[n] : up[n]);
-                if (pm_reciprocal(pm))
-                    exchanged_exponent = pm_with_variate(pm, j, n, exchanged_exponent,
-                                                         pm_down(pm, j, n) ? exchanged_down[n] : exchanged_up[n]);
-            } else {
-                exponent = pm_with_variate(pm, j, n, exponent, squared_distance(variate[n], pm_centre(pm, j, n)));
-                if (pm_reciprocal(pm))
-                    exchanged_exponent = pm_with_variate(pm, j, n, exchanged_exponent,
-                                                         squared_distance(exchanged_variate[n], pm_centre(pm, j, n)));
-            }
-        }
-        Real power = pm_power(exponent);
-        if (pm_reciprocal(pm)) power = Real(0.5) * (power + pm_power(exchanged_exponent));
+        Real power = pm_lobe(pm, j, exponent, of_pair);
+        if (pm_reciprocal(pm)) power = Real(0.5) * (power + pm_lobe(pm, j, exponent, exchanged));
         sum = sum + power * pm_coefficient(pm, j);
     }
     return Vec3(max(sum.x, Real(0.0)), max(sum.y, Real(0.0)), max(sum.z, Real(0.0)));

@@ -168,10 +168,6 @@ HWY_INLINE void store_colour(const Vec3<Group>& sum, float* colour) {
 }
 #endif
 
-// The variates of the second side of a model that has one.
-struct NoVariates {
-    HWY_INLINE NoVariates(const PmLanes&, const Vec3<Group>&, const Vec3<Group>&) {}
-};
 // The variates of a pair, computed in lanes, and their squared distances from the centres of lobes in lanes.
 template <typename Formula, int N, bool axial> struct LaneVariates {
     HWY_ALIGN float x[PmLanes::k_lanes], y[PmLanes::k_lanes], z[PmLanes::k_lanes];
@@ -230,10 +226,7 @@ void value_sized(const void* model, const Vec3f& l, const Vec3f& v, float* f) {
     const PmLanes& numbers = *static_cast<const PmLanes*>(model);
     const Grouped<N, axial, form> pm{numbers};
     const Vec3<Group> wl = broadcast(l), wv = broadcast(v);
-    using Variates = LaneVariates<Formula, N, axial>;
-    constexpr int sides = is_reciprocal(form) ? 2 : 1;
-    const Variates variates(numbers, wl, wv);
-    const std::conditional_t<sides == 2, Variates, NoVariates> exchanged(numbers, wv, wl);
+    const LaneVariates<Formula, N, axial> variates(numbers, wl, wv), exchanged(numbers, wv, wl);
     const auto further = Formula::pm_further_features(features(form), wl, wv);
     Vec3<Group> sum(Group(0.0), Group(0.0), Group(0.0));
     for (int j = 0; j * pm.lanes < numbers.lobes(); ++j) {
@@ -246,7 +239,7 @@ void value_sized(const void* model, const Vec3f& l, const Vec3f& v, float* f) {
             return Formula::pm_power(exponent + of_features);
         };
         Group power = power_of(variates);
-        if constexpr (sides == 2) power = Group(0.5) * (power + power_of(exchanged));
+        if constexpr (is_reciprocal(form)) power = Group(0.5) * (power + power_of(exchanged));
         sum = sum + power * pm.coefficient(j);
     }
     store_colour(sum, f);
@@ -287,15 +280,15 @@ PmLanes::PmLanes(const PmModel& model)
         for (const std::size_t lane : {n % 4, n % 4 + 4})
             numbers_[2 + n / 4].lane[lane] = p.a, numbers_[4 + n / 4].lane[lane] = p.b;
     }
-    const auto to_base_2 = [](float x) { return float(1.4426950408889634 * double(x)); };
+    using K = Kernel<float>;
     for (std::size_t j = 0; j < std::size_t(lobes_); ++j) {
         Row* const rows = &numbers_[k_first + j / k_lanes * std::size_t(rows_)];
         const auto set = [&](int row, float x) { rows[row].lane[j % k_lanes] = x; };
-        set(log2_scale(), to_base_2(model.log_scale[j]));
+        set(log2_scale(), float(K::pm_log2_scale(model, int(j))));
         set_coefficient(j, model.coefficient[j]);
         for (std::size_t n = 0; n < std::size_t(variates_); ++n) {
             const Vec3f xi = n < N ? model.centre[j * N + n] : Vec3f(0, 0, 1);
-            set(log2_falloff(axial_, int(n)), n < N ? 0.5f * to_base_2(model.bandwidth[j * N + n]) : 0);
+            set(log2_falloff(axial_, int(n)), n < N ? float(K::pm_log2_falloff(model, int(j), int(n))) : 0);
             if (axial_)
                 set(pole(int(n)), xi.z < 0 ? -1.f : 1.f),
                     set(place(int(n)), std::bit_cast<float>(std::int32_t(n % 4 + (xi.z < 0 ? 4 : 0))));
@@ -303,7 +296,7 @@ PmLanes::PmLanes(const PmModel& model)
                 set(centre(int(n), 0), xi.x), set(centre(int(n), 1), xi.y), set(centre(int(n), 2), xi.z);
         }
         for (std::size_t k = 0; k < F; ++k)
-            set(exponent(axial_, variates_, int(k)), to_base_2(model.exponent[j * F + k]));
+            set(exponent(axial_, variates_, int(k)), float(K::pm_exponent(model, int(j), int(k))));
     }
 }
 

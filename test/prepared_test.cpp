@@ -503,13 +503,13 @@ MixtureProposal random_mixture(std::mt19937_64& random, bool is_grain) {
     }
     return proposal;
 }
-std::array<double, k_node_numbers> numbers_at(const MixtureProposal& proposal, double z) {
+std::array<double, MixtureProposal::k_lobes + k_shape_numbers> numbers_at(const MixtureProposal& proposal, double z) {
     const double position = (1 - std::sqrt(std::sqrt(z))) / 0.9 * (MixtureProposal::k_nodes - 1);
     const int lower = std::min(int(position), MixtureProposal::k_nodes - 2);
-    std::array<double, k_node_numbers> numbers;
+    std::array<double, MixtureProposal::k_lobes + k_shape_numbers> numbers;
     for (std::size_t k = 0; k < numbers.size(); ++k)
-        numbers[k] = (1 - position + lower) * double(numbers_of(proposal, std::size_t(lower))[k]) +
-                     (position - lower) * double(numbers_of(proposal, std::size_t(lower + 1))[k]);
+        numbers[k] = (1 - position + lower) * double(numbers_of(proposal, std::size_t(lower), false)[k]) +
+                     (position - lower) * double(numbers_of(proposal, std::size_t(lower + 1), false)[k]);
     return numbers;
 }
 

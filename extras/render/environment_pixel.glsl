@@ -98,7 +98,7 @@ LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
     float mean = luminance(environment_radiance(vec2(0.5), 32.0));
     float sum = 0.0;
     for (int k = 0; k < MIXTURE_COMPONENTS; ++k) {
-        float chance = mixture_weight(k, nodes);
+        float chance = mixture_between(k, nodes);
         if (chance > 0.0) {
             // 2 pi / lambda; the reflection of half vectors multiplies it by 4 cos(theta_v).
             float spread = k < SRBF_FIRST_HALF_VECTOR_LOBE ? 2.0 : 8.0 * lit.wv.z;
@@ -116,7 +116,7 @@ LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
     }
     // If there is no light, the weights of the mixture remain.
     for (int k = 0; k < MIXTURE_COMPONENTS; ++k)
-        lit.chance[k] = sum > 0.0 ? lit.chance[k] / sum : mixture_weight(k, nodes);
+        lit.chance[k] = sum > 0.0 ? lit.chance[k] / sum : mixture_between(k, nodes);
     return lit;
 }
 // A direction to the light, in the frame of the part. The lobe is chosen by u.x, rescaled within its interval so

@@ -9,6 +9,7 @@
 
 #include "code/print.h"
 #include "code/texts.h"
+#include "sampling/mixture.h"
 #include "srbf/kernel.h"
 #include "srbf/models/exponent_terms.h"
 
@@ -55,26 +56,6 @@ struct KernelProgram {
     }
 };
 
-/// The numbers of a mixture by their slots in runtime_densities.h. Of the kernel's components, 0 and 1 are the cosines.
-constexpr std::size_t k_slots = SRBF_FIRST_HALF_VECTOR_LOBE, k_facet_slot = 2 * k_slots, k_slot_numbers = 3 * k_slots;
-using SlotNumbers = std::array<float, k_slot_numbers>;
-SlotNumbers slots_of(const MixtureProposal& mixture, std::size_t node) {
-    SlotNumbers numbers{};
-    const MixtureProposal::Row& weight = mixture.weight(node);
-    std::copy(weight.begin() + 2, weight.begin() + k_slots, numbers.begin());
-    std::copy(weight.begin() + k_slots, weight.end(), numbers.begin() + k_slots);
-    const float others[] = {mixture.facet_weight[node][0],
-                            mixture.facet_weight[node][1],
-                            weight[0],
-                            weight[1],
-                            mixture.shape[node][0].stretch,
-                            mixture.shape[node][0].power,
-                            mixture.shape[node][1].stretch,
-                            mixture.shape[node][1].power};
-    std::ranges::copy(others, numbers.begin() + k_facet_slot);
-    return numbers;
-}
-
 /// Numbers of an array in C, eight in a line.
 std::string rows_in_c(std::span<const float> numbers) {
     std::string text;
@@ -83,19 +64,13 @@ std::string rows_in_c(std::span<const float> numbers) {
     return text;
 }
 
-/// A row has a number of each of eight slots: bandwidth, width, scale and rest of lobes of directions, then bandwidth of
-/// half-vector lobes, and 1 for those with an odd number. Empty slots are 0.
+/// The columns of `LobeTable`.
 std::string slots_in_c() {
-    using K = Kernel<float>;
-    std::vector<float> numbers(6 * k_slots);
-    for (std::size_t slot = 0; slot < k_slots; ++slot) {
-        const auto set = [&](std::size_t row, float number) { numbers[row * k_slots + slot] = number; };
-        const int half = int(slot + k_slots);
-        set(4, K::proposal_bandwidth(half)), set(5, float(half % 2));
-        if (slot + 2 >= k_slots) continue;  // the kernel's first two components are the cosines
-        const auto lobe = K::mirror_lobe({0, 0, 1}, K::proposal_bandwidth(int(slot + 2)));
-        set(0, lobe.bandwidth), set(1, lobe.width), set(2, lobe.scale), set(3, lobe.rest);
-    }
+    const LobeTable& table = lobe_table();
+    std::vector<float> numbers;
+    for (const LobeTable::Row* row : {&table.bandwidth, &table.width, &table.scale, &table.rest, &table.constant,
+                                      &table.linear, &table.square, &table.half_bandwidth, &table.odd})
+        numbers.insert(numbers.end(), row->begin(), row->end());
     return fmt::format(
         "SRBF_FN const float* srbf_slots(void) {{\n"
         "    static const float numbers[{}] = {{\n{}    }};\n    return numbers;\n}}\n",
@@ -146,25 +121,25 @@ std::string mixtures_in_c(std::set<std::string>& known) {
 }
 
 std::string value_in_c(const PmModel& model) {
-    const auto lobes = std::size_t(model.lobes), variates = std::size_t(model.variates),
-               terms = std::size_t(features(model.form));
-    const std::size_t first = 32, columns = model.axial ? 2 : 4, rows = 4 + terms + variates * columns;
-    constexpr float log2_e = 1.44269504f;
-    std::vector<float> numbers(first + (lobes + 7) / 8 * 8 * rows);
-    for (std::size_t n = 0; n < variates; ++n) {
-        const auto [a, b] = model.parameterization[n];
-        numbers[n] = a, numbers[16 + n] = b;
-        if (is_reciprocal(model.form)) numbers[variates + n] = b, numbers[16 + variates + n] = a;
+    using K = Kernel<float>;
+    const int variates = model.variates, terms = features(model.form), columns = model.axial ? 2 : 4,
+              rows = 4 + terms + variates * columns;
+    constexpr int first = 32;
+    const int sides = is_reciprocal(model.form) ? 2 : 1;
+    std::vector<float> numbers(std::size_t(first + (model.lobes + 7) / 8 * 8 * rows));
+    for (int n = 0; n < sides * variates; ++n) {
+        const auto [a, b] = model.parameterization[std::size_t(n % variates)];
+        numbers[std::size_t(n)] = n < variates ? a : b, numbers[std::size_t(16 + n)] = n < variates ? b : a;
     }
-    for (std::size_t j = 0; j < lobes; ++j) {
-        float* next = &numbers[first + j / 8 * 8 * rows + j % 8];
-        const auto add = [&](float number) { *next = number, next += 8; };
-        add(log2_e * model.log_scale[j]);
-        for (int c = 0; c < 3; ++c) add(model.coefficient[j][c]);
-        for (std::size_t k = 0; k < terms; ++k) add(log2_e * model.exponent[j * terms + k]);
-        for (std::size_t i = j * variates; i < (j + 1) * variates; ++i) {
-            const float falloff = -0.5f * log2_e * model.bandwidth[i];
-            const Vec3f xi = model.centre[i];
+    for (int j = 0; j < model.lobes; ++j) {
+        float* next = &numbers[std::size_t(first + j / 8 * 8 * rows + j % 8)];
+        const auto add = [&](auto number) { *next = float(number), next += 8; };
+        add(K::pm_log2_scale(model, j));
+        for (int c = 0; c < 3; ++c) add(model.coefficient[std::size_t(j)][c]);
+        for (int k = 0; k < terms; ++k) add(K::pm_exponent(model, j, k));
+        for (int n = 0; n < variates; ++n) {
+            const double falloff = -K::pm_log2_falloff(model, j, n);
+            const Vec3f xi = K::pm_centre(model, j, n);
             if (model.axial)
                 add(xi.z < 0 ? 0 : falloff), add(xi.z < 0 ? falloff : 0);
             else
@@ -176,13 +151,16 @@ std::string value_in_c(const PmModel& model) {
         "    static const float numbers[{}] = {{\n{}    }};\n"
         "    const srbf_form form = {{{}, {}, {}, {:d}, {:d}}};\n"
         "    return srbf_lobes_value(form, numbers, wl, wv);\n}}\n",
-        numbers.size(), rows_in_c(numbers), lobes, variates, terms, model.axial, is_reciprocal(model.form));
+        numbers.size(), rows_in_c(numbers), model.lobes, variates, terms, model.axial, is_reciprocal(model.form));
 }
 
 std::string mixture_in_c(const MixtureProposal& mixture) {
     std::string nodes;
-    for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
-        nodes += "        {\n" + rows_in_c(slots_of(mixture, node)) + "        },\n";
+    for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
+        std::vector<float> numbers = numbers_of(mixture, node, true);
+        numbers.resize(MixtureProposal::k_components + k_shape_numbers);
+        nodes += "        {\n" + rows_in_c(numbers) + "        },\n";
+    }
     const FacetTerms facets = mixture.facets.value_or(FacetTerms{});
     const auto list = [](const auto&... numbers) {
         std::string text;

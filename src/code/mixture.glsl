@@ -1,8 +1,8 @@
 // Samples a mixture of proposal lobes. This text follows kernel.glsl, and requires:
 //   mixture_number(node, i)  number i of a node of MIXTURE_NODES, which are uniform in mixture_position(cos(theta_v)):
-//                            the weights of SRBF_PROPOSAL_LOBES lobes, then stretch and power of the even half-vector
-//                            lobes, and of the odd ones; of MIXTURE_COMPONENTS components the others are facets, with
-//                            their weights, then their matrices (xx, xy, yy)
+//                            the weights of MIXTURE_COMPONENTS components, of which those after SRBF_PROPOSAL_LOBES are
+//                            facets; then stretch and power of the even half-vector lobes, and of the odd ones; then
+//                            the matrices (xx, xy, yy) of facets
 //   mixture_tangent(wv)      the tangent along which these lobes are stretched, of any length
 
 // The position of a coordinate from 0 to 1 between two of `count` nodes.
@@ -24,9 +24,8 @@ Real mixture_between(int i, NodesAbout nodes) {
     return below + nodes.beyond * (above - below);
 }
 
-Real mixture_weight(int k, NodesAbout nodes) { return mixture_between(k < SRBF_PROPOSAL_LOBES ? k : k + 4, nodes); }
 Facets mixture_facets(int k) {
-    int first = SRBF_PROPOSAL_LOBES + 6 + 3 * (k - SRBF_PROPOSAL_LOBES);
+    int first = MIXTURE_COMPONENTS + 4 + 3 * (k - SRBF_PROPOSAL_LOBES);
     Facets facets;
     facets.xx = mixture_number(0, first);
     facets.xy = mixture_number(0, first + 1);
@@ -40,7 +39,7 @@ int chosen_lobe(Vec3 wv, Real selector) {
     Real running = Real(0.0);
     int chosen = 0;
     for (int k = 0; k < MIXTURE_COMPONENTS; ++k) {
-        running = running + mixture_weight(k, nodes);
+        running = running + mixture_between(k, nodes);
         if (running <= selector) chosen = k + 1;
     }
     // Rounding errors of the shares go to the cosine.
@@ -49,9 +48,9 @@ int chosen_lobe(Vec3 wv, Real selector) {
 }
 // The stretch and the power of lobe k.
 Stretch mixture_stretch(int k, Vec3 wv, NodesAbout nodes) {
-    return stretch_along(mixture_tangent(wv), mixture_between(SRBF_PROPOSAL_LOBES + 2 * (k % 2), nodes));
+    return stretch_along(mixture_tangent(wv), mixture_between(MIXTURE_COMPONENTS + 2 * (k % 2), nodes));
 }
-Real mixture_power(int k, NodesAbout nodes) { return mixture_between(SRBF_PROPOSAL_LOBES + 2 * (k % 2) + 1, nodes); }
+Real mixture_power(int k, NodesAbout nodes) { return mixture_between(MIXTURE_COMPONENTS + 2 * (k % 2) + 1, nodes); }
 Vec3 sample_of_lobe(int k, Vec3 wv, Real u1, Real u2) {
     if (SRBF_PROPOSAL_LOBES < MIXTURE_COMPONENTS && k >= SRBF_PROPOSAL_LOBES)
         return sample_facets(wv, mixture_facets(k), u1, u2);
@@ -72,11 +71,11 @@ Real light_pdf(Vec3 wl, Vec3 wv) {
     ProposalPoint odd = proposal_point(wl, wv, mixture_stretch(1, wv, nodes), mixture_power(1, nodes));
     Real sum = Real(0.0);
     for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
-        Real weight = mixture_weight(k, nodes);
+        Real weight = mixture_between(k, nodes);
         if (Real(0.0) < weight)
             sum = sum + weight * (k % 2 == 0 ? proposal_lobe_pdf(k, even) : proposal_lobe_pdf(k, odd));
     }
     for (int k = SRBF_PROPOSAL_LOBES; k < MIXTURE_COMPONENTS; ++k)
-        sum = sum + mixture_weight(k, nodes) * facets_pdf(wl, wv, mixture_facets(k));
+        sum = sum + mixture_between(k, nodes) * facets_pdf(wl, wv, mixture_facets(k));
     return sum;
 }

@@ -235,14 +235,14 @@ MixtureProposal mixture_of(const Model& model, const CodeOptions& options) {
 std::string mixture_numbers_text(const MixtureProposal& mixture, const CodeOptions& options, Program& program,
                                  std::map<std::string, std::string>& defines) {
     const bool has_facets = mixture.facets.has_value();
-    Table nodes{fmt::format("The proposal, a row for each node: weights of lobes, stretch and power of two shapes{}.",
-                            has_facets ? ", the weights and matrices of facets" : ""),
+    Table nodes{fmt::format("The proposal, a row for each node: weights of lobes{}, stretch and power of two shapes{}.",
+                            has_facets ? " and facets" : "", has_facets ? ", the matrices of facets" : ""),
                 "mixture_numbers",
                 {},
-                has_facets ? k_node_numbers : k_lobe_numbers};
+                has_facets ? k_node_numbers : MixtureProposal::k_lobes + k_shape_numbers};
     for (std::size_t node = 0; options.sampling && node < MixtureProposal::k_nodes; ++node) {
-        const auto numbers = numbers_of(mixture, node);
-        nodes.numbers.insert(nodes.numbers.end(), numbers.begin(), numbers.begin() + std::ptrdiff_t(nodes.columns));
+        const std::vector<float> numbers = numbers_of(mixture, node, has_facets);
+        nodes.numbers.insert(nodes.numbers.end(), numbers.begin(), numbers.end());
     }
     defines["MIXTURE_COMPONENTS"] =
         std::to_string(has_facets ? MixtureProposal::k_components : MixtureProposal::k_lobes);

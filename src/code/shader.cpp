@@ -131,7 +131,7 @@ ProposalNumbers proposal_numbers(const Proposals& proposals) {
     ProposalNumbers all;
     for (const MixtureProposal& proposal : proposals.of_part) {
         for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
-            const auto numbers = numbers_of(proposal, node);
+            const std::vector<float> numbers = numbers_of(proposal, node, true);
             all.nodes.insert(all.nodes.end(), numbers.begin(), numbers.end());
             all.nodes.resize(all.nodes.size() + std::size_t(4 * k_node_vectors) - numbers.size());
         }

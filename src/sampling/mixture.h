@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include "srbf/kernel.h"
 #include "srbf/sampling.h"
@@ -22,16 +23,31 @@ inline Vec3f tangent(const MixtureProposal& proposal, const Vec3f& wv) {
     return proposal.has_axis() ? Vec3f(proposal.cosine, proposal.sine, 0) : wv;
 }
 
-/// The numbers of a node: the weights of the lobes, stretch and power of the even and of the odd ones; then of facets
-/// the weights and matrices.
-inline constexpr std::size_t k_lobe_numbers = MixtureProposal::k_lobes + 4, k_node_numbers = k_lobe_numbers + 8;
-inline std::array<float, k_node_numbers> numbers_of(const MixtureProposal& proposal, std::size_t node) {
-    std::array<float, k_node_numbers> numbers;
-    float* next = std::ranges::copy(proposal.weight(node), numbers.data()).out;
-    for (const HalfVectorShape& shape : proposal.shape[node]) *next++ = shape.stretch, *next++ = shape.power;
-    next = std::ranges::copy(proposal.facet_weight[node], next).out;
+/// The parameters of the lobes, as columns: cosines and lobes of light directions, then as many lobes of half vectors.
+struct LobeTable {
+    static constexpr int k_count = MixtureProposal::k_lobes, k_per_kind = SRBF_FIRST_HALF_VECTOR_LOBE;
+    static_assert(k_count == 2 * k_per_kind);
+    using Row = std::array<float, k_per_kind>;
+    /// Lobes of directions around the mirror direction. A cosine has bandwidth 0.
+    alignas(32) Row bandwidth, width, scale, rest;
+    /// The polynomial in cosθl that multiplies their densities. At −cosθl only the constant is left.
+    alignas(32) Row constant, linear, square;
+    /// Lobes of half vectors. `odd` is 1 for those with an odd number, which have a shape of their own, otherwise 0.
+    alignas(32) Row half_bandwidth, odd;
+};
+const LobeTable& lobe_table();
+
+/// The numbers of a node: the weights of the lobes, and with facets theirs; stretch and power of the even and of the odd
+/// half-vector lobes; then with facets their matrices.
+inline constexpr std::size_t k_shape_numbers = 4, k_node_numbers = MixtureProposal::k_components + k_shape_numbers + 6;
+inline std::vector<float> numbers_of(const MixtureProposal& proposal, std::size_t node, bool has_facets) {
+    std::vector<float> numbers(proposal.weight(node).begin(), proposal.weight(node).end());
+    if (has_facets)
+        numbers.insert(numbers.end(), proposal.facet_weight[node].begin(), proposal.facet_weight[node].end());
+    for (const HalfVectorShape& shape : proposal.shape[node])
+        numbers.insert(numbers.end(), {shape.stretch, shape.power});
     for (const Facets& facets : proposal.facets.value_or(FacetTerms{}))
-        *next++ = facets.xx, *next++ = facets.xy, *next++ = facets.yy;
+        if (has_facets) numbers.insert(numbers.end(), {facets.xx, facets.xy, facets.yy});
     return numbers;
 }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "sampling/elevation_nodes.h"
+#include "sampling/mixture.h"
 #include "sampling/sampling_points.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -19,19 +20,6 @@
 #ifndef SRBF_SAMPLING_MIXTURE
 #define SRBF_SAMPLING_MIXTURE
 namespace SRBF_NAMESPACE {
-
-/// The parameters of the lobes, as columns: lobes of light directions, then as many lobes of half vectors.
-struct LobeTable {
-    static constexpr int k_count = MixtureProposal::k_lobes, k_per_kind = SRBF_FIRST_HALF_VECTOR_LOBE;
-    static_assert(k_count == 2 * k_per_kind);
-    using Row = std::array<float, k_per_kind>;
-    /// Lobes of directions around the mirror direction. A cosine has bandwidth 0.
-    alignas(32) Row bandwidth, width, scale, rest;
-    /// The polynomial in cosθl that multiplies their densities. At −cosθl only the constant is left.
-    alignas(32) Row constant, linear, square;
-    /// Lobes of half vectors. `odd` is 1 for those with an odd number, which have a shape of their own, otherwise 0.
-    alignas(32) Row half_bandwidth, odd;
-};
 
 /// A view direction, with the parameters that the mixture interpolates for it.
 struct MixtureView {
@@ -355,6 +343,8 @@ HWY_EXPORT(compute_slopes);
 using K = Kernel<float>;
 static_assert(MixtureProposal::k_lobes == SRBF_PROPOSAL_LOBES);
 
+}  // namespace
+
 const LobeTable& lobe_table() {
     static const LobeTable lobes = [] {
         LobeTable table;
@@ -372,8 +362,6 @@ const LobeTable& lobe_table() {
     }();
     return lobes;
 }
-
-}  // namespace
 
 DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {
     return HWY_DYNAMIC_DISPATCH(sample_mixture_with_pdf)(proposal, lobe_table(), wv, u, selector);

@@ -1,11 +1,10 @@
-// A mixture of components of kernel.glsl's proposal, whose weights are linear in mixture_position(cos(theta_v)) between
-// nodes. Components have slots: lobes of directions, from 8 on lobes of half vectors, then facets, the cosine and its
-// square. After these follow stretch and power of the even half-vector lobes, and of the odd ones.
+// A mixture of the components of kernel.glsl's proposal, whose weights are linear in mixture_position(cos(theta_v))
+// between nodes: cosines and lobes of directions, from 8 on lobes of half vectors, then facets. After the weights follow
+// stretch and power of the even half-vector lobes, and of the odd ones.
 #define SRBF_NODES 15
 #define SRBF_SLOTS 8
 #define SRBF_FACET_SLOT (2 * SRBF_SLOTS)
-#define SRBF_COSINE_SLOT (2 * SRBF_SLOTS + 2)
-#define SRBF_STRETCH (2 * SRBF_SLOTS + 4)
+#define SRBF_STRETCH (2 * SRBF_SLOTS + 2)
 #define SRBF_NUMBERS (3 * SRBF_SLOTS)
 // Even and odd half-vector lobes alternate in a vector; single lanes have two maps.
 #define SRBF_MAPS (SRBF_LANES > 1 ? 1 : 2)
@@ -40,7 +39,7 @@ SRBF_FN void srbf_set_view(srbf_view* view) {
     int i;
     view->has_halves = 0;
     for (i = 0; i < SRBF_SLOTS; i += SRBF_LANES, slots += SRBF_LANES) {
-        const srbf_x odd = srbf_x_load(slots + 40), power = shape[1] + odd * (shape[3] - shape[1]);
+        const srbf_x odd = srbf_x_load(slots + 64), power = shape[1] + odd * (shape[3] - shape[1]);
         srbf_x_ProposalLobe* lobe = &view->lobe[i / SRBF_LANES];
         srbf_x_Stretch* map = &view->map[SRBF_MAP_OF(i)];
         if (i < SRBF_MAPS * SRBF_LANES) *map = srbf_x_stretch_along(tangent, shape[0] + odd * (shape[2] - shape[0]));
@@ -50,7 +49,7 @@ SRBF_FN void srbf_set_view(srbf_view* view) {
         if (!srbf_has_weight(view, SRBF_SLOTS + i)) continue;
         view->has_halves = 1;
         lobe[SRBF_SLOTS / SRBF_LANES] =
-            srbf_x_half_vector_lobe(srbf_x_stretched(v, *map), map->inverse, srbf_x_load(slots + 32), power);
+            srbf_x_half_vector_lobe(srbf_x_stretched(v, *map), map->inverse, srbf_x_load(slots + 56), power);
     }
 }
 SRBF_FN void srbf_view_of(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv) {
@@ -70,7 +69,8 @@ SRBF_FN void srbf_view_of(srbf_view* view, const srbf_mixture* mixture, srbf_vec
 // The density of a direction, and unless `density` is null those of all slots that have weight.
 SRBF_FN float srbf_view_pdf(const srbf_view* view, srbf_vec3 wl, float* density) {
     const srbf_x_vec3 l = srbf_x_all(wl), v = srbf_x_all(view->wv), mirrored = srbf_x_vec3_of(l.x, l.y, -l.z);
-    float pdf, others[4] = {0.0f, 0.0f, wl.z * 0.318309886f, wl.z * wl.z * 0.477464829f};
+    const float* slots = srbf_slots();
+    float pdf, facets[2] = {0.0f, 0.0f};
     srbf_x_HalfVector above[3], below[3];  // of lobes of directions, and of half vectors
     srbf_x sum = srbf_x_of(0.0f);
     int i;
@@ -84,15 +84,23 @@ SRBF_FN float srbf_view_pdf(const srbf_view* view, srbf_vec3 wl, float* density)
     for (i = 0; i < SRBF_FACET_SLOT; i += SRBF_LANES) {
         if (srbf_has_weight(view, i)) {
             const int kind = i < SRBF_SLOTS ? 0 : 1 + SRBF_MAP_OF(i);
-            const srbf_x each = srbf_x_reflected_pdf(view->lobe[i / SRBF_LANES], above[kind], below[kind]);
+            srbf_x each;
+            if (i < SRBF_SLOTS) {  // the cosines are 0 below the horizon
+                below[0].factor = srbf_x_load(slots + 32 + i);
+                above[0].factor =
+                    below[0].factor + l.z * (srbf_x_load(slots + 40 + i) + l.z * srbf_x_load(slots + 48 + i));
+            }
+            each = srbf_x_reflected_pdf(view->lobe[i / SRBF_LANES], above[kind], below[kind]);
             sum = sum + srbf_x_load(view->number + i) * each;
             if (density) srbf_x_store(each, density + i);
         }
     }
     pdf = srbf_x_sum(sum);
-    for (i = 0; i < view->mixture->facets; ++i) others[i] = srbf_facets_pdf(wl, view->wv, view->mixture->facet[i]);
-    for (i = 0; i < 4; ++i) pdf += view->number[SRBF_FACET_SLOT + i] * others[i];
-    if (density) memcpy(density + SRBF_FACET_SLOT, others, sizeof others);
+    for (i = 0; i < view->mixture->facets; ++i) {
+        facets[i] = srbf_facets_pdf(wl, view->wv, view->mixture->facet[i]);
+        pdf += view->number[SRBF_FACET_SLOT + i] * facets[i];
+    }
+    if (density) memcpy(density + SRBF_FACET_SLOT, facets, sizeof facets);
     return pdf;
 }
 
@@ -103,11 +111,11 @@ SRBF_FN float srbf_lane(srbf_x x, int i) {
 }
 // A direction of a slot; z <= 0 if there is none.
 SRBF_FN srbf_vec3 srbf_slot_sample(const srbf_view* view, int slot, float u1, float u2) {
-    const int cosine = slot - SRBF_COSINE_SLOT, facet = slot - SRBF_FACET_SLOT, lane = slot % SRBF_LANES;
+    const int facet = slot - SRBF_FACET_SLOT, lane = slot % SRBF_LANES;
     const srbf_x_ProposalLobe* lobe = &view->lobe[facet < 0 ? slot / SRBF_LANES : 0];
     const srbf_x_Stretch* map = &view->map[SRBF_MAP_OF(slot)];
     srbf_vec3 w = srbf_vec3_of(0.0f, 0.0f, 1.0f);
-    if (cosine >= 0) return srbf_off_centre(w, srbf_below_power_cosine(1.0f / (float)(2 + cosine), u1), u2);
+    if (slot < 2) return srbf_off_centre(w, srbf_below_power_cosine(1.0f / (float)(2 + slot), u1), u2);
     if (facet >= 0) return srbf_sample_facets(view->wv, view->mixture->facet[facet], u1, u2);
     w = srbf_vec3_of(srbf_lane(lobe->centre.x, lane), srbf_lane(lobe->centre.y, lane), srbf_lane(lobe->centre.z, lane));
     w = srbf_sample_sharp_vmf(w, srbf_lane(lobe->width, lane), srbf_lane(lobe->rest, lane), u1, u2);
@@ -118,12 +126,9 @@ SRBF_FN srbf_vec3 srbf_slot_sample(const srbf_view* view, int slot, float u1, fl
     }
     return srbf_reflected_up(w);
 }
-// A direction of the slot that a selector chooses, the cosines' first. A rest by rounding is the cosine's.
+// A direction of the slot that a selector chooses. A rest by rounding is the cosine's.
 SRBF_FN srbf_vec3 srbf_view_sample(const srbf_view* view, float u1, float u2, float selector) {
-    int slot = SRBF_COSINE_SLOT, left = SRBF_STRETCH;
-    for (; left > 0 && !(selector < view->number[slot]); --left) {
-        selector -= view->number[slot];
-        slot = (slot + 1) % SRBF_STRETCH;
-    }
-    return srbf_slot_sample(view, slot, u1, u2);
+    int slot = 0;
+    for (; slot < SRBF_STRETCH && !(selector < view->number[slot]); ++slot) selector -= view->number[slot];
+    return srbf_slot_sample(view, slot < SRBF_STRETCH ? slot : 0, u1, u2);
 }

@@ -65,7 +65,7 @@ static void srbf_read(srbf_file* file, srbf_brdf* brdf) {
             float* number = part->mixture.number[i];
             int k;
             for (k = SRBF_STRETCH; k < SRBF_NUMBERS; ++k) number[k] = 1.0f;
-            number[SRBF_COSINE_SLOT] = 1.0f;
+            number[0] = 1.0f;
         }
     }
     brdf->points = (srbf_points*)srbf_take(file, sizeof *brdf->points);

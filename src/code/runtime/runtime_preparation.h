@@ -17,7 +17,7 @@ typedef struct {
 typedef struct {
     srbf_vec3 view[8], l[SRBF_MOST_POINTS];
     float weight[SRBF_MOST_POINTS], density[SRBF_MOST_POINTS][SRBF_NUMBERS];
-    int views, each, count, components, slot[SRBF_STRETCH];
+    int views, each, count, components;
 } srbf_points;
 struct srbf_brdf {
     int is_two_sided;
@@ -37,7 +37,8 @@ static float srbf_turns(double x) { return (float)(x - floor(x)); }
 // A view where all slots have weight, and half-vector lobes these stretches and powers.
 static void srbf_set_shape(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv, const float shape[4]) {
     int k;
-    for (k = 0; k < SRBF_NUMBERS; ++k) view->number[k] = k < SRBF_STRETCH ? 1.0f : shape[k - SRBF_STRETCH];
+    for (k = 0; k < SRBF_NUMBERS; ++k) view->number[k] = 1.0f;
+    memcpy(view->number + SRBF_STRETCH, shape, 4 * sizeof *shape);
     view->mixture = mixture, view->wv = wv;
     srbf_set_view(view);
 }
@@ -56,7 +57,7 @@ static float srbf_least_moment(const srbf_points* points, int steps, float weigh
     float moment = 0.0f, sum;
     int step, i, k;
     memset(weight, 0, SRBF_NUMBERS * sizeof *weight);
-    for (k = 0; k < points->components; ++k) weight[points->slot[k]] = 1.0f / (float)points->components;
+    for (k = 0; k < points->components; ++k) weight[k] = 1.0f / (float)points->components;
     for (step = 0; step <= steps; ++step) {
         float slope[SRBF_NUMBERS] = {0.0f};
         for (i = 0, moment = 0.0f; i < points->count; ++i) {
@@ -92,13 +93,12 @@ static void srbf_make_points(const srbf_part* part, srbf_points* points) {
         const float u1 = ((float)(i % draws) + 0.5f) / (float)draws;
         const float u2 = srbf_turns(0.6180339887 * (i + 7 * (i / draws)));
         if (i % half == 0) srbf_set_shape(&view, &part->mixture, points->view[i / points->each], shapes[i / half % 2]);
-        points->l[i] = srbf_slot_sample(&view, points->slot[i / draws % points->components], u1, u2);
+        points->l[i] = srbf_slot_sample(&view, i / draws % points->components, u1, u2);
     }
     for (shape = 0; shape < 2; ++shape) {
         srbf_set_densities(points, &part->mixture, shapes[shape]);
         for (i = 0; i < points->count; ++i)
-            for (k = 0; k < points->components; ++k)
-                points->weight[i] += (float)draws * points->density[i][points->slot[k]];
+            for (k = 0; k < points->components; ++k) points->weight[i] += (float)draws * points->density[i][k];
     }
     for (i = 0; i < points->count; ++i) {
         const srbf_vec3 l = points->l[i];
@@ -159,7 +159,7 @@ static void srbf_make_node(srbf_part* part, srbf_points* points, int node) {
         for (i = 0; i < 4; ++i) shape[i] = 1.0f;
     srbf_set_densities(points, &part->mixture, shape);
     srbf_least_moment(points, 60, number);
-    number[SRBF_COSINE_SLOT] = srbf_max(number[SRBF_COSINE_SLOT], 0.02f);
+    number[0] = srbf_max(number[0], 0.02f);
     for (i = 0; i < SRBF_STRETCH; ++i) {
         if (!(number[i] > 1.0e-2f)) number[i] = 0.0f;
         sum += number[i];
@@ -208,14 +208,9 @@ static srbf_vec3 srbf_part_albedo(const srbf_part* part, float cosine) {
 
 static void srbf_prepare_part(srbf_part* part, srbf_points* points) {
     const srbf_model* model = part->model;
-    int node, k;
-    part->mixture.facets = model->facets;
+    int node;
+    part->mixture.facets = model->facets, points->components = SRBF_FACET_SLOT + model->facets;
     memcpy(part->mixture.facet, model->facet, sizeof model->facet);
-    for (k = points->components = 0; k < SRBF_STRETCH; ++k)
-        if (k < SRBF_SLOTS         ? srbf_slots()[k] > 0.0f
-            : k >= SRBF_FACET_SLOT ? k >= SRBF_COSINE_SLOT || k < SRBF_FACET_SLOT + model->facets
-                                   : 1)
-            points->slot[points->components++] = k;
     for (node = 0; node < SRBF_NODES; ++node) srbf_make_node(part, points, node);
     srbf_make_albedos(part);
 }

@@ -543,24 +543,26 @@ SRBF_FN srbf_x srbf_x_reflected_pdf(srbf_x_ProposalLobe lobe, srbf_x_HalfVector 
 }
 
 SRBF_FN const float* srbf_slots(void) {
-    static const float numbers[48] = {
-        4.0f, 16.0f, 64.0f, 256.0f, 32768.0f, 131072.0f, 0.0f, 0.0f,
-        0.25f, 0.0625f, 0.015625f, 0.00390625f, 3.0517578e-05f, 7.6293945e-06f, 0.0f, 0.0f,
-        0.63683337f, 2.546479f, 10.185916f, 40.743664f, 5215.189f, 20860.756f, 0.0f, 0.0f,
-        0.00033546262f, 1.2664166e-14f, 8.756511e-27f, 8.756511e-27f, 8.756511e-27f, 8.756511e-27f, 0.0f, 0.0f,
+    static const float numbers[72] = {
+        0.0f, 0.0f, 4.0f, 16.0f, 64.0f, 256.0f, 32768.0f, 131072.0f,
+        0.5f, 0.33333334f, 0.25f, 0.0625f, 0.015625f, 0.00390625f, 3.0517578e-05f, 7.6293945e-06f,
+        0.31830987f, 0.47746482f, 0.63683337f, 2.546479f, 10.185916f, 40.743664f, 5215.189f, 20860.756f,
+        0.0f, 0.0f, 0.00033546262f, 1.2664166e-14f, 8.756511e-27f, 8.756511e-27f, 8.756511e-27f, 8.756511e-27f,
+        0.0f, 0.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f,
+        1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
+        0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
         8.0f, 32.0f, 128.0f, 512.0f, 2048.0f, 8192.0f, 32768.0f, 131072.0f,
         0.0f, 1.0f, 0.0f, 1.0f, 0.0f, 1.0f, 0.0f, 1.0f,
     };
     return numbers;
 }
-// A mixture of components of kernel.glsl's proposal, whose weights are linear in mixture_position(cos(theta_v)) between
-// nodes. Components have slots: lobes of directions, from 8 on lobes of half vectors, then facets, the cosine and its
-// square. After these follow stretch and power of the even half-vector lobes, and of the odd ones.
+// A mixture of the components of kernel.glsl's proposal, whose weights are linear in mixture_position(cos(theta_v))
+// between nodes: cosines and lobes of directions, from 8 on lobes of half vectors, then facets. After the weights follow
+// stretch and power of the even half-vector lobes, and of the odd ones.
 #define SRBF_NODES 15
 #define SRBF_SLOTS 8
 #define SRBF_FACET_SLOT (2 * SRBF_SLOTS)
-#define SRBF_COSINE_SLOT (2 * SRBF_SLOTS + 2)
-#define SRBF_STRETCH (2 * SRBF_SLOTS + 4)
+#define SRBF_STRETCH (2 * SRBF_SLOTS + 2)
 #define SRBF_NUMBERS (3 * SRBF_SLOTS)
 // Even and odd half-vector lobes alternate in a vector; single lanes have two maps.
 #define SRBF_MAPS (SRBF_LANES > 1 ? 1 : 2)
@@ -595,7 +597,7 @@ SRBF_FN void srbf_set_view(srbf_view* view) {
     int i;
     view->has_halves = 0;
     for (i = 0; i < SRBF_SLOTS; i += SRBF_LANES, slots += SRBF_LANES) {
-        const srbf_x odd = srbf_x_load(slots + 40), power = shape[1] + odd * (shape[3] - shape[1]);
+        const srbf_x odd = srbf_x_load(slots + 64), power = shape[1] + odd * (shape[3] - shape[1]);
         srbf_x_ProposalLobe* lobe = &view->lobe[i / SRBF_LANES];
         srbf_x_Stretch* map = &view->map[SRBF_MAP_OF(i)];
         if (i < SRBF_MAPS * SRBF_LANES) *map = srbf_x_stretch_along(tangent, shape[0] + odd * (shape[2] - shape[0]));
@@ -605,7 +607,7 @@ SRBF_FN void srbf_set_view(srbf_view* view) {
         if (!srbf_has_weight(view, SRBF_SLOTS + i)) continue;
         view->has_halves = 1;
         lobe[SRBF_SLOTS / SRBF_LANES] =
-            srbf_x_half_vector_lobe(srbf_x_stretched(v, *map), map->inverse, srbf_x_load(slots + 32), power);
+            srbf_x_half_vector_lobe(srbf_x_stretched(v, *map), map->inverse, srbf_x_load(slots + 56), power);
     }
 }
 SRBF_FN void srbf_view_of(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv) {
@@ -625,7 +627,8 @@ SRBF_FN void srbf_view_of(srbf_view* view, const srbf_mixture* mixture, srbf_vec
 // The density of a direction, and unless `density` is null those of all slots that have weight.
 SRBF_FN float srbf_view_pdf(const srbf_view* view, srbf_vec3 wl, float* density) {
     const srbf_x_vec3 l = srbf_x_all(wl), v = srbf_x_all(view->wv), mirrored = srbf_x_vec3_of(l.x, l.y, -l.z);
-    float pdf, others[4] = {0.0f, 0.0f, wl.z * 0.318309886f, wl.z * wl.z * 0.477464829f};
+    const float* slots = srbf_slots();
+    float pdf, facets[2] = {0.0f, 0.0f};
     srbf_x_HalfVector above[3], below[3];  // of lobes of directions, and of half vectors
     srbf_x sum = srbf_x_of(0.0f);
     int i;
@@ -639,15 +642,23 @@ SRBF_FN float srbf_view_pdf(const srbf_view* view, srbf_vec3 wl, float* density)
     for (i = 0; i < SRBF_FACET_SLOT; i += SRBF_LANES) {
         if (srbf_has_weight(view, i)) {
             const int kind = i < SRBF_SLOTS ? 0 : 1 + SRBF_MAP_OF(i);
-            const srbf_x each = srbf_x_reflected_pdf(view->lobe[i / SRBF_LANES], above[kind], below[kind]);
+            srbf_x each;
+            if (i < SRBF_SLOTS) {  // the cosines are 0 below the horizon
+                below[0].factor = srbf_x_load(slots + 32 + i);
+                above[0].factor =
+                    below[0].factor + l.z * (srbf_x_load(slots + 40 + i) + l.z * srbf_x_load(slots + 48 + i));
+            }
+            each = srbf_x_reflected_pdf(view->lobe[i / SRBF_LANES], above[kind], below[kind]);
             sum = sum + srbf_x_load(view->number + i) * each;
             if (density) srbf_x_store(each, density + i);
         }
     }
     pdf = srbf_x_sum(sum);
-    for (i = 0; i < view->mixture->facets; ++i) others[i] = srbf_facets_pdf(wl, view->wv, view->mixture->facet[i]);
-    for (i = 0; i < 4; ++i) pdf += view->number[SRBF_FACET_SLOT + i] * others[i];
-    if (density) memcpy(density + SRBF_FACET_SLOT, others, sizeof others);
+    for (i = 0; i < view->mixture->facets; ++i) {
+        facets[i] = srbf_facets_pdf(wl, view->wv, view->mixture->facet[i]);
+        pdf += view->number[SRBF_FACET_SLOT + i] * facets[i];
+    }
+    if (density) memcpy(density + SRBF_FACET_SLOT, facets, sizeof facets);
     return pdf;
 }
 
@@ -658,11 +669,11 @@ SRBF_FN float srbf_lane(srbf_x x, int i) {
 }
 // A direction of a slot; z <= 0 if there is none.
 SRBF_FN srbf_vec3 srbf_slot_sample(const srbf_view* view, int slot, float u1, float u2) {
-    const int cosine = slot - SRBF_COSINE_SLOT, facet = slot - SRBF_FACET_SLOT, lane = slot % SRBF_LANES;
+    const int facet = slot - SRBF_FACET_SLOT, lane = slot % SRBF_LANES;
     const srbf_x_ProposalLobe* lobe = &view->lobe[facet < 0 ? slot / SRBF_LANES : 0];
     const srbf_x_Stretch* map = &view->map[SRBF_MAP_OF(slot)];
     srbf_vec3 w = srbf_vec3_of(0.0f, 0.0f, 1.0f);
-    if (cosine >= 0) return srbf_off_centre(w, srbf_below_power_cosine(1.0f / (float)(2 + cosine), u1), u2);
+    if (slot < 2) return srbf_off_centre(w, srbf_below_power_cosine(1.0f / (float)(2 + slot), u1), u2);
     if (facet >= 0) return srbf_sample_facets(view->wv, view->mixture->facet[facet], u1, u2);
     w = srbf_vec3_of(srbf_lane(lobe->centre.x, lane), srbf_lane(lobe->centre.y, lane), srbf_lane(lobe->centre.z, lane));
     w = srbf_sample_sharp_vmf(w, srbf_lane(lobe->width, lane), srbf_lane(lobe->rest, lane), u1, u2);
@@ -673,14 +684,11 @@ SRBF_FN srbf_vec3 srbf_slot_sample(const srbf_view* view, int slot, float u1, fl
     }
     return srbf_reflected_up(w);
 }
-// A direction of the slot that a selector chooses, the cosines' first. A rest by rounding is the cosine's.
+// A direction of the slot that a selector chooses. A rest by rounding is the cosine's.
 SRBF_FN srbf_vec3 srbf_view_sample(const srbf_view* view, float u1, float u2, float selector) {
-    int slot = SRBF_COSINE_SLOT, left = SRBF_STRETCH;
-    for (; left > 0 && !(selector < view->number[slot]); --left) {
-        selector -= view->number[slot];
-        slot = (slot + 1) % SRBF_STRETCH;
-    }
-    return srbf_slot_sample(view, slot, u1, u2);
+    int slot = 0;
+    for (; slot < SRBF_STRETCH && !(selector < view->number[slot]); ++slot) selector -= view->number[slot];
+    return srbf_slot_sample(view, slot < SRBF_STRETCH ? slot : 0, u1, u2);
 }
 #endif
 
@@ -706,10 +714,6 @@ SRBF_FN float srbf_su_bandwidth(srbf_su su, int view, int j) { return srbf_su_lo
 SRBF_FN srbf_vec3 srbf_su_centre(srbf_su su, int view, int j) { return srbf_vec3_at(srbf_su_lobe(su, view, j) + 4); }
 SRBF_FN float srbf_su_shape(srbf_su su, int view, int j) { return srbf_su_lobe(su, view, j)[7]; }
 SRBF_FN int srbf_su_nearest(srbf_su_nearest_views nearest, int k) { return nearest[k]; }
-typedef struct {
-    int view;
-    float weight, cosine, sine;
-} srbf_SuNeighbour;
 typedef struct {
     float roughness;
     srbf_vec3 f0;
@@ -746,7 +750,14 @@ typedef struct {
 typedef struct {
     srbf_vec3 dielectric, metal, dielectric_f0, metal_f0;
 } srbf_OpenPbrFacets;
+typedef struct {
+    int view;
+    float weight, cosine, sine;
+} srbf_SuNeighbour;
 SRBF_FN float srbf_exp_of_lobe(float x) { return expf(srbf_max(x, -60.0f)); }
+SRBF_FN srbf_vec3 srbf_turned(srbf_vec3 w, float cosine, float sine) {
+    return srbf_vec3_of(cosine * w.x - sine * w.y, sine * w.x + cosine * w.y, w.z);
+}
 SRBF_FN srbf_Facets srbf_facets_along(float cosine, float sine, float along, float across) {
     srbf_Facets facets;
     facets.xx = along * cosine * cosine + across * sine * sine;
@@ -757,80 +768,6 @@ SRBF_FN srbf_Facets srbf_facets_along(float cosine, float sine, float along, flo
 SRBF_FN float srbf_mixture_cosine(float position) {
     float root = 1.0f - 0.9f * position;
     return root * root * (root * root);
-}
-SRBF_FN float srbf_slant(float cosine) { return 1.0f / srbf_max(cosine, 1.0e-6f) - 1.0f; }
-SRBF_FN srbf_vec3 srbf_tangent_across(srbf_vec3 w) {
-    float reciprocal = srbf_inversesqrt(srbf_max(w.x * w.x + w.y * w.y, 1.0e-20f));
-    return srbf_vec3_of(-reciprocal * w.y, reciprocal * w.x, 0.0f);
-}
-SRBF_FN float srbf_shaped_exponent(srbf_vec3 apart, float across, float further, float bandwidth, float shape) {
-    float squared = srbf_dot(apart, apart) - srbf_min(shape, 0.0f) * (across * across);
-    return -0.5f * bandwidth * squared - srbf_max(shape, 0.0f) * further;
-}
-SRBF_FN srbf_vec3 srbf_su_view_value(srbf_su su, int view, srbf_vec3 wl) {
-    srbf_vec3 sum = srbf_vec3_of(0.0f, 0.0f, 0.0f);
-    srbf_vec3 tangent = srbf_tangent_across(srbf_su_direction(su, view));
-    float further = srbf_slant(wl.z);
-    for (int j = 0; j < srbf_su_lobes(su); ++j) {
-        srbf_vec3 apart = srbf_subtract(wl, srbf_su_centre(su, view, j));
-        float exponent = srbf_shaped_exponent(apart, srbf_dot(apart, tangent), further, srbf_su_bandwidth(su, view, j),
-                srbf_su_shape(su, view, j));
-        sum = srbf_add(sum, srbf_scale(srbf_exp_of_lobe(exponent), srbf_su_coefficient(su, view, j)));
-    }
-    return sum;
-}
-SRBF_FN srbf_vec3 srbf_turned(srbf_vec3 w, float cosine, float sine) {
-    return srbf_vec3_of(cosine * w.x - sine * w.y, sine * w.x + cosine * w.y, w.z);
-}
-SRBF_FN srbf_SuNeighbour srbf_su_rotated_neighbour(srbf_su su, srbf_vec3 wv, int k) {
-    int last = srbf_su_views(su) - 1;
-    float position = srbf_max(wv.z * (float)(srbf_su_views(su)) - 0.5f, 0.0f);
-    int below = position < (float)(last) ? (int)(position) : last;
-    int above = below < last ? below + 1 : last;
-    srbf_vec3 top = srbf_su_direction(su, last);
-    float radius = srbf_sqrt(wv.x * wv.x + wv.y * wv.y);
-    float top_radius = srbf_max(srbf_sqrt(top.x * top.x + top.y * top.y), 1.0e-20f);
-    float cap = wv.z > top.z ? srbf_min(radius / top_radius, 1.0f) : 1.0f;
-    srbf_SuNeighbour neighbour;
-    neighbour.view = k == 0 ? below : k == 1 ? above : last;
-    srbf_vec3 sample_ = srbf_su_direction(su, neighbour.view);
-    float from_ = srbf_su_direction(su, below).z;
-    float step = srbf_su_direction(su, above).z - from_;
-    float part_ = step > 0.0f ? srbf_min(srbf_max((wv.z - from_) / step, 0.0f), 1.0f) : 0.0f;
-    float length = srbf_max(radius * srbf_sqrt(sample_.x * sample_.x + sample_.y * sample_.y), 1.0e-20f);
-    neighbour.weight = k == 0 ? cap * (1.0f - part_) : k == 1 ? cap * part_ : (1.0f - cap) / 3.0f;
-    neighbour.cosine = k < 2 ? (wv.x * sample_.x + wv.y * sample_.y) / length : k == 2 ? 1.0f : -0.5f;
-    neighbour.sine = k < 2 ? (wv.x * sample_.y - wv.y * sample_.x) / length : 0.8660254037844386f * (k == 3 ? 1.0f :
-            k == 4 ? -1.0f : 0.0f);
-    return neighbour;
-}
-SRBF_FN srbf_vec3 srbf_su_rotated_part(srbf_su su, srbf_vec3 wl, srbf_vec3 wv, int k) {
-    srbf_SuNeighbour neighbour = srbf_su_rotated_neighbour(su, wv, k);
-    return srbf_scale(neighbour.weight, srbf_su_view_value(su, neighbour.view, srbf_turned(wl, neighbour.cosine,
-            neighbour.sine)));
-}
-SRBF_FN srbf_vec3 srbf_su_rotated_value(srbf_su su, srbf_vec3 wl, srbf_vec3 wv) {
-    srbf_vec3 sum = srbf_add(srbf_su_rotated_part(su, wl, wv, 0), srbf_su_rotated_part(su, wl, wv, 1));
-    int count = wv.z > srbf_su_direction(su, srbf_su_views(su) - 1).z ? 5 : 2;
-    for (int k = 2; k < count; ++k) sum = srbf_add(sum, srbf_su_rotated_part(su, wl, wv, k));
-    return sum;
-}
-SRBF_FN float srbf_su_plain_weight(srbf_su su, srbf_su_nearest_views nearest, srbf_vec3 wv, int neighbours, int k) {
-    srbf_vec3 apart = srbf_subtract(wv, srbf_su_direction(su, srbf_su_nearest(nearest, k)));
-    srbf_vec3 leaving = srbf_subtract(wv, srbf_su_direction(su, srbf_su_nearest(nearest, neighbours)));
-    float of_next = srbf_inversesqrt(srbf_max(srbf_dot(leaving, leaving), 1.0e-30f));
-    return srbf_max(srbf_inversesqrt(srbf_max(srbf_dot(apart, apart), 1.0e-30f)) - of_next, 1.0e-5f * of_next);
-}
-SRBF_FN srbf_vec3 srbf_su_plain_value(srbf_su su, srbf_su_nearest_views nearest, srbf_vec3 wl, srbf_vec3 wv,
-        int neighbours) {
-    srbf_vec3 sum = srbf_vec3_of(0.0f, 0.0f, 0.0f);
-    float weights = 0.0f;
-    for (int k = 0; k < neighbours; ++k) {
-        float weight = srbf_su_plain_weight(su, nearest, wv, neighbours, k);
-        weights = weights + weight;
-        sum = srbf_add(sum, srbf_scale(weight, srbf_su_view_value(su, srbf_su_nearest(nearest, k), wl)));
-    }
-    return srbf_scale(1.0f / srbf_max(weights, 1.0e-20f), sum);
 }
 SRBF_FN float srbf_ggx_facets(srbf_vec3 wl, srbf_vec3 wv, float roughness) {
     srbf_vec3 sum = srbf_add(wl, wv);
@@ -1115,6 +1052,77 @@ SRBF_FN srbf_vec3 srbf_openpbr_anisotropic_value(srbf_OpenPbrSurface material, s
     srbf_OpenPbrFacets facets = srbf_openpbr_film_facets(material, film, base, wl, wv);
     return srbf_openpbr_layers_value(material, srbf_openpbr_base_value(material, base, facets, density, wl, wv), wl,
             wv);
+}
+SRBF_FN float srbf_slant(float cosine) { return 1.0f / srbf_max(cosine, 1.0e-6f) - 1.0f; }
+SRBF_FN srbf_vec3 srbf_tangent_across(srbf_vec3 w) {
+    float reciprocal = srbf_inversesqrt(srbf_max(w.x * w.x + w.y * w.y, 1.0e-20f));
+    return srbf_vec3_of(-reciprocal * w.y, reciprocal * w.x, 0.0f);
+}
+SRBF_FN float srbf_shaped_exponent(srbf_vec3 apart, float across, float further, float bandwidth, float shape) {
+    float squared = srbf_dot(apart, apart) - srbf_min(shape, 0.0f) * (across * across);
+    return -0.5f * bandwidth * squared - srbf_max(shape, 0.0f) * further;
+}
+SRBF_FN srbf_vec3 srbf_su_view_value(srbf_su su, int view, srbf_vec3 wl) {
+    srbf_vec3 sum = srbf_vec3_of(0.0f, 0.0f, 0.0f);
+    srbf_vec3 tangent = srbf_tangent_across(srbf_su_direction(su, view));
+    float further = srbf_slant(wl.z);
+    for (int j = 0; j < srbf_su_lobes(su); ++j) {
+        srbf_vec3 apart = srbf_subtract(wl, srbf_su_centre(su, view, j));
+        float exponent = srbf_shaped_exponent(apart, srbf_dot(apart, tangent), further, srbf_su_bandwidth(su, view, j),
+                srbf_su_shape(su, view, j));
+        sum = srbf_add(sum, srbf_scale(srbf_exp_of_lobe(exponent), srbf_su_coefficient(su, view, j)));
+    }
+    return sum;
+}
+SRBF_FN srbf_SuNeighbour srbf_su_rotated_neighbour(srbf_su su, srbf_vec3 wv, int k) {
+    int last = srbf_su_views(su) - 1;
+    float position = srbf_max(wv.z * (float)(srbf_su_views(su)) - 0.5f, 0.0f);
+    int below = position < (float)(last) ? (int)(position) : last;
+    int above = below < last ? below + 1 : last;
+    srbf_vec3 top = srbf_su_direction(su, last);
+    float radius = srbf_sqrt(wv.x * wv.x + wv.y * wv.y);
+    float top_radius = srbf_max(srbf_sqrt(top.x * top.x + top.y * top.y), 1.0e-20f);
+    float cap = wv.z > top.z ? srbf_min(radius / top_radius, 1.0f) : 1.0f;
+    srbf_SuNeighbour neighbour;
+    neighbour.view = k == 0 ? below : k == 1 ? above : last;
+    srbf_vec3 sample_ = srbf_su_direction(su, neighbour.view);
+    float from_ = srbf_su_direction(su, below).z;
+    float step = srbf_su_direction(su, above).z - from_;
+    float part_ = step > 0.0f ? srbf_min(srbf_max((wv.z - from_) / step, 0.0f), 1.0f) : 0.0f;
+    float length = srbf_max(radius * srbf_sqrt(sample_.x * sample_.x + sample_.y * sample_.y), 1.0e-20f);
+    neighbour.weight = k == 0 ? cap * (1.0f - part_) : k == 1 ? cap * part_ : (1.0f - cap) / 3.0f;
+    neighbour.cosine = k < 2 ? (wv.x * sample_.x + wv.y * sample_.y) / length : k == 2 ? 1.0f : -0.5f;
+    neighbour.sine = k < 2 ? (wv.x * sample_.y - wv.y * sample_.x) / length : 0.8660254037844386f * (k == 3 ? 1.0f :
+            k == 4 ? -1.0f : 0.0f);
+    return neighbour;
+}
+SRBF_FN srbf_vec3 srbf_su_rotated_part(srbf_su su, srbf_vec3 wl, srbf_vec3 wv, int k) {
+    srbf_SuNeighbour neighbour = srbf_su_rotated_neighbour(su, wv, k);
+    return srbf_scale(neighbour.weight, srbf_su_view_value(su, neighbour.view, srbf_turned(wl, neighbour.cosine,
+            neighbour.sine)));
+}
+SRBF_FN srbf_vec3 srbf_su_rotated_value(srbf_su su, srbf_vec3 wl, srbf_vec3 wv) {
+    srbf_vec3 sum = srbf_add(srbf_su_rotated_part(su, wl, wv, 0), srbf_su_rotated_part(su, wl, wv, 1));
+    int count = wv.z > srbf_su_direction(su, srbf_su_views(su) - 1).z ? 5 : 2;
+    for (int k = 2; k < count; ++k) sum = srbf_add(sum, srbf_su_rotated_part(su, wl, wv, k));
+    return sum;
+}
+SRBF_FN float srbf_su_plain_weight(srbf_su su, srbf_su_nearest_views nearest, srbf_vec3 wv, int neighbours, int k) {
+    srbf_vec3 apart = srbf_subtract(wv, srbf_su_direction(su, srbf_su_nearest(nearest, k)));
+    srbf_vec3 leaving = srbf_subtract(wv, srbf_su_direction(su, srbf_su_nearest(nearest, neighbours)));
+    float of_next = srbf_inversesqrt(srbf_max(srbf_dot(leaving, leaving), 1.0e-30f));
+    return srbf_max(srbf_inversesqrt(srbf_max(srbf_dot(apart, apart), 1.0e-30f)) - of_next, 1.0e-5f * of_next);
+}
+SRBF_FN srbf_vec3 srbf_su_plain_value(srbf_su su, srbf_su_nearest_views nearest, srbf_vec3 wl, srbf_vec3 wv,
+        int neighbours) {
+    srbf_vec3 sum = srbf_vec3_of(0.0f, 0.0f, 0.0f);
+    float weights = 0.0f;
+    for (int k = 0; k < neighbours; ++k) {
+        float weight = srbf_su_plain_weight(su, nearest, wv, neighbours, k);
+        weights = weights + weight;
+        sum = srbf_add(sum, srbf_scale(weight, srbf_su_view_value(su, srbf_su_nearest(nearest, k), wl)));
+    }
+    return srbf_scale(1.0f / srbf_max(weights, 1.0e-20f), sum);
 }
 
 #define SRBF_FIRST_NM 360
@@ -1629,7 +1637,7 @@ typedef struct {
 typedef struct {
     srbf_vec3 view[8], l[SRBF_MOST_POINTS];
     float weight[SRBF_MOST_POINTS], density[SRBF_MOST_POINTS][SRBF_NUMBERS];
-    int views, each, count, components, slot[SRBF_STRETCH];
+    int views, each, count, components;
 } srbf_points;
 struct srbf_brdf {
     int is_two_sided;
@@ -1649,7 +1657,8 @@ static float srbf_turns(double x) { return (float)(x - floor(x)); }
 // A view where all slots have weight, and half-vector lobes these stretches and powers.
 static void srbf_set_shape(srbf_view* view, const srbf_mixture* mixture, srbf_vec3 wv, const float shape[4]) {
     int k;
-    for (k = 0; k < SRBF_NUMBERS; ++k) view->number[k] = k < SRBF_STRETCH ? 1.0f : shape[k - SRBF_STRETCH];
+    for (k = 0; k < SRBF_NUMBERS; ++k) view->number[k] = 1.0f;
+    memcpy(view->number + SRBF_STRETCH, shape, 4 * sizeof *shape);
     view->mixture = mixture, view->wv = wv;
     srbf_set_view(view);
 }
@@ -1668,7 +1677,7 @@ static float srbf_least_moment(const srbf_points* points, int steps, float weigh
     float moment = 0.0f, sum;
     int step, i, k;
     memset(weight, 0, SRBF_NUMBERS * sizeof *weight);
-    for (k = 0; k < points->components; ++k) weight[points->slot[k]] = 1.0f / (float)points->components;
+    for (k = 0; k < points->components; ++k) weight[k] = 1.0f / (float)points->components;
     for (step = 0; step <= steps; ++step) {
         float slope[SRBF_NUMBERS] = {0.0f};
         for (i = 0, moment = 0.0f; i < points->count; ++i) {
@@ -1704,13 +1713,12 @@ static void srbf_make_points(const srbf_part* part, srbf_points* points) {
         const float u1 = ((float)(i % draws) + 0.5f) / (float)draws;
         const float u2 = srbf_turns(0.6180339887 * (i + 7 * (i / draws)));
         if (i % half == 0) srbf_set_shape(&view, &part->mixture, points->view[i / points->each], shapes[i / half % 2]);
-        points->l[i] = srbf_slot_sample(&view, points->slot[i / draws % points->components], u1, u2);
+        points->l[i] = srbf_slot_sample(&view, i / draws % points->components, u1, u2);
     }
     for (shape = 0; shape < 2; ++shape) {
         srbf_set_densities(points, &part->mixture, shapes[shape]);
         for (i = 0; i < points->count; ++i)
-            for (k = 0; k < points->components; ++k)
-                points->weight[i] += (float)draws * points->density[i][points->slot[k]];
+            for (k = 0; k < points->components; ++k) points->weight[i] += (float)draws * points->density[i][k];
     }
     for (i = 0; i < points->count; ++i) {
         const srbf_vec3 l = points->l[i];
@@ -1771,7 +1779,7 @@ static void srbf_make_node(srbf_part* part, srbf_points* points, int node) {
         for (i = 0; i < 4; ++i) shape[i] = 1.0f;
     srbf_set_densities(points, &part->mixture, shape);
     srbf_least_moment(points, 60, number);
-    number[SRBF_COSINE_SLOT] = srbf_max(number[SRBF_COSINE_SLOT], 0.02f);
+    number[0] = srbf_max(number[0], 0.02f);
     for (i = 0; i < SRBF_STRETCH; ++i) {
         if (!(number[i] > 1.0e-2f)) number[i] = 0.0f;
         sum += number[i];
@@ -1820,14 +1828,9 @@ static srbf_vec3 srbf_part_albedo(const srbf_part* part, float cosine) {
 
 static void srbf_prepare_part(srbf_part* part, srbf_points* points) {
     const srbf_model* model = part->model;
-    int node, k;
-    part->mixture.facets = model->facets;
+    int node;
+    part->mixture.facets = model->facets, points->components = SRBF_FACET_SLOT + model->facets;
     memcpy(part->mixture.facet, model->facet, sizeof model->facet);
-    for (k = points->components = 0; k < SRBF_STRETCH; ++k)
-        if (k < SRBF_SLOTS         ? srbf_slots()[k] > 0.0f
-            : k >= SRBF_FACET_SLOT ? k >= SRBF_COSINE_SLOT || k < SRBF_FACET_SLOT + model->facets
-                                   : 1)
-            points->slot[points->components++] = k;
     for (node = 0; node < SRBF_NODES; ++node) srbf_make_node(part, points, node);
     srbf_make_albedos(part);
 }
@@ -1898,7 +1901,7 @@ static void srbf_read(srbf_file* file, srbf_brdf* brdf) {
             float* number = part->mixture.number[i];
             int k;
             for (k = SRBF_STRETCH; k < SRBF_NUMBERS; ++k) number[k] = 1.0f;
-            number[SRBF_COSINE_SLOT] = 1.0f;
+            number[0] = 1.0f;
         }
     }
     brdf->points = (srbf_points*)srbf_take(file, sizeof *brdf->points);

@@ -1,6 +1,6 @@
 // A mixture of the components of kernel.glsl's proposal, whose weights are linear in mixture_position(cos(theta_v))
-// between nodes: cosines and lobes of directions, from 8 on lobes of half vectors, then facets. After the weights follow
-// stretch and power of the even half-vector lobes, and of the odd ones.
+// between nodes: cosines and lobes of directions, from 8 on lobes of half vectors, then facets. After the weights
+// follow stretch and power of the even half-vector lobes, and of the odd ones.
 #define SRBF_NODES 15
 #define SRBF_SLOTS 8
 #define SRBF_FACET_SLOT (2 * SRBF_SLOTS)

@@ -227,10 +227,6 @@ const std::vector<Row>& rows() {
          }},
         {"paper-3-log", [](const G& g) { return g.pm_line(g.paper, 3, Objective::log, {.form = PmForm::extended}); }},
         {"film-3-cube-root", [](const G& g) { return g.pm_line(g.film, 3, Objective::cube_root); }},
-        {"paper-delta-e",
-         [](const G& g) {
-             return g.fitted(g.paper, g.request({.variates = 2, .size = AutomaticLobes{4}, .effort = 0.1}));
-         }},
         {"film-views",
          [](const G& g) { return g.su_line(g.film, {.lobes = 3, .directions = 96}, k_default_objective); }},
         {"film-lights",

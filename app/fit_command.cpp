@@ -66,9 +66,7 @@ void add_data(const Subcommand& sub, FitCommand& command) {
 }
 
 void add_former(const Subcommand& sub) {
-    sub.add_former({"--pairs", "--texels", "--slab", "--width"}, "an option of srbf map TEXELS.npy --pairs P.csv");
-    sub.add_former({"--basis", "--active"},
-                   "srbf basis INPUT.. --lobes J --active K -o LIBRARY; of texels, srbf map --basis J");
+    sub.add_former({"--pairs", "--width"}, "an option of srbf map TEXELS.npy --pairs P.csv");
     sub.add_former({"--explain"}, "docs/fitting.md, which has the terms and the stages");
     sub.add_former({"--target-error"}, "--target-delta-e, the visible error, or --budget");
     sub.add_former({"--reciprocal"}, "nothing: the default is reciprocal; and --as-measured for the table as it is");

@@ -1,13 +1,12 @@
 """Makes synthetic maps of texels, and measures errors of fits to them at other pairs of directions. Needs NumPy.
 
 python3 bench/texels.py make FOLDER --program SRBF --texels N [FILE...]
-    writes FOLDER/texels.npy and pairs.csv, for `srbf map texels.npy --pairs pairs.csv --basis J`: values at 256 pairs
+    writes FOLDER/texels.npy and pairs.csv, for `srbf map texels.npy --pairs pairs.csv --lobes J`: values at 256 pairs
     within 78°, half of them with the light near the mirror direction, with noise of 2 %. If there are measurements, a
     texel blends them in random proportions. Otherwise it is a Lambert and a GGX lobe with random colour, roughness and
     reflectance at normal incidence.
 python3 bench/texels.py compare FOLDER MAP... --program SRBF [--sample 64] [--texels N]
-    prints for some of the texels, or of the first N of them, the errors of MAP, a library or a folder of slabs (`--examples N -o MAP`), and of
-    single fits (`srbf map` without either) against values without noise at other pairs.
+    prints for some of the texels, or of the first N of them, the errors of each map against values without noise at other pairs.
 """
 import argparse
 import json
@@ -119,34 +118,15 @@ def cube_root_error(f, g):
     return np.sum((np.cbrt(f) - np.cbrt(g)) ** 2) / np.sum(np.cbrt(f) ** 2)
 
 
-def texel_of(path, t):
-    """The name of texel t in a library, or in a folder of slabs."""
-    if not os.path.isdir(path):
-        return f"{path}#{t}"
-    first = max(n for n in (int(name[-14:-5]) for name in os.listdir(path) if name.endswith(".srbf")) if n <= t)
-    return os.path.join(path, f"texels-{first:09}.srbf#{t - first}")
-
-
 def compare(folder, program, maps, sample, most):
-    pairs, other = os.path.join(folder, "pairs.csv"), os.path.join(folder, "other.csv")
-    texels = np.load(os.path.join(folder, "texels.npy"), mmap_mode="r")
+    other, texels = os.path.join(folder, "other.csv"), np.load(os.path.join(folder, "texels.npy"), mmap_mode="r")
     count = min(len(texels), most)
     which = (np.arange(sample) * 2 + 1) * count // (2 * sample)
     with open(os.path.join(folder, "files.json"), encoding="utf-8") as file:
         expected = materials(program, json.load(file), other).values(which)
-    singles = os.path.join(folder, "sample.npy")
-    np.save(singles, texels[which])
-    command = [program, "map", singles, "--pairs", pairs, "-o", os.path.join(folder, "singles"), "--resume"]
-    subprocess.run(command, check=True)
-    columns = {"single fits": [os.path.join(folder, "singles", f"sample-000000000.srbf#{n}") for n in range(sample)]}
-    columns |= {path: [texel_of(path, t) for t in which] for path in maps}
-    reference = None
-    for name, models in columns.items():
-        errors = np.array([cube_root_error(f, evaluate(program, model, other)) for f, model in zip(expected, models)])
-        reference = errors if reference is None else reference
-        print(f"{name}: mean {errors.mean():.3%}, median {np.median(errors):.3%}, 95 % {np.quantile(errors, 0.95):.3%}; "
-              f"times the single fits': mean {errors.mean() / reference.mean():.2f}, "
-              f"median {np.median(errors) / np.median(reference):.2f}")
+    for path in maps:
+        errors = np.array([cube_root_error(f, evaluate(program, f"{path}#{t}", other)) for f, t in zip(expected, which)])
+        print(f"{path}: mean {errors.mean():.4%}, median {np.median(errors):.4%}, 95 % {np.quantile(errors, 0.95):.4%}")
         sys.stdout.flush()
 
 

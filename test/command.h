@@ -53,7 +53,7 @@ inline std::map<std::string, Arguments> long_options(const TemporaryFolder& fold
 /// True if the program has what the command line names of extras, which may be left out: subcommands, kinds of
 /// `srbf export` and functions of its code.
 inline bool is_offered(const Arguments& arguments) {
-    static const std::set<std::string> extras{"render",       "map",   "basis",       "report",
+    static const std::set<std::string> extras{"render",       "map",   "report",
                                               "view",         "html",  "exr",         "dds",
                                               "three",        "area",  "environment", "environment-draws",
                                               "three-webgpu", "unity", "blender",     "osl"};

@@ -24,7 +24,7 @@
 #include "samples/observe_samples.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
-#include "srbf/library.h"
+#include "srbf/map.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/sampling.h"
@@ -321,10 +321,8 @@ std::string contents_read(const std::filesystem::path& path) {
     if (const auto environment = read_environment(bytes, "f")) writer(environment->texels().pixels);
     if (const auto mesh = read_mesh(bytes, "f")) writer(mesh->positions), writer(mesh->normals);
 #endif
-    if (const auto library = read_library(bytes, "f"))
-        for (std::size_t t = 0; t < library->count(); ++t) writer(material(*library, t));
-    if (const auto stack = read_stack(bytes, "f"))
-        for (const PmModel& model : stack->models) writer(model);
+    if (const auto map = read_map(bytes, "f"))
+        for (std::size_t t = 0; t < map->count(); ++t) writer(texel(*map, t));
     return writer.bytes;
 }
 

@@ -10,7 +10,7 @@
 #include "brdf/directions.h"
 #include "extras/maps/block_pivoting.h"
 #include "properties.h"
-#include "srbf/basis.h"
+#include "srbf/fit_map.h"
 
 namespace srbf::texel_coefficients_test {
 namespace {
@@ -53,15 +53,14 @@ TEST(TexelCoefficients, BlockPivotingFindsTheMinimum) {
 }
 
 /// A diffuse lobe, a broad and a narrow highlight, with the coefficients of one texel.
-Library three_lobes() {
-    Library library;
-    PmModel& model = library.basis;
+TexelMap three_lobes() {
+    TexelMap map;
+    PmModel& model = map.basis;
     model.form = PmForm::horizon, model.lobes = 3, model.variates = 1;
     model.coefficient.assign(3, {1, 1, 1}), model.log_scale.assign(3, 0), model.exponent.assign(3, 0);
     model.centre.assign(3, {0, 0, 1}), model.bandwidth = {0, 10, 200}, model.parameterization = {{1, 1}};
-    library.stored = 3;
-    library.coefficient = {{0.25f, 0.2f, 0.1f}, {0, 0, 0}, {4, 4, 4}}, library.error = {0};
-    return library;
+    map.width = 1, map.error = {0}, map.coefficient = {{0.25f, 0.2f, 0.1f}, {0, 0, 0}, {4, 4, 4}};
+    return map;
 }
 
 class BadTexels : public testing::Test {
@@ -74,21 +73,21 @@ class BadTexels : public testing::Test {
             pairs.wl.push_back(i % 2 == 0 ? to_float(l) : to_float(normalize(Vec3d{-v.x, -v.y, v.z} + 0.1 * l)));
         }
         good.resize(pairs.wl.size());
-        evaluate(material(library, 0), pairs.wl, pairs.wv, good);
+        evaluate(texel(map, 0), pairs.wl, pairs.wv, good);
     }
-    TexelCoefficients fit(std::span<const Rgb> f) const { return fit_texels_to_basis(library, pairs, f, 1); }
+    TexelCoefficients fit(std::span<const Rgb> f) const { return coefficients_of_texels(map, pairs, f, 1); }
     void expect_good(const TexelCoefficients& found, std::size_t t, float tolerance) const {
         EXPECT_EQ(found.state[t], TexelState::fitted);
         for (std::size_t j = 0; j < 3; ++j)
             for (int c = 0; c < 3; ++c)
-                EXPECT_NEAR(found.coefficient[3 * t + j][c], library.coefficient[j][c], tolerance) << j;
+                EXPECT_NEAR(found.coefficient[3 * t + j][c], map.coefficient[j][c], tolerance) << j;
     }
     void expect_dark(const TexelCoefficients& found, TexelState state, float error) const {
         EXPECT_EQ(found.state[0], state);
         EXPECT_EQ(found.error[0], error);
         for (const Rgb& beta : found.coefficient) EXPECT_EQ(beta, Rgb());
     }
-    const Library library = three_lobes();
+    const TexelMap map = three_lobes();
     SharedPairs pairs{{}, {}, true};
     std::vector<Rgb> good;
 };

@@ -8,10 +8,10 @@
 namespace SRBF_NAMESPACE {
 
 #ifdef SRBF_RASTER
-Result<std::vector<Rendering>> rasterize_maps(const Scene& scene, std::span<const Library* const> maps, int width,
+Result<std::vector<Rendering>> rasterize_maps(const Scene& scene, std::span<const TexelMap* const> maps, int width,
                                               int height, const RasterLight& light) {
     std::vector<RasterMap> rasterized;
-    for (const Library* map : maps) {
+    for (const TexelMap* map : maps) {
         if (const auto valid = check_layers(*map, "render"); !valid) return valid.error();
         const auto code = map_code(*map, "map", {.language = CodeLanguage::glsl});
         if (!code) return code.error();
@@ -31,7 +31,7 @@ Result<std::vector<Rendering>> rasterize_maps(const Scene& scene, std::span<cons
                      {.width = width, .height = height, .samples = light.samples, .progress = light.progress});
 }
 #else
-Result<std::vector<Rendering>> rasterize_maps(const Scene&, std::span<const Library* const>, int, int,
+Result<std::vector<Rendering>> rasterize_maps(const Scene&, std::span<const TexelMap* const>, int, int,
                                               const RasterLight&) {
     return Error{"renderer raster", {}, "this program", "one built with libepoxy", "one without"};
 }

@@ -447,8 +447,8 @@ TEST(Rasterize, AMapLooksAsTraced) {
     if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
     std::mt19937_64 random(3);
     const RandomModelOptions lobes{.lobes = 4, .most_bandwidth = 60};
-    Library coarse = random_map(random, lobes, 16, 8), fine = random_map(random, lobes, 256, 128);
-    for (Library* map : {&coarse, &fine})  // a wave for each lobe and channel
+    TexelMap coarse = random_map(random, lobes, 16, 8), fine = random_map(random, lobes, 256, 128);
+    for (TexelMap* map : {&coarse, &fine})  // a wave for each lobe and channel
         for (std::size_t i = 0; i < map->coefficient.size(); ++i)
             for (int c = 0; c < 3; ++c) {
                 const std::size_t t = i / 4, x = t % map->width, y = t / map->width, k = i % 4 + std::size_t(c);

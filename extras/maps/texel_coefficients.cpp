@@ -2,14 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numeric>
 
 #include "base/floating_point.h"
 #include "base/half.h"
+#include "base/least_squares.h"
 #include "base/parallel.h"
 #include "brdf/values.h"
-#include "extras/maps/block_pivoting.h"
 #include "extras/maps/texel_sums.h"
 #include "observe/bound.h"
 #include "observe/pairs.h"
@@ -36,29 +35,21 @@ std::vector<Rgb> lobe_values(const TexelMap& map, std::size_t j, std::span<const
     return values;
 }
 
-/// The texels in which the lobes were found.
-struct Uses {
-    std::vector<double> share;    ///< largest coefficient of each lobe, relative to the texel's largest f cosθl cosθv
-    std::vector<bool> is_common;  ///< whether a lobe is above 0 in at least half of the texels and channels
-};
-Uses uses_of(const TexelMap& map, const SharedPairs& pairs) {
+/// The largest coefficient of each lobe in the texels in which the lobes were found, relative to the texel's largest
+/// f cosθl cosθv.
+std::vector<double> largest_shares(const TexelMap& map, const SharedPairs& pairs) {
     const auto J = std::size_t(map.basis.lobes);
-    Uses uses{std::vector<double>(J), std::vector<bool>(J)};
-    std::vector<std::size_t> count(J);
+    std::vector<double> shares(J);
     std::vector<Rgb> f(pairs.wl.size());
     for (std::size_t t = 0; t < map.count(); ++t) {
         evaluate(texel(map, t), pairs.wl, pairs.wv, f);
         double sampled = 0;
         for (std::size_t i = 0; i < f.size(); ++i)
             sampled = std::max(sampled, largest_of(f[i]) * cosines(pairs.wl[i], pairs.wv[i]));
-        for (std::size_t j = 0; j < J; ++j) {
-            const Rgb& of = map.coefficient[t * J + j];
-            for (int c = 0; c < 3; ++c) count[j] += of[c] > 0;
-            if (sampled > 0) uses.share[j] = std::max(uses.share[j], largest_of(of) / sampled);
-        }
+        for (std::size_t j = 0; j < J && sampled > 0; ++j)
+            shares[j] = std::max(shares[j], largest_of(map.coefficient[t * J + j]) / sampled);
     }
-    for (std::size_t j = 0; j < J; ++j) uses.is_common[j] = 2 * count[j] >= 3 * map.count();
-    return uses;
+    return shares;
 }
 
 /// The lobes at the samples, and how far the samples constrain them.
@@ -69,7 +60,6 @@ struct SampledLobes {
     /// lobes that do not rise by `k_most_excess` between or beyond the samples
     std::vector<std::size_t> constrained;
     std::vector<std::size_t> all;
-    std::vector<bool> is_common;  ///< of `Uses`
 };
 
 /// A lobe that rises beyond the samples, where light or viewer is closer to the horizon than in any sample, may
@@ -83,8 +73,8 @@ SampledLobes sampled_lobes(const TexelMap& map, const SharedPairs& pairs, std::s
     for (const auto& grid : {horizon_grid(), brink_grid()})
         for (const DirectionPair& pair : grid) wl.push_back(pair.wl), wv.push_back(pair.wv);
     const std::size_t J = std::size_t(map.basis.lobes);
-    const Uses uses = uses_of(map, pairs);
-    SampledLobes lobes{{}, {}, std::vector<double>(J), {}, {}, uses.is_common};
+    const std::vector<double> shares = largest_shares(map, pairs);
+    SampledLobes lobes{{}, {}, std::vector<double>(J), {}, {}};
     for (std::size_t j = 0; j < J; ++j) {
         double at_samples = 0, between = 0, beyond = 0, scale = 0;
         const std::vector<Rgb> sampled = lobe_values(map, j, pairs.wl, pairs.wv);
@@ -108,7 +98,7 @@ SampledLobes sampled_lobes(const TexelMap& map, const SharedPairs& pairs, std::s
         if (is_constrained)
             lobes.constrained.push_back(j);
         else
-            lobes.largest[j] = std::min(lobes.largest[j], k_most_excess * uses.share[j]);
+            lobes.largest[j] = std::min(lobes.largest[j], k_most_excess * shares[j]);
     }
     return lobes;
 }
@@ -177,29 +167,31 @@ class BlockSolver {
     void solve(const std::vector<std::size_t>& which, std::size_t count, Solution& solution) {
         const std::size_t n = which.size();
         solution.beta.assign(3 * J() * k_block_texels, 0), solution.scaled.assign(solution.beta.size(), 0);
-        std::vector<double> G(n * n), g(n), upper(n), x(n);
-        const auto is_free = std::make_unique<bool[]>(n);
-        for (std::size_t a = 0; a < n; ++a) is_free[a] = lobes_.is_common[which[a]];
+        const auto size = Eigen::Index(n);
+        Eigen::MatrixXd G(size, size);
+        Eigen::VectorXd g(size), upper(size), solved;
         for (std::size_t t = 0; t < count; ++t) {
             if (!(block_.bright[t] > 0)) continue;
+            solved.resize(0);  // of the channel before
             const double bright = double(block_.bright[t]);
             for (std::size_t a = 0; a < n; ++a) {
                 const std::size_t j = which[a];
                 for (std::size_t b = 0; b <= a; ++b)  // j ≥ which[b]
-                    G[a * n + b] = G[b * n + a] = double(gram_[at(j * (j + 1) / 2 + which[b], t)]);
+                    G(Eigen::Index(a), Eigen::Index(b)) = G(Eigen::Index(b), Eigen::Index(a)) =
+                        double(gram_[at(j * (j + 1) / 2 + which[b], t)]);
                 const double limit =
                     std::min(bright * double(block_.largest[t]) * lobes_.largest[j], double(k_half_max));
-                upper[a] = limit * lobes_.scale[j] / bright;
+                upper[Eigen::Index(a)] = limit * lobes_.scale[j] / bright;
             }
-            pivoting_.set_matrix(G, {is_free.get(), n});
             for (std::size_t c = 0; c < 3; ++c) {
-                for (std::size_t a = 0; a < n; ++a) g[a] = double(right_[at(3 * which[a] + c, t)]);
-                pivoting_.minimise(g, upper, x);
+                for (std::size_t a = 0; a < n; ++a) g[Eigen::Index(a)] = double(right_[at(3 * which[a] + c, t)]);
+                solved = bounded_least_squares(G, g, upper, solved);
                 for (std::size_t a = 0; a < n; ++a) {
                     const std::size_t number = at(3 * which[a] + c, t);
                     const double scale = lobes_.scale[which[a]] / bright;
-                    if (!(x[a] > 0)) continue;
-                    solution.beta[number] = round_to_half(std::min(float(x[a] / scale), k_half_max));
+                    const double x = solved[Eigen::Index(a)];
+                    if (!(x > 0)) continue;
+                    solution.beta[number] = round_to_half(std::min(float(x / scale), k_half_max));
                     solution.scaled[number] = float(double(solution.beta[number]) * scale);
                 }
             }
@@ -240,7 +232,6 @@ class BlockSolver {
     TexelBlock block_;
     Aligned<float> gram_, right_;
     Solution complete_, constrained_;
-    BlockPivoting pivoting_;
 };
 
 /// Makes the largest f cosθl cosθv of a texel unknown.

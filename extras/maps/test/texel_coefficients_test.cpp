@@ -6,9 +6,7 @@
 #include <random>
 
 #include "base/half.h"
-#include "base/least_squares.h"
 #include "brdf/directions.h"
-#include "extras/maps/block_pivoting.h"
 #include "properties.h"
 #include "srbf/fit_map.h"
 
@@ -16,41 +14,6 @@ namespace srbf::texel_coefficients_test {
 namespace {
 
 constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
-
-/// The conditions of Karush, Kuhn and Tucker, also where columns coincide, and the solution of the other solver.
-TEST(TexelCoefficients, BlockPivotingFindsTheMinimum) {
-    std::mt19937_64 random(3);
-    BlockPivoting pivoting;
-    for (int n = 1; n <= 24; ++n) {
-        const int rows = 1 + n / 2;  // fewer than unknowns: only the ridge makes the solution unique
-        const Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(rows, n, [&] { return uniform(random); });
-        Eigen::MatrixXd G = A.transpose() * A;
-        if (n > 2) G.row(1).setZero(), G.col(1).setZero();
-        const auto is_free = std::make_unique<bool[]>(std::size_t(n));
-        for (int i = 0; i < n; ++i) is_free[std::size_t(i)] = uniform(random) < 0.5;
-        pivoting.set_matrix({G.data(), std::size_t(n * n)}, {is_free.get(), std::size_t(n)});
-        for (int c = 0; c < 3; ++c) {
-            Eigen::VectorXd g =
-                A.transpose() * Eigen::VectorXd::NullaryExpr(rows, [&] { return uniform(random) - 0.3; });
-            if (n > 2) g[1] = 0;
-            const Eigen::VectorXd upper = Eigen::VectorXd::NullaryExpr(
-                n, [&] { return uniform(random) < 0.5 ? 0.1 : std::numeric_limits<double>::infinity(); });
-            Eigen::VectorXd x(n);
-            const auto span = [](auto& v) { return std::span(v.data(), std::size_t(v.size())); };
-            pivoting.minimise(span(g), span(upper), span(x));
-            Eigen::MatrixXd ridged = G;
-            ridged.diagonal() *= 1 + 1e-6;
-            const Eigen::VectorXd descent = g - ridged * x;
-            for (int i = 0; i < n; ++i) {
-                EXPECT_GE(x[i], 0);
-                EXPECT_LE(x[i], upper[i]);
-                EXPECT_LE(x[i] < upper[i] ? descent[i] : 0, 1e-7) << n << ' ' << i;
-                EXPECT_GE(x[i] > 0 ? descent[i] : 0, -1e-7) << n << ' ' << i;
-            }
-            EXPECT_LT((x - bounded_least_squares(G, g, upper)).cwiseAbs().maxCoeff(), 1e-5) << n;
-        }
-    }
-}
 
 /// A diffuse lobe, a broad and a narrow highlight, with the coefficients of one texel.
 TexelMap three_lobes() {

@@ -8,7 +8,6 @@
 #include <optional>
 #include <set>
 
-#include "app/astc.h"
 #include "app/commands.h"
 #include "app/export.h"
 #include "app/extra_exports.h"
@@ -19,6 +18,7 @@
 #include "base/paths.h"
 #include "base/printable.h"
 #include "code/offered_code.h"
+#include "models/model_files.h"
 #include "srbf/file.h"
 #include "srbf/shading_code.h"
 
@@ -32,7 +32,7 @@ struct TextKind {
     std::function<Result<std::string>(const ExportCommand&, const std::vector<NamedModel>&, const std::string& prefix)>
         models;
     /// `texture`: the file beside the text that holds the coefficients; empty: the host supplies them.
-    std::function<Result<std::string>(const ExportCommand&, const Library&, const std::string& name)> map = {};
+    std::function<Result<std::string>(const ExportCommand&, const TexelMap&, const std::string& name)> map = {};
     bool has_texture = false;
 };
 
@@ -94,38 +94,31 @@ NewFile file_of(const std::string& path, std::span<const std::byte> bytes) {
     return {path, {bytes.begin(), bytes.end()}};
 }
 
-std::vector<std::byte> texture_of(const ExportCommand& asked, const Library& map) {
-    return map_ktx2(map, asked.coefficients == "byte"   ? LayerNumbers::bytes
-                         : asked.coefficients == "astc" ? LayerNumbers::blocks
-                                                        : LayerNumbers::halves);
+std::vector<std::byte> texture_of(const ExportCommand& asked, const TexelMap& map) {
+    return map_ktx2(map, asked.coefficients == "byte" ? LayerNumbers::bytes : LayerNumbers::halves);
 }
 
-int write_map(const ExportCommand& asked, const TextKind& kind) {
+int status_of(const Result<Done>& written) { return written ? int(k_done) : complain(written.error()); }
+
+Result<Done> write_text(const ExportCommand& asked, const TextKind& kind, const TexelMap& map) {
     const std::string name = identifier(stem_of(asked.files[0])), texture = asked.beside(name + ".ktx2");
-    const auto map = load_map(asked, kind.has_texture ? std::vector{texture} : std::vector<std::string>());
-    if (!map) return complain(map.error());
-    const auto written = within_memory(texture, [&]() -> Result<Done> {
+    std::vector<std::string> outputs{asked.output};
+    if (kind.has_texture) outputs.insert(outputs.begin(), texture);
+    if (const auto writable = check_outputs(asked.files, outputs); !writable) return writable;
+    return within_memory(texture, [&]() -> Result<Done> {
         std::vector<NewFile> files;
-        if (kind.has_texture) files.push_back({texture, texture_of(asked, *map)});
-        const auto text = kind.map(asked, *map, name);
+        if (kind.has_texture) files.push_back({texture, texture_of(asked, map)});
+        const auto text = kind.map(asked, map, name);
         if (!text) return text.error();
         files.push_back(file_of(asked.output, as_bytes(*text)));
         return write_files(files);
     });
-    return written ? int(k_done) : complain(written.error());
 }
 
-int write_text(const ExportCommand& asked, const TextKind& kind) {
-    if (asked.files.size() == 1 && kind.map) {
-        const auto map = library_in(asked.files[0]);
-        if (!map) return complain(map.error());
-        if (*map) return write_map(asked, kind);
-    }
-    const auto models = load_models(asked.files);
-    if (!models) return complain(models.error());
+Result<Done> write_text(const ExportCommand& asked, const TextKind& kind, const std::vector<Subject>& models) {
     if (!asked.coefficients.empty())
-        return complain({asked.files[0], {}, "input", "a map (--coefficients)", "a model", ErrorCode::argument});
-    const std::vector<NamedModel> models_by_name = names_of(*models), brdfs = with_parts(models_by_name);
+        return Error{asked.files[0], {}, "input", "a map (--coefficients)", "a model", ErrorCode::argument};
+    const std::vector<NamedModel> models_by_name = names_of(models), brdfs = with_parts(models_by_name);
     std::vector<std::string> outputs{asked.output};
     std::vector<NewFile> files;
     for (const NamedModel& brdf : brdfs)
@@ -133,22 +126,26 @@ int write_text(const ExportCommand& asked, const TextKind& kind) {
             outputs.push_back(data_path(asked, brdf));
             files.push_back(file_of(outputs.back(), std::as_bytes(std::span<const float>(shading_data(*su)))));
         }
-    if (const auto writable = check_outputs(asked.files, outputs); !writable) return complain(writable.error());
+    if (const auto writable = check_outputs(asked.files, outputs); !writable) return writable;
     const std::vector<NamedModel>& named = kind.of_parts ? brdfs : models_by_name;
     const auto text = kind.models(asked, named, named.size() == 1 ? named[0].name : identifier(stem_of(asked.output)));
-    if (!text) return complain(text.error());
+    if (!text) return text.error();
     files.push_back(file_of(asked.output, as_bytes(*text)));
-    const auto written = write_files(files);
-    return written ? int(k_done) : complain(written.error());
+    return write_files(files);
+}
+
+int write_text(const ExportCommand& asked, const TextKind& kind) {
+    const auto loaded = load_models_or_map(asked.files);
+    if (!loaded) return complain(loaded.error());
+    const auto* map = std::get_if<TexelMap>(&*loaded);
+    if (!map) return status_of(write_text(asked, kind, std::get<std::vector<Subject>>(*loaded)));
+    return kind.map ? status_of(write_text(asked, kind, *map)) : complain(map_error(asked.files[0]));
 }
 
 int write_texture(const ExportCommand& asked) {
     const auto map = load_map(asked);
     if (!map) return complain(map.error());
-    const auto written = within_memory(asked.output, [&] {
-        return write_file(asked.output, asked.to == "dds" ? map_dds(*map) : texture_of(asked, *map));
-    });
-    return written ? int(k_done) : complain(written.error());
+    return status_of(within_memory(asked.output, [&] { return write_file(asked.output, texture_of(asked, *map)); }));
 }
 
 /// The text of one surface; prints its visible error.
@@ -227,8 +224,8 @@ constexpr const char* k_about_others =
     "mtlx, standard-surface, gltf, glb, usd, principled: a surface (fit --model openpbr) as a document of\n"
     "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"
     "the Principled material of Blender\n"
-    "ktx2, dds: the coefficients of a map (srbf map --basis N --width W), as layers of a texture of KTX 2 or\n"
-    "Direct3D with its levels; its code has NAME_brdf(wl, wv, NAME_coefficients(u, v))";
+    "ktx2: the coefficients of a map (srbf map), as layers of a texture of KTX 2 with its levels; its code has\n"
+    "NAME_brdf(wl, wv, NAME_coefficients(u, v))";
 constexpr const char* k_about_models =
     "\nThe numbers of a view-by-view model go into NAME.data beside the code. The functions of a BSDF are\n"
     "NAME_bsdf, for directions on either side, and NAME_beam, the fraction of light that passes unscattered";
@@ -240,7 +237,7 @@ Exports core_exports() {
         if (!kind.about.empty()) exports.about += "\n" + kind.name + ": " + kind.about;
         exports.kinds.push_back({kind.name, [kind](const ExportCommand& asked) { return write_text(asked, kind); }});
     }
-    for (const char* name : {"ktx2", "dds"}) exports.kinds.push_back({name, write_texture});
+    exports.kinds.push_back({"ktx2", write_texture});
     exports.about += std::string("\n") + k_about_others;
     return exports;
 }
@@ -251,31 +248,36 @@ std::string ExportCommand::beside(const std::string& name) const {
     return system_files::text_of(system_files::path_of(output).parent_path() / system_files::path_of(name));
 }
 
-Result<std::vector<Subject>> load_models(const std::vector<std::string>& files) {
+Result<ModelsOrMap> load_models_or_map(const std::vector<std::string>& files) {
     std::vector<Subject> models;
     for (const std::string& file : files) {
-        auto subject = load_subject(file);
-        if (!subject) return subject.error();
-        if (!subject->is_model()) return Error{file, {}, "input", "a model", "a measurement (see --reference)"};
-        models.push_back(*std::move(subject));
+        auto loaded = load_subject_or_map(file);
+        if (!loaded) return loaded.error();
+        if (auto* map = std::get_if<TexelMap>(&*loaded)) {
+            if (files.size() > 1) return map_error(file);
+            if (const auto valid = check_layers(*map, file); !valid) return valid.error();
+            return ModelsOrMap(std::move(*map));
+        }
+        models.push_back(std::get<Subject>(*std::move(loaded)));
+        if (!models.back().is_model()) return Error{file, {}, "input", "a model", "a measurement (see --reference)"};
     }
-    return models;
+    return ModelsOrMap(std::move(models));
 }
 
-Result<Library> load_map(const ExportCommand& asked, const std::vector<std::string>& more) {
-    const bool single = asked.files.size() == 1;
-    auto map = single ? library_in(asked.files[0]) : Result<std::optional<Library>>(std::optional<Library>());
-    if (!map) return map.error();
-    if (!*map) {
-        const auto models = load_models(asked.files);
-        if (!models) return models.error();
-        return Error{asked.files[0], {}, "input", "a map of shared lobes", "a model", ErrorCode::argument};
-    }
-    if (const auto valid = check_layers(**map, asked.files[0]); !valid) return valid.error();
-    std::vector<std::string> outputs = more;
-    outputs.push_back(asked.output);
-    if (const auto writable = check_outputs(asked.files, outputs); !writable) return writable.error();
-    return **std::move(map);
+Result<std::vector<Subject>> load_models(const std::vector<std::string>& files) {
+    auto loaded = load_models_or_map(files);
+    if (!loaded) return loaded.error();
+    if (auto* models = std::get_if<std::vector<Subject>>(&*loaded)) return std::move(*models);
+    return map_error(files[0]);
+}
+
+Result<TexelMap> load_map(const ExportCommand& asked) {
+    auto loaded = load_models_or_map(asked.files);
+    if (!loaded) return loaded.error();
+    auto* map = std::get_if<TexelMap>(&*loaded);
+    if (!map) return Error{asked.files[0], {}, "input", "a map of shared lobes", "a model", ErrorCode::argument};
+    if (const auto writable = check_outputs(asked.files, {asked.output}); !writable) return writable.error();
+    return std::move(*map);
 }
 
 void add_export(CommandLine& app, int& status) {
@@ -298,16 +300,12 @@ void add_export(CommandLine& app, int& status) {
                             .type_name("WHAT")
                             .one_at_a_time()
                             .one_of(features);
-    std::vector<std::string> numbers{"half", "byte"};
-    if (has_astc()) numbers.emplace_back("astc");
     const Option coefficients =
-        sub.add_option(
-               "--coefficients", command->coefficients,
-               "Numbers in the texture of a map: half, 16-bit floats; byte, 8 bits coded as sRGB, with scales;\n"
-               "astc, these in compressed blocks of 4 x 4 texels (if built with libastcenc)")
+        sub.add_option("--coefficients", command->coefficients,
+                       "Numbers in the texture of a map: half, 16-bit floats; byte, 8 bits coded as sRGB, with scales")
             .type_name("NUMBERS")
             .default_text("half")
-            .one_of(numbers);
+            .one_of({"half", "byte"});
     sub.add_option("-o,--output", command->output, "The file to write").type_name("FILE").required();
     sub.footer(
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"

@@ -13,7 +13,7 @@ namespace srbf {
 struct ExportCommand {
     std::vector<std::string> files, with;
     std::string to, output;
-    std::string coefficients;  ///< half, byte or astc, those in the texture of a map; empty: half
+    std::string coefficients;  ///< half or byte, those in the texture of a map; empty: half
 
     /// The path of a file beside the output.
     std::string beside(const std::string& name) const;
@@ -30,10 +30,12 @@ struct Exports {
     std::vector<AllowedWhen> readings;
 };
 
-/// Loads the models in the files; other content is an error.
+/// Loads the models in the files, or the map that is the only one, and checks that it can be written as layers.
+using ModelsOrMap = std::variant<std::vector<Subject>, TexelMap>;
+Result<ModelsOrMap> load_models_or_map(const std::vector<std::string>& files);
+/// Loads models; a map is an error.
 Result<std::vector<Subject>> load_models(const std::vector<std::string>& files);
-/// Loads the map that the command line names, and checks that the output and `more` can be written. Errors: no map,
-/// or several files.
-Result<Library> load_map(const ExportCommand& asked, const std::vector<std::string>& more = {});
+/// Loads the map that the command line names; models are an error. Checks that the output can be written.
+Result<TexelMap> load_map(const ExportCommand& asked);
 
 }  // namespace srbf

@@ -38,8 +38,6 @@ class ResultKey {
     ResultKey(std::string_view kind, std::string_view settings);
     void add(std::span<const std::byte> bytes);
     void add(std::string_view text);
-    /// Adds a hash of the content of a file, as fast as it is read, with one block in memory. Errors: those of `FileReader`.
-    Result<Done> add_file(const std::string& path);
     std::string text() const { return hash_.text(); }
 
   private:

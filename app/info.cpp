@@ -17,10 +17,8 @@
 #include "measured/evaluated_table.h"
 #include "measured/peak.h"
 #include "models/bsdf/bsdf_functions.h"
-#include "models/library_file.h"
 #include "srbf/file.h"
-#include "srbf/fit_batch.h"
-#include "srbf/library.h"
+#include "srbf/map.h"
 
 namespace srbf {
 namespace {
@@ -209,62 +207,28 @@ void print_sides(const Subject& subject) {
     fmt::print("\n{}", peaks);
 }
 
-/// Describes a library of materials that share their lobes.
-int describe_library(std::span<const std::byte> bytes, const std::string& file) {
-    const auto library = read_library(bytes, file);
-    if (!library) return complain(library.error());
-    fmt::print("{}\n", printable(file));
-    print_row("library", fmt::format("{} {}, each of {} {} shared lobes", grouped(library->count()),
-                                     library->names.empty() ? "texels" : "materials",
-                                     library->dense() ? "all" : fmt::format("at most {} of", library->stored),
-                                     library->basis.lobes));
-    if (library->width > 0)
-        print_row("map", fmt::format("{} × {} texels", library->width, library->count() / library->width));
-    print_row("bytes", fmt::format("{} shared, {} each", grouped(basis_bytes(*library)), material_bytes(*library)));
-    ValueRange error;
-    for (const float material_error : library->error) error.add(material_error);
-    print_row("error", error.text());
-    print_row("example", file + "#" + (library->names.empty() ? "0" : printable(library->names.front())));
-    fmt::print("\n");
-    for (std::size_t t = 0; t < library->names.size(); ++t)
-        fmt::print("  {:<36}{:.3g}\n", printable(library->names[t]), library->error[t]);
-    for (const auto& [key, text] : library->provenance) fmt::print("  {:<36}{}\n", printable(key), printable(text));
-    return k_done;
+void print_provenance(const std::map<std::string, std::string>& provenance) {
+    for (const auto& [key, text] : provenance) fmt::print("  {:<36}{}\n", printable(key), printable(text));
 }
 
-/// Describes a stack of models.
-int describe_stack(std::span<const std::byte> bytes, const std::string& file) {
-    const auto stack = read_stack(bytes, file);
-    if (!stack) return complain(stack.error());
-    const auto count = [&](TexelState state) {
-        return grouped(std::uint64_t(std::ranges::count(stack->state, std::uint16_t(state))));
-    };
-    const PmModel& first = stack->models.front();
-    fmt::print("{}\n", printable(file));
-    print_row("stack",
-              fmt::format("{} multivariate models, {} fitted, {} black, {} failed", grouped(stack->models.size()),
-                          count(TexelState::fitted), count(TexelState::black), count(TexelState::failed)));
-    print_row("each", fmt::format("form {}, {} centres, {} lobes × {} variates", name(first.form),
-                                  first.axial ? "axial" : "general", first.lobes, first.variates));
+/// Describes a map of texels that share their lobes.
+void print_map(const TexelMap& map) {
+    print_row("map", fmt::format("{} × {} texels of {} shared lobes", map.width, map.height(), map.basis.lobes));
+    const std::size_t each = 6 * std::size_t(map.basis.lobes);
+    print_row("bytes", fmt::format("{} shared, {} each", grouped(payload_bytes(map.basis) - each), each));
     ValueRange error;
-    for (std::size_t i = 0; i < stack->error.size(); ++i)
-        if (stack->state[i] == std::uint16_t(TexelState::fitted)) error.add(stack->error[i]);
+    for (const float of_texel : map.error) error.add(of_texel);
     print_row("error", error.text());
-    print_row("example", fmt::format("{0}#0 to {0}#{1}", file, stack->models.size() - 1));
     fmt::print("\n");
-    for (const auto& [key, text] : stack->provenance) fmt::print("  {:<36}{}\n", printable(key), printable(text));
-    return k_done;
+    print_provenance(map.provenance);
 }
 
 int run(const std::string& file, const ReadOptions& read) {
-    const auto subject = load_subject(file, read);
-    if (!subject && subject.error().code == ErrorCode::wrong_kind) {
-        const auto bytes = read_file(file);
-        if (!bytes) return complain(bytes.error());
-        return is_library(*bytes) ? describe_library(*bytes, file) : describe_stack(*bytes, file);
-    }
-    if (!subject) return complain(subject.error());
+    const auto loaded = load_subject_or_map(file, read);
+    if (!loaded) return complain(loaded.error());
     fmt::print("{}\n", printable(file));
+    if (const auto* map = std::get_if<TexelMap>(&*loaded)) return print_map(*map), k_done;
+    const auto* subject = std::get_if<Subject>(&*loaded);
     if (const auto* measured = std::get_if<Measured>(&subject->content)) {
         print_row("format", fmt::format("{}, {} bytes", measured->format, grouped(measured->bytes)));
         std::visit([](const auto& table) { print_table(table); }, measured->table);
@@ -272,7 +236,7 @@ int run(const std::string& file, const ReadOptions& read) {
         const auto& model = std::get<Model>(subject->content);
         fmt::print("{}", rows_text(model));
         if (!model.provenance.empty()) fmt::print("\n");
-        for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", printable(key), printable(text));
+        print_provenance(model.provenance);
     }
     is_two_sided(subject->content) ? print_sides(*subject) : print_behaviour(*subject);
     return k_done;
@@ -287,7 +251,7 @@ void add_info(CommandLine& app, int& status) {
     };
     const auto command = std::make_shared<InfoCommand>();
     const Subcommand sub = app.add_subcommand("info", "Describe a file: dimensions, ranges, parameters, albedo");
-    sub.add_option("FILE", command->file, "A measurement or a model").type_name("").required();
+    sub.add_option("FILE", command->file, "A measurement, a model or a map").type_name("").required();
     add_read_options(sub, command->read);
     sub.footer("Example:\n  srbf info paper_white_rgb.bsdf");
     sub.callback([command, &status] { status = run(command->file, command->read); });

@@ -3,16 +3,12 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <filesystem>
 
 #include "app/commands.h"
-#include "base/files.h"
-#include "base/paths.h"
 #include "base/printable.h"
 #include "brdf/channels.h"
 #include "brdf/directions.h"
-#include "models/library_file.h"
-#include "srbf/file.h"
+#include "models/model_files.h"
 #include "srbf/metrics.h"
 #include "srbf/sampling.h"
 
@@ -51,37 +47,28 @@ double fitted_theta(const Subject& subject) {
 
 std::string stem_of(const std::string& path) {
     const std::string name = path.substr(path.find_last_of('/') + 1);  // npos + 1 is 0
-    constexpr std::string_view separator = ".srbf#";
-    if (const auto position = name.find(separator); position != name.npos) {
-        const std::string member = name.substr(position + separator.size());
-        return member.find_first_not_of("0123456789,") == member.npos ? name.substr(0, position) + "_" + member
-                                                                      : member;
-    }
+    if (const auto position = name.find(".srbf#"); position != name.npos)
+        return name.substr(0, position) + "_" + name.substr(name.find('#', position) + 1);
     const auto dot = name.rfind('.');
     return dot == name.npos || dot == 0 ? name : name.substr(0, dot);
 }
 
-Result<Subject> load_subject(const std::string& path, const ReadOptions& options) {
-    auto loaded = load_brdf(path, options);
+Result<SubjectOrMap> load_subject_or_map(const std::string& path, const ReadOptions& options) {
+    auto loaded = load_brdf_or_map(path, options);
     if (!loaded) return loaded.error();
-    if (const auto* measured = std::get_if<Measured>(&*loaded))
-        for (const std::string& note : notes(*measured))
-            fmt::print(stderr, "srbf: {}: {}\n", printable(path), printable(note));
-    return Subject{path, *std::move(loaded)};
+    if (auto* map = std::get_if<TexelMap>(&*loaded)) return SubjectOrMap(std::move(*map));
+    if (auto* model = std::get_if<Model>(&*loaded)) return SubjectOrMap(Subject{path, std::move(*model)});
+    auto& measured = std::get<Measured>(*loaded);
+    for (const std::string& note : notes(measured))
+        fmt::print(stderr, "srbf: {}: {}\n", printable(path), printable(note));
+    return SubjectOrMap(Subject{path, std::move(measured)});
 }
 
-Result<std::optional<Library>> library_in(const std::string& path) {
-    using Found = Result<std::optional<Library>>;
-    std::error_code code;
-    if (!std::filesystem::is_regular_file(system_files::path_of(path), code))
-        return std::optional<Library>();  // a pipe can be read only once
-    return within_memory(path, [&]() -> Found {
-        const auto bytes = read_file(path, all_if(is_safetensors));
-        if (!bytes || !is_library(*bytes)) return std::optional<Library>();
-        auto library = read_library(*bytes, path);
-        if (!library) return library.error();
-        return std::optional(*std::move(library));
-    });
+Result<Subject> load_subject(const std::string& path, const ReadOptions& options) {
+    auto loaded = load_subject_or_map(path, options);
+    if (!loaded) return loaded.error();
+    if (auto* subject = std::get_if<Subject>(&*loaded)) return std::move(*subject);
+    return map_error(path);
 }
 
 int complain(const Error& error) {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "srbf/library.h"
 #include "srbf/load.h"
+#include "srbf/map.h"
 
 namespace srbf {
 
@@ -30,14 +30,14 @@ Channels channels(const Subject& subject);
 /// θmax of a model's fit [degrees], if `subject` is a model whose provenance states it; otherwise 0.
 double fitted_theta(const Subject& subject);
 
-/// A name for the content of a path: "film" for "materials/film.srbf", "nickel" for "metals.srbf#nickel", "map_3,5"
-/// for "map.srbf#3,5".
+/// A name for the content of a path: "film" for "materials/film.srbf", "map_3,5" for "map.srbf#3,5".
 std::string stem_of(const std::string& path);
 
 /// Loads a file, and prints to standard error what its reader masked or assumed.
 Result<Subject> load_subject(const std::string& path, const ReadOptions& options = {});
-/// The library in a file; empty if the file holds something else.
-Result<std::optional<Library>> library_in(const std::string& path);
+/// Loads a map of texels too.
+using SubjectOrMap = std::variant<Subject, TexelMap>;
+Result<SubjectOrMap> load_subject_or_map(const std::string& path, const ReadOptions& options = {});
 
 /// Prints the error as one line to standard error; returns the exit status of an input error.
 int complain(const Error& error);

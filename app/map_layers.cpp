@@ -8,10 +8,7 @@
 #include <span>
 #include <string_view>
 
-#include "app/astc.h"
-#include "base/dds.h"
 #include "base/half.h"
-#include "base/parallel.h"
 #include "brdf/colour.h"
 
 namespace srbf {
@@ -45,51 +42,24 @@ class Container {
     std::vector<std::byte> bytes;
 };
 
-/// A texel of four equal numbers, or a block of texels, in the terms of KTX 2 and of the Khronos Data Format 1.3,
-/// section 5.
+/// A texel of four equal numbers, in the terms of KTX 2 and of the Khronos Data Format 1.3, section 5.
 struct TexelFormat {
-    struct Sample {
-        std::uint32_t bits, channel, least, most;  ///< the numbers for 0 or -1, and for 1
-    };
     std::uint32_t vulkan;       ///< VkFormat
     std::uint32_t number_size;  ///< bytes of a number
-    std::uint32_t model;        ///< 1: R, G, B, A; 162: ASTC
     std::uint32_t transfer;     ///< 1: linear, 2: sRGB
-    std::uint32_t side, size;   ///< of a block: texels along a side, bytes
-    std::vector<Sample> samples;
+    std::uint32_t rgb, alpha;   ///< channels with their flags
+    std::uint32_t least, most;  ///< the numbers for 0 or -1, and for 1
 };
-TexelFormat format_of(LayerNumbers numbers) {
-    using Sample = TexelFormat::Sample;
-    const auto rgba = [](const Sample& rgb, std::uint32_t alpha) {
-        std::vector<Sample> samples(4, rgb);
-        for (std::uint32_t c = 0; c < 4; ++c) samples[c].channel |= c < 3 ? c : alpha;
-        return samples;
-    };
-    switch (numbers) {
-        case LayerNumbers::halves:  // R16G16B16A16_SFLOAT: signed floats
-            return {97, 2, 1, 1, 1, 8, rgba({16, 0xc0, 0xbf800000, 0x3f800000}, 15)};
-        case LayerNumbers::bytes:  // R8G8B8A8_SRGB with linear A
-            return {43, 1, 1, 2, 1, 4, rgba({8, 0, 0, 255}, 0x1f)};
-        case LayerNumbers::blocks:
-            break;  // ASTC_4x4_SRGB_BLOCK
-    }
-    return {158, 1, 162, 2, 4, 16, {{128, 0, 0, 0xffffffff}}};
-}
+/// R16G16B16A16_SFLOAT, of signed floats; R8G8B8A8_SRGB, with linear A.
+constexpr TexelFormat k_halves{97, 2, 1, 0xc0, 0xcf, 0xbf800000, 0x3f800000}, k_bytes{43, 1, 2, 0, 0x1f, 0, 255};
 
 std::vector<std::uint32_t> descriptor(const TexelFormat& format) {
-    constexpr std::uint32_t rec709 = 1, version = 2;
-    const auto block = std::uint32_t(24 + 16 * format.samples.size());
-    std::vector<std::uint32_t> words{4 + block,
-                                     0,
-                                     version | block << 16,
-                                     format.model | rec709 << 8 | format.transfer << 16,
-                                     (format.side - 1) * 0x101,
-                                     format.size,
-                                     0};
-    std::uint32_t offset = 0;
-    for (const auto& [bits, channel, least, most] : format.samples) {
-        words.insert(words.end(), {offset | (bits - 1) << 16 | channel << 24, 0, least, most});
-        offset += bits;
+    constexpr std::uint32_t rgba = 1, rec709 = 1, version = 2, block = 24 + 16 * 4;
+    std::vector<std::uint32_t> words{
+        4 + block, 0, version | block << 16, rgba | rec709 << 8 | format.transfer << 16, 0, 4 * format.number_size, 0};
+    for (std::uint32_t c = 0; c < 4; ++c) {
+        const std::uint32_t bits = 8 * format.number_size, channel = c < 3 ? format.rgb | c : format.alpha;
+        words.insert(words.end(), {c * bits | (bits - 1) << 16 | channel << 24, 0, format.least, format.most});
     }
     return words;
 }
@@ -118,29 +88,12 @@ void add_layer(Container& file, const MapLevel& level, std::size_t j, std::size_
     }
 }
 
-void add_blocks(Container& file, const MapLevel& level, const std::vector<Rgb>& scales) {
-    std::vector<std::vector<std::byte>> layers(scales.size());
-    parallel_for(layers.size(), 0, [&](std::size_t j) {
-        Container texels;
-        add_layer(texels, level, j, layers.size(), scales[j]);
-        layers[j] = astc_blocks(level.width, level.height, texels.bytes);
-    });
-    for (const auto& layer : layers) file.bytes.insert(file.bytes.end(), layer.begin(), layer.end());
-}
-
 /// Adds all layers of a level.
 void add_level(Container& file, const MapLevel& level, LayerNumbers numbers, const std::vector<Rgb>& scales) {
-    switch (numbers) {
-        case LayerNumbers::halves:
-            for (const std::uint16_t half : layers_in_halves(level)) file.add(half, 2);
-            break;
-        case LayerNumbers::bytes:
-            for (std::size_t j = 0; j < scales.size(); ++j) add_layer(file, level, j, scales.size(), scales[j]);
-            break;
-        case LayerNumbers::blocks:
-            add_blocks(file, level, scales);
-            break;
-    }
+    if (numbers == LayerNumbers::halves)
+        for (const std::uint16_t half : layers_in_halves(level)) file.add(half, 2);
+    else
+        for (std::size_t j = 0; j < scales.size(); ++j) add_layer(file, level, j, scales.size(), scales[j]);
 }
 
 }  // namespace
@@ -168,24 +121,22 @@ MapLevel coarser(const MapLevel& finer) {
     return level;
 }
 
-std::vector<MapLevel> mip_levels(const Library& map) {
-    const auto width = std::size_t(map.width);
-    std::vector<MapLevel> levels{{width, map.count() / width, map.coefficient}};
+std::vector<MapLevel> mip_levels(const TexelMap& map) {
+    std::vector<MapLevel> levels{{map.width, map.height(), map.coefficient}};
     while (levels.back().width * levels.back().height > 1) levels.push_back(coarser(levels.back()));
     return levels;
 }
 
-Result<Done> check_layers(const Library& library, const std::string& file_name) {
+Result<Done> check_layers(const TexelMap& map, const std::string& file_name) {
     const auto refused = [&](const char* what, std::string expected, std::string found) {
         return Error{file_name, {}, what, std::move(expected), std::move(found), ErrorCode::argument};
     };
-    if (!library.dense())
-        return refused("library", "a coefficient for each lobe (srbf basis without --active)",
-                       "some lobes of each material");
-    if (library.width == 0) return refused("library", "a map (srbf map --width)", "materials without a map");
-    if (library.basis.lobes > k_most_layers)
-        return refused("lobes", fmt::format("at most {}", k_most_layers), fmt::format("{}", library.basis.lobes));
-    for (const Rgb& coefficient : library.coefficient)
+    if (map.basis.lobes > k_most_layers)
+        return refused("lobes", fmt::format("at most {}", k_most_layers), fmt::format("{}", map.basis.lobes));
+    if (const std::size_t longest = std::max(map.width, map.height()); longest > k_longest_side)
+        return refused("texels of a side", fmt::format("at most {} (srbf map --width)", k_longest_side),
+                       fmt::format("{}", longest));
+    for (const Rgb& coefficient : map.coefficient)
         if (const float largest = std::max({coefficient.r, coefficient.g, coefficient.b}); largest > k_half_max)
             return refused("coefficient", fmt::format("at most {:g}, the largest 16-bit float", k_half_max),
                            fmt::format("{:g}", largest));
@@ -204,7 +155,7 @@ std::vector<std::uint16_t> layers_in_halves(const MapLevel& level) {
     return halves;
 }
 
-std::vector<Rgb> layer_scales(const Library& map) {
+std::vector<Rgb> layer_scales(const TexelMap& map) {
     std::vector<Rgb> scales(std::size_t(map.basis.lobes));
     for (std::size_t i = 0; i < map.coefficient.size(); ++i)
         for (int c = 0; c < 3; ++c) {
@@ -214,10 +165,10 @@ std::vector<Rgb> layer_scales(const Library& map) {
     return scales;
 }
 
-std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
+std::vector<std::byte> map_ktx2(const TexelMap& map, LayerNumbers numbers) {
     constexpr std::array<std::uint8_t, 12> identifier{0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb, '\r', '\n', 0x1a, '\n'};
     constexpr std::size_t index = 48, levels_offset = 80, bytes_of_level = 24, faces = 1;
-    const TexelFormat format = format_of(numbers);
+    const TexelFormat& format = numbers == LayerNumbers::halves ? k_halves : k_bytes;
     const std::vector<MapLevel> levels = mip_levels(map);
     const auto J = std::size_t(map.basis.lobes);
     const std::vector<Rgb> scales = layer_scales(map);
@@ -236,45 +187,17 @@ std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers) {
     add_part(8, [&] {
         file.add_metadata("KTXorientation", "rd"), file.add_metadata("KTXwriter", "srbf");
         if (numbers != LayerNumbers::halves) file.add_metadata(k_scale_key, std::as_bytes(std::span(scales)));
-        if (numbers == LayerNumbers::blocks && levels.size() > k_first_coarse) {
-            Container coarse;
-            coarse.add(k_first_coarse, 4);
-            for (std::size_t k = k_first_coarse; k < levels.size(); ++k)
-                add_level(coarse, levels[k], LayerNumbers::bytes, scales);
-            file.add_metadata(k_coarse_key, coarse.bytes);
-        }
     });
-    file.align(format.size);
+    const std::size_t texel_size = 4 * format.number_size;
+    file.align(texel_size);
     for (std::size_t k = levels.size(); k-- > 0;) {  // the smallest level comes first
-        const auto along = [&](std::size_t texels) { return (texels + format.side - 1) / format.side; };
-        const std::size_t begin = file.bytes.size(),
-                          size = J * along(levels[k].width) * along(levels[k].height) * format.size;
+        const std::size_t begin = file.bytes.size(), size = J * levels[k].width * levels[k].height * texel_size;
         for (const std::size_t member : {0, 1, 2})
             file.set(levels_offset + bytes_of_level * k + 8 * member, member == 0 ? begin : size, 8);
         file.bytes.reserve(begin + size);
         add_level(file, levels[k], numbers, scales);
     }
     return std::move(file.bytes);
-}
-
-std::vector<std::byte> map_dds(const Library& map) {
-    constexpr std::uint32_t dx10 = 0x30315844, r16g16b16a16_float = 10, texture_2d = 3, opaque = 3;
-    const std::vector<MapLevel> levels = mip_levels(map);
-    const auto J = std::size_t(map.basis.lobes);
-    const auto header =
-        dds_header(std::uint32_t(levels[0].width), std::uint32_t(levels[0].height), std::uint32_t(levels.size()), dx10);
-    const std::array<std::uint32_t, 5> dxt10{r16g16b16a16_float, texture_2d, 0, std::uint32_t(J), opaque};
-    std::vector<std::vector<std::uint16_t>> halves;
-    for (const MapLevel& level : levels) halves.push_back(layers_in_halves(level));
-    std::vector<std::byte> file;
-    const auto append = [&](const auto& numbers) {
-        const auto bytes = std::as_bytes(std::span(numbers));
-        file.insert(file.end(), bytes.begin(), bytes.end());
-    };
-    append(header), append(dxt10);       // DDS_HEADER_DXT10
-    for (std::size_t j = 0; j < J; ++j)  // all levels of a layer stand together
-        for (const auto& level : halves) append(std::span(level).subspan(j * (level.size() / J), level.size() / J));
-    return file;
 }
 
 }  // namespace srbf

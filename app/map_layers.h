@@ -1,10 +1,10 @@
-// The coefficients of maps (srbf/library.h) as textures.
+// The coefficients of maps (srbf/map.h) as textures.
 #pragma once
 #include <cstddef>
 #include <string>
 #include <vector>
 
-#include "srbf/library.h"
+#include "srbf/map.h"
 
 namespace srbf {
 
@@ -17,35 +17,30 @@ struct MapLevel {
 /// level over the texel's area, so its BRDF is the mean of the finer BRDFs there.
 MapLevel coarser(const MapLevel& finer);
 /// The map and its coarser levels, down to 1 × 1.
-std::vector<MapLevel> mip_levels(const Library& map);
+std::vector<MapLevel> mip_levels(const TexelMap& map);
 
 /// The number of layers of an array that OpenGL ES 3, WebGL 2, WebGPU, Vulkan and Direct3D 11 all guarantee.
 inline constexpr int k_most_layers = 256;
-/// Checks that a library can be written as layers. Errors, which name `file_name`: it is sparse, it is not a map,
-/// or it has more than k_most_layers lobes.
-Result<Done> check_layers(const Library& library, const std::string& file_name);
+/// The longest side of a texture that OpenGL 4, Vulkan and Direct3D 11 take on desktop processors.
+inline constexpr std::size_t k_longest_side = 16384;
+/// Checks that a map can be written as layers. Errors, which name `file_name`: more than k_most_layers lobes, a side
+/// longer than k_longest_side, a coefficient above k_half_max.
+Result<Done> check_layers(const TexelMap& map, const std::string& file_name);
 
 /// The layers of a level, one after the other: R, G, B and A = 1 of each texel as 16-bit floats.
 std::vector<std::uint16_t> layers_in_halves(const MapLevel& level);
 /// The largest coefficient of each lobe in the map, for R, G and B.
-std::vector<Rgb> layer_scales(const Library& map);
+std::vector<Rgb> layer_scales(const TexelMap& map);
 
 /// How a texture holds coefficients. The means of levels are rounded only once.
 enum class LayerNumbers {
     halves,  ///< 16-bit floats
     bytes,   ///< 8 bits of a fraction of the lobe's scale (`layer_scales`), coded as sRGB
-    blocks,  ///< bytes in ASTC blocks of 4 × 4 texels, one byte a texel and lobe; requires `has_astc` (app/astc.h)
 };
 /// The map as a KTX 2 file (Khronos texture container 2.0): an uncompressed array of J layers with levels down to 1
 /// × 1. A layer holds the coefficients of a lobe as R, G, B, and A = 1. Row 0 of the texels is the map's Y = 0. With
-/// bytes and blocks the metadata `k_scale_key` are the scales, 3 J 32-bit floats: R, G, B of each lobe.
-std::vector<std::byte> map_ktx2(const Library& map, LayerNumbers numbers = LayerNumbers::halves);
+/// bytes the metadata `k_scale_key` are the scales, 3 J 32-bit floats: R, G, B of each lobe.
+std::vector<std::byte> map_ktx2(const TexelMap& map, LayerNumbers numbers = LayerNumbers::halves);
 inline constexpr const char* k_scale_key = "srbf.scale";
-/// Neighbours in coarse levels differ too much for blocks. The metadata `k_coarse_key` of a file with blocks has the levels
-/// from `k_first_coarse` on in bytes too: this number in 32 bits, then one level after the other.
-inline constexpr const char* k_coarse_key = "srbf.coarse";
-inline constexpr std::size_t k_first_coarse = 2;
-/// The map as a DDS file of Direct3D 10 and later: the same array of 16-bit floats with the same levels.
-std::vector<std::byte> map_dds(const Library& map);
 
 }  // namespace srbf

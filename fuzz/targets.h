@@ -12,10 +12,10 @@
 #include "measured/bytes.h"
 #include "measured/formats.h"
 #include "measured/readers.h"
-#include "models/library_file.h"
+#include "models/model_files.h"
 #include "srbf/convert.h"
-#include "srbf/library.h"
 #include "srbf/load.h"
+#include "srbf/map.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
 #include "srbf/prepared.h"
@@ -139,24 +139,14 @@ inline void check_header(std::span<const std::byte> header) {
     check_model(file);
 }
 
-/// Checks a stack as `check_model` does a model.
-inline void check_stack(std::span<const std::byte> bytes) {
-    const auto stack = read_stack(bytes, "f");
-    if (!stack) return check_error(stack.error());
-    const auto written = write_stack(*stack);
-    const auto again = read_stack(written, "f");
-    require(again.ok() && write_stack(*again) == written, "write(read(written)) = written");
-    check_values(Result<Model>(Model{stack->models.front(), {}}));
-}
-
-/// Checks a library of materials as `check_model` does a model.
-inline void check_library(std::span<const std::byte> bytes) {
-    const auto library = read_library(bytes, "f");
-    if (!library) return check_error(library.error());
-    const auto written = write_library(*library);
-    const auto again = read_library(written, "f");
-    require(again.ok() && write_library(*again) == written, "write(read(written)) = written");
-    if (library->count() > 0) check_values(Result<Model>(material(*library, 0)));
+/// Checks a map as `check_model` does a model.
+inline void check_map(std::span<const std::byte> bytes) {
+    const auto map = read_map(bytes, "f");
+    if (!map) return check_error(map.error());
+    const auto written = write_map(*map);
+    const auto again = read_map(written, "f");
+    require(again.ok() && write_map(*again) == written, "write(read(written)) = written");
+    check_values(Result<Model>(texel(*map, 0)));
 }
 
 #ifdef SRBF_RENDER
@@ -301,7 +291,7 @@ inline void check_uses(std::span<const std::byte> bytes) {
     bool is_model = true;
     std::string name = "in";
     auto brdf = load_brdf(path);
-    if (!brdf) brdf = load_brdf(path + "#0"), name = is_library(bytes) ? "in" : "in#0";  // maps are exported whole
+    if (!brdf) brdf = load_brdf(path + "#0"), name = "in";  // maps are exported whole
     if (!brdf) return;
     is_model = std::holds_alternative<Model>(*brdf);
     const PreparedBrdf prepared = std::visit(
@@ -349,8 +339,7 @@ inline const NamedTarget k_targets[] = {
     {"measured", [](auto bytes) { check_values(read_measured(bytes, "f")); }},
     {"model", check_model},
     {"header", check_header},
-    {"stack", check_stack},
-    {"library", check_library},
+    {"map", check_map},
 #ifdef SRBF_RENDER
     {"ply", [](auto bytes) { check_picture(read_ply(bytes, "f")); }},
     {"obj", [](auto bytes) { check_picture(read_obj(bytes, "f")); }},
@@ -364,7 +353,7 @@ inline const NamedTarget k_targets[] = {
 #include "fuzz/extra_targets.h"
 #include "measured/readers.h"
 #include "measured/tables.h"
-#include "models/library_file.h"
+#include "models/model_files.h"
 
 namespace srbf {
 

@@ -161,8 +161,6 @@ void define_fits(py::module_& module) {
     }));
     module.def("fit", &fit_brdf);
     module.def("fit_function", &fit_function);
-    module.def("fit_batch", &fit_texels);
-    module.def("load_stack", &load_stack);
     module.def("errors", &errors);
     module.def("errors_of_function", &errors_of_function);
 }

@@ -287,19 +287,6 @@ inline PyBrdf unpickled(const std::string& bytes, const py::tuple& reading) {
     return origin.isotropic ? brdf_of_arrays(std::move(origin)) : required(brdf_of_file(std::move(origin)));
 }
 
-inline py::list load_stack(const std::string& path) {
-    const auto stack = required([&]() -> Result<ModelStack> {
-        const py::gil_scoped_release released;
-        const auto bytes = read_file(path, all_if(is_safetensors));
-        if (!bytes) return bytes.error();
-        return read_stack(*bytes, path);
-    }());
-    py::list texels;
-    for (std::size_t i = 0; i < stack.models.size(); ++i)
-        texels.append(py::make_tuple(PyBrdf(Model{stack.models[i], stack.provenance}), stack.error[i], stack.state[i]));
-    return texels;
-}
-
 inline PyBrdf load_file(const std::string& path, const std::string& columns, const std::string& quantity, float floor) {
     const ReadOptions options{columns, quantity_named(quantity), floor};
     return required([&]() -> Result<PyBrdf> {

@@ -14,7 +14,6 @@
 #include "errors/picture_errors.h"
 #include "fit/request_traits.h"
 #include "srbf/fit.h"
-#include "srbf/fit_batch.h"
 #include "srbf/fit_bsdf.h"
 
 namespace srbf {
@@ -128,35 +127,6 @@ auto with_function(const py::function& function, const py::object& progress, con
 inline py::dict fit_function(const py::function& function, const FitRequest& request, const py::object& progress) {
     return outcome_of(required(with_function(
         function, progress, [&](const Evaluate& f, const ProgressToken& token) { return fit(f, request, token); })));
-}
-
-inline py::list fit_texels(const Array& wl, const Array& wv, const Array& f, const FitRequest& request, bool isotropic,
-                           const py::object& progress) {
-    require_unit(wl, "wl");
-    require_unit(wv, "wv");
-    const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
-    const SharedPairs pairs{{l.begin(), l.end()}, {v.begin(), v.end()}, isotropic};
-    const std::span<const Rgb> values(reinterpret_cast<const Rgb*>(f.data()), std::size_t(f.size()) / 3);
-    BatchOptions options;
-    options.request = request;
-    const auto start = std::chrono::steady_clock::now();
-    auto fits = required(
-        in_background(progress, [&](const ProgressToken& token) { return fit_batch(pairs, values, options, token); }));
-    const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
-    py::list outcomes;
-    for (TexelFit& fit : fits) {
-        py::dict result, errors;
-        const bool fitted = fit.state == TexelState::fitted;
-        for (const MeasureName& measure : k_measures) errors[measure.name] = fit.errors.*measure.member;
-        result["errors"] = fitted ? py::object(errors) : py::none();
-        result["seconds"] = duration.count() / double(fits.size());
-        result["reached"] = fitted;
-        result["stop_reason"] = fitted ? py::object(py::str(std::string(name(fit.stop)))) : py::none();
-        result["model"] =
-            PyBrdf(Model{std::move(fit.model), {{"objective", std::string(name(options.request.objective))}}});
-        outcomes.append(result);
-    }
-    return outcomes;
 }
 
 inline py::dict errors(const PyBrdf& reference, const PyBrdf& other, double max_theta, int threads) {

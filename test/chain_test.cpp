@@ -19,13 +19,10 @@ class Chain : public CommandLine {
               "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n0.6,0,0.8,0,0,1\n0.8,0,0.6,0,0,1\n0.96,0,0.28,0,0,1\n"
               "0.28,0,0.96,0.6,0,0.8\n0.96,0,0.28,0.28,0,0.96\n0.6,0,0.8,-0.8,0,0.6\n0,0.6,0.8,0.6,0,0.8\n");
         std::mt19937_64 random(1);
-        models_ = {random_model(random, {.lobes = 2, .variates = 2}),
-                   random_model(random, {.lobes = 2, .variates = 2})};
-        for (PmModel& model : models_) model = rounded(model);
-        const auto saved = write_file(folder / "stack.srbf", write_stack({models_, {0.25f, 0.5f}, {0, 2}, {}}));
-        ASSERT_TRUE(saved.ok());
+        map_ = random_map(random, {.lobes = 2, .variates = 2}, 1, 2);
+        ASSERT_TRUE(write_file(folder / "map.srbf", write_map(map_)).ok());
     }
-    std::vector<PmModel> models_;
+    TexelMap map_;
 };
 
 TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
@@ -47,7 +44,7 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
         EXPECT_EQ(ended.status, 0) << fmt::format("{}", fmt::join(arguments, " ")) << ": " << ended.err;
         return ended.out;
     };
-    Arguments readable{"pm.srbf", "bsdf.srbf", "su.srbf", "ggx.srbf", "spectral.srbf", "stack.srbf#1"};
+    Arguments readable{"pm.srbf", "bsdf.srbf", "su.srbf", "ggx.srbf", "spectral.srbf", "map.srbf#1"};
     const auto convert = [&](const char* input, const std::string& output) {
         Arguments arguments{"convert", input, "-o", output};
         if (output.ends_with(".csv")) arguments.insert(arguments.end(), {"--directions", "4"});
@@ -83,20 +80,17 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
     done({"render", "pm.srbf", "-o", "y.png", "--size", "8x8", "--spp", "1", "--env", "x.exr"});
 }
 
-TEST_F(Chain, TexelsOfAStackAreNamedByNumber) {
-    const ProgramRun whole = run(folder, {"info", "stack.srbf"});
+TEST_F(Chain, TexelsOfAMapAreNamedByNumberAndPlace) {
+    const ProgramRun whole = run(folder, {"info", "map.srbf"});
     EXPECT_EQ(whole.status, 0) << whole.err;
-    for (const char* word :
-         {"2 multivariate models, 1 fitted, 0 black, 1 failed", "2 lobes × 2 variates", "stack.srbf#0 to stack.srbf#1"})
-        EXPECT_NE(whole.out.find(word), std::string::npos) << whole.out;
-    const ProgramRun one = run(folder, {"info", "stack.srbf#1"});
-    EXPECT_NE(one.out.find("1 of 2"), std::string::npos) << one.out << one.err;
-    ASSERT_TRUE(save_model({models_[1], {}}, folder / "m.srbf").ok());
-    EXPECT_EQ(run(folder, {"eval", "stack.srbf#1", "--pairs", "p.csv"}).out,
-              run(folder, {"eval", "m.srbf", "--pairs", "p.csv"}).out);
-    expect_failure(1, {"info", "stack.srbf#2"}, "stack.srbf#2: texel: expected 0 to 1, found 2");
-    expect_failure(1, {"info", "m.srbf#0"}, "metadata 'model': expected pm-stack, found pm");
-    expect_failure(1, {"eval", "stack.srbf", "--pairs", "p.csv"}, "a stack of them, which stack.srbf#0");
+    EXPECT_NE(whole.out.find("1 × 2 texels of 2 shared lobes"), std::string::npos) << whole.out;
+    ASSERT_TRUE(save_model(texel(map_, 1), folder / "m.srbf").ok());
+    for (const char* name : {"map.srbf#1", "map.srbf#0,1"})
+        EXPECT_EQ(run(folder, {"eval", name, "--pairs", "p.csv"}).out,
+                  run(folder, {"eval", "m.srbf", "--pairs", "p.csv"}).out);
+    expect_failure(1, {"info", "map.srbf#2"}, "map.srbf#2: texel: expected 0 to 1, or 0,0 to 0,1, found 2");
+    expect_failure(1, {"info", "m.srbf#0"}, "expected a map, of which # names a texel, found a model");
+    expect_failure(1, {"eval", "map.srbf", "--pairs", "p.csv"}, "a map of texels, which map.srbf#X,Y names");
     expect_failure(1, {"info", "missing#0"}, "missing: cannot be read");
     std::filesystem::copy(folder / "m.srbf", folder / "m#7");
     EXPECT_EQ(run(folder, {"info", "m#7"}).status, 0);
@@ -111,7 +105,7 @@ TEST_F(Chain, EvalTakesConstantMemory) {
             for (std::size_t i = 0; i < pairs; ++i) csv << "0.6,0,0.8,0,0,1\n";
         }
         const pid_t process =
-            start(folder, {"eval", "stack.srbf#0", "--pairs", "many.csv"}, folder / "out", folder / "err");
+            start(folder, {"eval", "map.srbf#0", "--pairs", "many.csv"}, folder / "out", folder / "err");
         int status = 0;
         rusage usage{};
         EXPECT_EQ(::wait4(process, &status, 0, &usage), process);
@@ -130,7 +124,7 @@ TEST_F(Chain, EvalReadsLinesOfAnyKind) {
     const std::string header = "name,wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", row = "0,0,1,0,0,1";
     const auto eval = [&](const std::string& csv) {
         write(folder / "q.csv", csv);
-        return run(folder, {"eval", "stack.srbf#0", "--pairs", "q.csv"});
+        return run(folder, {"eval", "map.srbf#0", "--pairs", "q.csv"});
     };
     const std::string plain = eval(header + "\nx," + row + "\n").out;
     EXPECT_EQ(std::ranges::count(plain, '\n'), 2);
@@ -138,14 +132,14 @@ TEST_F(Chain, EvalReadsLinesOfAnyKind) {
     EXPECT_EQ(eval(header + "\n").out, plain.substr(0, plain.find('\n') + 1));
     const std::string name(1'100'000, 'x');
     write(folder / "q.csv", header + "\n" + name + "," + row + "\n");
-    expect_failure(1, {"eval", "stack.srbf#0", "--pairs", "q.csv"}, "line 2: length: expected less than 1048576 bytes");
+    expect_failure(1, {"eval", "map.srbf#0", "--pairs", "q.csv"}, "line 2: length: expected less than 1048576 bytes");
     // Blocks end anywhere within lines.
     std::string many = header + "\n";
     for (int i = 0; i < 60'000; ++i) many += std::string(std::size_t(i % 50), 'n') + "," + row + "\n";
     const std::string all = eval(many).out;
     EXPECT_EQ(std::ranges::count(all, '\n'), 60'001);
     write(folder / "q.csv", many + "x,0,0,2,0,0,1\n");
-    EXPECT_NE(run(folder, {"eval", "stack.srbf#0", "--pairs", "q.csv"}).err.find("line 60002: direction wl"),
+    EXPECT_NE(run(folder, {"eval", "map.srbf#0", "--pairs", "q.csv"}).err.find("line 60002: direction wl"),
               std::string::npos);
 }
 

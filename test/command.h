@@ -55,7 +55,6 @@ inline std::map<std::string, Arguments> long_options(const TemporaryFolder& fold
 inline bool is_offered(const Arguments& arguments) {
     static const std::set<std::string> extras{"render",
                                               "map",
-                                              "basis",
                                               "report",
                                               "html",
                                               "exr",

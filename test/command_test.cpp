@@ -1,6 +1,7 @@
 // Output of the subcommands other than fit.
 #include <regex>
 
+#include "app/map_layers.h"
 #include "brdf/channels.h"
 #include "command.h"
 #include "errors/measures.h"
@@ -115,12 +116,12 @@ TEST_F(WithModel, export_writes_code_or_nothing) {
 
 TEST_F(WithModel, export_writes_a_map_or_nothing) {
     std::mt19937_64 random(2);
-    const auto save = [&](const Library& library, const std::string& name) {
-        write(folder / name, text_of(write_library(library)));
+    const auto save = [&](const TexelMap& map, const std::string& name) {
+        write(folder / name, text_of(write_map(map)));
     };
-    Library map = random_map(random, {.lobes = 3}, 4, 2);
+    const TexelMap map = random_map(random, {.lobes = 3}, 4, 2);
     save(map, "map.srbf");
-    for (const char* kind : {"glsl", "hlsl", "wgsl", "msl", "c", "ktx2", "dds", "exr", "three"}) {
+    for (const char* kind : {"glsl", "hlsl", "wgsl", "msl", "c", "ktx2", "exr", "three"}) {
         if (!is_offered({kind})) continue;
         const ProgramRun result = run(folder, {"export", "map.srbf", "--to", kind, "-o", std::string("o.") + kind});
         EXPECT_EQ(result.status, 0) << result.err;
@@ -144,22 +145,16 @@ TEST_F(WithModel, export_writes_a_map_or_nothing) {
                        "--coefficients");
     expect_failure(1, start + Arguments{"--to", "three", "-o", "map.ktx2"}, "map.ktx2");
     expect_failure(1, start + code + Arguments{"--with", "sampling"}, "expected values, albedos and light");
-    expect_failure(1, start + Arguments{"--to", "html", "-o", "x.html"}, "map.srbf#NAME");
-    expect_failure(1, Arguments{"export", "map.srbf", "map.srbf"} + layers, "found a library of them");
+    expect_failure(1, start + Arguments{"--to", "html", "-o", "x.html"}, "map.srbf#X,Y");
+    expect_failure(1, Arguments{"export", "map.srbf", "map.srbf"} + layers, "found a map of texels");
     expect_failure(1, Arguments{"export", *fitted / "m.srbf"} + layers,
                    "expected a map of shared lobes, found a model");
     expect_failure(1, Arguments{"export", "missing.srbf"} + layers, "missing.srbf");
     expect_failure(1, start + Arguments{"--to", "exr", "-o", "/dev/full"}, "/dev/full");
     expect_failure(1, start + Arguments{"--to", "exr", "-o", "map.srbf"}, "map.srbf");
-    map.width = 0;
-    save(map, "list.srbf");
-    for (std::uint16_t& j : map.index = std::vector<std::uint16_t>(8)) j = 1;
-    map.stored = 1, map.coefficient.resize(8);
-    save(map, "sparse.srbf");
-    for (const Arguments& to : {code, layers}) {
-        expect_failure(1, Arguments{"export", "list.srbf"} + to, "expected a map (srbf map --width)");
-        expect_failure(1, Arguments{"export", "sparse.srbf"} + to, "expected a coefficient for each lobe");
-    }
+    save(random_map(random, {.lobes = 1}, k_longest_side + 1, 1), "list.srbf");
+    for (const Arguments& to : {code, layers})
+        expect_failure(1, Arguments{"export", "list.srbf"} + to, "expected at most 16384 (srbf map --width)");
     write(folder / "broken.srbf", contents(folder / "map.srbf").substr(0, 500));
     expect_failure(1, Arguments{"export", "broken.srbf"} + layers, "broken.srbf");
 }

@@ -153,53 +153,6 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
     EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 fitted"), std::string::npos);
 }
 
-TEST_F(Command, fit_of_texels_resumes_complete_slabs) {
-    if (!is_offered({"map"})) GTEST_SKIP() << "without srbf map";
-    constexpr int count = 4, pairs = 30;
-    std::mt19937_64 random(4);
-    std::string csv = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n";
-    std::vector<float> f;
-    std::vector<Vec3d> wl, wv;
-    for (int i = 0; i < pairs; ++i) {
-        const Vec3d l = random_direction(random, 0.3), v = random_direction(random, 0.3);
-        csv += fmt::format("{},{},{},{},{},{}\n", l.x, l.y, l.z, v.x, v.y, v.z);
-        wl.push_back(l), wv.push_back(v);
-    }
-    for (int t = 0; t < count; ++t)
-        for (int i = 0; i < pairs; ++i) {
-            const double z = normalize(wl[std::size_t(i)] + wv[std::size_t(i)]).z;
-            f.push_back(float(0.1 + 0.02 * t + std::exp(20 * (t + 1) * (z - 1))));
-        }
-    std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}", count, pairs);
-    header.resize(117, ' ');
-    const std::string npy = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + '\n';
-    write(folder / "t.npy", npy + std::string(reinterpret_cast<const char*>(f.data()), f.size() * sizeof(float)));
-    write(folder / "p.csv", csv);
-    const auto fit = [&](const std::string& output, const Arguments& more) {
-        return run(folder, Arguments{"map", "t.npy", "--pairs", "p.csv", "--lobes", "1", "--slab", "2", "--threads",
-                                     "1", "-o", output} +
-                               more);
-    };
-    ASSERT_EQ(fit("one", {}).status, 0);
-    const std::string first_slab = contents(folder / "one/t-000000000.srbf"),
-                      second_slab = contents(folder / "one/t-000000002.srbf");
-    ASSERT_FALSE(second_slab.empty());
-    // Fits of ranges, and a resumed fit after a slab was lost or truncated, give the same bytes.
-    for (const char* range : {"0:2", "2:4"}) ASSERT_EQ(fit("parts", {"--texels", range}).status, 0);
-    write(folder / "parts/t-000000002.srbf", second_slab.substr(0, second_slab.size() / 2));
-    const ProgramRun resumed = fit("parts", {"--resume"});
-    EXPECT_NE(resumed.out.find("2 texels fitted"), resumed.out.npos) << resumed.out;
-    EXPECT_NE(resumed.out.find("2 kept"), resumed.out.npos) << resumed.out;
-    EXPECT_EQ(contents(folder / "parts/t-000000000.srbf"), first_slab);
-    EXPECT_EQ(contents(folder / "parts/t-000000002.srbf"), second_slab);
-
-    expect_failure(1, {"map", ".", "--pairs", "p.csv", "-o", "d"},
-                   ".: cannot be read: expected a readable file, found a folder");
-    expect_failure(1, {"map", "t.npy", "--pairs", ".", "-o", "d"}, "found a folder");
-    expect_failure(1, {"map", "t.npy", "--pairs", "p.csv", "-o", "p.csv"}, "output: expected a folder, or a new name");
-    expect_failure(1, {"map", "t.npy", "--pairs", "p.csv", "-o", "/proc/none/d"}, "/proc/none/d: output: ");
-}
-
 /// `count` samples of a smooth BRDF at random pairs of directions, as CSV.
 std::string smooth_samples(int count) {
     std::mt19937_64 random(3);
@@ -312,18 +265,6 @@ TEST_F(Command, fit_stops_at_the_first_size_that_reaches_the_target) {
     for (std::size_t i = 0; i < path.size(); ++i) EXPECT_EQ(path[i].value("error", 0.0) <= 6, i + 1 == path.size());
     EXPECT_EQ(path.back()["lobes"], json["lobes"]);
     EXPECT_EQ(path.back()["error"], json["mean_pictures"]["delta_e_itp"]);
-}
-
-TEST_F(Command, fit_finds_how_many_shared_lobes_a_mean_error_needs) {
-    if (!is_offered({"basis"})) GTEST_SKIP() << "without srbf basis";
-    write(folder / "m.binary", small_merl());
-    for (const auto& [target, lobes, is_reached] : {std::tuple("100", 1, true), {"0.01", 4, false}}) {
-        const ProgramRun fit = run(folder, {"basis", "m.binary", "-o", "l.srbf", "--lobes", "4", "--variates", "1",
-                                            "--target-delta-e", target});
-        ASSERT_EQ(fit.status, 0) << fit.err;
-        EXPECT_NE(fit.out.find(fmt::format("1 materials of {} shared lobes", lobes)), std::string::npos) << fit.out;
-        EXPECT_EQ(fit.out.find("above the target") == std::string::npos, is_reached) << fit.out;
-    }
 }
 
 TEST_F(Command, fit_su_takes_scattered_samples) {

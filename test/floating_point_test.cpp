@@ -23,8 +23,8 @@
 #include "samples/observe_samples.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
-#include "srbf/library.h"
 #include "srbf/load.h"
+#include "srbf/map.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/sampling.h"
@@ -326,9 +326,8 @@ std::string contents_read(const std::filesystem::path& path) {
     if (const auto environment = read_environment(bytes, "f")) add(environment->texels().pixels);
     if (const auto mesh = read_mesh(bytes, "f")) add(mesh->positions), add(mesh->normals);
 #endif
-    if (const auto library = read_library(bytes, "f"))
-        for (std::size_t t = 0; t < library->count(); ++t) add(write_model(material(*library, t)));
-    if (const auto stack = read_stack(bytes, "f")) add(write_stack(*stack));
+    if (const auto map = read_map(bytes, "f"))
+        for (std::size_t t = 0; t < map->count(); ++t) add(write_model(texel(*map, t)));
     return read;
 }
 

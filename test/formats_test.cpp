@@ -123,7 +123,7 @@ TEST(Formats, LargeValuesAreKeptOrRefused) {
     BsdfModel bsdf;
     bsdf.part[0] = std::make_shared<const Model>(Model{pm, {}});
     refused({bsdf, {}});
-    Library map = random_map(random, {.lobes = 2}, 3, 2);
+    TexelMap map = random_map(random, {.lobes = 2}, 3, 2);
     EXPECT_TRUE(check_layers(map, "map").ok());
     map.coefficient[1].g = 1e6f;
     EXPECT_FALSE(check_layers(map, "map").ok());

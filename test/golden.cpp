@@ -22,7 +22,6 @@
 #include "one_target.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
-#include "srbf/fit_batch.h"
 #include "srbf/fit_bsdf.h"
 #include "srbf/kernel.h"
 #include "srbf/model.h"
@@ -110,10 +109,13 @@ Evaluate varnished(float roughness, Rgb body) {
 }
 
 /// Pairs of directions up to 80° from the normal, many of them close to the mirror direction.
-SharedPairs some_pairs(std::size_t count) {
+struct Pairs {
+    std::vector<Vec3f> wl, wv;
+};
+Pairs some_pairs(std::size_t count) {
     const MirrorMixture mixture(80 * k_degree);
     std::mt19937_64 random(1);
-    SharedPairs pairs;
+    Pairs pairs;
     while (pairs.wl.size() < count) {
         const double u1 = uniform(random), u2 = uniform(random), u3 = uniform(random), u4 = uniform(random),
                      u5 = uniform(random);
@@ -127,7 +129,7 @@ SharedPairs some_pairs(std::size_t count) {
 /// The measurement at these pairs as the text of a CSV file. If `is_spectral`, it has five wavelengths instead of
 /// colours.
 Measured samples_of(const Measured& measured, std::size_t count, bool is_spectral) {
-    const SharedPairs pairs = some_pairs(count);
+    const Pairs pairs = some_pairs(count);
     std::vector<Rgb> f(count);
     evaluator(measured)(pairs.wl, pairs.wv, f);
     std::string text = is_spectral ? "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,450nm,500nm,550nm,600nm,650nm\n"
@@ -179,28 +181,6 @@ struct Golden {
         for (const Hemispherical& hemispherical : outcome.parts[0].hemispherical) figures.add(hemispherical.fitted);
         return {hash_of(outcome.model), figures.text(), "", digits(outcome.parts[0].squared_error_ratio)};
     }
-    Line texel_line() const {
-        const SharedPairs pairs = some_pairs(300);
-        std::vector<Rgb> f;
-        for (const Measured* measured : {&paper, &film}) {
-            std::vector<Rgb> texel(pairs.wl.size());
-            evaluator (*measured)(pairs.wl, pairs.wv, texel);
-            f.insert(f.end(), texel.begin(), texel.end());
-        }
-        BatchOptions options;
-        options.request.threads = threads;
-        Hash figures;
-        ModelStack stack;
-        for (const TexelFit& texel : value_or_fail(fit_batch(pairs, f, options))) {
-            figures.add(texel.errors);
-            stack.models.push_back(texel.model);
-            stack.error.push_back(float(texel.errors.squared_error_ratio_cosine));
-            stack.state.push_back(std::uint16_t(texel.state));
-        }
-        Hash models;
-        models.add(write_stack(stack));
-        return {models.text(), figures.text(), "", digits(double(stack.error[1]))};
-    }
 };
 
 struct Row {
@@ -248,7 +228,6 @@ const std::vector<Row>& rows() {
              return g.fitted(samples_of(g.film, 160, true), request);
          }},
         {"both-sides", [](const G& g) { return g.bsdf_line(); }},
-        {"texels", [](const G& g) { return g.texel_line(); }},
     };
     return list;
 }

@@ -397,7 +397,7 @@ std::string code_without_comments(std::string text, const std::string& to) {
 TEST_F(Hostile, NamesAndMetadataAreNotCode) {
     std::mt19937_64 random(1);
     const PmModel pm = random_model(random, {.lobes = 1, .variates = 1});
-    const Library map = random_map(random, {.lobes = 2}, 3, 2);
+    const TexelMap map = random_map(random, {.lobes = 2}, 3, 2);
     const Arguments surfaces{"mtlx", "standard-surface", "gltf", "glb", "usd", "principled"},
         kinds = destinations(folder);
     ASSERT_GE(kinds.size(), 12u);
@@ -406,18 +406,17 @@ TEST_F(Hostile, NamesAndMetadataAreNotCode) {
     for (std::size_t i = 0; i < k_fields; i += 2) {
         const std::string& name = k_names[i / 2 % std::size(k_names)];
         for (const std::string& to : kinds) {
-            const bool is_map = to == "ktx2" || to == "dds" || to == "exr",
-                       is_surface = std::ranges::count(surfaces, to) > 0,
+            const bool is_map = to == "ktx2" || to == "exr", is_surface = std::ranges::count(surfaces, to) > 0,
                        is_slow = to == "html" || to.starts_with("three") || to.starts_with("unity") ||
                                  to == "blender" || to == "osl";
             if (is_slow && i > 0) continue;
             SCOPED_TRACE(fmt::format("{} {}: {}", to, i, printable(name)));
             const auto exported = [&](const std::string& file, bool harmless) {
-                Library library = map;
-                library.provenance = metadata(i, harmless);
+                TexelMap of_kind = map;
+                of_kind.provenance = metadata(i, harmless);
                 const Model model =
-                    is_surface ? Model{OpenPbrModel{}, library.provenance} : Model{pm, library.provenance};
-                write(folder / file, text_of(is_map ? write_library(library) : write_model(model)));
+                    is_surface ? Model{OpenPbrModel{}, of_kind.provenance} : Model{pm, of_kind.provenance};
+                write(folder / file, text_of(is_map ? write_map(of_kind) : write_model(model)));
                 const bool is_fitted = to == "blender" || to == "osl";
                 const ProgramRun result = run(folder, Arguments{"export", file, "--to", to, "-o", "x"} +
                                                           (is_fitted ? Arguments{"--terms", "1"} : Arguments{}));

@@ -3,10 +3,10 @@
 #include "base/half.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_functions.h"
-#include "models/library_file.h"
+#include "models/model_files.h"
 #include "models/pm/pm_functions.h"
 #include "properties.h"
-#include "srbf/library.h"
+#include "srbf/map.h"
 #include "srbf/model.h"
 
 namespace srbf {
@@ -54,12 +54,12 @@ inline PmModel spectral_model(std::mt19937_64& random, const RandomModelOptions&
 }
 
 /// A map of width × height texels that share random lobes.
-inline Library random_map(std::mt19937_64& random, const RandomModelOptions& options, std::size_t width,
-                          std::size_t height) {
-    Library map;
+inline TexelMap random_map(std::mt19937_64& random, const RandomModelOptions& options, std::size_t width,
+                           std::size_t height) {
+    TexelMap map;
     map.basis = random_model(random, options);
     map.basis.coefficient.assign(std::size_t(options.lobes), {1, 1, 1});
-    map.stored = options.lobes, map.width = width;
+    map.width = width;
     map.error.assign(width * height, 0);
     for (std::size_t i = 0; i < width * height * std::size_t(options.lobes); ++i)
         map.coefficient.push_back({float(uniform(random)), float(uniform(random)), float(uniform(random))});

@@ -111,15 +111,14 @@ TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
     expect_failure(2, {"fit", "m.binary", "-o", "-h"}, "--output: expected a text, found the option -h");
 }
 
-/// Options of samples with models, libraries and models in libraries.
+/// Options of samples with models, maps and texels of maps.
 TEST_F(CommandLine, options_of_samples_are_refused_for_models) {
     write(folder / "m.binary", small_merl());
-    if (!is_offered({"basis"})) GTEST_SKIP() << "without srbf basis";
-    ASSERT_EQ(run(folder, {"basis", "m.binary", "-o", "lib.srbf", "--lobes", "1", "--variates", "1"}).status, 0);
     std::mt19937_64 random(1);
+    write(folder / "map.srbf", text_of(write_map(random_map(random, {}, 1, 1))));
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
     const std::string words = "input: expected samples, for --columns, --quantity and --floor, found a fitted model";
-    for (const std::string name : {"m.srbf", "lib.srbf", "lib.srbf#m"}) {
+    for (const std::string name : {"m.srbf", "map.srbf", "map.srbf#0"}) {
         expect_failure(1, {"info", name, "--quantity", "factor"}, fmt::format("{}: {}", name, words));
         expect_failure(1, {"convert", name, "-o", "x.csv", "--floor", "0.1"}, fmt::format("{}: {}", name, words));
     }
@@ -147,13 +146,9 @@ TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
         {{"map", "t.npy", "-o", "d"}, "--pairs"},
         {{"map", "t.npy", "--pairs", "p.csv"}, "--output"},
         {{"map", "t.npy", "--pairs", "p.csv", "-o", "d", "--model", "ggx"}, "--model"},
-        {{"map", "t.npy", "--pairs", "p.csv", "-o", "d.srbf"}, "--output: a folder"},
-        {{"map", "t.npy", "--pairs", "p.csv", "-o", "d", "--width", "2"}, "--width: only with --basis"},
-        {{"map", "t.npy", "--pairs", "p.csv", "-o", "d", "--basis", "2", "--slab", "2"}, "--slab: not with --basis"},
-        {{"basis", k_paper}, "--output"},
-        {{"basis", k_paper, "-o", "l.srbf", "--lobes", "257"}, "--lobes: expected 1 to 256, found 257"},
-        {{"basis", k_paper, "-o", "l.srbf", "--lobes", "2", "--active", "3"}, "at most the number of shared lobes"},
-        {{"basis", k_paper, "-o", "l.srbf", "--lobes", "l", "--target-delta-e", "3"}, "only with a number of lobes"},
+        {{"map", "t.npy", "--pairs", "p.csv", "--masks", "m.npy", "-o", "d"}, "either --pairs or --masks"},
+        {{"map", "t.bsdf", "--masks", "m.npy", "-o", "d", "--width", "2"}, "--width: only with --pairs"},
+        {{"map", "t.npy", "--pairs", "p.csv", "-o", "d", "--lobes", "257"}, "--lobes: expected 1 to 256, found 257"},
         {{"fit", "--bogus"}, "--bogus"},
         {{"fit", k_paper, "--bogus"}, "--bogus"},
         {{"info"}, "FILE"},

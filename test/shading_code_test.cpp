@@ -352,7 +352,7 @@ TEST_F(ShadingCode, CompilesAsCuda) {
 /// The exported code of a map.
 std::string map_code_in(CodeLanguage language) {
     std::mt19937_64 random(4);
-    const Library map = random_map(random, {.lobes = 3, .form = PmForm::extended}, 2, 2);
+    const TexelMap map = random_map(random, {.lobes = 3, .form = PmForm::extended}, 2, 2);
     const auto text = map_code(map, "map", {.language = language, .albedo = true});
     return text ? *text : message(text.error());
 }

@@ -1,4 +1,4 @@
-#include "srbf/npy.h"
+#include "extras/maps/npy.h"
 
 #include <fmt/format.h>
 

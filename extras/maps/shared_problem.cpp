@@ -5,34 +5,21 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "extras/maps/active_lobes.h"
 
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// Lower bound on √L_t, as a fraction of the largest one, like R_k of the directional lights (docs/fitting.md): a
-/// material that the lobes match perfectly must not outweigh others.
+/// Lower bound on √L_t, as a fraction of the largest one: a material that the lobes match perfectly must not outweigh
+/// others.
 constexpr double k_least_root = 0.1;
 /// The number of materials whose Hessians are in memory at once.
 constexpr std::size_t k_hessians = 8;
 
 }  // namespace
 
-SharedProblem::SharedProblem(std::span<SharedRows> materials, const LobeShape& shape)
-    : shape_(shape), materials_(materials) {
-    for (const SharedRows& material : materials)
-        problems_.push_back(std::make_unique<LobeProblem>(*material.rows, shape, false));
+SharedProblem::SharedProblem(std::span<const std::unique_ptr<Rows>> materials, const LobeShape& shape) {
+    for (const auto& rows : materials) problems_.push_back(std::make_unique<LobeProblem>(*rows, shape, false));
     factor_.assign(materials.size(), 1.0), loss_.assign(materials.size(), 0.0);
-}
-
-std::vector<Eigen::Index> SharedProblem::variables(std::size_t t, Eigen::Index size) const {
-    const std::vector<std::size_t>& lobes = materials_[t].lobes;
-    std::vector<Eigen::Index> indices;
-    for (Eigen::Index i = 0; i < (lobes.empty() ? size : shape_.variates); ++i) indices.push_back(i);
-    for (const std::size_t j : lobes)
-        for (int k = 0; k < shape_.width(); ++k)
-            indices.push_back(shape_.variates + Eigen::Index(j) * shape_.width() + k);
-    return indices;
 }
 
 Eigen::VectorXd SharedProblem::lower(const Eigen::VectorXd& x) const {
@@ -48,7 +35,7 @@ Eigen::VectorXd SharedProblem::longest_step(const Eigen::VectorXd& x) const {
 }
 
 double SharedProblem::loss(const Eigen::VectorXd& x) {
-    parallel_for(problems_.size(), [&](std::size_t t) { loss_[t] = problems_[t]->loss(x(variables(t, x.size()))); });
+    parallel_for(problems_.size(), [&](std::size_t t) { loss_[t] = problems_[t]->loss(x); });
     double sum = 0;
     for (std::size_t t = 0; t < loss_.size(); ++t) sum += factor_[t] * loss_[t];
     return sum;
@@ -60,13 +47,9 @@ void SharedProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eige
     std::vector<Eigen::VectorXd> gradient(k_hessians);
     for (std::size_t first = 0; first < problems_.size(); first += k_hessians) {
         const std::size_t count = std::min(k_hessians, problems_.size() - first);
-        parallel_for(count, [&](std::size_t i) {
-            problems_[first + i]->linearise(x(variables(first + i, x.size())), hessian[i], gradient[i]);
-        });
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto indices = variables(first + i, x.size());
-            H(indices, indices) += factor_[first + i] * hessian[i], g(indices) += factor_[first + i] * gradient[i];
-        }
+        parallel_for(count, [&](std::size_t i) { problems_[first + i]->linearise(x, hessian[i], gradient[i]); });
+        for (std::size_t i = 0; i < count; ++i)
+            H += factor_[first + i] * hessian[i], g += factor_[first + i] * gradient[i];
     }
 }
 
@@ -74,19 +57,6 @@ void SharedProblem::weigh() {
     const double largest = std::sqrt(std::max(*std::ranges::max_element(loss_), 1e-12));
     for (std::size_t t = 0; t < loss_.size(); ++t)
         factor_[t] = 1 / std::max(std::sqrt(std::max(loss_[t], 0.0)), k_least_root * largest);
-}
-
-void SharedProblem::activate(std::size_t most) {
-    parallel_for(problems_.size(), [&](std::size_t t) {
-        std::vector<std::size_t> active = active_lobes(*problems_[t], most);
-        if (const auto& previous = materials_[t].lobes; !previous.empty())
-            for (std::size_t& j : active) j = previous[j];
-        materials_[t].lobes = std::move(active);
-    });
-}
-
-void SharedProblem::offer(std::size_t j) {
-    for (SharedRows& material : materials_) material.lobes.push_back(j);
 }
 
 std::vector<double> SharedProblem::best_addition(const std::vector<std::vector<double>>& candidates) {

@@ -9,18 +9,12 @@
 
 namespace SRBF_NAMESPACE {
 
-/// A material of a shared problem.
-struct SharedRows {
-    std::unique_ptr<Rows> rows;
-    std::vector<std::size_t> lobes = {};  ///< the lobes of which it is a sum; empty: all
-};
-
 /// Σ_t L_t(x) / r_t over the problems of materials t, each with its own coefficients. The variables x are those of
-/// `LobeProblem` for all lobes. Materials are computed in parallel on the threads of the caller's `on_threads`.
+/// `LobeProblem`. Materials are computed in parallel on the threads of the caller's `on_threads`.
 class SharedProblem {
   public:
     /// The materials must outlive this object.
-    SharedProblem(std::span<SharedRows> materials, const LobeShape& shape);
+    SharedProblem(std::span<const std::unique_ptr<Rows>> materials, const LobeShape& shape);
 
     double loss(const Eigen::VectorXd& x);
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
@@ -32,19 +26,10 @@ class SharedProblem {
 
     /// Sets r_t from the losses of the last call of `loss`: √L_t, at least k_least_root of the largest.
     void weigh();
-    /// Limits each material to its active lobes, at most `most`. Valid after `loss`.
-    void activate(std::size_t most);
-    /// Adds lobe j to the lobes of each material.
-    void offer(std::size_t j);
     /// The candidate whose addition would lower the loss most. Valid after `loss`.
     std::vector<double> best_addition(const std::vector<std::vector<double>>& candidates);
 
   private:
-    /// The indices of a material's variables among all variables, whose number is `size`.
-    std::vector<Eigen::Index> variables(std::size_t t, Eigen::Index size) const;
-
-    LobeShape shape_;
-    std::span<SharedRows> materials_;
     std::vector<std::unique_ptr<LobeProblem>> problems_;
     std::vector<double> factor_, loss_;  ///< 1 / r_t; L_t
 };

@@ -1,20 +1,19 @@
-// The coefficients of texels in a basis.
+// The coefficients of texels in shared lobes.
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numeric>
 
 #include "base/floating_point.h"
 #include "base/half.h"
+#include "base/least_squares.h"
 #include "base/parallel.h"
 #include "brdf/values.h"
-#include "extras/maps/block_pivoting.h"
 #include "extras/maps/texel_sums.h"
 #include "observe/bound.h"
 #include "observe/pairs.h"
-#include "srbf/basis.h"
 #include "srbf/elementary.h"
+#include "srbf/fit_map.h"
 
 namespace SRBF_NAMESPACE {
 namespace {
@@ -28,39 +27,29 @@ constexpr double k_least_value = 1e-15;
 constexpr double k_most_left_out = 1.0 / 16;
 
 /// The values of lobe j, with coefficient 1, at pairs of directions.
-std::vector<Rgb> lobe_values(const Library& basis, std::size_t j, std::span<const Vec3f> wl,
-                             std::span<const Vec3f> wv) {
-    Library single;
-    single.basis = basis.basis, single.stored = 1, single.index = {std::uint16_t(j)}, single.coefficient = {{1, 1, 1}};
-    single.error = {0};
+std::vector<Rgb> lobe_values(const TexelMap& map, std::size_t j, std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
+    PmModel lobe = map.basis;
+    lobe.coefficient.assign(lobe.coefficient.size(), {}), lobe.coefficient[j] = {1, 1, 1};
     std::vector<Rgb> values(wl.size());
-    evaluate(material(single, 0), wl, wv, values);
+    evaluate(Model{std::move(lobe), {}}, wl, wv, values);
     return values;
 }
 
-/// The texels in which the lobes were found.
-struct Uses {
-    std::vector<double> share;    ///< largest coefficient of each lobe, relative to the texel's largest f cosθl cosθv
-    std::vector<bool> is_common;  ///< whether a lobe is above 0 in at least half of the texels and channels
-};
-Uses uses_of(const Library& basis, const SharedPairs& pairs) {
-    const auto J = std::size_t(basis.basis.lobes);
-    Uses uses{std::vector<double>(J), std::vector<bool>(J)};
-    std::vector<std::size_t> count(J);
+/// The largest coefficient of each lobe in the texels in which the lobes were found, relative to the texel's largest
+/// f cosθl cosθv.
+std::vector<double> largest_shares(const TexelMap& map, const SharedPairs& pairs) {
+    const auto J = std::size_t(map.basis.lobes);
+    std::vector<double> shares(J);
     std::vector<Rgb> f(pairs.wl.size());
-    for (std::size_t t = 0; t < basis.count(); ++t) {
-        evaluate(material(basis, t), pairs.wl, pairs.wv, f);
+    for (std::size_t t = 0; t < map.count(); ++t) {
+        evaluate(texel(map, t), pairs.wl, pairs.wv, f);
         double sampled = 0;
         for (std::size_t i = 0; i < f.size(); ++i)
             sampled = std::max(sampled, largest_of(f[i]) * cosines(pairs.wl[i], pairs.wv[i]));
-        for (std::size_t j = 0; j < J; ++j) {
-            const Rgb& of = basis.coefficient[t * J + j];
-            for (int c = 0; c < 3; ++c) count[j] += of[c] > 0;
-            if (sampled > 0) uses.share[j] = std::max(uses.share[j], largest_of(of) / sampled);
-        }
+        for (std::size_t j = 0; j < J && sampled > 0; ++j)
+            shares[j] = std::max(shares[j], largest_of(map.coefficient[t * J + j]) / sampled);
     }
-    for (std::size_t j = 0; j < J; ++j) uses.is_common[j] = 2 * count[j] >= 3 * basis.count();
-    return uses;
+    return shares;
 }
 
 /// The lobes at the samples, and how far the samples constrain them.
@@ -71,25 +60,24 @@ struct SampledLobes {
     /// lobes that do not rise by `k_most_excess` between or beyond the samples
     std::vector<std::size_t> constrained;
     std::vector<std::size_t> all;
-    std::vector<bool> is_common;  ///< of `Uses`
 };
 
 /// A lobe that rises beyond the samples, where light or viewer is closer to the horizon than in any sample, may
 /// reach `k_most_excess` there. The coefficient of a lobe that rises between or beyond them, relative to the values
 /// at the samples, is at most `k_most_excess` times that of any texel in which the lobes were found.
-SampledLobes sampled_lobes(const Library& basis, const SharedPairs& pairs, std::size_t padded) {
+SampledLobes sampled_lobes(const TexelMap& map, const SharedPairs& pairs, std::size_t padded) {
     float least = 1;  // cosine of a sample
     for (std::size_t i = 0; i < pairs.wl.size(); ++i)
         if (const float cosine = std::min(pairs.wl[i].z, pairs.wv[i].z); cosine > 0) least = std::min(least, cosine);
     std::vector<Vec3f> wl, wv;
     for (const auto& grid : {horizon_grid(), brink_grid()})
         for (const DirectionPair& pair : grid) wl.push_back(pair.wl), wv.push_back(pair.wv);
-    const std::size_t J = std::size_t(basis.basis.lobes);
-    const Uses uses = uses_of(basis, pairs);
-    SampledLobes lobes{{}, {}, std::vector<double>(J), {}, {}, uses.is_common};
+    const std::size_t J = std::size_t(map.basis.lobes);
+    const std::vector<double> shares = largest_shares(map, pairs);
+    SampledLobes lobes{{}, {}, std::vector<double>(J), {}, {}};
     for (std::size_t j = 0; j < J; ++j) {
         double at_samples = 0, between = 0, beyond = 0, scale = 0;
-        const std::vector<Rgb> sampled = lobe_values(basis, j, pairs.wl, pairs.wv);
+        const std::vector<Rgb> sampled = lobe_values(map, j, pairs.wl, pairs.wv);
         for (std::size_t i = 0; i < sampled.size(); ++i) {
             scale = std::max(scale, double(sampled[i].r));
             at_samples = std::max(at_samples, double(sampled[i].r) * cosines(pairs.wl[i], pairs.wv[i]));
@@ -99,7 +87,7 @@ SampledLobes sampled_lobes(const Library& basis, const SharedPairs& pairs, std::
         for (std::size_t i = 0; i < sampled.size(); ++i)
             if (const double value = double(sampled[i].r) / lobes.scale[j]; value > k_least_value)
                 column[i] = float(value);
-        const std::vector<Rgb> values = lobe_values(basis, j, wl, wv);
+        const std::vector<Rgb> values = lobe_values(map, j, wl, wv);
         for (std::size_t i = 0; i < wl.size(); ++i) {
             double& peak = std::min(wl[i].z, wv[i].z) < least ? beyond : between;
             peak = std::max(peak, double(values[i].r) * bound_cosines(wl[i], wv[i]));
@@ -110,7 +98,7 @@ SampledLobes sampled_lobes(const Library& basis, const SharedPairs& pairs, std::
         if (is_constrained)
             lobes.constrained.push_back(j);
         else
-            lobes.largest[j] = std::min(lobes.largest[j], k_most_excess * uses.share[j]);
+            lobes.largest[j] = std::min(lobes.largest[j], k_most_excess * shares[j]);
     }
     return lobes;
 }
@@ -179,29 +167,31 @@ class BlockSolver {
     void solve(const std::vector<std::size_t>& which, std::size_t count, Solution& solution) {
         const std::size_t n = which.size();
         solution.beta.assign(3 * J() * k_block_texels, 0), solution.scaled.assign(solution.beta.size(), 0);
-        std::vector<double> G(n * n), g(n), upper(n), x(n);
-        const auto is_free = std::make_unique<bool[]>(n);
-        for (std::size_t a = 0; a < n; ++a) is_free[a] = lobes_.is_common[which[a]];
+        const auto size = Eigen::Index(n);
+        Eigen::MatrixXd G(size, size);
+        Eigen::VectorXd g(size), upper(size), solved;
         for (std::size_t t = 0; t < count; ++t) {
             if (!(block_.bright[t] > 0)) continue;
+            solved.resize(0);  // of the channel before
             const double bright = double(block_.bright[t]);
             for (std::size_t a = 0; a < n; ++a) {
                 const std::size_t j = which[a];
                 for (std::size_t b = 0; b <= a; ++b)  // j ≥ which[b]
-                    G[a * n + b] = G[b * n + a] = double(gram_[at(j * (j + 1) / 2 + which[b], t)]);
+                    G(Eigen::Index(a), Eigen::Index(b)) = G(Eigen::Index(b), Eigen::Index(a)) =
+                        double(gram_[at(j * (j + 1) / 2 + which[b], t)]);
                 const double limit =
                     std::min(bright * double(block_.largest[t]) * lobes_.largest[j], double(k_half_max));
-                upper[a] = limit * lobes_.scale[j] / bright;
+                upper[Eigen::Index(a)] = limit * lobes_.scale[j] / bright;
             }
-            pivoting_.set_matrix(G, {is_free.get(), n});
             for (std::size_t c = 0; c < 3; ++c) {
-                for (std::size_t a = 0; a < n; ++a) g[a] = double(right_[at(3 * which[a] + c, t)]);
-                pivoting_.minimise(g, upper, x);
+                for (std::size_t a = 0; a < n; ++a) g[Eigen::Index(a)] = double(right_[at(3 * which[a] + c, t)]);
+                solved = bounded_least_squares(G, g, upper, solved);
                 for (std::size_t a = 0; a < n; ++a) {
                     const std::size_t number = at(3 * which[a] + c, t);
                     const double scale = lobes_.scale[which[a]] / bright;
-                    if (!(x[a] > 0)) continue;
-                    solution.beta[number] = round_to_half(std::min(float(x[a] / scale), k_half_max));
+                    const double x = solved[Eigen::Index(a)];
+                    if (!(x > 0)) continue;
+                    solution.beta[number] = round_to_half(std::min(float(x / scale), k_half_max));
                     solution.scaled[number] = float(double(solution.beta[number]) * scale);
                 }
             }
@@ -242,7 +232,6 @@ class BlockSolver {
     TexelBlock block_;
     Aligned<float> gram_, right_;
     Solution complete_, constrained_;
-    BlockPivoting pivoting_;
 };
 
 /// Makes the largest f cosθl cosθv of a texel unknown.
@@ -257,12 +246,12 @@ void leave_out_largest(const SharedPairs& pairs, std::span<Rgb> f) {
 
 }  // namespace
 
-TexelCoefficients fit_texels_to_basis(const Library& basis, const SharedPairs& shared, std::span<const Rgb> f,
-                                      int threads) {
+TexelCoefficients coefficients_of_texels(const TexelMap& map, const SharedPairs& shared, std::span<const Rgb> f,
+                                         int threads) {
     const StandardArithmetic mode;
-    const std::size_t M = shared.wl.size(), T = f.size() / M, J = std::size_t(basis.basis.lobes);
+    const std::size_t M = shared.wl.size(), T = f.size() / M, J = std::size_t(map.basis.lobes);
     const TexelPairs pairs(shared);
-    const SampledLobes lobes = sampled_lobes(basis, shared, pairs.pairs);
+    const SampledLobes lobes = sampled_lobes(map, shared, pairs.pairs);
     const LobeProducts lobe_products(lobes.values);
     const auto columns = columns_of(lobes.values), products = columns_of(lobe_products.values);
     TexelCoefficients texels{std::vector<Rgb>(T * J), std::vector<float>(T), std::vector<TexelState>(T),
@@ -295,6 +284,25 @@ TexelCoefficients fit_texels_to_basis(const Library& basis, const SharedPairs& s
             texels.error[t] = 1;
         }
     });
+    return texels;
+}
+
+TexelCoefficients painted_texels(const TexelMap& materials, std::span<const float> shares) {
+    const StandardArithmetic mode;
+    const std::size_t K = materials.count(), T = shares.size() / K, J = std::size_t(materials.basis.lobes);
+    TexelCoefficients texels{std::vector<Rgb>(T * J), std::vector<float>(T), std::vector<TexelState>(T),
+                             std::vector<std::uint32_t>(T)};
+    for (std::size_t t = 0; t < T; ++t) {
+        Rgb* const beta = &texels.coefficient[t * J];
+        for (std::size_t k = 0; k < K; ++k) {
+            const float share = shares[t * K + k];
+            texels.error[t] += share * materials.error[k];
+            for (std::size_t j = 0; j < J; ++j)
+                for (int c = 0; c < 3; ++c) beta[j][c] += share * materials.coefficient[k * J + j][c];
+        }
+        for (std::size_t j = 0; j < J; ++j)
+            for (int c = 0; c < 3; ++c) beta[j][c] = round_to_half(std::min(beta[j][c], k_half_max));
+    }
     return texels;
 }
 

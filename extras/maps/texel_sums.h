@@ -4,7 +4,7 @@
 #include <span>
 
 #include "base/aligned.h"
-#include "srbf/basis.h"
+#include "srbf/fit_map.h"
 
 namespace SRBF_NAMESPACE {
 

@@ -245,8 +245,11 @@ Result<std::string> study_name(const std::string& file, const StudyOptions& opti
     ResultKey key("study", fmt::format("{}\n{}", k_edition, options.settings));
     key.add(fs::path(file).filename().string());
     key.add(*bytes);
-    if (std::ranges::find(k_built_in_meshes, options.mesh) == k_built_in_meshes.end())
-        if (const auto added = key.add_file(options.mesh); !added) return added.error();
+    if (std::ranges::find(k_built_in_meshes, options.mesh) == k_built_in_meshes.end()) {
+        const auto mesh = read_file(options.mesh);
+        if (!mesh) return mesh.error();
+        key.add(*mesh);
+    }
     return fmt::format("{}-{}", folder_name(fs::path(file).stem().string()), key.text());
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <variant>
 
+#include "srbf/map.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
 
@@ -12,9 +13,12 @@ SRBF_BEGIN
 using AnyBrdf = std::variant<Measured, Model>;
 /// True if it is a BSDF, which answers on the front and the back (bsdf.h).
 bool is_two_sided(const AnyBrdf& brdf);
-/// Reads a measurement or a model, recognised by its content. "FILE#T" is texel T of a stack of models (model.h), unless
+/// Reads a measurement or a model, recognised by its content. "FILE#X,Y" and "FILE#T" are texels of a map (map.h), unless
 /// there is a file of that name. `options` are for measurements. Errors: those of load_measured and load_model.
 Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options = {});
+/// Reads a map too.
+Result<std::variant<Measured, Model, TexelMap>> load_brdf_or_map(const std::string& path,
+                                                                 const ReadOptions& options = {});
 
 /// The measurement or model that `load` and `fit` of srbf.h hold.
 const AnyBrdf& content(const LoadedBrdf& brdf);

@@ -70,7 +70,7 @@ std::size_t auxiliary_bytes(const Model& model);
 /// The model file: a safetensors container of 16-bit floats, described in docs/formats.md.
 std::vector<std::byte> write_model(const Model& model);
 /// Errors: not a model file; tensors that are missing, of another type or shape, overlapping or with gaps between them;
-/// numbers that are not finite or out of range; `wrong_kind`: a measurement, a stack. `file_name` appears in errors only.
+/// numbers that are not finite or out of range; `wrong_kind`: a measurement, a map of texels. `file_name` appears in errors only.
 Result<Model> read_model(std::span<const std::byte> bytes, const std::string& file_name);
 
 /// Writes `write_model(model)` to the file at `path`, which holds its previous content if there is an error. Errors:
@@ -78,18 +78,5 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& fi
 Result<Done> save_model(const Model& model, const std::string& path);
 /// Reads the model file at `path`. Errors: those of `read_file` (file.h) and of `read_model`; not enough memory.
 Result<Model> load_model(const std::string& path);
-
-/// Multivariate models of one form and size, one for each texel of a material.
-struct ModelStack {
-    std::vector<PmModel> models;       ///< T
-    std::vector<float> error;          ///< T: of the fits, 0..k_half_max
-    std::vector<std::uint16_t> state;  ///< T: of the fits, see `TexelState`
-    std::map<std::string, std::string> provenance;
-};
-/// The file of a stack: the tensors of a model file with one more dimension in front, T, always with `log_scale`; and
-/// `aux.error`, F16 [T], and `aux.state`, U16 [T].
-std::vector<std::byte> write_stack(const ModelStack& stack);
-/// Errors: as in `read_model`.
-Result<ModelStack> read_stack(std::span<const std::byte> bytes, const std::string& file_name);
 
 SRBF_END

@@ -2,12 +2,12 @@
 #pragma once
 #include <memory>
 
-#include "srbf/library.h"
+#include "srbf/map.h"
 #include "srbf/prepared.h"
 
 SRBF_BEGIN
 
-/// A map (library.h) ready for a renderer. Copies share its data. All functions may be called from several threads
+/// A map (map.h) ready for a renderer. Copies share its data. All functions may be called from several threads
 /// at once.
 class PreparedMap {
   public:
@@ -20,8 +20,8 @@ class PreparedMap {
     std::shared_ptr<const Contents> contents_;
 };
 
-/// Takes approximately 0.1 s per lobe. Requires a dense map, `width` > 0.
-PreparedMap prepare_map(const Library& map, const ProposeOptions& options = {});
+/// Takes approximately 0.1 s per lobe.
+PreparedMap prepare_map(const TexelMap& map, const ProposeOptions& options = {});
 /// The BRDF at (u, v) of the map, which repeats. Its coefficients are interpolated between the four nearest texels
 /// (bilinear), where texel X, Y is at ((X + ½) / width, (Y + ½) / height). It is sampled by a mixture. The weights
 /// at each node are those of the lobes' own mixtures in proportion to what each lobe reflects, Σ_j β_j a_j w_jk /

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "srbf/library.h"
+#include "srbf/map.h"
 #include "srbf/model.h"
 
 SRBF_BEGIN
@@ -66,7 +66,7 @@ std::string identifier(std::string_view text);
 Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
                                  const CodeOptions& options = {});
 
-/// The lobes of a dense library (library.h) as one source text, for coefficients from textures:
+/// The lobes of a map (map.h) as one source text, for coefficients from textures:
 ///   struct NAME_Coefficients { Vec3 lobe[J]; }         a material: R, G, B of each lobe
 ///   Vec3 NAME_layer(int j, float u, float v)           the coefficient of lobe j at (u, v) of the map, which the host
 ///                                                      supplies: a look-up in layer j of its textures
@@ -76,7 +76,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 /// All are linear in the coefficients, so that what a texture's filter makes of texels is the mean of their BRDFs. Not for
 /// Metal, where a function sees no textures but its arguments: NAME_layer and NAME_coefficients. Errors, of code
 /// `argument`: a sparse library; sampling; a blend.
-Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options = {});
+Result<std::string> map_code(const TexelMap& map, std::string_view name, const CodeOptions& options = {});
 
 /// The models as functions of Radiance's expression language, the text of a `.cal` file. Each model has the function
 /// NAME(ix,iy,iz,ox,oy,oz), the luminance of f [1/sr] for vectors to the light and to the viewer, and NAME_R, NAME_G
@@ -84,8 +84,8 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
 /// mirrored, as in WINDOW's XML. Errors: a view-by-view model.
 Result<std::string> radiance_text(std::span<const NamedModel> models);
 
-/// The text of srbf_runtime.h, a header in C99 and C++ that loads any model file: pm, su, ggx, openpbr and bsdf, not stacks and
-/// libraries. Its formulas are printed from kernel.glsl.
+/// The text of srbf_runtime.h, a header in C99 and C++ that loads any model file: pm, su, ggx, openpbr and bsdf, not maps.
+/// Its formulas are printed from kernel.glsl.
 std::string runtime_code();
 
 /// The numbers that NAME_number of a view-by-view model returns.

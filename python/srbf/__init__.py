@@ -16,8 +16,8 @@ from typing import Any, Callable, Mapping, Optional, Sequence, TypeVar, Union, g
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Brdf", "Error", "Fit", "Measurement", "Model", "code", "code_languages", "convert", "errors", "fit", "fit_batch", "formats", "forms",
-           "from_arrays", "lightings", "load", "load_measurement", "load_model", "load_texels", "objectives", "png", "render"]
+__all__ = ["Brdf", "Error", "Fit", "Measurement", "Model", "code", "code_languages", "convert", "errors", "fit", "formats", "forms",
+           "from_arrays", "lightings", "load", "load_measurement", "load_model", "objectives", "png", "render"]
 
 Array = npt.NDArray[np.float32]
 
@@ -428,36 +428,6 @@ def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]],
 
 
 _options.show_options(fit)
-
-
-def fit_batch(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, *, lobes: int = 4, isotropic: bool = True,
-              progress: Progress = False, **options: Any) -> list[Fit]:
-    """Fits T materials or texels that were measured at the same M pairs: wl, wv [M, 3] and f [T, M, 3], NaN where nothing was measured.
-    Each fit uses one thread and a shorter search than `fit`; its errors are evaluated at its own samples. A texel that cannot be fitted,
-    such as a black one, has a model with coefficients 0, errors None and `reached` False. The options are those of `fit`. Warns like
-    `from_arrays`."""
-    lights, views, values = _numbers(wl, "wl"), _numbers(wv, "wv"), _numbers(f, "f")
-    if lights.ndim != 2 or views.shape != lights.shape or values.ndim != 3 or values.shape[1:] != lights.shape:
-        raise ValueError(f"expected wl [M, 3], wv [M, 3], f [T, M, 3], found {list(lights.shape)}, {list(views.shape)}, {list(values.shape)}")
-    if isinstance(lobes, str):
-        raise ValueError(f"lobes: expected a number, found {lobes!r}")
-    request = _options.request({"lobes": lobes, **options})
-    rows = [np.ascontiguousarray(array) for array in (lights, views, values)]
-    is_isotropic = _options.flag("isotropic", isotropic)
-    if is_isotropic and values.size > 0:
-        _warn_of_change(_srbf.change_by_azimuth(rows[0], rows[1], np.ascontiguousarray(values.mean(axis=0))))
-    with _ProgressDisplay(progress) as callback:
-        return [_fit_of(outcome) for outcome in _srbf.fit_batch(rows[0], rows[1], rows[2], request, is_isotropic, callback)]
-
-
-_options.show_options(fit_batch)
-
-
-def load_texels(path: Path) -> list[Fit]:
-    """The fits in a slab of texels, a file that `srbf map` wrote. Their errors hold one number, "error", which is the measure of the
-    objective. A texel that could not be fitted has errors None and `reached` False."""
-    return [Fit(Model(native), {"error": error} if state == 0 else None, 0.0, None, state == 0)
-            for native, error, state in _srbf.load_stack(_file_name(path))]
 
 
 def errors(reference: Brdf, other: Union[Brdf, Callable[[Array, Array], npt.ArrayLike]], *, max_theta: float = 80,

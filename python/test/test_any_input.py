@@ -76,15 +76,14 @@ def test_files_of_any_content_are_read_or_refused(tmp_path):
     for file in FILES:
         for data in mutations(file.read_bytes(), random):
             path.write_bytes(data)
-            for load in (srbf.load, srbf.load_texels):
-                try:
-                    load(path)
-                except srbf.Error as error:
-                    refused += 1
-                    assert error.file == str(path) and str(error).startswith(str(path))
-                    for text in (str(error), error.what, error.expected, error.found):
-                        assert text.encode() is not None and "\n" not in text
-    assert refused > 500
+            try:
+                srbf.load(path)
+            except srbf.Error as error:
+                refused += 1
+                assert error.file == str(path) and str(error).startswith(str(path))
+                for text in (str(error), error.what, error.expected, error.found):
+                    assert text.encode() is not None and "\n" not in text
+    assert refused > 250
 
 
 def test_file_names_need_not_be_utf8(tmp_path):
@@ -98,7 +97,7 @@ def test_file_names_need_not_be_utf8(tmp_path):
     fitted.provenance["source"].encode()
     srbf.convert(fitted, os.fsdecode(table))
     for call in (lambda: srbf.load(os.fsdecode(table) + ".none"), lambda: srbf.load_model(os.fsdecode(table)),
-                 lambda: srbf.load_texels(os.fsdecode(table)), lambda: fitted.save(os.fsdecode(model) + "/m"),
+                 lambda: fitted.save(os.fsdecode(model) + "/m"),
                  lambda: srbf.convert(paper, os.fsdecode(table) + "x"), lambda: srbf.load(str(tmp_path) + "\0"), lambda: srbf.load(tmp_path)):
         with pytest.raises(srbf.Error) as raised:
             call()
@@ -123,13 +122,6 @@ def test_functions_return_rows(change):
         srbf.fit(lambda wl, wv: change(np.full(wl.shape, 0.2)), model="ggx", lobes=1, objective="raw")
 
 
-def test_texels_of_other_shapes_are_refused():
-    wl, wv = directions(20, 0), directions(20, 1)
-    for f in (np.full((20, 3), 0.2), np.full((2, 3, 20), 0.2), np.full((2, 20), 0.2), np.full((2, 19, 3), 0.2), np.full((2, 20, 1), 0.2)):
-        with pytest.raises(ValueError, match=r"f: expected shape|f \[T, M, 3\]"):
-            srbf.fit_batch(wl, wv, f)
-
-
 def test_anisotropic_samples_are_told_of(recwarn):
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
 
@@ -144,7 +136,3 @@ def test_anisotropic_samples_are_told_of(recwarn):
     assert not recwarn
     with pytest.warns(UserWarning, match="isotropic: samples at the same angles but other azimuths differ by [1-9]"):
         srbf.from_arrays(wl, wv, brushed)
-    rows = [w.reshape(-1, 3) for w in (wl, wv)]
-    texels = np.repeat(brushed.reshape(1, -1, 1), 3, -1)
-    with pytest.warns(UserWarning, match="isotropic"):
-        srbf.fit_batch(*rows, texels, lobes=1, variates=1)

@@ -182,12 +182,6 @@ def test_functions_and_arrays_are_fitted():
     wl, wv = directions(300), directions(300, seed=1)
     samples = srbf.from_arrays(wl, wv, np.full(300, 0.25))
     np.testing.assert_allclose(samples.eval(wl, wv), 0.25, rtol=1e-4)
-    grey = np.stack([np.full((300, 3), level) for level in (0.1, 0.3)])
-    for level, fit in zip((0.1, 0.3), srbf.fit_batch(wl, wv, grey, lobes=1)):
-        np.testing.assert_allclose(fit.model.eval(wl, wv), level, rtol=0.02)
-        assert fit.reached and fit.errors["cube_root_error_ratio"] < 1e-3
-    black, unseen = srbf.fit_batch(wl, wv, np.stack([np.zeros((300, 3)), np.full((300, 3), np.nan)]), lobes=1)
-    assert not black.reached and not unseen.reached and black.errors is None and not black.model.eval(wl, wv).any()
 
 
 def test_progress_is_told_and_cancels(paper):
@@ -294,12 +288,10 @@ def test_options_of_other_functions_are_refused_by_name(paper, facets, tmp_path)
                         ("threads", lambda: srbf.convert(paper, tmp_path / "a.csv", threads=2)),
                         ("spectra", lambda: srbf.convert(paper, tmp_path / "a.csv", spectra=False)),
                         ("isotropic", lambda: srbf.from_arrays(wl, wl, wl, isotropic="no")),
-                        ("lobes", lambda: srbf.fit_batch(wl, wl, wl[None], lobes="auto")), ("progress", lambda: srbf.fit_batch(wl, wl, wl[None], progress=1)),
+                        ("progress", lambda: srbf.fit(paper, progress=1)),
                         ("picture", lambda: srbf.png(np.zeros((4, 4)))), ("picture", lambda: srbf.png(np.zeros((4, 3))))):
         with pytest.raises(ValueError, match=f"^{name}: "):
             wrong()
-    with pytest.raises(ValueError, match="target_delta_e: chooses the number of lobes"):
-        srbf.fit_batch(wl, wl, wl[None], target_delta_e=2)
     with pytest.raises(TypeError, match="'lobs'; expected one of model, surface"):
         srbf.fit(paper, lobs=2)
     with pytest.raises(ValueError, match="lobes: only with model pm or su or ggx, found openpbr"):
@@ -515,7 +507,6 @@ def test_wrong_input(paper, facets, tmp_path):
                   lambda: srbf.render(paper, "dark"), lambda: srbf.render(paper, size=0), lambda: srbf.code(facets, "cobol"),
                   lambda: facets.albedo(0), lambda: facets.sample([0, 0, 1], [0, 0, 1]), lambda: srbf.errors(paper, facets, max_theta=91),
                   lambda: srbf.from_arrays([[0, 0, 1]], [[0, 0, 1]], [np.nan]), lambda: facets.save(tmp_path / "no" / "m.srbf"),
-                  lambda: srbf.fit_batch(directions(9), directions(9), np.zeros((2, 8, 3))),
                   lambda: srbf.fit(lambda wl, wv: np.zeros((3, 3)))):
         with pytest.raises(ValueError):
             wrong()

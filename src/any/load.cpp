@@ -6,19 +6,17 @@
 
 #include "base/files.h"
 #include "base/paths.h"
-#include "base/text.h"
 #include "measured/bytes.h"
 #include "measured/readers.h"
-#include "models/library_file.h"
-#include "models/texel.h"
+#include "models/model_files.h"
 #include "srbf/file.h"
-#include "srbf/library.h"
 
 namespace SRBF_NAMESPACE {
-
 namespace {
 
-/// The parts of "FILE#NAME": a stack or library, and a texel or material in it.
+using AnyFile = std::variant<Measured, Model, TexelMap>;
+
+/// The parts of "FILE#NAME": a map, and a texel in it.
 struct TexelName {
     std::string file, name;
 };
@@ -29,37 +27,33 @@ std::optional<TexelName> parse_texel_name(const std::string& path) {
     return TexelName{path.substr(0, sign), path.substr(sign + 1)};
 }
 
-Result<AnyBrdf> to_any(Result<Model> model) {
-    if (!model) return model.error();
-    return AnyBrdf(*std::move(model));
-}
-
-/// Loads the model with this name from a library or a stack.
-Result<AnyBrdf> load_named(std::span<const std::byte> bytes, const TexelName& texel_name, const std::string& path) {
-    if (is_library(bytes)) {
-        const auto library = read_library(bytes, texel_name.file);
-        if (!library) return library.error();
-        if (const auto index = find_material(*library, texel_name.name)) return AnyBrdf(material(*library, *index));
-        return Error{path,
-                     {},
-                     "material",
-                     library->names.empty() ? fmt::format("0 to {}", library->count() - 1)
-                                            : fmt::format("a name such as {}", library->names[0]),
-                     fmt::format("{:.80}", texel_name.name),
-                     ErrorCode::argument};
+Result<AnyFile> load_fitted(std::span<const std::byte> bytes, const std::string& path,
+                            const std::optional<TexelName>& name) {
+    const std::string& file = name ? name->file : path;
+    if (!is_map_file(bytes)) {
+        auto model = read_model(bytes, file);
+        if (!model) return model.error();
+        if (name) return Error{path, {}, "input", "a map, of which # names a texel", "a model", ErrorCode::argument};
+        return AnyFile(*std::move(model));
     }
-    const auto texel = to_number<std::uint64_t>(texel_name.name);
-    if (!texel)
-        return Error{path, {}, "texel", "a number", fmt::format("{:.80}", texel_name.name), ErrorCode::argument};
-    return to_any(read_texel(bytes, *texel, path));
+    auto map = read_map(bytes, file);
+    if (!map) return map.error();
+    if (!name) return AnyFile(*std::move(map));
+    if (const auto t = find_texel(*map, name->name)) return AnyFile(texel(*map, *t));
+    return Error{path,
+                 {},
+                 "texel",
+                 fmt::format("0 to {}, or 0,0 to {},{}", map->count() - 1, map->width - 1, map->height() - 1),
+                 fmt::format("{:.80}", name->name),
+                 ErrorCode::argument};
 }
 
 }  // namespace
 
-Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options) {
-    return within_memory(path, [&]() -> Result<AnyBrdf> {
-        const auto texel_name = parse_texel_name(path);
-        auto bytes = read_input(texel_name && options.columns.empty() ? texel_name->file : path, options);
+Result<AnyFile> load_brdf_or_map(const std::string& path, const ReadOptions& options) {
+    return within_memory(path, [&]() -> Result<AnyFile> {
+        const auto name = parse_texel_name(path);
+        auto bytes = read_input(name && options.columns.empty() ? name->file : path, options);
         if (!bytes) return bytes.error();
         if (is_safetensors(*bytes) && options.any())
             return Error{path,
@@ -68,12 +62,19 @@ Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options) {
                          "samples, for --columns, --quantity and --floor",
                          "a fitted model",
                          ErrorCode::argument};
-        if (texel_name) return load_named(*bytes, *texel_name, path);
-        if (is_safetensors(*bytes)) return to_any(read_model(*bytes, path));
+        if (name || is_safetensors(*bytes)) return load_fitted(*bytes, path, name);
         auto measured = read_measured(*std::move(bytes), path, options);
         if (!measured) return measured.error();
-        return AnyBrdf(*std::move(measured));
+        return AnyFile(*std::move(measured));
     });
+}
+
+Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options) {
+    auto file = load_brdf_or_map(path, options);
+    if (!file) return file.error();
+    if (auto* measured = std::get_if<Measured>(&*file)) return AnyBrdf(std::move(*measured));
+    if (auto* model = std::get_if<Model>(&*file)) return AnyBrdf(std::move(*model));
+    return map_error(path);
 }
 
 bool is_two_sided(const AnyBrdf& brdf) {

@@ -231,16 +231,6 @@ Result<std::vector<std::byte>> read_file(const std::string& path, const MostByte
     });
 }
 
-Result<std::vector<std::byte>> read_part(const std::string& path, std::uint64_t offset, std::size_t most) {
-    const auto file = FileReader::open(path);
-    if (!file) return file.error();
-    std::vector<std::byte> bytes(most);
-    const auto count = file->read(offset, bytes);
-    if (!count) return count.error();
-    bytes.resize(*count);
-    return bytes;
-}
-
 Result<FileReader> FileReader::open(const std::string& path) {
     const int descriptor = open_file(path, O_RDONLY);
     if (descriptor < 0) return cannot_read(path, reason(errno));

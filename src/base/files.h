@@ -27,10 +27,6 @@ template <typename IsKnown> MostBytes all_if(const IsKnown& is_known) {
 /// `k_largest_file`; there is not enough memory for it.
 Result<std::vector<std::byte>> read_file(const std::string& path, const MostBytes& most);
 
-/// Bytes `offset`, `offset` + 1, … of the file at `path`: `most` of them, or fewer where it ends. Errors: those of
-/// `read_file`.
-Result<std::vector<std::byte>> read_part(const std::string& path, std::uint64_t offset, std::size_t most);
-
 /// The error where memory runs out.
 Error out_of_memory_error(std::string source);
 

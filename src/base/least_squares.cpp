@@ -72,7 +72,7 @@ struct ActiveSet {
 }  // namespace
 
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::VectorXd& g_in,
-                                      const Eigen::VectorXd& upper_in) {
+                                      const Eigen::VectorXd& upper_in, const Eigen::VectorXd& similar) {
     // Scales columns to unit length, so that tolerances are relative.
     const Eigen::Index n = g_in.size();
     if (n == 0) return {};
@@ -84,6 +84,9 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
     const double tolerance = 1e-12 * g.cwiseAbs().maxCoeff();
 
     ActiveSet set{G, g, upper};
+    for (Eigen::Index i = 0; i < similar.size(); ++i)
+        if (similar[i] > 0 && G(i, i) > k_ridge && upper[i] > 0) set.status[std::size_t(i)] = ActiveSet::free;
+    if (similar.size() > 0) set.improve();
     for (int round = 0; round < 6 * int(n) + 6 && set.release(tolerance); ++round) set.improve();
     // A variable at its bound takes it exactly; scaling back would lose a digit.
     Eigen::VectorXd x(n);

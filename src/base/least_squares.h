@@ -6,8 +6,10 @@ namespace SRBF_NAMESPACE {
 
 /// The x within 0 ≤ x ≤ upper that minimises ½ xᵀGx − gᵀx, with G symmetric and positive semidefinite. An active-set
 /// method from x = 0 (Lawson & Hanson 1974, with bounds as in Stark & Parker 1995). A ridge of 1e-6 of G's diagonal
-/// makes the solution unique if columns coincide; a zero column gets x = 0. `upper` may contain infinities.
-Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G, const Eigen::VectorXd& g, const Eigen::VectorXd& upper);
+/// makes the solution unique if columns coincide; a zero column gets x = 0. `upper` may contain infinities. If the
+/// solution of a `similar` problem is known, fewer steps are taken.
+Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G, const Eigen::VectorXd& g, const Eigen::VectorXd& upper,
+                                      const Eigen::VectorXd& similar = {});
 
 /// Solves A x = b, with A symmetric and positive semidefinite.
 Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);

@@ -175,7 +175,11 @@ Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensor
     return Error{file_name, {}, "tensor 'bandwidth': shape", expected, shape_text(shape)};
 }
 
-std::vector<std::byte> write_safetensors(const Safetensors& content) {
+std::vector<std::byte> write_safetensors(const Safetensors& content, const std::vector<std::string>& last) {
+    std::vector<std::string> names;
+    for (const auto& [name, tensor] : content.tensors)
+        if (std::ranges::find(last, name) == last.end()) names.push_back(name);
+    names.insert(names.end(), last.begin(), last.end());
     std::map<std::string, std::string> header;
     if (!content.metadata.empty()) {
         std::vector<std::string> entries;
@@ -183,7 +187,8 @@ std::vector<std::byte> write_safetensors(const Safetensors& content) {
         header["__metadata__"] = fmt::format("{{{}}}", fmt::join(entries, ","));
     }
     std::uint64_t end = 0;
-    for (const auto& [name, tensor] : content.tensors) {
+    for (const std::string& name : names) {
+        const Tensor16& tensor = content.tensors.at(name);
         const std::uint64_t begin = end;
         end += std::accumulate(tensor.shape.begin(), tensor.shape.end(), std::uint64_t(2), std::multiplies());
         header[name] = fmt::format(R"({{"data_offsets":[{},{}],"dtype":"{}","shape":[{}]}})", begin, end,

@@ -54,8 +54,9 @@ struct MetadataReader {
     std::string take(const char* key, const std::vector<std::string_view>& known);
 };
 
-/// Tensors are written in the order of their names. The header is padded so that data begin at a multiple of 8.
-std::vector<std::byte> write_safetensors(const Safetensors& content);
+/// Tensors are written in the order of their names. The header is padded so that data begin at a multiple of 8. Those
+/// in `last` have no data, which the caller appends in this order.
+std::vector<std::byte> write_safetensors(const Safetensors& content, const std::vector<std::string>& last = {});
 
 /// Reads the length of the header. Errors: it is longer than the file or than 1 MB.
 Result<std::uint64_t> header_length(std::span<const std::byte> bytes, const std::string& file_name);

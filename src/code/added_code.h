@@ -34,11 +34,11 @@ struct CodeExtra {
 
 Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
                                  const CodeOptions& options, const AddedCode& added);
-Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options,
+Result<std::string> map_code(const TexelMap& map, std::string_view name, const CodeOptions& options,
                              const AddedCode& added);
 
-/// The lobes of a dense library with the mean coefficients of its materials.
-PmModel with_mean_coefficients(const Library& map);
+/// The lobes of a map with its mean coefficients.
+PmModel with_mean_coefficients(const TexelMap& map);
 /// The albedo for the view of a node; at the horizon, for a view just above it.
 Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine);
 

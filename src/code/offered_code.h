@@ -44,7 +44,7 @@ struct CodeModule {
     Result<std::string> (*text)(std::span<const NamedModel> models, std::string_view prefix, int threads);
     /// A map, whose coefficients are in the KTX 2 file of that name beside the text. Errors: those of `map_code`.
     /// Null if the module has no maps.
-    Result<std::string> (*map_text)(const Library& map, const std::string& name, std::string_view file, int threads);
+    Result<std::string> (*map_text)(const TexelMap& map, const std::string& name, std::string_view file, int threads);
 };
 std::span<const CodeModule> code_modules();
 

@@ -20,7 +20,6 @@
 #include "code/print_python.h"
 #include "code/program_printer.h"
 #include "models/kind/parameters.h"
-#include "models/library_file.h"
 #include "srbf/sampling.h"
 
 namespace SRBF_NAMESPACE {
@@ -167,7 +166,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     return syntax::whole_text(options.language, list, std::string(prefix) + "_BRDF", definitions);
 }
 
-PmModel with_mean_coefficients(const Library& map) {
+PmModel with_mean_coefficients(const TexelMap& map) {
     PmModel model = map.basis;
     const std::size_t J = model.coefficient.size();
     std::vector<double> sum(3 * J);
@@ -178,13 +177,12 @@ PmModel with_mean_coefficients(const Library& map) {
     return model;
 }
 
-Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options,
+Result<std::string> map_code(const TexelMap& map, std::string_view name, const CodeOptions& options,
                              const AddedCode& added) {
     const auto refuse = [&](const char* what, const char* expected, const char* found) {
         return Error{std::string(name), {}, what, expected, found, ErrorCode::argument};
     };
     if (options.blend) return refuse("code of a map", "values, albedos and light", "a blend");
-    if (!map.dense()) return refuse("library", "a coefficient for each lobe", "some lobes of each material");
     if (options.sampling || added.sampling) return refuse("code of a map", "values, albedos and light", "sampling");
     Names names = map_entries(options, added);
     std::vector<std::string> roots;
@@ -194,10 +192,10 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
         list += fmt::format("{}{}_{}", list.empty() ? "" : ", ", name, printed_name);
     }
     const Model basis{with_mean_coefficients(map), {}};
-    std::string description =
-        fmt::format("{}: {} lobes of {} variates, form {}, {} bytes, which all materials share.", name, map.basis.lobes,
-                    map.basis.variates, srbf::name(map.basis.form), basis_bytes(map));
-    if (map.width > 0) description += fmt::format("\n  map {} x {}", map.width, map.count() / map.width);
+    std::string description = fmt::format("{}: {} lobes of {} variates, form {}, {} bytes, which all texels share.",
+                                          name, map.basis.lobes, map.basis.variates, srbf::name(map.basis.form),
+                                          payload_bytes(map.basis) - 6 * std::size_t(map.basis.lobes));
+    description += fmt::format("\n  map {} x {}", map.width, map.height());
     for (const auto& [key, value] : map.provenance) description += fmt::format("\n  {}", printable(key + " " + value));
     NamedProgram program{std::string(name), description,
                          program_of(basis, options, roots, added, ParameterStorage::arguments)};
@@ -252,7 +250,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     const auto added = added_code(options);
     return added ? shading_code(models, prefix, options, *added) : added.error();
 }
-Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options) {
+Result<std::string> map_code(const TexelMap& map, std::string_view name, const CodeOptions& options) {
     const auto added = added_code(options);
     return added ? map_code(map, name, options, *added) : added.error();
 }

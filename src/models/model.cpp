@@ -14,10 +14,9 @@
 #include "models/bsdf/bsdf_functions.h"
 #include "models/kind/parameters.h"
 #include "models/kinds.h"
-#include "models/lobes_file.h"
+#include "models/model_files.h"
 #include "models/openpbr/openpbr_functions.h"
 #include "models/pm/pm_functions.h"
-#include "models/range.h"
 #include "srbf/file.h"
 
 namespace SRBF_NAMESPACE {
@@ -242,6 +241,11 @@ std::vector<std::byte> write_model(const Model& model) {
     return write_safetensors(content);
 }
 
+Error map_error(const std::string& file) {
+    return {
+        file, {}, "input", "a model", fmt::format("a map of texels, which {}#X,Y names", file), ErrorCode::wrong_kind};
+}
+
 Result<Model> read_model(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
     Result<Safetensors> content = read_safetensors(bytes, file_name);
@@ -251,10 +255,15 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& fi
         return Error{file_name, 8, "metadata 'srbf'", std::string(k_file_version),
                      version == content->metadata.end() ? "none" : fmt::format("{:.40}", version->second)};
     content->metadata.erase(version);
-    for (const auto& [kind, words] : k_kinds_of_several)
-        if (const auto at = content->metadata.find("model"); at != content->metadata.end() && at->second == kind)
-            return Error{
-                file_name, {}, "input", "a model", fmt::format(fmt::runtime(words), file_name), ErrorCode::wrong_kind};
+    const auto kind = content->metadata.find("model");
+    if (kind != content->metadata.end() && kind->second == k_map_kind) return map_error(file_name);
+    if (kind != content->metadata.end() && kind->second == k_stack_kind)
+        return Error{file_name,
+                     {},
+                     "input",
+                     "a model or a map",
+                     "texels with lobes of their own, of version 0.1; srbf map fits lobes that texels share",
+                     ErrorCode::wrong_kind};
     return model_of(*std::move(content), false, file_name);
 }
 

@@ -19,7 +19,7 @@ PmModel with_coefficients(PmModel basis, std::vector<Rgb> coefficient) {
     basis.coefficient = std::move(coefficient);
     return basis;
 }
-std::vector<Rgb> mean_coefficients(const Library& map) {
+std::vector<Rgb> mean_coefficients(const TexelMap& map) {
     const auto J = std::size_t(map.basis.lobes);
     std::vector<std::array<double, 3>> sum(J);
     for (std::size_t i = 0; i < map.coefficient.size(); ++i)
@@ -42,15 +42,14 @@ struct PreparedMap::Contents {
     std::vector<std::array<Row, k_nodes>> lobe_weights = {};
 };
 
-PreparedMap prepare_map(const Library& map, const ProposeOptions& options) {
-    if (!map.dense() || map.width == 0) misused("prepare_map: expected a map with all coefficients");
-    const auto J = std::size_t(map.basis.lobes), width = std::size_t(map.width);
+PreparedMap prepare_map(const TexelMap& map, const ProposeOptions& options) {
+    const auto J = std::size_t(map.basis.lobes);
     const auto prepare_with = [&](std::vector<Rgb> coefficient) {
         return prepare({with_coefficients(map.basis, std::move(coefficient)), {}}, options);
     };
     const auto mixture_of = [](const PreparedBrdf& brdf) { return std::get<MixtureProposal>(proposal(brdf)); };
     auto contents = std::make_shared<PreparedMap::Contents>(
-        PreparedMap::Contents{width, map.count() / width, map.coefficient, PmLanes(map.basis),
+        PreparedMap::Contents{map.width, map.height(), map.coefficient, PmLanes(map.basis),
                               mixture_of(prepare_with(mean_coefficients(map)))});
     contents->lobe_weights.resize(J);
     for (std::size_t j = 0; j < J; ++j) {

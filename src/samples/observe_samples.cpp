@@ -231,13 +231,14 @@ Observations observations_of(const ScatteredSamples& samples, std::span<const st
     return observations;
 }
 
+namespace {
+
+/// Multiplies the weights by those of the observations' objective, and normalises them.
 void weigh_all(Observations& observations, int threads) {
     weigh(observations.objective, observations.typical, observations.wl, observations.wv, observations.f,
           observations.weight, threads);
     observations.normalise();
 }
-
-namespace {
 
 /// Sets `gap_filled`, with the continuation that predicts left-out folds best.
 Result<Done> fill_gaps(SampleObservations& observed, const ScatteredSamples& samples, const SampleGroups& groups) {

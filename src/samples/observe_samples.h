@@ -37,9 +37,6 @@ double least_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv);
 Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which, bool both_ways,
                              bool spectral);
 
-/// Multiplies the weights by those of the observations' objective, and normalises them.
-void weigh_all(Observations& observations, int threads);
-
 /// Samples prepared for fits. Each sample is observed twice: as it is, and with light and viewer swapped.
 struct SampleObservations {
     ObserveSamplesOptions options;

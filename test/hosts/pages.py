@@ -40,8 +40,17 @@ def texels(folder, page):
 
     pairs = np.loadtxt(folder / "data/paper_white_rgb.csv", delimiter=",", skiprows=1)[:256, :9]
     np.savetxt(folder / "pairs.csv", pairs[:, :6], delimiter=",", header="wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", comments="")
-    colours = np.random.default_rng(1).uniform(0.2, 1, [6 * 512 if page.stem == "basis" else 16, 1, 3])
+    colours = np.random.default_rng(1).uniform(0.2, 1, [6 * 512, 1, 3])
     np.save(folder / "texels.npy", (colours * np.abs(pairs[None, :, 6:9])).astype(np.float32))
+
+
+def masks(folder, page):
+    """Three materials, and the share of each in a map of 16 x 8 texels."""
+    import numpy as np
+
+    for name, file in [("paper", "paper_white_rgb"), ("film", "cc_ibiza_sunset_rgb"), ("gold", "cc_ibiza_sunset_rgb")]:
+        shutil.copy(root / f"data/{file}.bsdf", folder / f"{name}.bsdf")
+    np.save(folder / "masks.npy", np.random.default_rng(1).dirichlet([1, 1, 1], [8, 16]).astype(np.float32))
 
 
 def chassis(folder, page):
@@ -51,8 +60,7 @@ def chassis(folder, page):
     (folder / "scan.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
-OWN = {"materials/": materials, "texels.npy": texels, "scan.csv": chassis,
-       "new.binary": lambda folder, page: srbf(folder, "convert", "data/paper_white_rgb.bsdf", "-o", "new.binary"),
+OWN = {"materials/": materials, "texels.npy": texels, "masks.npy": masks, "scan.csv": chassis,
        "shade.xml": lambda folder, page: shutil.copy(measurements / "klems/2011-SA1.xml", folder / "shade.xml"),
        "sky.hdr": lambda folder, page: shutil.copy(root / "data/studio.hdr", folder / "sky.hdr"),
        "paint.brdf": lambda folder, page: shutil.copy(measurements / "cornell/garnet_red.brdf", folder / "paint.brdf")}

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdio>
 
 #include "app/commands.h"
@@ -41,14 +40,9 @@ int filter_environment(const ExportCommand& command) {
 }  // namespace
 
 void add_environment_exports(const Subcommand&, const ExportCommand&, Exports& exports) {
-    auto& dds = *std::ranges::find(exports.kinds, "dds", &ExportKind::name);
-    dds.run = [of_map = dds.run](const ExportCommand& command) {
-        const auto map = library_in(command.files[0]);
-        return !map || *map ? of_map(command) : filter_environment(command);
-    };
+    exports.kinds.push_back({"dds", filter_environment});
     exports.about +=
-        "\ndds also: an environment (.hdr, .exr or studio), which is MODEL here, filtered for NAME_environment, a "
-        "cube\n"
+        "\ndds: an environment (.hdr, .exr or studio), which is MODEL here, filtered for NAME_environment, a cube\n"
         "map of 16-bit floats";
 }
 

@@ -9,7 +9,6 @@
 #include <mutex>
 #include <span>
 
-#include "base/dds.h"
 #include "base/half.h"
 #include "brdf/frame.h"
 #include "brdf/values.h"
@@ -202,11 +201,22 @@ Rgb FilteredEnvironment::at(Vec3f w, float roughness) const {
 }
 
 CubeFile to_dds(const FilteredEnvironment& environment) {
-    // D3DFMT_A16B16G16R16F replaces the four characters.
-    constexpr std::uint32_t k_halves = 113, k_cube_of_all_faces = 0x200 | 0xfc00;
+    // DDS_HEADER with its DDS_PIXELFORMAT, of Microsoft's "Programming Guide for DDS": D3DFMT_A16B16G16R16F replaces the
+    // four characters.
+    constexpr std::uint32_t k_caps_height_width_pitch_format_levels = 0x1 | 0x2 | 0x4 | 0x8 | 0x1000 | 0x20000,
+                            k_four_characters = 0x4, k_halves = 113, k_complex_texture_mipmap = 0x8 | 0x1000 | 0x400000,
+                            k_cube_of_all_faces = 0x200 | 0xfc00;
     const auto size = std::uint32_t(environment.level(0).side);
-    auto header = dds_header(size, size, FilteredEnvironment::k_levels, k_halves);
-    header[28] = k_cube_of_all_faces;
+    std::array<std::uint32_t, 32> header{0x20534444,
+                                         124,
+                                         k_caps_height_width_pitch_format_levels,
+                                         size,
+                                         size,
+                                         8 * size,
+                                         0,
+                                         FilteredEnvironment::k_levels};
+    header[19] = 32, header[20] = k_four_characters, header[21] = k_halves;
+    header[27] = k_complex_texture_mipmap, header[28] = k_cube_of_all_faces;
     CubeFile file;
     const auto append = [&](const auto& numbers) {
         const auto bytes = std::as_bytes(std::span(numbers));

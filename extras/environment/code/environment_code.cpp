@@ -202,7 +202,7 @@ Result<std::string> environment_code(std::span<const NamedModel> models, std::st
                                      const CodeOptions& options, const EnvironmentCode& added) {
     return shading_code(models, prefix, options, added_of(added, options));
 }
-Result<std::string> environment_map_code(const Library& map, std::string_view name, const CodeOptions& options,
+Result<std::string> environment_map_code(const TexelMap& map, std::string_view name, const CodeOptions& options,
                                          const EnvironmentCode& added) {
     return map_code(map, name, options, added_of(added, options));
 }

@@ -119,7 +119,7 @@ Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std:
     return text;
 }
 
-Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file, int threads) {
+Result<std::string> three_map_module(const TexelMap& map, const std::string& name, std::string_view file, int threads) {
     const auto code =
         environment_map_code(map, name, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads},
                              {.environment = true,
@@ -136,19 +136,12 @@ Result<std::string> three_map_module(const Library& map, const std::string& name
     const std::string functions =
         defines_of(name) +
         fmt::format(
-            "uniform highp sampler2DArray measured_coefficients, measured_coarse;\nuniform vec3 measured_scales[{1}];\n"
-            "uniform float measured_first_coarse;\nvarying vec2 measured_uv;\nvec2 measured_dx, measured_dy;\n"
-            "float measured_far; // the share of measured_coarse\n"
-            "vec3 {0}_layer(int j, float u, float v) {{\n"
-            "    vec3 at = vec3(u, v, float(j)), near = vec3(0.0), far = vec3(0.0);\n"
-            "    if (measured_first_coarse == 0.0)\n"
-            "        return measured_scales[j] * texture(measured_coefficients, at).rgb;\n"
-            "    if (measured_far < 1.0) near = textureGrad(measured_coefficients, at, measured_dx, measured_dy).rgb;\n"
-            "    if (measured_far > 0.0) far = textureGrad(measured_coarse, at, measured_dx, measured_dy).rgb;\n"
-            "    return measured_scales[j] * mix(near, far, measured_far);\n}}\n",
+            "uniform highp sampler2DArray measured_coefficients;\nuniform vec3 measured_scales[{1}];\n"
+            "varying vec2 measured_uv;\nvec3 {0}_layer(int j, float u, float v) {{\n"
+            "    return measured_scales[j] * texture(measured_coefficients, vec3(u, v, float(j))).rgb;\n}}\n",
             name, map.basis.lobes);
     return module_of(functions + *code + fmt::format("{}_Coefficients measured_texel;\n", name),
-                     " CompressedArrayTexture, HalfFloatType, RGBA_ASTC_4x4_Format, SRGBColorSpace, UnsignedByteType,",
+                     " CompressedArrayTexture, HalfFloatType, SRGBColorSpace, UnsignedByteType,",
                      classes + class_text(name, "MeasuredMap"));
 }
 

@@ -198,11 +198,11 @@ TEST_F(EnvironmentCodes, AreaLightsAreIntegralsOfTheLobes) {
     EXPECT_NEAR(green({0, 0, 1}, sky), double(albedo(brdf, 1).g), 0.01);
 }
 
-Library map_of(int lobes, std::size_t width) {
+TexelMap map_of(int lobes, std::size_t width) {
     std::mt19937_64 random(1);
     return random_map(random, {true, true, lobes, 3, 60, PmForm::extended}, width, 1);
 }
-std::string lit_code(const Library& map, CodeLanguage language) {
+std::string lit_code(const TexelMap& map, CodeLanguage language) {
     const auto text = map_code(map, "map", {.language = language, .albedo = true, .with = {"environment", "area"}});
     return text ? *text : (ADD_FAILURE() << message(text.error()), "");
 }
@@ -213,7 +213,7 @@ void expect_near_colour(const Rgb& found, const Rgb& expected, float relative, c
 /// The radiance of an even environment is reflected by the albedo, and that of a large quadrilateral near the surface; both
 /// of a mean of coefficients is the mean.
 TEST_F(EnvironmentCodes, LightOfMapsIsLinear) {
-    const Library map = map_of(5, 2);
+    const TexelMap map = map_of(5, 2);
     void* const library =
         compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "light",
                  lit_code(map, CodeLanguage::c) +

@@ -17,7 +17,6 @@ chromium.run("""(async () => {
     window.draw = async (of) => {
         const module = await import(`./${of.module}.js`), scene = new THREE.Scene();
         const material = new module[of.class](), renderer = new THREE.WebGLRenderer();
-        if (of.module === 'blocks' && !renderer.extensions.has('WEBGL_compressed_texture_astc')) return '';
         if (of.is_map) {
             const texture = material.coefficients = await module.loadCoefficients();
             if (of.repeat) {

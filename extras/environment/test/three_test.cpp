@@ -6,7 +6,6 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "app/astc.h"
 #include "app/html.h"
 #include "app/map_layers.h"
 #include "base/half.h"
@@ -250,7 +249,7 @@ struct MapScene {
 /// The coefficients that a texture's filter makes at a place.
 class FilteredMap {
   public:
-    explicit FilteredMap(const Library& map)
+    explicit FilteredMap(const TexelMap& map)
         : map_(map), levels_{{map.width, map.count() / map.width, map.coefficient}} {
         while (levels_.back().width * levels_.back().height > 1) levels_.push_back(coarser(levels_.back()));
     }
@@ -280,7 +279,7 @@ class FilteredMap {
                     for (int c = 0; c < 3; ++c) model.coefficient[j][c] += weight * level.coefficient[t * J + j][c];
             }
     }
-    const Library& map_;
+    const TexelMap& map_;
     std::vector<MapLevel> levels_;
 };
 std::vector<Float4> floats(const std::string& bytes) {
@@ -332,9 +331,9 @@ Differences differences(const std::vector<Float4>& pixels, const MapScene& of, c
 }
 
 /// A map of one texel, no channel of which reflects more than half of the light.
-Library dark_constant(std::mt19937_64& random, const RandomModelOptions& lobes) {
-    Library constant = random_map(random, lobes, 1, 1);
-    const PreparedBrdf bright = prepare(material(constant, 0), CosineProposal{});
+TexelMap dark_constant(std::mt19937_64& random, const RandomModelOptions& lobes) {
+    TexelMap constant = random_map(random, lobes, 1, 1);
+    const PreparedBrdf bright = prepare(texel(constant, 0), CosineProposal{});
     float most = 0;
     for (const float cosine : {0.01f, 0.1f, 0.2f, 0.4f, 0.6f, 0.8f, 1.f})
         for (int c = 0; c < 3; ++c) most = std::max(most, albedo(bright, cosine)[c]);
@@ -357,14 +356,13 @@ MapScene map_scene(const char* module, const char* class_, int size, double lod)
             0};
 }
 
-constexpr std::size_t k_first_constant = 8;
+constexpr std::size_t k_first_constant = 6;
 /// Scenes of the maps, then pairs of the constant map and its material alone.
 std::vector<MapScene> map_scenes() {
     std::vector<MapScene> scenes{
         map_scene("map", "MapMaterial", 48, 0),     map_scene("map", "MapMaterial", 48, 0),
         map_scene("fine", "FineMaterial", 8, 2),    map_scene("fine", "FineMaterial", 12, std::log2(32. / 12)),
-        map_scene("bytes", "FineMaterial", 32, 0),  map_scene("bytes", "FineMaterial", 8, 2),
-        map_scene("blocks", "FineMaterial", 32, 0), map_scene("blocks", "FineMaterial", 8, 2)};
+        map_scene("bytes", "FineMaterial", 32, 0),  map_scene("bytes", "FineMaterial", 8, 2)};
     const Json oblique{{"eye", {k_eye.x, k_eye.y, k_eye.z}}, {"fov", k_fov / k_degree}};
     for (const std::size_t i : {0, 1}) scenes[i].json.update(oblique);
     scenes[1].repeat = {2, 3}, scenes[1].offset = {0.1, 0.2}, scenes[1].rotation = 0.5;
@@ -387,29 +385,17 @@ void expect_filtered(const std::vector<Float4>& pixels, const MapScene& of, cons
     for (double apart = -0.04; apart < 0.04 && of.lod != std::floor(of.lod); apart += 0.004)
         if (const Differences at = differences(pixels, of, filtered, of.lod + apart); at.most < found.most) found = at;
     EXPECT_GT(found.largest, 0.01);
-    const bool in_blocks = of.json["module"] == "blocks";
     EXPECT_LT(found.delta_e, 1);
-    if (in_blocks) return;
     // Textures' filters keep 8 bits of their weights; bytes are rounded by half a step.
     EXPECT_LT(found.most, found.largest * (of.json["module"] == "bytes" ? 1 / 128. : 1 / 256.));
 }
 
-/// The map with coefficients that change slowly from texel to texel.
-Library smoothed(Library map) {
-    for (std::size_t i = 0; i < map.coefficient.size(); ++i)
-        for (int c = 0; c < 3; ++c)
-            map.coefficient[i][c] = round_to_half(
-                float(0.6 + 0.4 * elementary::sin(double(i / 5 % 32 + i / 160) / 10 + double(i % 5) + 0.3 * c)));
-    return map;
-}
-
 /// The modules and the textures of the maps.
-void write_maps(const TemporaryFolder& folder, const Library& map, const Library& fine, const Library& smooth,
-                const Library& constant) {
+void write_maps(const TemporaryFolder& folder, const TexelMap& map, const TexelMap& fine, const TexelMap& constant) {
     write(folder / "map.js", *three_map_module(map, "map", "map.ktx2"));
     write(folder / "constant.js", *three_map_module(constant, "constant", "constant.ktx2"));
     const std::string module_of_fine = *three_map_module(fine, "fine", "fine.ktx2");
-    for (const std::string name : {"fine", "bytes", "blocks"}) {  // which differ in their textures
+    for (const std::string name : {"fine", "bytes"}) {  // which differ in their textures
         std::string text = module_of_fine;
         write(folder / (name + ".js"), text.replace(text.find("fine.ktx2"), 4, name));
     }
@@ -417,7 +403,6 @@ void write_maps(const TemporaryFolder& folder, const Library& map, const Library
          {std::tuple("map", &map, LayerNumbers::halves),
           {"fine", &fine, LayerNumbers::halves},
           {"bytes", &fine, LayerNumbers::bytes},
-          {"blocks", &smooth, has_astc() ? LayerNumbers::blocks : LayerNumbers::halves},
           {"constant", &constant, LayerNumbers::halves}})
         ASSERT_TRUE(write_file((folder / fmt::format("{}.ktx2", name)).string(), map_ktx2(*of, numbers)));
 }
@@ -427,17 +412,16 @@ TEST(Three, ShowsAMapAsItsTexels) {
     if (!fs::exists(three)) GTEST_SKIP() << "no three.js at " << three;
     std::mt19937_64 random(1);
     const RandomModelOptions lobes{.axial = false, .lobes = 5, .variates = 3, .most_bandwidth = 60};
-    const Library map = random_map(random, lobes, 8, 4), fine = random_map(random, lobes, 32, 32),
-                  smooth = smoothed(fine);
+    const TexelMap map = random_map(random, lobes, 8, 4), fine = random_map(random, lobes, 32, 32);
     // Environments show no more of a material alone than all the light; of maps, whose sum is linear, they do.
-    const Library constant = dark_constant(random, {.lobes = 5, .variates = 3, .most_bandwidth = 200});
-    const Model alone = material(constant, 0);
+    const TexelMap constant = dark_constant(random, {.lobes = 5, .variates = 3, .most_bandwidth = 200});
+    const Model alone = texel(constant, 0);
     const NamedModel named{"alone", &alone};
 
     const TemporaryFolder folder;
     for (const char* name : {"three.module.js", "three.core.js"}) fs::copy_file(three / name, folder / name);
     write(folder / "alone.js", *three_module(std::span(&named, 1), "alone"));
-    ASSERT_NO_FATAL_FAILURE(write_maps(folder, map, fine, smooth, constant));
+    ASSERT_NO_FATAL_FAILURE(write_maps(folder, map, fine, constant));
     const std::vector<MapScene> scenes = map_scenes();
     Json all;
     for (const MapScene& of : scenes) all.push_back(of.json);
@@ -455,8 +439,7 @@ TEST(Three, ShowsAMapAsItsTexels) {
     for (std::size_t i = 0; i < k_first_constant; ++i) {
         SCOPED_TRACE(i);
         const std::string of = scenes[i].json["module"];
-        if (of == "blocks" && drawn(i).empty()) continue;  // the page cannot draw ASTC
-        expect_filtered(drawn(i), scenes[i], FilteredMap(of == "map" ? map : of == "blocks" ? smooth : fine));
+        expect_filtered(drawn(i), scenes[i], FilteredMap(of == "map" ? map : fine));
     }
     for (std::size_t i = k_first_constant; i < scenes.size(); i += 2) {
         const auto of_map = drawn(i), single = drawn(i + 1);

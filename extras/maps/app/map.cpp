@@ -1,135 +1,232 @@
-// `srbf map`: the options.
-#include "extras/maps/app/map.h"
+// `srbf map`: texels that share their lobes.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
+#include <utility>
 
 #include "app/commands.h"
 #include "app/extra_subcommands.h"
-#include "base/text.h"
-#include "srbf/basis.h"
+#include "app/fit_options.h"
+#include "app/output.h"
+#include "app/pairs.h"
+#include "base/half.h"
+#include "base/printable.h"
+#include "extras/maps/app/texels.h"
+#include "models/model_files.h"
 
 namespace SRBF_NAMESPACE {
 namespace {
 
-struct MapOptions {
-    Option texels, pairs, output, resume, range, slab, lobes, examples, basis, width;
-    OptionsByName fit;
+/// Number of values in memory, and of texels that are solved together, at least 64.
+constexpr std::size_t k_values_of_part = std::size_t(1) << 22;
+std::size_t texels_of_part(std::size_t values) {
+    constexpr std::size_t multiple = 64;
+    return std::max(k_values_of_part / values / multiple, std::size_t(1)) * multiple;
+}
+/// Number of texels in which lobes are found.
+constexpr std::size_t k_spanning_texels = 48;
+
+struct MapCommand {
+    std::vector<std::string> inputs;
+    std::string pairs, masks, output;
+    FitTexts texts;
+    MapOptions options;
+    std::size_t width = 0;
 };
 
-constexpr std::size_t k_max_slab_texels = std::size_t(1) << 20, k_most_examples = 1024;
+/// A map whose texels are solved in parts while it is written.
+struct MapInParts {
+    TexelMap lobes;  ///< with its width and provenance
+    std::size_t texels = 0, part = 0;
+    std::function<Result<TexelCoefficients>(std::size_t first, std::size_t count)> solve;
+};
 
-/// Checks for FIRST:END with FIRST < END.
-Check texel_range() {
-    return [](const std::string& text) -> std::string {
-        const auto colon = text.find(':');
-        const auto first = to_number<std::uint64_t>(std::string_view(text).substr(0, colon)),
-                   end = colon == text.npos ? std::nullopt : to_number<std::uint64_t>(text.substr(colon + 1));
-        return first && end && *first < *end ? "" : fmt::format("expected FIRST:END, found {}", text);
-    };
+struct Total {
+    std::size_t black = 0, failed = 0, left_out = 0;
+    double error = 0;
+};
+
+std::vector<std::byte> bytes_of(const std::vector<std::uint16_t>& halves) {
+    const auto bytes = std::as_bytes(std::span(halves));
+    return {bytes.begin(), bytes.end()};
 }
 
-void add_texel_files(const Subcommand& sub, MapCommand& command, MapOptions& options) {
-    options.texels =
-        sub.add_option("TEXELS", command.texels,
-                       "A .npy file, float32 [T, M, 3], [T, M, 1] or [T, M]: f_r of T texels at M pairs of\n"
-                       "directions")
-            .type_name("")
-            .required();
-    options.pairs = sub.add_option("--pairs", command.pairs, "The pairs, a CSV file with columns wl_x to wv_z")
-                        .type_name("P.csv")
-                        .required();
-    options.output = sub.add_option("-o,--output", command.output,
-                                    "The folder, for stacks of models DIR/STEM-FIRST.srbf; with --basis the library")
-                         .type_name("DIR|FILE")
-                         .required();
-    options.resume =
-        sub.add_flag("--resume", command.resume,
-                     "Keep the texels that were fitted to the same values by the same options and version");
+/// Writes the map. Of the texels one part is in memory, and the errors of all.
+Result<Total> write_in_parts(const std::string& path, const MapInParts& map) {
+    Total total;
+    ProgressLine line;
+    std::vector<std::uint16_t> errors;
+    bool has_begun = false;
+    std::size_t first = 0;  // texel of the next part
+    const auto written = write_file(path, [&]() -> Result<std::vector<std::byte>> {
+        if (!std::exchange(has_begun, true)) return beginning_of_map(map.lobes, map.texels);
+        if (first == map.texels) return bytes_of(std::exchange(errors, {}));
+        const auto texels = map.solve(first, std::min(map.part, map.texels - first));
+        if (!texels) return texels.error();
+        for (std::size_t t = 0; t < texels->error.size(); ++t) {
+            total.black += texels->state[t] == TexelState::black,
+                total.failed += texels->state[t] == TexelState::failed;
+            total.left_out += texels->left_out[t], total.error += double(texels->error[t]);
+            errors.push_back(to_half(std::min(texels->error[t], k_half_max)));
+        }
+        std::vector<std::uint16_t> coefficients;
+        for (const Rgb& beta : texels->coefficient)
+            for (int c = 0; c < 3; ++c) coefficients.push_back(to_half(beta[c]));
+        first += texels->error.size();
+        line.show("solving for coefficients", double(first) / double(map.texels));
+        return bytes_of(coefficients);
+    });
+    if (!written) return written.error();
+    return total;
 }
 
-void add_own_lobes(const Subcommand& sub, MapCommand& command, MapOptions& options) {
-    options.lobes =
-        sub.add_option("--lobes", command.lobes,
-                       fmt::format("Number of lobes of each texel, 1 to {}; a short search", k_most_fitted_lobes))
-            .type_name("J")
-            .check(within(1, k_most_fitted_lobes))
-            .capture_default_str();
-    options.examples =
-        sub.add_option(
-               "--examples", command.examples,
-               "Search for the lobes of N texels alone, which span the map. Those of all others start from the\n"
-               "lobes of the most similar ones, and take a fortieth of the time")
-            .type_name("N")
-            .check(within(std::size_t(1), k_most_examples));
-    const auto set_range = [&command](const std::string& text) {
-        const auto colon = text.find(':');
-        command.first = std::stoull(text.substr(0, colon));
-        command.last = std::stoull(text.substr(colon + 1));
-    };
-    options.range = sub.add_option("--texels", set_range, "Only texels FIRST to END - 1, for one of several machines")
-                        .type_name("FIRST:END")
-                        .check(texel_range());
-    options.slab = sub.add_option("--slab", command.slab, "Number of texels in memory and in a file")
-                       .type_name("T")
-                       .check(within(std::size_t(1), k_max_slab_texels))
-                       .capture_default_str();
+/// A map of the lobes of `fitted`, without texels.
+TexelMap lobes_of(const TexelMap& fitted, std::size_t width) {
+    TexelMap map;
+    map.basis = fitted.basis, map.width = width;
+    map.provenance = {{"generator", "srbf " SRBF_VERSION}, {"objective", "appearance"}};
+    return map;
 }
 
-void add_shared_lobes(const Subcommand& sub, MapCommand& command, MapOptions& options) {
-    options.basis =
-        sub.add_option("--basis", command.basis,
-                       fmt::format("One library of all texels, which share N lobes, 1 to {}. Texels are FILE#T",
-                                   k_most_basis_lobes))
-            .type_name("N")
-            .check(within(1, k_most_basis_lobes));
-    options.width = sub.add_option("--width", command.width, "With --basis: texels in a row of the map, for FILE#X,Y")
-                        .type_name("W")
-                        .check(within(std::size_t(1), std::size_t(1) << 20));
+Result<Done> fit_texels(const MapCommand& fit) {
+    if (fit.inputs.size() != 1)
+        return Error{fit.output,         {}, "inputs", "one file of texels", std::to_string(fit.inputs.size()),
+                     ErrorCode::argument};
+    const auto read = load_pairs(fit.pairs);
+    if (!read) return read.error();
+    const SharedPairs pairs{read->wl, read->wv, fit.options.axial};
+    const auto texels = Texels::open(fit.inputs[0], pairs.wl.size());
+    if (!texels) return texels.error();
+    if (fit.width > 0 && texels->count() % fit.width != 0)
+        return Error{fit.inputs[0],
+                     {},
+                     "texels",
+                     fmt::format("a multiple of the width, {}", fit.width),
+                     fmt::format("{}", texels->count()),
+                     ErrorCode::argument};
+    if (const auto writable = check_outputs({fit.inputs[0], fit.pairs}, {fit.output}); !writable) return writable;
+    Stopwatch watch;
+    ProgressLine line;
+    const auto spanning = texels->spanning(pairs, k_spanning_texels);
+    if (!spanning) return spanning.error();
+    const auto basis = fit_map(pairs, *spanning, fit.options,
+                               [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+    line.clear();
+    if (!basis) return basis.error();
+    const double basis_seconds = watch.seconds();
+    MapInParts map{lobes_of(*basis, fit.width > 0 ? fit.width : texels->count()), texels->count(),
+                   texels_of_part(pairs.wl.size()),
+                   [&](std::size_t first, std::size_t count) -> Result<TexelCoefficients> {
+                       std::vector<Rgb> f(count * pairs.wl.size());
+                       if (const auto done = texels->read(first, f); !done) return done.error();
+                       return coefficients_of_texels(*basis, pairs, f, fit.options.threads);
+                   }};
+    const auto total = write_in_parts(fit.output, map);
+    if (!total) return total.error();
+    const double seconds = watch.seconds() - basis_seconds;
+    fmt::print("{} texels of {} shared lobes, found in {:.1f} s; coefficients in {:.1f} s, {:.4g} a second\n",
+               grouped(map.texels), fit.options.lobes, basis_seconds, seconds, double(map.texels) / seconds);
+    fmt::print("  {} black, {} failed; {} values left out\n", grouped(total->black), grouped(total->failed),
+               grouped(total->left_out));
+    fmt::print("  weighted RMS  mean {}\n", percent(total->error / double(map.texels)));
+    if (!texels->note().empty())
+        fmt::print(stderr, "srbf: {}: {}\n", printable(fit.inputs[0]), printable(texels->note()));
+    return Done{};
 }
 
-std::vector<AllowedWhen> map_readings(const MapOptions& options, const MapCommand& fit) {
-    return {
-        {{options.lobes, options.examples, options.fit.at("objective"), options.range, options.slab},
-         "not with --basis",
-         [&] { return fit.basis == 0; }},
-        {{options.width}, "only with --basis", [&] { return fit.basis > 0; }},
-        {{options.output},
-         "a folder, not the name of a model",
-         [&] { return fit.basis > 0 || is_folder(fit.output) || !fit.output.ends_with(".srbf"); }},
-    };
+Result<Done> paint(const MapCommand& fit) {
+    const auto masks = NpyFile::open(fit.masks);
+    if (!masks) return masks.error();
+    const auto& shape = masks->shape();
+    const std::size_t K = fit.inputs.size();
+    if (shape.size() != 3 || shape[2] != K)
+        return Error{fit.masks, 10, "shape", fmt::format("[height, width, {}]", K),
+                     fmt::format("[{}]", fmt::join(shape, ", "))};
+    std::vector<std::string> inputs = fit.inputs;
+    inputs.push_back(fit.masks);
+    if (const auto writable = check_outputs(inputs, {fit.output}); !writable) return writable;
+    std::vector<Measured> materials;
+    for (const std::string& input : fit.inputs) {
+        auto measured = load_measured(input);
+        if (!measured) return measured.error();
+        materials.push_back(*std::move(measured));
+    }
+    const Stopwatch watch;
+    ProgressLine line;
+    auto basis =
+        fit_map(materials, fit.options, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+    line.clear();
+    if (!basis) return basis.error();
+    const double seconds = watch.seconds();
+    MapInParts map{lobes_of(*basis, std::size_t(shape[1])), std::size_t(shape[0] * shape[1]), texels_of_part(K),
+                   [&](std::size_t first, std::size_t count) -> Result<TexelCoefficients> {
+                       std::vector<float> shares(count * K);
+                       if (const auto done = masks->read(first * K, shares); !done) return done.error();
+                       for (std::size_t i = 0; i < shares.size(); ++i)
+                           if (!(shares[i] >= 0 && std::isfinite(shares[i])))
+                               return Error{fit.masks,
+                                            {},
+                                            fmt::format("share of texel {}", first + i / K),
+                                            "a number of at least 0",
+                                            fmt::format("{}", shares[i])};
+                       return painted_texels(*basis, shares);
+                   }};
+    const auto total = write_in_parts(fit.output, map);
+    if (!total) return total.error();
+    fmt::print("{} × {} texels of {} materials, with {} shared lobes, found in {:.1f} s\n", shape[1], shape[0], K,
+               fit.options.lobes, seconds);
+    for (std::size_t k = 0; k < K; ++k)
+        fmt::print("  {:<28}ΔE_ITP {:.3g}\n", printable(stem_of(fit.inputs[k])), basis->error[k]);
+    return Done{};
 }
 
 }  // namespace
 
 void add_map(CommandLine& app, int& status) {
-    struct State {
-        MapCommand fit;
-        MapOptions options;
-    };
-    const auto state = std::make_shared<State>();
-    auto& [fit, options] = *state;
+    const auto fit = std::make_shared<MapCommand>();
     const Subcommand sub =
-        app.add_subcommand("map", "Fit the texels of a surface: of their own lobes, or of lobes that they share");
-    for (const auto add : {add_texel_files, add_own_lobes, add_shared_lobes}) add(sub, fit, options);
-    options.fit =
-        add_fit_options(sub, fit.texts, {"form", "variates", "axial", "objective", "max_theta", "seed", "threads"});
+        app.add_subcommand("map", "Fit the texels of a surface, or paint materials, with lobes that all texels share");
+    sub.add_option("INPUT", fit->inputs,
+                   "With --pairs: a .npy file, float32 [T, M, 3], [T, M, 1] or [T, M], f_r of T texels at M pairs of\n"
+                   "directions. With --masks: measurements, tables of BRDFs")
+        .type_name("")
+        .required();
+    sub.add_option("--pairs", fit->pairs, "The pairs, a CSV file with columns wl_x to wv_z").type_name("P.csv");
+    sub.add_option("--masks", fit->masks,
+                   "A .npy file, float32 [height, width, materials]: the share of each in each\n"
+                   "texel")
+        .type_name("M.npy");
+    sub.add_option("-o,--output", fit->output, "The map to write. Its texels are FILE#X,Y")
+        .type_name("FILE")
+        .required();
+    sub.add_option("--lobes", fit->options.lobes, fmt::format("Number of shared lobes, 1 to {}", k_most_map_lobes))
+        .type_name("J")
+        .check(within(1, k_most_map_lobes))
+        .capture_default_str();
+    const Option width = sub.add_option("--width", fit->width, "Texels in a row of the map; default: all")
+                             .type_name("W")
+                             .check(within(std::size_t(1), std::size_t(1) << 20));
+    add_fit_options(sub, fit->texts, {"form", "variates", "axial", "max_theta", "seed", "threads"});
     sub.footer(
-        "Examples:\n  srbf map texels.npy --pairs pairs.csv -o slabs --resume\n"
-        "  srbf map texels.npy --pairs pairs.csv --examples 64 -o slabs --resume\n"
-        "  srbf map texels.npy --pairs pairs.csv --basis 16 --width 512 -o map.srbf --resume");
+        "Examples:\n  srbf map texels.npy --pairs pairs.csv --width 512 -o map.srbf\n"
+        "  srbf map paper.bsdf gold.bsdf --masks masks.npy -o map.srbf");
     sub.callback(
-        [sub, state, &status] {
-            const MapOptions& given = state->options;
-            MapCommand& map = state->fit;
-            map.request = requested(sub, map.texts);
-            std::get<PmRequest>(map.request.model).size = LobeCount{map.lobes};
-            // The key includes the contents of the inputs; the range of texels and the width only place the
-            // coefficients.
-            map.settings = sub.settings({given.texels, given.pairs, given.output, given.resume, given.range,
-                                         given.width, given.fit.at("threads")});
-            status = map.basis > 0 ? fit_map(map) : fit_slabs(map);
+        [sub, fit, &status] {
+            if (fit->pairs.empty() == fit->masks.empty()) sub.fail("map: expected either --pairs or --masks");
+            const FitRequest request = requested(sub, fit->texts);
+            const auto& lobe = std::get<PmRequest>(request.model);
+            MapOptions& options = fit->options;
+            options.form = lobe.form.value_or(options.form), options.axial = lobe.axial.value_or(options.axial);
+            options.variates = lobe.variates.value_or(options.variates);
+            options.max_theta = request.max_theta.value_or(0);
+            options.seed = request.seed, options.threads = request.threads;
+            const auto done = fit->masks.empty() ? fit_texels(*fit) : paint(*fit);
+            status = done ? int(k_done) : complain(done.error());
         },
-        map_readings(options, fit));
+        {{{width}, "only with --pairs", [fit] { return fit->masks.empty(); }}});
 }
 
 }  // namespace srbf

@@ -4,29 +4,48 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/file_reader.h"
-#include "srbf/result.h"
-#include "srbf/vec.h"
+#include "srbf/fit_map.h"
 
 namespace SRBF_NAMESPACE {
 
-/// A file of f_r [1/sr]: float32 [T, M, 3], or [T, M, 1] and [T, M] for grey texels.
+/// A .npy file of float32.
+class NpyFile {
+  public:
+    static Result<NpyFile> open(const std::string& path);
+    const std::vector<std::uint64_t>& shape() const { return shape_; }
+    /// Reads numbers from the one with index `first` on, as many as fit.
+    Result<Done> read(std::uint64_t first, std::span<float> numbers) const;
+
+  private:
+    explicit NpyFile(FileReader file) : file_(std::move(file)) {}
+
+    FileReader file_;
+    std::vector<std::uint64_t> shape_;
+    std::uint64_t data_ = 0;
+};
+
+/// A file of f_r [1/sr]: [T, M, 3], or [T, M, 1] and [T, M] for grey texels.
 class Texels {
   public:
     static Result<Texels> open(const std::string& path, std::size_t pairs);
-    std::size_t count() const { return count_; }
+    std::size_t count() const { return std::size_t(file_.shape()[0]); }
     /// Reads texels from `first` on, as many as fit into `f`. Numbers that stand for no value, as −999, become NaN.
     Result<Done> read(std::size_t first, std::span<Rgb> f) const;
+    /// The values [T, pairs] of at most `most` texels that span the map: of equally spaced ones each is the one farthest
+    /// from those chosen before, by cube roots. Values that no other texel is near are NaN. Errors: those of reading.
+    Result<std::vector<Rgb>> spanning(const SharedPairs& pairs, std::size_t most) const;
     /// A line on such numbers, of the first texel that was read and has them; empty if none has.
     const std::string& note() const { return note_; }
 
   private:
-    explicit Texels(FileReader file) : file_(std::move(file)) {}
+    Texels(NpyFile file, std::size_t pairs, std::size_t channels)
+        : file_(std::move(file)), pairs_(pairs), channels_(channels) {}
 
-    FileReader file_;
-    std::uint64_t data_ = 0;
-    std::size_t pairs_ = 0, channels_ = 3, count_ = 0;
+    NpyFile file_;
+    std::size_t pairs_, channels_;
     mutable std::string note_;
 };
 

@@ -6,62 +6,24 @@
 #include <random>
 
 #include "base/half.h"
-#include "base/least_squares.h"
 #include "brdf/directions.h"
-#include "extras/maps/block_pivoting.h"
 #include "properties.h"
-#include "srbf/basis.h"
+#include "srbf/fit_map.h"
 
 namespace srbf::texel_coefficients_test {
 namespace {
 
 constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
 
-/// The conditions of Karush, Kuhn and Tucker, also where columns coincide, and the solution of the other solver.
-TEST(TexelCoefficients, BlockPivotingFindsTheMinimum) {
-    std::mt19937_64 random(3);
-    BlockPivoting pivoting;
-    for (int n = 1; n <= 24; ++n) {
-        const int rows = 1 + n / 2;  // fewer than unknowns: only the ridge makes the solution unique
-        const Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(rows, n, [&] { return uniform(random); });
-        Eigen::MatrixXd G = A.transpose() * A;
-        if (n > 2) G.row(1).setZero(), G.col(1).setZero();
-        const auto is_free = std::make_unique<bool[]>(std::size_t(n));
-        for (int i = 0; i < n; ++i) is_free[std::size_t(i)] = uniform(random) < 0.5;
-        pivoting.set_matrix({G.data(), std::size_t(n * n)}, {is_free.get(), std::size_t(n)});
-        for (int c = 0; c < 3; ++c) {
-            Eigen::VectorXd g =
-                A.transpose() * Eigen::VectorXd::NullaryExpr(rows, [&] { return uniform(random) - 0.3; });
-            if (n > 2) g[1] = 0;
-            const Eigen::VectorXd upper = Eigen::VectorXd::NullaryExpr(
-                n, [&] { return uniform(random) < 0.5 ? 0.1 : std::numeric_limits<double>::infinity(); });
-            Eigen::VectorXd x(n);
-            const auto span = [](auto& v) { return std::span(v.data(), std::size_t(v.size())); };
-            pivoting.minimise(span(g), span(upper), span(x));
-            Eigen::MatrixXd ridged = G;
-            ridged.diagonal() *= 1 + 1e-6;
-            const Eigen::VectorXd descent = g - ridged * x;
-            for (int i = 0; i < n; ++i) {
-                EXPECT_GE(x[i], 0);
-                EXPECT_LE(x[i], upper[i]);
-                EXPECT_LE(x[i] < upper[i] ? descent[i] : 0, 1e-7) << n << ' ' << i;
-                EXPECT_GE(x[i] > 0 ? descent[i] : 0, -1e-7) << n << ' ' << i;
-            }
-            EXPECT_LT((x - bounded_least_squares(G, g, upper)).cwiseAbs().maxCoeff(), 1e-5) << n;
-        }
-    }
-}
-
 /// A diffuse lobe, a broad and a narrow highlight, with the coefficients of one texel.
-Library three_lobes() {
-    Library library;
-    PmModel& model = library.basis;
+TexelMap three_lobes() {
+    TexelMap map;
+    PmModel& model = map.basis;
     model.form = PmForm::horizon, model.lobes = 3, model.variates = 1;
     model.coefficient.assign(3, {1, 1, 1}), model.log_scale.assign(3, 0), model.exponent.assign(3, 0);
     model.centre.assign(3, {0, 0, 1}), model.bandwidth = {0, 10, 200}, model.parameterization = {{1, 1}};
-    library.stored = 3;
-    library.coefficient = {{0.25f, 0.2f, 0.1f}, {0, 0, 0}, {4, 4, 4}}, library.error = {0};
-    return library;
+    map.width = 1, map.error = {0}, map.coefficient = {{0.25f, 0.2f, 0.1f}, {0, 0, 0}, {4, 4, 4}};
+    return map;
 }
 
 class BadTexels : public testing::Test {
@@ -74,21 +36,21 @@ class BadTexels : public testing::Test {
             pairs.wl.push_back(i % 2 == 0 ? to_float(l) : to_float(normalize(Vec3d{-v.x, -v.y, v.z} + 0.1 * l)));
         }
         good.resize(pairs.wl.size());
-        evaluate(material(library, 0), pairs.wl, pairs.wv, good);
+        evaluate(texel(map, 0), pairs.wl, pairs.wv, good);
     }
-    TexelCoefficients fit(std::span<const Rgb> f) const { return fit_texels_to_basis(library, pairs, f, 1); }
+    TexelCoefficients fit(std::span<const Rgb> f) const { return coefficients_of_texels(map, pairs, f, 1); }
     void expect_good(const TexelCoefficients& found, std::size_t t, float tolerance) const {
         EXPECT_EQ(found.state[t], TexelState::fitted);
         for (std::size_t j = 0; j < 3; ++j)
             for (int c = 0; c < 3; ++c)
-                EXPECT_NEAR(found.coefficient[3 * t + j][c], library.coefficient[j][c], tolerance) << j;
+                EXPECT_NEAR(found.coefficient[3 * t + j][c], map.coefficient[j][c], tolerance) << j;
     }
     void expect_dark(const TexelCoefficients& found, TexelState state, float error) const {
         EXPECT_EQ(found.state[0], state);
         EXPECT_EQ(found.error[0], error);
         for (const Rgb& beta : found.coefficient) EXPECT_EQ(beta, Rgb());
     }
-    const Library library = three_lobes();
+    const TexelMap map = three_lobes();
     SharedPairs pairs{{}, {}, true};
     std::vector<Rgb> good;
 };

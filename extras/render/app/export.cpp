@@ -74,7 +74,7 @@ Result<Done> write_map_exr(const ExportCommand& command) {
     std::vector<std::uint16_t> halves;
     for (const Rgb& coefficient : map->coefficient)
         for (int c = 0; c < 3; ++c) halves.push_back(to_half(coefficient[c]));
-    return write_half_exr(int(map->width), int(map->count() / map->width), names, halves, command.output);
+    return write_half_exr(int(map->width), int(map->height()), names, halves, command.output);
 }
 
 int status_of(const Result<Done>& written) { return written ? int(k_done) : complain(written.error()); }

@@ -29,7 +29,7 @@ PreparedBsdf prepare_by_cosine(const Subject& subject) {
 /// Errors: a map or a mask that cannot be drawn with these options.
 Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const PathCommand& command) {
     if (std::holds_alternative<const Subject*>(pictured)) return Done{};
-    const char* const kind = std::holds_alternative<const Library*>(pictured) ? "a map" : "a mask";
+    const char* const kind = std::holds_alternative<const TexelMap*>(pictured) ? "a map" : "a mask";
     const auto refuse = [&](const char* what, const char* expected, const char* found) {
         return Error{"render", {}, fmt::format("{} of {}", what, kind), expected, found, ErrorCode::argument};
     };
@@ -101,7 +101,7 @@ PreparedBsdf prepare_subject(const Subject& subject, int threads) {
     return std::visit([&](const auto& content) { return prepare_bsdf(content, options); }, subject.content);
 }
 
-PreparedMap prepare_subject(const Library& map, int threads) {
+PreparedMap prepare_subject(const TexelMap& map, int threads) {
     return prepare_map(map, {.azimuths = map.basis.axial ? 1 : k_anisotropic_azimuths, .threads = threads});
 }
 
@@ -194,7 +194,7 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
             for (const Subject* of : (*masked)->of) materials.of.push_back(prepare_subject(*of, threads));
             paths.materials = {std::move(materials)};
         } else {
-            paths.materials = {prepare_subject(*std::get<const Library*>(pictured), threads)};
+            paths.materials = {prepare_subject(*std::get<const TexelMap*>(pictured), threads)};
         }
         paths.materials.insert(paths.materials.end(), others.begin(), others.end());
         const auto done = double(pictures.size()), total = double(subjects.size());

@@ -18,7 +18,7 @@ struct MaskedSubjects {
     Image mask;
 };
 /// The subject of a picture: a measurement or model, a map of texels, or a mask's materials.
-using Pictured = std::variant<const Subject*, const Library*, const MaskedSubjects*>;
+using Pictured = std::variant<const Subject*, const TexelMap*, const MaskedSubjects*>;
 
 struct PathCommand {
     /// Empty: not given. The default environment is the renderer's; the default lights are three if `environment`
@@ -47,6 +47,6 @@ Result<std::optional<Environment>> load_light(const std::string& name);
 
 /// Prepares the subject, with importance sampling by its own proposal.
 PreparedBsdf prepare_subject(const Subject& subject, int threads);
-PreparedMap prepare_subject(const Library& map, int threads);
+PreparedMap prepare_subject(const TexelMap& map, int threads);
 
 }  // namespace srbf

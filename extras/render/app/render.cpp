@@ -139,17 +139,6 @@ Result<Done> compare_pictures(const Image8& reference, std::span<const Image8> i
     return write_png(side_by_side(differences, captions), options.beside(".difference"));
 }
 
-/// A subject to draw: a measurement or model, or a map of texels.
-using Loaded = std::variant<Subject, Library>;
-Result<Loaded> load_pictured(const std::string& file) {
-    auto map = library_in(file);
-    if (!map) return map.error();
-    if (*map && (*map)->dense() && (*map)->width > 0) return Loaded(**std::move(map));
-    auto subject = load_subject(file);
-    if (!subject) return subject.error();
-    return Loaded(*std::move(subject));
-}
-
 /// The picture in `file`, which must have the requested size; no value if the file is not a picture.
 Result<std::optional<Image>> picture_in(const std::string& file, const RenderCommand& options) {
     const auto bytes = read_file(file, all_if(srbf::is_exr));
@@ -199,7 +188,7 @@ Result<MaskedSubjects> masked_by(const std::string& mask, std::span<const Pictur
 
 int RenderCommand::run() const {
     std::vector<std::string> inputs = files, captions;
-    std::vector<Loaded> subjects;
+    std::vector<SubjectOrMap> subjects;
     std::optional<Image> reference;  // otherwise the reference is one more subject
     if (!compare.empty()) {
         inputs.push_back(compare);
@@ -209,7 +198,7 @@ int RenderCommand::run() const {
     }
     for (const std::string& file : inputs) {
         if (reference && subjects.size() == files.size()) break;
-        auto loaded = load_pictured(file);
+        auto loaded = load_subject_or_map(file);
         if (!loaded) return complain(loaded.error());
         subjects.push_back(*std::move(loaded));
     }
@@ -225,7 +214,7 @@ int RenderCommand::run() const {
     const Viewpoint viewpoint{.z_up = up == "z"};
     const Scene scene = scene_of(*std::move(loaded), viewpoint, double(width) / height);
     std::vector<Pictured> pictured;
-    for (const Loaded& subject : subjects)
+    for (const SubjectOrMap& subject : subjects)
         std::visit([&](const auto& content) { pictured.emplace_back(&content); }, subject);
     MaskedSubjects masked;
     if (!mask.empty()) {

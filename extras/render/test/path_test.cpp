@@ -220,21 +220,21 @@ TEST(Path, AllWaysToDrawGiveOnePicture) {
 }
 
 /// A map of the two lobes of `glossy`, by the coefficients of each texel.
-Library glossy_map(std::vector<std::array<Rgb, 2>> texels, std::uint64_t width) {
-    Library map;
+TexelMap glossy_map(std::vector<std::array<Rgb, 2>> texels, std::size_t width) {
+    TexelMap map;
     map.basis = glossy();
     map.basis.coefficient = {{1, 1, 1}, {1, 1, 1}};
-    map.stored = 2, map.width = width;
+    map.width = width;
     map.error.assign(texels.size(), 0);
     for (const auto& [diffuse, gloss] : texels) map.coefficient.insert(map.coefficient.end(), {diffuse, gloss});
     return map;
 }
 
 TEST(Path, AConstantMapIsItsModel) {
-    const std::array<Rgb, 2> texel{{{0.2f, 0.1f, 0.05f}, {1.5f, 1.5f, 1.5f}}};
-    const Library map = glossy_map(std::vector(6, texel), 3);
+    const std::array<Rgb, 2> coefficients{{{0.2f, 0.1f, 0.05f}, {1.5f, 1.5f, 1.5f}}};
+    const TexelMap map = glossy_map(std::vector(6, coefficients), 3);
     const PreparedMap prepared = prepare_map(map);
-    PathScene scene = sphere_scene(prepare(material(map, 0)), &even_light());
+    PathScene scene = sphere_scene(prepare(texel(map, 0)), &even_light());
     const auto drawn = [&](const PathMaterial& material, std::uint64_t seed) {
         scene.materials = {material};
         PathOptions options = small(256);
@@ -246,7 +246,7 @@ TEST(Path, AConstantMapIsItsModel) {
     // Values alone, without noise.
     scene.environment = nullptr;
     scene.lights = {{normalize(Vec3d{-1, 1, 2}), {1, 1, 1}}};
-    const Image expected = drawn(prepare(material(map, 0)), 1), found = drawn(prepared, 1);
+    const Image expected = drawn(prepare(texel(map, 0)), 1), found = drawn(prepared, 1);
     for (std::size_t i = 0; i < found.pixels.size(); ++i)
         for (int c = 0; c < 3; ++c)
             EXPECT_PRED3(near, found.pixels[i][c], expected.pixels[i][c], 1e-5 + 1e-4 * double(expected.pixels[i][c]));
@@ -303,10 +303,10 @@ TEST(Path, AMaskMixesMaterials) {
 TEST(Path, TexelsAreDrawnFromTheirLobes) {
     std::mt19937_64 random(5);
     for (const bool axial : {true, false}) {
-        const Library map = random_map(random, {.axial = axial, .lobes = 4, .most_bandwidth = 200}, 4, 2);
+        const TexelMap map = random_map(random, {.axial = axial, .lobes = 4, .most_bandwidth = 200}, 4, 2);
         const PreparedMap prepared = prepare_map(map);
         const std::size_t t = 5;
-        const PreparedBrdf own = prepare(material(map, t)),
+        const PreparedBrdf own = prepare(texel(map, t)),
                            shared = brdf_at(prepared, {(float(t % 4) + 0.5f) / 4, (float(t / 4) + 0.5f) / 2});
         for (const double z : {0.2, 0.7}) {
             const Vec3f wv = to_float(spherical(std::acos(z), 1.0));
@@ -526,17 +526,14 @@ TEST_F(PathCommand, BadInputIsRefused) {
 }
 
 TEST_F(PathCommand, MapsAreDrawnOnMeshesWithPlaces) {
-    Library map = glossy_map({{{{0.2f, 0, 0}, {}}}, {{{0, 0.2f, 0}, {}}}}, 2);
-    ASSERT_TRUE(write_file(folder / "map.srbf", write_library(map)).ok());
+    const TexelMap map = glossy_map({{{{0.2f, 0, 0}, {}}}, {{{0, 0.2f, 0}, {}}}}, 2);
+    ASSERT_TRUE(write_file(folder / "map.srbf", write_map(map)).ok());
     write(folder / "bare.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
     EXPECT_EQ(render({"map.srbf", "-o", "b.png"}).status, 0);
     EXPECT_EQ(render({"map.srbf#1,0", "-o", "b.png", "--mesh", "bare.obj"}).status, 0);
     expect_refused({"map.srbf", "-o", "c.png", "--mesh", "bare.obj"}, "texture coordinates");
     expect_refused({"map.srbf", "-o", "c.png", "--scene", "room"}, "scene of a map");
     expect_refused({"map.srbf", "-o", "c.png", "--draw", "cosine"}, "draws of a map");
-    map.width = 0;
-    ASSERT_TRUE(write_file(folder / "library.srbf", write_library(map)).ok());
-    expect_refused({"library.srbf", "-o", "c.png"}, "library.srbf");
 }
 
 TEST_F(PathCommand, TexelsThatAreNoRadianceAreCounted) {

@@ -52,7 +52,7 @@ Result<std::string> environment_code(std::span<const NamedModel> models, std::st
                                      const CodeOptions& options, const EnvironmentCode& added);
 /// The text of `map_code` with these functions except the samples, and with the coefficients as the last argument.
 /// The axes and roughnesses of its lobes are common to all materials (`SharedLight`). Errors: those of `map_code`.
-Result<std::string> environment_map_code(const Library& map, std::string_view name, const CodeOptions& options,
+Result<std::string> environment_map_code(const TexelMap& map, std::string_view name, const CodeOptions& options,
                                          const EnvironmentCode& added);
 
 /// The texels that NAME_light_texel(i, view) returns for these lobes, R, G, B at 3 (i + view columns).
@@ -73,10 +73,10 @@ Result<std::string> three_webgpu_module(std::span<const NamedModel> models, std:
 /// reflects lamps with their shadows, the reflection probe, ambient light and light probes. It was not run in Unity.
 /// Errors: those of `shading_code`, a number of models that is not 1.
 Result<std::string> unity_shader(std::span<const NamedModel> models, int threads = 0);
-/// A dense library (library.h) as a module for WebGLRenderer. It has a class, FilmMaterial for "film", whose `coefficients` are
+/// A map (map.h) as a module for WebGLRenderer. It has a class, FilmMaterial for "film", whose `coefficients` are
 /// a texture, and a function `loadCoefficients` that reads the texture from a KTX 2 file, by default `file` beside
 /// the module. Errors: those of `map_code`.
-Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file,
+Result<std::string> three_map_module(const TexelMap& map, const std::string& name, std::string_view file,
                                      int threads = 0);
 
 SRBF_END

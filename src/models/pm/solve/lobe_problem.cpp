@@ -153,14 +153,6 @@ Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const DerivativeGram& sums, 
     return with_lobes;
 }
 
-CoefficientTerms LobeProblem::coefficient_terms() {
-    const PixelTerm pixels = pixels_.term();
-    CoefficientTerms terms(0, 0);
-    double pixel_loss = 0;
-    coefficients_.loss_at(beta(), products_with_data(), rows_.views > 0 ? &pixels : nullptr, pixel_loss, terms);
-    return terms;
-}
-
 // For each channel the loss falls by (e·r)² / |e|². Here e is the candidate minus its component along the present
 // lobes, whose coefficients adapt, and r is the residual. The coefficient must not be negative.
 Eigen::VectorXd LobeProblem::gains(const std::vector<std::vector<double>>& candidates) {

@@ -30,9 +30,6 @@ class LobeProblem {
     const Eigen::MatrixXd& gram() const { return coefficients_.gram; }  ///< E·E
     /// With pixels, `loss` takes a few steps from the last coefficients. This sets the coefficients to start from.
     void continue_from(const Eigen::MatrixXd& beta) { coefficients_.beta = beta; }
-    /// The loss to second order in the coefficients alone: its Hessian and half its gradient, with channels
-    /// concatenated.
-    CoefficientTerms coefficient_terms();
     double scale() const { return rows_.scale; }
     const std::vector<double>& offset() const { return basis_.offset(); }  ///< o_j
 

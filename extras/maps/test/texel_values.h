@@ -7,7 +7,7 @@
 
 #include "brdf/directions.h"
 #include "properties.h"
-#include "srbf/fit_batch.h"
+#include "srbf/fit_map.h"
 #include "srbf/load.h"
 
 namespace srbf {

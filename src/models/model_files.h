@@ -1,0 +1,31 @@
+// Files of models and maps have these in common.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "srbf/map.h"
+
+SRBF_BEGIN
+
+/// The metadata `srbf` of all files, and `model` of maps and of the texels with lobes of their own of version 0.1.
+inline constexpr std::string_view k_file_version = "1", k_map_kind = "pm-basis", k_stack_kind = "pm-stack";
+
+/// An error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float, 65504,
+/// which `write_model` stores instead. `source` is that of the error.
+Result<Done> check_range(const Model& model, const std::string& source);
+
+/// The error where a model is expected, of a file that is a map.
+Error map_error(const std::string& file);
+/// True if these are the bytes of a map.
+bool is_map_file(std::span<const std::byte> bytes);
+/// The map with every number rounded to a 16-bit float.
+TexelMap rounded(TexelMap map);
+/// The file of a map of these lobes and so many texels up to its coefficients, which follow as 16-bit floats [T,J,3],
+/// and then the errors [T].
+std::vector<std::byte> beginning_of_map(const TexelMap& map, std::uint64_t texels);
+
+SRBF_END

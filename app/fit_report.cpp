@@ -71,12 +71,7 @@ void print_repeatability(const FitRequest& request, const FitOutcome& outcome) {
             "  noise     {:.0f} % of dark values; ΔE_ITP {:.3g} (worst {:.3g}) against the smoothed measurement\n",
             100 * share_of(*outcome.noise), outcome.against_smoothed->mean.delta_e,
             outcome.against_smoothed->worst_delta_e);
-        if (outcome.noise->excess > 0)
-            fmt::print(
-                "            negative values were published as 0; the fit treats zeros as negative noise, without "
-                "which dark values would be {:.0f} % brighter\n",
-                100 * outcome.noise->excess);
-        else if (outcome.clamped == 0)
+        if (outcome.clamped == 0)
             fmt::print(
                 "            no value is negative: the data were cut off at 0, which makes dark values brighter\n");
     }
@@ -146,7 +141,6 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     json["headline"] = headline(*outcome.errors);
     if (outcome.samples) json["judged_pictures"] = json_of(judged(*outcome.errors));
     if (outcome.noise) json["noise"] = share_of(*outcome.noise);
-    if (outcome.noise && outcome.noise->excess > 0) json["zeros_too_bright"] = outcome.noise->excess;
     if (outcome.largest_albedo > 1) json["largest_albedo"] = outcome.largest_albedo;
     if (const double limit = albedo_limit_of(request, outcome); !std::isinf(limit)) json["albedo_limit"] = limit;
     if (outcome.exchanged) json["exchanged_pictures"] = json_of(*outcome.exchanged);

@@ -1,9 +1,9 @@
 // Errors of fits to noisy tables. Each measurement is sampled to a table of MBSDF's layout (the truth). The table gets
-// independent normal noise of a share of its median value, signed or with negative values set to 0. Prints for each fit
-// ΔE_ITP against the truth, also relative to the fit to the truth; the largest errors of albedo from 0 to 75°, of
-// luminance and of a channel (relative to luminance); the same for the noisy table; and processor seconds. With
+// independent normal noise of a share of its median value. Prints for each fit ΔE_ITP against the truth, also relative
+// to the fit to the truth; the largest errors of albedo from 0 to 75°, of luminance and of a channel (relative to
+// luminance); the same for the noisy table; and processor seconds. With
 // --seeds, prints the mean ΔE_ITP and the largest errors of N fits.
-//   usage: noisy_tables [--signed] [--clamped] [--share X] [--seeds N] FILE...
+//   usage: noisy_tables [--share X] [--seeds N] FILE...
 // For N samples of signed noise as large as the median, prints the errors of the albedo's luminance of the tables and
 // of the fits at angles from 0.5 to 75°: mean and standard deviation, then the median of the largest errors.
 //   usage: noisy_tables --draws N FILE...
@@ -58,14 +58,11 @@ double median(const MbsdfTable& table) {
     return double(means[means.size() / 2]);
 }
 
-MbsdfTable with_noise(MbsdfTable table, double deviation, bool clamped, std::uint64_t seed = 1) {
+MbsdfTable with_noise(MbsdfTable table, double deviation, std::uint64_t seed = 1) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
     for (Rgb& cell : table.cells)
-        for (int c = 0; c < 3; ++c) {
-            cell[c] += float(deviation * normal(random));
-            if (clamped) cell[c] = std::max(cell[c], 0.f);
-        }
+        for (int c = 0; c < 3; ++c) cell[c] += float(deviation * normal(random));
     return table;
 }
 
@@ -165,7 +162,7 @@ void print_draws(const std::string& file, int draws) {
     const Evaluate truth = evaluator(clean);
     std::vector<std::vector<double>> fits, tables;
     for (int seed = 1; seed <= draws; ++seed) {
-        const Measured noisy{"", "", 0, with_noise(table, median(table), false, std::uint64_t(seed))};
+        const Measured noisy{"", "", 0, with_noise(table, median(table), std::uint64_t(seed))};
         tables.push_back(luminance_errors(truth, signed_evaluator(noisy)));
         Fitter fitter(noisy);
         const auto outcome = fitter.fit({});
@@ -182,7 +179,6 @@ void print_draws(const std::string& file, int draws) {
 
 int main(int argc, char** argv) {
     using namespace srbf;
-    bool with_signed = false, with_clamped = false;
     int seeds = 1;
     std::vector<double> shares;
     std::vector<std::string> files;
@@ -197,11 +193,7 @@ int main(int argc, char** argv) {
             for (++i; i < argc; ++i) print_draws(argv[i], draws);
             return 0;
         }
-        if (word == "--signed")
-            with_signed = true;
-        else if (word == "--clamped")
-            with_clamped = true;
-        else if (word == "--seeds")
+        if (word == "--seeds")
             seeds = std::stoi(argv[++i]);
         else if (word == "--share")
             shares.push_back(std::stod(argv[++i]));
@@ -209,7 +201,6 @@ int main(int argc, char** argv) {
             files.push_back(word);
     }
     if (shares.empty()) shares = {0.01, 0.1, 1};
-    if (!with_signed && !with_clamped) with_signed = with_clamped = true;
     fmt::print(
         "| table | noise | ΔE_ITP | of the clean fit's | albedo, luminance, % | channel, % | "
         "table: ΔE_ITP | luminance, % | found | s |\n|---|---|---|---|---|---|---|---|---|---|\n");
@@ -229,13 +220,10 @@ int main(int argc, char** argv) {
         };
         print("none", clean_fit, {});
         const double median_value = median(table);
-        for (const bool clamped : {false, true})
-            for (const double share : shares) {
-                if (!(clamped ? with_clamped : with_signed)) continue;
-                const Measured noisy{"", "", 0, with_noise(table, share * median_value, clamped)};
-                const Evaluate shown = clamped ? evaluator(noisy) : signed_evaluator(noisy);
-                print(fmt::format("{:g} % {}", 100 * share, clamped ? "clamped" : "signed"),
-                      fit_errors(noisy, truth, seeds), errors_against(truth, shown));
-            }
+        for (const double share : shares) {
+            const Measured noisy{"", "", 0, with_noise(table, share * median_value)};
+            print(fmt::format("{:g} %", 100 * share), fit_errors(noisy, truth, seeds),
+                  errors_against(truth, signed_evaluator(noisy)));
+        }
     }
 }

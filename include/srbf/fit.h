@@ -100,10 +100,6 @@ struct Noise {
     Rgb level{};      ///< median value [1/sr]
     /// Fraction of pairs with a negative value but a positive local mean; maximum over channels.
     double negative = 0;
-    /// Standard deviation [1/sr] of a table's samples before its maker set those below 0 to 0; of channels without it
-    /// 0.
-    Rgb clamped{};
-    double excess = 0;  ///< share by which the median value is too bright because they were set to 0
 };
 
 /// A fitted model with its errors and statistics.

@@ -12,7 +12,7 @@
 #include "app/load.h"
 #include "base/parameters.h"
 #include "brdf/rows.h"
-#include "errors/measure_names.h"
+#include "errors/measures.h"
 #include "srbf/metrics.h"
 #include "srbf/objective.h"
 

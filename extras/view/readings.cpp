@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "errors/measure_names.h"
+#include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "extras/render/tone.h"
 #include "extras/view/ink.h"

@@ -201,8 +201,8 @@ TEST(FitBatch, is_nearly_as_accurate_as_single_fits) {
         make_index(samples);
         const auto observed = observe(samples, {.threads = 2});
         ASSERT_TRUE(observed);
-        SampleFitOptions single;
-        single.pm.lobes = 4, single.pm.starts = 6, single.pm.perturbations = 14, single.pm.threads = 2;
+        PmFitOptions single;
+        single.lobes = 4, single.starts = 6, single.perturbations = 14, single.threads = 2;
         const auto fitted = fit_pm(*observed, single);
         ASSERT_TRUE(fitted);
         const Objective objective = options.request.objective;

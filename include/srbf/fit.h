@@ -122,16 +122,8 @@ struct FitOutcome {
     std::optional<int> empty_directions;
     /// Scattered samples: the number of samples within θmax.
     std::optional<std::uint64_t> samples;
-    /// Scattered samples, PM: true if the fit follows values between the samples, gap-filled or interpolated.
-    std::optional<bool> filled;
-    /// Gap-filled samples: what continues their highlights, "neighbours" or "two lobes of GGX", or "no highlight".
-    std::string continued;
     /// Scattered samples: the fits to all folds but one.
     std::vector<Model> without_fold;
-    /// Scattered samples whose gaps are filled: the cross-validated errors of Lambert and at most one lobe of GGX.
-    std::optional<Measures> ggx_heldout;
-    /// Scattered samples, objective `relative`: the number of angles of incidence. The samples of one are in one fold.
-    int incidences = 0;
     std::vector<Trial> path;  ///< models that were tried in choosing the size
     bool reached = true;      ///< whether the requested size or ΔE_ITP was reached
     /// Errors of `model` and `unrounded` against the measurement; empty until they are measured. For scattered samples

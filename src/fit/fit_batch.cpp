@@ -173,7 +173,7 @@ TexelFit fit_texel(const Batch& batch, std::span<const Rgb> f, const ProgressTok
     observing.threads = 1, observing.only_gap_filled = k_texel_pairs;
     const auto observed = observe(samples, observing, progress);
     if (!observed) return without(batch, TexelState::failed, observed.error());
-    auto fitted = fit_pm(*observed, {batch.options, false}, progress);
+    auto fitted = fit_pm(*observed, batch.options, progress);
     if (!fitted) return without(batch, TexelState::failed, fitted.error());
     return fitted_texel(batch, samples, observed->samples, std::move(fitted->model), fitted->stop);
 }

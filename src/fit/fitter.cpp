@@ -217,13 +217,16 @@ struct Fitter::State {
         return outcome;
     }
 
-    // Observations, by everything that they depend on: the objective, θmax, the seed, whether they are spectral,
-    // whether they are of gap-filled samples, and whether they are of the reciprocal mean.
+    // Observations, by everything that they depend on: the objective, θmax, the seed, whether they are spectral, of
+    // gap-filled samples, and of the reciprocal mean.
     using Key = std::tuple<Objective, double, std::uint64_t, bool, bool, bool>;
     Key key(const FitRequest& request) const {
-        return {
-            request.objective,     request.theta(), request.seed, request.spectral, samples() && fills_gaps(request),
-            is_reciprocal(request)};
+        return {request.objective,
+                request.theta(),
+                request.seed,
+                request.spectral,
+                samples() && std::holds_alternative<PmRequest>(request.model),
+                is_reciprocal(request)};
     }
 
     Result<const Observations*> observed(const FitRequest& request, const ProgressToken& progress) {

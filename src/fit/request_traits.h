@@ -22,10 +22,6 @@ inline constexpr auto k_model_names = []<typename... R>(std::type_identity<std::
 }(std::type_identity<AnyRequest>());
 inline std::string_view model_name(const FitRequest& request) { return k_model_names[request.model.index()]; }
 
-/// True if a fit of this request to scattered samples follows the gap-filled samples: PM in colours, by an objective of
-/// pictures. Fits by `relative` follow microfacets, others interpolated values if cross-validation finds them useful.
-bool fills_gaps(const FitRequest& request);
-
 /// The goal by which the size is chosen; none: it is a number of lobes or automatic, or the model is not multivariate.
 inline std::optional<SizeGoal> goal_of(const FitRequest& request) {
     const auto* pm = std::get_if<PmRequest>(&request.model);

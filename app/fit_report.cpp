@@ -14,7 +14,6 @@
 #include "fit/request_traits.h"
 #include "measured/peak.h"
 #include "observe/albedo_bound.h"
-#include "samples/gap_filled_samples.h"
 #include "srbf/metrics.h"
 
 namespace srbf {
@@ -51,12 +50,7 @@ void print_repeatability(const FitRequest& request, const FitOutcome& outcome) {
             "  noise     {:.0f} % of dark values; ΔE_ITP {:.3g} (worst {:.3g}) against the smoothed measurement\n",
             100 * share_of(*outcome.noise), outcome.against_smoothed->mean.delta_e,
             outcome.against_smoothed->worst_delta_e);
-        if (outcome.noise->excess > 0)
-            fmt::print(
-                "            negative values were published as 0; the fit treats zeros as negative noise, without "
-                "which dark values would be {:.0f} % brighter\n",
-                100 * outcome.noise->excess);
-        else if (outcome.clamped == 0)
+        if (outcome.clamped == 0)
             fmt::print(
                 "            no value is negative: the data were cut off at 0, which makes dark values brighter\n");
     }
@@ -73,24 +67,6 @@ void print_repeatability(const FitRequest& request, const FitOutcome& outcome) {
 
 /// An angle [rad] in degrees, without the rounding error of the conversion.
 double degrees(double angle) { return std::round(angle / k_degree * 1e9) / 1e9; }
-
-/// The values between samples that a fit follows, for the report.
-std::string_view followed(const FitRequest& request) {
-    if (request.objective == Objective::relative) return "microfacets";
-    return fills_gaps(request) ? "microfacet models" : "interpolated values";
-}
-
-/// Prints which predicts held-out samples better, the lobes or GGX.
-void print_against_ggx(const Measures& lobes, const Measures& ggx) {
-    const auto in_image = &Measures::squared_error_ratio_cosine, by_eye = &Measures::cube_root_error_ratio;
-    const bool better_in_image = lobes.*in_image < ggx.*in_image, better_by_eye = lobes.*by_eye < ggx.*by_eye;
-    fmt::print("  Held out, Lambert and one lobe of GGX: {} of f cosθl, {} of cube roots; {}.\n",
-               percent(ggx.*in_image), percent(ggx.*by_eye),
-               better_in_image && better_by_eye ? "the lobes have smaller errors in both"
-               : better_in_image                ? "the lobes have the smaller error only in the first"
-               : better_by_eye                  ? "the lobes have the smaller error only in the second"
-                                                : "GGX has smaller errors in both: consider --model ggx");
-}
 
 }  // namespace
 
@@ -126,7 +102,6 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     json["headline"] = headline(*outcome.errors);
     if (outcome.samples) json["judged_pictures"] = json_of(judged(*outcome.errors));
     if (outcome.noise) json["noise"] = share_of(*outcome.noise);
-    if (outcome.noise && outcome.noise->excess > 0) json["zeros_too_bright"] = outcome.noise->excess;
     if (outcome.largest_albedo > 1) json["largest_albedo"] = outcome.largest_albedo;
     if (const double limit = albedo_limit_of(request, outcome); !std::isinf(limit)) json["albedo_limit"] = limit;
     if (outcome.exchanged) json["exchanged_pictures"] = json_of(*outcome.exchanged);
@@ -134,11 +109,8 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     if (is_smoothed(outcome)) json["smoothed_pictures"] = json_of(*outcome.against_smoothed);
     if (outcome.samples) {
         json["samples"] = *outcome.samples;
-        json["folds"] = outcome.incidences > 0 ? std::min(outcome.incidences, k_folds) : k_folds;
+        json["folds"] = k_folds;
     }
-    if (outcome.filled) json["filled_between_samples"] = *outcome.filled;
-    if (!outcome.continued.empty()) json["highlights_continued_by"] = outcome.continued;
-    if (outcome.ggx_heldout) add_measures(json, *outcome.ggx_heldout, "ggx_heldout_");
     if (const auto target = target_of(request)) json["target_delta_e"] = *target;
     if (!outcome.path.empty()) json["reached"] = outcome.reached;
     for (const Trial& trial : outcome.path)
@@ -168,20 +140,11 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     print_repeatability(request, outcome);
     fmt::print("\n");
     print_measures({{"as stored", &*outcome.errors}, {"before rounding", &*outcome.unrounded_errors}});
-    if (outcome.samples) {
+    if (outcome.samples)
         fmt::print(
-            "  Matrix: at the samples themselves. Held out: {}. Albedo and pictures: against samples with\n"
-            "  gaps filled by microfacet models; held out, by fits without each fold.\n",
-            outcome.incidences > 0 ? fmt::format("cross-validated over {} incidences", outcome.incidences)
-                                   : fmt::format("{}-fold cross-validated", k_folds));
-        if (outcome.filled && *outcome.filled) fmt::print("  Between samples the fit uses {}.\n", followed(request));
-        if (outcome.continued == k_no_highlight)
-            fmt::print("  The samples show no highlight: Lambert alone predicts them as well as microfacets do.\n");
-        else if (!outcome.continued.empty())
-            fmt::print("  Highlights beyond the samples: continued by {}, which best predicts held-out folds.\n",
-                       outcome.continued);
-        if (outcome.ggx_heldout) print_against_ggx(outcome.errors->heldout, *outcome.ggx_heldout);
-    }
+            "  Matrix: at the samples themselves. Held out: {}-fold cross-validated. Albedo and pictures: against\n"
+            "  samples with gaps filled by microfacet models; held out, by fits without each fold.\n",
+            k_folds);
     print_path(request, outcome);
     if (!outcome.reached)
         fmt::print("  Not reached: a Delta E of {:g}; this is the largest size that was tried.\n",

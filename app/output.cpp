@@ -13,7 +13,7 @@
 #include "base/printable.h"
 #include "base/system_files.h"
 #include "base/text.h"
-#include "errors/measure_names.h"
+#include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "srbf/file.h"
 

@@ -11,7 +11,7 @@
 
 #include "app/load.h"
 #include "brdf/rows.h"
-#include "errors/measure_names.h"
+#include "errors/measures.h"
 #include "models/kind/parameters.h"
 #include "srbf/metrics.h"
 #include "srbf/objective.h"

@@ -7,7 +7,7 @@
 
 #include "app/output.h"
 #include "base/printable.h"
-#include "errors/measure_names.h"
+#include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "errors/sphere.h"
 #include "fit/request_traits.h"

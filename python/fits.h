@@ -9,7 +9,6 @@
 #include "background.h"
 #include "brdf.h"
 #include "brdf/directions.h"
-#include "errors/measure_names.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "fit/request_traits.h"

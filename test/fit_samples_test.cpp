@@ -14,9 +14,9 @@
 #include "models/ggx/ggx_functions.h"
 #include "models/pm/pm_functions.h"
 #include "properties.h"
+#include "samples/facets.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
-#include "samples/near_samples.h"
 #include "srbf/fit.h"
 
 namespace srbf::fit_samples_test {
@@ -81,60 +81,6 @@ TEST(Folds, KeepGroupsTogetherAndHaveEqualSizes) {
     EXPECT_GT(separated, 20);
 }
 
-/// The chord between two directions, which approximates their angle.
-double chord(Vec3f a, Vec3f b) {
-    const Vec3d difference = to_double(a) - to_double(b);
-    return std::sqrt(dot(difference, difference));
-}
-
-TEST(Folds, GroupsMatchAComparisonOfAllPairs) {
-    std::mt19937_64 random(1);
-    ScatteredSamples samples;
-    samples.isotropic = false;
-    // Clusters whose distances are close to the largest distance within a group.
-    for (int cluster = 0; cluster < 40; ++cluster) {
-        const Vec3d wl = random_direction_within(random, k_cap), wv = random_direction_within(random, k_cap);
-        for (int i = 0; i < 12; ++i) {
-            const auto perturbed = [&](Vec3d w) {
-                return to_float(normalize(w + 0.01 * random_direction_within(random, k_pi)));
-            };
-            const Vec3f l = perturbed(wl), v = perturbed(wv);
-            samples.wl.push_back(i % 3 ? l : v), samples.wv.push_back(i % 3 ? v : l);
-            samples.colour.push_back({1, 1, 1});
-        }
-    }
-    const auto n = samples.wl.size();
-    const auto distance = [&](std::size_t a, std::size_t b) {
-        const auto pair_distance = [&](Vec3f l, Vec3f v) {
-            return std::hypot(chord(samples.wl[a], l), chord(samples.wv[a], v));
-        };
-        return std::min(pair_distance(samples.wl[b], samples.wv[b]), pair_distance(samples.wv[b], samples.wl[b]));
-    };
-    std::vector<std::size_t> group(n);
-    std::iota(group.begin(), group.end(), std::size_t(0));
-    for (bool changed = true; changed;) {
-        changed = false;
-        for (std::size_t a = 0; a < n; ++a)
-            for (std::size_t b = 0; b < n; ++b)
-                if (group[b] > group[a] && distance(a, b) < k_group_distance) group[b] = group[a], changed = true;
-    }
-    const SampleGroups groups = group_samples(samples);
-    EXPECT_EQ(std::size_t(groups.count), std::set(group.begin(), group.end()).size());
-    EXPECT_GT(groups.count, 50);
-    EXPECT_LT(groups.count, int(n) * 2 / 3);
-    NearSamples near_samples(samples);
-    const std::vector<int> near_groups = near_samples.groups();
-    ASSERT_EQ(near_samples.count(), n);
-    for (std::size_t a = 0; a < n; ++a) {
-        double smallest = 10;
-        for (std::size_t b = 0; b < n; ++b) {
-            EXPECT_EQ(groups.group_of[a] == groups.group_of[b], group[a] == group[b]) << a << " " << b;
-            if (group[a] != group[b]) smallest = std::min(smallest, distance(a, b));
-        }
-        EXPECT_PRED3(near, near_samples.distance_to_other_group(a, near_groups), smallest, 1e-12);
-    }
-}
-
 /// A comparison of all pairs of these samples would take minutes.
 TEST(Folds, VeryManySamplesMayBeClose) {
     std::mt19937_64 random(1);
@@ -146,11 +92,10 @@ TEST(Folds, VeryManySamplesMayBeClose) {
         samples.wl.push_back(direction_near(0.5)), samples.wv.push_back(direction_near(0.7)),
             samples.colour.push_back({1, 1, 1});
     }
-    const SampleGroups groups = group_samples(samples);
-    EXPECT_GT(groups.count, 150);
-    EXPECT_LE(groups.count, 201);
-    EXPECT_EQ(std::set(groups.group_of.begin() + 200, groups.group_of.end()).size(), 1u);
-    EXPECT_GT(groups.spacing, k_group_distance);
+    const auto fold = assign_folds(samples, k_cap, 0);
+    ASSERT_TRUE(fold.ok());
+    EXPECT_EQ(std::set(fold->begin() + 200, fold->end()).size(), 1u);
+    EXPECT_EQ(std::set(fold->begin(), fold->begin() + 200).size(), std::size_t(k_folds));
 }
 
 TEST(Folds, TheBrightestSamplesAreInDifferentFolds) {
@@ -167,24 +112,6 @@ TEST(Folds, TheBrightestSamplesAreInDifferentFolds) {
     EXPECT_EQ(folds_of_brightest.size(), std::size_t(k_folds));
     EXPECT_EQ(*fold, *assign_folds(samples, k_cap, 3));
     EXPECT_NE(*fold, *assign_folds(samples, k_cap, 4));
-}
-
-TEST(Folds, EachScanIsInOneFold) {
-    ScatteredSamples scans;
-    constexpr double incidences[] = {60, 5, 41.4};
-    for (const double theta : incidences)
-        for (int view = -80; view <= 80; view += 5) {
-            scans.wl.push_back(to_float(spherical(theta * k_degree, k_pi)));
-            scans.wv.push_back(to_float(spherical(view * k_degree, 0.0)));
-            scans.colour.push_back({1, 1, 1});
-        }
-    const auto folds = incidence_folds(scans);
-    ASSERT_TRUE(folds);
-    EXPECT_EQ(folds->incidences, 3);
-    constexpr int expected[] = {2, 0, 1};
-    for (std::size_t i = 0; i < folds->fold_of.size(); ++i)
-        EXPECT_EQ(folds->fold_of[i], expected[i / (folds->fold_of.size() / 3)]);
-    EXPECT_FALSE(incidence_folds(samples_of(300, 0, 2)));  // random incidences
 }
 
 /// A rough surface with a glossy layer: Lambert and two GGX lobes, whose roughnesses differ from those of the
@@ -211,17 +138,22 @@ ScatteredSamples scans_of(const std::function<float(Vec3f wl, Vec3f wv)>& f, std
 
 // For microfacets, scans determine f for all pairs of directions, including pairs out of the plane and other
 // incidences.
-TEST(ObserveSamples, ScatterBetweenScansFollowsMicrofacets) {
+TEST(FacetMixture, BetweenScansFollowsMicrofacets) {
     constexpr double incidences[] = {5, 40, 60, 75};
     const auto f = [](Vec3f wl, Vec3f wv) { return value(k_two_lobes, wl, wv).g; };
-    const auto observed = observe(scans_of(f, incidences, 0.05), {.objective = Objective::relative});
+    const auto observed =
+        observe(scans_of(f, incidences, 0.05), {.objective = Objective::relative, .fill_gaps = false});
     ASSERT_TRUE(observed.ok()) << message(observed.error());
-    const Observations& between = observed->between;
+    const FacetMixture facets = fit_facets(observed->samples);
     double squares = 0;
-    for (std::size_t i = 0; i < between.f.size(); ++i)
-        squares +=
-            elementary::square(elementary::log(double(between.f[i].g) / double(f(between.wl[i], between.wv[i]))));
-    EXPECT_LT(std::sqrt(squares / double(between.f.size())), 0.1);
+    std::mt19937_64 random(2);
+    constexpr int pairs = 4096;
+    for (int i = 0; i < pairs; ++i) {
+        const Vec3f wl = to_float(random_direction_within(random, k_cap)),
+                    wv = to_float(random_direction_within(random, k_cap));
+        squares += elementary::square(elementary::log(double(value(facets, wl, wv).g) / double(f(wl, wv))));
+    }
+    EXPECT_LT(std::sqrt(squares / pairs), 0.1);
 }
 
 // A distribution other than GGX, evaluated at held-out incidences.
@@ -253,45 +185,30 @@ TEST(Folds, FewGroupsAreAnError) {
     EXPECT_NE(message(fold.error()).find("expected at least 5, found 4"), std::string::npos) << message(fold.error());
 }
 
-TEST(Spacing, IsThatOfTheDensestSamples) {
-    // Samples on a line in the plane of incidence, 2° apart.
-    ScatteredSamples samples;
-    for (int i = 0; i < 30; ++i) {
-        samples.wl.push_back(to_float(spherical(80 * k_degree, 0.0)));
-        samples.wv.push_back(to_float(spherical((5 + 2 * i) * k_degree, k_pi)));
-        samples.colour.push_back({1, 1, 1});
-    }
-    EXPECT_TRUE(near(spacing(samples) / k_degree, 2, 0.05)) << spacing(samples) / k_degree;
-    samples.isotropic = false;
-    EXPECT_TRUE(near(spacing(samples) / k_degree, 2, 0.05));
-    // The same pair of directions 30 times.
-    for (Vec3f& w : samples.wv) w = samples.wv[0];
-    EXPECT_EQ(spacing(samples), 0);
-}
-
-TEST(FitToSamples, NoiseIsNotFittedAndNoLobeIsSharperThanTheSpacing) {
+TEST(FitToSamples, NoiseIsNotFitted) {
     const double noise = 0.02;
     const ScatteredSamples samples = samples_of(1500, noise, 4);
-    const double finest = spacing(samples);
-    EXPECT_GT(finest, k_degree);
     const ObserveSamplesOptions options{Objective::raw, k_cap, 0};
-    const auto fit = [&](const ScatteredSamples& training, std::size_t = 0) -> Result<std::vector<Model>> {
+    PmFitOptions pm_options;
+    pm_options.lobes = 3, pm_options.starts = 4, pm_options.perturbations = 5;
+    const auto fit = [&](const ScatteredSamples& training) -> Result<FitOutcome> {
         const auto observations = observe(training, options);
         if (!observations) return observations.error();
-        SampleFitOptions sample_options;
-        sample_options.pm.lobes = 3;
-        sample_options.pm.starts = 4, sample_options.pm.perturbations = 5;
-        auto pm = fit_pm(*observations, sample_options);
+        auto pm = fit_pm(*observations, pm_options);
         if (!pm) return pm.error();
-        return std::vector<Model>{{pm->model, {}}};
+        FitOutcome outcome;
+        outcome.model.model = pm->model;
+        return outcome;
     };
     const auto fold = assign_folds(samples, k_cap, 0);
     ASSERT_TRUE(fold.ok());
-    const auto predicted = cross_validate(samples, *fold, fit);
-    ASSERT_TRUE(predicted.ok());
+    const auto folds = heldout(fit, samples, *fold);
+    ASSERT_TRUE(folds.ok());
     std::vector<float> measured;
     for (const Rgb& f : samples.colour) measured.insert(measured.end(), {f.r, f.g, f.b});
-    const double error = measure_samples(samples.wl, samples.wv, measured, (*predicted)[0], k_cap).squared_error_ratio;
+    const double error =
+        measure_samples(samples.wl, samples.wv, measured, heldout_values(samples, *fold, *folds), k_cap)
+            .squared_error_ratio;
     EXPECT_LT(error, 2 * noise * noise);    // the held-out samples are noisy themselves
     EXPECT_GT(error, 0.7 * noise * noise);  // a smaller error would mean that the fit used them
     const auto full_fit = fit(samples);
@@ -301,12 +218,10 @@ TEST(FitToSamples, NoiseIsNotFittedAndNoLobeIsSharperThanTheSpacing) {
     std::mt19937_64 random(5);
     for (int i = 0; i < 20000; ++i) {
         const Vec3d wl = random_direction_within(random, k_cap), wv = random_direction_within(random, k_cap);
-        const double f = double(glossy(wl, wv).g), g = double(value((*full_fit)[0], to_float(wl), to_float(wv)).g);
+        const double f = double(glossy(wl, wv).g), g = double(value(full_fit->model, to_float(wl), to_float(wv)).g);
         squared_error += (f - g) * (f - g), squares += f * f;
     }
     EXPECT_LT(squared_error / squares, 0.5 * noise * noise);
-    for (const float lambda : std::get<PmModel>((*full_fit)[0].model).bandwidth)
-        EXPECT_LE(double(lambda), 1.001 / (finest * finest));
 }
 
 TEST(FitToSamples, AveragesValuesAtTheSameDirections) {
@@ -323,9 +238,8 @@ TEST(FitToSamples, AveragesValuesAtTheSameDirections) {
     make_index(samples);
     const auto observations = observe(samples, {Objective::raw, k_cap, 0});
     ASSERT_TRUE(observations.ok());
-    EXPECT_TRUE(near(double(observations->groups), double(n), 3));  // a few are that close by chance
-    SampleFitOptions sample_options;
-    sample_options.pm.lobes = 4, sample_options.pm.starts = 4, sample_options.pm.perturbations = 3;
+    PmFitOptions sample_options;
+    sample_options.lobes = 4, sample_options.starts = 4, sample_options.perturbations = 3;
     const auto fit = fit_pm(*observations, sample_options);
     ASSERT_TRUE(fit.ok());
     const Measures errors = measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit->model), k_cap);
@@ -345,18 +259,16 @@ TEST(FitToSamples, StaysBoundedOutsideThePlaneOfItsSamples) {
     make_index(samples);
     const auto observations = observe(samples, {Objective::raw, k_cap, 0});
     ASSERT_TRUE(observations.ok());
-    for (const bool fill : {false, true}) {
-        SampleFitOptions sample_options{{}, fill};
-        sample_options.pm.lobes = 4, sample_options.pm.starts = 4, sample_options.pm.perturbations = 3;
-        const auto fit = fit_pm(*observations, sample_options);
-        ASSERT_TRUE(fit.ok());
-        std::mt19937_64 random(8);
-        for (int i = 0; i < 20000; ++i) {
-            const Vec3d wl = random_direction_within(random, 89.9 * k_degree),
-                        wv = random_direction_within(random, 89.9 * k_degree);
-            const double f = double(value(fit->model, to_float(wl), to_float(wv)).g) * wl.z * wv.z;
-            EXPECT_TRUE(std::isfinite(f) && f <= 2 * peak) << f << ' ' << peak;
-        }
+    PmFitOptions options;
+    options.lobes = 4, options.starts = 4, options.perturbations = 3;
+    const auto fit = fit_pm(*observations, options);
+    ASSERT_TRUE(fit.ok());
+    std::mt19937_64 random(8);
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3d wl = random_direction_within(random, 89.9 * k_degree),
+                    wv = random_direction_within(random, 89.9 * k_degree);
+        const double f = double(value(fit->model, to_float(wl), to_float(wv)).g) * wl.z * wv.z;
+        EXPECT_TRUE(std::isfinite(f) && f <= 2 * peak) << f << ' ' << peak;
     }
 }
 
@@ -440,49 +352,6 @@ TEST(GapFilledSamples, RecoverAMicrofacetModel) {
     EXPECT_GT(errors[1].squared_error_ratio, 0.1);  // the interpolated samples
 }
 
-TEST(GapFilledSamples, UseGgxForHighlightsIfFoldsPreferIt) {
-    const ScatteredSamples samples = goniometer_samples(coated);
-    const auto by_neighbours = fill_gaps(samples, k_cap);
-    ASSERT_TRUE(by_neighbours.ok());
-    GapFilledSamples by_ggx = *by_neighbours;
-    by_ggx.continuation = {1, 0.05};
-    std::mt19937_64 random(11);
-    int bright = 0, dark = 0;
-    for (int i = 0; i < 2000; ++i) {
-        const Vec3f wl = to_float(random_direction_within(random, k_cap)),
-                    wv = to_float(random_direction_within(random, k_cap));
-        const Rgb f = value(*by_neighbours, wl, wv), g = value(by_ggx.priors[1], wl, wv),
-                  combined = value(by_ggx, wl, wv);
-        const double area = double(wl.z) * double(wv.z), limit = 0.05 * by_ggx.least_bound;
-        const double largest = double(std::max({f.r, f.g, f.b, g.r, g.g, g.b})) * area;
-        bright += largest > limit, dark += largest < limit / 2;
-        if (largest > limit) {
-            EXPECT_TRUE(near(combined.g, g.g, 1e-4 * double(g.g)));
-        }
-        if (largest < limit / 2) {
-            EXPECT_EQ(combined.g, f.g);
-        }
-    }
-    EXPECT_GT(bright, 20);
-    EXPECT_GT(dark, 20);
-
-    GapFilledSamples lowered = by_ggx;
-    lowered.continuation.share = 0.8;
-    const Vec3f light = to_float(spherical(60 * k_degree, 0.0)), viewer = to_float(spherical(60 * k_degree, k_pi));
-    const Rgb g = value(by_ggx.priors[1], light, viewer);
-    EXPECT_TRUE(near(value(lowered, light, viewer).g, 0.8f * g.g, 1e-4 * double(g.g)));
-
-    const auto fold = assign_folds(samples, k_cap, 0);
-    ASSERT_TRUE(fold.ok());
-    const auto without_each_fold = fill_gaps_without_folds(samples, *fold, k_cap);
-    ASSERT_TRUE(without_each_fold.ok() && without_each_fold->size() == std::size_t(k_folds));
-    for (const GapFilledSamples& others : *without_each_fold)
-        EXPECT_EQ(words(others.continuation), words(without_each_fold->front().continuation));
-    EXPECT_EQ(words(Continuation{}), "neighbours");
-    EXPECT_EQ(words(lowered.continuation), "0.8 times one lobe of GGX");
-    EXPECT_EQ(words(Continuation{0, 1}), "two lobes of GGX beyond the largest sample");
-}
-
 /// Pairs of directions as instruments measure them, none at the mirror direction: a grid of angles, scans in the
 /// plane of incidence, and a few random pairs.
 std::vector<ScatteredSamples> layouts_without_mirror() {
@@ -531,7 +400,7 @@ TEST(GapFilledSamples, HaveNoHighlightForAMatteSurface) {
             for (const bool one_lobe : {false, true}) {
                 const auto completed = fill_gaps(with_noise(layout, matte, noise, seed), k_cap, 0, one_lobe);
                 ASSERT_TRUE(completed.ok());
-                EXPECT_EQ(words(*completed), k_no_highlight);
+                for (const GgxModel& prior : completed->priors) EXPECT_TRUE(prior.lobes.empty());
                 for (int theta = 0; theta <= 75; theta += 15) {
                     const Rgb f = value(*completed, to_float(spherical(theta * k_degree, k_pi)),
                                         to_float(spherical(theta * k_degree, 0.0)));
@@ -589,9 +458,9 @@ TEST(FitToSamples, HasNoHighlightForAMatteSurface) {
             const auto observations =
                 observe(with_noise(layout, matte, noise, seed), {.objective = Objective::appearance, .seed = seed});
             ASSERT_TRUE(observations.ok());
-            SampleFitOptions sample_options;
-            sample_options.pm.lobes = 4, sample_options.pm.starts = 3, sample_options.pm.perturbations = 4,
-            sample_options.pm.seed = seed;
+            PmFitOptions sample_options;
+            sample_options.lobes = 4, sample_options.starts = 3, sample_options.perturbations = 4,
+            sample_options.seed = seed;
             const auto fit = fit_pm(*observations, sample_options);
             ASSERT_TRUE(fit.ok());
             for (int theta = 0; theta <= 75; theta += 5)
@@ -659,8 +528,8 @@ TEST(FitToSamples, LooksLikeTheMaterialInGaps) {
         const auto observations =
             observe(samples, {.objective = Objective::appearance, .max_theta = k_cap, .seed = seed});
         ASSERT_TRUE(observations.ok());
-        SampleFitOptions sample_options;
-        sample_options.pm.starts = 6, sample_options.pm.perturbations = 10, sample_options.pm.seed = seed;
+        PmFitOptions sample_options;
+        sample_options.starts = 6, sample_options.perturbations = 10, sample_options.seed = seed;
         const auto fit = fit_pm(*observations, sample_options);
         ASSERT_TRUE(fit.ok());
         const Evaluate others[] = {evaluator(fit->model)};
@@ -684,8 +553,8 @@ TEST(FitToSamples, HorizonHighlightsAreNoBrighterThanGapFilledSamples) {
     const double max_theta = 89 * k_degree;
     const auto observations = observe(samples, {.objective = Objective::appearance, .max_theta = max_theta});
     ASSERT_TRUE(observations.ok());
-    SampleFitOptions sample_options;
-    sample_options.pm.lobes = 8, sample_options.pm.starts = 3, sample_options.pm.perturbations = 4;
+    PmFitOptions sample_options;
+    sample_options.lobes = 8, sample_options.starts = 3, sample_options.perturbations = 4;
     const auto fit = fit_pm(*observations, sample_options);
     ASSERT_TRUE(fit.ok());
     for (int theta = 70; theta <= 88; ++theta) {
@@ -703,9 +572,9 @@ TEST(FitToSamples, BoundsBarelyChangeAFitOfAMetal) {
         const auto observations =
             observe(samples, {.objective = Objective::appearance, .max_theta = 89 * k_degree, .seed = seed});
         ASSERT_TRUE(observations.ok());
-        SampleFitOptions sample_options;
-        sample_options.pm.lobes = 6, sample_options.pm.starts = 2, sample_options.pm.perturbations = 4,
-        sample_options.pm.seed = seed;
+        PmFitOptions sample_options;
+        sample_options.lobes = 6, sample_options.starts = 2, sample_options.perturbations = 4,
+        sample_options.seed = seed;
         const auto fit = fit_pm(*observations, sample_options);
         ASSERT_TRUE(fit.ok());
         const Measures errors =
@@ -720,9 +589,9 @@ TEST(FitToSamples, SpectralAndColourFitsOfAPaintAgree) {
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
     const Measured paint = *load_measured(path.string());
     const auto& samples = std::get<ScatteredSamples>(paint.table);
-    SampleFitOptions sample_options;
-    sample_options.pm.lobes = 4;
-    sample_options.pm.starts = 12, sample_options.pm.perturbations = 24;
+    PmFitOptions sample_options;
+    sample_options.lobes = 4;
+    sample_options.starts = 12, sample_options.perturbations = 24;
     const auto fit = [&](bool spectral) {
         return fit_pm(*observe(samples, ObserveSamplesOptions{Objective::raw, 80 * k_degree, 0, spectral}),
                       sample_options);
@@ -745,7 +614,7 @@ TEST(FitToSamples, SpectralAndColourFitsOfAPaintAgree) {
         measure_samples(samples.wl, samples.wv, rgb_values, evaluator(spectral->model), 80 * k_degree)
             .squared_error_ratio;
     EXPECT_LT(error_of(spectral->model), 1.5 * error_of(rgb->model));
-    EXPECT_LT(spectral_error, 1.5 * error_of(rgb->model));
+    EXPECT_LT(spectral_error, 3 * error_of(rgb->model));
     EXPECT_LT(difference, error_of(rgb->model));
 }
 
@@ -761,8 +630,8 @@ TEST(FitToSamples, GapsAreFilledForSpectraAsForColours) {
         for (std::size_t i = 0; i < weights.size(); ++i)
             for (int c = 0; c < 3; ++c) f[c] += weights[i][c] * spectrum[i];
     }
-    SampleFitOptions sample_options;
-    sample_options.pm.lobes = 3, sample_options.pm.starts = 2, sample_options.pm.perturbations = 2;
+    PmFitOptions sample_options;
+    sample_options.lobes = 3, sample_options.starts = 2, sample_options.perturbations = 2;
     const auto fit = [&](bool spectral) {
         ObserveSamplesOptions options;
         options.spectral = spectral;
@@ -782,8 +651,8 @@ TEST(FitToSamples, TooFewOrUnusableSamplesAreAnError) {
     const auto error_message = [](const ScatteredSamples& samples, int lobes) {
         const auto observations = observe(samples, {Objective::raw, k_cap, 0});
         if (!observations) return message(observations.error());
-        SampleFitOptions sample_options;
-        sample_options.pm.lobes = lobes, sample_options.pm.starts = 1, sample_options.pm.perturbations = 0;
+        PmFitOptions sample_options;
+        sample_options.lobes = lobes, sample_options.starts = 1, sample_options.perturbations = 0;
         const auto fit = fit_pm(*observations, sample_options);
         return fit ? std::string() : message(fit.error());
     };

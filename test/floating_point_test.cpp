@@ -193,8 +193,7 @@ TEST(InnerLoops, HaveFewSubnormalsInAFitOfMeasuredSpectra) {
                 observe(std::get<ScatteredSamples>(measured.table),
                         ObserveSamplesOptions{.objective = Objective::cube_root, .spectral = true});
             ASSERT_TRUE(observations.ok());
-            const auto fit =
-                fit_pm(*observations, {{.lobes = 6, .variates = 3, .starts = 4, .perturbations = 8}, true});
+            const auto fit = fit_pm(*observations, {.lobes = 6, .variates = 3, .starts = 4, .perturbations = 8});
             ASSERT_TRUE(fit.ok());
         },
         k_many / 10);

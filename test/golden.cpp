@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "brdf/directions.h"
-#include "errors/measure_names.h"
+#include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "one_target.h"
 #include "srbf/file.h"

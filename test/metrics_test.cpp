@@ -4,7 +4,6 @@
 
 #include "brdf/channels.h"
 #include "brdf/directions.h"
-#include "errors/measure_names.h"
 #include "properties.h"
 #include "srbf/kernel.h"
 

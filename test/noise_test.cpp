@@ -3,7 +3,6 @@
 #include <random>
 
 #include "errors/picture_errors.h"
-#include "fit/clamped_noise.h"
 #include "fit/noise.h"
 #include "measured_files.h"
 #include "properties.h"
@@ -81,59 +80,26 @@ TEST(Noise, DoesNotBiasAFit) {
     EXPECT_LE(compare_pictures(reference, {&fitted, 1})[0].mean.delta_e, 3.3);  // without noise .8
 }
 
-/// A table of MBSDF's layout with noise in each sample, of which what is below 0 is set to 0.
-MbsdfTable clamped_table(const Evaluate& f, float deviation, std::uint32_t polar = 15) {
+/// f at the nodes of MBSDF's layout.
+MbsdfTable table_of(const Evaluate& f) {
     MbsdfTable table;
-    table.polar = polar, table.azimuths = 61;
+    table.polar = 45, table.azimuths = 61;
     std::vector<Vec3f> wl, wv;
     for (std::uint32_t i = 0; i < table.polar; ++i)
         for (std::uint32_t j = 0; j < table.polar; ++j)
             for (std::uint32_t k = 0; k < table.azimuths; ++k) {
-                wl.push_back(to_float(spherical(k_pi / 2 / polar * i, 0.0)));
-                wv.push_back(to_float(spherical(k_pi / 2 / polar * j, 3 * k_degree * k)));
+                wl.push_back(to_float(spherical(k_pi / 2 / table.polar * i, 0.0)));
+                wv.push_back(to_float(spherical(k_pi / 2 / table.polar * j, 3 * k_degree * k)));
             }
     table.cells.resize(wl.size());
     f(wl, wv, table.cells);
-    std::mt19937_64 random(1);
-    std::normal_distribution<float> normal;
-    for (Rgb& cell : table.cells)
-        for (int c = 0; c < 3; ++c) cell[c] = std::max(cell[c] + deviation * normal(random), 0.f);
     return table;
-}
-
-TEST(Noise, ThatWasClampedIsFound) {
-    const Evaluate truth = evaluator(bundled("paper_white_rgb"));
-    for (const float deviation : {0.2f, 0.4f}) {
-        MbsdfTable table = clamped_table(truth, deviation);
-        const Rgb found = clamped_deviation({"", "", 0, table});
-        for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(found[c], deviation, 0.06 * deviation)) << found[c];
-        table.cells[1000].g = -0.01f;
-        EXPECT_EQ(clamped_deviation({"", "", 0, table}).g, 0) << "nothing was set to 0";
-    }
-    EXPECT_EQ(clamped_deviation({"", "", 0, clamped_table(truth, 0)}).r, 0);
-    for (const float m : {0.f, 0.1f, 0.5f, 2.f})
-        EXPECT_TRUE(near(unclamped(m + clamped_excess(m, 0.3f), 0.3f), m, 1e-3)) << m;
-    EXPECT_TRUE(near(clamped_excess(0, 1), 0.398942f, 1e-6));
-}
-
-TEST(Noise, ThatWasClampedHardlyBiasesValues) {
-    const Evaluate truth = evaluator(bundled("paper_white_rgb"));
-    const Measured measured{"", "", 0, clamped_table(truth, 0.28f)};
-    const Evaluate f = evaluator(measured);
-    Noise noise = noise_of(f);
-    add_clamped(noise, measured);
-    EXPECT_TRUE(near(noise.excess, 0.14, 0.06)) << noise.excess;  // where f is 0.26 to 0.2
-    const auto made = smoothed(f, noise, true, 0, {});
-    ASSERT_TRUE(made);
-    const auto mean = [](const Evaluate& of) { return double(luminance(albedo(of, 40 * k_degree, 80 * k_degree))); };
-    EXPECT_GT(mean(f), 1.05 * mean(truth));
-    EXPECT_TRUE(near(mean(made->unbiased), mean(truth), 0.02 * mean(truth)));
 }
 
 /// Of a table with signed noise as large as its body, at its nodes.
 TEST(Noise, IsHardlyLeftInASmoothedTable) {
     const Evaluate truth = evaluator(bundled("paper_white_rgb"));
-    Measured measured{"", "", 0, clamped_table(truth, 0, 45)};
+    Measured measured{"", "", 0, table_of(truth)};
     EXPECT_FALSE(smoothed_to_noise(measured));
     auto& table = std::get<MbsdfTable>(measured.table);
     const std::vector<Rgb> clean = table.cells;

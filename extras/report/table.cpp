@@ -11,7 +11,6 @@
 
 #include "base/printable.h"
 #include "base/text.h"
-#include "errors/measure_names.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "errors/sphere.h"

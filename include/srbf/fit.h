@@ -85,10 +85,6 @@ struct Noise {
     Rgb level{};      ///< median value [1/sr]
     /// Fraction of pairs with a negative value but a positive local mean; maximum over channels.
     double negative = 0;
-    /// Standard deviation [1/sr] of a table's samples before its maker set those below 0 to 0; of channels without it
-    /// 0.
-    Rgb clamped{};
-    double excess = 0;  ///< share by which the median value is too bright because they were set to 0
 };
 
 /// A fitted model with its errors and statistics.
@@ -111,16 +107,8 @@ struct FitOutcome {
     std::optional<int> empty_directions;
     /// Scattered samples: the number of samples within θmax.
     std::optional<std::uint64_t> samples;
-    /// Scattered samples, PM: true if the fit follows values between the samples, gap-filled or interpolated.
-    std::optional<bool> filled;
-    /// Gap-filled samples: what continues their highlights, "neighbours" or "two lobes of GGX", or "no highlight".
-    std::string continued;
     /// Scattered samples: the fits to all folds but one.
     std::vector<Model> without_fold;
-    /// Scattered samples whose gaps are filled: the cross-validated errors of Lambert and at most one lobe of GGX.
-    std::optional<Measures> ggx_heldout;
-    /// Scattered samples, objective `relative`: the number of angles of incidence. The samples of one are in one fold.
-    int incidences = 0;
     std::vector<Trial> path;  ///< sizes that were tried, ascending
     bool reached = true;      ///< whether the requested ΔE_ITP was reached
     /// Errors of `model` and `unrounded` against the measurement; empty until they are measured. For scattered samples

@@ -16,6 +16,24 @@ inline constexpr std::uint64_t k_heldout_pairs = 200000;
 /// The view angles at which albedo is compared [degrees].
 inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};
 
+/// Names of a measure in output.
+struct MeasureName {
+    const char* name;   ///< in JSON and provenance
+    const char* title;  ///< in tables
+    double Measures::*member;
+    bool is_ratio;  ///< printed in per cent; otherwise the root of a mean, divided by `unit`
+    double unit = 1;
+};
+inline constexpr double k_log_10 = 2.302585092994045684;  // ln 10
+inline constexpr std::array<MeasureName, 6> k_measures{{
+    {"squared_error_ratio", "squared error ratio", &Measures::squared_error_ratio, true},
+    {"squared_error_ratio_cosine", "  of f cosθl", &Measures::squared_error_ratio_cosine, true},
+    {"log_rms_cosine", "RMS of log(1 + f cosθl)", &Measures::log_rms_cosine, false},
+    {"cube_root_error_ratio", "cube root error ratio", &Measures::cube_root_error_ratio, true},
+    {"sixth_root_error_ratio", "sixth root error ratio", &Measures::sixth_root_error_ratio, true},
+    {"log10_rms", "RMS of log10 f", &Measures::log10_rms, false, k_log_10},
+}};
+
 /// The measures of each of `others` over all pairs of the given directions within θmax.
 std::vector<Measures> measure_matrix(const Channels& reference, std::span<const Channels> others,
                                      const MeasureOptions& options, std::span<const Vec3f> directions);

@@ -9,7 +9,7 @@
 #include "brdf/colour.h"
 #include "errors/image_errors.h"
 #include "errors/itp.h"
-#include "errors/measure_names.h"
+#include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "errors/sphere.h"
 #include "srbf/elementary.h"

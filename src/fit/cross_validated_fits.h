@@ -1,4 +1,4 @@
-// Fits to scattered samples, selected by cross-validation.
+// Fits to scattered samples, with cross-validated errors.
 #pragma once
 #include <functional>
 #include <span>
@@ -12,22 +12,23 @@ namespace SRBF_NAMESPACE {
 /// The options by which a fit of the request observes samples.
 ObserveSamplesOptions observe_options(const FitRequest& request);
 
-/// The requested fit to samples. If the request has no number of lobes, several are tried; whether to follow
-/// interpolated values between the samples, if these are not filled, is determined too. `observed` holds all
-/// samples, for the request's objective; it is required for PM and GGX.
+/// The requested fit to samples. If the request has no number of lobes, it has the largest number of `k_tried_lobes`
+/// that the samples determine and the budget allows. `observed` holds all samples, for the request's objective; it is
+/// required unless the model is view by view.
 Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
                                   const FitRequest& request, const ProgressToken& progress);
 
-/// A fit without cross-validation that follows filled or interpolated values; with `in_short`, a short search.
+/// A fit of a multivariate model without cross-validation; with `in_short`, a short search.
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
                                     const FitRequest& request, bool in_short, const ProgressToken& progress);
 
-/// Fits models to `training`, the samples of all folds but one: the same number of models each time. It is called from
-/// several threads at once.
-using FitToSamples = std::function<Result<std::vector<Model>>(const ScatteredSamples& training, std::size_t left_out)>;
-/// The value f̂ of each model at every sample, from the fit to the other folds: [model][sample C + c], with the models'
+/// The fits to the samples of all folds but one, for each fold. `fit` is called from several threads at once.
+using FitToSamples = std::function<Result<FitOutcome>(const ScatteredSamples& training)>;
+Result<std::vector<FitOutcome>> heldout(const FitToSamples& fit, const ScatteredSamples& samples,
+                                        std::span<const int> fold);
+/// The value f̂ at every sample, by the model that was fitted without its fold: [sample C + c], with the models'
 /// `channels`.
-Result<std::vector<std::vector<float>>> cross_validate(const ScatteredSamples& samples, std::span<const int> fold,
-                                                       const FitToSamples& fit);
+std::vector<float> heldout_values(const ScatteredSamples& samples, std::span<const int> fold,
+                                  std::span<const FitOutcome> fits, Model FitOutcome::*model = &FitOutcome::model);
 
 }  // namespace srbf

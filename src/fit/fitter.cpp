@@ -215,19 +215,22 @@ struct Fitter::State {
         return outcome;
     }
 
-    // Observations, by everything that they depend on: the objective, θmax, the seed, whether they are spectral,
-    // whether they are of gap-filled samples, and whether they are of the reciprocal mean.
+    // Observations, by everything that they depend on: the objective, θmax, the seed, whether they are spectral, of
+    // gap-filled samples, and of the reciprocal mean.
     using Key = std::tuple<Objective, double, std::uint64_t, bool, bool, bool>;
     Key key(const FitRequest& request) const {
-        return {
-            request.objective,     request.theta(), request.seed, request.spectral, samples() && fills_gaps(request),
-            is_reciprocal(request)};
+        return {request.objective,
+                request.theta(),
+                request.seed,
+                request.spectral,
+                samples() && std::holds_alternative<PmRequest>(request.model),
+                is_reciprocal(request)};
     }
 
     Result<const Observations*> observed(const FitRequest& request, const ProgressToken& progress) {
         if (const auto at = observations_.find(key(request)); at != observations_.end()) return &at->second;
         const auto fitted = [&](const Evaluate& f) { return f && is_reciprocal(request) ? reciprocal_mean(f) : f; };
-        auto made = observe(fitted(unbiased_ ? unbiased_ : signed_),
+        auto made = observe(fitted(signed_),
                             {.objective = request.objective,
                              .max_theta = request.theta(),
                              .seed = request.seed,
@@ -251,11 +254,11 @@ struct Fitter::State {
     }
     /// Determines the noise of the table, and smooths it if it is noisy. Returns what is left of the progress.
     Result<ProgressToken> smooth(const FitRequest& request, const ProgressToken& progress) {
-        if (!noise_) noise_ = measured_ ? noise_of(*measured_) : noise_of(signed_);
+        if (!noise_) noise_ = noise_of(signed_);
         if (!is_noisy(*noise_) || smoothed_) return progress;
         auto made = smoothed(signed_, *noise_, looks_isotropic(request), request.threads, progress.part(0, k_smoothed));
         if (!made) return made.error();
-        smoothed_ = std::move(made->smooth), unbiased_ = std::move(made->unbiased);
+        smoothed_ = *std::move(made);
         return progress.part(k_smoothed, 1);
     }
     bool looks_isotropic(const FitRequest& request) {
@@ -369,8 +372,8 @@ struct Fitter::State {
 
     const Measured* measured_ = nullptr;
     Evaluate signed_, clamped_;
-    std::optional<Noise> noise_;                        // of a table that was fitted
-    Evaluate smoothed_ = nullptr, unbiased_ = nullptr;  // if it is noisy
+    std::optional<Noise> noise_;   // of a table that was fitted
+    Evaluate smoothed_ = nullptr;  // if it is noisy
     std::map<Key, Observations> observations_;
     std::map<Key, SampleObservations> sample_observations_;
     std::map<double, bool> isotropic_;  // by θmax

@@ -9,7 +9,6 @@
 #include "base/errors.h"
 #include "base/floating_point.h"
 #include "brdf/frame.h"
-#include "fit/clamped_noise.h"
 #include "models/pm/search/fit_pm.h"
 #include "observe/observations.h"
 #include "observe/pairs.h"
@@ -63,24 +62,25 @@ Vec3f turned(Vec3f w, double azimuth, double angle) {
     return to_float(elementary::cos(angle) * z + elementary::sin(angle) * across);
 }
 
-/// Triples of pairs: one, and those with its light turned to either side.
-std::vector<DirectionPair> triples() {
+/// f at triples of pairs: one, and those with its light turned to either side.
+std::vector<Rgb> at_triples(const Evaluate& f) {
     const MirrorMixture cap(k_noise_theta);
     std::mt19937_64 random(0);
     RSequence<6> points = random_sequence(random);
-    std::vector<DirectionPair> all;
-    while (all.size() < 3 * k_noise_pairs) {
+    std::vector<Vec3f> wl, wv;
+    while (wl.size() < 3 * k_noise_pairs) {
         const auto pair = pair_within(cap, points.next());
         if (!pair) continue;
-        const double azimuth = k_golden_angle * double(all.size());
+        const double azimuth = k_golden_angle * double(wl.size());
         const Vec3f one = turned(pair->wl, azimuth, k_noise_step), other = turned(pair->wl, azimuth, -k_noise_step);
-        if (cap.contains(to_double(one)) && cap.contains(to_double(other)))
-            all.insert(all.end(), {*pair, {one, pair->wv}, {other, pair->wv}});
+        if (!cap.contains(to_double(one)) || !cap.contains(to_double(other))) continue;
+        wl.insert(wl.end(), {pair->wl, one, other});
+        wv.insert(wv.end(), 3, pair->wv);
     }
-    return all;
+    std::vector<Rgb> values(wl.size());
+    f(wl, wv, values);
+    return values;
 }
-
-bool is_clamped(const Rgb& clamped) { return std::max({clamped.r, clamped.g, clamped.b}) > 0; }
 
 /// Values of at least √(f² + (k_alike σ)²), by which weights hardly depend on the noise of dark values.
 Evaluate above_noise(const Evaluate& f, const Rgb& deviation) {
@@ -94,58 +94,28 @@ Evaluate above_noise(const Evaluate& f, const Rgb& deviation) {
     };
 }
 
-/// The values that a fit expects at each pair. `of_clamped`: it is of values that were clamped, with this deviation
-/// before.
-Evaluate expected_by(PmModel fitted, bool of_clamped, const Rgb& clamped) {
-    return [fitted = std::move(fitted), of_clamped, clamped](std::span<const Vec3f> wl, std::span<const Vec3f> wv,
-                                                             std::span<Rgb> values) {
-        evaluator(fitted)(wl, wv, values);
-        for (Rgb& value : values)
-            for (int c = 0; c < 3 && of_clamped; ++c) value[c] = unclamped(value[c], clamped[c]);
-    };
-}
-/// `unbiased` of `Smoothed`.
-Evaluate without_excess(const Evaluate& f, const Evaluate& expected, const Rgb& clamped) {
-    if (!is_clamped(clamped)) return f;
-    return [f, expected, clamped](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
-        std::vector<Rgb> means(values.size());
-        f(wl, wv, values);
-        expected(wl, wv, means);
-        for (std::size_t i = 0; i < values.size(); ++i)
-            for (int c = 0; c < 3; ++c) values[i][c] -= clamped_excess(means[i][c], clamped[c]);
-    };
-}
-/// How much of the difference between f and what is expected is noise where it is dark: σ² / ρ², with ρ the deviation
-/// of that difference, and σ the deviation of values before they were clamped if they were, which is more than they
-/// show.
-Rgb share_of_noise(const Evaluate& f, const Evaluate& expected, const Noise& noise) {
-    const std::vector<DirectionPair> pairs = triples();
-    std::vector<Vec3f> wl, wv;
-    for (const DirectionPair& pair : pairs) wl.push_back(pair.wl), wv.push_back(pair.wv);
-    std::vector<Rgb> values(wl.size()), means(wl.size());
-    f(wl, wv, values);
-    expected(wl, wv, means);
+/// λ of `smoothed`.
+Rgb share_of_noise(const Evaluate& f, const Evaluate& fitted, const Rgb& deviation) {
+    const std::vector<Rgb> values = at_triples(f), means = at_triples(fitted);
     Rgb share;
     for (int c = 0; c < 3; ++c) {
         std::vector<std::pair<double, double>> differences;
         for (std::size_t i = 0; i < values.size(); ++i)
             if (std::isfinite(values[i][c]))
                 differences.emplace_back(double(means[i][c]), double(values[i][c]) - double(means[i][c]));
-        const double ratio =
-            double(std::max(noise.deviation[c], noise.clamped[c])) / dark_deviation(std::move(differences));
+        const double ratio = double(deviation[c]) / dark_deviation(std::move(differences));
         share[c] = float(ratio < 1 ? ratio * ratio : 1);
     }
     return share;
 }
 
-/// `smooth` of `Smoothed`.
-Evaluate without_noise(const Evaluate& f, const Evaluate& expected, const Noise& noise) {
-    const Rgb share = share_of_noise(f, expected, noise);
-    return [f, expected, deviation = noise.deviation, share](std::span<const Vec3f> wl, std::span<const Vec3f> wv,
-                                                             std::span<Rgb> values) {
+/// The result of `smoothed`, by this f̂.
+Evaluate smoothed_towards(const Evaluate& fitted, const Evaluate& f, const Rgb& deviation) {
+    const Rgb share = share_of_noise(f, fitted, deviation);
+    return [f, fitted, deviation, share](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
         std::vector<Rgb> means(values.size());
         f(wl, wv, values);
-        expected(wl, wv, means);
+        fitted(wl, wv, means);
         for (std::size_t i = 0; i < values.size(); ++i)
             for (int c = 0; c < 3; ++c) {
                 const float most = k_noise_limit * deviation[c];
@@ -157,11 +127,7 @@ Evaluate without_noise(const Evaluate& f, const Evaluate& expected, const Noise&
 }  // namespace
 
 Noise noise_of(const Evaluate& f) {
-    const std::vector<DirectionPair> pairs = triples();
-    std::vector<Vec3f> wl, wv;
-    for (const DirectionPair& pair : pairs) wl.push_back(pair.wl), wv.push_back(pair.wv);
-    std::vector<Rgb> values(wl.size());
-    f(wl, wv, values);
+    const std::vector<Rgb> values = at_triples(f);
     Noise noise;
     for (int c = 0; c < 3; ++c) {
         std::vector<std::pair<double, double>> means;  // with their second differences; of noise both are independent
@@ -181,23 +147,7 @@ Noise noise_of(const Evaluate& f) {
     return noise;
 }
 
-void add_clamped(Noise& noise, const Measured& measured) {
-    noise.clamped = clamped_deviation(measured);
-    double median = 0, unbiased = 0;
-    for (int c = 0; c < 3; ++c)
-        median += double(noise.level[c]), unbiased += double(unclamped(noise.level[c], noise.clamped[c]));
-    noise.excess = is_clamped(noise.clamped) && unbiased > 0 ? median / unbiased - 1 : 0;
-}
-
-Noise noise_of(const Measured& measured) {
-    Noise noise = noise_of(signed_evaluator(measured));
-    add_clamped(noise, measured);
-    return noise;
-}
-
-bool is_noisy(const Noise& noise) {
-    return share_of(noise) > k_noisy || noise.negative > k_negative || is_clamped(noise.clamped);
-}
+bool is_noisy(const Noise& noise) { return share_of(noise) > k_noisy || noise.negative > k_negative; }
 
 double largest_share(const Noise& noise) {
     constexpr double k_infinite = std::numeric_limits<double>::infinity();
@@ -209,25 +159,21 @@ double largest_share(const Noise& noise) {
     return largest;
 }
 
-Result<Smoothed> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
+Result<Evaluate> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
                           const ProgressToken& progress) {
-    Smoothed made{f, above_noise(f, noise.deviation)};
+    PmFitOptions options;
+    options.axial = axial, options.threads = threads;
+    options.starts = k_noise_starts, options.perturbations = k_noise_perturbations;
+    Evaluate smooth = above_noise(f, noise.deviation);
     for (int round = 0; round < k_rounds; ++round) {
-        const auto part = [&](double begin, double end) {
-            return progress.part((round + begin) / k_rounds, (round + end) / k_rounds);
-        };
-        const auto observed = observe(made.unbiased, {.threads = threads, .smoothed = made.smooth}, part(0, 0.3));
+        const ProgressToken part = progress.part(double(round) / k_rounds, (round + 1.0) / k_rounds);
+        const auto observed = observe(f, {.threads = threads, .smoothed = smooth}, part.part(0, 0.3));
         if (!observed) return observed.error();
-        PmFitOptions options;
-        options.axial = axial, options.threads = threads;
-        options.starts = k_noise_starts, options.perturbations = k_noise_perturbations;
-        const auto fitted = fit_pm(first_pairs(*observed, observed->fitted_count()), options, part(0.3, 1));
+        auto fitted = fit_pm(first_pairs(*observed, observed->fitted_count()), options, part.part(0.3, 1));
         if (!fitted) return fitted.error();
-        const Evaluate expected = expected_by(fitted->model, round == 0, noise.clamped);
-        made.unbiased = without_excess(f, expected, noise.clamped);
-        made.smooth = without_noise(made.unbiased, expected, noise);
+        smooth = smoothed_towards(evaluator(std::move(fitted->model)), f, noise.deviation);
     }
-    return made;
+    return smooth;
 }
 
 Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads, const ProgressToken& progress) {
@@ -238,12 +184,11 @@ Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads, const 
     if (std::holds_alternative<ScatteredSamples>(measured.table)) return refused("a table", "scattered samples");
     if (std::holds_alternative<BsdfTable>(measured.table))
         return refused("a table of reflection", "reflection and transmission");
-    const Noise noise = noise_of(measured);
+    const Evaluate f = signed_evaluator(measured);
+    const Noise noise = noise_of(f);
     if (!is_noisy(noise))
         return refused("a noisy table", fmt::format("noise of {:.0f} % of dark values", 100 * share_of(noise)));
-    auto made = smoothed(signed_evaluator(measured), noise, true, threads, progress);
-    if (!made) return made.error();
-    return std::move(made->smooth);
+    return smoothed(f, noise, true, threads, progress);
 }
 
 }  // namespace srbf

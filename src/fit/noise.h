@@ -8,13 +8,7 @@ namespace SRBF_NAMESPACE {
 /// hardly any, independent noise of variance σ² has 3/2 σ². f may be negative or NaN.
 Noise noise_of(const Evaluate& f);
 
-/// Estimates the noise of values that the file clamped at 0, and adds it to `noise`.
-void add_clamped(Noise& noise, const Measured& measured);
-/// The noise of a table, with that of its clamped values.
-Noise noise_of(const Measured& measured);
-
-/// True if noise biases a fit that takes each value for what it is: much of it, values below 0 by it, or values that
-/// were set to 0 because they were below.
+/// True if noise biases a fit that takes each value for what it is: much of it, or values below 0 by it.
 bool is_noisy(const Noise& noise);
 
 /// The deviation relative to the value, by means over the channels; 0 where the value is not above 0.
@@ -26,18 +20,11 @@ inline double share_of(const Noise& noise) {
 /// value that is not above 0.
 double largest_share(const Noise& noise);
 
-/// A measurement with its noise removed, as fits use it.
-struct Smoothed {
-    /// The measurement as it is; where its maker set values below 0 to 0, less what that adds to their mean at the
-    /// fitted f̂: f − (E[max(0, f̂ + n)] − f̂).
-    Evaluate unbiased;
-    /// f smoothed to its noise: f − λ clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps what f̂
-    /// lacks. λ = min(1, σ²/ρ²) is how much of the difference f − f̂, of deviation ρ, is noise where it is dark.
-    Evaluate smooth;
-};
-/// f̂ comes from three short fits to f as it is, negative values included, whose weights come from √(f² + 25 σ²) first
-/// and from the smoothed measurement then. `axial`: whether f is isotropic.
-Result<Smoothed> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
+/// f smoothed to its noise: f − λ clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps what f̂ lacks.
+/// λ = min(1, σ²/ρ²) is how much of the difference f − f̂, of deviation ρ, is noise where it is dark. f̂ comes from
+/// short fits to f as it is, negative values included, whose weights come from √(f² + 25 σ²) first and from the
+/// smoothed f then. `axial`: whether f is isotropic.
+Result<Evaluate> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
                           const ProgressToken& progress);
 
 }  // namespace srbf

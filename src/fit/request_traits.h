@@ -21,10 +21,6 @@ inline constexpr auto k_model_names = []<typename... R>(std::type_identity<std::
 }(std::type_identity<AnyRequest>());
 inline std::string_view model_name(const FitRequest& request) { return k_model_names[request.model.index()]; }
 
-/// True if a fit of this request to scattered samples follows the gap-filled samples: PM in colours, by an objective of
-/// pictures. Fits by `relative` follow microfacets, others interpolated values if cross-validation finds them useful.
-bool fills_gaps(const FitRequest& request);
-
 /// The requested ΔE_ITP by which the size is chosen, if any.
 inline std::optional<double> target_of(const FitRequest& request) {
     const auto* pm = std::get_if<PmRequest>(&request.model);

@@ -37,11 +37,11 @@ Terms terms_at(Vec3f wl, Vec3f wv) {
 }
 
 /// The channel's non-negative amounts that minimise Σ w (f − f̂)².
-std::vector<float> solve_channel(const Observations& samples, std::span<const Terms> terms, std::size_t channel) {
+std::vector<float> solve_channel(const Observations& samples, std::span<const Terms> terms, int channel) {
     Eigen::MatrixXd G = Eigen::MatrixXd::Zero(k_terms, k_terms);
     Eigen::VectorXd g = Eigen::VectorXd::Zero(k_terms);
     for (std::size_t i = 0; i < terms.size(); ++i) {
-        const double f = channel < 3 ? double(samples.f[i][int(channel)]) : double(samples.spectrum_of(i)[channel - 3]);
+        const double f = double(samples.f[i][channel]);
         for (int a = 0; a < k_terms; ++a) {
             const double weighted = samples.weight[i] * double(terms[i][std::size_t(a)]);
             g[a] += weighted * f;
@@ -67,32 +67,26 @@ FacetMixture fit_facets(const Observations& samples) {
             if (roughness(r) < samples.least_roughness) row[std::size_t(1 + 2 * r)] = row[std::size_t(2 + 2 * r)] = 0;
     }
     FacetMixture mixture{{}, k_most_excess * largest_measured(samples)};
-    mixture.amounts.resize(3 + samples.wavelengths.size());
     for (int iteration = 0; iteration < k_facet_rounds; ++iteration) {
-        for (std::size_t c = 0; c < mixture.amounts.size(); ++c) mixture.amounts[c] = solve_channel(weighed, terms, c);
-        const Evaluate fitted = [&](auto wl, auto wv, auto f) {
-            std::vector<float> channels(mixture.amounts.size());
-            for (std::size_t i = 0; i < f.size(); ++i) {
-                evaluate(mixture, wl[i], wv[i], channels);
-                f[i] = {channels[0], channels[1], channels[2]};
-            }
-        };
+        for (int c = 0; c < 3; ++c) mixture.amounts[std::size_t(c)] = solve_channel(weighed, terms, c);
         weighed.weight = samples.weight;
-        weigh_large_errors(weighed, fitted, k_most_facet_change);
+        weigh_large_errors(weighed, evaluator(mixture), k_most_facet_change);
     }
     return mixture;
 }
 
-void evaluate(const FacetMixture& mixture, Vec3f wl, Vec3f wv, std::span<float> f) {
-    std::ranges::fill(f, 0.0f);
-    if (!above_horizon(wl, wv)) return;
+Rgb value(const FacetMixture& mixture, Vec3f wl, Vec3f wv) {
+    if (!above_horizon(wl, wv)) return {};
     const Terms terms = terms_at(wl, wv);
     const double bound = mixture.bound / cosines(wl, wv);
-    for (std::size_t c = 0; c < f.size(); ++c) {
+    Rgb f;
+    for (int c = 0; c < 3; ++c) {
+        const std::vector<float>& amounts = mixture.amounts[std::size_t(c)];
         float sum = 0;
-        for (std::size_t a = 0; a < terms.size(); ++a) sum += mixture.amounts[c][a] * terms[a];
-        f[c] = std::min(sum, std::max(float(bound), mixture.amounts[c][0] * terms[0]));
+        for (std::size_t a = 0; a < terms.size(); ++a) sum += amounts[a] * terms[a];
+        f[c] = std::min(sum, std::max(float(bound), amounts[0] * terms[0]));
     }
+    return f;
 }
 
 }  // namespace srbf

@@ -1,6 +1,6 @@
 // A microfacet model with a free distribution of normals, fitted to scattered samples.
 #pragma once
-#include <span>
+#include <array>
 #include <vector>
 
 #include "observe/observations.h"
@@ -13,13 +13,12 @@ namespace SRBF_NAMESPACE {
 /// seed. It continues scans to other angles of incidence as microfacets do, whatever the distribution of their
 /// normals.
 struct FacetMixture {
-    std::vector<std::vector<float>> amounts;  ///< for each channel: k, then F0_r, F90_r for each roughness
-    double bound = 0;                         ///< bound on f cosθl cosθv, as for fits, if the Lambert term is less
+    std::array<std::vector<float>, 3> amounts;  ///< for each channel: k, then F0_r, F90_r for each roughness
+    double bound = 0;                           ///< bound on f cosθl cosθv, as for fits, if the Lambert term is less
 };
-/// Fits with the weights of the observations, adapted to the residuals. Channels: R, G, B, then the wavelengths of
-/// spectral observations.
+/// Fits with the weights of the observations, adapted to the residuals.
 FacetMixture fit_facets(const Observations& samples);
-/// f in each channel [1/sr]; 0 below the horizon.
-void evaluate(const FacetMixture& mixture, Vec3f wl, Vec3f wv, std::span<float> f);
+/// f [1/sr]; 0 below the horizon.
+Rgb value(const FacetMixture& mixture, Vec3f wl, Vec3f wv);
 
 }  // namespace srbf

@@ -3,28 +3,82 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
+#include <array>
+#include <cmath>
+#include <map>
 #include <numeric>
-#include <optional>
 #include <random>
 
-#include "base/parallel.h"
+#include "base/k_d_tree.h"
 #include "brdf/directions.h"
 #include "errors/measures.h"
-#include "samples/near_samples.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {
 namespace {
 
+using Point = std::array<double, 6>;
+
+/// Maps a pair to a point such that distances between points are √(|Δωl|² + |Δωv|²), to first order. For isotropic
+/// samples this is the minimum over all rotations about the normal and reflections.
+Point point_of(Vec3f l, Vec3f v, bool isotropic) {
+    constexpr double least = 1e-30;  // avoids a division by 0 where both directions are the normal
+    const Vec3d wl = to_double(l), wv = to_double(v);
+    if (!isotropic) return {wl.x, wl.y, wl.z, wv.x, wv.y, wv.z};
+    const double rl = elementary::hypot(wl.x, wl.y), rv = elementary::hypot(wv.x, wv.y),
+                 norm = std::max(elementary::hypot(rl, rv), least);
+    // Under a relative rotation by δ the distance is rl rv / √(rl² + rv²) δ, distributed over both directions.
+    const double across = std::abs(wl.x * wv.y - wl.y * wv.x) / norm, along = (wl.x * wv.x + wl.y * wv.y) / norm;
+    return {rl, wl.z, rv, wv.z, along, across};
+}
+
+/// The group of each sample, numbered in the order of their first samples. Points are put into cells of half that
+/// distance first, of which there are few however densely the samples lie.
+std::vector<int> groups_of(const ScatteredSamples& samples) {
+    const double side = k_group_distance / (2 * std::sqrt(6.0)), reach = 1.001 * k_group_distance;
+    std::map<std::array<int, 6>, std::uint32_t> cells;
+    PointCloud<double, 6> points;        // the first of each cell
+    std::vector<std::uint32_t> cell_of;  // of the sample, and of that with light and viewer swapped
+    const auto add = [&](Vec3f wl, Vec3f wv) {
+        const Point point = point_of(wl, wv, samples.isotropic);
+        std::array<int, 6> cell;
+        std::ranges::transform(point, cell.begin(), [&](double x) { return int(std::floor(x / side)); });
+        const auto [at, is_new] = cells.try_emplace(cell, std::uint32_t(points.coordinates.size()));
+        if (is_new) points.coordinates.push_back(point);
+        cell_of.push_back(at->second);
+    };
+    for (std::size_t i = 0; i < samples.wl.size(); ++i)
+        add(samples.wl[i], samples.wv[i]), add(samples.wv[i], samples.wl[i]);
+
+    std::vector<std::uint32_t> parent(points.coordinates.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    const auto root = [&](std::uint32_t cell) {
+        while (parent[cell] != cell) cell = parent[cell] = parent[parent[cell]];
+        return cell;
+    };
+    const KdTree<double, 6> tree(6, points);
+    for (std::uint32_t cell = 0; cell < parent.size(); ++cell) {
+        FoundPoints<double> found;
+        nanoflann::RadiusResultSet<double, std::uint32_t> near(reach * reach, found);
+        tree.findNeighbors(near, points.coordinates[cell].data(), {});
+        for (const auto& [other, distance] : found) parent[root(other)] = root(cell);
+    }
+    for (std::size_t i = 0; i < cell_of.size(); i += 2) parent[root(cell_of[i + 1])] = root(cell_of[i]);
+    std::map<std::uint32_t, int> number;
+    std::vector<int> group_of;
+    for (std::size_t i = 0; i < cell_of.size(); i += 2)
+        group_of.push_back(number.try_emplace(root(cell_of[i]), int(number.size())).first->second);
+    return group_of;
+}
+
 /// Sorts the groups for the assignment of folds: those within θmax first, then by brightness.
-std::vector<std::size_t> sort_by_brightness(const ScatteredSamples& samples, const SampleGroups& groups,
-                                            double max_theta) {
-    const auto count = std::size_t(groups.count);
+std::vector<std::size_t> sort_by_brightness(const ScatteredSamples& samples, const std::vector<int>& group_of,
+                                            int groups, double max_theta) {
+    const auto count = std::size_t(groups);
     std::vector<double> brightness(count), size(count);
     std::vector<bool> within(count, false);
-    for (std::size_t i = 0; i < groups.group_of.size(); ++i) {
-        const auto group = std::size_t(groups.group_of[i]);
+    for (std::size_t i = 0; i < group_of.size(); ++i) {
+        const auto group = std::size_t(group_of[i]);
         if (std::min(samples.wl[i].z, samples.wv[i].z) >= sample_cap(max_theta)) within[group] = true;
         brightness[group] += luminance(samples.colour[i]);
         size[group] += 1;
@@ -40,43 +94,16 @@ std::vector<std::size_t> sort_by_brightness(const ScatteredSamples& samples, con
 
 }  // namespace
 
-SampleGroups group_samples(const ScatteredSamples& samples) {
-    NearSamples places(samples);
-    const std::vector<int> group = places.groups();
-    SampleGroups groups{{}, group.empty() ? 0 : 1 + *std::ranges::max_element(group), 0};
-    const bool is_single = groups.count < 2;
-    std::vector<double> distance(samples.wl.size());
-    groups.group_of.resize(samples.wl.size());
-    for (std::size_t k = 0; k < group.size(); ++k) {
-        groups.group_of[places.sample(k)] = group[k];
-        distance[places.sample(k)] = is_single ? 0 : places.distance_to_other_group(k, group);
-    }
-    for (std::size_t i = 0; i < groups.group_of.size(); ++i) {
-        groups.group_of[i] = groups.group_of[places.first_like(i)];
-        distance[i] = distance[places.first_like(i)];
-    }
-    if (is_single) return groups;
-    const auto twentieth = distance.begin() + std::ptrdiff_t(distance.size() / 20);
-    std::nth_element(distance.begin(), twentieth, distance.end());
-    groups.spacing = *twentieth;
-    return groups;
-}
-
-double spacing(const ScatteredSamples& samples) { return group_samples(samples).spacing; }
-
 Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, double max_theta, std::uint64_t seed) {
-    return assign_folds(samples, group_samples(samples), max_theta, seed);
-}
-
-Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, const SampleGroups& groups, double max_theta,
-                                      std::uint64_t seed) {
-    if (groups.count < k_folds)
+    const std::vector<int> group_of = groups_of(samples);
+    const int count = group_of.empty() ? 0 : 1 + *std::ranges::max_element(group_of);
+    if (count < k_folds)
         return Error{"samples",
                      {},
                      "samples at different directions",
                      fmt::format("at least {}", k_folds),
-                     fmt::format("{}", groups.count)};
-    const std::vector<std::size_t> order = sort_by_brightness(samples, groups, max_theta);
+                     fmt::format("{}", count)};
+    const std::vector<std::size_t> order = sort_by_brightness(samples, group_of, count, max_theta);
     std::mt19937_64 random(seed);
     std::vector<int> fold_of_group(order.size()), fold_of_sample;
     for (std::size_t first = 0; first < order.size(); first += k_folds) {
@@ -87,29 +114,8 @@ Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, const Sam
         for (std::size_t k = first; k < std::min(first + k_folds, order.size()); ++k)
             fold_of_group[order[k]] = fold[k - first];
     }
-    for (const int group : groups.group_of) fold_of_sample.push_back(fold_of_group[std::size_t(group)]);
+    for (const int group : group_of) fold_of_sample.push_back(fold_of_group[std::size_t(group)]);
     return fold_of_sample;
-}
-
-std::optional<IncidenceFolds> incidence_folds(const ScatteredSamples& samples) {
-    constexpr double k_apart = 0.1 * k_degree;
-    constexpr std::size_t k_fewest = 3, k_most = 64, k_fewest_samples = 8;
-    std::vector<std::size_t> order(samples.wl.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return samples.wl[i].z; });
-    IncidenceFolds folds{std::vector<int>(order.size()), 0};
-    std::vector<std::size_t> first;  // index in `order` of each incidence's first sample
-    const auto theta = [&](std::size_t k) { return elementary::acos(std::min(double(samples.wl[order[k]].z), 1.0)); };
-    for (std::size_t k = 0; k < order.size(); ++k) {
-        if (k == 0 || theta(k) - theta(k - 1) > k_apart) first.push_back(k);
-        folds.fold_of[order[k]] = int(first.size() - 1) % k_folds;
-    }
-    if (first.size() < k_fewest || first.size() > k_most) return std::nullopt;
-    folds.incidences = int(first.size());
-    first.push_back(order.size());
-    for (std::size_t k = 1; k < first.size(); ++k)
-        if (first[k] - first[k - 1] < k_fewest_samples) return std::nullopt;
-    return folds;
 }
 
 ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const int> fold, int left_out) {

@@ -12,15 +12,11 @@ struct ObserveSamplesOptions {
     double max_theta = 0;  ///< [rad], in (0, π/2); 0: the objective's default
     std::uint64_t seed = 0;
     bool spectral = false;  ///< also observe the spectra of spectral samples, not only their colours
-    /// Also observe the gap-filled samples in colours, to which lobes are then fitted. Applies only to objectives of
-    /// pictures.
-    bool fill_gaps = true;
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    bool fill_gaps = true;  ///< also observe the gap-filled samples, to which lobes are then fitted
+    int threads = 0;        ///< 0: as many as the machine has; the result does not depend on it
     /// If not 0, a quick mode for fits of many files: only the samples filled by one g, at this many pairs and
     /// without views.
     std::size_t only_gap_filled = 0;
-    /// The gap-filled samples, if they are known already. Not used with `only_gap_filled`.
-    const GapFilledSamples* gap_filled = nullptr;
 };
 
 /// The indices of the samples within `sample_cap` of max_theta [rad].
@@ -40,23 +36,14 @@ Observations observations_of(const ScatteredSamples& samples, std::span<const st
 /// Samples prepared for fits. Each sample is observed twice: as it is, and with light and viewer swapped.
 struct SampleObservations {
     ObserveSamplesOptions options;
-    Observations samples;  ///< within θmax, then horizon pairs beyond it, then bound pairs
-    /// Interpolated values on a grid of pairs within θmax, with Σ w |f|² = 1. For an objective of scatter: values
-    /// of a `FacetMixture` at pairs around the mirror direction and elsewhere.
-    Observations between;
-    /// The gap-filled samples, observed like a table. The samples themselves are added with the same total weight,
-    /// and pairs near the horizon. Empty if gaps are not filled. A fit uses either this member or all the others.
+    Observations samples;  ///< within θmax
+    /// The samples with gaps filled, in colours, observed like a table: by GGX, or by a `FacetMixture` for an objective
+    /// of scatter. The samples themselves are added with the same total weight, and pairs near the horizon. Empty if
+    /// gaps are not filled.
     Observations gap_filled_table;
-    /// The gap-filled samples that were observed, and those without each fold; empty if the caller supplied them.
-    std::optional<GapFilledSamples> gap_filled;
-    std::vector<GapFilledSamples> without_fold;
-    /// Errors of the interpolation at left-out samples, or of the mixture at the samples.
-    Measures interpolation;
-    double finest = 0;       ///< lower bound on the width of a lobe [rad]: the spacing of the samples
-    std::size_t groups = 0;  ///< number of `SampleGroups` within θmax
+    std::optional<GapFilledSamples> gap_filled;  ///< those that were observed
 };
-/// Errors: no sample within θmax, or all of them are 0; fewer than k_folds groups; spectra requested of samples
-/// without spectra; cancelled.
+/// Errors: no sample within θmax, or all of them are 0; spectra requested of samples without spectra; cancelled.
 Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress = {});
 

@@ -10,8 +10,7 @@
 #include "brdf/channels.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"
-#include "errors/measure_names.h"
-#include "errors/metrics_sums.h"
+#include "errors/measure_sums.h"
 #include "errors/picture_errors.h"
 #include "srbf/elementary.h"
 

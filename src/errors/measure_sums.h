@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "errors/measure_names.h"
+#include "errors/measures.h"
 #include "srbf/metrics.h"
 
 namespace SRBF_NAMESPACE {

@@ -1,15 +1,15 @@
-#include "errors/metrics_sums.h"
+#include "errors/measure_sums.h"
 
 #include <limits>
 
 #include "srbf/elementary.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "errors/metrics_sums.cpp"
+#define HWY_TARGET_INCLUDE "errors/measure_sums.cpp"
 #include <hwy/foreach_target.h>
 
 #include "brdf/batch-inl.h"
-#include "errors/measure_names.h"
+#include "errors/measures.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace SRBF_NAMESPACE {

@@ -33,6 +33,12 @@ inline constexpr std::array<MeasureName, 6> k_measures{{
     {"sixth_root_error_ratio", "sixth root error ratio", &Measures::sixth_root_error_ratio, true},
     {"log10_rms", "RMS of log10 f", &Measures::log10_rms, false, k_log_10},
 }};
+/// Calls add(name, value) for the measures of a comparison: over the matrix, held out, and of albedo.
+template <typename Add> void for_measures(const Comparison& of, const Add& add) {
+    for (const MeasureName& m : k_measures) add(std::string(m.name), of.matrix.*m.member);
+    for (const MeasureName& m : k_measures) add("heldout_" + std::string(m.name), of.heldout.*m.member);
+    add(std::string("albedo_error"), of.albedo_error);
+}
 
 /// The measures of each of `others` over all pairs of the given directions within θmax.
 std::vector<Measures> measure_matrix(const Channels& reference, std::span<const Channels> others,

@@ -149,6 +149,8 @@ void weigh_all(Observations& observations, int threads) {
     observations.normalise();
 }
 
+}  // namespace
+
 Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress) {
     const StandardArithmetic mode;

@@ -1,11 +1,11 @@
 // Fits to averages over patches, a real roller shade, and the light behind it.
-#include "any/table_file.h"
 #include "brdf/directions.h"
 #include "brdf/parts.h"
 #include "extras/daylight/test/bsdf_files.h"
 #include "furnace.h"
 #include "measured/formats.h"
 #include "models/bsdf/bsdf_functions.h"
+#include "prepared/table_file.h"
 #include "srbf/file.h"
 #include "srbf/fit_bsdf.h"
 

@@ -5,7 +5,7 @@
 #include "furnace.h"
 #include "measured/formats.h"
 #include "models/bsdf/bsdf_functions.h"
-#include "prepared/table_file.h"
+#include "any/table_file.h"
 #include "srbf/file.h"
 #include "srbf/fit_bsdf.h"
 

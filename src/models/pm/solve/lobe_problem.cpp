@@ -11,6 +11,13 @@
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {
+namespace {
+
+/// Upper bound on the log of the coefficient of a lobe with peak 1. The peak may lie where no pair of directions maps
+/// to. But the exponents of opposing lobes of ever larger bandwidths lose precision in float.
+constexpr double k_log_peak_limit = 300;
+
+}  // namespace
 
 LobeProblem::LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel)
     : rows_(rows),
@@ -55,11 +62,15 @@ Eigen::MatrixXd LobeProblem::products_with_data() {
 }
 
 void LobeProblem::limit_coefficients(const Eigen::VectorXd& x) {
-    Eigen::VectorXd limit = Eigen::VectorXd::Constant(basis_.count(), std::numeric_limits<double>::infinity());
+    constexpr double k_largest_exponent = 700;  // of a finite number
+    const double log_limit = has_log_scales(shape_.form) ? k_log_peak_limit : elementary::log(double(k_half_max));
     const Lobes lobes = unpack(x, shape_);
-    for (int j = 0; j < limit.size() && !has_log_scales(shape_.form); ++j)
-        limit[j] = double(k_half_max) / rows_.scale *
-                   elementary::exp(-log_peak_factor(lobes.weights_of(j), shape_, offset()[std::size_t(j)]));
+    Eigen::VectorXd limit(basis_.count());
+    for (int j = 0; j < limit.size(); ++j) {
+        const double log_unit =
+            elementary::log(rows_.scale) + log_peak_factor(lobes.weights_of(j), shape_, offset()[std::size_t(j)]);
+        limit[j] = elementary::exp(std::min(log_limit - log_unit, k_largest_exponent));
+    }
     coefficients_.limit = limit.replicate(1, channels());
 }
 

@@ -47,7 +47,7 @@ struct Interval {
 /// The range of weight n of a lobe.
 Interval weight_range(int n, const LobeShape& shape);
 
-/// True if fits of that form store the coefficients of lobes with log scales, which have no bounds.
+/// True if fits of that form store the coefficients of lobes with log scales.
 constexpr bool has_log_scales(PmForm form) { return features(form) > 0; }
 
 /// p_n from the weights of a lobe.

@@ -1,7 +1,6 @@
 // Block compression of textures by libastcenc, where the program is built with it.
 #pragma once
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -7,7 +7,6 @@
 #include <charconv>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "app/options.h"
 #include "fit/fit_options.h"

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <memory>
-
 #include "any/table_file.h"
 #include "app/commands.h"
 #include "app/output.h"

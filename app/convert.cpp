@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <filesystem>
-#include <memory>
 
 #include "any/table_file.h"
 #include "app/commands.h"

@@ -1,9 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <memory>
-#include <string_view>
 
 #include "app/commands.h"
 #include "app/load.h"

@@ -1,17 +1,12 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cctype>
-#include <filesystem>
-#include <map>
 #include <memory>
-#include <optional>
 #include <set>
 
 #include "app/astc.h"
 #include "app/commands.h"
 #include "app/export.h"
-#include "app/extra_exports.h"
 #include "app/map_layers.h"
 #include "app/output.h"
 #include "app/surface_files.h"

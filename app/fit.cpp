@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <functional>
-
 #include "app/commands.h"
 #include "app/fit.h"
 #include "app/preview.h"

@@ -1,8 +1,6 @@
 // `srbf fit` of a two-sided measurement.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <thread>
 
 #include "app/commands.h"

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <vector>
 
 #include "base/file_reader.h"
 #include "srbf/file.h"

@@ -1,8 +1,6 @@
 // Images for display: sRGB, captions and PNG.
 #pragma once
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>

@@ -1,11 +1,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <span>
 
 #include "any/table_file.h"
 #include "app/commands.h"

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
@@ -13,7 +12,6 @@
 #include "base/printable.h"
 #include "base/system_files.h"
 #include "base/text.h"
-#include "errors/measure_names.h"
 #include "errors/picture_errors.h"
 #include "srbf/file.h"
 

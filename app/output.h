@@ -1,10 +1,8 @@
 // Common output of the subcommands: measures as tables and JSON, progress, durations.
 #pragma once
-#include <array>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>

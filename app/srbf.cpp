@@ -7,8 +7,6 @@
 #include <exception>
 #include <filesystem>
 #include <new>
-#include <optional>
-#include <string>
 #include <system_error>
 
 #include "app/commands.h"

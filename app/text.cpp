@@ -1,9 +1,7 @@
 // Text and JSON of measures and models.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <iterator>
-#include <span>
 
 #include "app/output.h"
 #include "base/printable.h"

@@ -1,6 +1,5 @@
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

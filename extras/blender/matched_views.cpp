@@ -1,6 +1,5 @@
 #include "extras/blender/matched_views.h"
 
-#include <cmath>
 #include <limits>
 
 #include "base/parallel.h"

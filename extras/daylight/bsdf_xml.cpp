@@ -1,10 +1,7 @@
 // BSDF data in the XML of WINDOW and of Radiance: matrices of patches and tensor trees.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <optional>
 #include <pugixml.hpp>
 
 #include "base/floating_point.h"

@@ -1,8 +1,6 @@
 // Matrices and trees as tables of a BSDF's parts.
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "base/printable.h"
 #include "extras/daylight/formats.h"
 #include "extras/daylight/klems.h"

@@ -1,5 +1,4 @@
 // Fits to averages over patches.
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <random>

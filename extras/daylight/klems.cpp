@@ -1,6 +1,5 @@
 // Matrices of patches.
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "brdf/directions.h"

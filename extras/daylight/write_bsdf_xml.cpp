@@ -1,9 +1,6 @@
 // Matrices of patches computed from any BSDF, and their XML.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/parallel.h"
 #include "base/printable.h"
 #include "base/r_sequence.h"

@@ -1,8 +1,6 @@
 #include "extras/environment/lit_views.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "base/r_sequence.h"
 #include "brdf/colour.h"

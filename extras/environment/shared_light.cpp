@@ -1,5 +1,4 @@
 #include <Eigen/Dense>
-#include <algorithm>
 
 #include "base/parallel.h"
 #include "brdf/colour.h"

@@ -1,9 +1,6 @@
 // BRDFs of national metrology institutes in JSON, in the format of the project BiRD.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/floating_point.h"

@@ -1,10 +1,6 @@
 // BRDF tables of ASAM OpenMATERIAL 3D, `.xompt`.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "base/floating_point.h"

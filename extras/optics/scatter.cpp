@@ -3,9 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/parallel.h"
 #include "base/printable.h"
 #include "brdf/colour.h"

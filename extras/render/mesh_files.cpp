@@ -2,7 +2,6 @@
 // and assimp 5.2 writes beyond its buffers for some damaged files of both.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <limits>

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cassert>
 #include <nlohmann/json.hpp>
 
@@ -15,7 +14,6 @@
 #include "extras/render/slices.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/su/su_functions.h"
-#include "render/page_text.h"
 
 namespace SRBF_NAMESPACE {
 namespace {

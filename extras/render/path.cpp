@@ -1,9 +1,7 @@
 #include "extras/render/path.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cassert>
-#include <cmath>
 #include <mutex>
 
 #include "brdf/frame.h"

@@ -4,8 +4,6 @@
 
 #include <cassert>
 
-#include "render/shader_text.h"
-
 namespace SRBF_NAMESPACE {
 
 std::string pixel_text(const ShaderOptions& options) {

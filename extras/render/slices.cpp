@@ -2,11 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <vector>
 
 #include "base/printable.h"
 #include "brdf/directions.h"

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "app/html.h"
 #include "base/printable.h"
 #include "errors/picture_errors.h"
@@ -11,8 +9,6 @@
 #include "extras/render/chart.h"
 #include "fit/request_traits.h"
 #include "observe/objectives.h"
-#include "render/page_text.h"
-#include "report/report_text.h"
 #include "srbf/metrics.h"
 
 namespace SRBF_NAMESPACE {

@@ -1,6 +1,5 @@
 // Fits of many BRDFs that were measured at the same pairs of directions, such as the texels of a material.
 #pragma once
-#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>

@@ -1,7 +1,6 @@
 // Vectors of three components, colours, and the local frame.
 #pragma once
 #include <bit>
-#include <cmath>
 #include <cstdint>
 
 #include "srbf/elementary.h"

@@ -1,9 +1,7 @@
 #include "base/step_bounds.h"
 
 #include <algorithm>
-#include <functional>
 #include <numeric>
-#include <vector>
 
 #include "base/least_squares.h"
 

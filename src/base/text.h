@@ -2,7 +2,6 @@
 #pragma once
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>

@@ -14,8 +14,6 @@
 
 #include <hwy/highway.h>
 
-#include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 

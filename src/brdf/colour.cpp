@@ -1,7 +1,6 @@
 #include "brdf/colour.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 
 #include "srbf/elementary.h"

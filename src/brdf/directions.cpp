@@ -1,6 +1,5 @@
 #include "brdf/directions.h"
 
-#include <algorithm>
 #include <cassert>
 
 #include "srbf/elementary.h"

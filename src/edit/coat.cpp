@@ -1,8 +1,5 @@
 // A surface under a clear layer.
 #include <Eigen/Dense>
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <memory>
 #include <utility>
 

@@ -1,6 +1,5 @@
 #include "edit/lobes.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "brdf/directions.h"

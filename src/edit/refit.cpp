@@ -1,8 +1,5 @@
 #include "edit/refit.h"
 
-#include <algorithm>
-#include <optional>
-
 #include "base/least_squares.h"
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"

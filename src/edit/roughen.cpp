@@ -1,6 +1,4 @@
 // The highlight of a model with another roughness.
-#include <algorithm>
-#include <cmath>
 
 #include "brdf/values.h"
 #include "edit/reshape.h"

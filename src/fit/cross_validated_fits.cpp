@@ -1,8 +1,6 @@
 #include "fit/cross_validated_fits.h"
 
-#include <algorithm>
 #include <atomic>
-#include <cmath>
 
 #include "base/errors.h"
 #include "base/parallel.h"
@@ -18,7 +16,6 @@
 #include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
-#include "samples/observe_samples.h"
 
 namespace SRBF_NAMESPACE {
 namespace {

@@ -1,7 +1,5 @@
 #include "fit/example_lobes.h"
 
-#include <algorithm>
-
 #include "base/levenberg_marquardt.h"
 #include "brdf/values.h"
 #include "models/pm/solve/rounding.h"

@@ -1,8 +1,5 @@
 #include "srbf/fit_batch.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/errors.h"
 #include "base/half.h"
 #include "base/parallel.h"

@@ -1,8 +1,6 @@
 // Fits of both sides of a surface.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <new>
 
 #include "base/errors.h"
@@ -19,8 +17,6 @@
 #include "models/ggx/ggx_functions.h"
 #include "srbf/elementary.h"
 #include "srbf/fit_bsdf.h"
-
-#include "fit/extra_fits.h"  // of the types above
 
 namespace SRBF_NAMESPACE {
 namespace {

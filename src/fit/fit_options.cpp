@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <limits>
-#include <optional>
 
 #include "base/text.h"
 #include "brdf/directions.h"

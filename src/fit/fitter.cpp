@@ -1,7 +1,6 @@
 // All stages of `srbf fit` between reading a measurement and writing a model.
 #include <fmt/format.h>
 
-#include <limits>
 #include <map>
 #include <new>
 #include <tuple>

@@ -1,11 +1,9 @@
 // The functions of a table that its format alone knows.
 #pragma once
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "srbf/measured.h"

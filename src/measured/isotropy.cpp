@@ -1,8 +1,5 @@
 #include "measured/isotropy.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <complex>
 #include <random>
 

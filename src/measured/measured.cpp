@@ -1,6 +1,5 @@
 #include "measured/formats.h"
 
-#include <algorithm>
 #include <cassert>
 #include <cmath>
 

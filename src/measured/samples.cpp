@@ -1,13 +1,9 @@
 #include "measured/samples.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cassert>
 
 #include "base/floating_point.h"
 #include "measured/limits.h"
-#include "measured/tables.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/handles.h"

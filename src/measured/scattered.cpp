@@ -1,6 +1,4 @@
-#include <fmt/format.h>
 
-#include <algorithm>
 #include <cassert>
 #include <limits>
 #include <utility>

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdint>
 
 #include "brdf/directions.h"
 #include "measured/limits.h"

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-
 #include "base/text.h"
 #include "brdf/directions.h"
 #include "brdf/parts.h"

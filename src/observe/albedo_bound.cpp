@@ -1,7 +1,5 @@
 #include "observe/albedo_bound.h"
 
-#include <algorithm>
-#include <array>
 #include <numeric>
 #include <ranges>
 

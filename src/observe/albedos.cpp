@@ -1,6 +1,5 @@
 #include "observe/albedos.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"

@@ -1,7 +1,6 @@
 // The costs of the terms of a loss, for fits of tables. See "The objective" in docs/fitting.md.
 #pragma once
 #include <algorithm>
-#include <cstddef>
 
 namespace SRBF_NAMESPACE {
 

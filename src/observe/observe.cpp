@@ -1,6 +1,4 @@
-#include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "base/errors.h"
 #include "base/parallel.h"

@@ -1,7 +1,5 @@
 #include "observe/observe_pictures.h"
 
-#include <cmath>
-
 #include "base/parallel.h"
 #include "brdf/frame.h"
 #include "brdf/values.h"

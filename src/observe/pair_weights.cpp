@@ -1,15 +1,8 @@
 #include "observe/pair_weights.h"
 
-#include <algorithm>
-#include <array>
-#include <vector>
-
 #include "base/parallel.h"
 #include "base/weighted_quantile.h"
-#include "observe/costs.h"
 #include "observe/objectives.h"
-#include "observe/observations.h"
-#include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {
 namespace {

@@ -1,10 +1,7 @@
 // Weights of pairs, which define the objectives.
 #pragma once
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <span>
-#include <utility>
 
 #include "observe/costs.h"
 #include "observe/observations.h"

@@ -3,7 +3,6 @@
 #include <array>
 #include <optional>
 #include <random>
-#include <span>
 #include <vector>
 
 #include "base/r_sequence.h"

@@ -1,15 +1,12 @@
 #include "srbf/prepared.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cassert>
-#include <cmath>
 #include <mutex>
 
 #include "base/floating_point.h"
 #include "brdf/directions.h"
-#include "models/kinds.h"
 #include "models/pm/pm_lanes.h"
 #include "models/su/su_functions.h"
 #include "sampling/elevation_nodes.h"

@@ -1,13 +1,8 @@
 #include "extras/environment/app/filtered_environment.h"
 
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <cassert>
-#include <cmath>
-#include <cstdint>
 #include <mutex>
-#include <span>
 
 #include "base/dds.h"
 #include "base/half.h"

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-
 #include "app/output.h"
 #include "base/half.h"
 #include "base/printable.h"

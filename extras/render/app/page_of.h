@@ -1,6 +1,5 @@
 // The exported page of models and a measurement.
 #pragma once
-#include <string>
 #include <vector>
 
 #include "app/load.h"

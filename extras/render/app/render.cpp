@@ -1,10 +1,7 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <filesystem>
 #include <memory>
-#include <span>
 
 #include "app/commands.h"
 #include "app/extra_subcommands.h"

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-
 #include "base/parallel.h"
 #include "base/printable.h"
 #include "brdf/colour.h"

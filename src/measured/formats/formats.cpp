@@ -3,11 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-
 #include "base/files.h"
 #include "measured/bytes.h"
-#include "measured/extra_formats.h"
 #include "measured/formats/mbsdf.h"
 #include "measured/formats/rows.h"
 #include "measured/formats/write.h"

@@ -1,9 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 #include "base/floating_point.h"
 #include "base/text.h"
 #include "measured/angles.h"

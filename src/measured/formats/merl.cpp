@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/floating_point.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <functional>
 #include <limits>
 
 #include "base/floating_point.h"

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "base/files.h"
 #include "base/floating_point.h"
 #include "base/printable.h"

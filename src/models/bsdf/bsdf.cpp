@@ -1,9 +1,6 @@
 // BSDFs: models of the parts, and beams.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/half.h"
 #include "brdf/parts.h"
 #include "brdf/values.h"

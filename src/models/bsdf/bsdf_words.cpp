@@ -1,8 +1,6 @@
 // Describes a BSDF to programs and people.
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "brdf/parts.h"
 #include "brdf/rows.h"
 #include "models/bsdf/bsdf_functions.h"

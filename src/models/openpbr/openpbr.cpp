@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <span>
-
 #include "brdf/rows.h"
 #include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kernel.h"

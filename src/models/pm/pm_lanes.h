@@ -1,9 +1,7 @@
 // A multivariate model in the memory layout of its evaluation.
 #pragma once
 #include <array>
-#include <bit>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -1,11 +1,9 @@
 // Descriptions of a multivariate model for programs and people.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
-#include <span>
 
 #include "base/half.h"
 #include "brdf/rows.h"

@@ -1,10 +1,6 @@
 #include "models/pm/search/finish.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
-#include <optional>
-#include <vector>
 
 #include "base/levenberg_marquardt.h"
 #include "models/pm/pm_functions.h"

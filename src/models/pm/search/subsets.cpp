@@ -1,6 +1,5 @@
 #include "models/pm/search/subsets.h"
 
-#include <algorithm>
 #include <set>
 
 #include "base/parallel.h"

@@ -1,7 +1,6 @@
 #include "models/pm/solve/spectra.h"
 
 #include <limits>
-#include <vector>
 
 #include "base/least_squares.h"
 #include "brdf/colour.h"

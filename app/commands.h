@@ -6,7 +6,6 @@
 #include <cctype>
 #include <charconv>
 #include <filesystem>
-#include <string>
 
 #include "app/options.h"
 #include "fit/fit_options.h"

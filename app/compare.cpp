@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include "any/table_file.h"
 #include "app/commands.h"

@@ -1,7 +1,5 @@
 #include "srbf/convert.h"
 
-#include <fmt/format.h>
-
 #include <array>
 
 #include "any/table_file.h"

@@ -1,8 +1,6 @@
 // Edits and blends of models.
 #include "srbf/edit.h"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <memory>
 

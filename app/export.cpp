@@ -1,6 +1,4 @@
-#include <fmt/format.h>
 
-#include <cctype>
 #include <memory>
 #include <set>
 

@@ -1,5 +1,4 @@
 // `srbf fit` of a two-sided measurement.
-#include <fmt/format.h>
 
 #include <thread>
 

@@ -1,5 +1,4 @@
 // The command line of `srbf fit`.
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <memory>

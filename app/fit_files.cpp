@@ -1,8 +1,6 @@
 // `srbf fit` of many files into a folder.
-#include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <thread>

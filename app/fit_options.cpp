@@ -1,7 +1,6 @@
 #include "app/fit_options.h"
 
 #include <algorithm>
-#include <filesystem>
 
 #include "base/paths.h"
 

@@ -1,10 +1,5 @@
 // The options of fits on the command line, from their table (fit/fit_options.h).
 #pragma once
-#include <map>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "app/options.h"
 #include "fit/fit_options.h"
 

@@ -1,11 +1,5 @@
 // Images for display: sRGB, captions and PNG.
 #pragma once
-#include <cstddef>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "brdf/colour.h"
 #include "errors/picture.h"
 #include "srbf/result.h"

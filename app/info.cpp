@@ -1,8 +1,6 @@
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cmath>
-#include <limits>
 #include <memory>
 
 #include "any/table_file.h"

@@ -1,9 +1,6 @@
 #include "app/load.h"
 
-#include <fmt/format.h>
-
 #include <cstdio>
-#include <filesystem>
 
 #include "app/commands.h"
 #include "base/files.h"

@@ -1,8 +1,5 @@
 // Loading any BRDF from a file.
 #pragma once
-#include <optional>
-#include <string>
-
 #include "srbf/library.h"
 #include "srbf/load.h"
 

@@ -1,9 +1,5 @@
 // The coefficients of maps (srbf/library.h) as textures.
 #pragma once
-#include <cstddef>
-#include <string>
-#include <vector>
-
 #include "srbf/library.h"
 
 namespace srbf {

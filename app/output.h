@@ -2,10 +2,6 @@
 #pragma once
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "app/load.h"
 #include "brdf/rows.h"

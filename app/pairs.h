@@ -1,9 +1,6 @@
 // Pairs of directions from a CSV file.
 #pragma once
 #include <array>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "base/file_reader.h"
 #include "srbf/result.h"

@@ -1,7 +1,5 @@
 // The preview of a fit: three spheres, measured, fitted and their difference.
 #pragma once
-#include <string>
-
 #include "app/image.h"
 #include "srbf/brdf.h"
 

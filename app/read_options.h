@@ -1,7 +1,5 @@
 // Options of subcommands that read samples. They state what the files do not.
 #pragma once
-#include <vector>
-
 #include "app/options.h"
 #include "srbf/measured.h"
 

@@ -1,11 +1,9 @@
-#include <fmt/format.h>
 #include <hwy/targets.h>
 
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <new>
 #include <system_error>
 

@@ -2,8 +2,6 @@
 #pragma once
 #include <algorithm>
 #include <array>
-#include <string>
-#include <string_view>
 
 #include "srbf/shading_code.h"
 

@@ -1,11 +1,8 @@
 // The BRDF or BSDF that an srbf.Brdf of Python holds, with its functions.
 #pragma once
-#include <array>
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <optional>
-#include <variant>
 
 #include "arrays.h"
 #include "base/files.h"

@@ -1,9 +1,6 @@
 // Fits and their errors, as Python calls them.
 #pragma once
-#include <array>
-#include <chrono>
 #include <cstring>
-#include <exception>
 #include <functional>
 
 #include "background.h"

@@ -1,5 +1,4 @@
 // BSDF data in the XML of WINDOW and of Radiance: matrices of patches and tensor trees.
-#include <fmt/format.h>
 
 #include <cctype>
 #include <pugixml.hpp>

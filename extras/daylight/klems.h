@@ -1,8 +1,6 @@
 // Classes of pairs of patches, and beams in matrices. Private to readers and fits.
 #pragma once
-#include <array>
 #include <string_view>
-#include <vector>
 
 #include "measured/evaluated_table.h"
 #include "srbf/daylight.h"

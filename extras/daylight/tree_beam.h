@@ -1,7 +1,5 @@
 // Beams in tensor trees. Private to fits.
 #pragma once
-#include <optional>
-
 #include "measured/evaluated_table.h"
 #include "srbf/daylight.h"
 

@@ -1,4 +1,3 @@
-#include <Eigen/Dense>
 
 #include "base/parallel.h"
 #include "brdf/colour.h"

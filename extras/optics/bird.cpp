@@ -1,7 +1,4 @@
 // BRDFs of national metrology institutes in JSON, in the format of the project BiRD.
-#include <fmt/format.h>
-
-#include <nlohmann/json.hpp>
 
 #include "base/floating_point.h"
 #include "extras/optics/formats.h"

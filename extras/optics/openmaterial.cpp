@@ -1,7 +1,4 @@
 // BRDF tables of ASAM OpenMATERIAL 3D, `.xompt`.
-#include <fmt/format.h>
-
-#include <nlohmann/json.hpp>
 
 #include "base/floating_point.h"
 #include "brdf/directions.h"

@@ -1,8 +1,5 @@
 // Parsing files of scatter tables. Private to their readers and writers.
 #pragma once
-#include <optional>
-#include <string_view>
-
 #include "measured/evaluated_table.h"
 #include "measured/formats.h"
 #include "measured/samples.h"

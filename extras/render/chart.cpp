@@ -1,9 +1,5 @@
 #include "extras/render/chart.h"
 
-#include <fmt/format.h>
-
-#include <limits>
-
 #include "base/printable.h"
 #include "extras/render/drawing.h"
 

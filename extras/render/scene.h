@@ -1,8 +1,5 @@
 // Scenes: a mesh, a camera and lights.
 #pragma once
-#include <array>
-#include <vector>
-
 #include "brdf/frame.h"
 #include "extras/render/mesh.h"
 #include "srbf/vec.h"

@@ -1,9 +1,6 @@
 #include "extras/render/slices.h"
 
-#include <fmt/format.h>
-
 #include <cstdlib>
-#include <limits>
 
 #include "base/printable.h"
 #include "brdf/directions.h"

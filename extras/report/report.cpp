@@ -1,8 +1,6 @@
 // `srbf report`.
-#include <fmt/format.h>
 #include <unistd.h>
 
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <thread>

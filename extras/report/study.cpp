@@ -1,7 +1,5 @@
 #include "extras/report/study.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 

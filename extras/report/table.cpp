@@ -4,7 +4,6 @@
 
 #include <cctype>
 #include <filesystem>
-#include <limits>
 
 #include "base/printable.h"
 #include "base/text.h"

@@ -1,11 +1,6 @@
 #pragma once
 #include <cstddef>
 #include <functional>
-#include <optional>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "base/text.h"
 #include "srbf/result.h"

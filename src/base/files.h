@@ -1,11 +1,7 @@
 // Parts of files, and several files at once.
 #pragma once
-#include <cstddef>
 #include <functional>
 #include <new>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "srbf/file.h"
 

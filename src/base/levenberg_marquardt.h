@@ -1,6 +1,5 @@
 // Levenberg-Marquardt for separable least squares.
 #pragma once
-#include <Eigen/Dense>
 #include <concepts>
 #include <limits>
 

@@ -15,7 +15,6 @@
 #include <hwy/highway.h>
 
 #include <cstddef>
-#include <cstdint>
 
 #include "srbf/kernel.h"
 

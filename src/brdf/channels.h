@@ -1,8 +1,5 @@
 // BRDFs in colours as BRDFs with channels.
 #pragma once
-#include <span>
-#include <vector>
-
 #include "srbf/brdf.h"
 
 SRBF_BEGIN

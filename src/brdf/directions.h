@@ -1,7 +1,6 @@
 // Sets of directions, and distributions of pairs of directions.
 #pragma once
 #include <array>
-#include <cstdint>
 #include <random>
 #include <span>
 #include <vector>

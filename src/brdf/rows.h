@@ -2,13 +2,7 @@
 #pragma once
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstdint>
 #include <iterator>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "base/printable.h"
 #include "brdf/directions.h"

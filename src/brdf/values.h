@@ -1,8 +1,6 @@
 // Sums and differences of values of a BRDF.
 #pragma once
 #include <algorithm>
-#include <span>
-#include <vector>
 
 #include "brdf/colour.h"
 #include "srbf/brdf.h"

@@ -1,7 +1,5 @@
 #include "srbf/edit.h"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cmath>
 

@@ -2,7 +2,6 @@
 #pragma once
 #include <functional>
 #include <span>
-#include <vector>
 
 #include "samples/observe_samples.h"
 #include "srbf/fit.h"

@@ -1,8 +1,5 @@
 // Fits of texels that start from the lobes of other texels.
 #pragma once
-#include <span>
-#include <vector>
-
 #include "models/pm/search/options.h"
 #include "observe/observations.h"
 #include "observe/pairs.h"

@@ -1,7 +1,4 @@
 // Fits of both sides of a surface.
-#include <fmt/format.h>
-
-#include <new>
 
 #include "base/errors.h"
 #include "base/files.h"

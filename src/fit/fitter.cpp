@@ -1,8 +1,6 @@
 // All stages of `srbf fit` between reading a measurement and writing a model.
-#include <fmt/format.h>
 
 #include <map>
-#include <new>
 #include <tuple>
 
 #include "base/errors.h"

@@ -1,7 +1,6 @@
 // Fits of tables whose entries are averages over patches.
 #pragma once
 #include <string_view>
-#include <vector>
 
 #include "srbf/fit_bsdf.h"
 

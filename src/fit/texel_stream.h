@@ -2,7 +2,6 @@
 #pragma once
 #include <cstddef>
 #include <functional>
-#include <span>
 
 #include "srbf/fit_batch.h"
 

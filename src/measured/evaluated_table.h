@@ -2,9 +2,6 @@
 #pragma once
 #include <functional>
 #include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "srbf/measured.h"
 

@@ -1,7 +1,6 @@
 #include "measured/isotropy.h"
 
 #include <complex>
-#include <random>
 
 #include "base/floating_point.h"
 #include "base/k_d_tree.h"

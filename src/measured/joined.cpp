@@ -1,5 +1,4 @@
 // Files of one sample, as a goniometer writes one an incidence, as one.
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <map>

@@ -1,8 +1,5 @@
 // The position of a BRDF's highlight: a check of the azimuths of a measurement.
 #pragma once
-#include <span>
-#include <string>
-
 #include "srbf/brdf.h"
 #include "srbf/measured.h"
 

@@ -1,12 +1,5 @@
 // The readers of each format, and input by its content.
 #pragma once
-#include <array>
-#include <cstddef>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "srbf/measured.h"
 
 SRBF_BEGIN

@@ -1,7 +1,5 @@
 #include "measured/samples.h"
 
-#include <cassert>
-
 #include "base/floating_point.h"
 #include "measured/limits.h"
 #include "srbf/convert.h"

@@ -2,13 +2,9 @@
 #pragma once
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <optional>
-#include <string>
 
 #include "base/text.h"
 #include "brdf/colour.h"

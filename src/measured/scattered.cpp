@@ -1,7 +1,5 @@
 
 #include <cassert>
-#include <limits>
-#include <utility>
 
 #include "base/floating_point.h"
 #include "base/k_d_tree.h"

@@ -1,7 +1,5 @@
 // Files that list one number for each pair of directions and wavelength. Private to their readers.
 #pragma once
-#include <array>
-#include <string>
 #include <vector>
 
 #include "measured/samples.h"

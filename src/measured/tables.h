@@ -1,7 +1,5 @@
 // Values of the tables of each format.
 #pragma once
-#include <span>
-
 #include "srbf/measured.h"
 
 SRBF_BEGIN

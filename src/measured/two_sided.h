@@ -1,7 +1,5 @@
 // Beams of two-sided measurements, for readers and fits.
 #pragma once
-#include <span>
-
 #include "srbf/measured.h"
 
 namespace SRBF_NAMESPACE {

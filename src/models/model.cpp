@@ -1,7 +1,5 @@
 #include "srbf/model.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <type_traits>
 

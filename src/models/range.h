@@ -1,7 +1,5 @@
 // The range of what is stored.
 #pragma once
-#include <string>
-
 #include "srbf/model.h"
 #include "srbf/result.h"
 

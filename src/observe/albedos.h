@@ -1,7 +1,5 @@
 // Albedos: integrals of a measurement that a fit also matches.
 #pragma once
-#include <vector>
-
 #include "observe/observations.h"
 
 namespace SRBF_NAMESPACE {

@@ -2,7 +2,6 @@
 #pragma once
 #include <optional>
 #include <span>
-#include <string_view>
 
 #include "srbf/objective.h"
 

@@ -3,8 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <random>
-#include <span>
-#include <vector>
 
 #include "brdf/values.h"
 #include "observe/costs.h"

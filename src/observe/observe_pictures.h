@@ -1,7 +1,5 @@
 // The pictures of a measurement that a fit matches.
 #pragma once
-#include <vector>
-
 #include "observe/observations.h"
 
 namespace SRBF_NAMESPACE {

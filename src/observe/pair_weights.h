@@ -1,8 +1,5 @@
 // Weights of pairs, which define the objectives.
 #pragma once
-#include <array>
-#include <span>
-
 #include "observe/costs.h"
 #include "observe/observations.h"
 #include "srbf/elementary.h"

@@ -1,8 +1,6 @@
 // Adds scripts for Blender and shaders in OSL to `srbf export`.
 #include "app/export.h"
 
-#include <fmt/format.h>
-
 #include <memory>
 
 #include "app/commands.h"

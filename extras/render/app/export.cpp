@@ -1,8 +1,6 @@
 // Adds the page and maps of coefficients as OpenEXR to `srbf export`.
 #include "app/export.h"
 
-#include <fmt/format.h>
-
 #include <memory>
 
 #include "app/commands.h"

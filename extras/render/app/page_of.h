@@ -1,7 +1,5 @@
 // The exported page of models and a measurement.
 #pragma once
-#include <vector>
-
 #include "app/load.h"
 #include "extras/render/page.h"
 

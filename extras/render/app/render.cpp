@@ -1,6 +1,4 @@
-#include <fmt/format.h>
 
-#include <filesystem>
 #include <memory>
 
 #include "app/commands.h"

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include "base/floating_point.h"
 #include "measured/readers.h"

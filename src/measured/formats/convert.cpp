@@ -1,8 +1,5 @@
 #include "srbf/convert.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "base/parallel.h"
 #include "base/printable.h"
 #include "brdf/colour.h"

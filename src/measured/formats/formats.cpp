@@ -1,6 +1,5 @@
 #include "measured/formats.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/files.h"

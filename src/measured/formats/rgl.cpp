@@ -1,4 +1,3 @@
-#include <limits>
 
 #include "base/floating_point.h"
 #include "brdf/colour.h"

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include "base/files.h"
 #include "base/floating_point.h"

@@ -1,5 +1,4 @@
 // Describes a BSDF to programs and people.
-#include <fmt/format.h>
 
 #include "brdf/parts.h"
 #include "brdf/rows.h"

@@ -1,7 +1,5 @@
 #include "srbf/models/ggx.h"
 
-#include <fmt/format.h>
-
 #include "base/floating_point.h"
 #include "brdf/rows.h"
 #include "brdf/values.h"

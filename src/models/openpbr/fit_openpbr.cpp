@@ -1,5 +1,4 @@
 #include <cmath>
-#include <random>
 
 #include "base/errors.h"
 #include "base/levenberg_marquardt.h"

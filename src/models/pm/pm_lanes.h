@@ -1,9 +1,6 @@
 // A multivariate model in the memory layout of its evaluation.
 #pragma once
 #include <array>
-#include <cstddef>
-#include <span>
-#include <vector>
 
 #include "srbf/models/pm.h"
 

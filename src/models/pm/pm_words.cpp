@@ -1,5 +1,4 @@
 // Descriptions of a multivariate model for programs and people.
-#include <fmt/format.h>
 
 #include <cmath>
 #include <numeric>

@@ -1,11 +1,5 @@
 // Daylighting tables: matrices of patches and tensor trees, the formats of WINDOW and Radiance.
 #pragma once
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "srbf/fit_bsdf.h"
 #include "srbf/measured.h"
 

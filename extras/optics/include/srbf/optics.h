@@ -1,12 +1,6 @@
 // Scatter tables of optical design. Other formats of this folder give samples, which `read_measured` reads.
 #pragma once
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "srbf/measured.h"
 

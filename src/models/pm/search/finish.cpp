@@ -1,7 +1,5 @@
 #include "models/pm/search/finish.h"
 
-#include <limits>
-
 #include "base/levenberg_marquardt.h"
 #include "models/pm/pm_functions.h"
 #include "models/pm/search/options.h"

@@ -1,8 +1,5 @@
 // The fit of a multivariate model to observations.
 #pragma once
-#include <cstdint>
-#include <optional>
-
 #include "models/kind/kind.h"
 #include "observe/observations.h"
 #include "srbf/models/pm.h"

@@ -1,7 +1,6 @@
 // Random lobes: the starts and the moves of the search.
 #pragma once
 #include <random>
-#include <vector>
 
 #include "models/pm/solve/lobes.h"
 

@@ -1,6 +1,5 @@
 // The search for lobes: a candidate grows lobe by lobe and is perturbed.
 #pragma once
-#include <Eigen/Dense>
 #include <limits>
 
 #include "base/reporter.h"

@@ -1,11 +1,7 @@
 // Observations in the layout of the inner loops.
 #pragma once
 #include <Eigen/Dense>
-#include <algorithm>
-#include <array>
-#include <cstddef>
 #include <functional>
-#include <vector>
 
 #include "base/aligned.h"
 #include "base/block.h"

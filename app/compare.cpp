@@ -1,8 +1,8 @@
 
 #include "any/table_file.h"
 #include "app/commands.h"
+#include "app/load.h"
 #include "app/output.h"
-#include "app/read_options.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
 #include "errors/measures.h"

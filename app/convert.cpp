@@ -4,8 +4,8 @@
 
 #include "any/table_file.h"
 #include "app/commands.h"
+#include "app/load.h"
 #include "app/output.h"
-#include "app/read_options.h"
 #include "base/paths.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"

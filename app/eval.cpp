@@ -4,8 +4,7 @@
 #include "app/commands.h"
 #include "app/load.h"
 #include "app/pairs.h"
-#include "app/read_options.h"
-#include "brdf/channels.h"
+#include "brdf/values.h"
 
 namespace srbf {
 namespace {

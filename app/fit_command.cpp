@@ -6,7 +6,7 @@
 #include "app/commands.h"
 #include "app/fit.h"
 #include "app/fit_options.h"
-#include "app/read_options.h"
+#include "app/load.h"
 #include "base/paths.h"
 
 namespace srbf {

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstring>
 
-#include "base/file_reader.h"
+#include "base/files.h"
 #include "srbf/file.h"
 
 namespace srbf {

@@ -5,8 +5,8 @@
 
 #include "any/table_file.h"
 #include "app/commands.h"
+#include "app/load.h"
 #include "app/output.h"
-#include "app/read_options.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"

@@ -1,7 +1,9 @@
 // Loading any BRDF from a file.
 #pragma once
+#include "app/options.h"
 #include "srbf/library.h"
 #include "srbf/load.h"
+#include "srbf/measured.h"
 
 namespace srbf {
 
@@ -37,5 +39,8 @@ Result<std::optional<Library>> library_in(const std::string& path);
 
 /// Prints the error as one line to standard error; returns the exit status of an input error.
 int complain(const Error& error);
+
+/// Adds --columns, --quantity and --floor, which set `options`. It must outlive the parsing of the command line.
+std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& options);
 
 }  // namespace srbf

@@ -2,7 +2,7 @@
 #pragma once
 #include <array>
 
-#include "base/file_reader.h"
+#include "base/files.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
 

@@ -9,7 +9,7 @@
 #include "errors/picture_errors.h"
 #include "errors/sphere.h"
 #include "fit/request_traits.h"
-#include "observe/objectives.h"
+#include "observe/pair_weights.h"
 #include "srbf/fit.h"
 
 namespace srbf {

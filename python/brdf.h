@@ -6,7 +6,7 @@
 
 #include "arrays.h"
 #include "base/files.h"
-#include "brdf/channels.h"
+#include "brdf/values.h"
 #include "measured/readers.h"
 #include "measured/tables.h"
 #include "srbf/convert.h"

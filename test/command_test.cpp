@@ -1,7 +1,7 @@
 // Output of the subcommands other than fit.
 #include <regex>
 
-#include "brdf/channels.h"
+#include "brdf/values.h"
 #include "command.h"
 #include "errors/measures.h"
 #include "models.h"

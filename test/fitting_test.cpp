@@ -9,8 +9,8 @@
 #include "measured_files.h"
 #include "models.h"
 #include "observe/bound.h"
+#include "observe/observations.h"
 #include "observe/pairs.h"
-#include "observe/reciprocal_mean.h"
 #include "properties.h"
 
 namespace srbf::fitting_test {

@@ -9,7 +9,7 @@
 #include "brdf/values.h"
 #include "extras/daylight/klems.h"
 #include "fit/requests.h"
-#include "measured/isotropy.h"
+#include "measured/tables.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "observe/pair_weights.h"

@@ -5,7 +5,6 @@
 #include "extras/optics/json_rows.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
-#include "measured/spectral_rows.h"
 
 namespace SRBF_NAMESPACE {
 namespace {

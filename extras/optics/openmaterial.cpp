@@ -6,7 +6,6 @@
 #include "extras/optics/json_rows.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
-#include "measured/spectral_rows.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {

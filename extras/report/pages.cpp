@@ -8,7 +8,7 @@
 #include "errors/sphere.h"
 #include "extras/render/chart.h"
 #include "fit/request_traits.h"
-#include "observe/objectives.h"
+#include "observe/pair_weights.h"
 #include "srbf/metrics.h"
 
 namespace SRBF_NAMESPACE {

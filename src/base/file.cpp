@@ -5,7 +5,6 @@
 #include <system_error>
 #include <utility>
 
-#include "base/file_reader.h"
 #include "base/files.h"
 #include "base/system_files.h"
 #include "base/text.h"

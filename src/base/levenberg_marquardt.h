@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "base/least_squares.h"
-#include "base/step_bounds.h"
 
 namespace SRBF_NAMESPACE {
 

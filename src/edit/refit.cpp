@@ -1,4 +1,4 @@
-#include "edit/refit.h"
+#include "edit/reshape.h"
 
 #include "base/least_squares.h"
 #include "base/levenberg_marquardt.h"

@@ -4,7 +4,7 @@
 
 #include "base/errors.h"
 #include "base/parallel.h"
-#include "brdf/channels.h"
+#include "brdf/values.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "errors/sphere.h"
@@ -12,7 +12,6 @@
 #include "fit/requests.h"
 #include "measured/tables.h"
 #include "models/pm/pm_functions.h"
-#include "observe/objectives.h"
 #include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"

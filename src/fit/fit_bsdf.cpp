@@ -1,5 +1,6 @@
 // Fits of both sides of a surface.
 
+#include "srbf/fit_bsdf.h"
 #include "base/errors.h"
 #include "base/files.h"
 #include "base/floating_point.h"
@@ -9,11 +10,10 @@
 #include "fit/patch_fit.h"
 #include "fit/requests.h"
 #include "measured/evaluated_table.h"
-#include "measured/two_sided.h"
+#include "measured/tables.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_functions.h"
 #include "srbf/elementary.h"
-#include "srbf/fit_bsdf.h"
 
 namespace SRBF_NAMESPACE {
 namespace {

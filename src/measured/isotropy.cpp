@@ -1,4 +1,3 @@
-#include "measured/isotropy.h"
 
 #include <complex>
 

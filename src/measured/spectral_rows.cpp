@@ -1,4 +1,4 @@
-#include "measured/spectral_rows.h"
+#include "measured/samples.h"
 
 #include <fmt/format.h>
 

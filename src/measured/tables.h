@@ -1,5 +1,6 @@
 // Values of the tables of each format.
 #pragma once
+#include "srbf/brdf.h"
 #include "srbf/measured.h"
 
 SRBF_BEGIN
@@ -42,5 +43,17 @@ double change_by_azimuth(const ScatteredSamples& samples);
 /// `signed_spectrum` on arrays of pairs. It keeps a reference to `measured`.
 Channels signed_spectra(const Measured& measured);
 Channels signed_spectra(const Measured&&) = delete;
+
+/// True if f(Rωl, Rωv) = f(ωl, ωv) for rotations R about the normal, up to rounding or noise, over θ ≤ max_theta [rad]:
+/// the mean squared change of f cosθl cosθv under random rotations is at most 1e-6 of the mean square of f cosθl cosθv,
+/// or at most 2 % of it and at most 2.5 times the change under rotation by 15°. Independent noise of the standard
+/// deviation `noise` [1/sr] of each channel changes as much as it does by itself.
+bool is_isotropic(const Evaluate& f, double max_theta, const Rgb& noise = {});
+
+/// True if two shares of a beam are equal within the accuracy of a fit: 1 % of their mean, or 0.001.
+bool are_same_share(const Rgb& a, const Rgb& b);
+Rgb mean_share(std::span<const Rgb> shares);
+/// If the beams of both transmissions are reciprocal, sets the front's to their mean, and the back's to none.
+void unite_transmissions(Beams& beams);
 
 SRBF_END

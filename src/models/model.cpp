@@ -8,7 +8,7 @@
 #include "base/floating_point.h"
 #include "base/half.h"
 #include "base/safetensors.h"
-#include "brdf/channels.h"
+#include "brdf/values.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/kind/parameters.h"
 #include "models/lobes_file.h"

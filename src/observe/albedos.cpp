@@ -1,4 +1,4 @@
-#include "observe/albedos.h"
+#include "observe/observations.h"
 
 #include <cmath>
 

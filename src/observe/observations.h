@@ -6,6 +6,7 @@
 
 #include "brdf/values.h"
 #include "observe/costs.h"
+#include "srbf/brdf.h"
 #include "srbf/objective.h"
 
 namespace SRBF_NAMESPACE {
@@ -148,5 +149,18 @@ double horizon_weight(Vec3f wl, Vec3f wv, double importance, std::size_t count, 
 /// Adds to `observations` the spectra that belong to their colours, with negative values set to 0. `clamped` then
 /// counts these instead of those of the colours.
 void observe_spectra(Observations& observations, const Channels& spectra);
+
+/// Views at points of equal area over the disc of a sphere, under extended and directional lights, none of which is
+/// one of `standard_lightings`. Pairs with a direction beyond θmax [rad] or without a measurement are dark.
+std::vector<ObservedView> observe_views(const Evaluate& f, double theta_max, int threads);
+
+/// The albedos that `observe` lists, up to θmax [rad]. Every second one takes part in a search.
+std::vector<ObservedIntegral> observe_albedos(const Evaluate& f, const ObserveOptions& options, double theta_max);
+
+/// (cosθv f(ωl, ωv) + cosθl f(ωv, ωl)) / (cosθv + cosθl) [1/sr]. Instruments
+/// measure f cosθ; this averages the measured signals, so the value with the larger cosine counts most.
+/// Where only one of the two was measured, the mean is that one.
+Evaluate reciprocal_mean(Evaluate f);
+Channels reciprocal_mean(Channels f);
 
 }  // namespace srbf

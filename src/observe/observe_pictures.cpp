@@ -1,4 +1,4 @@
-#include "observe/observe_pictures.h"
+#include "observe/observations.h"
 
 #include "base/parallel.h"
 #include "brdf/frame.h"

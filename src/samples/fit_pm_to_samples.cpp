@@ -8,8 +8,6 @@
 #include "errors/measure_names.h"
 #include "errors/measures.h"
 #include "models/pm/search/search.h"
-#include "observe/large_errors.h"
-#include "observe/objectives.h"
 #include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
 #include "srbf/metrics.h"

@@ -9,7 +9,7 @@
 #include "errors/picture_errors.h"
 #include "extras/blender/closures.h"
 #include "extras/blender/script.h"
-#include "measured/isotropy.h"
+#include "measured/tables.h"
 #include "srbf/file.h"
 #include "srbf/objective.h"
 #include "srbf/shading_code.h"

@@ -10,7 +10,7 @@
 #include "app/hash.h"
 #include "app/output.h"
 #include "app/pairs.h"
-#include "base/file_reader.h"
+#include "base/files.h"
 #include "base/half.h"
 #include "base/printable.h"
 #include "brdf/directions.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "base/file_reader.h"
+#include "base/files.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
 

@@ -9,7 +9,7 @@
 #include "brdf/parts.h"
 #include "measured/formats/columns.h"
 #include "measured/readers.h"
-#include "measured/spectral_rows.h"
+#include "measured/samples.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {

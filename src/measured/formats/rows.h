@@ -41,4 +41,9 @@ EvaluatedTable evaluated_table(const std::shared_ptr<const Table>& table, TableF
     return evaluated;
 }
 
+Result<std::vector<std::byte>> write_as_merl(const TableSource& source, const TableOptions& options);
+Result<std::vector<std::byte>> write_as_rgl(const TableSource& source, const TableOptions& options);
+Result<std::vector<std::byte>> write_as_mbsdf(const TableSource& source, const TableOptions& options);
+Result<std::vector<std::byte>> write_as_csv(const TableSource& source, const TableOptions& options);
+
 }  // namespace srbf

@@ -7,7 +7,6 @@
 #include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_parameters.h"
-#include "observe/large_errors.h"
 #include "observe/pair_weights.h"
 #include "observe/surface_problem.h"
 

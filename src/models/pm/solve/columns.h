@@ -4,7 +4,7 @@
 #pragma once
 #include <span>
 
-#include "base/block.h"
+#include "base/aligned.h"
 
 namespace SRBF_NAMESPACE {
 

@@ -4,7 +4,6 @@
 #include <functional>
 
 #include "base/aligned.h"
-#include "base/block.h"
 #include "base/parallel.h"
 #include "observe/observations.h"
 #include "observe/pixels.h"

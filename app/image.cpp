@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "base/errors.h"
 #include "srbf/file.h"
 
 #pragma GCC diagnostic push
@@ -112,11 +113,8 @@ Result<std::vector<std::byte>> png(const Image8& image, const std::string& path)
     assert(image.pixels.size() == std::size_t(image.width) * std::size_t(image.height));
     constexpr std::int64_t largest = std::int64_t(1) << 29;  // stb counts bytes in an int and doubles its buffers
     if (image.pixels.empty() || (3 * std::int64_t(image.width) + 1) * image.height > largest)
-        return Error{path,
-                     {},
-                     "size of a PNG",
-                     fmt::format("1 to {} bytes", largest),
-                     fmt::format("{} x {} pixels", image.width, image.height)};
+        return input_error(path, "size of a PNG", fmt::format("1 to {} bytes", largest),
+                           fmt::format("{} x {} pixels", image.width, image.height));
     std::vector<std::byte> bytes;
     if (stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, image.pixels.data(), 3 * image.width) == 0)
         return Error{path, {}, "cannot be written", "memory for a PNG", ""};

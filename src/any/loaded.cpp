@@ -95,13 +95,10 @@ Result<AnyBrdf> load_named(std::span<const std::byte> bytes, const TexelName& te
         const auto library = read_library(bytes, texel_name.file);
         if (!library) return library.error();
         if (const auto index = find_material(*library, texel_name.name)) return AnyBrdf(material(*library, *index));
-        return Error{path,
-                     {},
-                     "material",
-                     library->names.empty() ? fmt::format("0 to {}", library->count() - 1)
-                                            : fmt::format("a name such as {}", library->names[0]),
-                     fmt::format("{:.80}", texel_name.name),
-                     ErrorCode::argument};
+        return argument_error(path, "material",
+                              library->names.empty() ? fmt::format("0 to {}", library->count() - 1)
+                                                     : fmt::format("a name such as {}", library->names[0]),
+                              fmt::format("{:.80}", texel_name.name));
     }
     const auto texel = to_number<std::uint64_t>(texel_name.name);
     if (!texel)
@@ -117,12 +114,7 @@ Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options) {
         auto bytes = read_input(texel_name && options.columns.empty() ? texel_name->file : path, options);
         if (!bytes) return bytes.error();
         if (is_safetensors(*bytes) && options.any())
-            return Error{path,
-                         {},
-                         "input",
-                         "samples, for --columns, --quantity and --floor",
-                         "a fitted model",
-                         ErrorCode::argument};
+            return argument_error(path, "input", "samples, for --columns, --quantity and --floor", "a fitted model");
         if (texel_name) return load_named(*bytes, *texel_name, path);
         if (is_safetensors(*bytes)) return to_any(read_model(*bytes, path));
         auto measured = read_measured(*std::move(bytes), path, options);

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "base/errors.h"
 #include "base/floating_point.h"
 #include "base/text.h"
 #include "brdf/directions.h"
@@ -224,10 +225,9 @@ Result<Done> choose_band(Measured& measured, std::string_view name) {
             }
             names.push_back(table->bands[b].name);
         }
-    return Error{
-        measured.source,       {},
-        "band of wavelengths", names.empty() ? "a measurement in bands" : fmt::format("{}", fmt::join(names, " or ")),
-        std::string(name),     ErrorCode::argument};
+    return argument_error(measured.source, "band of wavelengths",
+                          names.empty() ? "a measurement in bands" : fmt::format("{}", fmt::join(names, " or ")),
+                          std::string(name));
 }
 
 }  // namespace srbf

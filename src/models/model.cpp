@@ -258,11 +258,8 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& fi
 Result<Done> check_range(const Model& model, const std::string& source) {
     const double largest = largest_number(model);
     if (!(largest > double(k_half_max))) return Done{};
-    return Error{source,
-                 {},
-                 "coefficient",
-                 fmt::format("at most {:g}, the largest 16-bit float", k_half_max),
-                 fmt::format("{:.6g}", largest)};
+    return input_error(source, "coefficient", fmt::format("at most {:g}, the largest 16-bit float", k_half_max),
+                       fmt::format("{:.6g}", largest));
 }
 
 Result<Done> save_model(const Model& model, const std::string& path) {

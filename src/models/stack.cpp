@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/errors.h"
 #include "base/floating_point.h"
 #include "base/half.h"
 #include "base/safetensors.h"
@@ -83,11 +84,8 @@ Result<StackContent> read_stack_content(std::span<const std::byte> bytes, const 
     for (const auto& [name, tensor] : own) tensors.erase(name);
     for (const auto& [name, tensor] : tensors)
         if (tensor.shape.size() < 2 || tensor.shape[0] != T)
-            return Error{file_name,
-                         {},
-                         fmt::format("tensor '{:.80}': shape", name),
-                         fmt::format("[{}, ..]", T),
-                         shape_text(tensor.shape)};
+            return input_error(file_name, fmt::format("tensor '{:.80}': shape", name), fmt::format("[{}, ..]", T),
+                               shape_text(tensor.shape));
     StackContent stack{std::move(tensors), own["aux.state"].data, {}, *header, std::move(content->metadata), file_name};
     for (const std::uint16_t half : own["aux.error"].data) stack.error.push_back(from_half(half));
     return stack;
@@ -114,8 +112,7 @@ Result<Model> read_texel(std::span<const std::byte> bytes, std::uint64_t texel, 
     if (!content) return content.error();
     const std::size_t count = content->state.size();
     if (texel >= count)
-        return Error{file_name,          {}, "texel", fmt::format("0 to {}", count - 1), fmt::format("{}", texel),
-                     ErrorCode::argument};
+        return argument_error(file_name, "texel", fmt::format("0 to {}", count - 1), fmt::format("{}", texel));
     auto model = content->model(texel);
     if (!model) return model.error();
     auto& provenance = content->provenance;

@@ -5,6 +5,7 @@
 
 #include "app/commands.h"
 #include "app/output.h"
+#include "base/errors.h"
 #include "base/printable.h"
 #include "errors/picture_errors.h"
 #include "extras/blender/closures.h"
@@ -88,12 +89,8 @@ int write_script(const ExportCommand& command, int terms) {
 
 int write_shader(const ExportCommand& command, int terms) {
     if (command.files.size() > 1)
-        return complain(Error{command.output,
-                              {},
-                              "models",
-                              "one, as a file of OSL has one shader",
-                              std::to_string(command.files.size()),
-                              ErrorCode::argument});
+        return complain(argument_error(command.output, "models", "one, as a file of OSL has one shader",
+                                       std::to_string(command.files.size())));
     const auto materials = fitted_closures(command, {.terms = terms, .ramp = k_ramp_of_osl});
     if (!materials) return complain(materials.error());
     const auto& [name, sum] = materials->front();

@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include "base/errors.h"
 #include "base/files.h"
 #include "base/floating_point.h"
 #include "measured/bytes.h"
@@ -183,11 +184,9 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
     if (is_safetensors(bytes))
         return Error{file_name, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
     const bool may_be_rows = !bytes.empty() && is_text(bytes);
-    return Error{file_name,
-                 {},
-                 "unknown format",
-                 names_of_formats() + (may_be_rows ? ", or --columns for rows of numbers" : ""),
-                 first_bytes(bytes)};
+    return input_error(file_name, "unknown format",
+                       names_of_formats() + (may_be_rows ? ", or --columns for rows of numbers" : ""),
+                       first_bytes(bytes));
 }
 
 Result<Measured> indexed(Result<Measured> measured) {
@@ -218,9 +217,7 @@ Result<Measured> read_with_options(std::span<const std::byte> bytes, const std::
     auto measured = read_unindexed(bytes, file_name, options);
     if (!options.any() || !measured) return measured;
     auto* samples = std::get_if<ScatteredSamples>(&measured->table);
-    if (!samples)
-        return Error{file_name,          {}, "input", "samples, for --quantity and --floor", measured->format,
-                     ErrorCode::argument};
+    if (!samples) return argument_error(file_name, "input", "samples, for --quantity and --floor", measured->format);
     if (const auto applied = apply(options, *samples); !applied) {
         Error error = applied.error();
         error.source = file_name;

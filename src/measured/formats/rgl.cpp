@@ -1,4 +1,5 @@
 
+#include "base/errors.h"
 #include "base/floating_point.h"
 #include "brdf/colour.h"
 #include "measured/angles.h"
@@ -270,11 +271,8 @@ Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& f
     if (!parsed) return parsed.error();
     const TensorFile& file = *parsed;
     if (file.contains("M") || file.contains("wvls"))
-        return Error{file_name,
-                     {},
-                     "tensor file",
-                     "fields of an unpolarized BRDF, as vndf and rgb",
-                     "Mueller matrices of a polarized one; write their first element, which is f, as CSV"};
+        return input_error(file_name, "tensor file", "fields of an unpolarized BRDF, as vndf and rgb",
+                           "Mueller matrices of a polarized one; write their first element, which is f, as CSV");
 
     const auto description = find(file, file_name, {"description", TensorType::u8, {0}, 0});
     if (!description) return description.error();

@@ -1,6 +1,7 @@
 // BSDFs: models of the parts, and beams.
 #include <fmt/format.h>
 
+#include "base/errors.h"
 #include "base/half.h"
 #include "brdf/parts.h"
 #include "brdf/values.h"
@@ -190,11 +191,8 @@ struct BeamReader {
         const std::string angle = angle_name(name), azimuths = azimuths_name(name), share = share_name(name);
         const auto& shape = find(angle)->shape;
         if (shape.size() != 1 || shape[0] < 1 || shape[0] > k_most_beam_rings)
-            return Error{file_name,
-                         {},
-                         fmt::format("tensor '{}': shape", angle),
-                         fmt::format("[n] up to [{}]", k_most_beam_rings),
-                         shape_text(shape)};
+            return input_error(file_name, fmt::format("tensor '{}': shape", angle),
+                               fmt::format("[n] up to [{}]", k_most_beam_rings), shape_text(shape));
         std::map<std::string, TensorShape> expected{{angle, {Type16::half, {shape[0]}}}};
         std::uint64_t nodes = shape[0];
         if (const Tensor16* tensor = find(azimuths)) {

@@ -5,6 +5,7 @@
 #include "app/astc.h"
 #include "app/commands.h"
 #include "app/export.h"
+#include "app/extra_exports.h"
 #include "app/map_layers.h"
 #include "app/output.h"
 #include "app/surface_files.h"

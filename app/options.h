@@ -63,11 +63,8 @@ class Subcommand {
   public:
     explicit Subcommand(CLI::App* app) : app_(app) {}
 
-    Option add_option(const std::string& names, std::string& value, const std::string& about) const;
-    Option add_option(const std::string& names, std::vector<std::string>& value, const std::string& about) const;
-    Option add_option(const std::string& names, int& value, const std::string& about) const;
-    Option add_option(const std::string& names, std::uint64_t& value, const std::string& about) const;
-    Option add_option(const std::string& names, double& value, const std::string& about) const;
+    /// An option whose text becomes `value`: a text, a list of texts, an int or a double.
+    template <typename T> Option add_option(const std::string& names, T& value, const std::string& about) const;
     /// An option whose text is passed to `take`.
     Option add_option(const std::string& names, std::function<void(const std::string&)> take,
                       const std::string& about) const;

@@ -99,7 +99,7 @@ TEST(FitBsdf, IsAskedForByName) {
     const auto fitted = fit(sides, {});
     ASSERT_FALSE(fitted.ok());
     EXPECT_EQ(message(fitted.error()), "f: " + expected);
-    EXPECT_EQ(message(Fitter(sides).draft({}, 0).error()), "fit: " + expected);
+    EXPECT_EQ(message(Fitter(sides).draft({}).error()), "fit: " + expected);
     EXPECT_FALSE(fit_bsdf(Measured{"f", "CSV", 0, ScatteredSamples{}}, {.model = PmRequest{}}).ok());
 }
 

@@ -158,7 +158,7 @@ TEST(Fitting, IsItsStagesOneAfterTheOther) {
     ASSERT_TRUE(at_once);
     Fitter fitter(measured);
     // Neither a draft nor an earlier fit changes the result of a later one.
-    ASSERT_TRUE(fitter.draft(request, 0));
+    ASSERT_TRUE(fitter.draft(request));
     ASSERT_TRUE(fitter.fit(pm(LobeCount{1}, 1), {}));
     auto outcome = fitter.fit(request);
     ASSERT_TRUE(outcome);
@@ -195,7 +195,7 @@ TEST(Fitting, SamplesAreCrossValidated) {
     EXPECT_LT(outcome->errors->heldout.squared_error_ratio, 0.01);
     // The errors of a draft are not measured.
     Fitter fitter(measured);
-    auto draft = fitter.draft(request, 0);
+    auto draft = fitter.draft(request);
     ASSERT_TRUE(draft);
     EXPECT_FALSE(draft->errors);
     EXPECT_TRUE(fitter.measure(*draft, request));

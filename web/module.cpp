@@ -223,12 +223,10 @@ SRBF_EXPORT(draft) int draft(int number, const char* options, std::size_t size) 
     if (!measured) return fail(unknown("that of a measurement"));
     auto request = request_of({options, size});
     if (!request) return fail(request.error());
-    // For samples, errors take five more fits. So the last draft, which is the fit without errors, is shown.
-    const bool is_samples = std::holds_alternative<ScatteredSamples>(measured->table);
-    auto outcome = fitter_of(number, *measured).draft(*request, is_samples ? Fitter::k_drafts - 1 : 0, host_progress());
+    auto outcome = fitter_of(number, *measured).draft(*request, host_progress());
     if (!outcome) return fail(outcome.error());
     Json report = summary_of(*measured, outcome->model);
-    report["last"] = is_samples;
+    report["last"] = std::holds_alternative<ScatteredSamples>(measured->table);  // the fit, whose errors take five more
     set_json(report);
     return keep({stem_of(subject->path) + ".srbf", std::move(outcome->model)});
 }

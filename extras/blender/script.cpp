@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "blender/script_text.h"
 #include "srbf/model.h"
 
 namespace SRBF_NAMESPACE {

@@ -14,6 +14,7 @@
 #include "extras/render/slices.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/su/su_functions.h"
+#include "render/page_text.h"
 
 namespace SRBF_NAMESPACE {
 namespace {

@@ -1,4 +1,5 @@
 #include "extras/render/pixel_shader.h"
+#include "render/shader_text.h"
 
 #include <fmt/format.h>
 

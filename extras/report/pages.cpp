@@ -9,6 +9,8 @@
 #include "extras/render/chart.h"
 #include "fit/request_traits.h"
 #include "observe/pair_weights.h"
+#include "render/page_text.h"
+#include "report/report_text.h"
 #include "srbf/metrics.h"
 
 namespace SRBF_NAMESPACE {

@@ -152,10 +152,9 @@ class Fitter {
     /// Fits the requested model. For scattered samples this also measures the errors. Errors: a two-sided
     /// measurement; `measure` takes its front reflection.
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress = {});
-    /// A fast preview of `fit`, from a few tens of milliseconds to a second. A higher `draft`, 0..k_drafts−1, is more
-    /// accurate. Only for PM; without a number of lobes, with that of the form.
-    Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress = {});
-    static constexpr int k_drafts = 2;
+    /// A first model of PM: of a table by a search of a few tens of milliseconds, of samples the fit to all of them,
+    /// without cross-validation. Without a number of lobes it has that of the form.
+    Result<FitOutcome> draft(const FitRequest& request, const ProgressToken& progress = {});
     /// Measures the errors of `outcome` and adds them to its provenance.
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress = {}) const;
 

@@ -27,7 +27,6 @@ constexpr double k_as_good = 1.03;
 constexpr int k_sample_starts = 6, k_sample_perturbations = 14;
 /// The fits to folds, which only estimate the error of the fit to all samples, have fewer starts.
 constexpr int k_fold_starts = 3;
-constexpr int k_draft_starts = 3, k_draft_perturbations = 2;
 /// Approximate share of observing in the time of the fits to a fold's samples.
 constexpr double k_observed_of_fold = 0.2;
 
@@ -302,13 +301,11 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleO
 }
 
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
-                                    const FitRequest& request, bool in_short, const ProgressToken& progress) {
-    PmFitOptions options = sample_options(samples, request, {});
-    if (in_short) options = quick_options(options, k_draft_starts, k_draft_perturbations);
-    auto pm = fit_pm(observed, {options, !in_short}, progress);
+                                    const FitRequest& request, const ProgressToken& progress) {
+    auto pm = fit_pm(observed, {sample_options(samples, request, {}), true}, progress);
     if (!pm) return pm.error();
     FitOutcome outcome = outcome_of(*std::move(pm));
-    outcome.filled = !in_short || fills_gaps(request);
+    outcome.filled = true;
     return outcome;
 }
 

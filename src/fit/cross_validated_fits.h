@@ -17,9 +17,9 @@ ObserveSamplesOptions observe_options(const FitRequest& request);
 Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
                                   const FitRequest& request, const ProgressToken& progress);
 
-/// A fit without cross-validation that follows filled or interpolated values; with `in_short`, a short search.
+/// A fit without cross-validation that follows filled or interpolated values.
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
-                                    const FitRequest& request, bool in_short, const ProgressToken& progress);
+                                    const FitRequest& request, const ProgressToken& progress);
 
 /// Fits models to `training`, the samples of all folds but one: the same number of models each time. It is called from
 /// several threads at once.

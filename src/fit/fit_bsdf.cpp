@@ -7,6 +7,7 @@
 #include "brdf/directions.h"
 #include "brdf/parts.h"
 #include "brdf/values.h"
+#include "fit/extra_fits.h"
 #include "fit/patch_fit.h"
 #include "fit/requests.h"
 #include "measured/evaluated_table.h"

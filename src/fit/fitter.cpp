@@ -29,12 +29,9 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// Drafts use the first observations.
-struct Draft {
-    std::size_t pairs;
-    int starts, perturbations;
-};
-constexpr Draft k_draft[Fitter::k_drafts] = {{4096, 3, 0}, {16384, 4, 8}};
+/// The draft of a table uses the first observations, and is not perturbed.
+constexpr std::size_t k_draft_pairs = 4096;
+constexpr int k_draft_starts = 3;
 
 /// Approximate shares of the time of a fit until something is observed or fitted.
 constexpr double k_smoothed = 0.5, k_observed = 0.1, k_samples_observed = 0.05, k_drafts_observed = 0.3,
@@ -63,14 +60,13 @@ Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request
         tabulate(f, {.directions = su.directions, .discretise = su.discretise, .threads = request.threads},
                  progress.part(0, k_observed));
     if (!matrix) return matrix.error();
-    SuFitOptions options;
-    options.lobes = su.lobes;
-    options.objective = request.objective;
-    options.max_theta = request.theta();
-    options.interpolation = su.interpolation;
-    options.neighbours = su.neighbours;
-    options.seed = request.seed;
-    options.threads = request.threads;
+    const SuFitOptions options{.lobes = su.lobes,
+                               .objective = request.objective,
+                               .max_theta = request.theta(),
+                               .interpolation = su.interpolation,
+                               .neighbours = su.neighbours,
+                               .seed = request.seed,
+                               .threads = request.threads};
     auto fitted = fit_su(*matrix, options, progress.part(k_observed, 1));
     if (!fitted) return fitted.error();
     if (progress.cancelled()) return cancelled_error("fit");
@@ -103,14 +99,8 @@ Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& ob
 // ---- The fitter ----
 
 struct Fitter::State {
-    explicit State(const Measured& measured)
-        : measured_(&measured), signed_(signed_evaluator(measured)), clamped_(evaluator(measured)) {}
-    explicit State(Evaluate f) : signed_(std::move(f)) {
-        clamped_ = [f = signed_](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
-            f(wl, wv, values);
-            for (Rgb& value : values) clamp_negative(value);  // NaN is kept
-        };
-    }
+    explicit State(Evaluate f, const Measured* measured = nullptr)
+        : measured_(measured), signed_(std::move(f)), clamped_(non_negative(signed_)) {}
 
     const ScatteredSamples* samples() const {
         return measured_ ? std::get_if<ScatteredSamples>(&measured_->table) : nullptr;
@@ -341,20 +331,20 @@ struct Fitter::State {
         return outcome;
     }
 
-    Result<FitOutcome> draft_to(const ScatteredSamples& samples, const FitRequest& request, bool in_short,
+    Result<FitOutcome> draft_to(const ScatteredSamples& samples, const FitRequest& request,
                                 const ProgressToken& progress) {
         const auto observations = observed_samples(request, progress.part(0, k_drafts_observed));
         if (!observations) return observations.error();
-        return draft_of_samples(samples, **observations, request, in_short, progress.part(k_drafts_observed, 1));
+        return draft_of_samples(samples, **observations, request, progress.part(k_drafts_observed, 1));
     }
-    Result<FitOutcome> draft_table(const FitRequest& request, const Draft& draft, const ProgressToken& progress) {
+    Result<FitOutcome> draft_table(const FitRequest& request, const ProgressToken& progress) {
         const auto quiet = smooth(request, progress);
         if (!quiet) return quiet.error();
         const auto observations = observed(request, quiet->part(0, k_drafts_observed));
         if (!observations) return observations.error();
         PmFitOptions options = pm_options(request, axial(request), k_default_form);
-        options.starts = draft.starts, options.perturbations = draft.perturbations;
-        auto fitted = fit_pm(first_pairs(**observations, draft.pairs), options, quiet->part(k_drafts_observed, 1));
+        options.starts = k_draft_starts, options.perturbations = 0;
+        auto fitted = fit_pm(first_pairs(**observations, k_draft_pairs), options, quiet->part(k_drafts_observed, 1));
         if (!fitted) return fitted.error();
         FitOutcome outcome = outcome_of(*std::move(fitted));
         outcome.masked = (*observations)->masked, outcome.clamped = (*observations)->clamped;
@@ -362,7 +352,7 @@ struct Fitter::State {
         return outcome;
     }
 
-    const Measured* measured_ = nullptr;
+    const Measured* measured_;  // null: a function
     Evaluate signed_, clamped_;
     std::optional<Noise> noise_;                        // of a table that was fitted
     Evaluate smoothed_ = nullptr, unbiased_ = nullptr;  // if it is noisy
@@ -371,7 +361,7 @@ struct Fitter::State {
     std::map<double, bool> isotropic_;  // by θmax
 };
 
-Fitter::Fitter(const Measured& measured) : state_(std::make_unique<State>(measured)) {}
+Fitter::Fitter(const Measured& measured) : state_(std::make_unique<State>(signed_evaluator(measured), &measured)) {}
 Fitter::Fitter(Evaluate f) : state_(std::make_unique<State>(std::move(f))) {}
 Fitter::Fitter(Fitter&&) noexcept = default;
 Fitter& Fitter::operator=(Fitter&&) noexcept = default;
@@ -385,14 +375,13 @@ Result<FitOutcome> Fitter::fit(const FitRequest& request, const ProgressToken& p
     return state_->finished(std::move(outcome), request, start, progress);
 }
 
-Result<FitOutcome> Fitter::draft(const FitRequest& request, int draft, const ProgressToken& progress) {
+Result<FitOutcome> Fitter::draft(const FitRequest& request, const ProgressToken& progress) {
     const auto start = std::chrono::steady_clock::now();
     if (const auto valid = state_->validate(request); !valid) return valid.error();
-    if (!std::holds_alternative<PmRequest>(request.model) || draft < 0 || draft >= k_drafts)
+    if (!std::holds_alternative<PmRequest>(request.model))
         return argument_error("fit", "draft", "one of a multivariate model", "another");
     const ScatteredSamples* samples = state_->samples();
-    auto outcome = samples ? state_->draft_to(*samples, request, draft == 0, progress)
-                           : state_->draft_table(request, k_draft[draft], progress);
+    auto outcome = samples ? state_->draft_to(*samples, request, progress) : state_->draft_table(request, progress);
     return state_->finished(std::move(outcome), request, start, progress);
 }
 
@@ -415,31 +404,26 @@ Appearance compare_exchanged(const Evaluate& f, int threads) {
 
 namespace {
 
-/// `outcome` with its errors.
-Result<FitOutcome> with_errors(const Fitter& fitter, Result<FitOutcome> outcome, const FitRequest& request,
-                               const ProgressToken& progress) {
+Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
+    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
     if (!outcome) return outcome;
     if (const auto within = check_range(outcome->unrounded, "fit"); !within) return within.error();
-    if (const auto measured = fitter.measure(*outcome, request, progress); !measured) return measured.error();
-    return outcome;
+    const auto measured = fitter.measure(*outcome, request, progress.part(k_fitted, 1));
+    return measured ? std::move(outcome) : measured.error();
 }
 
 }  // namespace
 
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
     try {
-        Fitter fitter(measured);
-        auto outcome = fitter.fit(request, progress.part(0, k_fitted));
-        outcome = with_errors(fitter, std::move(outcome), request, progress.part(k_fitted, 1));
+        auto outcome = fit_and_measure(Fitter(measured), request, progress);
         return outcome ? std::move(outcome) : of_source(outcome.error(), measured);
     } catch (const std::bad_alloc&) {
         return out_of_memory_error(measured.source);
     }
 }
 Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress) {
-    Fitter fitter(std::move(f));
-    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
-    return with_errors(fitter, std::move(outcome), request, progress.part(k_fitted, 1));
+    return fit_and_measure(Fitter(std::move(f)), request, progress);
 }
 
 std::vector<Vec3f> matrix_directions(const Model& model, double theta_max) {

@@ -11,6 +11,7 @@
 #include "brdf/values.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/kind/parameters.h"
+#include "models/kinds.h"
 #include "models/lobes_file.h"
 #include "models/openpbr/openpbr_functions.h"
 #include "models/pm/pm_functions.h"

@@ -4,9 +4,11 @@
 #include <memory>
 
 #include "app/commands.h"
+#include "app/extra_exports.h"
 #include "app/output.h"
 #include "base/errors.h"
 #include "base/printable.h"
+#include "blender/script_text.h"
 #include "errors/picture_errors.h"
 #include "extras/blender/closures.h"
 #include "extras/blender/script.h"

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "app/commands.h"
+#include "app/extra_exports.h"
 #include "app/output.h"
 #include "base/printable.h"
 #include "extras/environment/app/filtered_environment.h"

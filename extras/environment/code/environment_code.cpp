@@ -6,7 +6,9 @@
 #include <algorithm>
 
 #include "code/added_code.h"
+#include "code/extra_code.h"
 #include "code/print.h"
+#include "extras/environment/texts.h"
 #include "sampling/elevation_nodes.h"
 #include "srbf/model.h"
 

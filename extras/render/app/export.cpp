@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "app/commands.h"
+#include "app/extra_exports.h"
 #include "app/map_layers.h"
 #include "app/output.h"
 #include "base/files.h"

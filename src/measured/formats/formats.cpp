@@ -6,6 +6,7 @@
 #include "base/files.h"
 #include "base/floating_point.h"
 #include "measured/bytes.h"
+#include "measured/extra_formats.h"
 #include "measured/formats/mbsdf.h"
 #include "measured/formats/rows.h"
 #include "measured/readers.h"

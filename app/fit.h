@@ -5,7 +5,6 @@
 #include "app/image.h"
 #include "app/output.h"
 #include "srbf/fit.h"
-#include "srbf/fit_bsdf.h"
 
 namespace srbf {
 

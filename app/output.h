@@ -8,7 +8,6 @@
 #include "errors/measure_names.h"
 #include "models/kind/parameters.h"
 #include "srbf/metrics.h"
-#include "srbf/objective.h"
 
 namespace srbf {
 

@@ -12,7 +12,6 @@
 #include "fit/request_traits.h"
 #include "srbf/fit.h"
 #include "srbf/fit_batch.h"
-#include "srbf/fit_bsdf.h"
 
 namespace srbf {
 

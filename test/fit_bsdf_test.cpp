@@ -1,6 +1,6 @@
 // Fits of both sides: closed forms, and light that is neither lost nor made.
-#include "srbf/fit_bsdf.h"
 #include "furnace.h"
+#include "srbf/fit.h"
 #include "srbf/kernel.h"
 
 namespace srbf::fit_bsdf_test {

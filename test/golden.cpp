@@ -23,7 +23,6 @@
 #include "srbf/file.h"
 #include "srbf/fit.h"
 #include "srbf/fit_batch.h"
-#include "srbf/fit_bsdf.h"
 #include "srbf/kernel.h"
 #include "srbf/model.h"
 

@@ -31,9 +31,7 @@
 #include "srbf/edit.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
-#include "srbf/fit_bsdf.h"
 #include "srbf/metrics.h"
-#include "srbf/objective.h"
 #include "srbf/shading_code.h"
 
 #define SRBF_EXPORT(name) __attribute__((export_name("srbf_" #name)))

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "srbf/brdf.h"
-#include "srbf/bsdf.h"
 #include "srbf/result.h"
 
 SRBF_BEGIN

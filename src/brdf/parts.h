@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "srbf/bsdf.h"
+#include "srbf/brdf.h"
 
 SRBF_BEGIN
 

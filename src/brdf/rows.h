@@ -7,7 +7,7 @@
 #include "base/printable.h"
 #include "brdf/directions.h"
 #include "brdf/parts.h"
-#include "srbf/bsdf.h"
+#include "srbf/brdf.h"
 
 namespace SRBF_NAMESPACE {
 

@@ -3,7 +3,7 @@
 #include "models/pm/search/options.h"
 #include "observe/observations.h"
 #include "observe/pairs.h"
-#include "srbf/objective.h"
+#include "srbf/metrics.h"
 
 namespace SRBF_NAMESPACE {
 

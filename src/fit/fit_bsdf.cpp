@@ -1,6 +1,5 @@
 // Fits of both sides of a surface.
 
-#include "srbf/fit_bsdf.h"
 #include "base/errors.h"
 #include "base/files.h"
 #include "base/floating_point.h"
@@ -15,6 +14,7 @@
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_functions.h"
 #include "srbf/elementary.h"
+#include "srbf/fit.h"
 
 namespace SRBF_NAMESPACE {
 namespace {

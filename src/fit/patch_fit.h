@@ -2,7 +2,7 @@
 #pragma once
 #include <string_view>
 
-#include "srbf/fit_bsdf.h"
+#include "srbf/fit.h"
 
 SRBF_BEGIN
 

@@ -7,7 +7,7 @@
 #include "brdf/values.h"
 #include "observe/costs.h"
 #include "srbf/brdf.h"
-#include "srbf/objective.h"
+#include "srbf/metrics.h"
 
 namespace SRBF_NAMESPACE {
 

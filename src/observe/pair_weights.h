@@ -6,7 +6,7 @@
 #include "observe/costs.h"
 #include "observe/observations.h"
 #include "srbf/elementary.h"
-#include "srbf/objective.h"
+#include "srbf/metrics.h"
 
 SRBF_BEGIN
 

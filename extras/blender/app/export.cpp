@@ -14,7 +14,7 @@
 #include "extras/blender/script.h"
 #include "measured/tables.h"
 #include "srbf/file.h"
-#include "srbf/objective.h"
+#include "srbf/metrics.h"
 #include "srbf/shading_code.h"
 
 namespace SRBF_NAMESPACE {

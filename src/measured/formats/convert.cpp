@@ -8,8 +8,6 @@
 #include "brdf/values.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/formats/mbsdf.h"
-#include "measured/formats/merl.h"
 #include "measured/formats/rows.h"
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"

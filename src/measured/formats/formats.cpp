@@ -7,7 +7,6 @@
 #include "base/floating_point.h"
 #include "measured/bytes.h"
 #include "measured/extra_formats.h"
-#include "measured/formats/mbsdf.h"
 #include "measured/formats/rows.h"
 #include "measured/readers.h"
 #include "measured/samples.h"

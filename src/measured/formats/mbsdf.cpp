@@ -3,7 +3,6 @@
 #include "base/text.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/formats/mbsdf.h"
 #include "measured/limits.h"
 #include "measured/readers.h"
 #include "measured/samples.h"

@@ -8,7 +8,7 @@
 #include "srbf/fit_batch.h"
 #include "srbf/library.h"
 #include "srbf/measured.h"
-#include "srbf/objective.h"
+#include "srbf/metrics.h"
 #include "srbf/progress.h"
 #include "srbf/result.h"
 

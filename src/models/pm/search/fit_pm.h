@@ -2,8 +2,8 @@
 #pragma once
 #include "models/kind/kind.h"
 #include "observe/observations.h"
+#include "srbf/metrics.h"
 #include "srbf/models/pm.h"
-#include "srbf/objective.h"
 #include "srbf/progress.h"
 #include "srbf/result.h"
 

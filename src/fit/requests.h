@@ -35,8 +35,8 @@ inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm for
             .axial = axial,
             .lobes = lobes_of(pm).value_or(row.lobes),
             .variates = pm.variates.value_or(row.variates),
-            .albedo_limit = pm.albedo_limit,
             .effort = pm.effort,
+            .albedo_limit = pm.albedo_limit,
             .seed = request.seed,
             .threads = request.threads};
 }

@@ -1,6 +1,7 @@
 // Vectors of three components, colours, and the local frame.
 #pragma once
 #include <bit>
+#include <cmath>
 #include <cstdint>
 
 #include "srbf/elementary.h"

@@ -250,29 +250,31 @@ FileReader::~FileReader() {
     if (descriptor_ >= 0) system::close(descriptor_);
 }
 
-Result<std::size_t> FileReader::read(std::span<std::byte> bytes) {
+namespace {
+
+/// Fills `bytes` by calls of `read(place, size, filled)`, or as many as there are.
+template <typename Read>
+Result<std::size_t> fill(std::span<std::byte> bytes, const std::string& path, const Read& read) {
     std::size_t filled = 0;
     while (filled < bytes.size()) {
-        const auto count =
-            uninterrupted([&] { return system::read(descriptor_, bytes.data() + filled, bytes.size() - filled); });
-        if (count < 0) return cannot_read(path_, errno == EISDIR ? "a folder" : reason(errno));
+        const auto count = uninterrupted([&] { return read(bytes.data() + filled, bytes.size() - filled, filled); });
+        if (count < 0) return cannot_read(path, errno == EISDIR ? "a folder" : reason(errno));
         if (count == 0) break;
         filled += std::size_t(count);
     }
     return filled;
 }
 
+}  // namespace
+
+Result<std::size_t> FileReader::read(std::span<std::byte> bytes) {
+    return fill(bytes, path_, [&](auto* to, auto size, auto) { return system::read(descriptor_, to, size); });
+}
+
 Result<std::size_t> FileReader::read(std::uint64_t offset, std::span<std::byte> bytes) const {
-    std::size_t filled = 0;
-    while (filled < bytes.size()) {
-        const auto rest = bytes.subspan(filled);
-        const auto count =
-            uninterrupted([&] { return system::read_at(descriptor_, rest.data(), rest.size(), offset + filled); });
-        if (count < 0) return cannot_read(path_, errno == EISDIR ? "a folder" : reason(errno));
-        if (count == 0) break;
-        filled += std::size_t(count);
-    }
-    return filled;
+    return fill(bytes, path_, [&](auto* to, std::size_t size, std::size_t filled) {
+        return system::read_at(descriptor_, to, size, offset + filled);
+    });
 }
 
 Result<std::optional<std::string_view>> FileLines::next() {

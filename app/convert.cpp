@@ -86,8 +86,7 @@ int ConvertCommand::run() const {
     }
     const auto bytes = converted(*subject);
     if (!bytes) return complain(bytes.error());
-    const auto written = write_file(output, *bytes);
-    return written ? k_done : complain(written.error());
+    return status_of(write_file(output, *bytes));
 }
 
 /// ".bsdf (RGL), .mbsdf (MDL), ..".

@@ -98,15 +98,14 @@ int write_map(const ExportCommand& asked, const TextKind& kind) {
     const std::string name = identifier(stem_of(asked.files[0])), texture = asked.beside(name + ".ktx2");
     const auto map = load_map(asked, kind.has_texture ? std::vector{texture} : std::vector<std::string>());
     if (!map) return complain(map.error());
-    const auto written = within_memory(texture, [&]() -> Result<Done> {
+    return status_of(within_memory(texture, [&]() -> Result<Done> {
         std::vector<NewFile> files;
         if (kind.has_texture) files.push_back({texture, texture_of(asked, *map)});
         const auto text = kind.map(asked, *map, name);
         if (!text) return text.error();
         files.push_back(file_of(asked.output, as_bytes(*text)));
         return write_files(files);
-    });
-    return written ? int(k_done) : complain(written.error());
+    }));
 }
 
 int write_text(const ExportCommand& asked, const TextKind& kind) {
@@ -132,17 +131,15 @@ int write_text(const ExportCommand& asked, const TextKind& kind) {
     const auto text = kind.models(asked, named, named.size() == 1 ? named[0].name : identifier(stem_of(asked.output)));
     if (!text) return complain(text.error());
     files.push_back(file_of(asked.output, as_bytes(*text)));
-    const auto written = write_files(files);
-    return written ? int(k_done) : complain(written.error());
+    return status_of(write_files(files));
 }
 
 int write_texture(const ExportCommand& asked) {
     const auto map = load_map(asked);
     if (!map) return complain(map.error());
-    const auto written = within_memory(asked.output, [&] {
+    return status_of(within_memory(asked.output, [&] {
         return write_file(asked.output, asked.to == "dds" ? map_dds(*map) : texture_of(asked, *map));
-    });
-    return written ? int(k_done) : complain(written.error());
+    }));
 }
 
 /// The text of one surface; prints its visible error.

@@ -112,9 +112,8 @@ int fit_both_sides(const FileFit& fit, const Measured& measured) {
     if (!outcome) return complain(outcome.error());
     Image8 picture;
     if (!fit.preview.empty()) picture = preview_of(fit, measured, outcome->model);
-    const auto written = write_fit(fit, outcome->model, picture, report_of(fit, measured, *outcome),
-                                   [&] { return print(fit, measured, *outcome); });
-    return written ? k_done : complain(written.error());
+    return status_of(write_fit(fit, outcome->model, picture, report_of(fit, measured, *outcome),
+                               [&] { return print(fit, measured, *outcome); }));
 }
 
 }  // namespace srbf

@@ -89,6 +89,8 @@ int complain(const Error& error) {
     return k_input_error;
 }
 
+int status_of(const Result<Done>& done) { return done ? int(k_done) : complain(done.error()); }
+
 std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& options) {
     const Option columns =
         sub.add_option(

@@ -39,6 +39,8 @@ Result<std::optional<Library>> library_in(const std::string& path);
 
 /// Prints the error as one line to standard error; returns the exit status of an input error.
 int complain(const Error& error);
+/// The exit status of the last step of a command, whose error it prints.
+int status_of(const Result<Done>& done);
 
 /// Adds --columns, --quantity and --floor, which set `options`. It must outlive the parsing of the command line.
 std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& options);

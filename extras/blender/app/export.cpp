@@ -79,8 +79,7 @@ Result<std::vector<NamedClosures>> fitted_closures(const ExportCommand& command,
 }
 
 int write_text(const ExportCommand& command, const std::string& text) {
-    const auto written = write_file(command.output, as_bytes(text));
-    return written ? int(k_done) : complain(written.error());
+    return status_of(write_file(command.output, as_bytes(text)));
 }
 
 int write_script(const ExportCommand& command, int terms) {

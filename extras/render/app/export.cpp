@@ -75,8 +75,6 @@ Result<Done> write_map_exr(const ExportCommand& command) {
     return write_half_exr(int(map->width), int(map->count() / map->width), names, halves, command.output);
 }
 
-int status_of(const Result<Done>& written) { return written ? int(k_done) : complain(written.error()); }
-
 }  // namespace
 
 void add_render_exports(const Subcommand& sub, const ExportCommand& command, Exports& exports) {

@@ -234,8 +234,7 @@ int RenderCommand::run() const {
         pictures->renderings.pop_back();
         if (!pictures->first.empty()) pictures->first.pop_back();
     }
-    const auto written = write_pictures(*pictures, reference, captions, *this);
-    return written ? k_done : complain(written.error());
+    return status_of(write_pictures(*pictures, reference, captions, *this));
 }
 
 /// "WxH", each from 1 to `k_most_pixels`.

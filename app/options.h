@@ -1,11 +1,9 @@
 // The command line: a thin interface to CLI11, so that only one file compiles it.
 #pragma once
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace CLI {
@@ -63,8 +61,10 @@ class Subcommand {
   public:
     explicit Subcommand(CLI::App* app) : app_(app) {}
 
-    /// An option whose text becomes `value`: a text, a list of texts, an int or a double.
-    template <typename T> Option add_option(const std::string& names, T& value, const std::string& about) const;
+    Option add_option(const std::string& names, std::string& value, const std::string& about) const;
+    Option add_option(const std::string& names, std::vector<std::string>& value, const std::string& about) const;
+    Option add_option(const std::string& names, int& value, const std::string& about) const;
+    Option add_option(const std::string& names, double& value, const std::string& about) const;
     /// An option whose text is passed to `take`.
     Option add_option(const std::string& names, std::function<void(const std::string&)> take,
                       const std::string& about) const;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "extras/maps/shared_problem.h"
-#include "models/pm/search/options.h"
+#include "models/pm/search/fit_pm.h"
 #include "observe/observations.h"
 #include "srbf/basis.h"
 

@@ -5,7 +5,7 @@
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
 #include "extras/maps/material_coefficients.h"
-#include "models/pm/search/random_lobes.h"
+#include "models/pm/search/search.h"
 #include "models/pm/search/subsets.h"
 #include "models/pm/solve/rounding.h"
 #include "srbf/elementary.h"

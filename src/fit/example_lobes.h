@@ -1,6 +1,6 @@
 // Fits of texels that start from the lobes of other texels.
 #pragma once
-#include "models/pm/search/options.h"
+#include "models/pm/search/fit_pm.h"
 #include "observe/observations.h"
 #include "observe/pairs.h"
 #include "srbf/metrics.h"

@@ -15,7 +15,6 @@
 #include "models/lobes_file.h"
 #include "models/openpbr/openpbr_functions.h"
 #include "models/pm/pm_functions.h"
-#include "models/range.h"
 #include "srbf/file.h"
 
 namespace SRBF_NAMESPACE {

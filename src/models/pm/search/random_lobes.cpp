@@ -1,4 +1,4 @@
-#include "models/pm/search/random_lobes.h"
+#include "models/pm/search/search.h"
 
 #include <algorithm>
 

@@ -206,8 +206,6 @@ bool is_cornell(std::string_view text);
 bool is_astm(std::string_view text);
 bool is_alta(std::string_view text);
 bool is_csv(std::string_view text);
-/// True if a comment before the header of a CSV is "both sides".
-bool is_csv_of_both_sides(std::string_view text);
 
 /// θ_l, φ_l, θ_v, φ_v [rad], wavelength [nm], f [1/sr], weight. f is NaN where nothing was measured.
 using SpectralRow = std::array<float, 7>;

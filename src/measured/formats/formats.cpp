@@ -18,17 +18,6 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-Result<Measured> read_any_mbsdf(Bytes bytes, const std::string& file_name, const ReadOptions&) {
-    auto table = read_mbsdf(bytes, file_name);
-    return table && table->has_transmission ? measurement_of(read_mbsdf_of_both_sides(bytes, file_name))
-                                            : measurement_of(std::move(table));
-}
-
-Result<Measured> read_any_csv(Bytes bytes, const std::string& file_name, const ReadOptions& options) {
-    return is_csv_of_both_sides(as_text(bytes)) ? measurement_of(read_csv_of_both_sides(bytes, file_name))
-                                                : measurement_of(read_csv(bytes, file_name, options));
-}
-
 std::uint64_t utia_size(Bytes) { return utia_bytes(); }
 
 /// Formats with a magic number, or with dimensions at the head. They are tried before those of extras.

@@ -1,7 +1,7 @@
 
 #include "app/fit.h"
 #include "app/commands.h"
-#include "app/preview.h"
+#include "app/image.h"
 #include "base/files.h"
 #include "base/printable.h"
 #include "brdf/values.h"

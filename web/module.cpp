@@ -17,7 +17,6 @@
 #include "base/text.h"
 #include "code/offered_code.h"
 #include "edit/lobes.h"
-#include "edit/reshape.h"
 #include "errors/picture_errors.h"
 #include "extras/blender/script.h"
 #include "extras/render/app/page_of.h"

@@ -5,7 +5,6 @@
 #include "base/parallel.h"
 #include "base/weighted_quantile.h"
 #include "brdf/directions.h"
-#include "brdf/frame.h"
 #include "brdf/values.h"
 #include "errors/itp.h"
 #include "errors/sphere.h"

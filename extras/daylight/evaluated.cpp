@@ -6,7 +6,7 @@
 #include "extras/daylight/klems.h"
 #include "extras/daylight/tensor_tree.h"
 #include "extras/daylight/tree_beam.h"
-#include "measured/evaluated_table.h"
+#include "measured/tables.h"
 
 namespace SRBF_NAMESPACE {
 

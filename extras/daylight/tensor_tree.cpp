@@ -7,7 +7,7 @@
 
 #include "base/text.h"
 #include "brdf/colour.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 #include "measured/tables.h"
 #include "srbf/elementary.h"
 

@@ -4,7 +4,7 @@
 
 #include "base/r_sequence.h"
 #include "brdf/colour.h"
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "sampling/elevation_nodes.h"
 
 namespace SRBF_NAMESPACE {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "observe/costs.h"
+#include "observe/observations.h"
 #include "srbf/elementary.h"
 #include "srbf/metrics.h"
 

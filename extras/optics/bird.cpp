@@ -3,7 +3,7 @@
 #include "base/floating_point.h"
 #include "extras/optics/formats.h"
 #include "extras/optics/json_rows.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 #include "measured/samples.h"
 
 namespace SRBF_NAMESPACE {

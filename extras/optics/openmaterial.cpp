@@ -4,7 +4,7 @@
 #include "brdf/directions.h"
 #include "extras/optics/formats.h"
 #include "extras/optics/json_rows.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 #include "measured/samples.h"
 #include "srbf/elementary.h"
 

@@ -8,8 +8,7 @@
 #include "brdf/colour.h"
 #include "brdf/directions.h"
 #include "measured/angles.h"
-#include "measured/evaluated_table.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 #include "measured/tables.h"
 #include "srbf/elementary.h"
 

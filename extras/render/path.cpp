@@ -4,7 +4,7 @@
 #include <cassert>
 #include <mutex>
 
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "extras/render/rays.h"
 #include "extras/render/shading.h"
 #include "src/base/parallel.h"

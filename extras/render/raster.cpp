@@ -7,7 +7,7 @@
 #include <cassert>
 
 #include "base/half.h"
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "extras/render/offscreen.h"
 
 namespace SRBF_NAMESPACE {

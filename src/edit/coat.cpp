@@ -5,7 +5,7 @@
 
 #include "brdf/directions.h"
 #include "brdf/values.h"
-#include "edit/reshape.h"
+#include "edit/lobes.h"
 #include "srbf/kernel.h"
 
 namespace SRBF_NAMESPACE {

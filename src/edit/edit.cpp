@@ -8,7 +8,6 @@
 #include "base/half.h"
 #include "brdf/values.h"
 #include "edit/lobes.h"
-#include "edit/reshape.h"
 #include "models/kind/parameters.h"
 #include "models/pm/pm_functions.h"
 #include "observe/albedo_bound.h"

@@ -1,4 +1,4 @@
-#include "edit/reshape.h"
+#include "edit/lobes.h"
 
 #include "base/least_squares.h"
 #include "base/levenberg_marquardt.h"

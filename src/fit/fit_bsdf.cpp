@@ -9,7 +9,6 @@
 #include "fit/extra_fits.h"
 #include "fit/patch_fit.h"
 #include "fit/requests.h"
-#include "measured/evaluated_table.h"
 #include "measured/tables.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_functions.h"

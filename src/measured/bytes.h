@@ -3,7 +3,9 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -60,5 +62,11 @@ inline MerlPair merl_pair(double theta_h, double theta_d, double phi_d) {
     const Vec3d difference = spherical(theta_d, phi_d);
     return {rotate(difference), rotate(mirror(difference))};
 }
+
+inline constexpr std::uint32_t k_largest_dimension = 4096;  ///< the largest dimension of a table
+/// The largest f_r [1/sr]: far above any measurement, while sums and products of such numbers stay finite.
+inline constexpr float k_largest_value = 1e12f;
+inline constexpr float k_most_float = std::numeric_limits<float>::max();
+inline constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace srbf

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "base/floating_point.h"
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "measured/angles.h"
 #include "measured/tables.h"
 #include "srbf/elementary.h"

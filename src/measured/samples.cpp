@@ -2,7 +2,7 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/handles.h"

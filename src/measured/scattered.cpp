@@ -5,7 +5,7 @@
 #include "base/k_d_tree.h"
 #include "brdf/values.h"
 #include "measured/angles.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 #include "measured/samples.h"
 #include "measured/tables.h"
 #include "srbf/elementary.h"

@@ -6,7 +6,7 @@
 #include <bit>
 
 #include "brdf/directions.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 
 namespace SRBF_NAMESPACE {
 

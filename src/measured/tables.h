@@ -1,5 +1,8 @@
-// Values of the tables of each format.
+// Values of the tables of each format, and what a format alone knows of its table.
 #pragma once
+#include <functional>
+#include <optional>
+
 #include "srbf/brdf.h"
 #include "srbf/measured.h"
 
@@ -55,5 +58,23 @@ bool are_same_share(const Rgb& a, const Rgb& b);
 Rgb mean_share(std::span<const Rgb> shares);
 /// If the beams of both transmissions are reciprocal, sets the front's to their mean, and the back's to none.
 void unite_transmissions(Beams& beams);
+
+/// A part of a BSDF without the light that its table keeps as a peak though it is not scattered.
+struct SeparatedBeam {
+    Evaluate rest;  ///< f with the peak cut off at the level about it
+    Beam beam;      ///< the share that is cut off
+};
+/// A line of what `srbf info` says about a table: a text, or the ranges of colours, channel by channel.
+struct TableLine {
+    std::string name, text;
+    std::span<const Rgb> colours = {};
+};
+
+/// The functions that any table has, by its format.
+struct TableFunctions {
+    std::function<std::vector<TableLine>()> lines;
+    /// The part without its peaks of unscattered light, if it has any; null: it has none.
+    std::function<std::optional<SeparatedBeam>()> separated_beam = {};
+};
 
 SRBF_END

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "observe/costs.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
 #include "srbf/elementary.h"

@@ -3,7 +3,6 @@
 #include "base/errors.h"
 #include "base/parallel.h"
 #include "base/reporter.h"
-#include "observe/costs.h"
 #include "observe/observations.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"

@@ -3,7 +3,6 @@
 #include <optional>
 #include <span>
 
-#include "observe/costs.h"
 #include "observe/observations.h"
 #include "srbf/elementary.h"
 #include "srbf/metrics.h"

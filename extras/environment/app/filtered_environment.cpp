@@ -6,7 +6,7 @@
 
 #include "base/dds.h"
 #include "base/half.h"
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "brdf/values.h"
 #include "src/base/parallel.h"
 

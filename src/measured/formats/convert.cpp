@@ -11,7 +11,6 @@
 #include "measured/formats/rows.h"
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"
-#include "measured/limits.h"
 #include "measured/samples.h"
 #include "srbf/elementary.h"
 #include "srbf/file.h"

@@ -3,7 +3,6 @@
 #include "base/text.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/limits.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "measured/tables.h"

@@ -3,7 +3,6 @@
 #include "base/floating_point.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/limits.h"
 #include "measured/readers.h"
 #include "measured/tables.h"
 #include "srbf/measured.h"

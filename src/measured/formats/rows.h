@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "base/text.h"
-#include "measured/evaluated_table.h"
 #include "measured/formats.h"
 #include "measured/tables.h"
 

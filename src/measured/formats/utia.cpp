@@ -6,7 +6,6 @@
 #include "measured/angles.h"
 #include "measured/bytes.h"
 #include "measured/formats/rows.h"
-#include "measured/limits.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "measured/tables.h"

@@ -5,7 +5,6 @@
 #include "base/parallel.h"
 #include "models/pm/solve/rounding.h"
 #include "observe/bound.h"
-#include "observe/costs.h"
 #include "observe/observations.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"

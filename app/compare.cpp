@@ -1,7 +1,6 @@
-
 #include "any/table_file.h"
 #include "app/commands.h"
-#include "app/load.h"
+#include "app/fit_options.h"
 #include "app/output.h"
 #include "base/errors.h"
 #include "base/printable.h"

@@ -4,7 +4,7 @@
 
 #include "any/table_file.h"
 #include "app/commands.h"
-#include "app/load.h"
+#include "app/fit_options.h"
 #include "app/output.h"
 #include "base/errors.h"
 #include "base/paths.h"

@@ -1,7 +1,7 @@
-
 #include <memory>
 
 #include "app/commands.h"
+#include "app/fit_options.h"
 #include "app/load.h"
 #include "app/pairs.h"
 #include "brdf/values.h"

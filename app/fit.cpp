@@ -1,4 +1,3 @@
-
 #include "app/fit.h"
 #include "app/commands.h"
 #include "app/image.h"

@@ -6,7 +6,6 @@
 #include "app/commands.h"
 #include "app/fit.h"
 #include "app/fit_options.h"
-#include "app/load.h"
 #include "base/paths.h"
 
 namespace srbf {

@@ -5,7 +5,7 @@
 
 #include "any/table_file.h"
 #include "app/commands.h"
-#include "app/load.h"
+#include "app/fit_options.h"
 #include "app/output.h"
 #include "base/printable.h"
 #include "brdf/directions.h"

@@ -1,9 +1,7 @@
 // Loading any BRDF from a file.
 #pragma once
-#include "app/options.h"
 #include "srbf/library.h"
 #include "srbf/load.h"
-#include "srbf/measured.h"
 
 namespace srbf {
 
@@ -41,8 +39,5 @@ Result<std::optional<Library>> library_in(const std::string& path);
 int complain(const Error& error);
 /// The exit status of the last step of a command, whose error it prints.
 int status_of(const Result<Done>& done);
-
-/// Adds --columns, --quantity and --floor, which set `options`. It must outlive the parsing of the command line.
-std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& options);
 
 }  // namespace srbf

@@ -1,4 +1,3 @@
-
 #include "base/parallel.h"
 #include "brdf/colour.h"
 #include "extras/environment/lobe_tracks.h"

@@ -1,4 +1,3 @@
-
 #include <complex>
 
 #include "base/floating_point.h"

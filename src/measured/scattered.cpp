@@ -1,4 +1,3 @@
-
 #include <cassert>
 
 #include "base/floating_point.h"

@@ -1,4 +1,3 @@
-
 #include "base/floating_point.h"
 #include "measured/readers.h"
 #include "measured/samples.h"

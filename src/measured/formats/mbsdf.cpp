@@ -1,4 +1,3 @@
-
 #include "base/floating_point.h"
 #include "base/text.h"
 #include "measured/angles.h"

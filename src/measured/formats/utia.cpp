@@ -1,4 +1,3 @@
-
 #include "base/errors.h"
 #include "base/files.h"
 #include "base/floating_point.h"

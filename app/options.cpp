@@ -85,6 +85,9 @@ Option Subcommand::add_option(const std::string& names, std::vector<std::string>
 Option Subcommand::add_option(const std::string& names, int& value, const std::string& about) const {
     return Option(app_->add_option(names, value, about));
 }
+Option Subcommand::add_option(const std::string& names, std::uint64_t& value, const std::string& about) const {
+    return Option(app_->add_option(names, value, about));
+}
 Option Subcommand::add_option(const std::string& names, double& value, const std::string& about) const {
     return Option(app_->add_option(names, value, about));
 }

@@ -1,5 +1,6 @@
 // The command line: a thin interface to CLI11, so that only one file compiles it.
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -64,6 +65,7 @@ class Subcommand {
     Option add_option(const std::string& names, std::string& value, const std::string& about) const;
     Option add_option(const std::string& names, std::vector<std::string>& value, const std::string& about) const;
     Option add_option(const std::string& names, int& value, const std::string& about) const;
+    Option add_option(const std::string& names, std::uint64_t& value, const std::string& about) const;
     Option add_option(const std::string& names, double& value, const std::string& about) const;
     /// An option whose text is passed to `take`.
     Option add_option(const std::string& names, std::function<void(const std::string&)> take,

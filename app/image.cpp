@@ -38,6 +38,46 @@ struct Corner {
     std::array<unsigned char, 4> colour;
 };
 
+constexpr Rgb8 k_strip{38, 38, 38}, k_ink{225, 225, 225};
+
+/// A strip of this size with centred `text`.
+Image8 caption(int width, int height, const std::string& text) {
+    Image8 out(width, height, k_strip);
+    const int columns = text_width(text), rows = 9;  // the font's twelve rows without the line spacing
+    const int scale = std::max(1, std::min(height / 20, width / std::max(1, columns)));
+    draw_text(out, (width - scale * columns) / 2, (height - scale * rows) / 2, text, k_ink, scale);
+    return out;
+}
+
+/// Copies `part` into `image` with its upper left corner at (x, y).
+void paste(const Image8& part, int x, int y, Image8& image) {
+    for (int row = 0; row < part.height; ++row) std::copy_n(&part.at(0, row), part.width, &image.at(x, y + row));
+}
+
+/// Output callback of stb; `context` is a vector of bytes.
+void append(void* context, void* data, int size) {
+    auto& bytes = *static_cast<std::vector<std::byte>*>(context);
+    bytes.insert(bytes.end(), static_cast<std::byte*>(data), static_cast<std::byte*>(data) + size);
+}
+
+Image ten_times_difference(const Image& a, const Image& b) {
+    Image out = a;
+    for (std::size_t i = 0; i < out.pixels.size(); ++i)
+        for (int c = 0; c < 3; ++c) out.pixels[i][c] = 10 * std::abs(a.pixels[i][c] - b.pixels[i][c]);
+    return out;
+}
+
+Image8 on_grey(const Image& radiance, float exposure) {
+    Image8 picture(radiance.width, radiance.height, to_srgb8({k_background, k_background, k_background}));
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
+            const Rgb& value = radiance.at(x, y);
+            if (shows_sphere(picture.width, x, y))
+                picture.at(x, y) = to_srgb8({exposure * value.r, exposure * value.g, exposure * value.b});
+        }
+    return picture;
+}
+
 }  // namespace
 
 Rgb8 to_srgb8(Rgb colour) {
@@ -69,26 +109,6 @@ void draw_text(Image8& image, int x, int y, std::string_view text, Rgb8 colour, 
     }
 }
 
-namespace {
-
-constexpr Rgb8 k_strip{38, 38, 38}, k_ink{225, 225, 225};
-
-/// A strip of this size with centred `text`.
-Image8 caption(int width, int height, const std::string& text) {
-    Image8 out(width, height, k_strip);
-    const int columns = text_width(text), rows = 9;  // the font's twelve rows without the line spacing
-    const int scale = std::max(1, std::min(height / 20, width / std::max(1, columns)));
-    draw_text(out, (width - scale * columns) / 2, (height - scale * rows) / 2, text, k_ink, scale);
-    return out;
-}
-
-/// Copies `part` into `image` with its upper left corner at (x, y).
-void paste(const Image8& part, int x, int y, Image8& image) {
-    for (int row = 0; row < part.height; ++row) std::copy_n(&part.at(0, row), part.width, &image.at(x, y + row));
-}
-
-}  // namespace
-
 Image8 side_by_side(std::span<const Image8> images, std::span<const std::string> captions) {
     assert(!images.empty() && captions.size() == images.size());
     const int width = images[0].width, height = images[0].height, strip = std::max(12, width / 8);
@@ -100,16 +120,6 @@ Image8 side_by_side(std::span<const Image8> images, std::span<const std::string>
     }
     return row;
 }
-
-namespace {
-
-/// Output callback of stb; `context` is a vector of bytes.
-void append(void* context, void* data, int size) {
-    auto& bytes = *static_cast<std::vector<std::byte>*>(context);
-    bytes.insert(bytes.end(), static_cast<std::byte*>(data), static_cast<std::byte*>(data) + size);
-}
-
-}  // namespace
 
 Result<std::vector<std::byte>> png(const Image8& image, const std::string& path) {
     assert(image.pixels.size() == std::size_t(image.width) * std::size_t(image.height));
@@ -135,28 +145,6 @@ std::vector<std::byte> jpeg(const Image8& image, int quality) {
     stbi_write_jpg_to_func(append, &bytes, image.width, image.height, 3, image.pixels.data(), quality);
     return bytes;
 }
-
-namespace {
-
-Image ten_times_difference(const Image& a, const Image& b) {
-    Image out = a;
-    for (std::size_t i = 0; i < out.pixels.size(); ++i)
-        for (int c = 0; c < 3; ++c) out.pixels[i][c] = 10 * std::abs(a.pixels[i][c] - b.pixels[i][c]);
-    return out;
-}
-
-Image8 on_grey(const Image& radiance, float exposure) {
-    Image8 picture(radiance.width, radiance.height, to_srgb8({k_background, k_background, k_background}));
-    for (int y = 0; y < picture.height; ++y)
-        for (int x = 0; x < picture.width; ++x) {
-            const Rgb& value = radiance.at(x, y);
-            if (shows_sphere(picture.width, x, y))
-                picture.at(x, y) = to_srgb8({exposure * value.r, exposure * value.g, exposure * value.b});
-        }
-    return picture;
-}
-
-}  // namespace
 
 Image8 preview(const Evaluate& measured, const Evaluate& fit, const PreviewOptions& options) {
     const auto studio = std::ranges::find(standard_lightings(), "studio", &Lighting::name);

@@ -215,6 +215,25 @@ Result<std::vector<std::byte>> read_open(const Descriptor& file, const std::stri
     }
 }
 
+/// Fills `bytes` by calls of `read(place, size, filled)`, or as many as there are.
+template <typename Read>
+Result<std::size_t> fill(std::span<std::byte> bytes, const std::string& path, const Read& read) {
+    std::size_t filled = 0;
+    while (filled < bytes.size()) {
+        const auto count = uninterrupted([&] { return read(bytes.data() + filled, bytes.size() - filled, filled); });
+        if (count < 0) return cannot_read(path, errno == EISDIR ? "a folder" : reason(errno));
+        if (count == 0) break;
+        filled += std::size_t(count);
+    }
+    return filled;
+}
+
+Result<Done> publish(Result<Replacement> file) {
+    if (!file) return file.error();
+    if (const auto published = file->publish(); !published) return published;
+    return file->synchronise_name();
+}
+
 }  // namespace
 
 Result<std::vector<std::byte>> read_file(const std::string& path) { return read_file(path, {}); }
@@ -249,23 +268,6 @@ FileReader::FileReader(FileReader&& other) noexcept
 FileReader::~FileReader() {
     if (descriptor_ >= 0) system::close(descriptor_);
 }
-
-namespace {
-
-/// Fills `bytes` by calls of `read(place, size, filled)`, or as many as there are.
-template <typename Read>
-Result<std::size_t> fill(std::span<std::byte> bytes, const std::string& path, const Read& read) {
-    std::size_t filled = 0;
-    while (filled < bytes.size()) {
-        const auto count = uninterrupted([&] { return read(bytes.data() + filled, bytes.size() - filled, filled); });
-        if (count < 0) return cannot_read(path, errno == EISDIR ? "a folder" : reason(errno));
-        if (count == 0) break;
-        filled += std::size_t(count);
-    }
-    return filled;
-}
-
-}  // namespace
 
 Result<std::size_t> FileReader::read(std::span<std::byte> bytes) {
     return fill(bytes, path_, [&](auto* to, auto size, auto) { return system::read(descriptor_, to, size); });
@@ -304,14 +306,6 @@ Result<Done> FileLines::read_block() {
     lines_ = Lines(as_text(std::span(block_).first(complete_)));
     return Done{};
 }
-
-namespace {
-Result<Done> publish(Result<Replacement> file) {
-    if (!file) return file.error();
-    if (const auto published = file->publish(); !published) return published;
-    return file->synchronise_name();
-}
-}  // namespace
 
 Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes) {
     return publish(Replacement::write(path, bytes));

@@ -69,6 +69,22 @@ struct ActiveSet {
     }
 };
 
+/// H ← H − A B⁻¹ Aᵀ; returns the factors B = PᵀLDLᵀP, with which A B⁻¹ Aᵀ = (√D⁻¹ L⁻¹ P Aᵀ)ᵀ (√D⁻¹ L⁻¹ P Aᵀ).
+Eigen::LDLT<Eigen::MatrixXd> subtract_eliminated(Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) {
+    B.diagonal() *= 1 + k_ridge;
+    Eigen::LDLT<Eigen::MatrixXd> factor(B);
+    Eigen::MatrixXd half = factor.transpositionsP() * A.transpose();
+    factor.matrixL().solveInPlace(half);
+    for (Eigen::Index i = 0; i < half.rows(); ++i) {
+        const double d = factor.vectorD()[i];
+        half.row(i) *= d > 1e-300 ? 1 / std::sqrt(d) : 0;
+    }
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(H.rows(), H.cols());
+    product.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
+    H -= Eigen::MatrixXd(product.selfadjointView<Eigen::Lower>());
+    return factor;
+}
+
 }  // namespace
 
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::VectorXd& g_in,
@@ -97,24 +113,6 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
 }
 
 Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
-
-namespace {
-/// H ← H − A B⁻¹ Aᵀ; returns the factors B = PᵀLDLᵀP, with which A B⁻¹ Aᵀ = (√D⁻¹ L⁻¹ P Aᵀ)ᵀ (√D⁻¹ L⁻¹ P Aᵀ).
-Eigen::LDLT<Eigen::MatrixXd> subtract_eliminated(Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) {
-    B.diagonal() *= 1 + k_ridge;
-    Eigen::LDLT<Eigen::MatrixXd> factor(B);
-    Eigen::MatrixXd half = factor.transpositionsP() * A.transpose();
-    factor.matrixL().solveInPlace(half);
-    for (Eigen::Index i = 0; i < half.rows(); ++i) {
-        const double d = factor.vectorD()[i];
-        half.row(i) *= d > 1e-300 ? 1 / std::sqrt(d) : 0;
-    }
-    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(H.rows(), H.cols());
-    product.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
-    H -= Eigen::MatrixXd(product.selfadjointView<Eigen::Lower>());
-    return factor;
-}
-}  // namespace
 
 void eliminate(Eigen::MatrixXd B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) { subtract_eliminated(B, A, H); }
 

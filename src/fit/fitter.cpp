@@ -50,6 +50,14 @@ void record(const Comparison& errors, Model& model) {
     if (errors.heldout_appearance) set("heldout_delta_e_itp", errors.heldout_appearance->mean.delta_e);
 }
 
+Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
+    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
+    if (!outcome) return outcome;
+    if (const auto within = check_range(outcome->unrounded, "fit"); !within) return within.error();
+    const auto measured = fitter.measure(*outcome, request, progress.part(k_fitted, 1));
+    return measured ? std::move(outcome) : measured.error();
+}
+
 }  // namespace
 
 // ---- Stages common to tables and samples ----
@@ -401,18 +409,6 @@ Appearance compare_exchanged(const Evaluate& f, int threads) {
     const Evaluate other = exchanged(f);
     return compare_pictures(f, {&other, 1}, threads)[0];
 }
-
-namespace {
-
-Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
-    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
-    if (!outcome) return outcome;
-    if (const auto within = check_range(outcome->unrounded, "fit"); !within) return within.error();
-    const auto measured = fitter.measure(*outcome, request, progress.part(k_fitted, 1));
-    return measured ? std::move(outcome) : measured.error();
-}
-
-}  // namespace
 
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
     try {

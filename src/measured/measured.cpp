@@ -94,6 +94,11 @@ template <typename LookUp> void look_up_mean(Vec3f wl, Vec3f wv, std::span<float
     return f;
 }
 
+bool is_same_share(float a, float b) {
+    constexpr float k_relative = 0.01f, k_absolute = 0.001f;
+    return std::abs(a - b) <= std::max(k_relative * 0.5f * (a + b), k_absolute);
+}
+
 }  // namespace
 
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
@@ -169,15 +174,6 @@ Channels spectra(const Measured& measured) {
     };
     return channels;
 }
-
-namespace {
-
-bool is_same_share(float a, float b) {
-    constexpr float k_relative = 0.01f, k_absolute = 0.001f;
-    return std::abs(a - b) <= std::max(k_relative * 0.5f * (a + b), k_absolute);
-}
-
-}  // namespace
 
 bool are_same_share(const Rgb& a, const Rgb& b) {
     return is_same_share(a.r, b.r) && is_same_share(a.g, b.g) && is_same_share(a.b, b.b);

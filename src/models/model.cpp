@@ -23,36 +23,6 @@ namespace {
 Safetensors content_of(const Model& model);
 Result<Model> model_of(Safetensors content, bool is_part, const std::string& file_name);
 
-}  // namespace
-
-Safetensors Kind<BsdfModel>::content(const BsdfModel& bsdf) {
-    Safetensors content{encode_beams(bsdf.beam), {}};
-    for (std::size_t p = 0; p < k_parts; ++p)
-        if (bsdf.part[p]) add_part(content_of(*bsdf.part[p]), Part(p), content);
-    return content;
-}
-
-Result<BsdfModel> Kind<BsdfModel>::read(Safetensors& content, const std::string& file_name) {
-    BsdfModel bsdf;
-    for (std::size_t p = 0; p < k_parts; ++p) {
-        Safetensors of_part = take_part(content, Part(p));
-        if (of_part.tensors.empty() && of_part.metadata.empty()) continue;
-        auto part = model_of(std::move(of_part), true, file_name);
-        if (!part) {
-            Error of = part.error();
-            of.what = fmt::format("{}: {}", k_part_names[p], of.what);
-            return of;
-        }
-        bsdf.part[p] = std::make_shared<const Model>(*std::move(part));
-    }
-    auto beams = decode_beams(content.tensors, file_name);
-    if (!beams) return beams.error();
-    bsdf.beam = *std::move(beams);
-    return bsdf;
-}
-
-namespace {
-
 /// The name of a surface of OpenPBR in earlier files.
 constexpr std::string_view k_former_openpbr = "pbr";
 
@@ -145,6 +115,32 @@ Result<Model> model_of(Safetensors content, bool is_part, const std::string& fil
 }
 
 }  // namespace
+
+Safetensors Kind<BsdfModel>::content(const BsdfModel& bsdf) {
+    Safetensors content{encode_beams(bsdf.beam), {}};
+    for (std::size_t p = 0; p < k_parts; ++p)
+        if (bsdf.part[p]) add_part(content_of(*bsdf.part[p]), Part(p), content);
+    return content;
+}
+
+Result<BsdfModel> Kind<BsdfModel>::read(Safetensors& content, const std::string& file_name) {
+    BsdfModel bsdf;
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        Safetensors of_part = take_part(content, Part(p));
+        if (of_part.tensors.empty() && of_part.metadata.empty()) continue;
+        auto part = model_of(std::move(of_part), true, file_name);
+        if (!part) {
+            Error of = part.error();
+            of.what = fmt::format("{}: {}", k_part_names[p], of.what);
+            return of;
+        }
+        bsdf.part[p] = std::make_shared<const Model>(*std::move(part));
+    }
+    auto beams = decode_beams(content.tensors, file_name);
+    if (!beams) return beams.error();
+    bsdf.beam = *std::move(beams);
+    return bsdf;
+}
 
 double Kind<BsdfModel>::largest(const BsdfModel& model) {
     double largest = 0;

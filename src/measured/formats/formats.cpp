@@ -68,56 +68,6 @@ bool recognises(const Format& format, Bytes head) {
     return (!format.is_text || is_text(head)) && format.recognise(head);
 }
 
-}  // namespace
-
-std::span<const Format> formats() {
-    static const std::vector<Format> all = [] {
-        std::vector<Format> joined(std::begin(k_with_heads), std::end(k_with_heads));
-        for (const std::span<const Format> extra : k_extra_formats)
-            joined.insert(joined.end(), extra.begin(), extra.end());
-        joined.insert(joined.end(), std::begin(k_others), std::end(k_others));
-        return joined;
-    }();
-    return all;
-}
-
-const Format* format_of(Bytes bytes) {
-    const auto found = std::ranges::find_if(formats(), [&](const Format& format) { return recognises(format, bytes); });
-    return found == formats().end() ? nullptr : &*found;
-}
-
-const Format* format_written_to(std::string_view path) {
-    const Format* found = nullptr;
-    for (const Format& format : formats())
-        if (format.write && path.size() > format.extension.size() && path.ends_with(format.extension) &&
-            (!found || format.extension.size() > found->extension.size()))
-            found = &format;
-    return found;
-}
-
-std::uint64_t most_bytes(Bytes head) {
-    if (const auto text = plain_text(head)) return most_bytes(as_bytes(*text));
-    std::uint64_t most = 0;
-    for (const Format& format : formats())
-        most = std::max(most, format.size ? format.size(head) : recognises(format, head) ? k_largest_file : 0);
-    return most;
-}
-
-std::string names_of_formats() {
-    std::vector<std::string_view> names;
-    for (const Format& format : formats()) names.push_back(format.name);
-    return join_words(names);
-}
-
-std::string extensions_of_formats() {
-    std::vector<std::string_view> extensions;
-    for (const Format& format : formats())
-        if (format.write) extensions.push_back(format.extension);
-    return join_words(extensions);
-}
-
-namespace {
-
 /// The first bytes in hexadecimal, by which a reader of the error may know the format.
 std::string first_bytes(std::span<const std::byte> bytes) {
     if (bytes.empty()) return "an empty file";
@@ -216,6 +166,52 @@ Result<Measured> read_with_options(std::span<const std::byte> bytes, const std::
 }
 
 }  // namespace
+
+std::span<const Format> formats() {
+    static const std::vector<Format> all = [] {
+        std::vector<Format> joined(std::begin(k_with_heads), std::end(k_with_heads));
+        for (const std::span<const Format> extra : k_extra_formats)
+            joined.insert(joined.end(), extra.begin(), extra.end());
+        joined.insert(joined.end(), std::begin(k_others), std::end(k_others));
+        return joined;
+    }();
+    return all;
+}
+
+const Format* format_of(Bytes bytes) {
+    const auto found = std::ranges::find_if(formats(), [&](const Format& format) { return recognises(format, bytes); });
+    return found == formats().end() ? nullptr : &*found;
+}
+
+const Format* format_written_to(std::string_view path) {
+    const Format* found = nullptr;
+    for (const Format& format : formats())
+        if (format.write && path.size() > format.extension.size() && path.ends_with(format.extension) &&
+            (!found || format.extension.size() > found->extension.size()))
+            found = &format;
+    return found;
+}
+
+std::uint64_t most_bytes(Bytes head) {
+    if (const auto text = plain_text(head)) return most_bytes(as_bytes(*text));
+    std::uint64_t most = 0;
+    for (const Format& format : formats())
+        most = std::max(most, format.size ? format.size(head) : recognises(format, head) ? k_largest_file : 0);
+    return most;
+}
+
+std::string names_of_formats() {
+    std::vector<std::string_view> names;
+    for (const Format& format : formats()) names.push_back(format.name);
+    return join_words(names);
+}
+
+std::string extensions_of_formats() {
+    std::vector<std::string_view> extensions;
+    for (const Format& format : formats())
+        if (format.write) extensions.push_back(format.extension);
+    return join_words(extensions);
+}
 
 Result<std::vector<std::byte>> read_input(const std::string& path, const ReadOptions& options) {
     if (!options.columns.empty()) return read_file(path);

@@ -103,12 +103,6 @@ AngleNodes angle_nodes(float position, std::uint32_t n) {
     return {i, std::min(i + 1, n - 1), clamped - float(i)};
 }
 
-}  // namespace
-
-bool is_mbsdf(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_any_version); }
-
-namespace {
-
 struct Blocks {
     MbsdfTable reflection;
     std::optional<MbsdfTable> transmission;
@@ -180,6 +174,8 @@ Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& 
 }
 
 }  // namespace
+
+bool is_mbsdf(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_any_version); }
 
 Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name) {
     auto blocks = read_blocks(bytes, file_name);

@@ -6,8 +6,6 @@
 #include <cctype>
 #include <charconv>
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include "app/options.h"
 #include "fit/fit_options.h"

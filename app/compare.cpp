@@ -1,11 +1,8 @@
-#include <fmt/format.h>
-
-#include <memory>
-
 #include "any/table_file.h"
 #include "app/commands.h"
+#include "app/fit_options.h"
 #include "app/output.h"
-#include "app/read_options.h"
+#include "base/errors.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
 #include "errors/measures.h"
@@ -56,11 +53,8 @@ int CompareCommand::run_on_parts(const Subject& a, const Subject& b, double thet
         print_measures({{"", &comparison}});
     }
     if (!has_common_part)
-        return complain({fmt::format("{} and {}", reference, other),
-                         {},
-                         "parts",
-                         "one that both have",
-                         fmt::format("{}, and {}", parts_text(a), parts_text(b))});
+        return complain(input_error(fmt::format("{} and {}", reference, other), "parts", "one that both have",
+                                    fmt::format("{}, and {}", parts_text(a), parts_text(b))));
     if (!json.empty())
         if (const auto written = write_json(report, json); !written) return complain(written.error());
     return k_done;
@@ -84,11 +78,8 @@ int CompareCommand::run() const {
     const Comparison comparison = compare(evaluator(*a), others, {theta * k_degree, threads}, directions)[0];
 
     if (comparison.matrix.pairs == 0 || comparison.heldout.pairs == 0)
-        return complain({fmt::format("{} and {}", reference, other),
-                         {},
-                         "compared pairs of directions",
-                         "pairs with values in both",
-                         "none"});
+        return complain(input_error(fmt::format("{} and {}", reference, other), "compared pairs of directions",
+                                    "pairs with values in both", "none"));
 
     const auto repeats = repeatability(a->content, threads);
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};

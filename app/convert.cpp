@@ -1,16 +1,12 @@
 #include "srbf/convert.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <array>
-#include <filesystem>
-#include <memory>
 
 #include "any/table_file.h"
 #include "app/commands.h"
+#include "app/fit_options.h"
 #include "app/output.h"
-#include "app/read_options.h"
+#include "base/errors.h"
 #include "base/paths.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
@@ -63,11 +59,8 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject)
     const auto* measured = std::get_if<Measured>(&subject.content);
     const Format& format = *format_written_to(output);
     if (chooses_directions && measured && std::holds_alternative<ScatteredSamples>(measured->table))
-        return Error{input,
-                     {},
-                     "input",
-                     "a table or a model for --directions and --max-theta",
-                     "samples, which are written as they are"};
+        return input_error(input, "input", "a table or a model for --directions and --max-theta",
+                           "samples, which are written as they are");
     // A file that already has the format is copied unchanged, after it was read successfully and nothing was assumed.
     if (measured && measured->format == format.name && notes(*measured).empty() && !exchange && !rgb_alone &&
         choice.empty() && !read.any())
@@ -93,8 +86,7 @@ int ConvertCommand::run() const {
     }
     const auto bytes = converted(*subject);
     if (!bytes) return complain(bytes.error());
-    const auto written = write_file(output, *bytes);
-    return written ? k_done : complain(written.error());
+    return status_of(write_file(output, *bytes));
 }
 
 /// ".bsdf (RGL), .mbsdf (MDL), ..".

@@ -1,9 +1,6 @@
 // Edits and blends of models.
 #include "srbf/edit.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <array>
 #include <memory>
 
@@ -61,8 +58,7 @@ int write(Result<Model> model, const std::string& input, const std::string& outp
         Error error = model.error();
         return error.source = input, complain(error);
     }
-    const auto saved = save_model(*model, output);
-    return saved ? k_done : complain(saved.error());
+    return status_of(save_model(*model, output));
 }
 
 int EditCommand::run() {

@@ -1,15 +1,10 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
 #include <memory>
-#include <string_view>
 
 #include "app/commands.h"
+#include "app/fit_options.h"
 #include "app/load.h"
 #include "app/pairs.h"
-#include "app/read_options.h"
-#include "brdf/channels.h"
+#include "brdf/values.h"
 
 namespace srbf {
 namespace {

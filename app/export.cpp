@@ -1,11 +1,4 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cctype>
-#include <filesystem>
-#include <map>
 #include <memory>
-#include <optional>
 #include <set>
 
 #include "app/commands.h"

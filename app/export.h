@@ -1,9 +1,5 @@
 // The kinds of files that `srbf export` writes, from the core and from extras.
 #pragma once
-#include <functional>
-#include <string>
-#include <vector>
-
 #include "app/load.h"
 #include "app/options.h"
 

@@ -1,11 +1,6 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <functional>
-
-#include "app/commands.h"
 #include "app/fit.h"
-#include "app/preview.h"
+#include "app/commands.h"
+#include "app/image.h"
 #include "base/files.h"
 #include "base/printable.h"
 #include "brdf/values.h"
@@ -78,9 +73,8 @@ int fit_file(FileFit fit) {
     if (brightest > k_far_above)
         fmt::print(stderr, "srbf: {}: warning: it reflects {:.3g} times the light that it receives; see --quantity\n",
                    printable(fit.input), brightest);
-    const auto written = write_fit(fit, outcome->model, picture, report_of(fit, *measured, *outcome),
-                                   [&] { return print_report(fit, *measured, *outcome); });
-    return written ? k_done : complain(written.error());
+    return status_of(write_fit(fit, outcome->model, picture, report_of(fit, *measured, *outcome),
+                               [&] { return print_report(fit, *measured, *outcome); }));
 }
 
 Result<Measured> load_measured(FileFit& fit) {

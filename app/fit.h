@@ -1,13 +1,10 @@
 // Input, output and messages of `srbf fit`. The fit itself is in srbf/fit.h.
 #pragma once
 #include <functional>
-#include <string>
-#include <vector>
 
 #include "app/image.h"
 #include "app/output.h"
 #include "srbf/fit.h"
-#include "srbf/fit_bsdf.h"
 
 namespace srbf {
 

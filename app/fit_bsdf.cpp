@@ -1,8 +1,5 @@
 // `srbf fit` of a two-sided measurement.
-#include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <thread>
 
 #include "app/commands.h"
@@ -20,46 +17,6 @@ namespace {
 
 /// Radians to degrees, rounded to four decimals.
 double degrees_of(double radians) { return std::round(radians / k_degree * 1e4) / 1e4; }
-
-}  // namespace
-
-Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome) {
-    Json json{{"source", fit.input},
-              {"source_format", measured.format},
-              {"source_bytes", measured.bytes},
-              {"output", fit.output},
-              {"version", SRBF_VERSION},
-              {"model", "bsdf"},
-              {"band", std::get<BsdfTable>(measured.table).band().name},
-              {k_model_hash, hash_of(write_model(outcome.model))},
-              {"payload_bytes", payload_bytes(outcome.model)},
-              {"auxiliary_bytes", auxiliary_bytes(outcome.model)},
-              {"fit_seconds", outcome.fit_seconds},
-              {"load_seconds", fit.load_seconds},
-              {"seed", fit.request.seed},
-              {"threads", fit.request.threads > 0 ? fit.request.threads : int(std::thread::hardware_concurrency())},
-              {"most_light_measured", outcome.most_measured},
-              {"most_light", outcome.most_fitted}};
-    for (const PartFit& part : outcome.parts) {
-        Json member{{"part", name(part.part)},
-                    {"answered_by", part.answered_by ? Json(name(*part.answered_by)) : Json()},
-                    {"black", part.black},
-                    {"squared_error_ratio", part.squared_error_ratio}};
-        if (const auto& own = std::get<BsdfTable>(measured.table).band().part[std::size_t(part.part)]) {
-            const Peak peak = peak_of(*own);
-            member["peak"] = name(peak.position), member["peak_ratio"] = peak.ratio;
-        }
-        for (const Hemispherical& sum : part.hemispherical)
-            member["hemispherical"].push_back({{"theta", degrees_of(sum.theta)},
-                                               {"phi", degrees_of(sum.phi)},
-                                               {"measured", sum.measured},
-                                               {"fitted", sum.fitted}});
-        json["parts"].push_back(std::move(member));
-    }
-    return json;
-}
-
-namespace {
 
 /// The largest absolute and relative errors of the directional-hemispherical sums.
 std::string sums_text(const std::vector<Hemispherical>& sums) {
@@ -107,6 +64,42 @@ Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutco
 
 }  // namespace
 
+Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome) {
+    Json json{{"source", fit.input},
+              {"source_format", measured.format},
+              {"source_bytes", measured.bytes},
+              {"output", fit.output},
+              {"version", SRBF_VERSION},
+              {"model", "bsdf"},
+              {"band", std::get<BsdfTable>(measured.table).band().name},
+              {k_model_hash, hash_of(write_model(outcome.model))},
+              {"payload_bytes", payload_bytes(outcome.model)},
+              {"auxiliary_bytes", auxiliary_bytes(outcome.model)},
+              {"fit_seconds", outcome.fit_seconds},
+              {"load_seconds", fit.load_seconds},
+              {"seed", fit.request.seed},
+              {"threads", fit.request.threads > 0 ? fit.request.threads : int(std::thread::hardware_concurrency())},
+              {"most_light_measured", outcome.most_measured},
+              {"most_light", outcome.most_fitted}};
+    for (const PartFit& part : outcome.parts) {
+        Json member{{"part", name(part.part)},
+                    {"answered_by", part.answered_by ? Json(name(*part.answered_by)) : Json()},
+                    {"black", part.black},
+                    {"squared_error_ratio", part.squared_error_ratio}};
+        if (const auto& own = std::get<BsdfTable>(measured.table).band().part[std::size_t(part.part)]) {
+            const Peak peak = peak_of(*own);
+            member["peak"] = name(peak.position), member["peak_ratio"] = peak.ratio;
+        }
+        for (const Hemispherical& sum : part.hemispherical)
+            member["hemispherical"].push_back({{"theta", degrees_of(sum.theta)},
+                                               {"phi", degrees_of(sum.phi)},
+                                               {"measured", sum.measured},
+                                               {"fitted", sum.fitted}});
+        json["parts"].push_back(std::move(member));
+    }
+    return json;
+}
+
 int fit_both_sides(const FileFit& fit, const Measured& measured) {
     ProgressLine line;
     const auto outcome =
@@ -115,9 +108,8 @@ int fit_both_sides(const FileFit& fit, const Measured& measured) {
     if (!outcome) return complain(outcome.error());
     Image8 picture;
     if (!fit.preview.empty()) picture = preview_of(fit, measured, outcome->model);
-    const auto written = write_fit(fit, outcome->model, picture, report_of(fit, measured, *outcome),
-                                   [&] { return print(fit, measured, *outcome); });
-    return written ? k_done : complain(written.error());
+    return status_of(write_fit(fit, outcome->model, picture, report_of(fit, measured, *outcome),
+                               [&] { return print(fit, measured, *outcome); }));
 }
 
 }  // namespace srbf

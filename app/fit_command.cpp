@@ -1,14 +1,11 @@
 // The command line of `srbf fit`.
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <filesystem>
 #include <memory>
 
 #include "app/commands.h"
 #include "app/fit.h"
 #include "app/fit_options.h"
-#include "app/read_options.h"
 #include "base/paths.h"
 
 namespace srbf {

@@ -1,10 +1,6 @@
 // `srbf fit` of many files into a folder.
-#include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <thread>

@@ -1,10 +1,5 @@
-// The options of fits on the command line, from their table (fit/fit_options.h).
+// The options of fits on the command line, from their table (fit/fit_options.h), and those of reading samples.
 #pragma once
-#include <map>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "app/options.h"
 #include "fit/fit_options.h"
 
@@ -21,5 +16,8 @@ FitRequest requested(const Subcommand& sub, const FitTexts& texts);
 
 /// True if an output is an existing folder or ends in a slash.
 bool is_folder(const std::string& output);
+
+/// Adds --columns, --quantity and --floor, which set `options`. It must outlive the parsing of the command line.
+std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& options);
 
 }  // namespace srbf

@@ -1,7 +1,4 @@
-#include <fmt/format.h>
-
 #include <cmath>
-#include <limits>
 #include <thread>
 
 #include "app/fit.h"

@@ -2,10 +2,7 @@
 #pragma once
 #include <fmt/format.h>
 
-#include <cstdint>
 #include <span>
-#include <string>
-#include <string_view>
 
 #include "srbf/result.h"
 

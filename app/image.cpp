@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstdint>
-#include <span>
 
+#include "base/errors.h"
+#include "errors/sphere.h"
 #include "srbf/file.h"
 
 #pragma GCC diagnostic push
@@ -17,6 +17,7 @@
 #define STBI_WRITE_NO_STDIO
 #include <stb/stb_easy_font.h>
 #include <stb/stb_image_write.h>
+#include <array>
 #pragma GCC diagnostic pop
 
 namespace srbf {
@@ -36,6 +37,46 @@ struct Corner {
     float x, y, z;
     std::array<unsigned char, 4> colour;
 };
+
+constexpr Rgb8 k_strip{38, 38, 38}, k_ink{225, 225, 225};
+
+/// A strip of this size with centred `text`.
+Image8 caption(int width, int height, const std::string& text) {
+    Image8 out(width, height, k_strip);
+    const int columns = text_width(text), rows = 9;  // the font's twelve rows without the line spacing
+    const int scale = std::max(1, std::min(height / 20, width / std::max(1, columns)));
+    draw_text(out, (width - scale * columns) / 2, (height - scale * rows) / 2, text, k_ink, scale);
+    return out;
+}
+
+/// Copies `part` into `image` with its upper left corner at (x, y).
+void paste(const Image8& part, int x, int y, Image8& image) {
+    for (int row = 0; row < part.height; ++row) std::copy_n(&part.at(0, row), part.width, &image.at(x, y + row));
+}
+
+/// Output callback of stb; `context` is a vector of bytes.
+void append(void* context, void* data, int size) {
+    auto& bytes = *static_cast<std::vector<std::byte>*>(context);
+    bytes.insert(bytes.end(), static_cast<std::byte*>(data), static_cast<std::byte*>(data) + size);
+}
+
+Image ten_times_difference(const Image& a, const Image& b) {
+    Image out = a;
+    for (std::size_t i = 0; i < out.pixels.size(); ++i)
+        for (int c = 0; c < 3; ++c) out.pixels[i][c] = 10 * std::abs(a.pixels[i][c] - b.pixels[i][c]);
+    return out;
+}
+
+Image8 on_grey(const Image& radiance, float exposure) {
+    Image8 picture(radiance.width, radiance.height, to_srgb8({k_background, k_background, k_background}));
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
+            const Rgb& value = radiance.at(x, y);
+            if (shows_sphere(picture.width, x, y))
+                picture.at(x, y) = to_srgb8({exposure * value.r, exposure * value.g, exposure * value.b});
+        }
+    return picture;
+}
 
 }  // namespace
 
@@ -68,26 +109,6 @@ void draw_text(Image8& image, int x, int y, std::string_view text, Rgb8 colour, 
     }
 }
 
-namespace {
-
-constexpr Rgb8 k_strip{38, 38, 38}, k_ink{225, 225, 225};
-
-/// A strip of this size with centred `text`.
-Image8 caption(int width, int height, const std::string& text) {
-    Image8 out(width, height, k_strip);
-    const int columns = text_width(text), rows = 9;  // the font's twelve rows without the line spacing
-    const int scale = std::max(1, std::min(height / 20, width / std::max(1, columns)));
-    draw_text(out, (width - scale * columns) / 2, (height - scale * rows) / 2, text, k_ink, scale);
-    return out;
-}
-
-/// Copies `part` into `image` with its upper left corner at (x, y).
-void paste(const Image8& part, int x, int y, Image8& image) {
-    for (int row = 0; row < part.height; ++row) std::copy_n(&part.at(0, row), part.width, &image.at(x, y + row));
-}
-
-}  // namespace
-
 Image8 side_by_side(std::span<const Image8> images, std::span<const std::string> captions) {
     assert(!images.empty() && captions.size() == images.size());
     const int width = images[0].width, height = images[0].height, strip = std::max(12, width / 8);
@@ -100,25 +121,12 @@ Image8 side_by_side(std::span<const Image8> images, std::span<const std::string>
     return row;
 }
 
-namespace {
-
-/// Output callback of stb; `context` is a vector of bytes.
-void append(void* context, void* data, int size) {
-    auto& bytes = *static_cast<std::vector<std::byte>*>(context);
-    bytes.insert(bytes.end(), static_cast<std::byte*>(data), static_cast<std::byte*>(data) + size);
-}
-
-}  // namespace
-
 Result<std::vector<std::byte>> png(const Image8& image, const std::string& path) {
     assert(image.pixels.size() == std::size_t(image.width) * std::size_t(image.height));
     constexpr std::int64_t largest = std::int64_t(1) << 29;  // stb counts bytes in an int and doubles its buffers
     if (image.pixels.empty() || (3 * std::int64_t(image.width) + 1) * image.height > largest)
-        return Error{path,
-                     {},
-                     "size of a PNG",
-                     fmt::format("1 to {} bytes", largest),
-                     fmt::format("{} x {} pixels", image.width, image.height)};
+        return input_error(path, "size of a PNG", fmt::format("1 to {} bytes", largest),
+                           fmt::format("{} x {} pixels", image.width, image.height));
     std::vector<std::byte> bytes;
     if (stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, image.pixels.data(), 3 * image.width) == 0)
         return Error{path, {}, "cannot be written", "memory for a PNG", ""};
@@ -136,6 +144,17 @@ std::vector<std::byte> jpeg(const Image8& image, int quality) {
     std::vector<std::byte> bytes;
     stbi_write_jpg_to_func(append, &bytes, image.width, image.height, 3, image.pixels.data(), quality);
     return bytes;
+}
+
+Image8 preview(const Evaluate& measured, const Evaluate& fit, const PreviewOptions& options) {
+    const auto studio = std::ranges::find(standard_lightings(), "studio", &Lighting::name);
+    const std::array brdfs{measured, fit};
+    const auto pictures = sphere_pictures(brdfs, {&*studio, 1}, options.size, options.threads)[0];
+    const float exposure = exposure_to(pictures[0], k_exposed_value);
+    std::vector<Image8> images;
+    for (const Image& image : {pictures[0], pictures[1], ten_times_difference(pictures[0], pictures[1])})
+        images.push_back(on_grey(image, exposure));
+    return side_by_side(images, std::array<std::string, 3>{"measured", options.caption, "10 x difference"});
 }
 
 }  // namespace srbf

@@ -1,15 +1,8 @@
-// Images for display: sRGB, captions and PNG.
+// Images for display: sRGB, captions, PNG, and the preview of a fit.
 #pragma once
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "brdf/colour.h"
 #include "errors/picture.h"
+#include "srbf/brdf.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
 
@@ -38,5 +31,17 @@ Result<Done> write_png(const Image8& image, const std::string& path);
 /// The image as a JPEG of `quality` 1..100. Each side has 1 to k_largest_jpeg pixels.
 std::vector<std::byte> jpeg(const Image8& image, int quality);
 inline constexpr int k_largest_jpeg = 65535;
+
+struct PreviewOptions {
+    int size = 256;   ///< pixels per side of each sphere's square, at least 16
+    int threads = 0;  ///< 0: all of the machine; the picture does not depend on the number
+    std::string caption = "fit";
+};
+
+/// Three squares side by side, each with a caption in a strip of max(12, size/8) rows below it: `sphere_pictures`
+/// of `measured` and of `fit` under the standard lighting `studio`, and 10 |L − L̂| of their radiances per channel.
+/// As in `picture_errors`, all have the exposure of the first and are clipped at white. The background is
+/// `k_background`.
+Image8 preview(const Evaluate& measured, const Evaluate& fit, const PreviewOptions& options = {});
 
 }  // namespace srbf

@@ -1,21 +1,17 @@
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
-#include <span>
 
 #include "any/table_file.h"
 #include "app/commands.h"
+#include "app/fit_options.h"
 #include "app/output.h"
-#include "app/read_options.h"
 #include "base/printable.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"
-#include "measured/evaluated_table.h"
 #include "measured/peak.h"
+#include "measured/tables.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "srbf/file.h"
 #include "srbf/map.h"

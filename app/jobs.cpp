@@ -1,7 +1,5 @@
 #include "app/jobs.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <exception>

@@ -3,8 +3,6 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
-#include <string>
-#include <vector>
 
 #include "app/output.h"
 

@@ -1,18 +1,18 @@
 #include "app/load.h"
 
-#include <fmt/format.h>
-
 #include <cstdio>
 
 #include "app/commands.h"
 #include "base/printable.h"
-#include "brdf/channels.h"
 #include "brdf/directions.h"
+#include "brdf/values.h"
 #include "models/model_files.h"
+#include "srbf/file.h"
 #include "srbf/metrics.h"
 #include "srbf/sampling.h"
 
 namespace srbf {
+
 Rgb value(const Subject& subject, Vec3f wl, Vec3f wv) {
     return std::visit([&](const auto& brdf) { return value(brdf, wl, wv); }, subject.content);
 }
@@ -75,5 +75,7 @@ int complain(const Error& error) {
     std::fputs(fmt::format("srbf: {}\n", message(error)).c_str(), stderr);
     return k_input_error;
 }
+
+int status_of(const Result<Done>& done) { return done ? int(k_done) : complain(done.error()); }
 
 }  // namespace srbf

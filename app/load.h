@@ -41,5 +41,7 @@ Result<SubjectOrMap> load_subject_or_map(const std::string& path, const ReadOpti
 
 /// Prints the error as one line to standard error; returns the exit status of an input error.
 int complain(const Error& error);
+/// The exit status of the last step of a command, whose error it prints.
+int status_of(const Result<Done>& done);
 
 }  // namespace srbf

@@ -1,7 +1,5 @@
 #include "app/memory.h"
 
-#include <algorithm>
-
 #include "base/system_files.h"
 
 #ifndef _WIN32

@@ -1,7 +1,5 @@
 // The memory limit of --max-memory.
 #pragma once
-#include <cstdint>
-
 #include "srbf/result.h"
 
 namespace srbf {

@@ -1,9 +1,5 @@
 #include "app/output.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <system_error>

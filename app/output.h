@@ -1,20 +1,13 @@
 // Common output of the subcommands: measures as tables and JSON, progress, durations.
 #pragma once
-#include <array>
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "app/load.h"
 #include "brdf/rows.h"
 #include "errors/measures.h"
 #include "models/kind/parameters.h"
 #include "srbf/metrics.h"
-#include "srbf/objective.h"
 
 namespace srbf {
 

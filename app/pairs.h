@@ -1,11 +1,8 @@
 // Pairs of directions from a CSV file.
 #pragma once
 #include <array>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include "base/file_reader.h"
+#include "base/files.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
 

@@ -1,14 +1,10 @@
-#include <fmt/format.h>
 #include <hwy/targets.h>
 
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <new>
-#include <optional>
-#include <string>
 #include <system_error>
 
 #include "app/commands.h"

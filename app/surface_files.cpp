@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
-#include <vector>
 
 #include "app/html.h"
+#include "base/errors.h"
 #include "base/printable.h"
 #include "brdf/values.h"
 #include "models/openpbr/openpbr_functions.h"
@@ -417,12 +415,8 @@ std::string blender_text(const NamedModel& named, const OpenPbrModel& model) {
 Result<std::string> surface_file(std::string_view kind, const NamedModel& named) {
     const auto* model = std::get_if<OpenPbrModel>(&named.model->model);
     if (!model)
-        return Error{named.name,
-                     {},
-                     "model for " + std::string(kind),
-                     "a surface, of srbf fit --model openpbr",
-                     "another model",
-                     ErrorCode::argument};
+        return argument_error(named.name, "model for " + std::string(kind), "a surface, of srbf fit --model openpbr",
+                              "another model");
     if (model->is_exchanged)
         return Error{named.name, {}, "surface", "light and viewer as they are", "exchanged ones", ErrorCode::argument};
     if (kind == "mtlx")

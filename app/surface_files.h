@@ -1,9 +1,6 @@
 // Surfaces as files for other programs.
 #pragma once
-#include <algorithm>
 #include <array>
-#include <string>
-#include <string_view>
 
 #include "srbf/shading_code.h"
 
@@ -14,9 +11,6 @@ namespace srbf {
 /// MaterialX network and a sphere; a script that makes Blender's material of Principled BSDF.
 inline constexpr std::array<std::string_view, 6> k_surface_files{"mtlx", "standard-surface", "gltf", "glb",
                                                                  "usd",  "principled"};
-inline bool is_surface_file(std::string_view kind) {
-    return std::ranges::find(k_surface_files, kind) != k_surface_files.end();
-}
 
 /// The file of a surface. Its colours are linear, in Rec.709 primaries; its lengths are in metres. It names the
 /// version of each specification and, if known, ΔE_ITP of the surface against its measurement. Errors: the model is

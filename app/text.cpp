@@ -1,9 +1,7 @@
 // Text and JSON of measures and models.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <iterator>
-#include <span>
 
 #include "app/output.h"
 #include "base/printable.h"
@@ -11,7 +9,7 @@
 #include "errors/picture_errors.h"
 #include "errors/sphere.h"
 #include "fit/request_traits.h"
-#include "observe/objectives.h"
+#include "observe/pair_weights.h"
 #include "srbf/fit.h"
 
 namespace srbf {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "base/floating_point.h"
-#include "brdf/channels.h"
+#include "brdf/values.h"
 #include "errors/measures.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"

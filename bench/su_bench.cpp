@@ -6,8 +6,8 @@
 #include <map>
 #include <string>
 
-#include "brdf/channels.h"
 #include "brdf/directions.h"
+#include "brdf/values.h"
 #include "errors/measures.h"
 #include "models/su/fit_su.h"
 #include "models/su/su_functions.h"

@@ -351,9 +351,7 @@ inline const NamedTarget k_targets[] = {
 }  // namespace srbf
 
 #include "fuzz/extra_targets.h"
-#include "measured/readers.h"
 #include "measured/tables.h"
-#include "models/model_files.h"
 
 namespace srbf {
 

@@ -87,7 +87,7 @@ struct ExportedLight {
         const Rgb f = value(material, {wl.x, wl.y, wl.z}, {wv.x, wv.y, wv.z});
         return {f.r, f.g, f.b};
     }
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "extras/environment/code/extended.glsl"
 };
 Triple<float> ExportedLight::radiance(Vec3 direction, float roughness) {

@@ -3,11 +3,7 @@
 #pragma once
 #include <pybind11/numpy.h>
 
-#include <algorithm>
 #include <cmath>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "background.h"
 #include "base/parallel.h"

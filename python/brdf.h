@@ -1,15 +1,12 @@
 // The BRDF or BSDF that an srbf.Brdf of Python holds, with its functions.
 #pragma once
-#include <array>
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <optional>
-#include <variant>
 
 #include "arrays.h"
 #include "base/files.h"
-#include "brdf/channels.h"
+#include "brdf/values.h"
 #include "measured/readers.h"
 #include "measured/tables.h"
 #include "srbf/convert.h"

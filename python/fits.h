@@ -1,9 +1,6 @@
 // Fits and their errors, as Python calls them.
 #pragma once
-#include <array>
-#include <chrono>
 #include <cstring>
-#include <exception>
 #include <functional>
 
 #include "background.h"
@@ -13,7 +10,6 @@
 #include "errors/picture_errors.h"
 #include "fit/request_traits.h"
 #include "srbf/fit.h"
-#include "srbf/fit_bsdf.h"
 
 namespace srbf {
 

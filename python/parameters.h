@@ -1,10 +1,5 @@
 // The numbers of a model as Python values, and models made from such values.
 #pragma once
-#include <map>
-#include <string>
-#include <utility>
-#include <variant>
-
 #include "brdf.h"
 #include "models/kind/parameters.h"
 

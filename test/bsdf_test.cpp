@@ -6,7 +6,7 @@
 #include "models/ggx/ggx_functions.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
-#include "srbf/fit_bsdf.h"
+#include "srbf/fit.h"
 #include "srbf/load.h"
 #include "srbf/prepared_bsdf.h"
 #include "statistics.h"

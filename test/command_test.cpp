@@ -2,7 +2,7 @@
 #include <regex>
 
 #include "app/map_layers.h"
-#include "brdf/channels.h"
+#include "brdf/values.h"
 #include "command.h"
 #include "errors/measures.h"
 #include "models.h"

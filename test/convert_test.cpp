@@ -3,8 +3,8 @@
 #include "errors/measures.h"
 
 #include "any/table_file.h"
-#include "brdf/channels.h"
 #include "brdf/colour.h"
+#include "brdf/values.h"
 #include "measured/formats/warp.h"
 #include "measured/readers.h"
 #include "measured/samples.h"

@@ -7,7 +7,6 @@
 
 #include "coat_walk.h"
 #include "edit/lobes.h"
-#include "edit/reshape.h"
 #include "errors/picture_errors.h"
 #include "models.h"
 #include "observe/albedo_bound.h"

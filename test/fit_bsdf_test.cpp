@@ -1,6 +1,6 @@
 // Fits of both sides: closed forms, and light that is neither lost nor made.
-#include "srbf/fit_bsdf.h"
 #include "furnace.h"
+#include "srbf/fit.h"
 #include "srbf/kernel.h"
 
 namespace srbf::fit_bsdf_test {
@@ -99,7 +99,7 @@ TEST(FitBsdf, IsAskedForByName) {
     const auto fitted = fit(sides, {});
     ASSERT_FALSE(fitted.ok());
     EXPECT_EQ(message(fitted.error()), "f: " + expected);
-    EXPECT_EQ(message(Fitter(sides).draft({}, 0).error()), "fit: " + expected);
+    EXPECT_EQ(message(Fitter(sides).draft({}).error()), "fit: " + expected);
     EXPECT_FALSE(fit_bsdf(Measured{"f", "CSV", 0, ScatteredSamples{}}, {.model = PmRequest{}}).ok());
 }
 

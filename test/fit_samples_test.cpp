@@ -5,9 +5,9 @@
 #include <functional>
 #include <set>
 
-#include "brdf/channels.h"
 #include "brdf/colour.h"
 #include "brdf/directions.h"
+#include "brdf/values.h"
 #include "errors/picture_errors.h"
 #include "fit/cross_validated_fits.h"
 #include "fit/request_traits.h"

@@ -3,7 +3,6 @@
 
 #include <limits>
 
-#include "brdf/channels.h"
 #include "brdf/values.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"

@@ -4,16 +4,16 @@
 
 #include <map>
 
-#include "brdf/channels.h"
 #include "brdf/colour.h"
 #include "brdf/directions.h"
+#include "brdf/values.h"
 #include "errors/picture_errors.h"
 #include "models.h"
 #include "models/ggx/ggx_kind.h"
 #include "models/pm/pm_functions.h"
 #include "observe/albedo_bound.h"
-#include "observe/objectives.h"
-#include "observe/reciprocal_mean.h"
+#include "observe/observations.h"
+#include "observe/pair_weights.h"
 #include "properties.h"
 #include "srbf/elementary.h"
 #include "srbf/measured.h"

@@ -9,8 +9,8 @@
 #include "measured_files.h"
 #include "models.h"
 #include "observe/bound.h"
+#include "observe/observations.h"
 #include "observe/pairs.h"
-#include "observe/reciprocal_mean.h"
 #include "properties.h"
 
 namespace srbf::fitting_test {
@@ -158,7 +158,7 @@ TEST(Fitting, EqualsItsStagesCalledSeparately) {
     ASSERT_TRUE(at_once);
     Fitter fitter(measured);
     // Neither a draft nor an earlier fit changes the result of a later one.
-    ASSERT_TRUE(fitter.draft(request, 0));
+    ASSERT_TRUE(fitter.draft(request));
     ASSERT_TRUE(fitter.fit(pm(LobeCount{1}, 1), {}));
     auto outcome = fitter.fit(request);
     ASSERT_TRUE(outcome);
@@ -194,7 +194,7 @@ TEST(Fitting, SamplesAreCrossValidated) {
     EXPECT_LT(outcome->errors->heldout.squared_error_ratio, 0.01);
     // The errors of a draft are not measured.
     Fitter fitter(measured);
-    auto draft = fitter.draft(request, 0);
+    auto draft = fitter.draft(request);
     ASSERT_TRUE(draft);
     EXPECT_FALSE(draft->errors);
     EXPECT_TRUE(fitter.measure(*draft, request));

@@ -11,7 +11,7 @@
 #include <limits>
 #include <thread>
 
-#include "measured/isotropy.h"
+#include "measured/tables.h"
 #include "models.h"
 #include "models/ggx/ggx_kind.h"
 #include "models/pm/search/fit_pm.h"
@@ -29,7 +29,7 @@
 #include "srbf/metrics.h"
 #include "srbf/sampling.h"
 #ifdef SRBF_RENDER
-#include "brdf/channels.h"
+#include "brdf/values.h"
 #include "extras/render/environment.h"
 #include "extras/render/mesh.h"
 #include "models/ggx/ggx_functions.h"

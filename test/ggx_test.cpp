@@ -2,7 +2,7 @@
 #include "brdf/directions.h"
 #include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
-#include "observe/objectives.h"
+#include "observe/pair_weights.h"
 #include "observe/surface_problem.h"
 #include "properties.h"
 #include "srbf/metrics.h"

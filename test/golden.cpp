@@ -22,7 +22,6 @@
 #include "one_target.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
-#include "srbf/fit_bsdf.h"
 #include "srbf/kernel.h"
 #include "srbf/model.h"
 

@@ -1,6 +1,5 @@
 // The inner loops of fits, compared with plain loops for every instruction set of this machine.
 #include "models/pm/solve/columns.h"
-#include "models/pm/solve/row_features.h"
 #include "models/pm/solve/rows.h"
 
 #include "observe/observations.h"

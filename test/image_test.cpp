@@ -14,7 +14,7 @@
 #include <cstring>
 #include <limits>
 
-#include "app/preview.h"
+#include "app/image.h"
 #include "errors/sphere.h"
 #include "properties.h"
 #include "shown_brdfs.h"

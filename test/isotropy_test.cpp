@@ -1,7 +1,6 @@
 // Anisotropic data: detection, and fits with general lobes.
-#include "measured/isotropy.h"
-#include "brdf/channels.h"
 #include "brdf/directions.h"
+#include "brdf/values.h"
 #include "errors/measures.h"
 #include "measured/tables.h"
 #include "models/pm/pm_functions.h"

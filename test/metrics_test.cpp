@@ -2,8 +2,8 @@
 #include "srbf/metrics.h"
 #include "errors/measures.h"
 
-#include "brdf/channels.h"
 #include "brdf/directions.h"
+#include "brdf/values.h"
 #include "properties.h"
 #include "srbf/kernel.h"
 

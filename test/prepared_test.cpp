@@ -9,8 +9,8 @@
 #include <xmmintrin.h>
 #endif
 
-#include "brdf/channels.h"
 #include "brdf/parts.h"
+#include "brdf/values.h"
 #include "corpus.h"
 #include "measured/tables.h"
 #include "models.h"

@@ -1,6 +1,5 @@
 // UTIA tables. The tables are synthetic, since no file of the database is available.
 #include "base/printable.h"
-#include "measured/evaluated_table.h"
 #include "measured/readers.h"
 #include "measured/tables.h"
 #include "measured_files.h"

@@ -17,7 +17,6 @@
 #include "base/text.h"
 #include "code/offered_code.h"
 #include "edit/lobes.h"
-#include "edit/reshape.h"
 #include "errors/picture_errors.h"
 #include "extras/blender/script.h"
 #include "extras/render/app/page_of.h"
@@ -25,15 +24,13 @@
 #include "extras/render/material.h"
 #include "extras/render/slices.h"
 #include "fit/fit_options.h"
-#include "measured/isotropy.h"
+#include "measured/tables.h"
 #include "models/bsdf/bsdf_functions.h"
-#include "observe/objectives.h"
+#include "observe/pair_weights.h"
 #include "srbf/edit.h"
 #include "srbf/file.h"
 #include "srbf/fit.h"
-#include "srbf/fit_bsdf.h"
 #include "srbf/metrics.h"
-#include "srbf/objective.h"
 #include "srbf/shading_code.h"
 
 #define SRBF_EXPORT(name) __attribute__((export_name("srbf_" #name)))
@@ -223,12 +220,10 @@ SRBF_EXPORT(draft) int draft(int number, const char* options, std::size_t size) 
     if (!measured) return fail(unknown("that of a measurement"));
     auto request = request_of({options, size});
     if (!request) return fail(request.error());
-    // For samples, errors take five more fits. So the last draft, which is the fit without errors, is shown.
-    const bool is_samples = std::holds_alternative<ScatteredSamples>(measured->table);
-    auto outcome = fitter_of(number, *measured).draft(*request, is_samples ? Fitter::k_drafts - 1 : 0, host_progress());
+    auto outcome = fitter_of(number, *measured).draft(*request, host_progress());
     if (!outcome) return fail(outcome.error());
     Json report = summary_of(*measured, outcome->model);
-    report["last"] = is_samples;
+    report["last"] = std::holds_alternative<ScatteredSamples>(measured->table);  // the fit, whose errors take five more
     set_json(report);
     return keep({stem_of(subject->path) + ".srbf", std::move(outcome->model)});
 }

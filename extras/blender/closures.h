@@ -1,7 +1,5 @@
 // BRDFs as sums of closures of Cycles, Blender's renderer, for renderers that have such closures and no formulas.
 #pragma once
-#include <vector>
-
 #include "srbf/brdf.h"
 #include "srbf/progress.h"
 #include "srbf/result.h"

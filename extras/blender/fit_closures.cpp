@@ -1,8 +1,5 @@
-#include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/errors.h"
 #include "base/least_squares.h"

@@ -1,12 +1,10 @@
 #include "extras/blender/matched_views.h"
 
-#include <cmath>
 #include <limits>
 
 #include "base/parallel.h"
 #include "base/weighted_quantile.h"
 #include "brdf/directions.h"
-#include "brdf/frame.h"
 #include "brdf/values.h"
 #include "errors/itp.h"
 #include "errors/sphere.h"

@@ -1,9 +1,6 @@
 // Pictures of a sphere that a sum of closures is fitted to.
 #pragma once
 #include <algorithm>
-#include <array>
-#include <cstddef>
-#include <vector>
 
 #include "extras/blender/closure_terms.h"
 #include "srbf/brdf.h"

@@ -1,7 +1,6 @@
 // Materials of Blender's nodes as a script, for the program and for the page that fits.
 #pragma once
 #include <span>
-#include <string>
 #include <string_view>
 
 #include "app/load.h"

@@ -1,10 +1,6 @@
 // BSDF data in the XML of WINDOW and of Radiance: matrices of patches and tensor trees.
-#include <fmt/format.h>
 
-#include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <optional>
 #include <pugixml.hpp>
 
 #include "base/floating_point.h"
@@ -116,12 +112,6 @@ AngleBasis basis_of(const KnownBasis& known) {
     }
     return basis;
 }
-
-}  // namespace
-
-AngleBasis klems_basis(KlemsBasis basis) { return basis_of(known_bases()[std::size_t(basis)]); }
-
-namespace {
 
 Result<AngleBasis> basis_named(const Element& element, const std::vector<AngleBasis>& defined) {
     const std::string name = name_in(element.text());
@@ -381,6 +371,8 @@ void join_colours(std::vector<NamedXmlBlocks>& bands) {
 }
 
 }  // namespace
+
+AngleBasis klems_basis(KlemsBasis basis) { return basis_of(known_bases()[std::size_t(basis)]); }
 
 bool is_xml(std::string_view text) {
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);

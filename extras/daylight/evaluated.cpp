@@ -1,14 +1,12 @@
 // Matrices and trees as tables of a BSDF's parts.
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "base/printable.h"
 #include "extras/daylight/formats.h"
 #include "extras/daylight/klems.h"
 #include "extras/daylight/tensor_tree.h"
 #include "extras/daylight/tree_beam.h"
-#include "measured/evaluated_table.h"
+#include "measured/tables.h"
 
 namespace SRBF_NAMESPACE {
 

@@ -1,8 +1,6 @@
 // Fits to averages over patches.
-#include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <random>
 
 #include "base/errors.h"
 #include "base/floating_point.h"
@@ -11,7 +9,7 @@
 #include "brdf/values.h"
 #include "extras/daylight/klems.h"
 #include "fit/requests.h"
-#include "measured/isotropy.h"
+#include "measured/tables.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/su/fit_su.h"
 #include "observe/pair_weights.h"
@@ -33,7 +31,7 @@ constexpr double k_least_gain_of_round = 0.02;
 constexpr int k_starts = 8, k_perturbations = 12;
 /// Half of `k_good_share`, the required relative accuracy of the sums.
 constexpr double k_integral_error = 0.005;
-/// The sizes that are tried, and the errors that are good enough (fit_bsdf.h, `fit_patches`).
+/// The sizes that are tried, and the errors that are good enough (`fit_patches`).
 struct Size {
     int lobes, variates;
 };

@@ -1,12 +1,11 @@
 // Matrices of patches.
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "brdf/directions.h"
 #include "brdf/parts.h"
 #include "extras/daylight/klems.h"
-#include "measured/two_sided.h"
+#include "measured/tables.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {

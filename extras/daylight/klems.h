@@ -1,10 +1,8 @@
 // Classes of pairs of patches, and beams in matrices. Private to readers and fits.
 #pragma once
-#include <array>
 #include <string_view>
-#include <vector>
 
-#include "measured/evaluated_table.h"
+#include "measured/tables.h"
 #include "srbf/daylight.h"
 
 namespace SRBF_NAMESPACE {

@@ -3,12 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/text.h"
 #include "brdf/colour.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 #include "measured/tables.h"
 #include "srbf/elementary.h"
 
@@ -98,6 +97,40 @@ TreeCounts counts_of(std::string_view text) {
     return counts;
 }
 
+/// Maps a point of the unit disc to the unit square and preserves areas (Shirley and Chiu, "A low distortion map
+/// between disk and square", 1997).
+std::array<double, 2> shirley_square(double x, double y) {
+    constexpr double eighth = k_pi / 4;
+    const double r = elementary::hypot(x, y);
+    double phi = elementary::atan2(y, x), a, b;
+    if (phi < -eighth) phi += 2 * k_pi;
+    if (phi < eighth)
+        a = r, b = phi * a / eighth;
+    else if (phi < 3 * eighth)
+        b = r, a = -(phi - 2 * eighth) * b / eighth;
+    else if (phi < 5 * eighth)
+        a = -r, b = (phi - 4 * eighth) * a / eighth;
+    else
+        b = -r, a = -(phi - 6 * eighth) * b / eighth;
+    return {(a + 1) / 2, (b + 1) / 2};
+}
+
+/// The point in the cube of a tree for a pair of directions in a part's frame.
+std::array<double, 4> tree_point(int rank, Vec3f wl, Vec3f wv) {
+    // In Radiance's convention, p = (x, y) of −in and q = (x, y) of out, so p = q for mirror reflection and
+    // straight transmission.
+    const double px = double(wl.x), py = -double(wl.y), qx = -double(wv.x), qy = double(wv.y);
+    if (rank == 4) {
+        const auto p = shirley_square(px, py), q = shirley_square(qx, qy);
+        return {p[0], p[1], q[0], q[1]};
+    }
+    const double sine = elementary::hypot(px, py);
+    const double c = sine > 0 ? px / sine : 1, s = sine > 0 ? py / sine : 0;
+    const auto q = shirley_square(c * qx + s * qy, c * qy - s * qx);
+    constexpr double tiny = 1e-6;  // as in Radiance; puts the normal in the lower half of the tree
+    return {0.5 - tiny - 0.5 * sine, q[0], q[1], 0};
+}
+
 }  // namespace
 
 std::size_t most_tree_bytes(std::string_view text) {
@@ -152,44 +185,6 @@ float TensorTree::smallest_leaf() const {
     }
     return smallest;
 }
-
-namespace {
-
-/// Maps a point of the unit disc to the unit square and preserves areas (Shirley and Chiu, "A low distortion map
-/// between disk and square", 1997).
-std::array<double, 2> shirley_square(double x, double y) {
-    constexpr double eighth = k_pi / 4;
-    const double r = elementary::hypot(x, y);
-    double phi = elementary::atan2(y, x), a, b;
-    if (phi < -eighth) phi += 2 * k_pi;
-    if (phi < eighth)
-        a = r, b = phi * a / eighth;
-    else if (phi < 3 * eighth)
-        b = r, a = -(phi - 2 * eighth) * b / eighth;
-    else if (phi < 5 * eighth)
-        a = -r, b = (phi - 4 * eighth) * a / eighth;
-    else
-        b = -r, a = -(phi - 6 * eighth) * b / eighth;
-    return {(a + 1) / 2, (b + 1) / 2};
-}
-
-/// The point in the cube of a tree for a pair of directions in a part's frame.
-std::array<double, 4> tree_point(int rank, Vec3f wl, Vec3f wv) {
-    // In Radiance's convention, p = (x, y) of −in and q = (x, y) of out, so p = q for mirror reflection and
-    // straight transmission.
-    const double px = double(wl.x), py = -double(wl.y), qx = -double(wv.x), qy = double(wv.y);
-    if (rank == 4) {
-        const auto p = shirley_square(px, py), q = shirley_square(qx, qy);
-        return {p[0], p[1], q[0], q[1]};
-    }
-    const double sine = elementary::hypot(px, py);
-    const double c = sine > 0 ? px / sine : 1, s = sine > 0 ? py / sine : 0;
-    const auto q = shirley_square(c * qx + s * qy, c * qy - s * qx);
-    constexpr double tiny = 1e-6;  // as in Radiance; puts the normal in the lower half of the tree
-    return {0.5 - tiny - 0.5 * sine, q[0], q[1], 0};
-}
-
-}  // namespace
 
 Rgb signed_value(const TreeTable& table, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return {};

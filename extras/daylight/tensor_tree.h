@@ -2,7 +2,7 @@
 #pragma once
 #include <string_view>
 
-#include "measured/evaluated_table.h"
+#include "measured/tables.h"
 #include "srbf/daylight.h"
 
 namespace SRBF_NAMESPACE {

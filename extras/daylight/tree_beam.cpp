@@ -6,7 +6,6 @@
 #include "base/r_sequence.h"
 #include "brdf/directions.h"
 #include "extras/daylight/klems.h"
-#include "measured/evaluated_table.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {

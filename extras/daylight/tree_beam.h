@@ -1,8 +1,6 @@
 // Beams in tensor trees. Private to fits.
 #pragma once
-#include <optional>
-
-#include "measured/evaluated_table.h"
+#include "measured/tables.h"
 #include "srbf/daylight.h"
 
 namespace SRBF_NAMESPACE {

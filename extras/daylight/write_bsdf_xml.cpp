@@ -1,9 +1,6 @@
 // Matrices of patches computed from any BSDF, and their XML.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/parallel.h"
 #include "base/printable.h"
 #include "base/r_sequence.h"
@@ -36,50 +33,6 @@ bool are_near(const AngleBasis& basis, std::size_t a, std::size_t b) {
     const double max_angle = std::min(k_touching * (width_of(basis, a) + width_of(basis, b)), k_pi);
     return dot(basis.middle_of(a), basis.middle_of(b)) > elementary::cos(max_angle);
 }
-
-}  // namespace
-
-KlemsTable to_klems(const Evaluate& part, const AngleBasis& basis, int threads) {
-    const StandardArithmetic mode;
-    const std::size_t n = basis.patches();
-    KlemsTable table{basis, basis, std::vector<Rgb>(n * n), {}, 0};
-    parallel_for(n, threads, [&](std::size_t i) {
-        std::vector<Vec3f> wl, wv;
-        std::vector<Rgb> f;
-        for (std::size_t o = 0; o < n; ++o) {
-            const bool is_near = are_near(basis, i, o);
-            wl.clear(), wv.clear();
-            RSequence<4> points;
-            for (std::size_t k = is_near ? k_mirror_pair_points : k_pair_points; k > 0; --k) {
-                const auto u = points.next();
-                wl.push_back(light_at(basis.point_of(i, u[0], u[1])));
-                wv.push_back(view_at(basis.point_of(o, u[2], u[3])));
-            }
-            f.resize(wl.size());
-            part(wl, wv, f);
-            std::array<double, 3> sum{};
-            std::size_t count = 0;
-            for (const Rgb& value : f) {
-                if (!is_finite(value)) continue;
-                ++count;
-                for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += double(value[c]);
-            }
-            for (int c = 0; c < 3 && count > 0; ++c)
-                table.cells[o * n + i][c] = float(std::max(sum[std::size_t(c)] / double(count), 0.0));
-        }
-    });
-    return table;
-}
-
-void add_beam(KlemsTable& table, const Beams& beams, Part part) {
-    if (beams[std::size_t(part)].empty() && !(is_transmission(part) && !beams[std::size_t(counterpart(part))].empty()))
-        return;
-    table.beam.clear();
-    for (std::size_t i = 0; i < table.incident.patches(); ++i)
-        table.beam.push_back(share_at(beams, part, light_at(table.incident.middle_of(i))));
-}
-
-namespace {
 
 /// Degrees with the precision that files have.
 std::string degrees_of(float radians) { return fmt::format("{:.7g}", double(radians) / k_degree); }
@@ -130,7 +83,79 @@ std::string block_text(const std::string& band, Part part, const KlemsTable& tab
     return text + "\t\t\t</ScatteringData>\n\t\t</WavelengthDataBlock>\n\t</WavelengthData>\n";
 }
 
+/// The basis that the options choose.
+AngleBasis basis_of(const TableOptions& options) {
+    const auto* const basis_name = std::ranges::find(k_klems_bases, options.choice);
+    return klems_basis(basis_name == std::end(k_klems_bases) ? KlemsBasis::full
+                                                             : KlemsBasis(basis_name - std::begin(k_klems_bases)));
+}
+
+/// A part as a matrix in the chosen basis. A measured matrix in that basis is used unchanged.
+KlemsTable klems_of(const Measured* own, const TableSource& source, Part part, const TableOptions& options) {
+    const AngleBasis basis = basis_of(options);
+    const auto* matrix = own ? own_table<KlemsTable>(*own) : nullptr;
+    if (matrix && matrix->incident.name == basis.name && matrix->outgoing.name == basis.name) return *matrix;
+    const auto values = [evaluate = part_of(non_negative(source.values), part), &options](auto wl, auto wv, auto f) {
+        if (!options.progress.cancelled()) evaluate(wl, wv, f);
+    };
+    KlemsTable table = to_klems(values, basis, options.threads);
+    add_beam(table, source.beams, part);
+    return table;
+}
+
+/// A band of matrices that include the beams of their parts.
+BsdfTable::Band patches_of(std::string name, const TableSource& source, const TableOptions& options) {
+    const auto* own =
+        source.measured && !source.measured->exchanged ? std::get_if<BsdfTable>(&source.measured->table) : nullptr;
+    BsdfTable::Band band{std::move(name), {}, {}};
+    for (std::size_t p = 0; p < k_parts; ++p)
+        if (source.has[p])
+            band.part[p] = std::make_shared<const Measured>(Measured{
+                {}, {}, 0, evaluated(klems_of(own ? own->band().part[p].get() : nullptr, source, Part(p), options))});
+    return band;
+}
+
 }  // namespace
+
+KlemsTable to_klems(const Evaluate& part, const AngleBasis& basis, int threads) {
+    const StandardArithmetic mode;
+    const std::size_t n = basis.patches();
+    KlemsTable table{basis, basis, std::vector<Rgb>(n * n), {}, 0};
+    parallel_for(n, threads, [&](std::size_t i) {
+        std::vector<Vec3f> wl, wv;
+        std::vector<Rgb> f;
+        for (std::size_t o = 0; o < n; ++o) {
+            const bool is_near = are_near(basis, i, o);
+            wl.clear(), wv.clear();
+            RSequence<4> points;
+            for (std::size_t k = is_near ? k_mirror_pair_points : k_pair_points; k > 0; --k) {
+                const auto u = points.next();
+                wl.push_back(light_at(basis.point_of(i, u[0], u[1])));
+                wv.push_back(view_at(basis.point_of(o, u[2], u[3])));
+            }
+            f.resize(wl.size());
+            part(wl, wv, f);
+            std::array<double, 3> sum{};
+            std::size_t count = 0;
+            for (const Rgb& value : f) {
+                if (!is_finite(value)) continue;
+                ++count;
+                for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += double(value[c]);
+            }
+            for (int c = 0; c < 3 && count > 0; ++c)
+                table.cells[o * n + i][c] = float(std::max(sum[std::size_t(c)] / double(count), 0.0));
+        }
+    });
+    return table;
+}
+
+void add_beam(KlemsTable& table, const Beams& beams, Part part) {
+    if (beams[std::size_t(part)].empty() && !(is_transmission(part) && !beams[std::size_t(counterpart(part))].empty()))
+        return;
+    table.beam.clear();
+    for (std::size_t i = 0; i < table.incident.patches(); ++i)
+        table.beam.push_back(share_at(beams, part, light_at(table.incident.middle_of(i))));
+}
 
 std::string write_bsdf_xml(const BsdfTable& table) {
     std::vector<AngleBasis> bases;
@@ -166,42 +191,6 @@ std::string write_bsdf_xml(const BsdfTable& table) {
     for (const AngleBasis& basis : bases) text += basis_text(basis);
     return text + "\t</DataDefinition>\n" + blocks + "</Layer>\n</Optical>\n</WindowElement>\n";
 }
-
-namespace {
-
-/// The basis that the options choose.
-AngleBasis basis_of(const TableOptions& options) {
-    const auto* const basis_name = std::ranges::find(k_klems_bases, options.choice);
-    return klems_basis(basis_name == std::end(k_klems_bases) ? KlemsBasis::full
-                                                             : KlemsBasis(basis_name - std::begin(k_klems_bases)));
-}
-
-/// A part as a matrix in the chosen basis. A measured matrix in that basis is used unchanged.
-KlemsTable klems_of(const Measured* own, const TableSource& source, Part part, const TableOptions& options) {
-    const AngleBasis basis = basis_of(options);
-    const auto* matrix = own ? own_table<KlemsTable>(*own) : nullptr;
-    if (matrix && matrix->incident.name == basis.name && matrix->outgoing.name == basis.name) return *matrix;
-    const auto values = [evaluate = part_of(non_negative(source.values), part), &options](auto wl, auto wv, auto f) {
-        if (!options.progress.cancelled()) evaluate(wl, wv, f);
-    };
-    KlemsTable table = to_klems(values, basis, options.threads);
-    add_beam(table, source.beams, part);
-    return table;
-}
-
-/// A band of matrices that include the beams of their parts.
-BsdfTable::Band patches_of(std::string name, const TableSource& source, const TableOptions& options) {
-    const auto* own =
-        source.measured && !source.measured->exchanged ? std::get_if<BsdfTable>(&source.measured->table) : nullptr;
-    BsdfTable::Band band{std::move(name), {}, {}};
-    for (std::size_t p = 0; p < k_parts; ++p)
-        if (source.has[p])
-            band.part[p] = std::make_shared<const Measured>(Measured{
-                {}, {}, 0, evaluated(klems_of(own ? own->band().part[p].get() : nullptr, source, Part(p), options))});
-    return band;
-}
-
-}  // namespace
 
 Result<std::vector<std::byte>> write_as_bsdf_xml(const TableSource& source, const TableOptions& options) {
     BsdfTable matrices;

@@ -1,8 +1,6 @@
 #include "srbf/extended_light.h"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
 
 #include "base/parallel.h"
 #include "extras/environment/lobe_tracks.h"

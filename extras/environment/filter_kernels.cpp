@@ -1,7 +1,5 @@
 #include "extras/environment/filter_kernels.h"
 
-#include <cmath>
-
 #include "base/parallel.h"
 #include "base/r_sequence.h"
 

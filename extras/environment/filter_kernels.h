@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
 #include "srbf/elementary.h"
 #include "srbf/extended_light.h"

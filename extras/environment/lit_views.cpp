@@ -1,12 +1,10 @@
 #include "extras/environment/lit_views.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "base/r_sequence.h"
 #include "brdf/colour.h"
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "sampling/elevation_nodes.h"
 
 namespace SRBF_NAMESPACE {

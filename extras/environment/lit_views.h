@@ -1,7 +1,6 @@
 // The light that a BRDF reflects towards a viewer under lights of several sizes, which lobes are fitted to.
 #pragma once
 #include <Eigen/Dense>
-#include <vector>
 
 #include "extras/environment/filter_kernels.h"
 #include "srbf/prepared.h"

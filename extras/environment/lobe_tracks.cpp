@@ -1,6 +1,5 @@
 #include "extras/environment/lobe_tracks.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>

@@ -1,8 +1,5 @@
 // The fit of lobes to lit views.
 #pragma once
-#include <Eigen/Dense>
-#include <vector>
-
 #include "extras/environment/lit_views.h"
 
 namespace SRBF_NAMESPACE {

@@ -1,6 +1,3 @@
-#include <Eigen/Dense>
-#include <algorithm>
-
 #include "base/parallel.h"
 #include "brdf/colour.h"
 #include "extras/environment/lobe_tracks.h"

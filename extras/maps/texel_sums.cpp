@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "observe/costs.h"
+#include "observe/observations.h"
 #include "srbf/elementary.h"
-#include "srbf/objective.h"
+#include "srbf/metrics.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "extras/maps/texel_sums.cpp"

@@ -1,17 +1,10 @@
 // BRDFs of national metrology institutes in JSON, in the format of the project BiRD.
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "base/floating_point.h"
 #include "extras/optics/formats.h"
 #include "extras/optics/json_rows.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 #include "measured/samples.h"
-#include "measured/spectral_rows.h"
 
 namespace SRBF_NAMESPACE {
 namespace {

@@ -1,6 +1,5 @@
 // FRED's text of tabulated scatter: lines with an incidence, each followed by lines with scattered directions.
 // Directions have a polar angle and an azimuth or, in the plane of incidence, a polar angle only.
-#include <fmt/format.h>
 
 #include "brdf/directions.h"
 #include "extras/optics/formats.h"

@@ -1,19 +1,11 @@
 // BRDF tables of ASAM OpenMATERIAL 3D, `.xompt`.
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <map>
-#include <nlohmann/json.hpp>
 
 #include "base/floating_point.h"
 #include "brdf/directions.h"
 #include "extras/optics/formats.h"
 #include "extras/optics/json_rows.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 #include "measured/samples.h"
-#include "measured/spectral_rows.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {
@@ -113,6 +105,35 @@ struct OpenMaterialRows : JsonRows {
     }
 };
 
+/// An identifier in the form of a UUID, from a hash of the text: 64-bit FNV-1a, twice.
+std::string uuid_of(std::string_view text) {
+    const auto hash = [&](std::uint64_t h) {
+        for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+        return h;
+    };
+    const std::uint64_t a = hash(0xcbf29ce484222325), b = hash(a);
+    return fmt::format("{:08x}-{:04x}-8{:03x}-8{:03x}-{:012x}", a >> 32, a >> 16 & 0xffff, a & 0xfff, b >> 48 & 0xfff,
+                       b & 0xffffffffffff);
+}
+
+/// Samples on a grid of angles, every 5° in θ and every 15° in azimuth, without those that were not measured.
+ScatteredSamples sample_on_grid(const Evaluate& brdf, const std::string& description) {
+    std::vector<Vec3f> wl, wv;
+    for (int l = 0; l < 18; ++l)
+        for (int v = 0; v < 18; ++v)
+            for (int phi = 0; phi <= (v == 0 ? 0 : 12); ++phi) {
+                wl.push_back(to_float(spherical(5 * l * k_degree, 0.0)));
+                wv.push_back(to_float(spherical(5 * v * k_degree, 15 * phi * k_degree)));
+            }
+    std::vector<Rgb> f(wl.size());
+    brdf(wl, wv, f);
+    ScatteredSamples samples;
+    samples.description = description;
+    for (std::size_t i = 0; i < f.size(); ++i)
+        if (is_finite(f[i])) samples.wl.push_back(wl[i]), samples.wv.push_back(wv[i]), samples.colour.push_back(f[i]);
+    return samples;
+}
+
 }  // namespace
 
 bool is_openmaterial(std::string_view text) {
@@ -141,21 +162,6 @@ Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, con
     if (samples) samples->receiver = std::move(sax.receiver);
     return samples;
 }
-
-namespace {
-
-/// An identifier in the form of a UUID, from a hash of the text: 64-bit FNV-1a, twice.
-std::string uuid_of(std::string_view text) {
-    const auto hash = [&](std::uint64_t h) {
-        for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-        return h;
-    };
-    const std::uint64_t a = hash(0xcbf29ce484222325), b = hash(a);
-    return fmt::format("{:08x}-{:04x}-8{:03x}-8{:03x}-{:012x}", a >> 32, a >> 16 & 0xffff, a & 0xfff, b >> 48 & 0xfff,
-                       b & 0xffffffffffff);
-}
-
-}  // namespace
 
 std::string write_openmaterial(const ScatteredSamples& samples) {
     const bool is_spectral = !samples.wavelengths.empty();
@@ -208,28 +214,6 @@ std::string write_openmaterial(const ScatteredSamples& samples) {
         "    \"brdf\": {{\n        \"wavelengths\": [{}],\n{}        \"lookupTable\": [{}\n        ]\n    }}\n}}\n",
         name, uuid_of(table), wavelengths, receiver, table);
 }
-
-namespace {
-
-/// Samples on a grid of angles, every 5° in θ and every 15° in azimuth, without those that were not measured.
-ScatteredSamples sample_on_grid(const Evaluate& brdf, const std::string& description) {
-    std::vector<Vec3f> wl, wv;
-    for (int l = 0; l < 18; ++l)
-        for (int v = 0; v < 18; ++v)
-            for (int phi = 0; phi <= (v == 0 ? 0 : 12); ++phi) {
-                wl.push_back(to_float(spherical(5 * l * k_degree, 0.0)));
-                wv.push_back(to_float(spherical(5 * v * k_degree, 15 * phi * k_degree)));
-            }
-    std::vector<Rgb> f(wl.size());
-    brdf(wl, wv, f);
-    ScatteredSamples samples;
-    samples.description = description;
-    for (std::size_t i = 0; i < f.size(); ++i)
-        if (is_finite(f[i])) samples.wl.push_back(wl[i]), samples.wv.push_back(wv[i]), samples.colour.push_back(f[i]);
-    return samples;
-}
-
-}  // namespace
 
 Result<std::vector<std::byte>> write_as_openmaterial(const TableSource& source, const TableOptions& options) {
     const auto* own = source.measured ? std::get_if<ScatteredSamples>(&source.measured->table) : nullptr;

@@ -3,16 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/parallel.h"
 #include "base/printable.h"
 #include "brdf/colour.h"
 #include "brdf/directions.h"
 #include "measured/angles.h"
-#include "measured/evaluated_table.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 #include "measured/tables.h"
 #include "srbf/elementary.h"
 
@@ -141,6 +137,23 @@ double rotation_at(const ScatterTable& table, std::size_t rotation, const Scatte
     return mean.result();
 }
 
+std::vector<float> degrees_list(std::initializer_list<double> begin, double end, double step) {
+    std::vector<float> radians;
+    for (const double angle : begin) radians.push_back(float(angle * k_degree));
+    while (double(radians.back()) < (end - step / 2) * k_degree)
+        radians.push_back(float(std::round((double(radians.back()) / k_degree + step) * 1e3) / 1e3 * k_degree));
+    return radians;
+}
+
+/// The direction in a part's frame of a node of a slice, for light at azimuth φ_l.
+Vec3d node_direction(const ScatterTable& table, double theta_l, double phi_l, double polar, double azimuth) {
+    const double s = elementary::sin(polar), x = s * elementary::cos(azimuth), y = s * elementary::sin(azimuth);
+    const Vec3d local{table.about_mirror ? -x : x, table.about_mirror ? -y : y, elementary::cos(polar)};
+    const Vec3d forward = table.about_mirror ? tilted(local, theta_l) : local;
+    const double c_l = -elementary::cos(phi_l), s_l = -elementary::sin(phi_l);
+    return {c_l * forward.x - s_l * forward.y, s_l * forward.x + c_l * forward.y, forward.z};
+}
+
 }  // namespace
 
 double light_azimuth(const ScatterTable& table, double rotation) {
@@ -209,27 +222,6 @@ void mask_gaps(ScatterTable& table) {
         }
     }
 }
-
-namespace {
-
-std::vector<float> degrees_list(std::initializer_list<double> begin, double end, double step) {
-    std::vector<float> radians;
-    for (const double angle : begin) radians.push_back(float(angle * k_degree));
-    while (double(radians.back()) < (end - step / 2) * k_degree)
-        radians.push_back(float(std::round((double(radians.back()) / k_degree + step) * 1e3) / 1e3 * k_degree));
-    return radians;
-}
-
-/// The direction in a part's frame of a node of a slice, for light at azimuth φ_l.
-Vec3d node_direction(const ScatterTable& table, double theta_l, double phi_l, double polar, double azimuth) {
-    const double s = elementary::sin(polar), x = s * elementary::cos(azimuth), y = s * elementary::sin(azimuth);
-    const Vec3d local{table.about_mirror ? -x : x, table.about_mirror ? -y : y, elementary::cos(polar)};
-    const Vec3d forward = table.about_mirror ? tilted(local, theta_l) : local;
-    const double c_l = -elementary::cos(phi_l), s_l = -elementary::sin(phi_l);
-    return {c_l * forward.x - s_l * forward.y, s_l * forward.x + c_l * forward.y, forward.z};
-}
-
-}  // namespace
 
 ScatterTable to_scatter(const Evaluate& part, bool about_mirror, bool isotropic, int threads) {
     const StandardArithmetic mode;

@@ -1,11 +1,8 @@
 // Parsing files of scatter tables. Private to their readers and writers.
 #pragma once
-#include <optional>
-#include <string_view>
-
-#include "measured/evaluated_table.h"
 #include "measured/formats.h"
 #include "measured/samples.h"
+#include "measured/tables.h"
 #include "srbf/optics.h"
 
 namespace SRBF_NAMESPACE {

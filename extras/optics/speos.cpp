@@ -7,7 +7,7 @@
 #include "base/floating_point.h"
 #include "brdf/colour.h"
 #include "extras/optics/formats.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {

@@ -6,7 +6,7 @@
 
 #include "base/floating_point.h"
 #include "extras/optics/formats.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 
 namespace SRBF_NAMESPACE {
 

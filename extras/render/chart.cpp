@@ -1,11 +1,5 @@
 #include "extras/render/chart.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "base/printable.h"
 #include "extras/render/drawing.h"
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/files.h"
@@ -33,6 +32,91 @@ CdfPosition find(std::span<const float> running, float u) {
 /// The solid angle of a texel in a row.
 double solid_angle(int row, int width, int height) {
     return 2 * k_pi / width * (std::cos(k_pi * row / height) - std::cos(k_pi * (row + 1) / height));
+}
+
+/// Reads consecutive bytes.
+struct Bytes {
+    std::span<const std::byte> remaining;
+    bool has(std::size_t count) const { return remaining.size() >= count; }
+    unsigned take() {
+        const auto byte = std::to_integer<unsigned>(remaining[0]);
+        remaining = remaining.subspan(1);
+        return byte;
+    }
+};
+using Rgbe = std::array<unsigned, 4>;
+
+Rgb decode(const Rgbe& rgbe) {
+    if (rgbe[3] == 0) return {};
+    const auto channel = [&](unsigned mantissa) { return std::ldexp(float(mantissa), int(rgbe[3]) - 136); };
+    return {channel(rgbe[0]), channel(rgbe[1]), channel(rgbe[2])};
+}
+
+/// Reads a row; returns false if the file ends early or a run is longer than the row.
+bool read_row(Bytes& bytes, std::vector<Rgbe>& row) {
+    const std::size_t width = row.size();
+    if (!bytes.has(4)) return false;
+    const auto is = [&](std::size_t i, unsigned x) { return std::to_integer<unsigned>(bytes.remaining[i]) == x; };
+    const bool encoded = width >= 8 && width < 32768 && is(0, 2) && is(1, 2) && is(2, unsigned(width >> 8)) &&
+                         is(3, unsigned(width & 255));
+    if (!encoded) {
+        if (!bytes.has(4 * width)) return false;
+        for (Rgbe& texel : row)
+            for (unsigned& byte : texel) byte = bytes.take();
+        return true;
+    }
+    bytes.remaining = bytes.remaining.subspan(4);
+    for (std::size_t c = 0; c < 4; ++c)
+        for (std::size_t x = 0; x < width;) {
+            if (!bytes.has(2)) return false;
+            const unsigned count = bytes.take(), length = count > 128 ? count - 128 : count;
+            if (length == 0 || length > width - x || !bytes.has(count > 128 ? 1 : length)) return false;
+            const unsigned repeated = count > 128 ? bytes.take() : 0;
+            for (unsigned i = 0; i < length; ++i) row[x++][c] = count > 128 ? repeated : bytes.take();
+        }
+    return true;
+}
+
+/// The header before the texels.
+struct HdrHeader {
+    std::int64_t width, height;
+    std::size_t resolution, texels;  ///< offsets of the resolution line and of the texels
+};
+Result<HdrHeader> read_header(std::span<const std::byte> bytes, const std::string& file_name) {
+    const auto fail = [&](std::uint64_t offset, std::string what, std::string expected, std::string found) {
+        return Error{file_name, offset, std::move(what), std::move(expected), std::move(found)};
+    };
+    const std::string_view text = as_text(bytes);
+    if (!text.starts_with("#?"))
+        return fail(0, "first bytes", "'#?' of a Radiance file, or OpenEXR", quoted(text.substr(0, 8)));
+    const auto header_end = text.find("\n\n");
+    if (header_end == text.npos || header_end > 65536) return fail(0, "header", "ended by an empty line", "none");
+    if (const auto format = text.find("\nFORMAT="); format < header_end)
+        if (const auto format_name = trimmed(text.substr(format + 8, text.find('\n', format + 8) - format - 8));
+            format_name != "32-bit_rle_rgbe")
+            return fail(format + 1, "FORMAT", "32-bit_rle_rgbe", quoted(format_name));
+    const auto begin = header_end + 2, end = std::min(text.find('\n', begin), text.size());
+    std::string_view line = text.substr(begin, end - begin);
+    const auto minus_y = next_word(line);
+    const auto height = to_number<std::int64_t>(next_word(line));
+    const auto plus_x = next_word(line);
+    const auto width = to_number<std::int64_t>(next_word(line));
+    if (minus_y != "-Y" || plus_x != "+X" || !height || !width || end == text.size())
+        return fail(begin, "resolution", "'-Y HEIGHT +X WIDTH'", quoted(text.substr(begin, end - begin)));
+    if (*width < 1 || *height < 1 || *width > k_most_texels / *height)
+        return fail(begin, "resolution", fmt::format("1 to {} texels", k_most_texels),
+                    fmt::format("{} x {}", *width, *height));
+    return HdrHeader{*width, *height, begin, end + 1};
+}
+
+/// Upper bound on the size of a file with this beginning. An invalid header limits it to the beginning, which
+/// suffices to report the error.
+std::uint64_t most_bytes_of(std::span<const std::byte> head) {
+    if (is_exr(head)) return check_exr_header(head, k_largest_file, {}).ok() ? k_largest_file : head.size();
+    const auto header = read_header(head, {});
+    if (!header) return head.size();
+    // Runs of one texel take two bytes for each of the four channels.
+    return header->texels + std::uint64_t(header->height) * (8 * std::uint64_t(header->width) + 4);
 }
 
 }  // namespace
@@ -133,85 +217,6 @@ std::vector<std::array<std::uint8_t, 4>> to_rgbe(const Image& image) {
     return texels;
 }
 
-namespace {
-
-/// Reads consecutive bytes.
-struct Bytes {
-    std::span<const std::byte> remaining;
-    bool has(std::size_t count) const { return remaining.size() >= count; }
-    unsigned take() {
-        const auto byte = std::to_integer<unsigned>(remaining[0]);
-        remaining = remaining.subspan(1);
-        return byte;
-    }
-};
-using Rgbe = std::array<unsigned, 4>;
-
-Rgb decode(const Rgbe& rgbe) {
-    if (rgbe[3] == 0) return {};
-    const auto channel = [&](unsigned mantissa) { return std::ldexp(float(mantissa), int(rgbe[3]) - 136); };
-    return {channel(rgbe[0]), channel(rgbe[1]), channel(rgbe[2])};
-}
-
-/// Reads a row; returns false if the file ends early or a run is longer than the row.
-bool read_row(Bytes& bytes, std::vector<Rgbe>& row) {
-    const std::size_t width = row.size();
-    if (!bytes.has(4)) return false;
-    const auto is = [&](std::size_t i, unsigned x) { return std::to_integer<unsigned>(bytes.remaining[i]) == x; };
-    const bool encoded = width >= 8 && width < 32768 && is(0, 2) && is(1, 2) && is(2, unsigned(width >> 8)) &&
-                         is(3, unsigned(width & 255));
-    if (!encoded) {
-        if (!bytes.has(4 * width)) return false;
-        for (Rgbe& texel : row)
-            for (unsigned& byte : texel) byte = bytes.take();
-        return true;
-    }
-    bytes.remaining = bytes.remaining.subspan(4);
-    for (std::size_t c = 0; c < 4; ++c)
-        for (std::size_t x = 0; x < width;) {
-            if (!bytes.has(2)) return false;
-            const unsigned count = bytes.take(), length = count > 128 ? count - 128 : count;
-            if (length == 0 || length > width - x || !bytes.has(count > 128 ? 1 : length)) return false;
-            const unsigned repeated = count > 128 ? bytes.take() : 0;
-            for (unsigned i = 0; i < length; ++i) row[x++][c] = count > 128 ? repeated : bytes.take();
-        }
-    return true;
-}
-
-/// The header before the texels.
-struct HdrHeader {
-    std::int64_t width, height;
-    std::size_t resolution, texels;  ///< offsets of the resolution line and of the texels
-};
-Result<HdrHeader> read_header(std::span<const std::byte> bytes, const std::string& file_name) {
-    const auto fail = [&](std::uint64_t offset, std::string what, std::string expected, std::string found) {
-        return Error{file_name, offset, std::move(what), std::move(expected), std::move(found)};
-    };
-    const std::string_view text = as_text(bytes);
-    if (!text.starts_with("#?"))
-        return fail(0, "first bytes", "'#?' of a Radiance file, or OpenEXR", quoted(text.substr(0, 8)));
-    const auto header_end = text.find("\n\n");
-    if (header_end == text.npos || header_end > 65536) return fail(0, "header", "ended by an empty line", "none");
-    if (const auto format = text.find("\nFORMAT="); format < header_end)
-        if (const auto format_name = trimmed(text.substr(format + 8, text.find('\n', format + 8) - format - 8));
-            format_name != "32-bit_rle_rgbe")
-            return fail(format + 1, "FORMAT", "32-bit_rle_rgbe", quoted(format_name));
-    const auto begin = header_end + 2, end = std::min(text.find('\n', begin), text.size());
-    std::string_view line = text.substr(begin, end - begin);
-    const auto minus_y = next_word(line);
-    const auto height = to_number<std::int64_t>(next_word(line));
-    const auto plus_x = next_word(line);
-    const auto width = to_number<std::int64_t>(next_word(line));
-    if (minus_y != "-Y" || plus_x != "+X" || !height || !width || end == text.size())
-        return fail(begin, "resolution", "'-Y HEIGHT +X WIDTH'", quoted(text.substr(begin, end - begin)));
-    if (*width < 1 || *height < 1 || *width > k_most_texels / *height)
-        return fail(begin, "resolution", fmt::format("1 to {} texels", k_most_texels),
-                    fmt::format("{} x {}", *width, *height));
-    return HdrHeader{*width, *height, begin, end + 1};
-}
-
-}  // namespace
-
 Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
     const auto header = read_header(bytes, file_name);
@@ -240,20 +245,6 @@ Result<Environment> read_environment(std::span<const std::byte> bytes, const std
     if (!image) return image.error();
     return Environment(*std::move(image));
 }
-
-namespace {
-
-/// Upper bound on the size of a file with this beginning. An invalid header limits it to the beginning, which
-/// suffices to report the error.
-std::uint64_t most_bytes_of(std::span<const std::byte> head) {
-    if (is_exr(head)) return check_exr_header(head, k_largest_file, {}).ok() ? k_largest_file : head.size();
-    const auto header = read_header(head, {});
-    if (!header) return head.size();
-    // Runs of one texel take two bytes for each of the four channels.
-    return header->texels + std::uint64_t(header->height) * (8 * std::uint64_t(header->width) + 4);
-}
-
-}  // namespace
 
 Result<Environment> load_environment(const std::string& name) {
     if (name == k_built_in_environment)

@@ -58,7 +58,7 @@ Vec3 reflectance(Vec3 wl, Vec3 wv) {
     bool known = is_measured && !any(isnan(f)) && !any(isinf(f));
     return known ? abs(wl.z) * f : Vec3(0.0);
 }
-// Directions in the frame of a part (srbf/bsdf.h), and the side of the direction to the light, 1 or -1.
+// Directions in the frame of a part (srbf/brdf.h), and the side of the direction to the light, 1 or -1.
 #if SIDES == 2
 Vec3 to_part(Vec3 w) { return Vec3(w.xy, abs(w.z)); }
 Vec3 to_side(Vec3 w, float side) { return Vec3(w.xy, side * w.z); }

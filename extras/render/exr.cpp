@@ -9,10 +9,8 @@
 #include <ImfStdIO.h>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstring>
 #include <exception>
-#include <optional>
 #include <stdexcept>
 
 #include "base/files.h"

@@ -1,8 +1,5 @@
 // Materials of measurements and models for shaders.
 #pragma once
-#include <array>
-#include <string>
-
 #include "srbf/convert.h"
 #include "srbf/load.h"
 #include "srbf/shader.h"

@@ -44,25 +44,6 @@ bool may_be_mesh(std::span<const std::byte> head) {
     return is_ply(head) || std::ranges::find(first, std::byte(0)) == first.end();
 }
 
-}  // namespace
-
-Result<Mesh> read_mesh(std::span<const std::byte> bytes, const std::string& file_name) {
-    return is_ply(bytes) ? read_ply(bytes, file_name) : read_obj(bytes, file_name);
-}
-
-Result<Mesh> load_mesh(const std::string& name) {
-    if (name == k_built_in_meshes[0]) return sphere();
-    if (name == k_built_in_meshes[1]) return knot();
-    if (name == k_built_in_meshes[2]) return ball();
-    return within_memory(name, [&]() -> Result<Mesh> {
-        const auto bytes = read_file(name, all_if(may_be_mesh));
-        if (!bytes) return bytes.error();
-        return read_mesh(*bytes, name);
-    });
-}
-
-namespace {
-
 /// Adds the quadrilaterals of a grid of rows × columns vertices that begins with vertex `first`. `place` returns
 /// the texture coordinates of a row and column. Column `columns` is column 0; row `rows` is row 0 if `closed`.
 template <typename Place>
@@ -85,6 +66,21 @@ void add_grid(std::uint32_t first, std::uint32_t rows, std::uint32_t columns, bo
 }
 
 }  // namespace
+
+Result<Mesh> read_mesh(std::span<const std::byte> bytes, const std::string& file_name) {
+    return is_ply(bytes) ? read_ply(bytes, file_name) : read_obj(bytes, file_name);
+}
+
+Result<Mesh> load_mesh(const std::string& name) {
+    if (name == k_built_in_meshes[0]) return sphere();
+    if (name == k_built_in_meshes[1]) return knot();
+    if (name == k_built_in_meshes[2]) return ball();
+    return within_memory(name, [&]() -> Result<Mesh> {
+        const auto bytes = read_file(name, all_if(may_be_mesh));
+        if (!bytes) return bytes.error();
+        return read_mesh(*bytes, name);
+    });
+}
 
 Mesh sphere(int rings) {
     assert(rings >= 2);

@@ -2,9 +2,7 @@
 #pragma once
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "srbf/result.h"

@@ -2,12 +2,12 @@
 // and assimp 5.2 writes beyond its buffers for some damaged files of both.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <limits>
 #include <map>
 
+#include "base/errors.h"
 #include "base/text.h"
 #include "extras/render/mesh.h"
 #include "src/base/floating_point.h"
@@ -50,17 +50,11 @@ Result<Mesh> complete_mesh(Mesh mesh, const std::string& file_name) {
     const float furthest = std::max({-least.x, -least.y, -least.z, most.x, most.y, most.z}),
                 extent = std::max({most.x - least.x, most.y - least.y, most.z - least.z});
     if (furthest > k_furthest_vertex)
-        return Error{file_name,
-                     {},
-                     "coordinates of the mesh",
-                     fmt::format("at most {:g} from 0", k_furthest_vertex),
-                     fmt::format("{:g}", furthest)};
+        return input_error(file_name, "coordinates of the mesh", fmt::format("at most {:g} from 0", k_furthest_vertex),
+                           fmt::format("{:g}", furthest));
     if (extent < k_least_extent)
-        return Error{file_name,
-                     {},
-                     "extent of the mesh",
-                     fmt::format("at least {:g}", k_least_extent),
-                     fmt::format("{:g}", extent)};
+        return input_error(file_name, "extent of the mesh", fmt::format("at least {:g}", k_least_extent),
+                           fmt::format("{:g}", extent));
     if (mesh.normals.empty() && signed_volume(mesh) < 0) {
         for (auto& corners : mesh.triangles) std::swap(corners[1], corners[2]);
         for (auto& corners : mesh.texture) std::swap(corners[1], corners[2]);

@@ -1,7 +1,6 @@
 // OpenGL contexts without a window.
 #pragma once
 #include <optional>
-#include <string>
 
 #include "srbf/shader.h"
 

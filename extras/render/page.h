@@ -1,9 +1,6 @@
 // A self-contained HTML page about materials, with WebGL 2 pictures, plots and tables.
 #pragma once
-#include <array>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "extras/render/mesh.h"
 #include "extras/render/pixel_shader.h"

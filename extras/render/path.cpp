@@ -1,12 +1,10 @@
 #include "extras/render/path.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cassert>
-#include <cmath>
 #include <mutex>
 
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "extras/render/rays.h"
 #include "extras/render/shading.h"
 #include "src/base/parallel.h"

@@ -1,10 +1,7 @@
 // Path tracing.
 #pragma once
-#include <cstdint>
 #include <functional>
-#include <optional>
 #include <variant>
-#include <vector>
 
 #include "errors/picture.h"
 #include "extras/render/environment.h"

@@ -1,10 +1,9 @@
 #include "extras/render/pixel_shader.h"
+#include "render/shader_text.h"
 
 #include <fmt/format.h>
 
 #include <cassert>
-
-#include "render/shader_text.h"
 
 namespace SRBF_NAMESPACE {
 

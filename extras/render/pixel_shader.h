@@ -1,7 +1,5 @@
 // Shaders for surfaces with a material.
 #pragma once
-#include <string>
-
 #include "srbf/shader.h"
 
 namespace SRBF_NAMESPACE {

@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 
 #include "base/half.h"
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "extras/render/offscreen.h"
-#include "models/su/su_functions.h"
 
 namespace SRBF_NAMESPACE {
 namespace {

@@ -1,10 +1,7 @@
 // Drawing under directional lights with OpenGL 4.5 or OpenGL ES 3.0 in the current context.
 #pragma once
-#include <array>
 #include <cstdint>
-#include <span>
 #include <utility>
-#include <vector>
 
 #include "extras/render/pixel_shader.h"
 #include "extras/render/scene.h"

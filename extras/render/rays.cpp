@@ -1,6 +1,5 @@
 #include "extras/render/rays.h"
 
-#include <algorithm>
 #include <limits>
 #include <new>
 

@@ -2,7 +2,6 @@
 #pragma once
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "extras/render/mesh.h"
 #include "srbf/vec.h"

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "brdf/frame.h"
 #include "extras/render/shading.h"
 
 namespace SRBF_NAMESPACE {

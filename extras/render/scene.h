@@ -1,9 +1,6 @@
 // Scenes: a mesh, a camera and lights.
 #pragma once
-#include <array>
-#include <vector>
-
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "extras/render/mesh.h"
 #include "srbf/vec.h"
 

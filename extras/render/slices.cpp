@@ -1,12 +1,6 @@
 #include "extras/render/slices.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
-#include <limits>
-#include <vector>
 
 #include "base/printable.h"
 #include "brdf/directions.h"
@@ -100,6 +94,69 @@ struct DecadePlot {
         for (std::size_t i = 0; i < slice.degrees.size(); ++i)
             outline.add(x_of(slice.degrees[i] - shift), y_of(slice.luminance[i]), 0);
         return srbf::curve_path(curve, outline, is_first);
+    }
+};
+
+/// The drawing of lobes: r is a value, the angle that of the viewer.
+struct LobePlot {
+    static constexpr double radius = 140, x0 = 180, outside = 1.04;
+    bool is_circle, is_linear;                 // front and back; not logarithmic
+    double most = 0, lowest = 0, highest = 0;  // the largest value, and logarithms at the centre and the outermost ring
+
+    LobePlot(const LuminanceSlice& slice, bool both_sides, LobeScale scale)
+        : is_circle(both_sides), is_linear(scale == LobeScale::linear) {
+        constexpr double counted_theta = 85;
+        double least = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < slice.degrees.size(); ++i)
+            if (const double y = slice.luminance[i];
+                std::abs(std::cos(slice.degrees[i] * k_degree)) >= std::cos(counted_theta * k_degree) && y > 0)
+                most = std::max(most, y), least = std::min(least, y);
+        if (most == 0) most = least = 1;
+        highest = std::log10(most);
+        // With front and back, the smallest value is still a visible lobe.
+        lowest = std::max(std::min(std::log10(least), highest - 1) - (is_circle ? 1 : 0), highest - k_lobe_decades);
+    }
+    double y0() const { return is_circle ? 186 : 190; }
+    double height() const { return is_circle ? 366 : 218; }
+    double r_of(double y) const {
+        const double position = is_linear ? y / most : (std::log10(std::max(y, 1e-300)) - lowest) / (highest - lowest);
+        return radius * std::max(position, 0.0);
+    }
+    double x_of(double r, double degrees) const { return x0 + r * std::sin(degrees * k_degree); }
+    double y_of(double r, double degrees) const { return y0() - r * std::cos(degrees * k_degree); }
+
+    std::string ring(double r) const {
+        const auto arc = [&](int sweep) {
+            return fmt::format("<path class='grid' fill='none' d='M{:.1f} {}A{:.1f} {:.1f} 0 0 {} {:.1f} {}'/>", x0 - r,
+                               y0(), r, r, sweep, x0 + r, y0());
+        };
+        return is_circle ? arc(1) + arc(0) : arc(1);
+    }
+    std::string ring_label(double r, const std::string& label) const {
+        return svg_text(x0 + r, y0() + 13, "middle", label);
+    }
+    /// Rings and axes; the labels, which are drawn over the curves, are appended to `labels`.
+    std::string grid(std::string& labels) const {
+        std::string svg;
+        const auto add = [&](double r, const std::string& label) { svg += ring(r), labels += ring_label(r, label); };
+        if (is_linear)
+            add(radius / 2, two_digits(most / 2)), add(radius, two_digits(most));
+        else
+            for (int exponent = int(std::floor(lowest)) + 1; exponent <= highest; ++exponent)
+                add(r_of(std::pow(10.0, exponent)), power_of_ten(exponent));
+        if (is_circle) labels += svg_text(4, y0() - 6, "start", "front") + svg_text(4, y0() + 13, "start", "back");
+        return svg + svg_line("axis", x0 - radius, y0(), x0 + radius, y0()) +
+               svg_line("axis", x0, is_circle ? y0() + radius : y0(), x0, y0() - radius);
+    }
+    std::string curve(const SliceCurve& of, const LuminanceSlice& slice, bool is_first) const {
+        constexpr double least_step = 1.5;
+        Outline outline;
+        for (std::size_t i = 0; i < slice.degrees.size(); ++i) {
+            const double y = slice.luminance[i], angle = slice.degrees[i];
+            const double r = std::isnan(y) ? y : std::min(r_of(y), outside * radius);
+            outline.add(x_of(r, angle), y_of(r, angle), least_step);
+        }
+        return curve_path(of, outline, is_first);
     }
 };
 
@@ -203,73 +260,6 @@ std::string scan_drawing(const Scan& scan, std::span<const SliceCurve> models) {
         svg += plot.curve_path(model, luminance_slice(model.brdf, scan.theta_l * k_degree), scan.theta_l, false);
     return svg + "</svg>\n";
 }
-
-namespace {
-
-/// The drawing of lobes: r is a value, the angle that of the viewer.
-struct LobePlot {
-    static constexpr double radius = 140, x0 = 180, outside = 1.04;
-    bool is_circle, is_linear;                 // front and back; not logarithmic
-    double most = 0, lowest = 0, highest = 0;  // the largest value, and logarithms at the centre and the outermost ring
-
-    LobePlot(const LuminanceSlice& slice, bool both_sides, LobeScale scale)
-        : is_circle(both_sides), is_linear(scale == LobeScale::linear) {
-        constexpr double counted_theta = 85;
-        double least = std::numeric_limits<double>::infinity();
-        for (std::size_t i = 0; i < slice.degrees.size(); ++i)
-            if (const double y = slice.luminance[i];
-                std::abs(std::cos(slice.degrees[i] * k_degree)) >= std::cos(counted_theta * k_degree) && y > 0)
-                most = std::max(most, y), least = std::min(least, y);
-        if (most == 0) most = least = 1;
-        highest = std::log10(most);
-        // With front and back, the smallest value is still a visible lobe.
-        lowest = std::max(std::min(std::log10(least), highest - 1) - (is_circle ? 1 : 0), highest - k_lobe_decades);
-    }
-    double y0() const { return is_circle ? 186 : 190; }
-    double height() const { return is_circle ? 366 : 218; }
-    double r_of(double y) const {
-        const double position = is_linear ? y / most : (std::log10(std::max(y, 1e-300)) - lowest) / (highest - lowest);
-        return radius * std::max(position, 0.0);
-    }
-    double x_of(double r, double degrees) const { return x0 + r * std::sin(degrees * k_degree); }
-    double y_of(double r, double degrees) const { return y0() - r * std::cos(degrees * k_degree); }
-
-    std::string ring(double r) const {
-        const auto arc = [&](int sweep) {
-            return fmt::format("<path class='grid' fill='none' d='M{:.1f} {}A{:.1f} {:.1f} 0 0 {} {:.1f} {}'/>", x0 - r,
-                               y0(), r, r, sweep, x0 + r, y0());
-        };
-        return is_circle ? arc(1) + arc(0) : arc(1);
-    }
-    std::string ring_label(double r, const std::string& label) const {
-        return svg_text(x0 + r, y0() + 13, "middle", label);
-    }
-    /// Rings and axes; the labels, which are drawn over the curves, are appended to `labels`.
-    std::string grid(std::string& labels) const {
-        std::string svg;
-        const auto add = [&](double r, const std::string& label) { svg += ring(r), labels += ring_label(r, label); };
-        if (is_linear)
-            add(radius / 2, two_digits(most / 2)), add(radius, two_digits(most));
-        else
-            for (int exponent = int(std::floor(lowest)) + 1; exponent <= highest; ++exponent)
-                add(r_of(std::pow(10.0, exponent)), power_of_ten(exponent));
-        if (is_circle) labels += svg_text(4, y0() - 6, "start", "front") + svg_text(4, y0() + 13, "start", "back");
-        return svg + svg_line("axis", x0 - radius, y0(), x0 + radius, y0()) +
-               svg_line("axis", x0, is_circle ? y0() + radius : y0(), x0, y0() - radius);
-    }
-    std::string curve(const SliceCurve& of, const LuminanceSlice& slice, bool is_first) const {
-        constexpr double least_step = 1.5;
-        Outline outline;
-        for (std::size_t i = 0; i < slice.degrees.size(); ++i) {
-            const double y = slice.luminance[i], angle = slice.degrees[i];
-            const double r = std::isnan(y) ? y : std::min(r_of(y), outside * radius);
-            outline.add(x_of(r, angle), y_of(r, angle), least_step);
-        }
-        return curve_path(of, outline, is_first);
-    }
-};
-
-}  // namespace
 
 std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, LobeScale scale) {
     const double light = theta_l / k_degree;

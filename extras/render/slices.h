@@ -1,9 +1,5 @@
 // Plots of BRDFs in the plane of incidence.
 #pragma once
-#include <span>
-#include <string>
-#include <vector>
-
 #include "srbf/brdf.h"
 #include "srbf/measured.h"
 

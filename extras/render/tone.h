@@ -1,7 +1,5 @@
 // Tone mapping of linear radiance.
 #pragma once
-#include <vector>
-
 #include "app/image.h"
 
 namespace SRBF_NAMESPACE {

@@ -2,15 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "app/html.h"
 #include "base/printable.h"
 #include "errors/picture_errors.h"
 #include "errors/sphere.h"
 #include "extras/render/chart.h"
 #include "fit/request_traits.h"
-#include "observe/objectives.h"
+#include "observe/pair_weights.h"
 #include "render/page_text.h"
 #include "report/report_text.h"
 #include "srbf/metrics.h"

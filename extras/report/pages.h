@@ -1,8 +1,6 @@
 // The pages of a report. Each number in a table, card or caption is `<data value='V'>`, where V is a field of one of
 // the tables.
 #pragma once
-#include <string>
-
 #include "extras/report/table.h"
 
 namespace SRBF_NAMESPACE {

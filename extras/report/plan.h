@@ -1,8 +1,6 @@
 // The fits to each material of a report.
 #pragma once
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "app/fit.h"
 

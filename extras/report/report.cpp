@@ -1,9 +1,6 @@
 // `srbf report`.
-#include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <thread>

@@ -1,9 +1,6 @@
 #include "extras/report/study.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 #include <filesystem>
 
 #include "app/hash.h"

@@ -1,10 +1,6 @@
 // A material of a report: all its results, in a folder of its own.
 #pragma once
-#include <array>
 #include <functional>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "app/output.h"
 #include "extras/render/scene.h"

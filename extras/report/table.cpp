@@ -2,12 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cctype>
-#include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include "base/printable.h"
 #include "base/text.h"

@@ -1,7 +1,5 @@
 // The tables of a report: the content of its CSV files and the source of all numbers on its pages.
 #pragma once
-#include <map>
-#include <string>
 #include <vector>
 
 #include "extras/report/study.h"

@@ -1,9 +1,12 @@
 // The interface of a BRDF.
 #pragma once
+#include <array>
 #include <concepts>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -15,7 +18,7 @@ SRBF_BEGIN
 /// A BRDF is a type with `value(brdf, wl, wv)`: f_r(wl, wv) [1/sr] for each channel, without the cosine. `wl` and
 /// `wv` are unit vectors in the local frame. The value is 0 unless `above_horizon(wl, wv)`, as it is for a
 /// direction with a NaN. It is NaN in every channel where a table holds no measurement, and finite and ≥ 0
-/// everywhere else. (A BSDF, see bsdf.h, also accepts directions below the horizon.) Functions of a single pair use
+/// everywhere else. (A BSDF also accepts directions below the horizon.) Functions of a single pair use
 /// the caller's floating-point mode: if that does not round to nearest, their last bits differ. Functions on arrays
 /// use the mode of IEEE 754.
 template <typename B>
@@ -61,5 +64,50 @@ struct Channels {
     std::function<void(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<float> f)> evaluate;
     std::size_t count() const { return wavelengths.empty() ? 3 : wavelengths.size(); }
 };
+
+// A BSDF answers for light and viewer on either side: z > 0 is the front, z < 0 the back. A BRDF is a BSDF that is 0
+// unless both are at the front. A BSDF consists of four parts. To a part both directions are above the horizon: those
+// at the back are mirrored at the surface, (x, y, z) → (x, y, −z). So light that passes straight through, wl = −wv,
+// comes to a part from the mirror direction, as it does in a reflection, and all that is known of BRDFs (models, their
+// bounds at the horizon, fits, sampling) holds for a part.
+
+/// The parts of a BSDF, by the side of the light.
+enum class Part { reflection_front, reflection_back, transmission_front, transmission_back };
+inline constexpr std::size_t k_parts = 4;
+inline constexpr std::array<std::string_view, k_parts> k_part_names{"reflection_front", "reflection_back",
+                                                                    "transmission_front", "transmission_back"};
+constexpr std::string_view name(Part part) { return k_part_names[std::size_t(part)]; }
+constexpr bool is_transmission(Part part) { return part >= Part::transmission_front; }
+constexpr bool is_back(Part part) { return part == Part::reflection_back || part == Part::transmission_back; }
+
+/// BRDFs, in the order of `Part`. An empty part has the values of its counterpart. A transmission follows from the
+/// other one by reciprocity, with light and viewer exchanged. A reflection is that of the other side, as if front and
+/// back were alike. If both are empty, the part is 0.
+template <typename B> using Parts = std::array<std::shared_ptr<const B>, k_parts>;
+
+/// A part of a BSDF as a function in its own frame.
+Evaluate part_of(Evaluate bsdf, Part part);
+
+/// Light that is not scattered. In the frame of a part the share τ(wl) [1] of the light from wl goes on in the mirror
+/// direction, which is straight through in a transmission. A beam has no width, so it is not a part of f:
+///   L(wv) = ∫ f(wl, wv) L(wl) |cosθl| dωl + τ(mirror(wv)) L(mirror(wv)).
+/// τ has nodes on rings of one θ each. It is linear in the azimuth between the nodes of a ring, and linear in θ between
+/// rings. It is constant before the first ring, and falls to 0 at 90°, where readers and fits end mirrors by a ring.
+struct Beam {
+    std::vector<float> theta;        ///< of each ring [rad], increasing, 0..π/2
+    std::vector<Rgb> share;          ///< of the nodes, ring by ring, 0..1 each
+    std::vector<int> azimuths = {};  ///< of each ring the number n of its nodes, at 2πk/n; empty: 1 each
+    bool empty() const { return theta.empty(); }
+    int nodes(std::size_t ring) const { return azimuths.empty() ? 1 : azimuths[ring]; }
+    friend bool operator==(const Beam&, const Beam&) = default;
+};
+/// τ of a beam at the direction to the light, in the part's frame on either side; 0 if that is not finite.
+Rgb share_at(const Beam& beam, Vec3f wl);
+
+/// The beams of a BSDF, in the order of `Part`. An empty one is 0, but that of a transmission is its counterpart's by
+/// reciprocity, τ(mirror(wl)), and that of a reflection whose part is empty too is that of the other side.
+using Beams = std::array<Beam, k_parts>;
+/// τ of a part at the direction to the light, in the part's frame on either side.
+Rgb share_at(const Beams& beams, Part part, Vec3f wl);
 
 SRBF_END

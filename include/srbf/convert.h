@@ -59,7 +59,7 @@ std::vector<std::byte> write_merl(const MerlTable& table);
 /// it holds the colours alone, for renderers that would take the file for spectral.
 std::vector<std::byte> write_rgl(const RglTable& table, bool spectra = true);
 /// The bytes of an MBSDF file, version 1, with a block of reflection. Control characters in values of the metadata,
-/// other than line ends, become blanks. Reading it gives `table` but for `has_transmission`. With
+/// other than line ends, become blanks. Reading it gives `table`. With
 /// `transmission` a block of it follows, of which the metadata do not matter.
 std::vector<std::byte> write_mbsdf(const MbsdfTable& table, const MbsdfTable* transmission = nullptr);
 /// CSV with a row per sample: wl_x .. wv_z, then r,g,b, or a spectrum in columns such as 450nm.

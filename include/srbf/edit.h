@@ -72,7 +72,7 @@ struct EditOptions {
     ProgressToken progress = {};
 };
 
-/// Applies the edits in their order. Refits minimise the objective appearance (objective.h) against the edited model's
+/// Applies the edits in their order. Refits minimise the objective appearance (metrics.h) against the edited model's
 /// own function. A directional albedo stays at most 1, or the model's largest: where an edit exceeds it, lobes are
 /// lowered, and "limited" of the provenance says how far it went. A reciprocal model stays reciprocal. The provenance
 /// keeps where the model comes from, gets "edits", and loses the errors of the measurement. Errors: not a multivariate

@@ -1,5 +1,6 @@
 // Fits of measurements with measured errors, in one call.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -12,7 +13,6 @@
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
-#include "srbf/objective.h"
 #include "srbf/progress.h"
 
 SRBF_BEGIN
@@ -140,10 +140,9 @@ class Fitter {
     /// Fits the requested model. For scattered samples this also measures the errors. Errors: a two-sided
     /// measurement; `measure` takes its front reflection.
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress = {});
-    /// A fast preview of `fit`, from a few tens of milliseconds to a second. A higher `draft`, 0..k_drafts−1, is more
-    /// accurate. Only for PM; without a number of lobes, with that of the form.
-    Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress = {});
-    static constexpr int k_drafts = 2;
+    /// A first model of PM: of a table by a search of a few tens of milliseconds, of samples the fit to all of them,
+    /// without cross-validation. Without a number of lobes it has that of the form.
+    Result<FitOutcome> draft(const FitRequest& request, const ProgressToken& progress = {});
     /// Measures the errors of `outcome` and adds them to its provenance.
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress = {}) const;
 
@@ -153,7 +152,7 @@ class Fitter {
 };
 
 /// Fits a measurement and measures the errors of the model: everything that `srbf fit` does between reading and
-/// writing. Errors: a two-sided measurement, which `fit_bsdf` (fit_bsdf.h) fits.
+/// writing. Errors: a two-sided measurement, which `fit_bsdf` fits.
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
 /// Fits a BRDF as a function.
 Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress = {});
@@ -161,5 +160,42 @@ Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToke
 /// A noisy table smoothed to its noise, as fits see it (docs/notes/noise.md). Keeps a reference to `measured`, which
 /// must be isotropic. Errors: not a table of one BRDF; it is not noisy; cancelled.
 Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads = 0, const ProgressToken& progress = {});
+
+/// Light that leaves a surface for a direction of the incident light.
+struct Hemispherical {
+    double theta = 0;     ///< of the incident light [rad]
+    double phi = 0;       ///< its azimuth in the part's frame [rad]
+    double measured = 0;  ///< Σ over outgoing directions of f cosθ dω, with the beam; green [1]
+    double fitted = 0;
+};
+
+/// The fit of a part.
+struct PartFit {
+    Part part = Part::reflection_front;
+    std::optional<Part> answered_by;  ///< the part that answers for it too; none: it has a model of its own
+    bool black = false;               ///< all values are 0
+    FitOutcome outcome;  ///< of its own model; without errors of pictures where its table says how it is fitted
+    /// Σ w (f − f̂)² / Σ w f², without beams: at pairs of directions within 80°, w both cosines,
+    /// unless the table is fitted in a way of its own.
+    double squared_error_ratio = 0;
+    std::vector<Hemispherical> hemispherical;
+};
+
+struct BsdfOutcome {
+    Model model;
+    std::vector<PartFit> parts;
+    double fit_seconds = 0;
+    /// The largest Σ of reflection and transmission of an angle of incidence, measured and fitted.
+    double most_measured = 0, most_fitted = 0;
+};
+
+/// Fits the parts of a two-sided measurement: those that are like their counterparts, with a squared error ratio of at
+/// most 1e-4, only once. A part is fitted like the measurement of a BRDF; patches are fitted to their sums. Beams are
+/// kept as they are. Errors: those of `fit`; a measurement of one side.
+Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
+
+/// Fits a BSDF that is given as functions in the parts' frames, none for those that are 0.
+Result<BsdfOutcome> fit_bsdf(const std::array<Evaluate, k_parts>& parts, const FitRequest& request,
+                             const ProgressToken& progress = {});
 
 SRBF_END

@@ -11,7 +11,7 @@ SRBF_BEGIN
 
 /// A measurement or a model.
 using AnyBrdf = std::variant<Measured, Model>;
-/// True if it is a BSDF, which answers on the front and the back (bsdf.h).
+/// True if it is a BSDF, which answers on the front and the back (brdf.h).
 bool is_two_sided(const AnyBrdf& brdf);
 /// Reads a measurement or a model, recognised by its content. "FILE#X,Y" and "FILE#T" are texels of a map (map.h), unless
 /// there is a file of that name. `options` are for measurements. Errors: those of load_measured and load_model.

@@ -3,9 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,7 +11,6 @@
 #include <vector>
 
 #include "srbf/brdf.h"
-#include "srbf/bsdf.h"
 #include "srbf/result.h"
 
 SRBF_BEGIN
@@ -90,8 +87,7 @@ struct MbsdfTable {
     bool grey = false;           ///< one number a sample in the file: the channels are equal
     std::vector<Rgb> cells;    ///< f_r [1/sr]; k varies fastest, then j; negative channels not yet clamped. NaN: masked
     std::uint64_t masked = 0;  ///< samples that are not finite
-    std::vector<Entry> metadata;    ///< in the order of the file
-    bool has_transmission = false;  ///< the file also has a block of transmission (`read_mbsdf_of_both_sides`)
+    std::vector<Entry> metadata;  ///< in the order of the file
 };
 
 class SampleIndex;

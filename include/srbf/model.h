@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "srbf/brdf.h"
-#include "srbf/bsdf.h"
 #include "srbf/models/ggx.h"
 #include "srbf/models/openpbr.h"
 #include "srbf/models/pm.h"
@@ -22,7 +21,7 @@ struct PmRequest;  // fit.h
 struct SuRequest;
 
 struct Model;
-/// A BSDF: a model for each part, in the frame of that part (bsdf.h), none of them a BSDF itself, and its beams.
+/// A BSDF: a model for each part, in the frame of that part (brdf.h), none of them a BSDF itself, and its beams.
 struct BsdfModel {
     Parts<Model> part;
     Beams beam;

@@ -16,7 +16,7 @@ struct BsdfSample {
     bool is_beam = false;
 };
 
-/// The parts of a BSDF (bsdf.h), each ready for a renderer. Copies share them. All functions may be called from
+/// The parts of a BSDF (brdf.h), each ready for a renderer. Copies share them. All functions may be called from
 /// several threads at once.
 class PreparedBsdf {
   public:

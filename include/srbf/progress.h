@@ -1,6 +1,5 @@
 // Progress and cancellation of a computation.
 #pragma once
-#include <concepts>
 #include <functional>
 #include <memory>
 #include <string_view>

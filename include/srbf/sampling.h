@@ -1,7 +1,6 @@
 // Sampling of the light that a BRDF reflects to the viewer.
 #pragma once
 #include <array>
-#include <limits>
 #include <optional>
 #include <span>
 #include <variant>

@@ -18,7 +18,7 @@ SRBF_BEGIN
 struct Flat {
     static constexpr float k_value = float(1 / k_pi);  ///< [1/sr]
 };
-/// The parts of a BSDF (bsdf.h) as tables of one size, and its beams.
+/// The parts of a BSDF (brdf.h) as tables of one size, and its beams.
 struct BsdfTables {
     Parts<MerlTable> part;
     Beams beam;

@@ -47,7 +47,7 @@ std::string identifier(std::string_view text);
 /// of unit vectors in the local frame: z along the normal, and of anisotropic models x along the tangent. Vec3 is the
 /// language's vector of three floats, in C the structure srbf_vec3. The functions are printed from kernel.glsl, with
 /// the numbers of the model as constants, equal to those of the model file, and contain only the functions that the model needs.
-/// For a BSDF (bsdf.h) the text has the functions of its parts, as NAME_transmission_front_brdf, and for directions on either
+/// For a BSDF (brdf.h) the text has the functions of its parts, as NAME_transmission_front_brdf, and for directions on either
 /// side
 ///   Vec3 NAME_bsdf(Vec3 wl, Vec3 wv)   f [1/sr] without beams; 0 where wl or wv lies in the surface
 ///   Vec3 NAME_beam(Vec3 wv)            the share of the light from -wv that passes unscattered; only if it has such

@@ -3,8 +3,10 @@
 
 #include "base/errors.h"
 #include "errors/picture_errors.h"
+#include "srbf/file.h"
 #include "srbf/fit.h"
 #include "srbf/load.h"
+#include "srbf/map.h"
 #include "srbf/prepared.h"
 
 namespace SRBF_NAMESPACE {

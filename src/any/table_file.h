@@ -1,8 +1,5 @@
 // Any BRDF as a file of a measured format.
 #pragma once
-#include <cstddef>
-#include <vector>
-
 #include "measured/formats.h"
 #include "srbf/load.h"
 

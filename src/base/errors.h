@@ -8,6 +8,10 @@ SRBF_BEGIN
 /// The error of a computation that was cancelled.
 Error cancelled_error(std::string source);
 
+/// An input that is not as it must be.
+inline Error input_error(std::string source, std::string what, std::string expected, std::string found) {
+    return {std::move(source), {}, std::move(what), std::move(expected), std::move(found)};
+}
 inline Error argument_error(std::string source, std::string what, std::string expected, std::string found) {
     return {std::move(source), {}, std::move(what), std::move(expected), std::move(found), ErrorCode::argument};
 }

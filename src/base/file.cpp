@@ -2,13 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <system_error>
 #include <utility>
 
-#include "base/file_reader.h"
 #include "base/files.h"
 #include "base/system_files.h"
 #include "base/text.h"
@@ -219,6 +215,25 @@ Result<std::vector<std::byte>> read_open(const Descriptor& file, const std::stri
     }
 }
 
+/// Fills `bytes` by calls of `read(place, size, filled)`, or as many as there are.
+template <typename Read>
+Result<std::size_t> fill(std::span<std::byte> bytes, const std::string& path, const Read& read) {
+    std::size_t filled = 0;
+    while (filled < bytes.size()) {
+        const auto count = uninterrupted([&] { return read(bytes.data() + filled, bytes.size() - filled, filled); });
+        if (count < 0) return cannot_read(path, errno == EISDIR ? "a folder" : reason(errno));
+        if (count == 0) break;
+        filled += std::size_t(count);
+    }
+    return filled;
+}
+
+Result<Done> publish(Result<Replacement> file) {
+    if (!file) return file.error();
+    if (const auto published = file->publish(); !published) return published;
+    return file->synchronise_name();
+}
+
 }  // namespace
 
 Result<std::vector<std::byte>> read_file(const std::string& path) { return read_file(path, {}); }
@@ -245,28 +260,13 @@ FileReader::~FileReader() {
 }
 
 Result<std::size_t> FileReader::read(std::span<std::byte> bytes) {
-    std::size_t filled = 0;
-    while (filled < bytes.size()) {
-        const auto count =
-            uninterrupted([&] { return system::read(descriptor_, bytes.data() + filled, bytes.size() - filled); });
-        if (count < 0) return cannot_read(path_, errno == EISDIR ? "a folder" : reason(errno));
-        if (count == 0) break;
-        filled += std::size_t(count);
-    }
-    return filled;
+    return fill(bytes, path_, [&](auto* to, auto size, auto) { return system::read(descriptor_, to, size); });
 }
 
 Result<std::size_t> FileReader::read(std::uint64_t offset, std::span<std::byte> bytes) const {
-    std::size_t filled = 0;
-    while (filled < bytes.size()) {
-        const auto rest = bytes.subspan(filled);
-        const auto count =
-            uninterrupted([&] { return system::read_at(descriptor_, rest.data(), rest.size(), offset + filled); });
-        if (count < 0) return cannot_read(path_, errno == EISDIR ? "a folder" : reason(errno));
-        if (count == 0) break;
-        filled += std::size_t(count);
-    }
-    return filled;
+    return fill(bytes, path_, [&](auto* to, std::size_t size, std::size_t filled) {
+        return system::read_at(descriptor_, to, size, offset + filled);
+    });
 }
 
 Result<std::optional<std::string_view>> FileLines::next() {
@@ -296,14 +296,6 @@ Result<Done> FileLines::read_block() {
     lines_ = Lines(as_text(std::span(block_).first(complete_)));
     return Done{};
 }
-
-namespace {
-Result<Done> publish(Result<Replacement> file) {
-    if (!file) return file.error();
-    if (const auto published = file->publish(); !published) return published;
-    return file->synchronise_name();
-}
-}  // namespace
 
 Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes) {
     return publish(Replacement::write(path, bytes));

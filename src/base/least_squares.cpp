@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <numeric>
 
 namespace SRBF_NAMESPACE {
 
@@ -69,6 +69,22 @@ struct ActiveSet {
     }
 };
 
+/// H ← H − A B⁻¹ Aᵀ; returns the factors B = PᵀLDLᵀP, with which A B⁻¹ Aᵀ = (√D⁻¹ L⁻¹ P Aᵀ)ᵀ (√D⁻¹ L⁻¹ P Aᵀ).
+Eigen::LDLT<Eigen::MatrixXd> subtract_eliminated(Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) {
+    B.diagonal() *= 1 + k_ridge;
+    Eigen::LDLT<Eigen::MatrixXd> factor(B);
+    Eigen::MatrixXd half = factor.transpositionsP() * A.transpose();
+    factor.matrixL().solveInPlace(half);
+    for (Eigen::Index i = 0; i < half.rows(); ++i) {
+        const double d = factor.vectorD()[i];
+        half.row(i) *= d > 1e-300 ? 1 / std::sqrt(d) : 0;
+    }
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(H.rows(), H.cols());
+    product.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
+    H -= Eigen::MatrixXd(product.selfadjointView<Eigen::Lower>());
+    return factor;
+}
+
 }  // namespace
 
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::VectorXd& g_in,
@@ -101,24 +117,6 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
 
 Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
 
-namespace {
-/// H ← H − A B⁻¹ Aᵀ; returns the factors B = PᵀLDLᵀP, with which A B⁻¹ Aᵀ = (√D⁻¹ L⁻¹ P Aᵀ)ᵀ (√D⁻¹ L⁻¹ P Aᵀ).
-Eigen::LDLT<Eigen::MatrixXd> subtract_eliminated(Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) {
-    B.diagonal() *= 1 + k_ridge;
-    Eigen::LDLT<Eigen::MatrixXd> factor(B);
-    Eigen::MatrixXd half = factor.transpositionsP() * A.transpose();
-    factor.matrixL().solveInPlace(half);
-    for (Eigen::Index i = 0; i < half.rows(); ++i) {
-        const double d = factor.vectorD()[i];
-        half.row(i) *= d > 1e-300 ? 1 / std::sqrt(d) : 0;
-    }
-    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(H.rows(), H.cols());
-    product.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
-    H -= Eigen::MatrixXd(product.selfadjointView<Eigen::Lower>());
-    return factor;
-}
-}  // namespace
-
 void eliminate(Eigen::MatrixXd B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) { subtract_eliminated(B, A, H); }
 
 void eliminate(Eigen::MatrixXd B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H, const Eigen::VectorXd& b,
@@ -138,6 +136,32 @@ std::vector<double> cost_of_dropping(const Eigen::MatrixXd& G, const Eigen::Matr
     for (Eigen::Index j = 0; j < G.rows(); ++j)
         cost.push_back(x.row(j).squaredNorm() / std::max(inverse(j, j), 1e-300));
     return cost;
+}
+
+void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
+                     const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
+    std::vector<Eigen::Index> free(std::size_t(step.size())), fixed;
+    std::iota(free.begin(), free.end(), 0);
+    for (;;) {
+        const auto exceeds = [&](Eigen::Index i) { return step[i] < lower[i] || step[i] > upper[i]; };
+        const auto first = std::stable_partition(free.begin(), free.end(), std::not_fn(exceeds));
+        if (first == free.end()) return;
+        fixed.insert(fixed.end(), first, free.end());
+        free.erase(first, free.end());
+        for (const Eigen::Index i : fixed) step[i] = std::clamp(step[i], lower[i], upper[i]);
+        if (free.empty()) return;
+        step(free) = -solve_symmetric(A(free, free), g(free) + A(free, fixed) * step(fixed));
+    }
+}
+
+void fix_at_bounds(const Eigen::VectorXd& x, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                   Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+        if (!(x[i] <= lower[i] && g[i] > 0) && !(x[i] >= upper[i] && g[i] < 0)) continue;
+        H.row(i).setZero();
+        H.col(i).setZero();
+        g[i] = 0;
+    }
 }
 
 }  // namespace srbf

@@ -28,4 +28,12 @@ Eigen::MatrixXd with_ridge(Eigen::MatrixXd G);
 /// x_j² / (G⁻¹)_jj, summed over the right-hand sides. x has a column for each of these.
 std::vector<double> cost_of_dropping(const Eigen::MatrixXd& G, const Eigen::MatrixXd& x);
 
+/// Clamps the components of the step δ = −A⁻¹g that exceed bounds, and solves for the others again.
+void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
+                     const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
+
+/// Fixes variables at a bound if the negative gradient leads beyond it: their rows, columns and gradients become 0.
+void fix_at_bounds(const Eigen::VectorXd& x, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                   Eigen::MatrixXd& H, Eigen::VectorXd& g);
+
 }  // namespace srbf

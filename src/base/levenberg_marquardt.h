@@ -1,11 +1,9 @@
 // Levenberg-Marquardt for separable least squares.
 #pragma once
-#include <Eigen/Dense>
 #include <concepts>
 #include <limits>
 
 #include "base/least_squares.h"
-#include "base/step_bounds.h"
 
 namespace SRBF_NAMESPACE {
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <iterator>
 
@@ -34,22 +33,13 @@ Character next_character(std::string_view& text) {
 }
 
 /// Ranges of characters that terminals do not show as themselves: controls, format characters, noncharacters and tags.
-constexpr std::array<std::array<char32_t, 2>, 12> k_unsafe{{{0, 0x1f},
-                                                            {0x7f, 0x9f},
-                                                            {0x61c, 0x61c},
-                                                            {0x180e, 0x180e},
-                                                            {0x200b, 0x200b},
-                                                            {0x200e, 0x200f},
-                                                            {0x2028, 0x202e},
-                                                            {0x2060, 0x206f},
-                                                            {0xfdd0, 0xfdef},
-                                                            {0xfeff, 0xfeff},
-                                                            {0xfff9, 0xfffb},
-                                                            {0xe0000, 0xe0fff}}};
+constexpr char32_t k_unsafe[][2] = {{0, 0x1f},        {0x7f, 0x9f},     {0x61c, 0x61c},   {0x180e, 0x180e},
+                                    {0x200b, 0x200b}, {0x200e, 0x200f}, {0x2028, 0x202e}, {0x2060, 0x206f},
+                                    {0xfdd0, 0xfdef}, {0xfeff, 0xfeff}, {0xfff9, 0xfffb}, {0xe0000, 0xe0fff}};
 bool is_safe(const Character& character) {
     const char32_t code = character.code;
     return character.is_valid && (code & 0xfffe) != 0xfffe &&  // U+FFFE, U+1FFFE, ...
-           std::ranges::none_of(k_unsafe, [&](auto range) { return range[0] <= code && code <= range[1]; });
+           std::ranges::none_of(k_unsafe, [&](const auto& range) { return range[0] <= code && code <= range[1]; });
 }
 
 /// Replaces each character that is not safe by `replacement(character)`.

@@ -1,7 +1,6 @@
 #pragma once
 #include <algorithm>
 #include <mutex>
-#include <string_view>
 
 #include "srbf/progress.h"
 

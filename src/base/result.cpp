@@ -1,7 +1,5 @@
 #include "srbf/result.h"
 
-#include <fmt/format.h>
-
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>

@@ -2,12 +2,8 @@
 #pragma once
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <map>
-#include <optional>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "srbf/result.h"

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <mutex>
-#include <string>
 
 #include "base/paths.h"
 

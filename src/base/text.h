@@ -2,12 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <charconv>
-#include <cmath>
-#include <cstdint>
-#include <optional>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "srbf/result.h"

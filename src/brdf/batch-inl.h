@@ -14,10 +14,7 @@
 
 #include <hwy/highway.h>
 
-#include <bit>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
 
 #include "srbf/kernel.h"
 

@@ -1,6 +1,5 @@
 #include "brdf/directions.h"
 
-#include <algorithm>
 #include <cassert>
 
 #include "srbf/elementary.h"
@@ -68,6 +67,22 @@ constexpr std::array<CubeFace, 6> k_faces{{{{0, 0, -1}, {0, -1, 0}, {1, 0, 0}},
                                            {{1, 0, 0}, {0, 0, -1}, {0, -1, 0}},
                                            {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}},
                                            {{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}}}};
+
+/// The nodes and weights of Gauss-Legendre rules of six nodes on the intervals between these numbers.
+std::vector<std::array<double, 2>> gauss_legendre(std::vector<double> ends) {
+    constexpr double k_rule[][2] = {{0.2386191860831969, 0.4679139345726910},
+                                    {0.6612093864662645, 0.3607615730481386},
+                                    {0.9324695142031521, 0.1713244923791704}};
+    std::ranges::sort(ends);
+    std::vector<std::array<double, 2>> nodes;
+    for (std::size_t i = 1; i < ends.size(); ++i)
+        for (const auto& [x, weight] : k_rule)
+            for (const double node : {-x, x}) {
+                const double half = (ends[i] - ends[i - 1]) / 2;
+                nodes.push_back({ends[i - 1] + half * (1 + node), half * weight});
+            }
+    return nodes;
+}
 
 }  // namespace
 
@@ -162,26 +177,6 @@ Quadrature MirrorMixture::quadrature(Vec3d wv, int count) const {
     }
     return points;
 }
-
-namespace {
-
-/// The nodes and weights of Gauss-Legendre rules of six nodes on the intervals between these numbers.
-std::vector<std::array<double, 2>> gauss_legendre(std::vector<double> ends) {
-    constexpr double k_rule[][2] = {{0.2386191860831969, 0.4679139345726910},
-                                    {0.6612093864662645, 0.3607615730481386},
-                                    {0.9324695142031521, 0.1713244923791704}};
-    std::ranges::sort(ends);
-    std::vector<std::array<double, 2>> nodes;
-    for (std::size_t i = 1; i < ends.size(); ++i)
-        for (const auto& [x, weight] : k_rule)
-            for (const double node : {-x, x}) {
-                const double half = (ends[i] - ends[i - 1]) / 2;
-                nodes.push_back({ends[i - 1] + half * (1 + node), half * weight});
-            }
-    return nodes;
-}
-
-}  // namespace
 
 Quadrature with_cosines(Quadrature points) {
     for (std::size_t i = 0; i < points.w.size(); ++i) points.weight[i] *= double(points.w[i].z);

@@ -1,14 +1,10 @@
 // Pairs of directions on either side, and the BRDFs that answer for them.
 #pragma once
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <optional>
 #include <span>
-#include <string_view>
-#include <vector>
 
-#include "srbf/bsdf.h"
+#include "srbf/brdf.h"
 
 SRBF_BEGIN
 

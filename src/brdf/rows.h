@@ -2,18 +2,12 @@
 #pragma once
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstdint>
 #include <iterator>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "base/printable.h"
 #include "brdf/directions.h"
 #include "brdf/parts.h"
-#include "srbf/bsdf.h"
+#include "srbf/brdf.h"
 
 namespace SRBF_NAMESPACE {
 

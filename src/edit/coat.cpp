@@ -1,14 +1,11 @@
 // A surface under a clear layer.
 #include <Eigen/Dense>
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <memory>
 #include <utility>
 
 #include "brdf/directions.h"
 #include "brdf/values.h"
-#include "edit/reshape.h"
+#include "edit/lobes.h"
 #include "srbf/kernel.h"
 
 namespace SRBF_NAMESPACE {

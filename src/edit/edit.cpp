@@ -1,8 +1,5 @@
 #include "srbf/edit.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -11,8 +8,6 @@
 #include "base/half.h"
 #include "brdf/values.h"
 #include "edit/lobes.h"
-#include "edit/refit.h"
-#include "edit/reshape.h"
 #include "models/kind/parameters.h"
 #include "models/pm/pm_functions.h"
 #include "observe/albedo_bound.h"

@@ -1,6 +1,5 @@
 #include "edit/lobes.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "brdf/directions.h"
@@ -50,6 +49,67 @@ double chromatic_distance(const Rgb& a, const Rgb& b) {
     return std::sqrt(sum);
 }
 
+/// Replaces the colour of each lobe by `colour(j, beta)`. A channel below 0 becomes 0.
+template <typename Colour> PmModel with_colours(PmModel model, const Colour& colour) {
+    for (std::size_t j = 0; j < model.coefficient.size(); ++j)
+        model.coefficient[j] = non_negative(colour(j, model.coefficient[j]));
+    return model;
+}
+
+/// The model with another variate, which no lobe depends on.
+PmModel with_variate(PmModel model, Parameterization variate) {
+    const auto N = std::ptrdiff_t(model.variates++);
+    model.parameterization.push_back(variate);
+    for (std::ptrdiff_t j = model.lobes; j > 0; --j) {
+        model.centre.insert(model.centre.begin() + j * N, Vec3f(0, 0, 1));
+        model.bandwidth.insert(model.bandwidth.begin() + j * N, 0);
+    }
+    return model;
+}
+
+/// Adds the lobes of `b`, whose variate n is number place[n] of the model.
+void append_lobes(PmModel& model, const PmModel& b, std::span<const std::size_t> place) {
+    const auto N = std::size_t(model.variates), of_b = std::size_t(b.variates);
+    for (std::size_t j = 0; j < std::size_t(b.lobes); ++j) {
+        const std::size_t first = model.bandwidth.size();
+        model.centre.resize(first + N, Vec3f(0, 0, 1)), model.bandwidth.resize(first + N);
+        for (std::size_t n = 0; n < of_b; ++n) {
+            model.centre[first + place[n]] = b.centre[j * of_b + n];
+            model.bandwidth[first + place[n]] = b.bandwidth[j * of_b + n];
+        }
+    }
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    append(model.coefficient, b.coefficient), append(model.spectrum, b.spectrum);
+    append(model.log_scale, b.log_scale), append(model.exponent, b.exponent);
+    model.lobes += b.lobes;
+}
+
+/// A reciprocal model as the sum of its two halves.
+PmModel as_two_halves(const PmModel& model, PmForm form) {
+    PmModel half = scaled(model, 0.5f);
+    half.form = form;
+    PmModel other = half;
+    exchange(other);
+    return joined(std::move(half), std::move(other));
+}
+
+PmModel in_form(PmModel model, PmForm form) {
+    if (is_reciprocal(model.form) && !is_reciprocal(form)) return as_two_halves(model, form);
+    const auto F = std::size_t(features(model.form)), wanted = std::size_t(features(form));
+    std::vector<float> exponent;
+    for (std::size_t j = 0; j < std::size_t(model.lobes); ++j)
+        for (std::size_t k = 0; k < wanted; ++k) exponent.push_back(k < F ? model.exponent[j * F + k] : 0);
+    model.exponent = std::move(exponent), model.form = form;
+    return model;
+}
+
+/// The form that has the terms of both.
+PmForm common_form(PmForm a, PmForm b) {
+    if (a == b) return a;
+    PmForm common = features(a) > features(b) ? a : b;
+    return is_reciprocal(common) ? PmForm::extended : common;
+}
+
 }  // namespace
 
 double spread(const PmModel& model, int lobe) { return reflected(model, lobe).spread; }
@@ -79,17 +139,6 @@ std::vector<double> body_shares(const PmModel& model) {
     }
     return shares;
 }
-
-namespace {
-
-/// Replaces the colour of each lobe by `colour(j, beta)`. A channel below 0 becomes 0.
-template <typename Colour> PmModel with_colours(PmModel model, const Colour& colour) {
-    for (std::size_t j = 0; j < model.coefficient.size(); ++j)
-        model.coefficient[j] = non_negative(colour(j, model.coefficient[j]));
-    return model;
-}
-
-}  // namespace
 
 HighlightAndBody separated(const PmModel& model) {
     const std::vector<double> of_body = body_shares(model);
@@ -150,64 +199,6 @@ PmModel widened(PmModel model, double factor) {
     }
     return model;
 }
-
-namespace {
-
-/// The model with another variate, which no lobe depends on.
-PmModel with_variate(PmModel model, Parameterization variate) {
-    const auto N = std::ptrdiff_t(model.variates++);
-    model.parameterization.push_back(variate);
-    for (std::ptrdiff_t j = model.lobes; j > 0; --j) {
-        model.centre.insert(model.centre.begin() + j * N, Vec3f(0, 0, 1));
-        model.bandwidth.insert(model.bandwidth.begin() + j * N, 0);
-    }
-    return model;
-}
-
-/// Adds the lobes of `b`, whose variate n is number place[n] of the model.
-void append_lobes(PmModel& model, const PmModel& b, std::span<const std::size_t> place) {
-    const auto N = std::size_t(model.variates), of_b = std::size_t(b.variates);
-    for (std::size_t j = 0; j < std::size_t(b.lobes); ++j) {
-        const std::size_t first = model.bandwidth.size();
-        model.centre.resize(first + N, Vec3f(0, 0, 1)), model.bandwidth.resize(first + N);
-        for (std::size_t n = 0; n < of_b; ++n) {
-            model.centre[first + place[n]] = b.centre[j * of_b + n];
-            model.bandwidth[first + place[n]] = b.bandwidth[j * of_b + n];
-        }
-    }
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    append(model.coefficient, b.coefficient), append(model.spectrum, b.spectrum);
-    append(model.log_scale, b.log_scale), append(model.exponent, b.exponent);
-    model.lobes += b.lobes;
-}
-
-/// A reciprocal model as the sum of its two halves.
-PmModel as_two_halves(const PmModel& model, PmForm form) {
-    PmModel half = scaled(model, 0.5f);
-    half.form = form;
-    PmModel other = half;
-    exchange(other);
-    return joined(std::move(half), std::move(other));
-}
-
-PmModel in_form(PmModel model, PmForm form) {
-    if (is_reciprocal(model.form) && !is_reciprocal(form)) return as_two_halves(model, form);
-    const auto F = std::size_t(features(model.form)), wanted = std::size_t(features(form));
-    std::vector<float> exponent;
-    for (std::size_t j = 0; j < std::size_t(model.lobes); ++j)
-        for (std::size_t k = 0; k < wanted; ++k) exponent.push_back(k < F ? model.exponent[j * F + k] : 0);
-    model.exponent = std::move(exponent), model.form = form;
-    return model;
-}
-
-/// The form that has the terms of both.
-PmForm common_form(PmForm a, PmForm b) {
-    if (a == b) return a;
-    PmForm common = features(a) > features(b) ? a : b;
-    return is_reciprocal(common) ? PmForm::extended : common;
-}
-
-}  // namespace
 
 PmModel joined(PmModel a, PmModel b) {
     const PmForm form = common_form(a.form, b.form);

@@ -1,4 +1,4 @@
-// Edits of lobes that need no fit.
+// Edits of lobes, and edits that are functions of directions, which lobes are then fitted to.
 #pragma once
 #include "srbf/edit.h"
 
@@ -22,5 +22,25 @@ PmModel widened(PmModel model, double factor);
 
 /// The lobes of both. Variates that both have are shared; the result may have more than k_most_variates.
 PmModel joined(PmModel a, PmModel b);
+
+/// α of the GGX facets that have the highlight's median slope of half vectors, with light and viewer 30° from the half
+/// vector and across its tilt, where masking hardly matters; 0 if the highlight is black.
+double roughness_of(const Evaluate& highlight);
+
+/// The highlight with slopes of half vectors `factor` times as large. At half vector h its value is
+///   f(l₀, v₀) facets(l, v; factor α) / facets(l₀, v₀; α),
+/// with facets = D G / (4 cosθl cosθv) of GGX, and (l₀, v₀) about the half vector of h's azimuth and its slope over
+/// `factor`, at the same l·h and, as far as both are above the horizon, the same azimuth about it. Of GGX facets with
+/// roughness α it is exactly GGX of factor α, and symmetric if f is.
+Evaluate roughened(Evaluate highlight, double factor, double roughness);
+
+/// The surface `base` under a coat, see `Coat`.
+Evaluate coated(Evaluate base, const Coat& coat);
+
+/// Fits `lobes` lobes to f. It begins with the best of the models `begin`, at least one, all of one form and parameterization:
+/// without the least useful lobes if it has more, and with the best of many random ones if it has fewer. The albedo is at
+/// most `albedo_limit`. Errors: those of `observe` and `fit_pm`.
+Result<PmModel> refit(const Evaluate& f, std::span<const PmModel> begin, int lobes, double albedo_limit,
+                      const EditOptions& options);
 
 }  // namespace srbf

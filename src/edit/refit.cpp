@@ -1,14 +1,10 @@
-#include "edit/refit.h"
-
-#include <algorithm>
-#include <optional>
+#include "edit/lobes.h"
 
 #include "base/least_squares.h"
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
 #include "models/pm/search/fit_pm.h"
-#include "models/pm/search/options.h"
-#include "models/pm/search/random_lobes.h"
+#include "models/pm/search/search.h"
 #include "models/pm/solve/rounding.h"
 
 namespace SRBF_NAMESPACE {

@@ -1,9 +1,7 @@
 // The highlight of a model with another roughness.
-#include <algorithm>
-#include <cmath>
 
 #include "brdf/values.h"
-#include "edit/reshape.h"
+#include "edit/lobes.h"
 #include "srbf/kernel.h"
 
 namespace SRBF_NAMESPACE {

@@ -7,7 +7,6 @@
 
 #include "base/parallel.h"
 #include "base/reporter.h"
-#include "brdf/channels.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"
 #include "errors/measure_sums.h"

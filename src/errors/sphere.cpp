@@ -6,7 +6,6 @@
 #include "base/parallel.h"
 #include "base/reporter.h"
 #include "brdf/directions.h"
-#include "brdf/frame.h"
 #include "brdf/values.h"
 #include "errors/sphere.h"
 #include "srbf/elementary.h"

@@ -6,7 +6,7 @@
 #include "base/errors.h"
 #include "base/floating_point.h"
 #include "base/parallel.h"
-#include "brdf/channels.h"
+#include "brdf/values.h"
 #include "errors/measures.h"
 #include "errors/picture_errors.h"
 #include "errors/sphere.h"
@@ -14,7 +14,7 @@
 #include "fit/requests.h"
 #include "measured/tables.h"
 #include "models/pm/pm_functions.h"
-#include "observe/objectives.h"
+#include "observe/pair_weights.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/folds.h"
 
@@ -25,7 +25,6 @@ namespace {
 constexpr int k_sample_starts = 6, k_sample_perturbations = 14;
 /// The fits to folds, which only estimate the error of the fit to all samples, have fewer starts.
 constexpr int k_fold_starts = 3;
-constexpr int k_draft_starts = 3, k_draft_perturbations = 2;
 /// Approximate share of observing in the time of the fits to a fold's samples.
 constexpr double k_observed_of_fold = 0.2;
 
@@ -157,10 +156,8 @@ Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleO
 }
 
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
-                                    const FitRequest& request, bool in_short, const ProgressToken& progress) {
-    PmFitOptions options = sample_options(samples, request);
-    if (in_short) options = quick_options(options, k_draft_starts, k_draft_perturbations);
-    return fit_observed_samples(samples, &observed, request, options, progress);
+                                    const FitRequest& request, const ProgressToken& progress) {
+    return fit_observed_samples(samples, &observed, request, sample_options(samples, request), progress);
 }
 
 Result<std::vector<FitOutcome>> heldout(const FitToSamples& fit, const ScatteredSamples& samples,

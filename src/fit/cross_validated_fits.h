@@ -2,7 +2,6 @@
 #pragma once
 #include <functional>
 #include <span>
-#include <vector>
 
 #include "samples/observe_samples.h"
 #include "srbf/fit.h"
@@ -18,9 +17,9 @@ ObserveSamplesOptions observe_options(const FitRequest& request);
 Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
                                   const FitRequest& request, const ProgressToken& progress);
 
-/// A fit of a multivariate model without cross-validation; with `in_short`, a short search.
+/// A fit of a multivariate model without cross-validation.
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
-                                    const FitRequest& request, bool in_short, const ProgressToken& progress);
+                                    const FitRequest& request, const ProgressToken& progress);
 
 /// The fits to the samples of all folds but one, for each fold. `fit` is called from several threads at once.
 using FitToSamples = std::function<Result<FitOutcome>(const ScatteredSamples& training)>;

@@ -1,9 +1,4 @@
 // Fits of both sides of a surface.
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <new>
 
 #include "base/errors.h"
 #include "base/files.h"
@@ -11,16 +6,14 @@
 #include "brdf/directions.h"
 #include "brdf/parts.h"
 #include "brdf/values.h"
+#include "fit/extra_fits.h"
 #include "fit/patch_fit.h"
 #include "fit/requests.h"
-#include "measured/evaluated_table.h"
-#include "measured/two_sided.h"
+#include "measured/tables.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/ggx/ggx_functions.h"
 #include "srbf/elementary.h"
-#include "srbf/fit_bsdf.h"
-
-#include "fit/extra_fits.h"  // of the types above
+#include "srbf/fit.h"
 
 namespace SRBF_NAMESPACE {
 namespace {

@@ -3,16 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <limits>
-#include <optional>
 
 #include "base/text.h"
 #include "brdf/directions.h"
 #include "fit/request_traits.h"
 #include "models/openpbr/openpbr_parameters.h"
 #include "models/su/su_functions.h"
-#include "observe/objectives.h"
+#include "observe/pair_weights.h"
 
 namespace SRBF_NAMESPACE {
 namespace {
@@ -181,15 +179,14 @@ void add_objective(std::vector<FitOptionRow>& to) {
 /// The options of view-by-view models.
 void add_views(std::vector<FitOptionRow>& to) {
     using Words = std::vector<Text>;
-    to.push_back(
-        word({"discretise", k_of_su, "view|light", "The sampled direction; lobes are functions of the other one",
-              preset(name(k_su.discretise))},
-             Words{"view", "light"},
-             [](FitRequest& r, Text text) { return store(discretise_named(text), su(r).discretise); }));
-    to.push_back(number<int>({"directions", k_of_su, "N",
-                              fmt::format("Number of sampled directions, {} to {}", k_least_views, k_most_views),
-                              preset(k_su.directions)},
-                             k_least_views, k_most_views, [](FitRequest& r, int n) { su(r).directions = n; }));
+    to.push_back(word({"discretise", k_of_su, "view|light",
+                       "The sampled direction; lobes are functions of the other one", preset(name(k_su.discretise))},
+                      Words{"view", "light"},
+                      [](FitRequest& r, Text text) { return store(discretise_named(text), su(r).discretise); }));
+    to.push_back(number<int>(
+        {"directions", k_of_su, "N", fmt::format("Number of sampled directions, {} to {}", k_least_views, k_most_views),
+         preset(k_su.directions)},
+        k_least_views, k_most_views, [](FitRequest& r, int n) { su(r).directions = n; }));
     to.push_back(or_word(
         number<int>({"interpolation", k_of_su, "rotated|K",
                      "Between the two samples adjacent in elevation, rotated to the azimuth of the direction,\n"
@@ -198,9 +195,9 @@ void add_views(std::vector<FitOptionRow>& to) {
                     1, k_most_neighbours,
                     [](FitRequest& r, int n) { su(r).interpolation = SuInterpolation::plain, su(r).neighbours = n; }),
         "rotated", [](FitRequest& r) { su(r).interpolation = SuInterpolation::rotated; }));
-    to.push_back(word(
-        {"with_index", k_of_su, "cube|parabolic", "Store an index texture, the samples nearest to each direction"},
-        Words{"cube", "parabolic"}, [](FitRequest& r, Text text) { return store(map_named(text), su(r).index); }));
+    to.push_back(
+        word({"with_index", k_of_su, "cube|parabolic", "Store an index texture, the samples nearest to each direction"},
+             Words{"cube", "parabolic"}, [](FitRequest& r, Text text) { return store(map_named(text), su(r).index); }));
 }
 
 /// The channels, and the goal of the size.

@@ -3,9 +3,6 @@
 #include <functional>
 #include <map>
 #include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "srbf/fit.h"
 

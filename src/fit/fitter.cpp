@@ -1,15 +1,11 @@
 // All stages of `srbf fit` between reading a measurement and writing a model.
-#include <fmt/format.h>
 
-#include <limits>
 #include <map>
-#include <new>
 #include <tuple>
 
 #include "base/errors.h"
 #include "base/files.h"
 #include "base/floating_point.h"
-#include "brdf/channels.h"
 #include "brdf/directions.h"
 #include "brdf/values.h"
 #include "errors/measures.h"
@@ -18,15 +14,15 @@
 #include "fit/noise.h"
 #include "fit/request_traits.h"
 #include "fit/requests.h"
-#include "measured/isotropy.h"
 #include "measured/tables.h"
+#include "models/kind/parameters.h"
 #include "models/kinds.h"
 #include "models/model_files.h"
 #include "models/pm/pm_functions.h"
 #include "models/su/su_functions.h"
 #include "observe/albedo_bound.h"
+#include "observe/observations.h"
 #include "observe/pair_weights.h"
-#include "observe/reciprocal_mean.h"
 #include "samples/fit_pm_to_samples.h"
 #include "samples/observe_samples.h"
 #include "srbf/fit.h"
@@ -34,12 +30,9 @@
 namespace SRBF_NAMESPACE {
 namespace {
 
-/// Drafts use the first observations.
-struct Draft {
-    std::size_t pairs;
-    int starts, perturbations;
-};
-constexpr Draft k_draft[Fitter::k_drafts] = {{4096, 3, 0}, {16384, 4, 8}};
+/// The draft of a table uses the first observations, and is not perturbed.
+constexpr std::size_t k_draft_pairs = 4096;
+constexpr int k_draft_starts = 3;
 
 /// Approximate shares of the time of a fit until something is observed or fitted.
 constexpr double k_smoothed = 0.5, k_observed = 0.1, k_samples_observed = 0.05, k_drafts_observed = 0.3,
@@ -58,6 +51,14 @@ void record(const Comparison& errors, Model& model) {
     if (errors.heldout_appearance) set("heldout_delta_e_itp", errors.heldout_appearance->mean.delta_e);
 }
 
+Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
+    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
+    if (!outcome) return outcome;
+    if (const auto within = check_range(outcome->unrounded, "fit"); !within) return within.error();
+    const auto measured = fitter.measure(*outcome, request, progress.part(k_fitted, 1));
+    return measured ? std::move(outcome) : measured.error();
+}
+
 }  // namespace
 
 // ---- Stages common to tables and samples ----
@@ -68,14 +69,13 @@ Result<FitOutcome> fit_view_by_view(const Evaluate& f, const FitRequest& request
         tabulate(f, {.directions = su.directions, .discretise = su.discretise, .threads = request.threads},
                  progress.part(0, k_observed));
     if (!matrix) return matrix.error();
-    SuFitOptions options;
-    options.lobes = su.lobes;
-    options.objective = request.objective;
-    options.max_theta = request.theta();
-    options.interpolation = su.interpolation;
-    options.neighbours = su.neighbours;
-    options.seed = request.seed;
-    options.threads = request.threads;
+    const SuFitOptions options{.lobes = su.lobes,
+                               .objective = request.objective,
+                               .max_theta = request.theta(),
+                               .interpolation = su.interpolation,
+                               .neighbours = su.neighbours,
+                               .seed = request.seed,
+                               .threads = request.threads};
     auto fitted = fit_su(*matrix, options, progress.part(k_observed, 1));
     if (!fitted) return fitted.error();
     if (progress.cancelled()) return cancelled_error("fit");
@@ -108,14 +108,8 @@ Result<FitOutcome> fit_by_kind(const FitRequest& request, const Observations& ob
 // ---- The fitter ----
 
 struct Fitter::State {
-    explicit State(const Measured& measured)
-        : measured_(&measured), signed_(signed_evaluator(measured)), clamped_(evaluator(measured)) {}
-    explicit State(Evaluate f) : signed_(std::move(f)) {
-        clamped_ = [f = signed_](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
-            f(wl, wv, values);
-            for (Rgb& value : values) clamp_negative(value);  // NaN is kept
-        };
-    }
+    explicit State(Evaluate f, const Measured* measured = nullptr)
+        : measured_(measured), signed_(std::move(f)), clamped_(non_negative(signed_)) {}
 
     const ScatteredSamples* samples() const {
         return measured_ ? std::get_if<ScatteredSamples>(&measured_->table) : nullptr;
@@ -349,20 +343,20 @@ struct Fitter::State {
         return outcome;
     }
 
-    Result<FitOutcome> draft_to(const ScatteredSamples& samples, const FitRequest& request, bool in_short,
+    Result<FitOutcome> draft_to(const ScatteredSamples& samples, const FitRequest& request,
                                 const ProgressToken& progress) {
         const auto observations = observed_samples(request, progress.part(0, k_drafts_observed));
         if (!observations) return observations.error();
-        return draft_of_samples(samples, **observations, request, in_short, progress.part(k_drafts_observed, 1));
+        return draft_of_samples(samples, **observations, request, progress.part(k_drafts_observed, 1));
     }
-    Result<FitOutcome> draft_table(const FitRequest& request, const Draft& draft, const ProgressToken& progress) {
+    Result<FitOutcome> draft_table(const FitRequest& request, const ProgressToken& progress) {
         const auto quiet = smooth(request, progress);
         if (!quiet) return quiet.error();
         const auto observations = observed(request, quiet->part(0, k_drafts_observed));
         if (!observations) return observations.error();
         PmFitOptions options = pm_options(request, axial(request), k_default_form);
-        options.starts = draft.starts, options.perturbations = draft.perturbations;
-        auto fitted = fit_pm(first_pairs(**observations, draft.pairs), options, quiet->part(k_drafts_observed, 1));
+        options.starts = k_draft_starts, options.perturbations = 0;
+        auto fitted = fit_pm(first_pairs(**observations, k_draft_pairs), options, quiet->part(k_drafts_observed, 1));
         if (!fitted) return fitted.error();
         FitOutcome outcome = outcome_of(*std::move(fitted));
         outcome.masked = (*observations)->masked, outcome.clamped = (*observations)->clamped;
@@ -370,7 +364,7 @@ struct Fitter::State {
         return outcome;
     }
 
-    const Measured* measured_ = nullptr;
+    const Measured* measured_;  // null: a function
     Evaluate signed_, clamped_;
     std::optional<Noise> noise_;   // of a table that was fitted
     Evaluate smoothed_ = nullptr;  // if it is noisy
@@ -379,7 +373,7 @@ struct Fitter::State {
     std::map<double, bool> isotropic_;  // by θmax
 };
 
-Fitter::Fitter(const Measured& measured) : state_(std::make_unique<State>(measured)) {}
+Fitter::Fitter(const Measured& measured) : state_(std::make_unique<State>(signed_evaluator(measured), &measured)) {}
 Fitter::Fitter(Evaluate f) : state_(std::make_unique<State>(std::move(f))) {}
 Fitter::Fitter(Fitter&&) noexcept = default;
 Fitter& Fitter::operator=(Fitter&&) noexcept = default;
@@ -393,14 +387,13 @@ Result<FitOutcome> Fitter::fit(const FitRequest& request, const ProgressToken& p
     return state_->finished(std::move(outcome), request, start, progress);
 }
 
-Result<FitOutcome> Fitter::draft(const FitRequest& request, int draft, const ProgressToken& progress) {
+Result<FitOutcome> Fitter::draft(const FitRequest& request, const ProgressToken& progress) {
     const auto start = std::chrono::steady_clock::now();
     if (const auto valid = state_->validate(request); !valid) return valid.error();
-    if (!std::holds_alternative<PmRequest>(request.model) || draft < 0 || draft >= k_drafts)
+    if (!std::holds_alternative<PmRequest>(request.model))
         return argument_error("fit", "draft", "one of a multivariate model", "another");
     const ScatteredSamples* samples = state_->samples();
-    auto outcome = samples ? state_->draft_to(*samples, request, draft == 0, progress)
-                           : state_->draft_table(request, k_draft[draft], progress);
+    auto outcome = samples ? state_->draft_to(*samples, request, progress) : state_->draft_table(request, progress);
     return state_->finished(std::move(outcome), request, start, progress);
 }
 
@@ -421,33 +414,16 @@ Appearance compare_exchanged(const Evaluate& f, int threads) {
     return compare_pictures(f, {&other, 1}, threads)[0];
 }
 
-namespace {
-
-/// `outcome` with its errors.
-Result<FitOutcome> with_errors(const Fitter& fitter, Result<FitOutcome> outcome, const FitRequest& request,
-                               const ProgressToken& progress) {
-    if (!outcome) return outcome;
-    if (const auto within = check_range(outcome->unrounded, "fit"); !within) return within.error();
-    if (const auto measured = fitter.measure(*outcome, request, progress); !measured) return measured.error();
-    return outcome;
-}
-
-}  // namespace
-
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
     try {
-        Fitter fitter(measured);
-        auto outcome = fitter.fit(request, progress.part(0, k_fitted));
-        outcome = with_errors(fitter, std::move(outcome), request, progress.part(k_fitted, 1));
+        auto outcome = fit_and_measure(Fitter(measured), request, progress);
         return outcome ? std::move(outcome) : of_source(outcome.error(), measured);
     } catch (const std::bad_alloc&) {
         return out_of_memory_error(measured.source);
     }
 }
 Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress) {
-    Fitter fitter(std::move(f));
-    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
-    return with_errors(fitter, std::move(outcome), request, progress.part(k_fitted, 1));
+    return fit_and_measure(Fitter(std::move(f)), request, progress);
 }
 
 std::vector<Vec3f> matrix_directions(const Model& model, double theta_max) {

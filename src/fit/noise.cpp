@@ -8,7 +8,7 @@
 
 #include "base/errors.h"
 #include "base/floating_point.h"
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "models/pm/search/fit_pm.h"
 #include "observe/observations.h"
 #include "observe/pairs.h"

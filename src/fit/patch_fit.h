@@ -1,9 +1,8 @@
 // Fits of tables whose entries are averages over patches.
 #pragma once
 #include <string_view>
-#include <vector>
 
-#include "srbf/fit_bsdf.h"
+#include "srbf/fit.h"
 
 SRBF_BEGIN
 

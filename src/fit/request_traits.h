@@ -1,10 +1,7 @@
 // Properties of the requests of fits, and of their outcomes.
 #pragma once
 #include <array>
-#include <optional>
-#include <string_view>
 #include <type_traits>
-#include <vector>
 
 #include "srbf/fit.h"
 

@@ -30,16 +30,15 @@ inline std::optional<int> lobes_of(const PmRequest& pm) {
 /// `form`: that of a request without one, which depends on what is fitted (`PmRequest::form`).
 inline PmFitOptions pm_options(const FitRequest& request, bool axial, PmForm form) {
     const PmRequest& pm = std::get<PmRequest>(request.model);
-    PmFitOptions options;
-    options.form = pm.form.value_or(form);
-    options.axial = axial;
-    options.lobes = lobes_of(pm).value_or(row_of(options.form).lobes);
-    options.variates = pm.variates.value_or(row_of(options.form).variates);
-    options.albedo_limit = pm.albedo_limit;
-    options.effort = pm.effort;
-    options.seed = request.seed;
-    options.threads = request.threads;
-    return options;
+    const FormRow& row = row_of(pm.form.value_or(form));
+    return {.form = row.form,
+            .axial = axial,
+            .lobes = lobes_of(pm).value_or(row.lobes),
+            .variates = pm.variates.value_or(row.variates),
+            .effort = pm.effort,
+            .albedo_limit = pm.albedo_limit,
+            .seed = request.seed,
+            .threads = request.threads};
 }
 
 /// The model of a fit, before and after rounding, and why its search stopped.

@@ -1,13 +1,5 @@
 // The formats of measurements: recognition, readers and writers.
 #pragma once
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "brdf/parts.h"
 #include "srbf/elementary.h"
 #include "srbf/measured.h"

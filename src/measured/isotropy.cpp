@@ -1,10 +1,4 @@
-#include "measured/isotropy.h"
-
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <complex>
-#include <random>
 
 #include "base/floating_point.h"
 #include "base/k_d_tree.h"
@@ -42,6 +36,37 @@ struct ValuesAtPairs {
     void evaluate(const Evaluate& brdf) { f.resize(wl.size()), brdf(wl, wv, f); }
 };
 
+using Complex = std::complex<double>;
+Complex in_plane(const Vec3f& w) { return {double(w.x), double(w.y)}; }
+/// The product of their lengths in the plane of the surface, times e^iδ of the rotation from a to b.
+Complex between(const Vec3f& a, const Vec3f& b) { return std::conj(in_plane(a)) * in_plane(b); }
+
+/// e^iδ of the rotation about the normal that brings one sample nearest to another; 0 if both are along the normal, or
+/// if one is rather a mirror image.
+Complex rotation_between(const ScatteredSamples& samples, std::size_t i, std::size_t k) {
+    const auto &wl = samples.wl, &wv = samples.wv;
+    const Complex sum = between(wl[i], wl[k]) + between(wv[i], wv[k]);
+    const double length = elementary::hypot(sum.real(), sum.imag());
+    const bool is_mirrored = between(wl[i], wv[i]).imag() * between(wl[k], wv[k]).imag() < -1e-6;
+    return length > 1e-8 && !is_mirrored ? sum / length : 0;
+}
+
+/// True if rotation changes no more than its halves: all directions lie in one plane, or lights or viewers are off the
+/// normal and have one azimuth, within half a degree.
+bool lacks_rotations(const ScatteredSamples& samples) {
+    constexpr double k_most = 1e-4;  // of sin² and of products of sines
+    const auto sine2 = [](const Vec3f& w) { return between(w, w).real(); };
+    const auto farthest = [&](const std::vector<Vec3f>& w) { return *std::ranges::max_element(w, {}, sine2); };
+    const auto lie_in_plane = [](const Vec3f& axis, const std::vector<Vec3f>& all, double least) {
+        return std::ranges::all_of(
+            all, [&](const Vec3f& w) { return is_in_plane(axis, w) && between(axis, w).real() >= least; });
+    };
+    const Vec3f l = farthest(samples.wl), v = farthest(samples.wv), axis = sine2(l) > sine2(v) ? l : v;
+    return (sine2(l) > k_most && lie_in_plane(l, samples.wl, -k_most)) ||
+           (sine2(v) > k_most && lie_in_plane(v, samples.wv, -k_most)) ||
+           (lie_in_plane(axis, samples.wl, -1) && lie_in_plane(axis, samples.wv, -1));
+}
+
 }  // namespace
 
 bool is_isotropic(const Evaluate& f, double max_theta, const Rgb& noise) {
@@ -77,41 +102,6 @@ bool is_isotropic(const Evaluate& f, double max_theta, const Rgb& noise) {
     change -= k_noise_margin * by_noise + k_deviations * std::sqrt(2 * by_noise2);
     return change <= k_rounding * squares || (change <= k_noise * squares && change <= k_most_growth * small_change);
 }
-
-namespace {
-
-using Complex = std::complex<double>;
-Complex in_plane(const Vec3f& w) { return {double(w.x), double(w.y)}; }
-/// The product of their lengths in the plane of the surface, times e^iδ of the rotation from a to b.
-Complex between(const Vec3f& a, const Vec3f& b) { return std::conj(in_plane(a)) * in_plane(b); }
-
-/// e^iδ of the rotation about the normal that brings one sample nearest to another; 0 if both are along the normal, or
-/// if one is rather a mirror image.
-Complex rotation_between(const ScatteredSamples& samples, std::size_t i, std::size_t k) {
-    const auto &wl = samples.wl, &wv = samples.wv;
-    const Complex sum = between(wl[i], wl[k]) + between(wv[i], wv[k]);
-    const double length = elementary::hypot(sum.real(), sum.imag());
-    const bool is_mirrored = between(wl[i], wv[i]).imag() * between(wl[k], wv[k]).imag() < -1e-6;
-    return length > 1e-8 && !is_mirrored ? sum / length : 0;
-}
-
-/// True if rotation changes no more than its halves: all directions lie in one plane, or lights or viewers are off the
-/// normal and have one azimuth, within half a degree.
-bool lacks_rotations(const ScatteredSamples& samples) {
-    constexpr double k_most = 1e-4;  // of sin² and of products of sines
-    const auto sine2 = [](const Vec3f& w) { return between(w, w).real(); };
-    const auto farthest = [&](const std::vector<Vec3f>& w) { return *std::ranges::max_element(w, {}, sine2); };
-    const auto lie_in_plane = [](const Vec3f& axis, const std::vector<Vec3f>& all, double least) {
-        return std::ranges::all_of(
-            all, [&](const Vec3f& w) { return is_in_plane(axis, w) && between(axis, w).real() >= least; });
-    };
-    const Vec3f l = farthest(samples.wl), v = farthest(samples.wv), axis = sine2(l) > sine2(v) ? l : v;
-    return (sine2(l) > k_most && lie_in_plane(l, samples.wl, -k_most)) ||
-           (sine2(v) > k_most && lie_in_plane(v, samples.wv, -k_most)) ||
-           (lie_in_plane(axis, samples.wl, -1) && lie_in_plane(axis, samples.wv, -1));
-}
-
-}  // namespace
 
 double change_by_azimuth(const ScatteredSamples& samples) {
     // At most `k_most` samples are indexed, since a search among coincident points visits all of them.

@@ -1,8 +1,6 @@
 // Files of one sample, as a goniometer writes one an incidence, as one.
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <map>
 #include <set>
 

@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "base/floating_point.h"
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "measured/angles.h"
 #include "measured/tables.h"
 #include "srbf/elementary.h"

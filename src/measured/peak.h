@@ -1,8 +1,5 @@
 // The position of a BRDF's highlight: a check of the azimuths of a measurement.
 #pragma once
-#include <span>
-#include <string>
-
 #include "srbf/brdf.h"
 #include "srbf/measured.h"
 
@@ -33,7 +30,7 @@ inline constexpr double k_most_peak = 1000;
 /// The peak is the position with the largest score, provided that in some interval its level is at least twice the
 /// least one; `ratio` is the largest such quotient. Equal polar angles make this independent of the growth of f towards
 /// grazing angles. Values that are not finite and directions below the horizon are ignored. In transmission, in the
-/// frame of the part (bsdf.h), the mirror direction is straight through.
+/// frame of the part (brdf.h), the mirror direction is straight through.
 Peak peak_of(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f);
 /// The peak of a function at pairs with lights at four polar angles and eight azimuths, and viewers that are dense
 /// around the four directions.

@@ -1,13 +1,8 @@
 #include "measured/samples.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cassert>
-
+#include "base/errors.h"
 #include "base/floating_point.h"
-#include "measured/limits.h"
-#include "measured/tables.h"
+#include "measured/bytes.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/handles.h"
@@ -207,13 +202,10 @@ Result<ScatteredSamples> SampleBuilder::finish(const std::string& file_name, std
     if (values_ == Values::xyz)
         for (Rgb& f : samples_.colour) f = to_rgb(Xyz{double(f.r), double(f.g), double(f.b)});
     if (samples_.wl.empty())
-        return Error{file_name,
-                     {},
-                     "samples",
-                     "at least one that has a value and is above the horizon",
-                     !samples_.notes.empty() ? samples_.notes[0]
-                     : samples_.masked == 0  ? "none"
-                                             : fmt::format("{} that are not", samples_.masked)};
+        return input_error(file_name, "samples", "at least one that has a value and is above the horizon",
+                           !samples_.notes.empty() ? samples_.notes[0]
+                           : samples_.masked == 0  ? "none"
+                                                   : fmt::format("{} that are not", samples_.masked));
     if (too_many_)
         return Error{file_name, {}, "samples", fmt::format("at most {} in a file of {} bytes", most_, bytes_), "more"};
     samples_.description = std::move(description);

@@ -2,13 +2,10 @@
 #pragma once
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <optional>
-#include <string>
+#include <vector>
 
 #include "base/text.h"
 #include "brdf/colour.h"
@@ -209,7 +206,15 @@ bool is_cornell(std::string_view text);
 bool is_astm(std::string_view text);
 bool is_alta(std::string_view text);
 bool is_csv(std::string_view text);
-/// True if a comment before the header of a CSV is "both sides".
-bool is_csv_of_both_sides(std::string_view text);
+
+/// θ_l, φ_l, θ_v, φ_v [rad], wavelength [nm], f [1/sr], weight. f is NaN where nothing was measured.
+using SpectralRow = std::array<float, 7>;
+inline constexpr std::size_t k_wavelength_column = 4, k_value_column = 5, k_weight_column = 6;
+
+/// Groups rows into pairs of directions with their spectra. Rows that differ only in the value, such as
+/// polarizations, are averaged. Pairs that lack a wavelength are masked. Sorts `rows`. Errors: wavelengths out of
+/// range; no samples.
+Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::size_t bytes,
+                                         const std::string& file_name, std::string description, bool isotropic = false);
 
 }  // namespace srbf

@@ -1,15 +1,10 @@
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cassert>
-#include <limits>
-#include <utility>
 
 #include "base/floating_point.h"
 #include "base/k_d_tree.h"
 #include "brdf/values.h"
 #include "measured/angles.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 #include "measured/samples.h"
 #include "measured/tables.h"
 #include "srbf/elementary.h"

@@ -1,13 +1,12 @@
-#include "measured/spectral_rows.h"
+#include "measured/samples.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
-#include <cstdint>
 
 #include "brdf/directions.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 
 namespace SRBF_NAMESPACE {
 

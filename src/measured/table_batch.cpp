@@ -9,7 +9,7 @@
 #include "base/floating_point.h"
 #include "brdf/batch-inl.h"
 #include "measured/angles.h"
-#include "measured/limits.h"
+#include "measured/bytes.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace SRBF_NAMESPACE {

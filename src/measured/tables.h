@@ -1,7 +1,9 @@
-// Values of the tables of each format.
+// Values of the tables of each format, and what a format alone knows of its table.
 #pragma once
-#include <span>
+#include <functional>
+#include <optional>
 
+#include "srbf/brdf.h"
 #include "srbf/measured.h"
 
 SRBF_BEGIN
@@ -44,5 +46,35 @@ double change_by_azimuth(const ScatteredSamples& samples);
 /// `signed_spectrum` on arrays of pairs. It keeps a reference to `measured`.
 Channels signed_spectra(const Measured& measured);
 Channels signed_spectra(const Measured&&) = delete;
+
+/// True if f(Rωl, Rωv) = f(ωl, ωv) for rotations R about the normal, up to rounding or noise, over θ ≤ max_theta [rad]:
+/// the mean squared change of f cosθl cosθv under random rotations is at most 1e-6 of the mean square of f cosθl cosθv,
+/// or at most 2 % of it and at most 2.5 times the change under rotation by 15°. Independent noise of the standard
+/// deviation `noise` [1/sr] of each channel changes as much as it does by itself.
+bool is_isotropic(const Evaluate& f, double max_theta, const Rgb& noise = {});
+
+/// True if two shares of a beam are equal within the accuracy of a fit: 1 % of their mean, or 0.001.
+bool are_same_share(const Rgb& a, const Rgb& b);
+Rgb mean_share(std::span<const Rgb> shares);
+/// If the beams of both transmissions are reciprocal, sets the front's to their mean, and the back's to none.
+void unite_transmissions(Beams& beams);
+
+/// A part of a BSDF without the light that its table keeps as a peak though it is not scattered.
+struct SeparatedBeam {
+    Evaluate rest;  ///< f with the peak cut off at the level about it
+    Beam beam;      ///< the share that is cut off
+};
+/// A line of what `srbf info` says about a table: a text, or the ranges of colours, channel by channel.
+struct TableLine {
+    std::string name, text;
+    std::span<const Rgb> colours = {};
+};
+
+/// The functions that any table has, by its format.
+struct TableFunctions {
+    std::function<std::vector<TableLine>()> lines;
+    /// The part without its peaks of unscattered light, if it has any; null: it has none.
+    std::function<std::optional<SeparatedBeam>()> separated_beam = {};
+};
 
 SRBF_END

@@ -1,7 +1,5 @@
 #include "srbf/model.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <type_traits>
 
@@ -10,7 +8,7 @@
 #include "base/floating_point.h"
 #include "base/half.h"
 #include "base/safetensors.h"
-#include "brdf/channels.h"
+#include "brdf/values.h"
 #include "models/bsdf/bsdf_functions.h"
 #include "models/kind/parameters.h"
 #include "models/kinds.h"
@@ -24,36 +22,6 @@ namespace {
 
 Safetensors content_of(const Model& model);
 Result<Model> model_of(Safetensors content, bool is_part, const std::string& file_name);
-
-}  // namespace
-
-Safetensors Kind<BsdfModel>::content(const BsdfModel& bsdf) {
-    Safetensors content{encode_beams(bsdf.beam), {}};
-    for (std::size_t p = 0; p < k_parts; ++p)
-        if (bsdf.part[p]) add_part(content_of(*bsdf.part[p]), Part(p), content);
-    return content;
-}
-
-Result<BsdfModel> Kind<BsdfModel>::read(Safetensors& content, const std::string& file_name) {
-    BsdfModel bsdf;
-    for (std::size_t p = 0; p < k_parts; ++p) {
-        Safetensors of_part = take_part(content, Part(p));
-        if (of_part.tensors.empty() && of_part.metadata.empty()) continue;
-        auto part = model_of(std::move(of_part), true, file_name);
-        if (!part) {
-            Error of = part.error();
-            of.what = fmt::format("{}: {}", k_part_names[p], of.what);
-            return of;
-        }
-        bsdf.part[p] = std::make_shared<const Model>(*std::move(part));
-    }
-    auto beams = decode_beams(content.tensors, file_name);
-    if (!beams) return beams.error();
-    bsdf.beam = *std::move(beams);
-    return bsdf;
-}
-
-namespace {
 
 /// The name of a surface of OpenPBR in earlier files.
 constexpr std::string_view k_former_openpbr = "pbr";
@@ -147,6 +115,32 @@ Result<Model> model_of(Safetensors content, bool is_part, const std::string& fil
 }
 
 }  // namespace
+
+Safetensors Kind<BsdfModel>::content(const BsdfModel& bsdf) {
+    Safetensors content{encode_beams(bsdf.beam), {}};
+    for (std::size_t p = 0; p < k_parts; ++p)
+        if (bsdf.part[p]) add_part(content_of(*bsdf.part[p]), Part(p), content);
+    return content;
+}
+
+Result<BsdfModel> Kind<BsdfModel>::read(Safetensors& content, const std::string& file_name) {
+    BsdfModel bsdf;
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        Safetensors of_part = take_part(content, Part(p));
+        if (of_part.tensors.empty() && of_part.metadata.empty()) continue;
+        auto part = model_of(std::move(of_part), true, file_name);
+        if (!part) {
+            Error of = part.error();
+            of.what = fmt::format("{}: {}", k_part_names[p], of.what);
+            return of;
+        }
+        bsdf.part[p] = std::make_shared<const Model>(*std::move(part));
+    }
+    auto beams = decode_beams(content.tensors, file_name);
+    if (!beams) return beams.error();
+    bsdf.beam = *std::move(beams);
+    return bsdf;
+}
 
 double Kind<BsdfModel>::largest(const BsdfModel& model) {
     double largest = 0;
@@ -270,11 +264,8 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& fi
 Result<Done> check_range(const Model& model, const std::string& source) {
     const double largest = largest_number(model);
     if (!(largest > double(k_half_max))) return Done{};
-    return Error{source,
-                 {},
-                 "coefficient",
-                 fmt::format("at most {:g}, the largest 16-bit float", k_half_max),
-                 fmt::format("{:.6g}", largest)};
+    return input_error(source, "coefficient", fmt::format("at most {:g}, the largest 16-bit float", k_half_max),
+                       fmt::format("{:.6g}", largest));
 }
 
 Result<Done> save_model(const Model& model, const std::string& path) {

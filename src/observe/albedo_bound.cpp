@@ -1,7 +1,5 @@
 #include "observe/albedo_bound.h"
 
-#include <algorithm>
-#include <array>
 #include <numeric>
 #include <ranges>
 
@@ -28,6 +26,35 @@ constexpr double k_bound_cost_growth = 4;
 
 double most_albedo(std::span<const Rgb> f, std::span<const double> weight) {
     return std::ranges::max(weighted_sum(f, weight));
+}
+
+PmModel lowered_at_views(const AlbedoBound& bound, PmModel model) {
+    constexpr double k_lowered = 1 / 1.002;  // of the limit; for rounding, and between the views of the bound
+    const auto lobes = std::size_t(model.lobes);
+    std::vector<std::vector<double>> albedo;  // of each lobe alone
+    for (int j = 0; j < model.lobes; ++j) albedo.push_back(bound.albedos(evaluator(only_lobe(model, j))));
+    std::vector<double> factor(lobes, 1), all(albedo[0].size());
+    for (;;) {
+        std::ranges::fill(all, 0);
+        for (std::size_t j = 0; j < lobes; ++j)
+            for (std::size_t i = 0; i < all.size(); ++i) all[i] += factor[j] * albedo[j][i];
+        const auto at = std::size_t(std::ranges::max_element(all) - all.begin());
+        if (all[at] <= 1) break;
+        const auto concentration = [&](std::size_t j) {
+            const double sum = std::accumulate(albedo[j].begin(), albedo[j].end(), 0.0);
+            return factor[j] > 0 && sum > 0 ? albedo[j][at] / sum : 0;
+        };
+        const std::size_t j = std::ranges::max(std::views::iota(std::size_t(0), lobes), {}, concentration);
+        factor[j] = std::max(0.0, factor[j] - (all[at] - k_lowered) / albedo[j][at]);
+    }
+    const std::size_t C = model.spectrum.size() / lobes;
+    for (std::size_t j = 0; j < lobes; ++j) {
+        Rgb& beta = model.coefficient[j];
+        const auto k = float(factor[j]);
+        beta = {k * beta.r, k * beta.g, k * beta.b};
+        for (std::size_t c = 0; c < C; ++c) model.spectrum[j * C + c] *= k;
+    }
+    return model;
 }
 
 }  // namespace
@@ -92,39 +119,6 @@ std::size_t AlbedoBound::add_exceeded(Observations& observations, const Evaluate
     }
     return count;
 }
-
-namespace {
-
-PmModel lowered_at_views(const AlbedoBound& bound, PmModel model) {
-    constexpr double k_lowered = 1 / 1.002;  // of the limit; for rounding, and between the views of the bound
-    const auto lobes = std::size_t(model.lobes);
-    std::vector<std::vector<double>> albedo;  // of each lobe alone
-    for (int j = 0; j < model.lobes; ++j) albedo.push_back(bound.albedos(evaluator(only_lobe(model, j))));
-    std::vector<double> factor(lobes, 1), all(albedo[0].size());
-    for (;;) {
-        std::ranges::fill(all, 0);
-        for (std::size_t j = 0; j < lobes; ++j)
-            for (std::size_t i = 0; i < all.size(); ++i) all[i] += factor[j] * albedo[j][i];
-        const auto at = std::size_t(std::ranges::max_element(all) - all.begin());
-        if (all[at] <= 1) break;
-        const auto concentration = [&](std::size_t j) {
-            const double sum = std::accumulate(albedo[j].begin(), albedo[j].end(), 0.0);
-            return factor[j] > 0 && sum > 0 ? albedo[j][at] / sum : 0;
-        };
-        const std::size_t j = std::ranges::max(std::views::iota(std::size_t(0), lobes), {}, concentration);
-        factor[j] = std::max(0.0, factor[j] - (all[at] - k_lowered) / albedo[j][at]);
-    }
-    const std::size_t C = model.spectrum.size() / lobes;
-    for (std::size_t j = 0; j < lobes; ++j) {
-        Rgb& beta = model.coefficient[j];
-        const auto k = float(factor[j]);
-        beta = {k * beta.r, k * beta.g, k * beta.b};
-        for (std::size_t c = 0; c < C; ++c) model.spectrum[j * C + c] *= k;
-    }
-    return model;
-}
-
-}  // namespace
 
 PmModel lowered_to(const AlbedoBound& bound, PmModel model) {
     const auto excess = [&](const AlbedoBound& of) { return of.excess(evaluator(model)); };

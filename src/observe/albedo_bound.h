@@ -2,7 +2,6 @@
 #pragma once
 #include <limits>
 #include <optional>
-#include <vector>
 
 #include "brdf/directions.h"
 #include "observe/observations.h"

@@ -1,10 +1,8 @@
-#include "observe/albedos.h"
+#include "observe/observations.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
-#include "observe/costs.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
 #include "srbf/elementary.h"

@@ -1,9 +1,7 @@
 #include "observe/bound.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "observe/observations.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
 #include "srbf/elementary.h"

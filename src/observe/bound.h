@@ -1,7 +1,5 @@
 // Detection of fits that exceed the measurement between the observations.
 #pragma once
-#include <vector>
-
 #include "observe/observations.h"
 #include "srbf/models/pm.h"
 

@@ -1,14 +1,9 @@
-#include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "base/errors.h"
 #include "base/parallel.h"
 #include "base/reporter.h"
-#include "observe/albedos.h"
-#include "observe/costs.h"
 #include "observe/observations.h"
-#include "observe/observe_pictures.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"
 #include "srbf/elementary.h"

@@ -1,9 +1,7 @@
-#include "observe/observe_pictures.h"
-
-#include <cmath>
+#include "observe/observations.h"
 
 #include "base/parallel.h"
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "brdf/values.h"
 #include "errors/sphere.h"
 #include "observe/pair_weights.h"

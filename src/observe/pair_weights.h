@@ -1,16 +1,13 @@
 // Weights of pairs, which define the objectives.
 #pragma once
-#include <algorithm>
-#include <array>
-#include <cmath>
+#include <optional>
 #include <span>
-#include <utility>
 
-#include "observe/costs.h"
 #include "observe/observations.h"
 #include "srbf/elementary.h"
+#include "srbf/metrics.h"
 
-namespace SRBF_NAMESPACE {
+SRBF_BEGIN
 
 /// Definition of an objective: a row of the table in pair_weights.cpp.
 struct ObjectiveTraits {
@@ -52,4 +49,19 @@ double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<c
 void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
            std::span<const Rgb> f, std::span<double> weight, int threads);
 
-}  // namespace srbf
+/// Models with few parameters, such as Lambert and GGX, leave large residuals. Their weights adapt to them in this
+/// many rounds, each by at most this factor.
+inline constexpr int k_facet_rounds = 8;
+inline constexpr double k_most_facet_change = 100;
+
+/// Multiplies the weights of the fitted observations by `large_error_weight`, given the values of the fit. Applies
+/// only to observations both of whose cosines are at least `least_cos`.
+void weigh_large_errors(Observations& observations, const Evaluate& fitted, double most, float least_cos = 0);
+
+std::span<const Objective> objectives();        ///< all objectives
+std::string_view summary(Objective objective);  ///< what it minimises, a line in ASCII
+std::optional<Objective> objective_named(std::string_view text);
+/// The measure that an objective minimises and by which its fits are judged.
+double Measures::*measure_of(Objective objective);
+
+SRBF_END

@@ -1,10 +1,6 @@
 // Pairs of directions at which a measurement is observed.
 #pragma once
-#include <array>
 #include <optional>
-#include <random>
-#include <span>
-#include <vector>
 
 #include "base/r_sequence.h"
 #include "brdf/directions.h"

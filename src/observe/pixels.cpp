@@ -1,7 +1,5 @@
 #include "observe/pixels.h"
 
-#include <algorithm>
-#include <array>
 #include <limits>
 
 #include "errors/itp.h"

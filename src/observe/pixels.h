@@ -4,7 +4,6 @@
 #include <span>
 
 #include "base/aligned.h"
-#include "base/block.h"
 
 namespace SRBF_NAMESPACE {
 

@@ -1,8 +1,5 @@
 // A measurement as a matrix, for view-by-view fits.
 #pragma once
-#include <cstdint>
-#include <vector>
-
 #include "srbf/brdf.h"
 #include "srbf/models/su.h"
 #include "srbf/progress.h"

@@ -1,8 +1,6 @@
 // Fits of models of a few parameters that are not linear, by finite differences.
 #pragma once
 #include <Eigen/Dense>
-#include <array>
-#include <vector>
 
 #include "observe/observations.h"
 #include "observe/pixels.h"

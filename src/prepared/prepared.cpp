@@ -1,10 +1,8 @@
 #include "srbf/prepared.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cassert>
-#include <cmath>
 #include <mutex>
 
 #include "base/floating_point.h"
@@ -66,24 +64,6 @@ struct ViewAlbedo {
     }
 };
 
-}  // namespace
-
-struct PreparedBrdf::Contents {
-    BrdfParts parts;
-    mutable std::once_flag has_albedo = {};
-    mutable AlbedoTable albedo = {};
-
-    mutable std::atomic<int> uses = 1;
-
-    explicit Contents(BrdfParts contents_parts) : parts(std::move(contents_parts)) {}
-};
-void add_use(const PreparedBrdf::Contents& contents) { contents.uses.fetch_add(1, std::memory_order_relaxed); }
-void end_use(const PreparedBrdf::Contents& contents) {
-    if (contents.uses.fetch_sub(1, std::memory_order_acq_rel) == 1) delete &contents;
-}
-
-namespace {
-
 /// The parts of a model that is evaluated by its own batch evaluation.
 template <typename M> BrdfParts parts_of(std::shared_ptr<const M> held, PreparedBrdf::Value value) {
     const M& model = *held;
@@ -136,6 +116,20 @@ BrdfParts black_parts() {
 }
 
 }  // namespace
+
+struct PreparedBrdf::Contents {
+    BrdfParts parts;
+    mutable std::once_flag has_albedo = {};
+    mutable AlbedoTable albedo = {};
+
+    mutable std::atomic<int> uses = 1;
+
+    explicit Contents(BrdfParts contents_parts) : parts(std::move(contents_parts)) {}
+};
+void add_use(const PreparedBrdf::Contents& contents) { contents.uses.fetch_add(1, std::memory_order_relaxed); }
+void end_use(const PreparedBrdf::Contents& contents) {
+    if (contents.uses.fetch_sub(1, std::memory_order_acq_rel) == 1) delete &contents;
+}
 
 PreparedBrdf::PreparedBrdf(Shared<Contents> contents)
     : contents_(std::move(contents)), held_(contents_->parts.held.get()), value_(contents_->parts.value) {}

@@ -4,7 +4,6 @@
 #include "models/bsdf/bsdf_functions.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace SRBF_NAMESPACE {
 namespace {

@@ -1,9 +1,7 @@
 #include "srbf/prepared_map.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <vector>
 
 #include "brdf/colour.h"
 #include "models/pm/pm_lanes.h"

@@ -7,7 +7,6 @@
 
 #include "base/least_squares.h"
 #include "observe/bound.h"
-#include "observe/large_errors.h"
 #include "observe/pair_weights.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"

@@ -1,22 +1,20 @@
 // Adds scripts for Blender and shaders in OSL to `srbf export`.
 #include "app/export.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <memory>
 
 #include "app/commands.h"
 #include "app/extra_exports.h"
 #include "app/output.h"
+#include "base/errors.h"
 #include "base/printable.h"
 #include "blender/script_text.h"
 #include "errors/picture_errors.h"
 #include "extras/blender/closures.h"
 #include "extras/blender/script.h"
-#include "measured/isotropy.h"
+#include "measured/tables.h"
 #include "srbf/file.h"
-#include "srbf/objective.h"
+#include "srbf/metrics.h"
 #include "srbf/shading_code.h"
 
 namespace SRBF_NAMESPACE {
@@ -81,8 +79,7 @@ Result<std::vector<NamedClosures>> fitted_closures(const ExportCommand& command,
 }
 
 int write_text(const ExportCommand& command, const std::string& text) {
-    const auto written = write_file(command.output, as_bytes(text));
-    return written ? int(k_done) : complain(written.error());
+    return status_of(write_file(command.output, as_bytes(text)));
 }
 
 int write_script(const ExportCommand& command, int terms) {
@@ -93,12 +90,8 @@ int write_script(const ExportCommand& command, int terms) {
 
 int write_shader(const ExportCommand& command, int terms) {
     if (command.files.size() > 1)
-        return complain(Error{command.output,
-                              {},
-                              "models",
-                              "one, as a file of OSL has one shader",
-                              std::to_string(command.files.size()),
-                              ErrorCode::argument});
+        return complain(argument_error(command.output, "models", "one, as a file of OSL has one shader",
+                                       std::to_string(command.files.size())));
     const auto materials = fitted_closures(command, {.terms = terms, .ramp = k_ramp_of_osl});
     if (!materials) return complain(materials.error());
     const auto& [name, sum] = materials->front();

@@ -7,7 +7,7 @@
 #include "models/bsdf/bsdf_functions.h"
 #include "any/table_file.h"
 #include "srbf/file.h"
-#include "srbf/fit_bsdf.h"
+#include "srbf/fit.h"
 
 namespace srbf::fit_patches_test {
 namespace {

@@ -2,7 +2,6 @@
 #include "extras/daylight/klems.h"
 #include "brdf/parts.h"
 #include "extras/daylight/test/bsdf_files.h"
-#include "measured/evaluated_table.h"
 #include "measured/formats.h"
 #include "measured/tables.h"
 #include "peaks.h"

@@ -4,7 +4,7 @@
 #include "brdf/parts.h"
 #include "extras/daylight/test/bsdf_files.h"
 #include "extras/daylight/tree_beam.h"
-#include "measured/evaluated_table.h"
+#include "measured/tables.h"
 #include "properties.h"
 #include "srbf/file.h"
 #include "srbf/load.h"

@@ -33,8 +33,7 @@ int filter_environment(const ExportCommand& command) {
     if (file.clamped > 0)
         fmt::print(stderr, "srbf: {}: {} texels are brighter than 65504, the largest 16-bit float, and are set to it\n",
                    printable(command.output), grouped(file.clamped));
-    const auto written = write_file(command.output, file.bytes);
-    return written ? int(k_done) : complain(written.error());
+    return status_of(write_file(command.output, file.bytes));
 }
 
 }  // namespace

@@ -1,16 +1,11 @@
 #include "extras/environment/app/filtered_environment.h"
 
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <cassert>
-#include <cmath>
-#include <cstdint>
 #include <mutex>
-#include <span>
 
 #include "base/half.h"
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "brdf/values.h"
 #include "src/base/parallel.h"
 

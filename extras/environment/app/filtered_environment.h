@@ -2,7 +2,6 @@
 #pragma once
 #include <cstddef>
 #include <functional>
-#include <vector>
 
 #include "extras/render/environment.h"
 #include "srbf/extended_light.h"

@@ -1,4 +1,5 @@
 #include "extras/environment/code/materials.h"
+#include "base/errors.h"
 
 #include <cctype>
 
@@ -23,8 +24,7 @@ void replace_all(std::string& text, std::string_view place, std::string_view rep
 Result<Done> check_materials(std::span<const NamedModel> models) {
     for (const NamedModel& named : models) {
         if (std::holds_alternative<SuModel>(named.model->model))
-            return Error{named.name,         {}, "model", "multivariate, or Lambert and GGX", "view by view",
-                         ErrorCode::argument};
+            return argument_error(named.name, "model", "multivariate, or Lambert and GGX", "view by view");
         if (std::holds_alternative<BsdfModel>(named.model->model))
             return Error{named.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
     }

@@ -1,9 +1,5 @@
 // Functions for templates of whole materials: modules for three.js, shaders for Unity.
 #pragma once
-#include <span>
-#include <string>
-#include <string_view>
-
 #include "srbf/model.h"
 #include "srbf/shading_code.h"
 

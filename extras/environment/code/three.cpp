@@ -1,5 +1,4 @@
 // Models as materials of three.js.
-#include <fmt/format.h>
 
 #include "base/printable.h"
 #include "code/defined_names.h"

@@ -6,8 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/file_reader.h"
+#include "base/files.h"
 #include "srbf/fit_map.h"
+#include "srbf/result.h"
+#include "srbf/vec.h"
 
 namespace SRBF_NAMESPACE {
 

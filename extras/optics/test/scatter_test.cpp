@@ -6,7 +6,7 @@
 #include "brdf/colour.h"
 #include "brdf/directions.h"
 #include "brdf/parts.h"
-#include "measured/evaluated_table.h"
+#include "measured/tables.h"
 #include "peaks.h"
 #include "srbf/file.h"
 #include "srbf/load.h"

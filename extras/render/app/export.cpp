@@ -1,8 +1,6 @@
 // Adds the page and maps of coefficients as OpenEXR to `srbf export`.
 #include "app/export.h"
 
-#include <fmt/format.h>
-
 #include <memory>
 
 #include "app/commands.h"
@@ -76,8 +74,6 @@ Result<Done> write_map_exr(const ExportCommand& command) {
         for (int c = 0; c < 3; ++c) halves.push_back(to_half(coefficient[c]));
     return write_half_exr(int(map->width), int(map->height()), names, halves, command.output);
 }
-
-int status_of(const Result<Done>& written) { return written ? int(k_done) : complain(written.error()); }
 
 }  // namespace
 

@@ -1,6 +1,5 @@
 #include "extras/render/app/mask.h"
 
-#include <algorithm>
 #include <memory>
 
 #include "base/files.h"

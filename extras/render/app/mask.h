@@ -1,7 +1,5 @@
 // Masks that mix materials.
 #pragma once
-#include <string>
-
 #include "extras/render/tone.h"
 #include "srbf/result.h"
 

@@ -1,8 +1,5 @@
 // Options for the mesh of pictures.
 #pragma once
-#include <string>
-#include <vector>
-
 #include "app/options.h"
 
 namespace SRBF_NAMESPACE {

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-
 #include "app/output.h"
 #include "base/half.h"
 #include "base/printable.h"
@@ -24,22 +21,6 @@ std::string kind_of(const Subject& subject) {
     const Model& model = std::get<Model>(subject.content);
     return fmt::format("{}, {} bytes", kind_words(model), grouped(payload_bytes(model)));
 }
-
-}  // namespace
-
-PageMaterial shown(const Subject& subject) {
-    PageMaterial entry{
-        stem_of(subject.path), kind_of(subject), {}, evaluator(subject), is_two_sided(subject.content), {}};
-    if (const auto* model = std::get_if<Model>(&subject.content)) {
-        entry.material = material_of(*model);
-        entry.parameters = rows_text(*model);
-        for (const auto& [key, text] : model->provenance)
-            entry.parameters += fmt::format("  {:<36}{}\n", printable(key), printable(text));
-    }
-    return entry;
-}
-
-namespace {
 
 /// The θmax [degrees] that all models have in common: their minimum.
 double common_theta(const std::vector<Subject>& models) {
@@ -137,6 +118,18 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
 }
 
 }  // namespace
+
+PageMaterial shown(const Subject& subject) {
+    PageMaterial entry{
+        stem_of(subject.path), kind_of(subject), {}, evaluator(subject), is_two_sided(subject.content), {}};
+    if (const auto* model = std::get_if<Model>(&subject.content)) {
+        entry.material = material_of(*model);
+        entry.parameters = rows_text(*model);
+        for (const auto& [key, text] : model->provenance)
+            entry.parameters += fmt::format("  {:<36}{}\n", printable(key), printable(text));
+    }
+    return entry;
+}
 
 Page page_of(const std::vector<Subject>& models, const Subject* measured) {
     Page page;

@@ -1,8 +1,5 @@
 // The exported page of models and a measurement.
 #pragma once
-#include <string>
-#include <vector>
-
 #include "app/load.h"
 #include "extras/render/page.h"
 

@@ -2,7 +2,7 @@
 
 #include "app/output.h"
 #include "base/printable.h"
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 
 namespace SRBF_NAMESPACE {
 namespace {

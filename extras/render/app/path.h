@@ -1,10 +1,6 @@
 // The path tracer with its command-line options.
 #pragma once
-#include <optional>
 #include <span>
-#include <string>
-#include <variant>
-#include <vector>
 
 #include "app/commands.h"
 #include "app/load.h"

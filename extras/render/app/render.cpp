@@ -1,16 +1,11 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
-#include <filesystem>
 #include <memory>
-#include <span>
 
 #include "app/commands.h"
 #include "app/extra_subcommands.h"
 #include "app/load.h"
 #include "app/memory.h"
 #include "app/output.h"
+#include "base/errors.h"
 #include "base/files.h"
 #include "base/printable.h"
 #include "errors/image_errors.h"
@@ -71,9 +66,7 @@ Result<RenderedPictures> render_raster([[maybe_unused]] const Scene& scene,
     std::vector<Material> materials;
     for (const Pictured& item : pictured) {
         const auto* const* subject = std::get_if<const Subject*>(&item);
-        if (!subject)
-            return Error{options.files[0],          {},      "input of raster",
-                         "measurements and models", "a map", ErrorCode::argument};
+        if (!subject) return argument_error(options.files[0], "input of raster", "measurements and models", "a map");
         auto material = material_of((*subject)->content, (*subject)->path);
         if (!material) return material.error();
         materials.push_back(*std::move(material));
@@ -147,11 +140,8 @@ Result<std::optional<Image>> picture_in(const std::string& file, const RenderCom
     auto image = read_exr(*bytes, file);
     if (!image) return image.error();
     if (image->width != options.width || image->height != options.height)
-        return Error{file,
-                     {},
-                     "size of the reference",
-                     fmt::format("{}x{}", options.width, options.height),
-                     fmt::format("{}x{}", image->width, image->height)};
+        return input_error(file, "size of the reference", fmt::format("{}x{}", options.width, options.height),
+                           fmt::format("{}x{}", image->width, image->height));
     return std::optional(*std::move(image));
 }
 
@@ -232,8 +222,7 @@ int RenderCommand::run() const {
         pictures->renderings.pop_back();
         if (!pictures->first.empty()) pictures->first.pop_back();
     }
-    const auto written = write_pictures(*pictures, reference, captions, *this);
-    return written ? k_done : complain(written.error());
+    return status_of(write_pictures(*pictures, reference, captions, *this));
 }
 
 /// "WxH", each from 1 to `k_most_pixels`.

@@ -1,7 +1,7 @@
 // The camera sees the whole mesh, without distortion.
 #include "extras/render/scene.h"
 
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "properties.h"
 
 namespace srbf::scene_test {

@@ -1,7 +1,5 @@
 // Lambert and GGX, the baseline model.
 #pragma once
-#include <cstddef>
-#include <span>
 #include <string_view>
 #include <vector>
 

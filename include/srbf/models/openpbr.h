@@ -1,7 +1,5 @@
 // Surfaces by the parameters that renderers share.
 #pragma once
-#include <cstddef>
-#include <span>
 #include <string_view>
 
 #include "srbf/brdf.h"

@@ -1,10 +1,8 @@
 // Scattered univariate SRBFs, the view-by-view model.
 #pragma once
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "srbf/brdf.h"

@@ -1,7 +1,3 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-
 #include "base/floating_point.h"
 #include "measured/readers.h"
 #include "measured/samples.h"

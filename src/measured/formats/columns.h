@@ -1,8 +1,6 @@
 // The columns of delimited text, recognised by their names.
 #pragma once
-#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 

@@ -1,21 +1,16 @@
 #include "srbf/convert.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
-
 #include "base/parallel.h"
 #include "base/printable.h"
 #include "brdf/colour.h"
 #include "brdf/directions.h"
+#include "brdf/parts.h"
+#include "brdf/values.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/formats/mbsdf.h"
-#include "measured/formats/merl.h"
+#include "measured/formats/rows.h"
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"
-#include "measured/limits.h"
 #include "measured/samples.h"
 #include "srbf/elementary.h"
 #include "srbf/file.h"
@@ -35,48 +30,6 @@ std::vector<Rgb> values_at(const Evaluate& brdf, std::span<const Vec3f> wl, std:
 
 double u_of(std::size_t i, std::size_t n) { return double(i) / double(n - 1); }
 double theta_of(double u) { return u * u * k_pi / 2; }
-
-}  // namespace
-
-MerlTable to_merl(const Evaluate& brdf, std::array<std::uint32_t, 3> size, int threads) {
-    const StandardArithmetic mode;
-    MerlTable table;
-    table.size = size;
-    const std::uint32_t n_h = size[0], n_d = size[1], n_p = size[2];
-    const std::size_t plane = std::size_t(n_d) * n_p;
-    table.cells.resize(n_h * plane);
-    parallel_for(n_h, threads, [&](std::size_t h) {
-        std::vector<Vec3f> wl, wv;
-        wl.reserve(plane), wv.reserve(plane);
-        const double theta_h = elementary::square(double(h) / n_h) * k_pi / 2;
-        for (std::uint32_t d = 0; d < n_d; ++d)
-            for (std::uint32_t p = 0; p < n_p; ++p) {
-                const auto pair = merl_pair(theta_h, double(d) / n_d * k_pi / 2, double(p) / n_p * k_pi);
-                wl.push_back(to_float(pair.wl)), wv.push_back(to_float(pair.wv));
-            }
-        const auto f = values_at(brdf, wl, wv), exchanged = values_at(brdf, wv, wl);
-        for (std::size_t i = 0; i < plane; ++i) {
-            Rgb& cell = table.cells[h * plane + i];
-            const bool above = std::min(wl[i].z, wv[i].z) > k_horizon;
-            for (int c = 0; c < 3; ++c) cell[c] = above ? 0.5f * f[i][c] + 0.5f * exchanged[i][c] : k_nan;
-            if (!is_finite(cell)) cell = {k_nan, k_nan, k_nan};
-        }
-    });
-    table.masked = std::uint64_t(std::ranges::count_if(table.cells, [](const Rgb& f) { return f.r != f.r; }));
-    return table;
-}
-
-std::vector<std::byte> write_merl(const MerlTable& table) {
-    std::vector<std::byte> bytes;
-    bytes.reserve(3 * sizeof(std::int32_t) + 3 * sizeof(double) * table.cells.size());
-    for (const std::uint32_t n : table.size) store(bytes, std::int32_t(n));
-    for (int c = 0; c < 3; ++c)
-        for (const Rgb& f : table.cells)
-            store(bytes, f.r == f.r ? double(f[c]) / k_merl_channel_scale[std::size_t(c)] : -1.0);
-    return bytes;
-}
-
-namespace {
 
 constexpr std::size_t k_profile = 256;              // nodes of D and σ
 constexpr std::uint32_t k_normals = 128;            // nodes of the visible normals, as in the database
@@ -166,7 +119,123 @@ void fill_unknown(std::span<Rgb> nodes, std::vector<char> known, std::size_t wid
     }
 }
 
+class TensorWriter {
+  public:
+    template <typename T> void add(std::string name, std::vector<std::uint64_t> shape, std::span<const T> numbers) {
+        constexpr TensorType type = std::is_same_v<T, float> ? TensorType::f32
+                                    : sizeof(T) == 1         ? TensorType::u8
+                                                             : TensorType::u32;
+        const auto raw = std::as_bytes(numbers);
+        fields_.push_back({std::move(name), type, std::move(shape), {raw.begin(), raw.end()}});
+    }
+    std::vector<std::byte> bytes() const {
+        std::uint64_t offset = k_tensor_magic.size() + 6;
+        for (const Field& field : fields_) offset += 13 + field.name.size() + 8 * field.shape.size();
+        std::vector<std::byte> bytes;
+        const auto append = [&](std::span<const std::byte> raw) { bytes.insert(bytes.end(), raw.begin(), raw.end()); };
+        append(std::as_bytes(std::span(k_tensor_magic)));
+        store(bytes, std::uint8_t(1));
+        store(bytes, std::uint8_t(0));
+        store(bytes, std::uint32_t(fields_.size()));
+        for (const Field& field : fields_) {
+            store(bytes, std::uint16_t(field.name.size()));
+            append(std::as_bytes(std::span(field.name)));
+            store(bytes, std::uint16_t(field.shape.size()));
+            store(bytes, field.type);
+            store(bytes, offset);
+            for (const std::uint64_t extent : field.shape) store(bytes, extent);
+            offset += field.numbers.size();
+        }
+        for (const Field& field : fields_) append(field.numbers);
+        return bytes;
+    }
+
+  private:
+    struct Field {
+        std::string name;
+        TensorType type;
+        std::vector<std::uint64_t> shape;
+        std::vector<std::byte> numbers;
+    };
+    std::vector<Field> fields_;
+};
+
+/// True for nodes that the warp maps, together with their neighbours, below the horizon, where samples are useless.
+std::vector<char> useless_nodes(const RglTable& table, std::size_t slice) {
+    const std::size_t side = table.colour.width, rows = table.colour.height;
+    const Vec3d light = spherical(double(table.theta_l[slice]), 0.0);
+    std::vector<char> below(side * rows), useless(side * rows, 1);
+    for (std::size_t i = 0; i < below.size(); ++i) {
+        const Warped u = warp(table.visible, slice, float(u_of(i % side, side)), float(u_of(i / side, rows)));
+        below[i] = reflect(light, spherical(theta_of(double(u.x)), (2 * double(u.y) - 1) * k_pi)).z <= 0;
+    }
+    for (std::size_t i = 0; i < useless.size(); ++i)
+        for (int j = -1; j <= 1; ++j)
+            for (int k = -1; k <= 1; ++k) {
+                const auto x = std::ptrdiff_t(i % side) + k, y = std::ptrdiff_t(i / side) + j;
+                if (x < 0 || y < 0 || x >= std::ptrdiff_t(side) || y >= std::ptrdiff_t(rows)) continue;
+                useless[i] = useless[i] && below[std::size_t(y) * side + std::size_t(x)];
+            }
+    return useless;
+}
+
+/// CSV of all parts.
+std::string csv_of_both_sides(const TableSource& source, const TableOptions& options) {
+    ScatteredSamples all;
+    all.isotropic = source.isotropic;
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        if (!source.has[p]) continue;
+        const Part part = Part(p);
+        const ScatteredSamples samples =
+            to_samples(part_of(source.values, part), source.isotropic, options.directions, options.max_theta);
+        for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+            all.wl.push_back(to_side(samples.wl[i], side_of_light(part)));
+            all.wv.push_back(to_side(samples.wv[i], side_of_viewer(part)));
+            all.colour.push_back(samples.colour[i]);
+        }
+    }
+    return "# both sides\n" + write_csv(all, options.progress);
+}
+
 }  // namespace
+
+MerlTable to_merl(const Evaluate& brdf, std::array<std::uint32_t, 3> size, int threads) {
+    const StandardArithmetic mode;
+    MerlTable table;
+    table.size = size;
+    const std::uint32_t n_h = size[0], n_d = size[1], n_p = size[2];
+    const std::size_t plane = std::size_t(n_d) * n_p;
+    table.cells.resize(n_h * plane);
+    parallel_for(n_h, threads, [&](std::size_t h) {
+        std::vector<Vec3f> wl, wv;
+        wl.reserve(plane), wv.reserve(plane);
+        const double theta_h = elementary::square(double(h) / n_h) * k_pi / 2;
+        for (std::uint32_t d = 0; d < n_d; ++d)
+            for (std::uint32_t p = 0; p < n_p; ++p) {
+                const auto pair = merl_pair(theta_h, double(d) / n_d * k_pi / 2, double(p) / n_p * k_pi);
+                wl.push_back(to_float(pair.wl)), wv.push_back(to_float(pair.wv));
+            }
+        const auto f = values_at(brdf, wl, wv), exchanged = values_at(brdf, wv, wl);
+        for (std::size_t i = 0; i < plane; ++i) {
+            Rgb& cell = table.cells[h * plane + i];
+            const bool above = std::min(wl[i].z, wv[i].z) > k_horizon;
+            for (int c = 0; c < 3; ++c) cell[c] = above ? 0.5f * f[i][c] + 0.5f * exchanged[i][c] : k_nan;
+            if (!is_finite(cell)) cell = {k_nan, k_nan, k_nan};
+        }
+    });
+    table.masked = std::uint64_t(std::ranges::count_if(table.cells, [](const Rgb& f) { return f.r != f.r; }));
+    return table;
+}
+
+std::vector<std::byte> write_merl(const MerlTable& table) {
+    std::vector<std::byte> bytes;
+    bytes.reserve(3 * sizeof(std::int32_t) + 3 * sizeof(double) * table.cells.size());
+    for (const std::uint32_t n : table.size) store(bytes, std::int32_t(n));
+    for (int c = 0; c < 3; ++c)
+        for (const Rgb& f : table.cells)
+            store(bytes, f.r == f.r ? double(f[c]) / k_merl_channel_scale[std::size_t(c)] : -1.0);
+    return bytes;
+}
 
 RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
     const StandardArithmetic mode;
@@ -234,70 +303,6 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
     });
     return table;
 }
-
-namespace {
-
-class TensorWriter {
-  public:
-    template <typename T> void add(std::string name, std::vector<std::uint64_t> shape, std::span<const T> numbers) {
-        constexpr TensorType type = std::is_same_v<T, float> ? TensorType::f32
-                                    : sizeof(T) == 1         ? TensorType::u8
-                                                             : TensorType::u32;
-        const auto raw = std::as_bytes(numbers);
-        fields_.push_back({std::move(name), type, std::move(shape), {raw.begin(), raw.end()}});
-    }
-    std::vector<std::byte> bytes() const {
-        std::uint64_t offset = k_tensor_magic.size() + 6;
-        for (const Field& field : fields_) offset += 13 + field.name.size() + 8 * field.shape.size();
-        std::vector<std::byte> bytes;
-        const auto append = [&](std::span<const std::byte> raw) { bytes.insert(bytes.end(), raw.begin(), raw.end()); };
-        append(std::as_bytes(std::span(k_tensor_magic)));
-        store(bytes, std::uint8_t(1));
-        store(bytes, std::uint8_t(0));
-        store(bytes, std::uint32_t(fields_.size()));
-        for (const Field& field : fields_) {
-            store(bytes, std::uint16_t(field.name.size()));
-            append(std::as_bytes(std::span(field.name)));
-            store(bytes, std::uint16_t(field.shape.size()));
-            store(bytes, field.type);
-            store(bytes, offset);
-            for (const std::uint64_t extent : field.shape) store(bytes, extent);
-            offset += field.numbers.size();
-        }
-        for (const Field& field : fields_) append(field.numbers);
-        return bytes;
-    }
-
-  private:
-    struct Field {
-        std::string name;
-        TensorType type;
-        std::vector<std::uint64_t> shape;
-        std::vector<std::byte> numbers;
-    };
-    std::vector<Field> fields_;
-};
-
-/// True for nodes that the warp maps, together with their neighbours, below the horizon, where samples are useless.
-std::vector<char> useless_nodes(const RglTable& table, std::size_t slice) {
-    const std::size_t side = table.colour.width, rows = table.colour.height;
-    const Vec3d light = spherical(double(table.theta_l[slice]), 0.0);
-    std::vector<char> below(side * rows), useless(side * rows, 1);
-    for (std::size_t i = 0; i < below.size(); ++i) {
-        const Warped u = warp(table.visible, slice, float(u_of(i % side, side)), float(u_of(i / side, rows)));
-        below[i] = reflect(light, spherical(theta_of(double(u.x)), (2 * double(u.y) - 1) * k_pi)).z <= 0;
-    }
-    for (std::size_t i = 0; i < useless.size(); ++i)
-        for (int j = -1; j <= 1; ++j)
-            for (int k = -1; k <= 1; ++k) {
-                const auto x = std::ptrdiff_t(i % side) + k, y = std::ptrdiff_t(i / side) + j;
-                if (x < 0 || y < 0 || x >= std::ptrdiff_t(side) || y >= std::ptrdiff_t(rows)) continue;
-                useless[i] = useless[i] && below[std::size_t(y) * side + std::size_t(x)];
-            }
-    return useless;
-}
-
-}  // namespace
 
 std::vector<std::byte> write_rgl(const RglTable& table, bool with_spectra) {
     const std::uint64_t T = table.theta_l.size(), H = table.colour.height, W = table.colour.width, size = H * W;
@@ -448,6 +453,34 @@ std::string write_csv(const ScatteredSamples& samples, const ProgressToken& toke
         csv += '\n';
     }
     return csv;
+}
+
+Result<std::vector<std::byte>> write_as_merl(const TableSource& source, const TableOptions& options) {
+    return write_merl(to_merl(non_negative(source.values), k_merl_size, options.threads));
+}
+
+Result<std::vector<std::byte>> write_as_rgl(const TableSource& source, const TableOptions& options) {
+    const RglTable table = to_rgl(source.values, {.description = options.description,
+                                                  .spectra = options.spectra ? source.spectra : Channels{},
+                                                  .threads = options.threads});
+    if (options.progress.cancelled()) return std::vector<std::byte>();
+    return write_rgl(table, options.spectra);
+}
+
+Result<std::vector<std::byte>> write_as_mbsdf(const TableSource& source, const TableOptions& options) {
+    const MbsdfOptions mbsdf{.metadata = {{"description", options.description}}, .threads = options.threads};
+    if (!source.has[std::size_t(Part::transmission_front)]) return write_mbsdf(to_mbsdf(source.values, mbsdf));
+    const MbsdfTable transmission = to_mbsdf(part_of(source.values, Part::transmission_front), mbsdf);
+    return write_mbsdf(to_mbsdf(source.values, mbsdf), &transmission);
+}
+
+Result<std::vector<std::byte>> write_as_csv(const TableSource& source, const TableOptions& options) {
+    if (source.two_sided) return bytes_of(csv_of_both_sides(source, options));
+    if (const auto* samples = source.measured ? std::get_if<ScatteredSamples>(&source.measured->table) : nullptr)
+        return bytes_of(write_csv(*samples, options.progress));
+    ScatteredSamples samples = to_samples(source.values, source.isotropic, options.directions, options.max_theta);
+    set_spectra(samples, source.spectra);
+    return bytes_of(write_csv(samples, options.progress));
 }
 
 }  // namespace srbf

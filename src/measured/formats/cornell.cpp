@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include "base/floating_point.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
@@ -7,26 +5,6 @@
 namespace SRBF_NAMESPACE {
 
 namespace {
-
-/// Iterates over the words of a text without its comments.
-class Words {
-  public:
-    explicit Words(std::string_view text) : lines_(text) {}
-    /// The next word; empty at the end of the text.
-    std::string_view next() {
-        for (;;) {
-            if (const auto word = next_word(line_); !word.empty()) return word;
-            const auto line = lines_.next();
-            if (!line) return {};
-            line_ = line->substr(0, line->find('#'));
-        }
-    }
-    std::uint64_t line() const { return lines_.number(); }
-
-  private:
-    Lines lines_;
-    std::string_view line_;
-};
 
 /// The comments at the beginning, which describe the measurement.
 std::string description_of(std::string_view text) {
@@ -54,23 +32,32 @@ bool is_cornell(std::string_view text) {
 
 Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const std::string& file_name) {
     const std::string_view text = as_text(bytes);
-    Words words(text);
-    std::string_view word = words.next();
+    Lines lines(text);
+    std::string_view line;
+    const auto next = [&] {  // the next word outside comments; empty at the end of the text
+        for (;;) {
+            if (const auto found = next_word(line); !found.empty()) return found;
+            const auto following = lines.next();
+            if (!following) return std::string_view();
+            line = following->substr(0, following->find('#'));
+        }
+    };
+    std::string_view word = next();
     const auto count = to_number<std::uint32_t>(word);
     if (!count || *count < 1 || *count > k_most_columns)
-        return at_line(file_name, words.line(), "number of wavelengths",
+        return at_line(file_name, lines.number(), "number of wavelengths",
                        fmt::format("between 1 and {}", k_most_columns), quoted(word));
     std::vector<float> wavelengths;
     for (std::uint32_t i = 0; i < *count; ++i) {
-        word = words.next();
+        word = next();
         const auto nm = to_number<float>(word);
         if (!nm)
-            return at_line(file_name, words.line(), fmt::format("wavelength {} of {}", i + 1, *count), "a number",
+            return at_line(file_name, lines.number(), fmt::format("wavelength {} of {}", i + 1, *count), "a number",
                            word.empty() ? "the end of the file" : quoted(word));
         wavelengths.push_back(*nm);
     }
     if (!are_wavelengths(wavelengths))
-        return at_line(file_name, words.line(), "wavelengths", "increasing ones in nm, from 100 up",
+        return at_line(file_name, lines.number(), "wavelengths", "increasing ones in nm, from 100 up",
                        fmt::format("{} to {}", wavelengths.front(), wavelengths.back()));
 
     std::vector<float> row(4 + wavelengths.size());
@@ -78,17 +65,17 @@ Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const st
     SampleBuilder builder(Values::spectrum, std::move(wavelengths), bytes.size(), bytes.size() / (2 * row.size()) + 1);
     for (;;) {
         for (std::size_t i = 0; i < row.size(); ++i) {
-            word = words.next();
+            word = next();
             if (word.empty() && i == 0) return std::move(builder).finish(file_name, description_of(text));
             const auto number = to_number<float>(word);
             if (!number)
-                return at_line(file_name, words.line(), fmt::format("number {} of a sample of {}", i + 1, row.size()),
+                return at_line(file_name, lines.number(), fmt::format("number {} of a sample of {}", i + 1, row.size()),
                                "a number", word.empty() ? "the end of the file" : quoted(word));
             row[i] = *number;
         }
         for (std::size_t i = 0; i < 4; ++i)
             if (auto expected = expected_angle(k_angle_kinds[i], double(row[i]), k_in_radians); !expected.empty())
-                return at_line(file_name, words.line(), fmt::format("number {} of a sample of {}", i + 1, row.size()),
+                return at_line(file_name, lines.number(), fmt::format("number {} of a sample of {}", i + 1, row.size()),
                                std::move(expected), fmt::format("{:g}", row[i]));
         builder.add(spherical(double(row[0]), double(row[1])), spherical(double(row[2]), double(row[3])),
                     std::span(row).subspan(4));

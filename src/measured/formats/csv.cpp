@@ -8,8 +8,9 @@
 #include "base/floating_point.h"
 #include "brdf/parts.h"
 #include "measured/formats/columns.h"
+#include "measured/formats/rows.h"
 #include "measured/readers.h"
-#include "measured/spectral_rows.h"
+#include "measured/samples.h"
 #include "srbf/elementary.h"
 
 namespace SRBF_NAMESPACE {
@@ -405,8 +406,6 @@ bool is_csv(std::string_view text) {
     return !text.starts_with('{') && !text.starts_with('<') && !read_preamble(text, false).header.empty();
 }
 
-bool is_csv_of_both_sides(std::string_view text) { return read_preamble(text, false).both_sides; }
-
 Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name,
                                   const ReadOptions& options) {
     auto collected = collect(bytes, file_name, options.columns, false);
@@ -414,7 +413,9 @@ Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::s
     return finish(*std::move(collected->part[0]), *collected, bytes.size(), file_name, options.quantity);
 }
 
-Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name) {
+Result<Measured> read_any_csv(std::span<const std::byte> bytes, const std::string& file_name,
+                              const ReadOptions& options) {
+    if (!read_preamble(as_text(bytes), false).both_sides) return measurement_of(read_csv(bytes, file_name, options));
     const StandardArithmetic mode;
     auto collected = collect(bytes, file_name, {}, true);
     if (!collected) return collected.error();
@@ -428,7 +429,7 @@ Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const
         Measured part{file_name, "CSV", 0, *std::move(samples)};
         table.bands[0].part[p] = std::make_shared<const Measured>(std::move(part));
     }
-    return table;
+    return Measured{{}, {}, 0, std::move(table)};
 }
 
 }  // namespace srbf

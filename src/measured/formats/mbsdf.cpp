@@ -1,15 +1,7 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 #include "base/floating_point.h"
 #include "base/text.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/formats/mbsdf.h"
-#include "measured/limits.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "measured/tables.h"
@@ -111,12 +103,6 @@ AngleNodes angle_nodes(float position, std::uint32_t n) {
     return {i, std::min(i + 1, n - 1), clamped - float(i)};
 }
 
-}  // namespace
-
-bool is_mbsdf(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_any_version); }
-
-namespace {
-
 struct Blocks {
     MbsdfTable reflection;
     std::optional<MbsdfTable> transmission;
@@ -143,7 +129,8 @@ Result<Done> read_samples(const Cursor& file, const Block& block, MbsdfTable& ta
     return Done{};
 }
 
-Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& file_name, bool with_transmission) {
+Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     Cursor file{as_text(bytes), file_name};
     const auto magic = file.next_line();
     if (!magic || *magic != k_mbsdf_magic)
@@ -179,11 +166,8 @@ Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& 
         if (!file.is_at_end())
             return file.error(file.position, "after the MBSDF block of transmission", "the end of the file",
                               fmt::format("{} bytes", file.text.size() - file.position));
-        table.has_transmission = true;
-        if (with_transmission) {
-            blocks.transmission.emplace();
-            if (const auto read = read_samples(file, *transmission, *blocks.transmission); !read) return read.error();
-        }
+        blocks.transmission.emplace();
+        if (const auto read = read_samples(file, *transmission, *blocks.transmission); !read) return read.error();
     }
     if (const auto read = read_samples(file, *block, table); !read) return read.error();
     return blocks;
@@ -191,26 +175,25 @@ Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& 
 
 }  // namespace
 
+bool is_mbsdf(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_any_version); }
+
 Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name) {
-    const StandardArithmetic mode;
-    auto blocks = read_blocks(bytes, file_name, false);
+    auto blocks = read_blocks(bytes, file_name);
     if (!blocks) return blocks.error();
     return std::move(blocks->reflection);
 }
 
-Result<BsdfTable> read_mbsdf_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name) {
-    const StandardArithmetic mode;
-    auto blocks = read_blocks(bytes, file_name, true);
+Result<Measured> read_any_mbsdf(std::span<const std::byte> bytes, const std::string& file_name, const ReadOptions&) {
+    auto blocks = read_blocks(bytes, file_name);
     if (!blocks) return blocks.error();
-    if (!blocks->transmission)
-        return Error{file_name, {}, "MBSDF file", "a block of transmission", "none", ErrorCode::argument};
+    if (!blocks->transmission) return Measured{{}, {}, 0, std::move(blocks->reflection)};
     BsdfTable table{{{}}, 0, {}};
     const auto part = [&](MbsdfTable&& block) {
         return std::make_shared<const Measured>(Measured{file_name, "MBSDF", 0, std::move(block)});
     };
     table.bands[0].part[std::size_t(Part::reflection_front)] = part(std::move(blocks->reflection));
     table.bands[0].part[std::size_t(Part::transmission_front)] = part(*std::move(blocks->transmission));
-    return table;
+    return Measured{{}, {}, 0, std::move(table)};
 }
 
 Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {

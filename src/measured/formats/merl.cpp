@@ -1,13 +1,8 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/floating_point.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
-#include "measured/formats/merl.h"
-#include "measured/limits.h"
 #include "measured/readers.h"
 #include "measured/tables.h"
 #include "srbf/measured.h"

@@ -1,14 +1,10 @@
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <limits>
-
+#include "base/errors.h"
 #include "base/floating_point.h"
 #include "brdf/colour.h"
 #include "measured/angles.h"
+#include "measured/bytes.h"
 #include "measured/formats/tensor_file.h"
 #include "measured/formats/warp.h"
-#include "measured/limits.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "measured/tables.h"
@@ -274,11 +270,8 @@ Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& f
     if (!parsed) return parsed.error();
     const TensorFile& file = *parsed;
     if (file.contains("M") || file.contains("wvls"))
-        return Error{file_name,
-                     {},
-                     "tensor file",
-                     "fields of an unpolarized BRDF, as vndf and rgb",
-                     "Mueller matrices of a polarized one; write their first element, which is f, as CSV"};
+        return input_error(file_name, "tensor file", "fields of an unpolarized BRDF, as vndf and rgb",
+                           "Mueller matrices of a polarized one; write their first element, which is f, as CSV");
 
     const auto description = find(file, file_name, {"description", TensorType::u8, {0}, 0});
     if (!description) return description.error();

@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "base/text.h"
-#include "measured/evaluated_table.h"
 #include "measured/formats.h"
 #include "measured/tables.h"
 
@@ -40,5 +39,10 @@ EvaluatedTable evaluated_table(const std::shared_ptr<const Table>& table, TableF
     evaluated.functions = std::make_shared<const TableFunctions>(std::move(functions));
     return evaluated;
 }
+
+Result<std::vector<std::byte>> write_as_merl(const TableSource& source, const TableOptions& options);
+Result<std::vector<std::byte>> write_as_rgl(const TableSource& source, const TableOptions& options);
+Result<std::vector<std::byte>> write_as_mbsdf(const TableSource& source, const TableOptions& options);
+Result<std::vector<std::byte>> write_as_csv(const TableSource& source, const TableOptions& options);
 
 }  // namespace srbf

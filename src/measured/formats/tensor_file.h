@@ -9,10 +9,6 @@
 
 #include <array>
 #include <map>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "measured/bytes.h"
 #include "srbf/result.h"

@@ -1,14 +1,10 @@
-#include <fmt/format.h>
-
-#include <cmath>
-
+#include "base/errors.h"
 #include "base/files.h"
 #include "base/floating_point.h"
 #include "base/printable.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
 #include "measured/formats/rows.h"
-#include "measured/limits.h"
 #include "measured/readers.h"
 #include "measured/samples.h"
 #include "measured/tables.h"
@@ -78,11 +74,8 @@ bool is_utia(std::span<const std::byte> bytes) { return bytes.size() == utia_byt
 Result<EvaluatedTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
     if (bytes.size() != k_bytes)
-        return Error{file_name,
-                     {},
-                     "size of a UTIA table",
-                     fmt::format("{} bytes", k_bytes),
-                     fmt::format("{} bytes", bytes.size())};
+        return input_error(file_name, "size of a UTIA table", fmt::format("{} bytes", k_bytes),
+                           fmt::format("{} bytes", bytes.size()));
     UtiaTable table;
     table.cells.resize(k_cells);
     for (std::size_t i = 0; i < k_cells; ++i)

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <span>
 
 #include "srbf/measured.h"
 

@@ -1,9 +1,7 @@
 // BSDFs: models of the parts, and beams.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
+#include "base/errors.h"
 #include "base/half.h"
 #include "brdf/parts.h"
 #include "brdf/values.h"
@@ -74,6 +72,76 @@ Tensor16 to_halves(std::vector<std::uint64_t> shape, const auto& numbers) {
     for (const auto x : numbers) tensor.data.push_back(to_half(float(x)));
     return tensor;
 }
+
+/// Reads the tensors of beams.
+struct BeamReader {
+    const std::map<std::string, Tensor16>& tensors;
+    const std::string& file_name;
+
+    Error error(const std::string& tensor, std::string expected, std::string found) const {
+        return Error{file_name, {}, fmt::format("tensor '{}'", tensor), std::move(expected), std::move(found)};
+    }
+    const Tensor16* find(const std::string& name) const {
+        const auto entry = tensors.find(name);
+        return entry == tensors.end() ? nullptr : &entry->second;
+    }
+
+    /// Reads the angles of the rings, and their numbers of nodes.
+    Result<Beam> rings(std::string_view name) const {
+        Beam beam;
+        const std::string angle = angle_name(name), azimuths = azimuths_name(name);
+        for (const std::uint16_t half : find(angle)->data) {
+            const float theta = half == to_half(float(k_pi / 2)) ? float(k_pi / 2) : from_half(half);
+            if (!(theta >= 0 && theta <= 1.5713f && (beam.theta.empty() || theta > beam.theta.back())))
+                return error(angle, "rising angles from 0 to 90 degrees", fmt::format("{}", theta));
+            beam.theta.push_back(theta);
+        }
+        const Tensor16* tensor = find(azimuths);
+        for (std::size_t i = 0; tensor && i < tensor->data.size(); ++i) {
+            const float n = from_half(tensor->data[i]);
+            if (!(n >= 1 && n <= float(k_most_beam_nodes) && n == std::floor(n)))
+                return error(azimuths, fmt::format("whole numbers from 1 to {}", k_most_beam_nodes),
+                             fmt::format("{}", n));
+            beam.azimuths.push_back(int(n));
+        }
+        return beam;
+    }
+    /// The shapes that the tensors of a beam must have. A grey beam with azimuths has one channel.
+    Result<std::map<std::string, TensorShape>> shapes(std::string_view name) const {
+        const std::string angle = angle_name(name), azimuths = azimuths_name(name), share = share_name(name);
+        const auto& shape = find(angle)->shape;
+        if (shape.size() != 1 || shape[0] < 1 || shape[0] > k_most_beam_rings)
+            return input_error(file_name, fmt::format("tensor '{}': shape", angle),
+                               fmt::format("[n] up to [{}]", k_most_beam_rings), shape_text(shape));
+        std::map<std::string, TensorShape> expected{{angle, {Type16::half, {shape[0]}}}};
+        std::uint64_t nodes = shape[0];
+        if (const Tensor16* tensor = find(azimuths)) {
+            expected[azimuths] = {Type16::half, {shape[0]}};
+            nodes = 0;
+            for (const std::uint16_t half : tensor->data)
+                if (const float n = from_half(half); n >= 1 && n <= float(k_most_beam_nodes)) nodes += std::uint64_t(n);
+        }
+        const Tensor16* shares = find(share);
+        const bool is_grey = find(azimuths) && shares && shares->shape.size() == 2 && shares->shape[1] == 1;
+        expected[share] = {Type16::half, {nodes, std::uint64_t(is_grey ? 1 : 3)}};
+        return expected;
+    }
+    Result<Beam> beam(std::string_view name) const {
+        auto beam = rings(name);
+        if (!beam) return beam;
+        const std::string share = share_name(name);
+        const Tensor16& tensor = *find(share);
+        const std::size_t channels = tensor.shape[1];
+        for (std::size_t i = 0; i < tensor.data.size(); ++i) {
+            const float tau = from_half(tensor.data[i]);
+            if (!(tau >= 0 && tau <= 1)) return error(share, "numbers from 0 to 1", fmt::format("{}", tau));
+            if (i % channels == 0) beam->share.push_back({tau, tau, tau});
+            beam->share.back()[int(i % channels)] = tau;
+        }
+        return beam;
+    }
+};
+
 }  // namespace
 
 Rgb share_at(const Beam& beam, Vec3f wl) {
@@ -152,82 +220,6 @@ std::map<std::string, Tensor16> encode_beams(const Beams& beams) {
     }
     return tensors;
 }
-
-namespace {
-
-/// Reads the tensors of beams.
-struct BeamReader {
-    const std::map<std::string, Tensor16>& tensors;
-    const std::string& file_name;
-
-    Error error(const std::string& tensor, std::string expected, std::string found) const {
-        return Error{file_name, {}, fmt::format("tensor '{}'", tensor), std::move(expected), std::move(found)};
-    }
-    const Tensor16* find(const std::string& name) const {
-        const auto entry = tensors.find(name);
-        return entry == tensors.end() ? nullptr : &entry->second;
-    }
-
-    /// Reads the angles of the rings, and their numbers of nodes.
-    Result<Beam> rings(std::string_view name) const {
-        Beam beam;
-        const std::string angle = angle_name(name), azimuths = azimuths_name(name);
-        for (const std::uint16_t half : find(angle)->data) {
-            const float theta = half == to_half(float(k_pi / 2)) ? float(k_pi / 2) : from_half(half);
-            if (!(theta >= 0 && theta <= 1.5713f && (beam.theta.empty() || theta > beam.theta.back())))
-                return error(angle, "rising angles from 0 to 90 degrees", fmt::format("{}", theta));
-            beam.theta.push_back(theta);
-        }
-        const Tensor16* tensor = find(azimuths);
-        for (std::size_t i = 0; tensor && i < tensor->data.size(); ++i) {
-            const float n = from_half(tensor->data[i]);
-            if (!(n >= 1 && n <= float(k_most_beam_nodes) && n == std::floor(n)))
-                return error(azimuths, fmt::format("whole numbers from 1 to {}", k_most_beam_nodes),
-                             fmt::format("{}", n));
-            beam.azimuths.push_back(int(n));
-        }
-        return beam;
-    }
-    /// The shapes that the tensors of a beam must have. A grey beam with azimuths has one channel.
-    Result<std::map<std::string, TensorShape>> shapes(std::string_view name) const {
-        const std::string angle = angle_name(name), azimuths = azimuths_name(name), share = share_name(name);
-        const auto& shape = find(angle)->shape;
-        if (shape.size() != 1 || shape[0] < 1 || shape[0] > k_most_beam_rings)
-            return Error{file_name,
-                         {},
-                         fmt::format("tensor '{}': shape", angle),
-                         fmt::format("[n] up to [{}]", k_most_beam_rings),
-                         shape_text(shape)};
-        std::map<std::string, TensorShape> expected{{angle, {Type16::half, {shape[0]}}}};
-        std::uint64_t nodes = shape[0];
-        if (const Tensor16* tensor = find(azimuths)) {
-            expected[azimuths] = {Type16::half, {shape[0]}};
-            nodes = 0;
-            for (const std::uint16_t half : tensor->data)
-                if (const float n = from_half(half); n >= 1 && n <= float(k_most_beam_nodes)) nodes += std::uint64_t(n);
-        }
-        const Tensor16* shares = find(share);
-        const bool is_grey = find(azimuths) && shares && shares->shape.size() == 2 && shares->shape[1] == 1;
-        expected[share] = {Type16::half, {nodes, std::uint64_t(is_grey ? 1 : 3)}};
-        return expected;
-    }
-    Result<Beam> beam(std::string_view name) const {
-        auto beam = rings(name);
-        if (!beam) return beam;
-        const std::string share = share_name(name);
-        const Tensor16& tensor = *find(share);
-        const std::size_t channels = tensor.shape[1];
-        for (std::size_t i = 0; i < tensor.data.size(); ++i) {
-            const float tau = from_half(tensor.data[i]);
-            if (!(tau >= 0 && tau <= 1)) return error(share, "numbers from 0 to 1", fmt::format("{}", tau));
-            if (i % channels == 0) beam->share.push_back({tau, tau, tau});
-            beam->share.back()[int(i % channels)] = tau;
-        }
-        return beam;
-    }
-};
-
-}  // namespace
 
 Result<Beams> decode_beams(const std::map<std::string, Tensor16>& tensors, const std::string& file_name) {
     const BeamReader reader{tensors, file_name};

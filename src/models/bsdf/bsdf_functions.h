@@ -1,8 +1,5 @@
 // BSDFs as any kind of model: the functions of a `Model` (model.h), on either side, without the beams.
 #pragma once
-#include <cstddef>
-#include <span>
-
 #include "srbf/model.h"
 
 SRBF_BEGIN

@@ -1,7 +1,4 @@
 // Describes a BSDF to programs and people.
-#include <fmt/format.h>
-
-#include <algorithm>
 
 #include "brdf/parts.h"
 #include "brdf/rows.h"

@@ -11,7 +11,6 @@
 #include "base/parallel.h"
 #include "models/ggx/ggx_functions.h"
 #include "models/ggx/ggx_kind.h"
-#include "observe/large_errors.h"
 #include "observe/pair_weights.h"
 #include "observe/surface_problem.h"
 #include "srbf/elementary.h"

@@ -1,7 +1,6 @@
 #include "srbf/models/ggx.h"
 
-#include <fmt/format.h>
-
+#include "base/errors.h"
 #include "base/floating_point.h"
 #include "brdf/rows.h"
 #include "brdf/values.h"
@@ -52,11 +51,8 @@ Result<GgxModel> Kind<GgxModel>::read(Safetensors& content, const std::string& f
     const auto tensor = content.tensors.find("roughness");
     const auto shape = tensor == content.tensors.end() ? std::vector<std::uint64_t>{1} : tensor->second.shape;
     if (shape.size() != 1 || shape[0] < 1 || shape[0] > k_most_ggx_lobes)
-        return Error{file_name,
-                     {},
-                     "tensor 'roughness': shape",
-                     fmt::format("[1] or [{}]", k_most_ggx_lobes),
-                     shape_text(shape)};
+        return input_error(file_name, "tensor 'roughness': shape", fmt::format("[1] or [{}]", k_most_ggx_lobes),
+                           shape_text(shape));
     return read_into({{}, std::vector<GgxModel::Lobe>(shape[0])}, content, file_name);
 }
 

@@ -3,9 +3,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
+#include "base/errors.h"
 #include "base/half.h"
 #include "models/kind/kind.h"
 
@@ -84,10 +84,10 @@ template <typename M> struct KindOfNumbers {
             for (std::size_t i = 0; tensor != content.tensors.end() && i < tensor->second.data.size(); ++i) {
                 const float x = from_half(tensor->second.data[i]);
                 if (!(x >= of.least && x <= of.most))
-                    return Error{
-                        file_name, std::nullopt, fmt::format("tensor '{}'", of.tensor),
+                    return input_error(
+                        file_name, fmt::format("tensor '{}'", of.tensor),
                         of.most == k_unbounded ? "numbers of at least 0" : fmt::format("{} to {}", of.least, of.most),
-                        fmt::format("{}", x)};
+                        fmt::format("{}", x));
                 number(model, of, int(i) % of.count(), i / std::size_t(of.count())) = x;
             }
         }

@@ -1,7 +1,5 @@
 #include "models/kind/parameters.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 

@@ -3,13 +3,9 @@
 #include <cstddef>
 #include <functional>
 #include <map>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <variant>
 #include <vector>
 
+#include "srbf/model.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
 
@@ -111,5 +107,9 @@ class ParameterReader {
     std::map<char, std::size_t> lengths_;
     std::optional<Error> error_;
 };
+
+/// An error if a coefficient of the model, or a reflectance of its facets, is above the largest 16-bit float, 65504,
+/// which `write_model` stores instead. `source` is that of the error.
+Result<Done> check_range(const Model& model, const std::string& source);
 
 SRBF_END

@@ -1,4 +1,3 @@
-#include <cstdint>
 #include <utility>
 
 #include "models/openpbr/openpbr_kernel.h"

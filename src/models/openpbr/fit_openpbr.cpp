@@ -1,7 +1,4 @@
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <random>
 
 #include "base/errors.h"
 #include "base/levenberg_marquardt.h"
@@ -10,7 +7,6 @@
 #include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kind.h"
 #include "models/openpbr/openpbr_parameters.h"
-#include "observe/large_errors.h"
 #include "observe/pair_weights.h"
 #include "observe/surface_problem.h"
 

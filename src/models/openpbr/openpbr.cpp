@@ -1,10 +1,5 @@
 #include "srbf/models/openpbr.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <span>
-
 #include "brdf/rows.h"
 #include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_kernel.h"

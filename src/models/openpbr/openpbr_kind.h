@@ -1,6 +1,5 @@
 #pragma once
 #include <string>
-#include <string_view>
 
 #include "models/openpbr/openpbr_functions.h"
 #include "models/openpbr/openpbr_parameters.h"

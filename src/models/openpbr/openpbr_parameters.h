@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <optional>
-#include <string_view>
 
 #include "models/kind/numbers.h"
 #include "srbf/models/openpbr.h"

@@ -4,8 +4,6 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <cstdint>
-#include <limits>
 
 #include "models/pm/pm_lanes.h"
 #include "srbf/models/pm.h"

@@ -1,7 +1,5 @@
 #include "srbf/models/pm.h"
 
-#include <algorithm>
-
 #include "base/half.h"
 #include "brdf/colour.h"
 #include "models/pm/pm_functions.h"

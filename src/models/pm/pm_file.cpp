@@ -1,7 +1,6 @@
 // The multivariate model as tensors of a model file.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cassert>
 #include <cmath>
 

@@ -1,9 +1,5 @@
 // Spectra, reciprocity and sizes of multivariate models.
 #pragma once
-#include <cstddef>
-#include <span>
-#include <vector>
-
 #include "srbf/models/pm.h"
 
 SRBF_BEGIN

@@ -1,11 +1,6 @@
 // A multivariate model in the memory layout of its evaluation.
 #pragma once
 #include <array>
-#include <bit>
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <vector>
 
 #include "srbf/models/pm.h"
 

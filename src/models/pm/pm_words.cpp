@@ -1,11 +1,8 @@
 // Descriptions of a multivariate model for programs and people.
-#include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
-#include <span>
 
 #include "base/half.h"
 #include "brdf/rows.h"
@@ -59,6 +56,39 @@ void add_table(std::string& text, const PmModel& model) {
     add_terms(text, terms);
 }
 
+/// The form that is named, or the first one with as many terms as there are exponents. Refuses `exponent` if there is
+/// no such form.
+PmForm form_of(ParameterReader& reader) {
+    std::set<std::size_t> known;
+    std::vector<std::string_view> names;  // of the forms with so many terms
+    for (const FormRow& row : k_form_rows) {
+        known.insert(row.terms);
+        if (row.terms == reader.length('F')) names.push_back(row.name);
+    }
+    if (!names.empty()) return *form_named(reader.word("form", names, names[0]));
+    reader.refuse("exponent", fmt::format("shape [J, F], F one of {}", fmt::join(known, ", ")),
+                  fmt::format("F = {}", reader.length('F')));
+    return {};
+}
+
+/// Compensates in the coefficients for the rounding of log scales.
+void round_log_scales(PmModel& model, std::vector<float>& coefficient) {
+    const std::size_t channels = coefficient.size() / std::max<std::size_t>(model.log_scale.size(), 1);
+    for (std::size_t i = 0; i < coefficient.size(); ++i) {
+        const float s = std::clamp(model.log_scale[i / channels], -k_half_max, k_half_max);
+        coefficient[i] *= elementary::exp(s - from_half(to_half(s)));
+    }
+}
+
+/// The indices of the `most` largest of `weight`.
+std::vector<std::size_t> indices_of_largest(const std::vector<double>& weight, std::size_t most) {
+    std::vector<std::size_t> order(weight.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return weight[a] > weight[b]; });
+    order.resize(std::min(order.size(), most));
+    return order;
+}
+
 }  // namespace
 
 std::string Kind<PmModel>::summary(const PmModel& model) {
@@ -105,34 +135,6 @@ Parameters Kind<PmModel>::parameters(const PmModel& model) {
     return parameters;
 }
 
-namespace {
-
-/// The form that is named, or the first one with as many terms as there are exponents. Refuses `exponent` if there is
-/// no such form.
-PmForm form_of(ParameterReader& reader) {
-    std::set<std::size_t> known;
-    std::vector<std::string_view> names;  // of the forms with so many terms
-    for (const FormRow& row : k_form_rows) {
-        known.insert(row.terms);
-        if (row.terms == reader.length('F')) names.push_back(row.name);
-    }
-    if (!names.empty()) return *form_named(reader.word("form", names, names[0]));
-    reader.refuse("exponent", fmt::format("shape [J, F], F one of {}", fmt::join(known, ", ")),
-                  fmt::format("F = {}", reader.length('F')));
-    return {};
-}
-
-/// Compensates in the coefficients for the rounding of log scales.
-void round_log_scales(PmModel& model, std::vector<float>& coefficient) {
-    const std::size_t channels = coefficient.size() / std::max<std::size_t>(model.log_scale.size(), 1);
-    for (std::size_t i = 0; i < coefficient.size(); ++i) {
-        const float s = std::clamp(model.log_scale[i / channels], -k_half_max, k_half_max);
-        coefficient[i] *= elementary::exp(s - from_half(to_half(s)));
-    }
-}
-
-}  // namespace
-
 bool Kind<PmModel>::matches(const ParameterReader& reader) { return reader.has("parameterization"); }
 
 PmModel Kind<PmModel>::from_parameters(ParameterReader& reader) {
@@ -161,19 +163,6 @@ PmModel Kind<PmModel>::from_parameters(ParameterReader& reader) {
         model.coefficient = rows_of<Rgb>(coefficient);
     return model;
 }
-
-namespace {
-
-/// The indices of the `most` largest of `weight`.
-std::vector<std::size_t> indices_of_largest(const std::vector<double>& weight, std::size_t most) {
-    std::vector<std::size_t> order(weight.size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return weight[a] > weight[b]; });
-    order.resize(std::min(order.size(), most));
-    return order;
-}
-
-}  // namespace
 
 std::vector<Model> Kind<PmModel>::terms(const PmModel& model, std::size_t most) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));

@@ -2,8 +2,8 @@
 #include <cstdint>
 
 #include "observe/raw_matrix.h"
+#include "srbf/metrics.h"
 #include "srbf/models/su.h"
-#include "srbf/objective.h"
 #include "srbf/progress.h"
 #include "srbf/result.h"
 

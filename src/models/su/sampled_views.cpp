@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "brdf/directions.h"
-#include "observe/costs.h"
+#include "observe/observations.h"
 #include "observe/pair_weights.h"
 #include "srbf/elementary.h"
 

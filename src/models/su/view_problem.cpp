@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/half.h"
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <Eigen/Dense>
 
-#include "brdf/frame.h"
+#include "brdf/directions.h"
 #include "models/pm/solve/coefficients.h"
 #include "models/su/view_lobes.h"
 

@@ -1,12 +1,6 @@
 // Daylighting tables: matrices of patches and tensor trees, the formats of WINDOW and Radiance.
 #pragma once
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <string>
-#include <vector>
-
-#include "srbf/fit_bsdf.h"
+#include "srbf/fit.h"
 #include "srbf/measured.h"
 
 SRBF_BEGIN
@@ -44,7 +38,7 @@ struct AngleBasis {
 enum class KlemsBasis { full, half, quarter };
 AngleBasis klems_basis(KlemsBasis basis);
 
-/// A matrix of patches: one part of a BSDF in the XML of WINDOW and Radiance, in the frame of that part (bsdf.h).
+/// A matrix of patches: one part of a BSDF in the XML of WINDOW and Radiance, in the frame of that part (brdf.h).
 /// Cell (o, i) is the mean of f over the outgoing patch o and the incident patch i, weighted by both cosines. A
 /// point (x, y, z) of an incident patch corresponds to light from (x, −y, z). A point (x, y, z) of an outgoing
 /// patch corresponds to the view direction (−x, y, z). So the mirror direction lies in the same patch. Look-up is
@@ -83,7 +77,7 @@ struct TensorTree {
     float smallest_leaf() const;
 };
 
-/// Tensor trees: one part of a BSDF in Radiance's XML, in the frame of that part (bsdf.h). Let p = (wl.x, −wl.y), q
+/// Tensor trees: one part of a BSDF in Radiance's XML, in the frame of that part (brdf.h). Let p = (wl.x, −wl.y), q
 /// = (−wv.x, wv.y), and let `square` be the area-preserving map of Shirley and Chiu from the unit disc to the unit
 /// square, in which area × π is the projected solid angle:
 ///   rank 4: x = (square(p), square(q));   rank 3, isotropic: x = ((1 − |p|)/2, square(q rotated so that p lies on

@@ -1,11 +1,6 @@
 // Functions of extended light (environments and area lights) in the code of models, and models as materials of
 // three.js. Part of the component `srbf::shader`.
 #pragma once
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "srbf/extended_light.h"
 #include "srbf/shading_code.h"
 

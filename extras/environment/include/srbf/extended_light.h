@@ -1,8 +1,6 @@
 // BRDFs under environments and area lights, as a few lobes for each view that hosts look up in filtered maps. Part
 // of the target `srbf::srbf`.
 #pragma once
-#include <array>
-#include <span>
 #include <vector>
 
 #include "srbf/prepared.h"

@@ -1,12 +1,6 @@
 // Scatter tables of optical design. Other formats of this folder give samples, which `read_measured` reads.
 #pragma once
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "srbf/measured.h"
 
@@ -32,7 +26,7 @@ struct ScatterTable {
     };
     std::size_t channels = 1;          ///< 1: grey; 3: CIE X, Y, Z
     bool about_mirror = false;         ///< true: around the mirror direction; false: around the normal
-    bool transmission = false;         ///< the viewer is behind the surface and mirrored at it (bsdf.h)
+    bool transmission = false;         ///< the viewer is behind the surface and mirrored at it (brdf.h)
     std::vector<float> rotation;       ///< [rad], rising; a single one: isotropic
     std::vector<std::uint32_t> first;  ///< the first slice of each rotation, then the number of slices
     std::vector<Slice> slices;

@@ -1,12 +1,8 @@
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cmath>
 
 #include "base/errors.h"
 #include "base/levenberg_marquardt.h"
 #include "base/parallel.h"
-#include "models/pm/search/finish.h"
 #include "models/pm/search/fit_pm.h"
 #include "models/pm/search/search.h"
 #include "models/pm/search/subsets.h"

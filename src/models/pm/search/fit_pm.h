@@ -1,12 +1,13 @@
 // The fit of a multivariate model to observations.
 #pragma once
-#include <cstdint>
-#include <optional>
+#include <algorithm>
+#include <cmath>
 
 #include "models/kind/kind.h"
+#include "models/pm/solve/lobes.h"
 #include "observe/observations.h"
+#include "srbf/metrics.h"
 #include "srbf/models/pm.h"
-#include "srbf/objective.h"
 #include "srbf/progress.h"
 #include "srbf/result.h"
 
@@ -57,5 +58,37 @@ Result<PmFit> fit_pm(const Observations& observations, const PmFitOptions& optio
 /// `fit`, of the colours of these spectral observations or of what fills the gaps between them, with spectra fitted to
 /// the observations. Lobes and colours remain.
 PmFit with_spectra(PmFit fit, const Observations& observations, const PmFitOptions& options);
+
+inline LobeShape shape_of(const PmFitOptions& options) {
+    return {options.form, options.variates, options.axial, options.finest};
+}
+
+inline constexpr int k_most_starts = 1000;
+
+/// Default numbers of starts and perturbations. Fits with more lobes use fewer, because each takes longer and
+/// matters less.
+inline int starts_of(const PmFitOptions& options) {
+    const int starts = options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 16, 20));
+    return std::clamp(int(std::lround(options.effort * starts)), 1, k_most_starts);
+}
+inline int perturbations_of(const PmFitOptions& options) {
+    const int perturbations =
+        options.perturbations.value_or(std::clamp(1600 / std::max(options.lobes * options.lobes, 1), 25, 45));
+    return int(std::lround(options.effort * perturbations));
+}
+
+/// `options` with at most this many starts and perturbations, for a quick fit that estimates the result of a full
+/// one.
+inline PmFitOptions quick_options(PmFitOptions options, int starts, int perturbations) {
+    options.starts = std::min(starts_of(options), starts);
+    options.perturbations = std::min(perturbations_of(options), perturbations);
+    options.effort = 1;
+    return options;
+}
+
+/// Number of free parameters of a fit.
+inline std::size_t parameter_count(const PmFitOptions& options) {
+    return std::size_t(options.lobes * (3 + shape_of(options).width()) + 2 * options.variates);
+}
 
 }  // namespace srbf

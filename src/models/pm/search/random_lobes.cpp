@@ -1,7 +1,6 @@
-#include "models/pm/search/random_lobes.h"
+#include "models/pm/search/search.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "brdf/directions.h"
 #include "srbf/elementary.h"

@@ -1,12 +1,12 @@
-// The search for lobes: a candidate grows lobe by lobe and is perturbed.
+// The search for lobes: a candidate grows lobe by lobe and is perturbed; and the last stage, on all observations.
 #pragma once
-#include <Eigen/Dense>
 #include <limits>
+#include <random>
 
 #include "base/reporter.h"
-#include "models/pm/search/options.h"
-#include "models/pm/search/random_lobes.h"
+#include "models/pm/search/fit_pm.h"
 #include "models/pm/solve/lobe_problem.h"
+#include "models/pm/solve/lobes.h"
 
 namespace SRBF_NAMESPACE {
 
@@ -31,5 +31,38 @@ void perturb(LobeProblem& problem, const PmFitOptions& options, int until, Candi
 
 /// Optimises on more rows by `steps` steps, and replaces lobes that become useless there.
 void polish(LobeProblem& problem, const PmFitOptions& options, int steps, Candidate& candidate);
+
+/// Factors of the terms other than that of the pairs, see RowOptions.
+struct TermFactors {
+    double integrals = 0, pictures = 0;
+};
+
+/// Optimises the lobes on all observations and rounds them. Bound pairs that the rounded model exceeds become
+/// observations for the next round, until the model exceeds none. With spectral observations the lobes then get
+/// spectra.
+PmFit finish(Lobes lobes, Observations observations, const TermFactors& factors, const PmFitOptions& options,
+             const Reporter& reporter);
+
+/// The random generator of one of the streams of a start: 0 for its growth, 1 for its polish, 2 + i for
+/// perturbation i.
+std::mt19937_64 generator(std::uint64_t seed, int start, int stream);
+
+/// Initial parameterizations: half vector, light, view (Tsai 2009), the half vector again, and random ones. A peak
+/// narrower than the largest 16-bit bandwidth needs two half vectors. In every second start light and view are
+/// rotated by up to a radian, because some optima are far from both, and with three variates the last is the half
+/// vector.
+Lobes initial_parameterizations(const LobeShape& shape, int start, std::mt19937_64& random);
+
+/// A random lobe. Its weights are log-uniform with either sign, and some are 0; or it is a perturbed copy of one of
+/// `lobes`. Half of the general centres are poles, the others are uniform on the sphere.
+std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes);
+
+/// Random candidates for an additional lobe.
+std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, const Lobes& lobes);
+/// The lobes with `lobe` added, or with a lobe of weights 0 if `lobe` is empty.
+Lobes with_lobe(Lobes lobes, const std::vector<double>& lobe);
+Lobes without_lobe(Lobes lobes, std::ptrdiff_t j);
+/// The lobes with the weights of variate n set to 0.
+Lobes with_variate_zeroed(Lobes lobes, int n);
 
 }  // namespace srbf

@@ -1,12 +1,10 @@
 #include "models/pm/search/subsets.h"
 
-#include <algorithm>
 #include <set>
 
 #include "base/parallel.h"
 #include "models/pm/solve/rounding.h"
 #include "observe/bound.h"
-#include "observe/costs.h"
 #include "observe/observations.h"
 #include "observe/pair_weights.h"
 #include "observe/pairs.h"

@@ -2,10 +2,9 @@
 // rows and double sums over blocks, so that results depend neither on the vector width nor on the number of
 // threads.
 #pragma once
-#include <cstddef>
 #include <span>
 
-#include "base/block.h"
+#include "base/aligned.h"
 
 namespace SRBF_NAMESPACE {
 

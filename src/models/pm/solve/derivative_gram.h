@@ -1,8 +1,5 @@
 // Products of the derivatives of lobes, summed over rows.
 #pragma once
-#include <Eigen/Dense>
-#include <vector>
-
 #include "models/pm/solve/lobe_basis.h"
 
 namespace SRBF_NAMESPACE {

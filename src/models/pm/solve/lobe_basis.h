@@ -1,8 +1,5 @@
 // Lobes on the rows of a fit: their values and the factors of their derivatives.
 #pragma once
-#include <Eigen/Dense>
-#include <vector>
-
 #include "models/pm/solve/lobes.h"
 #include "models/pm/solve/rows.h"
 

@@ -1,9 +1,7 @@
 #include "models/pm/solve/lobe_problem.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <utility>
 
 #include "base/half.h"
 #include "base/least_squares.h"

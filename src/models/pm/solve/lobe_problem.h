@@ -1,8 +1,5 @@
 // Lobes as a separable least-squares problem, for Levenberg-Marquardt and for the search.
 #pragma once
-#include <Eigen/Dense>
-#include <vector>
-
 #include "models/pm/solve/coefficients.h"
 #include "models/pm/solve/derivative_gram.h"
 

@@ -1,8 +1,6 @@
 // The lobes of a multivariate fit.
 #pragma once
 #include <Eigen/Dense>
-#include <span>
-#include <vector>
 
 #include "srbf/model.h"
 #include "srbf/models/exponent_terms.h"

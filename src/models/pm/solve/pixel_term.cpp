@@ -1,6 +1,5 @@
 #include "models/pm/solve/pixel_term.h"
 
-#include <algorithm>
 #include <array>
 
 #include "base/least_squares.h"

@@ -1,8 +1,6 @@
 // Pixels of displayed pictures as a term of the loss.
 #pragma once
-#include <Eigen/Dense>
 #include <functional>
-#include <vector>
 
 #include "models/pm/solve/lobe_basis.h"
 

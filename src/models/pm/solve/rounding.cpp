@@ -53,6 +53,46 @@ PmModel without_coefficients(const Lobes& lobes) {
     model.log_scale.resize(std::size_t(model.lobes));
     return model;
 }
+
+/// If rounding raises the loss by more than this factor, lobes are rounded one after the other.
+constexpr double k_cost_of_rounding = 1.003;
+/// Relative additions to the diagonal of the Hessian: with less damping the remaining variables follow further. The
+/// best value differs between fits; variables follow no further than needed.
+constexpr double k_dampings[] = {1e-3, 1e-5, 1e-8};
+
+Lobes round_to_halves(const Eigen::VectorXd& x, const LobeShape& shape) {
+    const Lobes lobes = unpack(x, shape);
+    return to_lobes(to_halves(without_coefficients(lobes), lobes), shape);
+}
+
+/// The variables before rounding, and a loss around them to second order.
+struct SecondOrder {
+    const LobeShape& shape;
+    Eigen::VectorXd x, lower, upper;
+    Eigen::MatrixXd H;
+
+    Lobes round_in_turn(double damping) const {
+        Eigen::VectorXd current = x;
+        Eigen::MatrixXd damped = H;
+        damped.diagonal() += damping * H.diagonal().cwiseMax(1e-8 * H.diagonal().maxCoeff());
+        // How the variables that may still move follow when one of them is moved.
+        Eigen::MatrixXd inverse = damped.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
+        const auto round = [&](Eigen::Index first, Eigen::Index count) {
+            const Eigen::VectorXd error = (pack(round_to_halves(current, shape)) - current).segment(first, count);
+            const Eigen::MatrixXd follow =
+                inverse.middleCols(first, count) * inverse.block(first, first, count, count).inverse();
+            current = (current + follow * error).cwiseMax(lower).cwiseMin(upper);
+            inverse -= follow * inverse.middleRows(first, count).eval();
+        };
+        for (int n = 0; n < shape.variates; ++n) round(n, 1);
+        for (Eigen::Index lobe = shape.variates; lobe < x.size(); lobe += shape.width()) {
+            for (int n = 0; n < shape.directional(); n += shape.components()) round(lobe + n, shape.components());
+            for (int n = shape.directional(); n < shape.width(); ++n) round(lobe + n, 1);
+        }
+        return round_to_halves(current, shape);
+    }
+};
+
 }  // namespace
 
 PmModel to_model(const LobeProblem& problem, const Lobes& lobes, const std::vector<float>& wavelengths) {
@@ -102,49 +142,6 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
     }
     return lobes;
 }
-
-namespace {
-
-/// If rounding raises the loss by more than this factor, lobes are rounded one after the other.
-constexpr double k_cost_of_rounding = 1.003;
-/// Relative additions to the diagonal of the Hessian: with less damping the remaining variables follow further. The
-/// best value differs between fits; variables follow no further than needed.
-constexpr double k_dampings[] = {1e-3, 1e-5, 1e-8};
-
-Lobes round_to_halves(const Eigen::VectorXd& x, const LobeShape& shape) {
-    const Lobes lobes = unpack(x, shape);
-    return to_lobes(to_halves(without_coefficients(lobes), lobes), shape);
-}
-
-/// The variables before rounding, and a loss around them to second order.
-struct SecondOrder {
-    const LobeShape& shape;
-    Eigen::VectorXd x, lower, upper;
-    Eigen::MatrixXd H;
-
-    Lobes round_in_turn(double damping) const {
-        Eigen::VectorXd current = x;
-        Eigen::MatrixXd damped = H;
-        damped.diagonal() += damping * H.diagonal().cwiseMax(1e-8 * H.diagonal().maxCoeff());
-        // How the variables that may still move follow when one of them is moved.
-        Eigen::MatrixXd inverse = damped.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
-        const auto round = [&](Eigen::Index first, Eigen::Index count) {
-            const Eigen::VectorXd error = (pack(round_to_halves(current, shape)) - current).segment(first, count);
-            const Eigen::MatrixXd follow =
-                inverse.middleCols(first, count) * inverse.block(first, first, count, count).inverse();
-            current = (current + follow * error).cwiseMax(lower).cwiseMin(upper);
-            inverse -= follow * inverse.middleRows(first, count).eval();
-        };
-        for (int n = 0; n < shape.variates; ++n) round(n, 1);
-        for (Eigen::Index lobe = shape.variates; lobe < x.size(); lobe += shape.width()) {
-            for (int n = 0; n < shape.directional(); n += shape.components()) round(lobe + n, shape.components());
-            for (int n = shape.directional(); n < shape.width(); ++n) round(lobe + n, 1);
-        }
-        return round_to_halves(current, shape);
-    }
-};
-
-}  // namespace
 
 Lobes round_lobes(LobeProblem& problem, const Lobes& lobes, double unrounded) {
     const Eigen::VectorXd x = pack(lobes);

@@ -1,4 +1,4 @@
-#include "models/pm/solve/row_features.h"
+#include "models/pm/solve/rows.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "models/pm/solve/row_features.cpp"

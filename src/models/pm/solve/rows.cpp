@@ -1,9 +1,7 @@
 #include "models/pm/solve/rows.h"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <vector>
 
 #include "models/pm/solve/columns.h"
 

@@ -1,14 +1,9 @@
 // Observations in the layout of the inner loops.
 #pragma once
 #include <Eigen/Dense>
-#include <algorithm>
-#include <array>
-#include <cstddef>
 #include <functional>
-#include <vector>
 
 #include "base/aligned.h"
-#include "base/block.h"
 #include "base/parallel.h"
 #include "observe/observations.h"
 #include "observe/pixels.h"
@@ -89,5 +84,16 @@ struct Rows {
 /// result does not depend on it.
 using FillColumns = std::function<void(std::size_t block, std::vector<const float*>& columns)>;
 Eigen::MatrixXd products_of_columns(const Rows& rows, std::size_t count, bool parallel, const FillColumns& fill);
+
+// Arrays hold k_block numbers and are aligned for SIMD; the first `rows_in` of the block are computed.
+
+/// For the rows of a block and ψ of (a, b): s = −|ψ−ẑ|²/2 = ψ_z − 1 and its derivative with respect to the angle.
+/// Unless `axial`, s holds ψ_x, ψ_y and ψ_z − 1 one after the other, likewise their derivatives: 3 × k_block
+/// numbers each. On side 1 light and viewer are exchanged.
+void variate_features(const Rows& rows, std::size_t block, int side, float a, float b, bool axial, float* s,
+                      float* s_by_angle);
+/// The first `count` further features (pm_further_features of kernel.glsl), one after the other: `count` × k_block
+/// numbers.
+void further_features(const Rows& rows, std::size_t block, int count, float* features);
 
 }  // namespace srbf

@@ -1,12 +1,8 @@
 """The page of build/site in a browser, from the disk as a user has it: each kind of measurement is opened, fitted and saved, and what
 is saved is compared byte by byte with the program's files. Damaged files are refused with the program's words. The page in one file of
-data/ready fits as the program does; --write puts the one of build/ there.
-
-SRBF_MEASUREMENTS: files or folders, separated by colons, to try beside the bundled ones."""
-import base64
+data/ready fits as the program does; --write puts the one of build/ there."""
 import hashlib
 import math
-import os
 import re
 import shutil
 import subprocess
@@ -50,15 +46,11 @@ class Page:
             for (const e of list.getEntries()) tasks.push(e.duration); }).observe({ type: "longtask", buffered: true })""")
         self.chromium.run("document.body.append(Object.assign(document.createElement('input'), { type: 'file', id: 'given' }))")
 
-    def hold(self, path):
-        """Puts the file into an input."""
+    def give(self, path):
+        """Drops the file on the page."""
         document = self.chromium.ask("DOM.getDocument")["root"]["nodeId"]
         node = self.chromium.ask("DOM.querySelector", nodeId=document, selector="#given")["nodeId"]
         self.chromium.ask("DOM.setFileInputFiles", nodeId=node, files=[str(path)])
-
-    def give(self, path):
-        """Drops the file on the page."""
-        self.hold(path)
         self.chromium.run("""(() => { const given = new DataTransfer(); given.items.add(document.getElementById("given").files[0]);
             document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: given, bubbles: true, cancelable: true })); })()""")
 
@@ -209,66 +201,8 @@ def pixels(page, material):
         return [numbers, of.every((x, i) => i % 4 < 3 || x === 255)]; }})()""")
 
 
-GIVEN = "light.read_file(document.getElementById('given').files[0])"
-# An image as RGBE, turned as the page turns it.
-TURNED = """(async (image) => {{ const {{ width, height, texels }} = await image, shift = Math.round(viewer.scene(1).turned / (2 * Math.PI) * width), rows = [];
-    for (let y = 0, row; y < height; rows.push(row), ++y) for (let x = row = ""; x < width; ++x) {{
-        const i = 3 * (y * width + ((x + shift) % width + width) % width), of = [...texels.slice(i, i + 3)], e = Math.ceil(Math.log2(Math.max(...of, 1e-30)));
-        row += String.fromCharCode(...of.map((f) => Math.min(f * 2 ** (8 - e), 255)), 128 + e);
-    }}
-    return [width, height, btoa(rows.join(""))]; }})({})"""
 mean = lambda numbers: sum(numbers) / len(numbers)
 difference = lambda a, b: mean([abs(x - y) for x, y in zip(a, b)])
-
-
-def under_lights(page, material, subject, folder):
-    """Under each light a picture is about as bright as that of the program, and unlike those under other lights."""
-    chromium, picture, seen = page.chromium, folder / "theirs.exr", {}
-    for light, image in (("soft", "light.soft_box()"), ("studio", GIVEN), ("none", None)):
-        choose(page, "environment", light)
-        environment = folder / f"{light}.hdr" if image else "none"
-        if image and not environment.exists():
-            page.hold(root / "data/studio.hdr")
-            width, height, rgbe = chromium.run(TURNED.format(image))
-            environment.write_bytes(f"#?RADIANCE\n\n-Y {height} +X {width}\n".encode() + base64.b64decode(rgbe))
-        page.wait(light, lambda of: chromium.run(f"viewer.settled().then(() => viewer.scene(1).samples >= {0 if light == 'none' else 8})"))
-        seen[light], is_drawn = pixels(page, material)
-        said = run("render", subject, "--mesh", "sphere", "--size", "80x60", "--env", environment, "--spp", 16, "--no-ground", "--no-occlusion", "-o", picture)
-        check(said.returncode == 0, said.stderr)
-        page.hold(picture)
-        theirs = chromium.run(f"{GIVEN}.then(({{ texels }}) => [...texels])")
-        theirs = {(i % 80, i // 80): theirs[3 * i:3 * i + 3] for i in range(80 * 60)}
-        of_object = sorted(max(colour) for (x, y), colour in theirs.items() if math.hypot(x - 39.5, y - 29.5) < 27)
-        exposure = 0.76 / of_object[int(0.9 * len(of_object))]
-        ratio = mean([x**2.2 for x in seen[light]]) / mean([min(exposure * mean(theirs[x, y]), 1) for x in range(25, 55) for y in range(15, 45)])
-        check(is_drawn and 0.5 < ratio < 2, f"{subject.name} under {light}: {ratio:.2f} times as bright as the program's")
-        check(chromium.run("Number.isFinite(viewer.scene(1).exposure)"), f"{subject.name} under {light} has no exposure")
-    least = min(difference(seen[a], seen[b]) for a in seen for b in seen if a < b)
-    check(least > 0.005, f"{subject.name}: pictures under different lights differ by {least:.4f}")
-
-
-def lit(page, folder):
-    """A ready ball first of all, a measurement and its fit, all other balls, an edited one, and a model from a file."""
-    film, balls = root / "data/cc_ibiza_sunset_rgb.bsdf", sorted((root / "data/gallery").glob("*.srbf"))
-    page.chromium.run("document.getElementById('viewer').style.setProperty('--one', '80px')")
-    for ball in balls:
-        clicked(page, f"#gallery a[href='#{ball.stem}']")
-        choose(page, "mesh", "sphere")
-        under_lights(page, "1", ball, folder)
-        if ball == balls[0]:
-            page.give(film)
-            page.wait("the film", lambda of: of["name"] == film.name and not of["working"])
-            for material in "01":
-                page.chromium.click(f"[data-show='{material}']")
-                under_lights(page, material, film, folder)
-    choose(page, "hue", 90)
-    page.wait("the edit", lambda of: page.chromium.run("app.state().edited !== null"))
-    (folder / "edited.srbf").write_bytes(page.model())
-    under_lights(page, "2", folder / "edited.srbf", folder)
-    page.give(folder / "edited.srbf")
-    page.wait("a model", lambda of: of["name"] == "edited.srbf")
-    under_lights(page, "1", folder / "edited.srbf", folder)
-    print(f"  {len(balls)} ready balls and four other materials under three lights")
 
 
 # What an edit may lose or move: material, sliders and address; and the places of pictures, sliders and buttons below the first picture.
@@ -369,28 +303,13 @@ def replaced(page):
 
 
 def edited(page, folder):
-    """By mouse alone from a drop to a saved three.js material that was edited. Prints how many pictures a second each slider shows."""
+    """By mouse alone from a drop to a saved three.js material that was edited."""
     film, chromium = root / "data/cc_ibiza_sunset_rgb.bsdf", page.chromium
     page.give(film)
     page.wait("the film", lambda of: of["name"] == film.name and not of["working"])
     fitted = page.model()
     status = lambda: chromium.run("document.getElementById('edit_status').textContent")
     chromium.ask("Page.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
-    for light in ("studio", "none"):
-        choose(page, "environment", light)
-        for slider in SLIDERS:
-            frames, width, height = chromium.run(f"""(async () => {{
-                const slider = document.getElementById("edit_{slider}"), canvas = document.querySelector("figure[data-material='2'] canvas");
-                const move = (i) => {{ slider.value = 0.5 * Math.sin(i / 5); slider.dispatchEvent(new Event("input")); return viewer.settled(); }};
-                for (let i = 1; i < 4; ++i) await move(i);  // the shader is compiled
-                const start = performance.now();
-                let i = 4;
-                while (performance.now() - start < 2000) await move(i++);
-                const frames = (i - 4) / (performance.now() - start) * 1000;
-                slider.value = 0, slider.dispatchEvent(new Event("input"));
-                return [frames, canvas.width, canvas.height];
-            }})()""")
-            print(f"  slider {slider}, light {light}: {frames:.0f} pictures a second of {width} x {height}")
     for slider in SLIDERS:
         chromium.drag(f"#edit_{slider}", 25, 0)
     begun = time.time()
@@ -401,8 +320,6 @@ def edited(page, folder):
         time.sleep(0.2)
     on_one_screen(page, "2")
     print(f"  {status()} It was there {time.time() - begun:.1f} s after the last drag.")
-    if os.environ.get("SRBF_SCREENSHOT"):
-        chromium.screenshot(os.environ["SRBF_SCREENSHOT"], whole=True)
     chromium.click("[data-save=three]")
     saved = folder / (film.stem + "_edited.js")
     while not saved.exists() and time.time() - begun < PATIENCE:
@@ -417,14 +334,6 @@ def edited(page, folder):
     while status() and time.time() - begun < PATIENCE:
         time.sleep(0.2)
     check(page.model() == fitted, "the model is not the fitted one after resets")
-
-
-def files():
-    found = [root / "data/cc_ibiza_sunset_rgb.bsdf", root / "data/cc_ibiza_sunset_rgb.csv"]
-    for name in filter(None, os.environ.get("SRBF_MEASUREMENTS", "").split(":")):
-        path = Path(name)
-        found += sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
-    return found
 
 
 def closed(page):
@@ -451,7 +360,7 @@ page = Page(root / "build/site/index.html")
 there = page.chromium.run("Math.round(performance.timing.loadEventEnd - performance.timing.navigationStart)")
 print(f"  the page is there after {there} ms")
 with tempfile.TemporaryDirectory() as name:
-    for file in files():
+    for file in (film, film.with_suffix(".csv")):
         compared(page, file, Path(name))
         time.sleep(1)
         page.longest_task()  # to look at what is saved takes longer than to save it
@@ -465,8 +374,6 @@ longest = page.longest_task()
 check(longest <= LONGEST_TASK, f"the page does not answer for {longest} ms")
 closed(page)
 page = Page(root / "build/site/index.html")
-with tempfile.TemporaryDirectory() as name:
-    lit(page, Path(name))
 one_layout(page)
 closed(page)
 sys.exit(1 if failures else 0)
